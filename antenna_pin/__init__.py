@@ -1,0 +1,79 @@
+"""antenna_pin: mechanisms with play in their joints, on a free-floating base.
+
+Three lines run a shipped scenario::
+
+    from antenna_pin import Trajectory, load_scenario, simulate
+    run = simulate(load_scenario("bai2020", case="case3"), duration=0.2)
+    run.save("case3.nc")
+
+The names below are loaded when first used, so that importing the package is quick.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from antenna_pin.assemble import build_system, initial_state, urdf_variant
+    from antenna_pin.dynamics import System
+    from antenna_pin.errors import AntennaPinError
+    from antenna_pin.joints import ClearanceJoint
+    from antenna_pin.mechanism import Mechanism, Urdf, build_mechanism
+    from antenna_pin.scenario import Scenario, list_scenarios, load_scenario
+    from antenna_pin.simulation import ErrorScales, Progress, RunSettings, simulate
+    from antenna_pin.trajectory import Counts, Outcome, Trajectory
+
+_HOMES = {
+    "AntennaPinError": "errors",
+    "ClearanceJoint": "joints",
+    "Counts": "trajectory",
+    "ErrorScales": "simulation",
+    "Mechanism": "mechanism",
+    "Outcome": "trajectory",
+    "Progress": "simulation",
+    "RunSettings": "simulation",
+    "Scenario": "scenario",
+    "System": "dynamics",
+    "Trajectory": "trajectory",
+    "Urdf": "mechanism",
+    "build_mechanism": "mechanism",
+    "build_system": "assemble",
+    "initial_state": "assemble",
+    "list_scenarios": "scenario",
+    "load_scenario": "scenario",
+    "simulate": "simulation",
+    "urdf_variant": "assemble",
+}
+
+__all__ = [
+    "AntennaPinError",
+    "ClearanceJoint",
+    "Counts",
+    "ErrorScales",
+    "Mechanism",
+    "Outcome",
+    "Progress",
+    "RunSettings",
+    "Scenario",
+    "System",
+    "Trajectory",
+    "Urdf",
+    "build_mechanism",
+    "build_system",
+    "initial_state",
+    "list_scenarios",
+    "load_scenario",
+    "simulate",
+    "urdf_variant",
+]
+
+
+def __getattr__(name: str) -> Any:
+    if name in _HOMES:
+        return getattr(importlib.import_module(f"antenna_pin.{_HOMES[name]}"), name)
+    raise AttributeError(f"module 'antenna_pin' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -1,0 +1,289 @@
+"""From a scenario to a system: the URDF variant, its Pinocchio model, the force elements, the initial state."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from antenna_pin.contact import FRICTION_LAWS, NORMAL_LAWS, hertz_stiffness, law_parameters
+from antenna_pin.dynamics import (
+    ConstantDrive,
+    Drive,
+    Hinge,
+    JointSpring,
+    SineDrive,
+    System,
+    TableDrive,
+)
+from antenna_pin.errors import MechanismError, ScenarioError, UnknownNameError
+from antenna_pin.geometry import PlanarClearance, RevoluteClearance
+from antenna_pin.joints import ClearanceJoint
+from antenna_pin.mechanism import (
+    JointChange,
+    JointSlot,
+    JointVariant,
+    LinkChange,
+    Mechanism,
+    ShapeChange,
+    Urdf,
+    build_mechanism,
+    frame_aligning_z,
+)
+from antenna_pin.scenario import Scenario
+from antenna_pin.scenario import clearance as _clearance
+from antenna_pin.scenario import drives as _drives
+
+__all__ = ["build_system", "initial_state", "urdf_variant"]
+
+Array = NDArray[np.float64]
+
+_VARIANTS: dict[str, JointVariant] = {
+    "contact": "free",
+    "constraint": "free",
+    "planar": "planar",
+    "ideal": "ideal",
+}
+
+
+def _where(scenario: Scenario, *keys: str) -> str:
+    return f"{scenario.name or 'scenario'}: {'.'.join(keys)}"
+
+
+def _known(scenario: Scenario, names: Collection[str], what: str, known: Collection[str], *place: str) -> None:
+    for name in names:
+        if name not in known:
+            raise UnknownNameError(_where(scenario, *place), what, name, known)
+
+
+def urdf_variant(scenario: Scenario) -> Urdf:
+    """Return the URDF of a scenario's case: joints freed, locked or made planar, and all overrides applied.
+
+    Raises:
+        MechanismError: The URDF is not a mechanism, or a change makes no sense.
+        UnknownNameError: A link or joint that it does not have.
+    """
+    spec = scenario.mechanism
+    urdf = Urdf.from_text(
+        scenario.urdf_text,
+        str(scenario.urdf_path),
+        allow_impossible_inertia=spec.allow_impossible_inertia,
+    )
+    joints = {joint.name for joint in urdf.robot.joints}
+    links = {link.name for link in urdf.robot.links}
+    _known(scenario, spec.joints, "joint", joints, "mechanism.joints")
+    _known(scenario, spec.links, "link", links, "mechanism.links")
+    _known(scenario, scenario.clearance, "joint", joints, "clearance")
+    variants: dict[str, JointVariant] = {
+        name: change.kind for name, change in spec.joints.items() if change.kind is not None
+    }
+    variants |= {name: _VARIANTS[clearance.model] for name, clearance in scenario.clearance.items()}
+    for name, clearance in scenario.clearance.items():
+        kind = urdf.joint(name).type
+        if kind not in ("revolute", "continuous"):
+            raise MechanismError(
+                f"{_where(scenario, 'clearance', name)}: a clearance joint must be revolute or continuous in the "
+                f"URDF, got {kind} (model = {clearance.model!r}); name another joint or change the URDF"
+            )
+    return urdf.variant(
+        joints=variants,
+        links={
+            name: LinkChange(
+                mass=change.mass,
+                inertia=change.inertia,
+                centre_of_mass=change.centre_of_mass,
+                shapes={
+                    shape: ShapeChange(radius=s.radius, length=s.length, size=s.size)
+                    for shape, s in change.shapes.items()
+                },
+            )
+            for name, change in spec.links.items()
+        },
+        origins={
+            name: JointChange(
+                origin_xyz=change.origin_xyz, origin_rpy=change.origin_rpy, axis=change.axis
+            )
+            for name, change in spec.joints.items()
+            if (change.origin_xyz, change.origin_rpy, change.axis) != (None, None, None)
+        },
+    )
+
+
+def build_system(scenario: Scenario) -> System:
+    """Return the system of a scenario's case.
+
+    Raises:
+        AntennaPinError: Names, dimensions or laws that do not go together; one line that says where.
+    """
+    urdf = urdf_variant(scenario)
+    mechanism = build_mechanism(urdf, scenario.mechanism.base, scenario.mechanism.gravity)
+    for place, specs in (("drives", scenario.drives), ("springs", scenario.springs)):
+        for name, spec in specs.items():
+            _known(scenario, [spec.joint], "moving joint", mechanism.joints, place, name, "joint")
+    return System(
+        mechanism,
+        clearances=[
+            clearance_joint(scenario, name, spec)
+            for name, spec in scenario.clearance.items()
+            if not isinstance(spec, _clearance.IdealClearance)
+        ],
+        drives={name: _drive(spec) for name, spec in scenario.drives.items()},
+        springs={
+            name: JointSpring(
+                joint=spec.joint, stiffness=spec.stiffness, damping=spec.damping, rest_angle=spec.rest_angle
+            )
+            for name, spec in scenario.springs.items()
+        },
+        hinges=[Hinge(joint=name) for name, spec in scenario.clearance.items() if spec.model == "constraint"],
+    )
+
+
+def _drive(spec: _drives.DriveSpec) -> Drive:
+    if isinstance(spec, _drives.ConstantDrive):
+        return ConstantDrive(joint=spec.joint, value=spec.value, axis=spec.axis)
+    if isinstance(spec, _drives.SineDrive):
+        return SineDrive(
+            joint=spec.joint,
+            amplitude=spec.amplitude,
+            frequency=spec.frequency,
+            phase=spec.phase,
+            axis=spec.axis,
+        )
+    return TableDrive(
+        joint=spec.joint,
+        times=spec.time,
+        values=spec.torque,
+        interpolation=spec.interpolation,
+        axis=spec.axis,
+    )
+
+
+def clearance_joint(
+    scenario: Scenario, name: str, spec: _clearance.PlanarClearance | _clearance.ContactClearance
+) -> ClearanceJoint:
+    """Return the clearance joint of one table of a scenario.
+
+    A stiffness that is not given comes from materials and radii in the bore; at the flanges it is that of the bore
+    (assumed: no source gives one for an edge on a plane).
+    """
+    journal = spec.bearing_radius - spec.radial_play
+    radial = _normal_law(scenario, name, spec, spec.radial_law, None)
+    geometry: PlanarClearance | RevoluteClearance
+    axial = None
+    if isinstance(spec, _clearance.PlanarClearance):
+        geometry = PlanarClearance(bearing_radius=spec.bearing_radius, journal_radius=journal)
+    else:
+        geometry = RevoluteClearance(
+            bearing_radius=spec.bearing_radius,
+            journal_radius=journal,
+            bearing_length=spec.bearing_length,
+            flange_distance=spec.bearing_length + 2.0 * spec.axial_play,
+            bearing_outer_radius=spec.bearing_outer_radius,
+            flange_radius=spec.flange_radius,
+        )
+        axial = _normal_law(scenario, name, spec, spec.axial_law, radial)
+    return ClearanceJoint(
+        name=name,
+        geometry=geometry,
+        radial=radial,
+        axial=axial,
+        friction=FRICTION_LAWS[spec.friction.law](**spec.friction.parameters),
+        backend=spec.geometry,
+        offset=spec.offset,
+        approach_speed_floor=spec.approach_speed_floor,
+        maximum_depth=spec.maximum_depth,
+    )
+
+
+def _normal_law(scenario: Scenario, name: str, spec: Any, law: Any, radial: Any) -> Any:
+    cls = NORMAL_LAWS[law.law]
+    parameters = dict(law.parameters)
+    declared = law_parameters(cls)
+    if "stiffness" in declared and "stiffness" not in parameters:
+        exponent = parameters.get("exponent", declared["exponent"].default if "exponent" in declared else 1.5)
+        place = _where(scenario, "clearance", name, "normal" if radial is None else "axial", "stiffness")
+        if radial is not None and hasattr(radial, "stiffness"):
+            if getattr(radial, "exponent", 1.5) != exponent:
+                raise ScenarioError(
+                    f"{place}: must be given where the exponent ({exponent:g}) is not the bore's "
+                    f"({radial.exponent:g}), for the bore's stiffness has another unit"
+                )
+            parameters["stiffness"] = radial.stiffness
+        else:
+            if exponent != 1.5:
+                raise ScenarioError(
+                    f"{place}: must be given for the exponent {exponent:g}; only for 1.5 does it follow from materials"
+                )
+            parameters["stiffness"] = hertz_stiffness(
+                spec.bearing_radius,
+                spec.bearing_radius - spec.radial_play,
+                scenario.material(spec.bearing_material),
+                scenario.material(spec.journal_material),
+            )
+    return cls(**parameters)
+
+
+def initial_state(scenario: Scenario, system: System) -> tuple[Array, Array]:
+    """Return the initial configuration and velocity of a scenario, (nq,) and (nv,)."""
+    mechanism = system.mechanism
+    q, v = system.neutral(), np.zeros(mechanism.model.nv)
+    initial = scenario.initial
+    if mechanism.base == "free":
+        base = initial.base
+        attitude = np.asarray(base.attitude, dtype=float)
+        q[:3], q[3:7] = base.position, attitude / np.linalg.norm(attitude)
+        v[:3], v[3:6] = base.velocity, base.angular_velocity
+    _known(scenario, initial.joints, "moving joint", mechanism.joints, "initial.joints")
+    for name, spec in initial.joints.items():
+        slot = mechanism.joint(name)
+        if slot.kind in ("floating", "planar"):
+            _place_journal(scenario, mechanism, slot, spec, q, v)
+            continue
+        for key in ("journal_position", "journal_tilt", "journal_velocity", "journal_angular_velocity"):
+            given = getattr(spec, key)
+            if given is not None and any(given):
+                raise ScenarioError(
+                    f"{_where(scenario, 'initial.joints', name, key)}: must be zero or left out at a joint without "
+                    f"play, got {given}"
+                )
+        angle = spec.position if spec.position is not None else spec.angle or 0.0
+        rate = spec.velocity if spec.velocity is not None else spec.rate or 0.0
+        q[slot.q] = (np.cos(angle), np.sin(angle)) if slot.kind == "continuous" else angle
+        v[slot.v] = rate
+    return q, v
+
+
+def _place_journal(
+    scenario: Scenario, mechanism: Mechanism, slot: JointSlot, spec: Any, q: Array, v: Array
+) -> None:
+    """Write the pose and twist of a journal in its bearing, given in bearing axes, into q and v."""
+    angle = spec.angle if spec.angle is not None else spec.position or 0.0
+    rate = spec.rate if spec.rate is not None else spec.velocity or 0.0
+    position = np.array(spec.journal_position or (0.0, 0.0, 0.0))
+    tilt = np.array(spec.journal_tilt or (0.0, 0.0, 0.0))
+    velocity = np.array(spec.journal_velocity or (0.0, 0.0, 0.0))
+    spin = np.array(spec.journal_angular_velocity or (0.0, 0.0, 0.0)) + [0.0, 0.0, rate]
+    if slot.kind == "planar":
+        if position[2] or tilt.any() or velocity[2] or spin[:2].any():
+            raise ScenarioError(
+                f"{_where(scenario, 'initial.joints', slot.name)}: a planar joint must stay in its plane; give no axial "
+                "position or velocity, no tilt and no rate of tilt"
+            )
+        cosine, sine = np.cos(angle), np.sin(angle)
+        q[slot.q] = (position[0], position[1], cosine, sine)
+        v[slot.v] = (
+            cosine * velocity[0] + sine * velocity[1],
+            -sine * velocity[0] + cosine * velocity[1],
+            spin[2],
+        )
+        return
+    axes = frame_aligning_z(slot.axis)
+    offset = scenario.clearance[slot.name].offset if slot.name in scenario.clearance else 0.0
+    centre = offset * slot.axis
+    turn = axes @ pin.exp3(tilt) @ pin.exp3(np.array([0.0, 0.0, angle])) @ axes.T
+    omega = turn.T @ axes @ spin
+    q[slot.q] = [*(axes @ position + centre - turn @ centre), *pin.Quaternion(turn).coeffs()]
+    v[slot.v] = [*(turn.T @ axes @ velocity - np.cross(omega, centre)), *omega]

@@ -1,0 +1,26 @@
+"""Free-floating equations of motion, ideal joints by constraint, force elements, energy and momentum audits."""
+
+from antenna_pin.dynamics.audit import Audit, audit
+from antenna_pin.dynamics.elements import (
+    CallableDrive,
+    ConstantDrive,
+    Drive,
+    JointSpring,
+    SineDrive,
+    TableDrive,
+)
+from antenna_pin.dynamics.hinge import Hinge
+from antenna_pin.dynamics.system import System
+
+__all__ = [
+    "Audit",
+    "CallableDrive",
+    "ConstantDrive",
+    "Drive",
+    "Hinge",
+    "JointSpring",
+    "SineDrive",
+    "System",
+    "TableDrive",
+    "audit",
+]

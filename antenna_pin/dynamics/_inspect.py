@@ -1,0 +1,236 @@
+"""What happens to the contacts inside an accepted trial step, from its dense output, compiled.
+
+At ``NODES`` + 1 equally spaced points of the step each contact's gap, depth rate and force are computed. From them
+follow the first change of contact (with the gaps that dipped and came back between two points), and the
+largest force and depth of each touching contact, refined to the maxima of the dense output.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numba
+
+from antenna_pin.dynamics._kernels import HEADER
+from antenna_pin.integrate._kernels import dense_state
+from antenna_pin.joints import _kernels as joint
+from antenna_pin.joints._kernels import (
+    PLANAR,
+    contact_forces,
+    contact_geometry,
+    contact_rates,
+    journal_state,
+)
+
+NODES = 4
+# Columns of the record of a contact: largest force [N] and when [s], largest depth [m].
+PEAK_FORCE = 0
+PEAK_TIME = 1
+PEAK_DEPTH = 2
+RECORD_SIZE = 3
+
+
+@numba.njit(cache=True)
+def contacts_at(
+    theta: float,
+    sizes: Any,
+    dense: Any,
+    start: Any,
+    blocks: Any,
+    program: Any,
+    memory: Any,
+    y: Any,
+    scratch: Any,
+    pose: Any,
+    table: Any,
+    rates: Any,
+) -> None:
+    """Fill the contact table at the fraction theta of a step, in closed form, with compiled laws' forces."""
+    dense_state(theta, dense.shape[0], sizes, dense, start, blocks, scratch, y)
+    nq = int(program[0])
+    nv = int(program[1])
+    b = HEADER
+    while b < program.shape[0] and program[b] <= PLANAR:
+        row = int(program[b + joint.FIRST_CONTACT])
+        journal_state(program, b, y, nq, pose)
+        contact_geometry(program, b, pose, table, row)
+        contact_rates(program, b, pose, table, row)
+        if program[b + joint.MODE] < joint.FORCES_GIVEN:
+            contact_forces(program, b, y, nq + nv, memory, row, table, row, rates, nv)
+        b += int(program[b + 1])
+
+
+@numba.njit(cache=True)
+def contacts_in(y: Any, program: Any, pose: Any, table: Any) -> None:
+    """Fill gap, normal, point, depth rate and slip of all contacts in a state, in closed form."""
+    nq = int(program[0])
+    b = HEADER
+    while b < program.shape[0] and program[b] <= PLANAR:
+        row = int(program[b + joint.FIRST_CONTACT])
+        journal_state(program, b, y, nq, pose)
+        contact_geometry(program, b, pose, table, row)
+        contact_rates(program, b, pose, table, row)
+        b += int(program[b + 1])
+
+
+@numba.njit(cache=True)
+def _value(column: int, theta: float, c: int, context: Any) -> float:
+    """One column of contact c's row of the table at theta."""
+    sizes, dense, start, blocks, program, memory, y, scratch, pose, table, rates, _ = context
+    contacts_at(theta, sizes, dense, start, blocks, program, memory, y, scratch, pose, table, rates)
+    return float(table[c, column])
+
+
+@numba.njit(cache=True)
+def _root(column: int, c: int, low: float, high: float, f_low: float, f_high: float, context: Any) -> float:
+    """Root of a column between two fractions of opposite signs: bisection with regula falsi (Illinois)."""
+    side = 0
+    a, b, fa, fb = low, high, f_low, f_high
+    for _ in range(100):
+        if b - a <= 1e-15 * (1.0 + b):
+            break
+        m = (a * fb - b * fa) / (fb - fa) if fb != fa else 0.5 * (a + b)
+        if not a < m < b:
+            m = 0.5 * (a + b)
+            if not a < m < b:
+                break
+        fm = _value(column, m, c, context)
+        if fm == 0.0:
+            return m
+        if (fm > 0.0) == (fb > 0.0):
+            b, fb = m, fm
+            if side == 1:
+                fa *= 0.5
+            side = 1
+        else:
+            a, fa = m, fm
+            if side == -1:
+                fb *= 0.5
+            side = -1
+    return 0.5 * (a + b)
+
+
+@numba.njit(cache=True)
+def _crossing(c: int, sign: float, nodes: Any, context: Any) -> float:
+    """First fraction at which contact c changes, or 2. sign = 1: touching, -1: apart.
+
+    f = sign * gap is negative (or zero, at the start) while nothing changes; f' has the sign of -sign * depth rate.
+    """
+    for k in range(NODES):
+        a = k / NODES
+        b = (k + 1) / NODES
+        fa = sign * nodes[0, k, c]
+        fb = sign * nodes[0, k + 1, c]
+        da = -sign * nodes[1, k, c]
+        db = -sign * nodes[1, k + 1, c]
+        if fb > 0.0:
+            if fa < 0.0:
+                return _root(0, c, a, b, nodes[0, k, c], nodes[0, k + 1, c], context)
+            # At the start, on the surface to round-off: does it dip to the right side first?
+            if da < 0.0 < db:
+                m = _root(joint.RATE, c, a, b, nodes[1, k, c], nodes[1, k + 1, c], context)
+                gap = _value(0, m, c, context)
+                if sign * gap < 0.0:
+                    return _root(0, c, m, b, gap, nodes[0, k + 1, c], context)
+            return a
+        if da > 0.0 > db:
+            # It may rise above zero in between; below the crossing of its end tangents it cannot be.
+            if fa >= 0.0:
+                return a
+            h = context[11]
+            w = h * (b - a)
+            s = (fb - fa - db * w) / (da - db)
+            if fa + 2.0 * da * s <= 0.0:  # twice the rise of the tangent: room for a changing curvature
+                continue
+            m = _root(joint.RATE, c, a, b, nodes[1, k, c], nodes[1, k + 1, c], context)
+            gap = _value(0, m, c, context)
+            if sign * gap > 0.0:
+                return _root(0, c, a, m, nodes[0, k, c], gap, context)
+    return 2.0
+
+
+@numba.njit(cache=True)
+def fill_nodes(nodes: Any, context: Any) -> None:
+    """Write gap, depth rate and force of each contact at the points of the step: (3, NODES + 1, contacts)."""
+    sizes, dense, start, blocks, program, memory, y, scratch, pose, table, rates, _ = context
+    for k in range(NODES + 1):
+        contacts_at(
+            k / NODES, sizes, dense, start, blocks, program, memory, y, scratch, pose, table, rates
+        )
+        for c in range(memory.shape[0]):
+            nodes[0, k, c] = table[c, 0]
+            nodes[1, k, c] = table[c, joint.RATE]
+            nodes[2, k, c] = table[c, joint.FORCE]
+
+
+@numba.njit(cache=True)
+def first_change(nodes: Any, ignore: Any, context: Any) -> tuple[int, float]:
+    """Return the contact that changes first within the step and the fraction of the step, or (-1, 2).
+
+    A contact marked 2 in ``ignore`` has changed twice at the start already: a third change there is not believed.
+    """
+    fill_nodes(nodes, context)
+    memory = context[5]
+    first = -1
+    when = 2.0
+    for c in range(memory.shape[0]):
+        theta = _crossing(c, 1.0 if memory[c, 0] != 0.0 else -1.0, nodes, context)
+        if theta < when and not (ignore[c] == 2 and theta == 0.0):
+            first = c
+            when = theta
+    return first, when
+
+
+@numba.njit(cache=True)
+def track_peaks(t: float, nodes: Any, record: Any, context: Any) -> None:
+    """Raise the record of each touching contact to the maxima of this step's dense output."""
+    memory = context[5]
+    h = context[11]
+    ratio = 0.3819660112501051  # golden section
+    for c in range(memory.shape[0]):
+        if memory[c, 0] == 0.0:
+            continue
+        best = 0
+        for k in range(1, NODES + 1):
+            if nodes[2, k, c] > nodes[2, best, c]:
+                best = k
+        force = nodes[2, best, c]
+        if force > record[c, PEAK_FORCE]:
+            record[c, PEAK_FORCE] = force
+            record[c, PEAK_TIME] = t + h * best / NODES
+        refine = force > 0.0 and 1.05 * force > record[c, PEAK_FORCE]
+        if refine and best == NODES:
+            refine = _value(joint.FORCE, 1.0 - 1e-3, c, context) > force
+        elif refine and best == 0:
+            refine = _value(joint.FORCE, 1e-3, c, context) > force
+        if refine:
+            a = max(0.0, (best - 1) / NODES)
+            b = min(1.0, (best + 1) / NODES)
+            m1 = a + ratio * (b - a)
+            m2 = b - ratio * (b - a)
+            f1 = _value(joint.FORCE, m1, c, context)
+            f2 = _value(joint.FORCE, m2, c, context)
+            for _ in range(24):
+                if f1 > f2:
+                    b, m2, f2 = m2, m1, f1
+                    m1 = a + ratio * (b - a)
+                    f1 = _value(joint.FORCE, m1, c, context)
+                else:
+                    a, m1, f1 = m1, m2, f2
+                    m2 = b - ratio * (b - a)
+                    f2 = _value(joint.FORCE, m2, c, context)
+            top = max(f1, f2)
+            if top > record[c, PEAK_FORCE]:
+                record[c, PEAK_FORCE] = top
+                record[c, PEAK_TIME] = t + h * (m1 if f1 > f2 else m2)
+        for k in range(NODES + 1):
+            if -nodes[0, k, c] > record[c, PEAK_DEPTH]:
+                record[c, PEAK_DEPTH] = -nodes[0, k, c]
+        for k in range(NODES):
+            if nodes[1, k, c] > 0.0 > nodes[1, k + 1, c]:
+                m = _root(
+                    joint.RATE, c, k / NODES, (k + 1) / NODES, nodes[1, k, c], nodes[1, k + 1, c], context
+                )
+                depth = -_value(0, m, c, context)
+                if depth > record[c, PEAK_DEPTH]:
+                    record[c, PEAK_DEPTH] = depth

@@ -1,0 +1,91 @@
+"""What a free-floating mechanism must keep: energy and momentum, measured from a state."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from antenna_pin.dynamics import _kernels
+from antenna_pin.dynamics.system import System
+from antenna_pin.joints import _kernels as _joint
+
+__all__ = ["Audit", "audit"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Audit:
+    """Energies and momenta of one state.
+
+    Attributes:
+        kinetic: [J].
+        gravity: Potential of gravity [J].
+        contacts: Stored in touching contacts [J].
+        springs: Stored in joint springs [J].
+        linear: Total linear momentum, world axes, (3,) [kg m/s].
+        angular: Total angular momentum about the mass centre, world axes, (3,) [kg m^2/s].
+        linear_scale: Sum of the magnitudes of the linear momenta of the bodies other than the base [kg m/s].
+        angular_scale: The same of the angular momenta about the common mass centre [kg m^2/s].
+    """
+
+    kinetic: float
+    gravity: float
+    contacts: float
+    springs: float
+    linear: Array
+    angular: Array
+    linear_scale: float
+    angular_scale: float
+
+    @property
+    def energy(self) -> float:
+        """All that is stored [J]."""
+        return self.kinetic + self.gravity + self.contacts + self.springs
+
+
+def audit(system: System, y: Array, data: Any) -> Audit:
+    """Return energies and momenta of a state.
+
+    The system's contact table must belong to this state and its memory (as after ``system.derivative``).
+
+    Args:
+        system: The system.
+        y: State [q, v, x].
+        data: ``pin.Data`` of one's own to work on.
+    """
+    model = system.model
+    q, v = y[: model.nq], y[model.nq : model.nq + model.nv]
+    pin.computeCentroidalMomentum(model, data, q, v)
+    kinetic = pin.computeKineticEnergy(model, data)
+    gravity = pin.computePotentialEnergy(model, data, q)
+    contacts, springs = _kernels.stored_energy(y, system.program, system.memory, system.table)
+    for joint in system.clearances:
+        if not joint.compiled:
+            row = int(system.program[system.clearance_blocks[joint.name] + _joint.FIRST_CONTACT])
+            for k, law in enumerate(joint.normal_laws):
+                depth = -float(system.table[row + k, 0])
+                if system.memory[row + k, 0] != 0.0 and depth > 0.0:
+                    contacts += law.elastic_energy(depth)
+    linear_scale = angular_scale = 0.0
+    centre = np.array(data.com[0])
+    first = 2 if system.mechanism.base == "free" else 1
+    for i in range(first, model.njoints):
+        placement = data.oMi[i]
+        momentum = placement.act(model.inertias[i] * data.v[i])
+        linear_scale += float(np.linalg.norm(momentum.linear))
+        angular_scale += float(np.linalg.norm(momentum.angular - np.cross(centre, momentum.linear)))
+    return Audit(
+        kinetic=float(kinetic),
+        gravity=float(gravity),
+        contacts=contacts,
+        springs=springs,
+        linear=np.array(data.hg.linear),
+        angular=np.array(data.hg.angular),
+        linear_scale=linear_scale,
+        angular_scale=angular_scale,
+    )

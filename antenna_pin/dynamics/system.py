@@ -1,0 +1,259 @@
+"""The equations of motion: a Pinocchio tree and the force elements on it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import ArrayLike, NDArray
+
+from antenna_pin.dynamics import _kernels
+from antenna_pin.dynamics.elements import CallableDrive, Drive, JointSpring
+from antenna_pin.dynamics.hinge import Hinge, constrained_acceleration
+from antenna_pin.errors import InvalidParameterError, MechanismError
+from antenna_pin.geometry.shapes import TABLE_WIDTH
+from antenna_pin.integrate import Manifold
+from antenna_pin.joints import ClearanceJoint
+from antenna_pin.joints import _kernels as _joint
+from antenna_pin.joints.clearance import PythonPath
+from antenna_pin.mechanism import JointSlot, Mechanism, frame_aligning_z
+
+__all__ = ["System"]
+
+Array = NDArray[np.float64]
+
+_SPACES = {
+    "JointModelFreeFlyer": "rigid",
+    "JointModelSpherical": "rotation",
+    "JointModelPlanar": "plane",
+}
+
+
+def _spaces(model: Any) -> tuple[str, ...]:
+    """Return the configuration space of each joint of a Pinocchio model."""
+    kinds = []
+    for joint in list(model.joints)[1:]:
+        name = joint.shortname()
+        if name in _SPACES:
+            kinds.append(_SPACES[name])
+        elif (joint.nq, joint.nv) == (1, 1):
+            kinds.append("vector")
+        elif (joint.nq, joint.nv) == (2, 1):
+            kinds.append("circle")
+        else:
+            raise MechanismError(
+                f"joint {model.names[joint.id]!r}: {name} has no place in the state space; use revolute, "
+                "continuous, prismatic, planar, floating or spherical joints"
+            )
+    return tuple(kinds)
+
+
+class System:
+    """A mechanism with its force elements: the derivative that an integrator asks for.
+
+    The state is ``y = [q, v, x]``: Pinocchio's configuration and velocity, and what the elements integrate (per
+    contact impulse, work lost in normal direction and to friction, bristles; per drive work and gross work; per
+    spring the work lost in its damper).
+
+    ``memory`` is the contacts' discrete state, one row each: [touching, approach speed]. It is not part of ``y``;
+    whoever advances the system changes it, at located events only.
+
+    Args:
+        mechanism: Its joints named by clearance joints and hinges must be floating (planar for a planar clearance).
+        clearances: Joints with play.
+        drives: Torques by name.
+        springs: Springs and dampers by name.
+        hinges: Floating joints held as ideal revolute joints by Pinocchio's constrained dynamics.
+    """
+
+    def __init__(
+        self,
+        mechanism: Mechanism,
+        *,
+        clearances: Sequence[ClearanceJoint] = (),
+        drives: Mapping[str, Drive] | None = None,
+        springs: Mapping[str, JointSpring] | None = None,
+        hinges: Sequence[Hinge] = (),
+    ) -> None:
+        """Lay out the state and compose the program of force elements."""
+        self.mechanism = mechanism
+        self.model = mechanism.model
+        self.data = mechanism.model.createData()
+        self.clearances = tuple(clearances)
+        self.drives = dict(drives or {})
+        self.springs = dict(springs or {})
+        self.hinges = tuple(hinges)
+        self._compose()
+        self._acceleration: Callable[[Array, Array, Array], Array] = (
+            constrained_acceleration(mechanism, self.data, self.hinges)
+            if self.hinges
+            else partial(pin.aba, self.model, self.data)
+        )
+        self.tau = np.zeros(self.model.nv)
+        self._pose = np.zeros(_joint.POSE_SIZE)
+        self._bind(np.zeros(self.manifold.size))
+
+    # --- layout ---------------------------------------------------------------------------------------------
+
+    def _compose(self) -> None:
+        names = [joint.name for joint in self.clearances]
+        if len(set(names)) != len(names):
+            raise InvalidParameterError("System", "clearances", "of different joints", names)
+        self.contact_names = tuple(name for joint in self.clearances for name in joint.contact_names)
+        nq = self.model.nq
+        blocks: list[Array] = [np.array([nq, self.model.nv, 0.0, 0.0])]
+        size, row, x = _kernels.HEADER, 0, 0
+        self.clearance_blocks: dict[str, int] = {}
+        first_x, strides = [], []
+        for joint in self.clearances:
+            slot = mechanism_slot(self.mechanism, joint)
+            axes = np.eye(3) if joint.planar else frame_aligning_z(slot.axis)
+            block = joint.block(axes, axes[:, 2], slot.q.start, slot.v.start, row, x)
+            self.clearance_blocks[joint.name] = size
+            blocks.append(block)
+            first_x += [x + k * joint.stride for k in range(joint.contacts)]
+            strides += [joint.stride] * joint.contacts
+            size += len(block)
+            row += joint.contacts
+            x += joint.contacts * joint.stride
+        for hinge in self.hinges:
+            # A block without contacts: what a drive or spring needs to know of the joint's axis.
+            slot = self.mechanism.joint(hinge.joint)
+            block = np.zeros(_joint.LAWS)
+            block[:9] = [_joint.REVOLUTE, _joint.LAWS, 0, slot.q.start, slot.v.start, row, 0, x, 0]
+            block[_joint.AXES : _joint.AXES + 9] = frame_aligning_z(slot.axis).ravel()
+            self.clearance_blocks[hinge.joint] = size
+            blocks.append(block)
+            size += len(block)
+        self.impulse_x = np.array(first_x, dtype=int) + _joint.IMPULSE
+        self.lost_normal_x = np.array(first_x, dtype=int) + _joint.LOST_NORMAL
+        self.lost_friction_x = np.array(first_x, dtype=int) + _joint.LOST_FRICTION
+        self.bristle_x = np.array(
+            [first + k for first, stride in zip(first_x, strides, strict=True) for k in range(3, stride)],
+            dtype=int,
+        )
+        self.memory = np.zeros((row, 2))
+        self.table = np.zeros((row, TABLE_WIDTH))
+        work_x, self.drive_blocks = [], {}
+        self._callables: list[tuple[int, int, CallableDrive]] = []
+        for name, drive in self.drives.items():
+            kind, parameters = drive.code()
+            self.drive_blocks[name] = size
+            about = 1.0 if drive.axis == "journal" else 0.0
+            block = self._element(f"drive {name!r}", drive.joint, kind, x, about, parameters)
+            if isinstance(drive, CallableDrive):
+                self._callables.append((size, size + _kernels.PARAMETERS, drive))
+            blocks.append(block)
+            size += len(block)
+            work_x.append(x)
+            x += 2
+        self.work_x = np.array(work_x, dtype=int)
+        self.gross_work_x = self.work_x + 1
+        damper_x, self.spring_blocks = [], {}
+        for name, spring in self.springs.items():
+            self.spring_blocks[name] = size
+            values = (spring.stiffness, spring.damping, spring.rest_angle)
+            block = self._element(f"spring {name!r}", spring.joint, _kernels.SPRING, x, 0.0, values)
+            blocks.append(block)
+            size += len(block)
+            damper_x.append(x)
+            x += 1
+        self.damper_x = np.array(damper_x, dtype=int)
+        self.program = np.concatenate(blocks)
+        self.manifold = Manifold(_spaces(self.model), x)
+        self._paths: list[PythonPath] = []
+        for joint in self.clearances:
+            start = self.clearance_blocks[joint.name]
+            if self.program[start + _joint.MODE] != 0.0:
+                end = start + int(self.program[start + 1])
+                self._paths.append(PythonPath(joint, self.program[start:end], nq))
+
+    def _element(
+        self, place: str, joint: str, kind: float, x: int, about: float, parameters: Sequence[float]
+    ) -> Array:
+        slot = self.mechanism.joint(joint)
+        clearance = self.clearance_blocks.get(joint, -1)
+        if clearance >= 0:
+            joint_kind = _kernels.CLEARANCE
+        elif slot.kind in ("revolute", "prismatic"):
+            joint_kind = _kernels.ONE_DOF
+        elif slot.kind == "continuous":
+            joint_kind = _kernels.CIRCLE
+        else:
+            raise MechanismError(
+                f"{place}: joint {joint!r} is {slot.kind} and has no axis to act about; "
+                "use a revolute, continuous, prismatic or clearance joint"
+            )
+        head = [kind, _kernels.PARAMETERS + len(parameters), joint_kind, slot.q.start, slot.v.start, x]
+        return np.array([*head, clearance, about, *parameters], dtype=float)
+
+    def _bind(self, y: Array) -> None:
+        self._y = y
+        nq, nv = self.model.nq, self.model.nv
+        self._q = y[:nq]
+        self._v = y[nq : nq + nv]
+        self._nv = nv
+
+    # --- the equations of motion ----------------------------------------------------------------------------
+
+    def apply_elements(self, t: float, y: Array, rates: Array) -> None:
+        """Write the elements' generalized force into ``tau``, contacts into ``table``, x rates behind rates[nv]."""
+        for path in self._paths:
+            path.prepare(y, self.memory, self.table)
+        for block, slot, drive in self._callables:
+            angle, rate, _, _ = _kernels.joint_motion(self.program, block, y, self.model.nq)
+            self.program[slot] = drive.torque(t, angle, rate)
+        _kernels.evaluate(t, y, self.program, self.memory, self.table, self._pose, self.tau, rates)
+
+    def derivative(self, t: float, y: Array, rates: Array) -> None:
+        """Write [acceleration (nv), rate of x (nx)] at time t [s] and state y into rates.
+
+        Args:
+            t: Time [s].
+            y: State [q, v, x], contiguous; fastest when it is the same array in each call.
+            rates: Output, (nv + nx,).
+        """
+        if y is not self._y:
+            self._bind(y)
+        if self._paths or self._callables:
+            self.apply_elements(t, y, rates)
+        else:
+            _kernels.evaluate(t, y, self.program, self.memory, self.table, self._pose, self.tau, rates)
+        rates[: self._nv] = self._acceleration(self._q, self._v, self.tau)
+
+    def acceleration(self, t: float, q: ArrayLike, v: ArrayLike) -> Array:
+        """Return the generalized acceleration in a state, with the contact memory as it is, (nv,)."""
+        y = self.state(q, v)
+        rates = np.zeros(self.model.nv + self.manifold.nx)
+        self.derivative(t, y, rates)
+        return rates[: self.model.nv].copy()
+
+    def state(self, q: ArrayLike, v: ArrayLike) -> Array:
+        """Return the state [q, v, 0] with nothing integrated yet, (nq + nv + nx,)."""
+        configuration, velocity = np.asarray(q, dtype=float), np.asarray(v, dtype=float)
+        if configuration.shape != (self.model.nq,) or not np.isfinite(configuration).all():
+            raise InvalidParameterError("System", "q", f"{self.model.nq} finite numbers", q)
+        if velocity.shape != (self.model.nv,) or not np.isfinite(velocity).all():
+            raise InvalidParameterError("System", "v", f"{self.model.nv} finite numbers", v)
+        return np.concatenate([configuration, velocity, np.zeros(self.manifold.nx)])
+
+    def neutral(self) -> Array:
+        """Return the configuration with every joint at zero and journals centred, (nq,)."""
+        q: Array = pin.neutral(self.model)
+        return q
+
+
+def mechanism_slot(mechanism: Mechanism, joint: ClearanceJoint) -> JointSlot:
+    """Return the slot of a clearance joint, checked to have the freedom that the joint needs."""
+    slot = mechanism.joint(joint.name)
+    needed = "planar" if joint.planar else "floating"
+    if slot.kind != needed:
+        raise MechanismError(
+            f"clearance joint {joint.name!r}: the joint must be {needed} in the model, got {slot.kind}; "
+            f"build the mechanism from urdf.variant(joints={{{joint.name!r}: "
+            f"{'planar' if joint.planar else 'free'!r}}})"
+        )
+    return slot

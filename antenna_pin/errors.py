@@ -1,0 +1,88 @@
+"""What can go wrong, as exceptions that a user can act on.
+
+Every error derives from :class:`AntennaPinError` and from the built-in it refines. A message gives the
+place, the rule, the value seen and a way out, in one line. What only a run can find out is not an exception
+but an :class:`antenna_pin.trajectory.Outcome`.
+"""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+
+__all__ = [
+    "AntennaPinError",
+    "FileFormatError",
+    "InvalidParameterError",
+    "MechanismError",
+    "OutputError",
+    "ScenarioError",
+    "UnknownNameError",
+    "nearest",
+]
+
+
+class AntennaPinError(Exception):
+    """Root of every error that this package raises on purpose."""
+
+
+class InvalidParameterError(AntennaPinError, ValueError):
+    """A parameter breaks a rule of the thing it describes.
+
+    Args:
+        place: The object (its class name is used) or the name of the place.
+        parameter: Name of the parameter.
+        rule: What the value must be, as it reads after "must be".
+        value: The value seen; taken from the object where it is left out.
+    """
+
+    def __init__(self, place: object, parameter: str, rule: str, value: object = None) -> None:
+        """Compose the one-line message."""
+        if isinstance(place, str):
+            name = place
+        else:
+            name = type(place).__name__
+            value = getattr(place, parameter, value) if value is None else value
+        super().__init__(f"{name}: {parameter} must be {rule}, got {value!r}")
+        self.parameter = parameter
+
+
+class ScenarioError(AntennaPinError, ValueError):
+    """A scenario file or an override of it is not valid."""
+
+
+class MechanismError(AntennaPinError, ValueError):
+    """A URDF is not a mechanism, or a change asked of it makes no sense."""
+
+
+class UnknownNameError(AntennaPinError, LookupError):
+    """A name that the thing named does not have.
+
+    Args:
+        place: Where the name stands (file and key, or the object).
+        what: Kind of thing named, such as "joint".
+        name: The name seen.
+        known: The names that exist.
+    """
+
+    def __init__(self, place: str, what: str, name: str, known: Iterable[str]) -> None:
+        """Compose the one-line message with the nearest known name."""
+        names = sorted(known)
+        guess = nearest(name, names)
+        hint = f"did you mean {guess}? " if guess else ""
+        has = ", ".join(names) if names else "none at all"
+        super().__init__(f"{place}: {what} {name!r} is unknown; {hint}known: {has}")
+
+
+class FileFormatError(AntennaPinError, ValueError):
+    """A file is not what it is taken for, or is from another version of the format."""
+
+
+class OutputError(AntennaPinError, OSError):
+    """A result cannot be written where it was asked to be."""
+
+
+def nearest(name: str, known: Iterable[str]) -> str | None:
+    """Return the known name closest in spelling to ``name``, or None if none is close."""
+    close = difflib.get_close_matches(name, list(known), n=1, cutoff=0.5)
+    return close[0] if close else None

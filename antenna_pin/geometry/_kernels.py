@@ -1,0 +1,423 @@
+"""Closed-form distances between a journal and a bearing, compiled.
+
+All vectors are in the bearing frame H: origin at the bearing's centre, z along its axis. The pose of the
+journal is its centre ``o`` and its unit axis ``z``. A candidate contact is one row of a table::
+
+    [gap, normal (3), contact point (3), ...]
+
+gap positive apart; normal from the bearing into the journal; point from the bearing's centre. Later columns of
+a row belong to the joint (rates and forces). Rows of a revolute joint: bore at s = +1, bore at s = -1, flange at
+s = +1, flange at s = -1.
+
+A revolute geometry travels as ``REVOLUTE_SIZE`` floats ``[R_i, L_i / 2, R_io, R_j, R_f, L_j / 2]``.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numba
+
+REVOLUTE_SIZE = 6
+PLANAR_SIZE = 2
+GAP = 0
+NORMAL = 1
+POINT = 4
+_MAX_ITERATIONS = 60
+
+
+@numba.njit(cache=True)
+def nearest_on_ellipse(major: float, minor: float, x: float, y: float) -> tuple[float, float]:
+    """Return the point of an ellipse nearest to (x, y), both semi-axes along the coordinate axes.
+
+    The nearest point lies in the quadrant of (x, y): of the two local minima that a narrow ellipse has, the
+    global one is found, never the other. In that quadrant it solves
+
+        G(s) = (major x / (s + major^2 - minor^2))^2 + (minor y / s)^2 - 1 = 0,
+
+    convex and decreasing for s > 0, so Newton from the left converges without fail.
+    """
+    px = abs(x)
+    py = abs(y)
+    delta = (major - minor) * (major + minor)
+    if py > 0.0:
+        s = minor * py
+        other = major * px - delta
+        s = max(s, other)
+        for _ in range(_MAX_ITERATIONS):
+            u = major * px / (s + delta)
+            w = minor * py / s
+            g = u * u + w * w - 1.0
+            slope = 2.0 * (u * u / (s + delta) + w * w / s)
+            step = g / slope
+            s += step
+            if step <= 1e-15 * s:
+                break
+        ex = major * major * px / (s + delta)
+        ey = minor * minor * py / s
+    elif major * px < delta:
+        ex = major * major * px / delta
+        ey = minor * math.sqrt(max(0.0, 1.0 - (ex / major) ** 2))
+    else:
+        ex = major
+        ey = 0.0
+    # Back onto the ellipse to round-off: a point off it by eps errs in distance by eps, along it by eps^2.
+    scale = math.hypot(ex / major, ey / minor) if minor > 0.0 else 1.0
+    ex /= scale
+    ey /= scale
+    return math.copysign(ex, x), math.copysign(ey, y)
+
+
+@numba.njit(cache=True)
+def bore_contact(
+    shape: Any,
+    side: float,
+    ox: float,
+    oy: float,
+    oz: float,
+    zx: float,
+    zy: float,
+    zz: float,
+    table: Any,
+    row: int,
+) -> None:
+    """Radial candidate at the bearing's end circle ``side`` (+1 or -1).
+
+    gap = min over Q on the circle of dist(Q, journal axis) - R_j. Seen along the journal axis the circle is an
+    ellipse with semi-axes R_i and R_i cos(tilt), and the journal axis is a point: the nearest point of an ellipse.
+    """
+    radius = shape[0]
+    # Unit vectors: a along the line of nodes, b0 square to it in the bearing plane, b its projection square to z.
+    sine = math.hypot(zx, zy)
+    cosine = zz
+    if sine > 0.0:
+        ax = -zy / sine
+        ay = zx / sine
+    else:
+        ax = 1.0
+        ay = 0.0
+    b0x = -ay
+    b0y = ax
+    if cosine < 0.0:  # keep the projected semi-axis positive for a journal put in the other way round
+        b0x = -b0x
+        b0y = -b0y
+    lean = b0x * zx + b0y * zy  # b0 . z = -+ sine
+    shrink = abs(cosine)
+    # d = O_s - O_j; its parts along a and b, the offset of the ellipse's centre from the journal axis.
+    dx = -ox
+    dy = -oy
+    dz = side * shape[1] - oz
+    axial = dx * zx + dy * zy + dz * zz
+    da = dx * ax + dy * ay
+    db = dx * b0x + dy * b0y - lean * axial
+    if shrink > 0.0:
+        db /= shrink
+    ea, eb = nearest_on_ellipse(radius, radius * shrink, -da, -db)
+    # From the journal axis to Q, in (a, b).
+    qa = ea + da
+    qb = eb + db
+    distance = math.hypot(qa, qb)
+    ca = ea
+    cb = eb / shrink if shrink > 0.0 else 0.0
+    bx = b0x - lean * zx
+    by = b0y - lean * zy
+    bz = -lean * zz
+    if shrink > 0.0:
+        bx /= shrink
+        by /= shrink
+        bz /= shrink
+    table[row, 0] = distance - shape[3]
+    if distance > 0.0:
+        table[row, 1] = -(qa * ax + qb * bx) / distance
+        table[row, 2] = -(qa * ay + qb * by) / distance
+        table[row, 3] = -qb * bz / distance
+    else:
+        table[row, 1] = 0.0
+        table[row, 2] = 0.0
+        table[row, 3] = 0.0
+    table[row, 4] = ca * ax + cb * b0x
+    table[row, 5] = ca * ay + cb * b0y
+    table[row, 6] = side * shape[1]
+
+
+@numba.njit(cache=True)
+def flange_contact(
+    shape: Any,
+    side: float,
+    ox: float,
+    oy: float,
+    oz: float,
+    zx: float,
+    zy: float,
+    zz: float,
+    table: Any,
+    row: int,
+) -> None:
+    """Axial candidate between the flange and the bearing's end face at ``side`` (+1 or -1).
+
+    Where the flange covers the bearing's outer edge (R_f >= R_io) that edge meets the plane of the flange:
+    gap = L_j/2 - max over Q on the edge of side (Q - O_j) . z. A smaller flange meets the plane of the end face
+    with its own rim: gap = min over P on the rim of side P_z - L_i/2. With exactly parallel axes the contact
+    is a whole annulus and its force acts on the axis.
+    """
+    sine = math.hypot(zx, zy)
+    half = shape[1]
+    outer = shape[2]
+    flange = shape[4]
+    reach = shape[5]
+    if flange >= outer:
+        dz = side * half - oz
+        along = -ox * zx - oy * zy + dz * zz
+        table[row, 0] = reach - side * along - outer * sine
+        table[row, 1] = side * zx
+        table[row, 2] = side * zy
+        table[row, 3] = side * zz
+        if sine > 0.0:
+            table[row, 4] = side * outer * zx / sine
+            table[row, 5] = side * outer * zy / sine
+        else:
+            table[row, 4] = 0.0
+            table[row, 5] = 0.0
+        table[row, 6] = side * half
+    else:
+        # Centre of the flange's inner face, and the steepest direction towards the bearing in its plane.
+        fx = ox + side * reach * zx
+        fy = oy + side * reach * zy
+        fz = oz + side * reach * zz
+        table[row, 0] = side * fz - half - flange * sine
+        table[row, 1] = 0.0
+        table[row, 2] = 0.0
+        table[row, 3] = side
+        if sine > 0.0:
+            fx += side * flange * zx * zz / sine
+            fy += side * flange * zy * zz / sine
+            fz -= side * flange * sine
+        table[row, 4] = fx
+        table[row, 5] = fy
+        table[row, 6] = fz
+
+
+@numba.njit(cache=True)
+def revolute_contacts(
+    shape: Any, ox: float, oy: float, oz: float, zx: float, zy: float, zz: float, table: Any, row: int
+) -> None:
+    """Fill the four rows of a revolute clearance joint from ``row`` on."""
+    bore_contact(shape, 1.0, ox, oy, oz, zx, zy, zz, table, row)
+    bore_contact(shape, -1.0, ox, oy, oz, zx, zy, zz, table, row + 1)
+    flange_contact(shape, 1.0, ox, oy, oz, zx, zy, zz, table, row + 2)
+    flange_contact(shape, -1.0, ox, oy, oz, zx, zy, zz, table, row + 3)
+
+
+@numba.njit(cache=True)
+def planar_contact(shape: Any, ox: float, oy: float, table: Any, row: int) -> None:
+    """Fill the one row of a planar clearance joint: circle in circle, shape [R_i, R_j]."""
+    eccentricity = math.hypot(ox, oy)
+    table[row, 0] = shape[0] - shape[1] - eccentricity
+    if eccentricity > 0.0:
+        ux = ox / eccentricity
+        uy = oy / eccentricity
+    else:
+        ux = 1.0
+        uy = 0.0
+    table[row, 1] = -ux
+    table[row, 2] = -uy
+    table[row, 3] = 0.0
+    table[row, 4] = shape[0] * ux
+    table[row, 5] = shape[0] * uy
+    table[row, 6] = 0.0
+
+
+# --- what the coal backend needs around its queries --------------------------------------------------------
+
+
+@numba.njit(cache=True)
+def coal_place(
+    shape: Any, ox: float, oy: float, oz: float, zx: float, zy: float, zz: float, work: Any
+) -> None:
+    """Place the bearing in the journal frame and start the search on both end circles.
+
+    ``work`` (52 floats): [0:9] rotation of H in J (row-major), [9:12] origin of H in J, then for side +1 and -1
+    a record of 20 floats: [0:3] Q in J (read by coal), [3] angle, [4] last change of angle, [5:8] Q in H.
+    The journal frame J used here has its z axis along the journal and an arbitrary rotation about it.
+    """
+    # Smallest rotation taking the z axis to z: R = I + [k] + [k]^2 / (1 + zz), k = e_z x z.
+    f = 1.0 / (1.0 + zz) if zz > -0.5 else 0.0
+    if zz > -0.5:
+        r00 = 1.0 - f * zx * zx
+        r01 = -f * zx * zy
+        r11 = 1.0 - f * zy * zy
+        # Columns of the rotation J -> H are (r00, r01, -zx), (r01, r11, -zy), (zx, zy, zz).
+        work[0] = r00
+        work[1] = r01
+        work[2] = -zx
+        work[3] = r01
+        work[4] = r11
+        work[5] = -zy
+    else:
+        # Upside down: first half a turn about x, then the smallest rotation.
+        g = 1.0 / (1.0 - zz)
+        work[0] = 1.0 - g * zx * zx
+        work[1] = -g * zx * zy
+        work[2] = zx
+        work[3] = g * zx * zy
+        work[4] = -(1.0 - g * zy * zy)
+        work[5] = -zy
+    work[6] = zx
+    work[7] = zy
+    work[8] = zz
+    for i in range(3):
+        work[9 + i] = -(work[3 * i] * ox + work[3 * i + 1] * oy + work[3 * i + 2] * oz)
+    for k in range(2):
+        side = 1.0 - 2.0 * k
+        base = 12 + 20 * k
+        # Towards the side of the bore that the journal axis is nearest to, where it cuts the end plane.
+        lift = (side * shape[1] - oz) / zz if zz != 0.0 else 0.0
+        cx = ox + lift * zx
+        cy = oy + lift * zy
+        angle = math.atan2(cy, cx) if (cx != 0.0 or cy != 0.0) else 0.0
+        work[base + 3] = angle
+        _coal_point(shape, side, work, base)
+
+
+@numba.njit(cache=True)
+def _coal_point(shape: Any, side: float, work: Any, base: int) -> None:
+    angle = work[base + 3]
+    qx = shape[0] * math.cos(angle)
+    qy = shape[0] * math.sin(angle)
+    qz = side * shape[1]
+    work[base + 5] = qx
+    work[base + 6] = qy
+    work[base + 7] = qz
+    for i in range(3):
+        work[base + i] = work[3 * i] * qx + work[3 * i + 1] * qy + work[3 * i + 2] * qz + work[9 + i]
+
+
+@numba.njit(cache=True)
+def coal_turn(shape: Any, side: float, work: Any, base: int, normal: Any, distance: float) -> float:
+    """One Newton step of d gap / d phi = 0 with coal's normal (in J, from Q to the journal); returns 0 when done.
+
+    ``distance`` is the signed distance of Q from the journal's surface. The derivative of the gap along the
+    circle is -n . dQ/dphi; its own derivative follows from the curvature of the distance to a line. It is done
+    when the normal just used is right to 1e-9 rad, or, where the minimum is too flat for that, the gap to 1e-24 m.
+    """
+    nx, ny, nz = normal[0], normal[1], normal[2]
+    # Normal in H.
+    hx = work[0] * nx + work[3] * ny + work[6] * nz
+    hy = work[1] * nx + work[4] * ny + work[7] * nz
+    hz = work[2] * nx + work[5] * ny + work[8] * nz
+    angle = work[base + 3]
+    c = math.cos(angle)
+    s = math.sin(angle)
+    radius = shape[0]
+    tx = -radius * s
+    ty = radius * c
+    slope = -(hx * tx + hy * ty)
+    # dist'' = (|t_perp|^2 - (n.t)^2) / dist - n . Q'' with t_perp the tangent's part square to the journal axis
+    # and Q'' = -radius (c, s, 0).
+    zx, zy, zz = work[6], work[7], work[8]
+    along = tx * zx + ty * zy
+    square = radius * radius - along * along - slope * slope
+    span = distance + shape[3]
+    curvature = square / span + radius * (hx * c + hy * s)
+    if curvature > 0.0:
+        step = -slope / curvature
+        if step > 0.5:
+            step = 0.5
+        elif step < -0.5:
+            step = -0.5
+        gain = 0.5 * slope * slope / curvature
+    else:
+        step = -0.5 if slope > 0.0 else 0.5
+        gain = 1.0
+    work[base + 3] = angle + step
+    work[base + 4] = step
+    _coal_point(shape, side, work, base)
+    return 0.0 if abs(step) < 1e-9 or gain < 1e-24 else 1.0
+
+
+@numba.njit(cache=True)
+def coal_collect(
+    shape: Any, work: Any, gaps: Any, normals: Any, points: Any, sine: float, table: Any, row: int
+) -> None:
+    """Turn coal's answers (in J) into the four rows of the table (in H).
+
+    ``gaps`` (4,), ``normals`` (4, 3) and ``points`` (4, 3) are coal's distances, normals from the bearing to the
+    journal, and nearest points, bore +, bore -, flange +, flange -. Of the bore the circle's own point is kept.
+    """
+    for k in range(4):
+        r = row + k
+        table[r, 0] = gaps[k]
+        nx, ny, nz = normals[k, 0], normals[k, 1], normals[k, 2]
+        for i in range(3):
+            table[r, 1 + i] = work[i] * nx + work[3 + i] * ny + work[6 + i] * nz
+        if k < 2:
+            base = 12 + 20 * k
+            for i in range(3):
+                table[r, 4 + i] = work[base + 5 + i]
+        elif sine > 0.0 or shape[4] < shape[2]:
+            px = points[k, 0] - work[9]
+            py = points[k, 1] - work[10]
+            pz = points[k, 2] - work[11]
+            for i in range(3):
+                table[r, 4 + i] = work[i] * px + work[3 + i] * py + work[6 + i] * pz
+        else:
+            table[r, 4] = 0.0
+            table[r, 5] = 0.0
+            table[r, 6] = (1.0 if k == 2 else -1.0) * shape[1]
+
+
+# --- contact scenario ----------------------------------------------------------------------------------------
+
+NONE = 0
+ONE_POINT = 1
+TWO_POINTS = 2
+EXTENDED = 3  # line in the bore, surface at a flange
+
+
+@numba.njit(cache=True)
+def contact_scenario(
+    shape: Any,
+    ox: float,
+    oy: float,
+    oz: float,
+    zx: float,
+    zy: float,
+    zz: float,
+    table: Any,
+    row: int,
+    spare: int,
+) -> tuple[int, int]:
+    """Classify the penetrations of rows ``row`` to ``row + 3``; row ``spare`` is scratch.
+
+    Radial: none, one end, two ends, line (both ends and the middle section on the same side). Axial: none, one
+    point, two points (both flanges), surface (the whole annulus of a flange).
+    """
+    first = table[row, 0] < 0.0
+    second = table[row + 1, 0] < 0.0
+    radial = NONE
+    if first and second:
+        radial = TWO_POINTS
+        bore_contact(shape, 0.0, ox, oy, oz, zx, zy, zz, table, spare)
+        same_plus = 0.0
+        same_minus = 0.0
+        for i in range(1, 4):
+            same_plus += table[row, i] * table[spare, i]
+            same_minus += table[row + 1, i] * table[spare, i]
+        if table[spare, 0] < 0.0 and same_plus > 0.0 and same_minus > 0.0:
+            radial = EXTENDED
+    elif first or second:
+        radial = ONE_POINT
+    sine = math.hypot(zx, zy)
+    edge = min(shape[2], shape[4])
+    front = -table[row + 2, 0]
+    back = -table[row + 3, 0]
+    whole = 2.0 * edge * sine
+    axial = NONE
+    if (front > 0.0 and front >= whole) or (back > 0.0 and back >= whole):
+        axial = EXTENDED
+    elif front > 0.0 and back > 0.0:
+        axial = TWO_POINTS
+    elif front > 0.0 or back > 0.0:
+        axial = ONE_POINT
+    return radial, axial

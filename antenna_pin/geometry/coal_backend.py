@@ -1,0 +1,181 @@
+"""The same distances by coal's own primitives.
+
+The bore is concave, so it is not one coal shape. Radial: a sphere of radius zero at a point Q(phi) of the
+bearing's end circle against a lengthened journal cylinder, and phi from d gap / d phi = 0 by Newton with coal's own
+normal. Axial: a flange's half-space against the bearing's cylinder, or a small flange's cylinder against the
+half-space of the bearing's end face. All of these pairs are closed forms inside coal; pairs that
+go through GJK would be off by up to a micrometre.
+
+Functors are built once; a query only moves a transform.
+"""
+
+from __future__ import annotations
+
+import math
+
+import coal
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from antenna_pin.geometry import _kernels
+from antenna_pin.geometry.shapes import (
+    TABLE_WIDTH,
+    ContactPoint,
+    PlanarClearance,
+    RevoluteClearance,
+    points_of_table,
+    pose_of,
+)
+
+__all__ = ["CoalPlanar", "CoalRevolute"]
+
+_WORK_SIZE = 52
+_RECORD = 12  # where the record of the first end circle starts in the work array
+_RECORD_SIZE = 20
+_MAX_QUERIES = 12
+
+
+class CoalRevolute:
+    """Distances of a :class:`RevoluteClearance` by coal.
+
+    Args:
+        shape: The joint's dimensions.
+    """
+
+    def __init__(self, shape: RevoluteClearance) -> None:
+        """Build shapes, functors and buffers once."""
+        self.geometry = shape
+        self.contact_names = shape.contact_names
+        self._shape = shape.shape()
+        span = 40.0 * (shape.bearing_length + shape.bearing_radius + shape.flange_distance)
+        self._point = coal.Sphere(0.0)
+        self._journal = coal.Cylinder(shape.journal_radius, span)
+        self._bearing = coal.Cylinder(shape.bearing_outer_radius, shape.bearing_length)
+        half = 0.5 * shape.flange_distance
+        self._covers = shape.flange_radius >= shape.bearing_outer_radius
+        # A half-space is {x : n.x <= d}.
+        axis = np.array([0.0, 0.0, 1.0])
+        if self._covers:
+            self._planes = (coal.Halfspace(-axis, -half), coal.Halfspace(axis, -half))
+            self._axial = tuple(coal.ComputeDistance(self._bearing, p) for p in self._planes)
+        else:
+            # The flanges' inner faces as the end faces of a body of length L_j; the faces as half-spaces in H.
+            end = 0.5 * shape.bearing_length
+            self._thick = coal.Cylinder(shape.flange_radius, shape.bearing_length)
+            self._planes = (coal.Halfspace(axis, end), coal.Halfspace(-axis, end))
+            self._axial = tuple(coal.ComputeDistance(self._thick, p) for p in self._planes)
+        self._radial = coal.ComputeDistance(self._point, self._journal)
+        self._request = coal.DistanceRequest()
+        self._result = coal.DistanceResult()
+        self._identity = coal.Transform3s()
+        self._at_point = coal.Transform3s()
+        self._at_bearing = coal.Transform3s()
+        self._at_flange = (coal.Transform3s(), coal.Transform3s())
+        self.work = np.zeros(_WORK_SIZE)
+        self._rotation = self.work[:9].reshape(3, 3)
+        self._origin = self.work[9:12]
+        starts = [_RECORD + k * _RECORD_SIZE for k in range(2)]
+        self._ends = tuple(
+            (1.0 - 2.0 * k, start, self.work[start : start + 3]) for k, start in enumerate(starts)
+        )
+        self._gaps = np.zeros(4)
+        self._normals = np.zeros((4, 3))
+        self._points = np.zeros((4, 3))
+        self._point_rows = tuple(self._points[k] for k in range(4))
+
+    def query(self, sine: float, table: NDArray[np.float64], row: int) -> None:
+        """Ask coal for the pose that :func:`_kernels.coal_place` wrote to ``work``; fill four rows of a table.
+
+        Args:
+            sine: Sine of the tilt between the axes [-].
+            table: Contact table, (rows, TABLE_WIDTH).
+            row: First row to fill.
+        """
+        result = self._result
+        request = self._request
+        radial = self._radial
+        at_point = self._at_point
+        identity = self._identity
+        gaps = self._gaps
+        normals = self._normals
+        turn = _kernels.coal_turn
+        for k, (side, start, point) in enumerate(self._ends):
+            for _ in range(_MAX_QUERIES):
+                at_point.setTranslation(point)
+                result.clear()
+                gap = radial(at_point, identity, request, result)
+                normal = result.normal
+                if turn(self._shape, side, self.work, start, normal, gap) == 0.0:
+                    break
+            gaps[k] = gap
+            normals[k] = normal
+        if self._covers:
+            self._at_bearing.setTransform(self._rotation, self._origin)
+            for k, functor in enumerate(self._axial, start=2):
+                result.clear()
+                gaps[k] = functor(self._at_bearing, identity, request, result)
+                # coal's normal runs from the bearing to the flange's half-space: that is into the journal.
+                normals[k] = result.normal
+                self._points[k] = result.getNearestPoint1()
+        else:
+            self._query_small_flanges()
+        _kernels.coal_collect(self._shape, self.work, gaps, normals, self._points, sine, table, row)
+
+    def _query_small_flanges(self) -> None:
+        # Solid discs behind each flange face, asked against the half-spaces inside the bearing's end faces. Both
+        # are asked in H, where the half-spaces stand, and the answers carried to J.
+        rotation = self._rotation  # of H in J
+        centre = -rotation.T @ self._origin  # journal centre in H
+        axis = rotation[2]
+        half = 0.5 * (self.geometry.flange_distance + self.geometry.bearing_length)
+        for k, (functor, side) in enumerate(zip(self._axial, (1.0, -1.0), strict=True), start=2):
+            self._at_bearing.setTransform(np.ascontiguousarray(rotation.T), centre + side * half * axis)
+            self._result.clear()
+            self._gaps[k] = functor(self._at_bearing, self._identity, self._request, self._result)
+            self._normals[k] = -(rotation @ self._result.normal)
+            self._points[k] = rotation @ self._result.getNearestPoint1() + self._origin
+
+    def contacts(self, p_HJ: ArrayLike, axis_J_H: ArrayLike) -> tuple[ContactPoint, ...]:
+        """Return the four candidate contacts (see :meth:`RevoluteClearance.contacts`)."""
+        pose = pose_of(p_HJ, axis_J_H)
+        table = np.zeros((4, TABLE_WIDTH))
+        _kernels.coal_place(self._shape, *pose, self.work)
+        self.query(math.hypot(pose[3], pose[4]), table, 0)
+        return points_of_table(table)
+
+
+class CoalPlanar:
+    """Distance of a :class:`PlanarClearance` by coal.
+
+    Args:
+        shape: The joint's dimensions.
+    """
+
+    def __init__(self, shape: PlanarClearance) -> None:
+        """Build shapes, functors and buffers once."""
+        self.geometry = shape
+        self.contact_names = shape.contact_names
+        self._shape = shape.shape()
+        self._point = coal.Sphere(0.0)
+        self._journal = coal.Cylinder(shape.journal_radius, 10.0 * shape.bearing_radius)
+        self._radial = coal.ComputeDistance(self._point, self._journal)
+        self._request = coal.DistanceRequest()
+        self._result = coal.DistanceResult()
+        self._at_point = coal.Transform3s()
+        self._at_journal = coal.Transform3s()
+
+    def query(self, ox: float, oy: float, table: NDArray[np.float64], row: int) -> None:
+        """Fill one row for the journal centre (ox, oy) in the bearing plane [m]."""
+        _kernels.planar_contact(self._shape, ox, oy, table, row)
+        self._at_point.setTranslation(table[row, 4:7])
+        self._at_journal.setTranslation(np.array([ox, oy, 0.0]))
+        self._result.clear()
+        table[row, 0] = self._radial(self._at_point, self._at_journal, self._request, self._result)
+        table[row, 1:4] = self._result.normal
+
+    def contacts(self, p_HJ: ArrayLike, axis_J_H: ArrayLike = (0.0, 0.0, 1.0)) -> tuple[ContactPoint, ...]:
+        """Return the one candidate contact (see :meth:`PlanarClearance.contacts`)."""
+        pose = pose_of(p_HJ, axis_J_H)
+        table = np.zeros((1, TABLE_WIDTH))
+        self.query(pose[0], pose[1], table, 0)
+        return points_of_table(table)

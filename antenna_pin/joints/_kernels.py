@@ -1,0 +1,291 @@
+"""The clearance joint on flat parameters, compiled: pose and twist -> contacts -> forces -> generalized force.
+
+A joint is a block of floats in a larger program::
+
+    [kind, length, mode, start in q, start in v, first contact, contacts, start in x, stride in x,
+     A (9, row-major; its columns are the bearing frame's axes in the joint frame), c (3, bearing centre in the
+     joint frame), shape (6), then per contact: normal law (16), friction law (12)]
+
+and its contacts are rows of a table of ``TABLE_WIDTH`` columns::
+
+    [gap, normal (3), point (3), depth rate, slip (3), normal force, friction force (3), elastic force, ...]
+
+all in bearing axes. ``memory`` has a row per contact: [touching, approach speed]. What a contact
+integrates lies in x from its own start on: [impulse, work lost to normal contact, work lost to friction, bristle...].
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numba
+
+from antenna_pin.contact._kernels import (
+    FRICTION_SIZE,
+    NORMAL_SIZE,
+    dissipation_factor,
+    elastic_force,
+    friction_force,
+)
+from antenna_pin.geometry._kernels import coal_place, planar_contact, revolute_contacts
+
+REVOLUTE = 1.0
+PLANAR = 2.0
+
+MODE = 2
+GEOMETRY_GIVEN = 1.0  # rows already hold gap, normal and point (coal)
+FORCES_GIVEN = 2.0  # rows already hold forces too (laws in Python)
+
+FIRST_CONTACT = 5
+CONTACTS = 6
+START_X = 7
+STRIDE_X = 8
+AXES = 9
+CENTRE = 18
+SHAPE = 21
+LAWS = 27
+LAW_SIZE = NORMAL_SIZE + FRICTION_SIZE
+
+RATE = 7
+SLIP = 8
+FORCE = 11
+FRICTION = 12
+ELASTIC = 15
+
+IMPULSE = 0
+LOST_NORMAL = 1
+LOST_FRICTION = 2
+BRISTLE_START = 3
+
+TOUCHING = 0
+APPROACH = 1
+
+# Pose and twist of a journal: centre (3), axis (3), rotation child -> H (9, row-major), velocity of the
+# centre (3) and angular velocity (3), all in H.
+POSE_SIZE = 21
+
+
+@numba.njit(cache=True)
+def journal_state(p: Any, b: int, y: Any, nq: int, pose: Any) -> None:
+    """Write the journal's pose and twist relative to the bearing, in bearing axes."""
+    i = int(p[b + 3])
+    j = nq + int(p[b + 4])
+    if p[b] == PLANAR:
+        c = y[i + 2]
+        s = y[i + 3]
+        pose[0] = y[i]
+        pose[1] = y[i + 1]
+        pose[2] = 0.0
+        pose[3] = 0.0
+        pose[4] = 0.0
+        pose[5] = 1.0
+        pose[6], pose[7], pose[8] = c, -s, 0.0
+        pose[9], pose[10], pose[11] = s, c, 0.0
+        pose[12], pose[13], pose[14] = 0.0, 0.0, 1.0
+        pose[15] = c * y[j] - s * y[j + 1]
+        pose[16] = s * y[j] + c * y[j + 1]
+        pose[17] = 0.0
+        pose[18] = 0.0
+        pose[19] = 0.0
+        pose[20] = y[j + 2]
+        return
+    qx, qy, qz, qw = y[i + 3], y[i + 4], y[i + 5], y[i + 6]
+    # Rotation child -> joint frame.
+    r00 = 1.0 - 2.0 * (qy * qy + qz * qz)
+    r01 = 2.0 * (qx * qy - qz * qw)
+    r02 = 2.0 * (qx * qz + qy * qw)
+    r10 = 2.0 * (qx * qy + qz * qw)
+    r11 = 1.0 - 2.0 * (qx * qx + qz * qz)
+    r12 = 2.0 * (qy * qz - qx * qw)
+    r20 = 2.0 * (qx * qz - qy * qw)
+    r21 = 2.0 * (qy * qz + qx * qw)
+    r22 = 1.0 - 2.0 * (qx * qx + qy * qy)
+    a = b + AXES
+    cx, cy, cz = p[b + CENTRE], p[b + CENTRE + 1], p[b + CENTRE + 2]
+    px, py, pz = y[i] - cx, y[i + 1] - cy, y[i + 2] - cz
+    vx = y[j] + y[j + 4] * cz - y[j + 5] * cy
+    vy = y[j + 1] + y[j + 5] * cx - y[j + 3] * cz
+    vz = y[j + 2] + y[j + 3] * cy - y[j + 4] * cx
+    wx, wy, wz = y[j + 3], y[j + 4], y[j + 5]
+    zx, zy, zz = p[a + 2], p[a + 5], p[a + 8]  # journal axis in the child frame
+    for k in range(3):
+        a0, a1, a2 = p[a + k], p[a + 3 + k], p[a + 6 + k]  # axis k of H in the joint frame
+        w0 = a0 * r00 + a1 * r10 + a2 * r20
+        w1 = a0 * r01 + a1 * r11 + a2 * r21
+        w2 = a0 * r02 + a1 * r12 + a2 * r22
+        pose[6 + 3 * k] = w0
+        pose[7 + 3 * k] = w1
+        pose[8 + 3 * k] = w2
+        pose[k] = a0 * px + a1 * py + a2 * pz + w0 * cx + w1 * cy + w2 * cz
+        pose[3 + k] = w0 * zx + w1 * zy + w2 * zz
+        pose[15 + k] = w0 * vx + w1 * vy + w2 * vz
+        pose[18 + k] = w0 * wx + w1 * wy + w2 * wz
+
+
+@numba.njit(cache=True)
+def contact_geometry(p: Any, b: int, pose: Any, table: Any, row: int) -> None:
+    """Fill gap, normal and point of a joint's rows in closed form."""
+    shape = p[b + SHAPE : b + SHAPE + 6]
+    if p[b] == PLANAR:
+        planar_contact(shape, pose[0], pose[1], table, row)
+    else:
+        revolute_contacts(shape, pose[0], pose[1], pose[2], pose[3], pose[4], pose[5], table, row)
+
+
+@numba.njit(cache=True)
+def contact_rates(p: Any, b: int, pose: Any, table: Any, row: int) -> None:
+    """Fill depth rate and slip: the relative velocity of the two material points at each contact."""
+    for r in range(row, row + int(p[b + CONTACTS])):
+        rx = table[r, 4] - pose[0]
+        ry = table[r, 5] - pose[1]
+        rz = table[r, 6] - pose[2]
+        vx = pose[15] + pose[19] * rz - pose[20] * ry
+        vy = pose[16] + pose[20] * rx - pose[18] * rz
+        vz = pose[17] + pose[18] * ry - pose[19] * rx
+        nx, ny, nz = table[r, 1], table[r, 2], table[r, 3]
+        opening = vx * nx + vy * ny + vz * nz
+        table[r, RATE] = -opening
+        table[r, SLIP] = vx - opening * nx
+        table[r, SLIP + 1] = vy - opening * ny
+        table[r, SLIP + 2] = vz - opening * nz
+
+
+@numba.njit(cache=True)
+def contact_forces(
+    p: Any, b: int, y: Any, x0: int, memory: Any, first: int, table: Any, row: int, rates: Any, r0: int
+) -> None:
+    """Fill the forces of a joint's rows from its laws; contacts that do not touch have none.
+
+    x starts at y[x0] and its rates at rates[r0]; ``first`` is the joint's first row in ``memory``.
+    """
+    for k in range(int(p[b + CONTACTS])):
+        r = row + k
+        table[r, FORCE] = 0.0
+        table[r, FRICTION] = 0.0
+        table[r, FRICTION + 1] = 0.0
+        table[r, FRICTION + 2] = 0.0
+        table[r, ELASTIC] = 0.0
+        if memory[first + k, TOUCHING] == 0.0:
+            continue
+        law = b + LAWS + k * LAW_SIZE
+        normal = p[law : law + NORMAL_SIZE]
+        friction = p[law + NORMAL_SIZE : law + LAW_SIZE]
+        depth = -table[r, 0]
+        elastic = elastic_force(normal, depth)
+        force = elastic * (1.0 + dissipation_factor(normal, table[r, RATE], memory[first + k, APPROACH]))
+        if depth > 0.0 and force < 0.0:
+            force = 0.0
+        table[r, FORCE] = force
+        table[r, ELASTIC] = elastic
+        own = int(p[b + START_X]) + k * int(p[b + STRIDE_X]) + BRISTLE_START
+        fx, fy, fz = friction_force(
+            friction, force, table[r, SLIP], table[r, SLIP + 1], table[r, SLIP + 2], y, x0 + own, rates, r0 + own
+        )
+        table[r, FRICTION] = fx
+        table[r, FRICTION + 1] = fy
+        table[r, FRICTION + 2] = fz
+
+
+@numba.njit(cache=True)
+def contact_wrench(p: Any, b: int, pose: Any, table: Any, row: int, tau: Any, rates: Any, r0: int) -> None:
+    """Add the forces of a joint's rows to tau (in the child's own axes) and write what they integrate."""
+    fx = 0.0
+    fy = 0.0
+    fz = 0.0
+    mx = 0.0
+    my = 0.0
+    mz = 0.0
+    for k in range(int(p[b + CONTACTS])):
+        r = row + k
+        own = r0 + int(p[b + START_X]) + k * int(p[b + STRIDE_X])
+        force = table[r, FORCE]
+        if force == 0.0:
+            rates[own + IMPULSE] = 0.0
+            rates[own + LOST_NORMAL] = 0.0
+            rates[own + LOST_FRICTION] = 0.0
+            continue
+        gx, gy, gz = table[r, FRICTION], table[r, FRICTION + 1], table[r, FRICTION + 2]
+        rates[own + IMPULSE] = force
+        rates[own + LOST_NORMAL] = (force - table[r, ELASTIC]) * table[r, RATE]
+        rates[own + LOST_FRICTION] = -(
+            gx * table[r, SLIP] + gy * table[r, SLIP + 1] + gz * table[r, SLIP + 2]
+        )
+        gx += force * table[r, 1]
+        gy += force * table[r, 2]
+        gz += force * table[r, 3]
+        rx = table[r, 4] - pose[0]
+        ry = table[r, 5] - pose[1]
+        rz = table[r, 6] - pose[2]
+        fx += gx
+        fy += gy
+        fz += gz
+        mx += ry * gz - rz * gy
+        my += rz * gx - rx * gz
+        mz += rx * gy - ry * gx
+    j = int(p[b + 4])
+    if p[b] == PLANAR:
+        tau[j] += pose[6] * fx + pose[9] * fy
+        tau[j + 1] += pose[7] * fx + pose[10] * fy
+        tau[j + 2] += mz
+        return
+    cx, cy, cz = p[b + CENTRE], p[b + CENTRE + 1], p[b + CENTRE + 2]
+    ux = pose[6] * fx + pose[9] * fy + pose[12] * fz
+    uy = pose[7] * fx + pose[10] * fy + pose[13] * fz
+    uz = pose[8] * fx + pose[11] * fy + pose[14] * fz
+    tau[j] += ux
+    tau[j + 1] += uy
+    tau[j + 2] += uz
+    tau[j + 3] += pose[6] * mx + pose[9] * my + pose[12] * mz + cy * uz - cz * uy
+    tau[j + 4] += pose[7] * mx + pose[10] * my + pose[13] * mz + cz * ux - cx * uz
+    tau[j + 5] += pose[8] * mx + pose[11] * my + pose[14] * mz + cx * uy - cy * ux
+
+
+@numba.njit(cache=True)
+def clearance_joint(
+    p: Any, b: int, y: Any, nq: int, nv: int, memory: Any, table: Any, pose: Any, tau: Any, rates: Any
+) -> None:
+    """The whole of a clearance joint: add its generalized force to tau, write the rates of what it integrates."""
+    row = int(p[b + FIRST_CONTACT])
+    journal_state(p, b, y, nq, pose)
+    mode = p[b + MODE]
+    if mode < FORCES_GIVEN:
+        if mode < GEOMETRY_GIVEN:
+            contact_geometry(p, b, pose, table, row)
+        contact_rates(p, b, pose, table, row)
+        contact_forces(p, b, y, nq + nv, memory, row, table, row, rates, nv)
+    contact_wrench(p, b, pose, table, row, tau, rates, nv)
+
+
+@numba.njit(cache=True)
+def place_for_coal(p: Any, b: int, y: Any, nq: int, shape: Any, pose: Any, work: Any) -> float:
+    """Place a revolute joint's bearing in the journal frame for coal; return the sine of the tilt."""
+    journal_state(p, b, y, nq, pose)
+    coal_place(shape, pose[0], pose[1], pose[2], pose[3], pose[4], pose[5], work)
+    return math.hypot(pose[3], pose[4])
+
+
+@numba.njit(cache=True)
+def motion_angle(p: Any, b: int, y: Any) -> tuple[float, float, float]:
+    """Rotation of the journal about the bearing axis (swing-twist) and where its rate comes from.
+
+    Returns the angle [rad] in (-pi, pi] and gx, gy: its rate is gx wx + gy wy + wz for the angular velocity w of the
+    journal in its own axes (z along the journal).
+    """
+    i = int(p[b + 3])
+    if p[b] == PLANAR:
+        return math.atan2(y[i + 3], y[i + 2]), 0.0, 0.0
+    a = b + AXES
+    qx, qy, qz, qw = y[i + 3], y[i + 4], y[i + 5], y[i + 6]
+    # The vector part in bearing axes; the same rotation seen in a frame whose z is the joint's axis.
+    hx = p[a] * qx + p[a + 3] * qy + p[a + 6] * qz
+    hy = p[a + 1] * qx + p[a + 4] * qy + p[a + 7] * qz
+    hz = p[a + 2] * qx + p[a + 5] * qy + p[a + 8] * qz
+    square = hz * hz + qw * qw
+    if qw < 0.0:
+        angle = 2.0 * math.atan2(-hz, -qw)
+    else:
+        angle = 2.0 * math.atan2(hz, qw)
+    if square == 0.0:
+        return angle, 0.0, 0.0
+    return angle, (hz * hx - qw * hy) / square, (qw * hx + hz * hy) / square

@@ -1,0 +1,276 @@
+"""The joint-contact plugin: geometry, laws and contact memory of one clearance joint.
+
+A clearance joint is a 6-DOF free joint (planar: a 3-DOF planar joint) of the Pinocchio model; this adds the
+forces. What a user adds to a model is a :class:`ClearanceJoint`.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from antenna_pin.contact import FrictionLaw, NoFriction, NormalLaw
+from antenna_pin.errors import InvalidParameterError
+from antenna_pin.geometry import CoalPlanar, CoalRevolute, PlanarClearance, RevoluteClearance
+from antenna_pin.geometry.shapes import TABLE_WIDTH
+from antenna_pin.joints import _kernels
+
+__all__ = ["ClearanceJoint", "JointContacts", "PythonPath"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class JointContacts:
+    """What a clearance joint does in one state; arrays per contact are in bearing axes.
+
+    Attributes:
+        gap: (contacts,) [m].
+        normal: From the bearing into the journal, (contacts, 3).
+        point: From the bearing's centre, (contacts, 3) [m].
+        rate: Penetration rate, (contacts,) [m/s].
+        slip: Tangential velocity of the journal over the bearing, (contacts, 3) [m/s].
+        normal_force: (contacts,) [N].
+        friction_force: On the journal, (contacts, 3) [N].
+        generalized_force: On the joint, in the child's axes, linear part first: (6,) or (3,) if planar [N, N m].
+    """
+
+    gap: Array
+    normal: Array
+    point: Array
+    rate: Array
+    slip: Array
+    normal_force: Array
+    friction_force: Array
+    generalized_force: Array
+
+
+def _has_code(law: object) -> bool:
+    return hasattr(law, "code")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ClearanceJoint:
+    """A joint with play: journal and bearing held together by contact alone.
+
+    Attributes:
+        name: The URDF joint it stands for; made free (or planar) in the model.
+        geometry: Shape of the joint; a :class:`PlanarClearance` keeps the joint's plane and axis.
+        radial: Normal law of the contacts in the bore.
+        axial: Normal law of the contacts at the flanges; unused if planar.
+        friction: Friction law of all contacts.
+        backend: "coal" (distance queries) or "closed-form".
+        offset: Bearing centre from the URDF joint's origin, along the joint's axis [m].
+        approach_speed_floor: Least approach speed that a contact remembers [m/s].
+        maximum_depth: Depth at which a run ends, because rigid bodies with contact stiffness no longer describe it
+            [m]; a hundredth of the bearing radius if not given.
+    """
+
+    name: str
+    geometry: RevoluteClearance | PlanarClearance
+    radial: NormalLaw
+    axial: NormalLaw | None = None
+    friction: FrictionLaw = field(default_factory=NoFriction)
+    backend: Literal["coal", "closed-form"] = "coal"
+    offset: float = 0.0
+    approach_speed_floor: float = 1e-4
+    maximum_depth: float | None = None
+
+    def __post_init__(self) -> None:
+        """Check what the parts do not check themselves."""
+        if self.backend not in ("coal", "closed-form"):
+            raise InvalidParameterError(f"joint {self.name!r}", "backend", "coal or closed-form", self.backend)
+        if not 0.0 < self.approach_speed_floor < math.inf:
+            raise InvalidParameterError(
+                f"joint {self.name!r}", "approach_speed_floor", "positive [m/s]", self.approach_speed_floor
+            )
+        if self.axial is None and isinstance(self.geometry, RevoluteClearance):
+            raise InvalidParameterError(f"joint {self.name!r}", "axial", "a normal law", None)
+        if self.maximum_depth is None:
+            object.__setattr__(self, "maximum_depth", 0.01 * self.geometry.bearing_radius)
+        elif not 0.0 < self.maximum_depth < math.inf:
+            raise InvalidParameterError(
+                f"joint {self.name!r}", "maximum_depth", "a positive length [m]", self.maximum_depth
+            )
+
+    @property
+    def planar(self) -> bool:
+        """Whether the joint keeps its plane."""
+        return isinstance(self.geometry, PlanarClearance)
+
+    @property
+    def contact_names(self) -> tuple[str, ...]:
+        """Names of the contacts, led by the joint's."""
+        return tuple(f"{self.name}.{kind}" for kind in self.geometry.contact_names)
+
+    @property
+    def contacts(self) -> int:
+        """Number of candidate contacts."""
+        return len(self.geometry.contact_names)
+
+    @property
+    def normal_laws(self) -> tuple[NormalLaw, ...]:
+        """The normal law of each contact."""
+        if self.planar or self.axial is None:
+            return (self.radial,)
+        return (self.radial, self.radial, self.axial, self.axial)
+
+    @property
+    def compiled(self) -> bool:
+        """Whether all laws run in the fused kernel; otherwise each touching contact costs a Python call."""
+        return all(_has_code(law) for law in (*self.normal_laws, self.friction))
+
+    @property
+    def stride(self) -> int:
+        """Numbers that each contact integrates: impulse, two losses, and a bristle if the friction has one."""
+        return 3 + int(getattr(self.friction, "states", 0))
+
+    def block(
+        self, axes: ArrayLike, axis: ArrayLike, q: int, v: int, first_contact: int, start_x: int
+    ) -> Array:
+        """Return the joint as flat numbers for the fused kernel.
+
+        Args:
+            axes: Columns are the bearing frame's axes in the joint frame, (3, 3).
+            axis: The joint's axis in the joint frame, (3,).
+            q: Start of its configuration in q.
+            v: Start of its velocity in v.
+            first_contact: Row of its first contact.
+            start_x: Where its integrated numbers start in x.
+        """
+        size = _kernels.LAWS + self.contacts * _kernels.LAW_SIZE
+        block = np.zeros(size)
+        mode = 0.0
+        if not self.compiled:
+            mode = _kernels.FORCES_GIVEN
+        elif self.backend == "coal":
+            mode = _kernels.GEOMETRY_GIVEN
+        kind = _kernels.PLANAR if self.planar else _kernels.REVOLUTE
+        block[:9] = [kind, size, mode, q, v, first_contact, self.contacts, start_x, self.stride]
+        block[_kernels.AXES : _kernels.AXES + 9] = np.asarray(axes, dtype=float).ravel()
+        block[_kernels.CENTRE : _kernels.CENTRE + 3] = self.offset * np.asarray(axis, dtype=float)
+        shape = self.geometry.shape()
+        block[_kernels.SHAPE : _kernels.SHAPE + len(shape)] = shape
+        if self.compiled:
+            friction: Any = self.friction
+            for k, law in enumerate(self.normal_laws):
+                start = _kernels.LAWS + k * _kernels.LAW_SIZE
+                normal: Any = law
+                block[start : start + _kernels.NORMAL_SIZE] = normal.code()
+                block[start + _kernels.NORMAL_SIZE : start + _kernels.LAW_SIZE] = friction.code()
+        return block
+
+    def evaluate(
+        self,
+        q: ArrayLike,
+        v: ArrayLike,
+        *,
+        touching: ArrayLike | None = None,
+        approach_speed: ArrayLike | None = None,
+        axis: ArrayLike = (0.0, 0.0, 1.0),
+        axes: ArrayLike | None = None,
+    ) -> JointContacts:
+        """Return contacts and forces of the joint alone, in one state; not the fast path.
+
+        Args:
+            q: Pose of the journal in the bearing, Pinocchio's order: (x, y, z, quaternion xyzw), planar (x, y,
+                cos, sin) [m].
+            v: Twist of the journal in its own axes, linear first, (6,) or (3,) [m/s, rad/s].
+            touching: Whether each contact touches; those with a gap <= 0 if not given.
+            approach_speed: Of each contact [m/s]; the floor if not given.
+            axis: The joint's axis in the joint frame.
+            axes: Bearing axes in the joint frame as columns; needed for an axis other than z.
+        """
+        frame = np.eye(3) if axes is None else np.asarray(axes, dtype=float)
+        y = np.concatenate([np.asarray(q, dtype=float), np.asarray(v, dtype=float)])
+        nv = 3 if self.planar else 6
+        nq = y.size - nv
+        x = np.zeros(self.contacts * self.stride)
+        y = np.concatenate([y, x])
+        block = self.block(frame, axis, 0, 0, 0, 0)
+        table = np.zeros((self.contacts, TABLE_WIDTH))
+        memory = np.zeros((self.contacts, 2))
+        pose = np.zeros(_kernels.POSE_SIZE)
+        _kernels.journal_state(block, 0, y, nq, pose)
+        _kernels.contact_geometry(block, 0, pose, table, 0)
+        memory[:, 0] = table[:, 0] <= 0.0 if touching is None else np.asarray(touching, dtype=float)
+        speed = self.approach_speed_floor if approach_speed is None else approach_speed
+        memory[:, 1] = np.maximum(np.asarray(speed, dtype=float), self.approach_speed_floor)
+        tau = np.zeros(nv)
+        rates = np.zeros(nv + x.size)
+        if block[_kernels.MODE] != 0.0:
+            PythonPath(self, block, nq).prepare(y, memory, table)
+        _kernels.clearance_joint(block, 0, y, nq, nv, memory, table, pose, tau, rates)
+        return JointContacts(
+            gap=table[:, 0].copy(),
+            normal=table[:, 1:4].copy(),
+            point=table[:, 4:7].copy(),
+            rate=table[:, _kernels.RATE].copy(),
+            slip=table[:, _kernels.SLIP : _kernels.SLIP + 3].copy(),
+            normal_force=table[:, _kernels.FORCE].copy(),
+            friction_force=table[:, _kernels.FRICTION : _kernels.FRICTION + 3].copy(),
+            generalized_force=tau,
+        )
+
+
+class PythonPath:
+    """What of a clearance joint happens outside the fused kernel: coal's queries, and laws written in Python.
+
+    Args:
+        joint: The joint.
+        block: Its flat numbers.
+        nq: Size of the configuration: where the velocities start in a state.
+    """
+
+    def __init__(self, joint: ClearanceJoint, block: Array, nq: int) -> None:
+        """Build coal's functors and the buffers once."""
+        self.joint = joint
+        self._block = block
+        self._nq = nq
+        self._row = int(block[_kernels.FIRST_CONTACT])
+        self._pose = np.zeros(_kernels.POSE_SIZE)
+        self._shape = joint.geometry.shape()
+        self._revolute = self._planar = None
+        if joint.backend == "coal":
+            if isinstance(joint.geometry, PlanarClearance):
+                self._planar = CoalPlanar(joint.geometry)
+            else:
+                self._revolute = CoalRevolute(joint.geometry)
+
+    def prepare(self, y: Array, memory: Array, table: Array) -> None:
+        """Fill the joint's rows of the table as far as its mode says they are given."""
+        row = self._row
+        if self._revolute is not None:
+            sine = _kernels.place_for_coal(self._block, 0, y, self._nq, self._shape, self._pose, self._revolute.work)
+            self._revolute.query(sine, table, row)
+        else:
+            _kernels.journal_state(self._block, 0, y, self._nq, self._pose)
+            if self._planar is not None:
+                self._planar.query(float(self._pose[0]), float(self._pose[1]), table, row)
+            else:
+                _kernels.contact_geometry(self._block, 0, self._pose, table, row)
+        if not self.joint.compiled:
+            _kernels.contact_rates(self._block, 0, self._pose, table, row)
+            self._apply_laws(memory, table)
+
+    def _apply_laws(self, memory: Array, table: Array) -> None:
+        friction = self.joint.friction
+        for k, law in enumerate(self.joint.normal_laws):
+            r = self._row + k
+            table[r, _kernels.FORCE : _kernels.ELASTIC + 1] = 0.0
+            depth = -table[r, 0]
+            if memory[r, _kernels.TOUCHING] == 0.0 or depth <= 0.0:
+                continue
+            force = max(0.0, law.force(depth, table[r, _kernels.RATE], memory[r, _kernels.APPROACH]))
+            slip = table[r, _kernels.SLIP : _kernels.SLIP + 3]
+            speed = float(np.linalg.norm(slip))
+            table[r, _kernels.FORCE] = force
+            table[r, _kernels.ELASTIC] = law.elastic_force(depth)
+            if speed > 0.0:
+                table[r, _kernels.FRICTION : _kernels.FRICTION + 3] = (
+                    -friction.coefficient(speed) * force / speed * slip
+                )

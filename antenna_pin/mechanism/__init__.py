@@ -1,0 +1,22 @@
+"""From a URDF and its variants to a Pinocchio model."""
+
+from antenna_pin.mechanism.changes import JOINT_VARIANTS, JointChange, JointVariant, LinkChange, ShapeChange
+from antenna_pin.mechanism.frames import frame_aligning_z, roll_pitch_yaw
+from antenna_pin.mechanism.model import Base, JointKind, JointSlot, Mechanism, build_mechanism
+from antenna_pin.mechanism.urdf import Urdf
+
+__all__ = [
+    "JOINT_VARIANTS",
+    "Base",
+    "JointChange",
+    "JointKind",
+    "JointSlot",
+    "JointVariant",
+    "LinkChange",
+    "Mechanism",
+    "ShapeChange",
+    "Urdf",
+    "build_mechanism",
+    "frame_aligning_z",
+    "roll_pitch_yaw",
+]

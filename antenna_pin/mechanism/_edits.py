@@ -1,0 +1,218 @@
+"""Changes to the XML of a URDF, each in place; all else (comments, colours, other tools' tags) is kept.
+
+A comment right behind an element, on its line, says where its numbers come from. It goes when they go, and a
+changed element says what it was.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+from lxml import etree
+
+from antenna_pin.errors import MechanismError, UnknownNameError
+from antenna_pin.mechanism._xml import MOMENTS, SHAPES
+from antenna_pin.mechanism.changes import JointChange, JointVariant, LinkChange, ShapeChange
+from antenna_pin.mechanism.frames import Matrix3, Vector3, frame_aligning_z, roll_pitch_yaw
+
+_HINGES = ("revolute", "continuous")
+
+
+def plane_names(joint: str) -> tuple[str, str]:
+    """Return the names of the massless link and the fixed joint that a joint made planar is written with."""
+    return f"{joint}_plane", f"{joint}_plane_mount"
+
+
+def change_link(robot: Any, name: str, change: LinkChange, where: str) -> None:
+    """Write new inertial properties and dimensions into a link."""
+    link = _named(robot, "link", name)
+    if (change.mass, change.inertia, change.centre_of_mass) != (None, None, None):
+        _change_inertial(link, change, where)
+    shapes = [shape for tag in ("visual", "collision") for shape in link.findall(tag)]
+    for shape_name, shape_change in change.shapes.items():
+        same = [shape for shape in shapes if shape.get("name") == shape_name]
+        if not same:
+            known = {shape.get("name") for shape in shapes if shape.get("name")}
+            raise UnknownNameError(f"{where}: link {name!r}", "shape", shape_name, known)
+        for shape in same:
+            _change_shape(shape, shape_change, f"{where}: link {name!r}: shape {shape_name!r}")
+
+
+def change_joint(robot: Any, name: str, change: JointChange, where: str) -> None:
+    """Write a new origin and axis into a joint."""
+    joint = _named(robot, "joint", name)
+    origin = {"xyz": change.origin_xyz, "rpy": change.origin_rpy}
+    if any(origin.values()):
+        _set(_child(joint, "origin"), origin)
+    if change.axis is not None:
+        if joint.get("type") == "fixed":
+            raise MechanismError(
+                f"{where}: joint {name!r} is fixed and has no axis to change, got {change.axis}"
+            )
+        _set(_child(joint, "axis"), {"xyz": change.axis})
+
+
+def vary_joint(
+    robot: Any, name: str, variant: JointVariant, axis: Vector3, origin: Matrix3, where: str
+) -> None:
+    """Make a joint ideal, free, locked or planar.
+
+    Args:
+        robot: Root element, changed in place.
+        name: The joint.
+        variant: What to make of it.
+        axis: (3,) its axis in its own frame [-].
+        origin: (3, 3) orientation of its frame in the parent link [-].
+        where: Name of the file, for messages.
+    """
+    joint = _named(robot, "joint", name)
+    kind = joint.get("type")
+    if variant == "ideal":
+        if kind in ("floating", "planar"):
+            raise MechanismError(
+                f"{where}: joint {name!r} is {kind} and has no ideal form to keep; "
+                "start from the URDF where it is a hinge"
+            )
+        return
+    if variant in ("free", "planar") and kind not in _HINGES:
+        raise MechanismError(
+            f"{where}: joint {name!r} is {kind}; only a revolute or continuous joint can be made {variant}, "
+            "for its axis is the bearing's"
+        )
+    for tag in ("limit", "dynamics", "safety_controller", "calibration"):
+        for element in joint.findall(tag):
+            _remove(element)
+    if variant == "locked":
+        joint.set("type", "fixed")
+    elif variant == "free":
+        joint.set("type", "floating")  # keeps <axis>, which says where the bearing's axis is
+    else:
+        _make_planar(robot, joint, axis, origin, where)
+    if kind != joint.get("type"):
+        note = etree.Comment(f" antenna_pin: {variant}; was {kind} ")
+        note.tail = joint.text
+        joint.insert(0, note)
+
+
+def relocate_meshes(robot: Any, resolve: Any) -> None:
+    """Give every mesh the file name that ``resolve(filename) -> str`` returns."""
+    for mesh in robot.iter("mesh"):
+        mesh.set("filename", resolve(mesh.get("filename")))
+
+
+def _make_planar(robot: Any, joint: Any, axis: Vector3, origin: Matrix3, where: str) -> None:
+    """Turn the joint frame so that z is its axis, and turn back behind a massless link.
+
+    The fixed joint keeps the axis as it was, in the axes of the frame as it was: a reader finds both again.
+    """
+    link_name, mount_name = plane_names(joint.get("name"))
+    for kind, new in (("link", link_name), ("joint", mount_name)):
+        if any(element.get("name") == new for element in robot.findall(kind)):
+            raise MechanismError(
+                f"{where}: {kind} name {new!r} is needed to make a joint planar; rename yours"
+            )
+    rotation = frame_aligning_z(axis)
+    child = joint.find("child").get("link")
+    joint.set("type", "planar")
+    joint.find("child").set("link", link_name)
+    _set(_child(joint, "origin"), {"rpy": roll_pitch_yaw(origin @ rotation)})
+    _set(_child(joint, "axis"), {"xyz": (0.0, 0.0, 1.0)})
+    link = etree.Element("link", name=link_name)
+    mount = etree.Element("joint", name=mount_name, type="fixed")
+    etree.SubElement(mount, "parent", link=link_name)
+    etree.SubElement(mount, "child", link=child)
+    etree.SubElement(mount, "origin", xyz=_text((0.0, 0.0, 0.0)), rpy=_text(roll_pitch_yaw(rotation.T)))
+    etree.SubElement(mount, "axis", xyz=_text(axis))
+    etree.indent(mount, level=1)
+    for element in (mount, link):
+        element.tail = joint.tail
+        joint.addnext(element)
+
+
+def _change_inertial(link: Any, change: LinkChange, where: str) -> None:
+    inertial = link.find("inertial")
+    if inertial is None:
+        if change.mass is None or change.inertia is None:
+            raise MechanismError(
+                f"{where}: link {link.get('name')!r} has no <inertial>: "
+                "an override must give both mass and inertia"
+            )
+        inertial = _child(link, "inertial")
+    if change.centre_of_mass is not None:
+        _set(_child(inertial, "origin"), {"xyz": change.centre_of_mass})
+    if change.mass is not None:
+        _set(_child(inertial, "mass"), {"value": (change.mass,)})
+    if change.inertia is not None:
+        values = (*change.inertia, 0.0, 0.0, 0.0)
+        _set(
+            _child(inertial, "inertia"), {key: (value,) for key, value in zip(MOMENTS, values, strict=False)}
+        )
+
+
+def _change_shape(shape: Any, change: ShapeChange, place: str) -> None:
+    geometry = next(child for child in shape.find("geometry") if isinstance(child.tag, str))
+    known = SHAPES[geometry.tag]
+    new: dict[str, Iterable[float] | None] = {"size": change.size}
+    for key, value in (("radius", change.radius), ("length", change.length)):
+        new[key] = None if value is None else (value,)
+    for key in new:
+        if new[key] is not None and key not in known:
+            has = ", ".join(known) or "only its file; make another one"
+            raise MechanismError(f"{place}: a {geometry.tag} has no {key} to change; it has {has}")
+    _set(geometry, new)
+
+
+def _named(robot: Any, kind: str, name: str) -> Any:
+    return next(element for element in robot.findall(kind) if element.get("name") == name)
+
+
+def _child(element: Any, tag: str) -> Any:
+    """Return the child of that tag, made where there is none."""
+    child = element.find(tag)
+    if child is None:
+        child = etree.SubElement(element, tag)
+        before = child.getprevious()
+        if before is not None:  # keep the text as it was laid out
+            child.tail, before.tail = before.tail, element.text
+    return child
+
+
+def _set(element: Any, new: Mapping[str, Iterable[float] | None]) -> None:
+    """Write the numbers that are given into attributes, and what they were into the comment behind."""
+    was = []
+    for key, values in new.items():
+        if values is not None:
+            was.append(f'{key}="{element.get(key)}"' if key in element.attrib else f"without {key}")
+            element.set(key, _text(values))
+    if was:
+        _remove_remark(element)
+        remark = etree.Comment(f" antenna_pin: was {' '.join(was)} ")
+        remark.tail, element.tail = element.tail, " "
+        element.addnext(remark)
+
+
+def _remove_remark(element: Any) -> None:
+    """Take out the comment behind an element on its line, if there is one."""
+    after = element.getnext()
+    if after is not None and after.tag is etree.Comment and "\n" not in (element.tail or ""):
+        element.tail = after.tail
+        after.tail = None
+        element.getparent().remove(after)
+
+
+def _remove(element: Any) -> None:
+    """Take an element and its remark out and leave the layout of the text."""
+    _remove_remark(element)
+    before, parent = element.getprevious(), element.getparent()
+    if before is not None:
+        before.tail = element.tail
+    else:
+        parent.text = element.tail
+    parent.remove(element)
+
+
+def _text(values: Iterable[float] | Vector3) -> str:
+    """Return numbers as text that reads back to the same bits."""
+    return " ".join(repr(float(value)) for value in np.asarray(tuple(values), dtype=np.float64) + 0.0)

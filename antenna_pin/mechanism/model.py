@@ -1,0 +1,190 @@
+"""A URDF as a Pinocchio model with its joints and bodies by name."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+import pinocchio as pin
+
+from antenna_pin.errors import InvalidParameterError, MechanismError, UnknownNameError
+from antenna_pin.mechanism._checks import rigid_groups
+from antenna_pin.mechanism._edits import plane_names
+from antenna_pin.mechanism.frames import Matrix3, Vector3, frame_aligning_z
+from antenna_pin.mechanism.urdf import Urdf
+
+__all__ = ["Base", "JointKind", "JointSlot", "Mechanism", "build_mechanism"]
+
+Base = Literal["free", "fixed"]
+
+JointKind = Literal["revolute", "continuous", "prismatic", "floating", "planar", "spherical"]
+"""As URDF calls them; ``spherical`` is for models that do not come from one.
+
+Sizes (nq, nv): revolute and prismatic (1, 1); continuous (2, 1) with q = (cos, sin); floating (7, 6) with
+q = (x, y, z, quaternion xyzw); planar (4, 3) with q = (x, y, cos, sin)."""
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class JointSlot:
+    """Where a moving joint sits in the state, and which way its axis points.
+
+    Two frames are told apart. The *URDF frame* is the joint's frame in the ideal URDF; the *joint frame* is
+    Pinocchio's, which ``q``, ``v`` and ``tau`` refer to. They differ by ``frame_rotation`` at a planar joint
+    and are the same at others.
+
+    Attributes:
+        name: The URDF joint.
+        kind: What it is in this variant.
+        joint_id: Index in Pinocchio's lists of joints.
+        q: Its part of the configuration.
+        v: Its part of the generalized velocity and force.
+        axis: (3,) unit, in the URDF frame [-]. Of a floating joint: the axis it had as a hinge.
+        frame_rotation: (3, 3), the joint frame's axes in the URDF frame [-]: ``frame_aligning_z(axis)`` at a
+            hinge made planar, whose joint frame has z along the axis; the identity at others.
+    """
+
+    name: str
+    kind: JointKind
+    joint_id: int
+    q: slice
+    v: slice
+    axis: Vector3
+    frame_rotation: Matrix3
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Mechanism:
+    """A Pinocchio model of a URDF variant.
+
+    The model is not to be altered; each run makes its own ``pin.Data``. Links joined by fixed joints are one
+    body, whose inertia Pinocchio sums up at the joint that moves it; every link keeps a frame of its own (see
+    :meth:`frame`).
+
+    Attributes:
+        name: Of the URDF's robot.
+        model: ``pin.Model``, gravity set.
+        urdf: The variant it was built from.
+        base: ``free`` (six degrees of freedom first in ``q`` and ``v``, named root_joint in the model) or
+            ``fixed``.
+        joints: The moving joints in the model's order, without the free base.
+        base_body: Name of the body that is the base.
+        bodies: Names of the moving bodies in the model's order, so body ``i`` is moved by joint ``i + 1``; a
+            free base comes first. A body bears the name of its first link that has an inertial.
+    """
+
+    name: str
+    model: Any
+    urdf: Urdf
+    base: Base
+    joints: dict[str, JointSlot]
+    base_body: str
+    bodies: tuple[str, ...]
+
+    def joint(self, name: str) -> JointSlot:
+        """Return a moving joint by name."""
+        try:
+            return self.joints[name]
+        except KeyError:
+            raise UnknownNameError(f"mechanism {self.name!r}", "moving joint", name, self.joints) from None
+
+    def frame(self, link: str) -> int:
+        """Return the index of a link's frame in the model.
+
+        The joint ``frames[index].parentJoint`` moves it, and ``frames[index].placement`` is its place in that
+        joint's frame, also for links that fixed joints make part of another body.
+        """
+        self.urdf.link(link)
+        return int(self.model.getFrameId(link, pin.FrameType.BODY))
+
+    @property
+    def base_q(self) -> slice:
+        """Free base in ``q``: position [m] and attitude (quaternion xyzw) in the world; empty if fixed."""
+        return slice(0, 7 if self.base == "free" else 0)
+
+    @property
+    def base_v(self) -> slice:
+        """Free base in ``v``: its twist in its own axes [m/s, rad/s]; empty if fixed."""
+        return slice(0, 6 if self.base == "free" else 0)
+
+
+def build_mechanism(urdf: Urdf, base: Base = "free", gravity: Sequence[float] = (0.0, 0.0, 0.0)) -> Mechanism:
+    """Build the Pinocchio model of a URDF.
+
+    Args:
+        urdf: The variant to build.
+        base: ``free`` lets the root link float in the world, ``fixed`` holds it there.
+        gravity: (3,) in world axes [m/s^2].
+    """
+    if base not in ("free", "fixed"):
+        raise InvalidParameterError("build_mechanism", "base", "'free' or 'fixed'", base)
+    acceleration = np.array(gravity, dtype=np.float64)
+    if acceleration.shape != (3,) or not np.all(np.isfinite(acceleration)):
+        raise InvalidParameterError("build_mechanism", "gravity", "three finite numbers [m/s^2]", gravity)
+    groups = rigid_groups(urdf.robot)
+    if base == "free" and all(link.inertial is None for link in groups[urdf.root]):
+        raise MechanismError(
+            f"{urdf.where}: root link {urdf.root!r} must have an <inertial> to float freely, got none; "
+            "give it one, or take base = 'fixed'"
+        )
+    try:
+        model = pin.buildModelFromXML(
+            urdf.to_xml(), *((pin.JointModelFreeFlyer(),) if base == "free" else ())
+        )
+    except ValueError as error:
+        raise MechanismError(
+            f"{urdf.where}: Pinocchio cannot read this URDF: {' '.join(str(error).split())}"
+        ) from error
+    if model.nv == 0:
+        raise MechanismError(f"{urdf.where}: nothing moves: the base is fixed and so is every joint")
+    _check_mass(model, urdf)
+    model.gravity = pin.Motion(acceleration, np.zeros(3))
+    bodies = {first: _body_name(group) for first, group in groups.items()}
+    first_links = {joint.name: joint.child for joint in urdf.robot.joints} | {"root_joint": urdf.root}
+    moving = list(model.names)[1:]
+    return Mechanism(
+        name=urdf.name,
+        model=model,
+        urdf=urdf,
+        base=base,
+        joints={name: _slot(model, urdf, name) for name in moving if name != "root_joint"},
+        base_body=bodies[urdf.root],
+        bodies=tuple(bodies[first_links[name]] for name in moving),
+    )
+
+
+def _slot(model: Any, urdf: Urdf, name: str) -> JointSlot:
+    joint_id = int(model.getJointId(name))
+    q, v = int(model.idx_qs[joint_id]), int(model.idx_vs[joint_id])
+    kind: JointKind = urdf.joint(name).type
+    axis, rotation = urdf.axis(name), np.eye(3)
+    link, mount = plane_names(name)
+    if kind == "planar" and any(j.name == mount and j.parent == link for j in urdf.robot.joints):
+        axis = urdf.axis(mount)  # written in the axes of the frame as it was
+        rotation = frame_aligning_z(axis)
+    for array in (axis, rotation):
+        array.setflags(write=False)
+    return JointSlot(
+        name=name,
+        kind=kind,
+        joint_id=joint_id,
+        q=slice(q, q + int(model.nqs[joint_id])),
+        v=slice(v, v + int(model.nvs[joint_id])),
+        axis=axis,
+        frame_rotation=rotation,
+    )
+
+
+def _body_name(group: list[Any]) -> str:
+    return str(next((link.name for link in group if link.inertial is not None), group[0].name))
+
+
+def _check_mass(model: Any, urdf: Urdf) -> None:
+    """Pinocchio's parser drops an inertial that it cannot read and goes on; the total mass tells."""
+    mass = sum(inertia.mass for inertia in model.inertias)
+    expected = sum(link.inertial.mass for link in urdf.robot.links if link.inertial is not None)
+    if not abs(mass - expected) <= 1e-12 * expected:  # round-off of a sum
+        raise MechanismError(
+            f"{urdf.where}: Pinocchio reads a total mass of {mass:g} kg, the URDF has {expected:g} kg"
+        )

@@ -1,0 +1,227 @@
+"""A URDF that is a mechanism, and the variants of it that a scenario asks for.
+
+yourdfpy reads the numbers. A variant is made on the XML itself rather than on yourdfpy's objects, because
+their writer leaves out comments (a shipped model keeps the source of each number there), gazebo and
+transmission tags and parts of joints; each variant is then read and checked again like any other file.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import os
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import yourdfpy
+
+from antenna_pin.errors import MechanismError, OutputError, UnknownNameError
+from antenna_pin.mechanism import _checks, _edits, _xml
+from antenna_pin.mechanism.changes import JOINT_VARIANTS, JointChange, JointVariant, LinkChange
+from antenna_pin.mechanism.frames import Vector3
+
+__all__ = ["Urdf"]
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Urdf:
+    """A URDF that was checked to be a mechanism: one tree of bodies that can exist.
+
+    It is its text and nothing else, so writing it and reading it again gives the same mechanism. At
+    construction it refuses XML that is not well-formed; missing, repeated or unknown names; loops and several
+    roots; masses that are not positive; inertias that no body can have; axes of no length; mimic joints;
+    links that move without an inertial.
+
+    Position limits of joints are not simulated, nor are their damping and friction (see
+    :attr:`not_simulated`).
+
+    Attributes:
+        text: The XML.
+        where: What messages call it, such as its file name.
+        folder: Where relative mesh file names start; None if that is unknown.
+        allow_impossible_inertia: Links whose inertia may break the triangle rule.
+        robot: The same as yourdfpy's objects (``yourdfpy.Robot``), to be read only.
+    """
+
+    text: str
+    where: str
+    folder: Path | None = None
+    allow_impossible_inertia: tuple[str, ...] = ()
+    robot: Any = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        """Read and check."""
+        _xml.read(self.text.encode(), self.where, "utf-8")
+        try:
+            robot = yourdfpy.URDF.load(
+                io.BytesIO(self.text.encode()), build_scene_graph=False, load_meshes=False
+            ).robot
+        except Exception as error:  # yourdfpy lets through whatever its converters raise
+            raise MechanismError(f"{self.where}: yourdfpy cannot read this URDF: {error}") from error
+        object.__setattr__(self, "robot", robot)
+        _checks.check(robot, self.where, self.allow_impossible_inertia)
+
+    @classmethod
+    def load(cls, path: str | Path, allow_impossible_inertia: Iterable[str] = ()) -> Urdf:
+        """Read a URDF file; meshes are not read.
+
+        Args:
+            path: The file.
+            allow_impossible_inertia: Names of links whose inertia may break the triangle rule.
+        """
+        path = Path(path)
+        try:
+            data = path.read_bytes()
+        except OSError as error:
+            raise MechanismError(f"{path}: cannot be read: {error.strerror}") from error
+        text = _xml.write(_xml.read(data, path.name))
+        return cls.from_text(text, path.name, allow_impossible_inertia, path.parent.absolute())
+
+    @classmethod
+    def from_text(
+        cls,
+        text: str,
+        where: str,
+        allow_impossible_inertia: Iterable[str] = (),
+        folder: str | Path | None = None,
+    ) -> Urdf:
+        """Read a URDF from its text.
+
+        Args:
+            text: The XML.
+            where: What messages call it.
+            allow_impossible_inertia: Names of links whose inertia may break the triangle rule.
+            folder: Where relative mesh file names start.
+        """
+        return cls(
+            text=_xml.write(_xml.read(text.encode(), where, "utf-8")),
+            where=where,
+            folder=None if folder is None else Path(folder),
+            allow_impossible_inertia=tuple(allow_impossible_inertia),
+        )
+
+    @property
+    def name(self) -> str:
+        """Name of the robot element."""
+        return str(self.robot.name)
+
+    @property
+    def root(self) -> str:
+        """Name of the link that is nobody's child."""
+        return _checks.root_link(self.robot)
+
+    @property
+    def not_simulated(self) -> tuple[str, ...]:
+        """One line for each joint's damping or friction that a mechanism leaves out; empty is good."""
+        return tuple(
+            f"{self.where}: joint {joint.name!r}: <dynamics> {name}={value} is not simulated; "
+            "give a spring's damping or a clearance's friction in the scenario"
+            for joint in self.robot.joints
+            if joint.dynamics is not None and joint.type != "fixed"
+            for name, value in (("damping", joint.dynamics.damping), ("friction", joint.dynamics.friction))
+            if value is not None and float(value) != 0.0
+        )
+
+    def link(self, name: str) -> Any:
+        """Return a link as yourdfpy's object (``yourdfpy.Link``), to be read only."""
+        return self._named("link", self.robot.links, name)
+
+    def joint(self, name: str) -> Any:
+        """Return a joint as yourdfpy's object (``yourdfpy.Joint``), to be read only."""
+        return self._named("joint", self.robot.joints, name)
+
+    def axis(self, joint: str) -> Vector3:
+        """Return the unit axis (3,) of a joint in its own frame [-]; URDF's x where the file says nothing."""
+        axis = np.asarray(self.joint(joint).axis, dtype=np.float64)
+        axis = axis / np.abs(axis).max()  # first, so that no length overflows or underflows
+        return np.asarray(axis / np.linalg.norm(axis))
+
+    def placement(self, joint: str) -> npt.NDArray[np.float64]:
+        """Return the (4, 4) placement of a joint's frame in its parent link [-, m]."""
+        origin = self.joint(joint).origin
+        return np.eye(4) if origin is None else np.array(origin, dtype=np.float64)
+
+    def variant(
+        self,
+        joints: Mapping[str, JointVariant] | None = None,
+        links: Mapping[str, LinkChange] | None = None,
+        origins: Mapping[str, JointChange] | None = None,
+    ) -> Urdf:
+        """Return a changed copy, checked like any URDF.
+
+        Link frames stay where they are: in the centred pose every body of a variant is where it is in the
+        ideal mechanism.
+
+        - ``ideal`` keeps the joint as it is written.
+        - ``free`` makes a hinge ``floating``, six degrees of freedom. Its ``<axis>`` stays, as the bearing's.
+        - ``locked`` makes it ``fixed``, at its zero position.
+        - ``planar`` lets a hinge move in the plane normal to its axis and turn about it. The joint frame is
+          turned to have ``z`` along the axis, since Pinocchio takes no other; a massless link
+          ``<joint>_plane`` and the fixed joint ``<joint>_plane_mount`` turn back, so the child link's frame
+          does not change.
+
+        Args:
+            joints: What to make of joints, by name.
+            links: New inertial properties and shapes, by link.
+            origins: New places and axes of joints, applied before ``joints``.
+        """
+        robot = _xml.read(self.text.encode(), self.where, "utf-8")
+        for name, link_change in (links or {}).items():
+            self.link(name)
+            _edits.change_link(robot, name, link_change, self.where)
+        for name, joint_change in (origins or {}).items():
+            self.joint(name)
+            _edits.change_joint(robot, name, joint_change, self.where)
+        moved = replace(self, text=_xml.write(robot))
+        for name, kind in (joints or {}).items():
+            self.joint(name)
+            if kind not in JOINT_VARIANTS:
+                raise UnknownNameError(f"{self.where}: joint {name!r}", "kind", str(kind), JOINT_VARIANTS)
+            _edits.vary_joint(robot, name, kind, moved.axis(name), moved.placement(name)[:3, :3], self.where)
+        return replace(self, text=_xml.write(robot))
+
+    def to_xml(self) -> str:
+        """Return the XML; mesh file names are as they were written."""
+        return self.text
+
+    def write(self, path: str | Path) -> None:
+        """Write the XML to a file, complete or not at all.
+
+        A relative mesh file that exists is named by its absolute path where the file goes to another folder,
+        so that other tools find it.
+
+        Args:
+            path: The file, replaced if it exists.
+        """
+        path = Path(path)
+        temporary = path.parent / f".{path.name}.{os.getpid()}.tmp"
+        try:
+            temporary.write_text(self._text_for(path.parent), encoding="utf-8")
+            temporary.replace(path)
+        except OSError as error:
+            with contextlib.suppress(OSError):
+                temporary.unlink()
+            raise OutputError(f"{path}: cannot be written: {error.strerror}") from error
+
+    def _text_for(self, folder: Path) -> str:
+        if self.folder is None or self.folder.resolve() == folder.resolve():
+            return self.text
+        start = self.folder
+
+        def resolve(filename: str) -> str:
+            mesh = start / filename
+            return str(mesh.resolve()) if "://" not in filename and mesh.is_file() else filename
+
+        robot = _xml.read(self.text.encode(), self.where, "utf-8")
+        _edits.relocate_meshes(robot, resolve)
+        return _xml.write(robot)
+
+    def _named(self, kind: str, elements: list[Any], name: str) -> Any:
+        for element in elements:
+            if element.name == name:
+                return element
+        raise UnknownNameError(self.where, kind, name, (element.name for element in elements))

@@ -1,0 +1,137 @@
+"""What a figure needs to know of a run: its label, its samples, whether its joint is ideal."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, TypeAlias
+
+import numpy as np
+import xarray as xr
+
+from antenna_pin.errors import FileFormatError, InvalidParameterError, UnknownNameError
+from antenna_pin.plot._style import Array
+
+if TYPE_CHECKING:
+    from antenna_pin.trajectory import Trajectory
+
+Run: TypeAlias = "Trajectory | tuple[str, xr.Dataset]"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LabelledRun:
+    """A run as the figures see it.
+
+    Attributes:
+        label: Name in legends.
+        data: The samples.
+    """
+
+    label: str
+    data: xr.Dataset
+
+    @property
+    def ideal(self) -> bool:
+        """True where no joint has contact, so the run is the one that others are compared with."""
+        return self.data.sizes.get("contact", 0) == 0
+
+    @property
+    def legend(self) -> str:
+        """The label as legends print it."""
+        return f"{self.label} (ideal)" if self.ideal else self.label
+
+    @property
+    def time(self) -> Array:
+        """Sample times [s], (n,)."""
+        return np.asarray(self.data["time"].values, dtype=float)
+
+    @property
+    def clearance_joints(self) -> list[str]:
+        """Names of the joints with clearance."""
+        return _names(self.data, "clearance_joint")
+
+    @property
+    def joints(self) -> list[str]:
+        """Names of the joints whose motion is recorded."""
+        return _names(self.data, "joint")
+
+    @property
+    def contacts(self) -> list[str]:
+        """Names of the contacts, such as ``elevation.radial+``."""
+        return _names(self.data, "contact")
+
+    def values(self, name: str, **where: str) -> Array:
+        """Return a variable as floats, at the labels given."""
+        if name not in self.data:
+            raise FileFormatError(f"run {self.label}: no variable {name!r}; is it an antenna_pin result?")
+        picked = self.data[name].sel(where) if where else self.data[name]
+        return np.asarray(picked.values, dtype=float)
+
+    def unit(self, name: str, default: str) -> str:
+        """Return the unit of a variable."""
+        return str(self.data[name].attrs.get("units", default)) if name in self.data else default
+
+
+def labelled(runs: Iterable[Run] | Run) -> list[LabelledRun]:
+    """Return runs with labels that tell them apart; a run whose label is taken gets a number.
+
+    Raises:
+        InvalidParameterError: If there is no run, or none that holds two samples.
+    """
+    if isinstance(runs, tuple) and len(runs) == 2 and isinstance(runs[0], str):
+        runs = [runs]  # one pair, not a list of runs
+    elif hasattr(runs, "data"):
+        runs = [runs]
+    result: list[LabelledRun] = []
+    for number, run in enumerate(runs, start=1):
+        label, data = run if isinstance(run, tuple) else (str(run.data.attrs.get("case") or ""), run.data)
+        label = label or f"run {number}"
+        taken = [other.label for other in result]
+        copies = sum(name == label or name.startswith(f"{label} (") for name in taken)
+        result.append(LabelledRun(f"{label} ({copies + 1})" if copies else label, data))
+    if not result:
+        raise InvalidParameterError("figure", "runs", "at least one run", "none")
+    if all(run.time.size < 2 for run in result):
+        ends = ", ".join(
+            f"{run.label} ({run.data.attrs.get('outcome', 'unknown outcome')})" for run in result
+        )
+        raise InvalidParameterError(
+            "figure", "runs", "at least one run of two samples or more", f"single samples from {ends}"
+        )
+    return result
+
+
+def too_short(runs: Sequence[LabelledRun]) -> str:
+    """Return a note naming the runs that are too short to be lines, or nothing."""
+    names = [run.label for run in runs if run.time.size < 2]
+    return f"not drawn, one sample only: {', '.join(names)}" if names else ""
+
+
+def choose_joint(runs: Sequence[LabelledRun], joint: str | None) -> str:
+    """Return the joint to draw: the one asked for, or the first with clearance, or the first."""
+    known = list(dict.fromkeys(name for run in runs for name in run.joints))
+    if joint is not None:
+        if joint not in known:
+            raise UnknownNameError("figure", "joint", joint, known)
+        return joint
+    for run in runs:
+        for name in (*run.clearance_joints, *_clearances_of_scenario(run.data)):
+            if name in known:
+                return name
+    if not known:
+        raise FileFormatError("figure: the runs record no joint's motion; are they antenna_pin results?")
+    return known[0]
+
+
+def _clearances_of_scenario(data: xr.Dataset) -> list[str]:
+    """Return the joints that the scenario describes a clearance for, though this case may have it ideal."""
+    try:
+        return list(json.loads(data.attrs["scenario"])["clearance"])
+    except (KeyError, TypeError, ValueError):
+        return []
+
+
+def _names(data: xr.Dataset, dimension: str) -> list[str]:
+    """Return the labels along a dimension."""
+    return [str(name) for name in data[dimension].values] if dimension in data.coords else []

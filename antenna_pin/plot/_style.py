@@ -1,0 +1,252 @@
+"""How every figure looks: widths, type sizes, colours, scales. The one place to change it.
+
+Sizes are final: a figure is drawn at the width it is printed at, so its type is 7 to 8 points on paper.
+Colours are those of Okabe and Ito, which people with any of the common kinds of colour blindness tell apart;
+the ideal joint is always black and dashed.
+"""
+
+from __future__ import annotations
+
+import functools
+import itertools
+import math
+import string
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from typing import Any, Literal, ParamSpec, TypeVar
+
+import matplotlib
+import numpy as np
+import numpy.typing as npt
+from cycler import cycler
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullLocator
+
+from antenna_pin.errors import UnknownNameError
+
+Width = Literal["column", "page"]
+Array = npt.NDArray[np.float64]
+
+_MILLIMETRE = 1.0 / 25.4  # [inch]
+WIDTHS: dict[str, float] = {"column": 88.0 * _MILLIMETRE, "page": 180.0 * _MILLIMETRE}
+
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
+IDEAL: dict[str, Any] = {"color": "black", "linestyle": (0, (4, 1.5)), "linewidth": 0.9, "zorder": 5}
+SHADE = "#E6E6E6"
+PEAK = "#D55E00"
+
+RC: Any = {  # Any: the stubs want one literal type for every setting
+    "font.size": 7.5,
+    "font.family": "DejaVu Sans",  # comes with Matplotlib, so figures look alike everywhere
+    "axes.titlesize": 7.5,
+    "axes.labelsize": 7.5,
+    "xtick.labelsize": 7.0,
+    "ytick.labelsize": 7.0,
+    "legend.fontsize": 7.0,
+    "figure.titlesize": 8.0,
+    "legend.frameon": False,
+    "legend.handlelength": 1.8,
+    "legend.columnspacing": 1.4,
+    "axes.linewidth": 0.6,
+    "axes.titlelocation": "left",
+    "axes.titlepad": 4.0,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.xmargin": 0.0,
+    "axes.formatter.useoffset": False,
+    "axes.prop_cycle": cycler(color=COLOURS),
+    "grid.color": "#DDDDDD",
+    "grid.linewidth": 0.4,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "lines.linewidth": 0.9,
+    "lines.solid_joinstyle": "round",
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "xtick.direction": "out",
+    "savefig.dpi": 300,
+    "figure.dpi": 150,
+    "pdf.fonttype": 42,  # text stays text
+    "svg.fonttype": "none",
+    "svg.hashsalt": "antenna_pin",  # the same figure gives the same file
+    "path.simplify": True,
+    "agg.path.chunksize": 20000,
+}
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+
+def styled(function: Callable[P, R]) -> Callable[P, R]:
+    """Draw with this style, and leave the caller's Matplotlib settings as they were."""
+
+    @functools.wraps(function)
+    def wrapper(*args: P.args, **kwargs: P.kwargs) -> R:
+        with matplotlib.rc_context(RC):
+            return function(*args, **kwargs)
+
+    return wrapper
+
+
+def new_figure(width: str, height: float) -> Figure:
+    """Return an empty figure of a named width and a height [mm]."""
+    if width not in WIDTHS:
+        raise UnknownNameError("figure", "width", width, WIDTHS)
+    figure = Figure(figsize=(WIDTHS[width], height * _MILLIMETRE), layout="constrained")
+    # Neighbours' outermost tick labels must not run into each other.
+    figure.set_layout_engine("constrained", w_pad=1.4 * _MILLIMETRE, h_pad=1.0 * _MILLIMETRE, wspace=0.02)
+    return figure
+
+
+def blocks(
+    runs: int, shared: Sequence[bool], width: str, height: float
+) -> tuple[Figure, list[list[Axes]], dict[Axes, str]]:
+    """Return a figure with one column of panels per run, in blocks of as many columns as the width takes.
+
+    Args:
+        runs: Number of runs.
+        shared: For each row of panels, whether all runs have the same value axis.
+        width: Named width.
+        height: Height of one panel with its labels [mm].
+
+    Returns:
+        The figure, its panels by row and run, and their letters in reading order.
+    """
+    columns = min(runs, 3 if width == "page" else 1)
+    stacked = -(-runs // columns)
+    rows = len(shared)
+    figure = new_figure(width, 12.0 + height * rows * stacked)
+    grid = figure.add_gridspec(rows * stacked, columns)
+    panels: list[list[Axes]] = []
+    for row, same in enumerate(shared):
+        line: list[Axes] = []
+        for run in range(runs):
+            place = grid[(run // columns) * rows + row, run % columns]
+            line.append(figure.add_subplot(place, sharey=line[0] if line and same else None))
+            line[-1].tick_params(labelleft=run % columns == 0 or not same)
+        panels.append(line)
+    every = [axes for line in panels for axes in line]
+    every.sort(key=lambda axes: axes.get_subplotspec().num1)  # type: ignore[union-attr]
+    return figure, panels, dict(zip(every, letters(), strict=False))
+
+
+def letters() -> Iterator[str]:
+    """Yield the letters of panels: a to z, then aa, ab, and so on."""
+    for size in itertools.count(1):
+        yield from ("".join(parts) for parts in itertools.product(string.ascii_lowercase, repeat=size))
+
+
+def legend_above(figure: Figure, panels: Iterable[Axes]) -> None:
+    """Put one legend for the given panels above the figure, each entry once, the ideal joint first."""
+    entries: dict[str, Any] = {}
+    for axes in panels:
+        for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
+            entries.setdefault(label, handle)
+    if not entries:
+        return
+    entries = dict(sorted(entries.items(), key=lambda entry: not entry[0].endswith("(ideal)")))
+    # A column takes its line (some 9 mm with the gaps) and at most 1.4 mm a letter.
+    room = figure.get_figwidth() / _MILLIMETRE
+    columns = max(1, int(room / (9.0 + 1.4 * max(map(len, entries)))))
+    rows = -(-len(entries) // columns)
+    figure.legend(
+        list(entries.values()),
+        list(entries),
+        loc="outside upper center",
+        ncols=-(-len(entries) // rows),  # rows of equal length
+    )
+
+
+def panel_title(axes: Axes, letter: str, text: str) -> None:
+    """Head a panel with its letter and what it shows."""
+    axes.set_title(rf"$\bf{{({letter})}}$ {text}" if letter else text)
+
+
+# --- units ---
+
+_PREFIXES = ((1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"), (1e-12, "p"))
+_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def unit_text(unit: str) -> str:
+    """Return a unit as it is printed: ``rad/s**2`` and ``rad/s^2`` become rad/s²."""
+    text = unit.replace("**", "^").replace("*", " ")
+    head, *powers = text.split("^")
+    for power in powers:
+        digits = 1 if power[:1] != "-" else 2
+        while digits < len(power) and power[digits].isdigit():
+            digits += 1
+        head += power[:digits].translate(_SUPERSCRIPTS) + power[digits:]
+    return head
+
+
+def prefixed(unit: str, largest: float) -> tuple[float, str]:
+    """Return the factor and the unit that bring values up to ``largest`` [unit] into a readable range."""
+    printed = unit_text(unit)
+    if not (math.isfinite(largest) and largest > 0.0) or printed in ("", "-"):
+        return 1.0, printed
+    for size, prefix in _PREFIXES:
+        # 1500 N reads better than 1.5 kN, and 0.25 rad than 250 mrad.
+        if largest >= (10.0 * size if size > 1.0 else 0.1 * size):
+            return 1.0 / size, prefix + printed
+    return 1.0, printed
+
+
+# --- scales ---
+
+
+def few_ticks(axes: Axes, x: int = 6, y: int = 5) -> None:
+    """Keep the number of ticks to what fits."""
+    steps = [1, 2, 5, 10]
+    axes.xaxis.set_major_locator(MaxNLocator(x, steps=steps))
+    if axes.get_yscale() == "linear":
+        axes.yaxis.set_major_locator(MaxNLocator(y, steps=steps))
+
+
+def _nice_above(value: float) -> float:
+    """Return the smallest of 1, 2, 5 times a power of ten that is at least ``value``."""
+    decade = 10.0 ** math.floor(math.log10(value))
+    return float(next(m * decade for m in (1.0, 2.0, 5.0, 10.0) if m * decade >= value * (1.0 - 1e-12)))
+
+
+def linear_then_log(axes: Sequence[Axes], core: float, largest: float) -> float | None:
+    """Keep small values legible beside spikes: linear up to a limit, logarithmic beyond it.
+
+    Nothing changes where ``largest`` is less than 10 times ``core``.
+
+    Args:
+        axes: The panels that share the scale.
+        core: Size of the values that must stay legible.
+        largest: Size of the spikes, same unit.
+
+    Returns:
+        The limit between the two parts, or None if the scale stays linear.
+    """
+    if not (core > 0.0 and math.isfinite(largest)) or largest < 10.0 * core:
+        return None
+    limit = _nice_above(1.2 * core)
+    top = 10.0 ** math.ceil(math.log10(largest))
+    decades = math.log10(top / limit)
+    first = math.ceil(math.log10(3.0 * limit))
+    powers = range(first, round(math.log10(top)) + 1, 1 if decades <= 3.5 else 2)
+    beyond = [10.0**k for k in powers]
+    ticks = [-t for t in reversed(beyond)] + [-limit, 0.0, limit] + beyond
+    for panel in axes:
+        panel.set_yscale("symlog", linthresh=limit, linscale=max(0.8 * decades, 0.8))
+        panel.yaxis.set_major_locator(FixedLocator(ticks))
+        panel.yaxis.set_minor_locator(NullLocator())
+        panel.yaxis.set_major_formatter(FuncFormatter(_plain_number))
+        for edge in (-limit, limit):
+            panel.axhline(edge, color="#999999", linewidth=0.6, linestyle=":", zorder=1.5)
+    return limit
+
+
+def _plain_number(value: float, _position: int | None = None) -> str:
+    """Return a tick label: plain up to a thousand, a power of ten beyond."""
+    size = abs(value)
+    if size >= 1e4 or (0.0 < size < 1e-2):
+        exponent = round(math.log10(size))
+        mantissa = size / 10.0**exponent
+        times = "" if abs(mantissa - 1.0) < 1e-9 else rf"{mantissa:g}\cdot"
+        return rf"${'-' if value < 0 else ''}{times}10^{{{exponent}}}$"
+    return f"{value:g}".replace("-", "\N{MINUS SIGN}")

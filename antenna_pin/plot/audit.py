@@ -1,0 +1,174 @@
+"""Energy and momentum audits of runs: where the work went, and by how little the books fail to close."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullLocator
+
+from antenna_pin.errors import InvalidParameterError
+from antenna_pin.plot._runs import LabelledRun, Run, labelled, too_short
+from antenna_pin.plot._style import (
+    COLOURS,
+    IDEAL,
+    Array,
+    Width,
+    blocks,
+    few_ticks,
+    legend_above,
+    new_figure,
+    panel_title,
+    prefixed,
+    styled,
+)
+
+# Below this an error is round-off of round-off; the logarithmic scale ends there.
+_FLOOR = 1e-18
+
+_STORED = (
+    ("drive_work", "work of the drives", "black"),
+    ("kinetic_energy", "kinetic energy", COLOURS[0]),
+    ("gravity_energy", "gravity", COLOURS[2]),
+    ("spring_energy", "joint springs", COLOURS[4]),
+    ("contact_energy", "elastic energy of the contacts", COLOURS[5]),
+)
+_LOST = (
+    ("dissipation_normal", "lost in normal contact", COLOURS[1]),
+    ("dissipation_friction", "lost in friction", COLOURS[3]),
+    ("dissipation_damper", "lost in joint dampers", COLOURS[2]),
+)
+
+
+@styled
+def figure_energy(runs: Iterable[Run] | Run, *, width: Width = "page") -> Figure:
+    """Return the energy ledger of each run: work and stored energy, losses, and the error of their balance.
+
+    The error is drawn relative to the drives' gross work over the run, the integral of the absolute power.
+
+    Args:
+        runs: Trajectories, or pairs of a label and a dataset.
+        width: "column" (88 mm) or "page" (180 mm).
+    """
+    every = labelled(runs)
+    drawn = [run for run in every if run.time.size > 1]
+    figure, grid, letter = blocks(len(drawn), [True] * 3, width, 38.0)
+    titles = ("energy", "losses", "balance error")
+    for row, parts in enumerate((_STORED, _LOST)):
+        books = [{entry[0]: _total(run, entry[0]) for entry in parts} for run in drawn]
+        largest = max(float(np.nanmax(np.abs(v), initial=0.0)) for book in books for v in book.values())
+        factor, printed = prefixed("J", largest)
+        for axes, run, book in zip(grid[row], drawn, books, strict=True):
+            for name, label, colour in parts:
+                if np.any(book[name]):
+                    style = {**IDEAL, "zorder": 3} if colour == "black" else {"color": colour}
+                    axes.plot(run.time, factor * book[name], label=label, **style)
+            if not any(np.any(v) for v in book.values()):
+                axes.axhline(0.0, color="#999999", linewidth=0.6)
+                axes.text(0.5, 0.6, "none", transform=axes.transAxes, ha="center")
+            axes.set_xlim(run.time[0], run.time[-1])
+            if axes.get_subplotspec().is_first_col():  # type: ignore[union-attr]
+                axes.set_ylabel(f"energy [{printed}]")
+            few_ticks(axes, 5)
+    for axes, run in zip(grid[2], drawn, strict=True):
+        gross = float(np.sum(run.values("drive_gross_work")[-1]))
+        reference = gross if gross > 0.0 else float(np.nanmax(_total(run, "kinetic_energy"), initial=0.0))
+        error = np.abs(run.values("energy_error")) / (reference or 1.0)
+        _log_line(axes, run, error, COLOURS[0], "")
+        if axes.get_subplotspec().is_first_col():  # type: ignore[union-attr]
+            axes.set_ylabel("error / gross work [-]")
+        axes.set_xlabel("time [s]")
+        few_ticks(axes, 5)
+    _share_decades(grid[2])
+    for panels, title in zip(grid, titles, strict=True):
+        for axes, run in zip(panels, drawn, strict=True):
+            panel_title(axes, letter[axes], f"{run.label}, {title}")
+    figure.align_ylabels()
+    legend_above(figure, figure.axes)
+    _note(figure, every)
+    return figure
+
+
+@styled
+def figure_momentum(runs: Iterable[Run] | Run, *, width: Width = "page") -> Figure:
+    """Return the drift of linear and angular momentum of all runs with a free base.
+
+    Drawn is the size of the change since the start over the largest sum, over the run, of the momentum
+    magnitudes of the bodies other than the base; the whole system's momentum is itself close to zero.
+
+    Args:
+        runs: Trajectories, or pairs of a label and a dataset.
+        width: "column" (88 mm) or "page" (180 mm).
+    """
+    every = labelled(runs)
+    drawn = [run for run in every if run.time.size > 1 and "base_position" in run.data]
+    if not drawn:
+        raise InvalidParameterError(
+            "figure", "runs", "at least one run with a free base", ", ".join(run.label for run in every)
+        )
+    page = width == "page"
+    figure = new_figure(width, 66.0 if page else 110.0)
+    panels = figure.subplots(1 if page else 2, 2 if page else 1, sharey=True, squeeze=False).ravel()
+    pairs = (("linear_momentum", "momentum_scale"), ("angular_momentum", "angular_momentum_scale"))
+    for letter, axes, (name, scale_name) in zip("ab", panels, pairs, strict=True):
+        for run, colour in zip(drawn, _colours(drawn), strict=True):
+            momentum = run.values(name)
+            scale = float(np.nanmax(run.values(scale_name), initial=0.0))
+            drift = np.linalg.norm(momentum - momentum[0], axis=1) / (scale or 1.0)
+            _log_line(axes, run, drift, colour, run.legend)
+        panel_title(axes, letter, name.replace("_", " "))
+        axes.set_xlabel("time [s]")
+        few_ticks(axes, 6)
+    for axes in panels[:1] if page else panels:
+        axes.set_ylabel("relative drift [-]")
+    _share_decades(list(panels))
+    legend_above(figure, figure.axes)
+    fixed = [run.label for run in every if "base_position" not in run.data]
+    _note(figure, every, f"fixed base, momentum not conserved: {', '.join(fixed)}" if fixed else "")
+    return figure
+
+
+def _total(run: LabelledRun, name: str) -> Array:
+    """Return a ledger entry over time [J], summed over drives, springs or contacts; zeros if absent."""
+    if name not in run.data:
+        return np.zeros(run.time.size)
+    values = run.values(name)
+    return values if values.ndim == 1 else np.asarray(values.sum(axis=1), dtype=float)
+
+
+def _log_line(axes: Axes, run: LabelledRun, value: Array, colour: str, label: str) -> None:
+    """Draw values on a logarithmic scale; exact zeros lie on its floor, not in a hole."""
+    style: dict[str, Any] = IDEAL if colour == "black" else {"linewidth": 0.7, "color": colour}
+    many = value.size > 50_000
+    axes.plot(run.time, np.maximum(value, _FLOOR), label=label or None, rasterized=many, **style)
+    axes.set_yscale("log")
+
+
+def _share_decades(panels: list[Axes]) -> None:
+    """Give logarithmic panels the same whole decades, at most some seven of them with a tick."""
+    values = np.concatenate([np.asarray(line.get_ydata()) for axes in panels for line in axes.lines])
+    values = values[np.isfinite(values) & (values > _FLOOR)]
+    if not values.size:
+        return
+    low = max(int(np.floor(np.log10(np.quantile(values, 0.02)))), -18)
+    high = int(np.floor(np.log10(values.max()))) + 1
+    for axes in panels:
+        axes.set_ylim(10.0 ** min(low, high - 2), 10.0**high)
+        axes.yaxis.set_major_locator(LogLocator(numticks=7))
+        axes.yaxis.set_minor_locator(NullLocator())
+
+
+def _colours(runs: list[LabelledRun]) -> list[str]:
+    """Return black for ideal runs and the palette for the others."""
+    palette = iter(COLOURS * (1 + len(runs) // len(COLOURS)))
+    return ["black" if run.ideal else next(palette) for run in runs]
+
+
+def _note(figure: Figure, runs: list[LabelledRun], more: str = "") -> None:
+    """Say below the panels what is not drawn."""
+    text = "; ".join(part for part in (too_short(runs), more) if part)
+    if text:
+        figure.supxlabel(text, fontsize=6.5, x=0.99, ha="right")

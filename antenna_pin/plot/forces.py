@@ -1,0 +1,155 @@
+"""Forces in a joint with clearance, as in the Figures 11 to 13 of Bai and Zhao (2020)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from antenna_pin.errors import InvalidParameterError, UnknownNameError
+from antenna_pin.plot._runs import LabelledRun, Run, labelled
+from antenna_pin.plot._style import (
+    COLOURS,
+    PEAK,
+    Array,
+    Width,
+    blocks,
+    few_ticks,
+    legend_above,
+    panel_title,
+    prefixed,
+    styled,
+)
+
+_KINDS = ("radial", "axial")
+_SAMPLED = "resultant on the journal, as sampled"
+_PEAKS = "peak normal force of each contact episode"
+
+
+@styled
+def figure_contact_forces(
+    runs: Iterable[Run] | Run, *, joint: str | None = None, width: Width = "page"
+) -> Figure:
+    """Return the radial and axial forces on the journal over time, one column per run that has contact.
+
+    The line is the resultant of all contacts at the output samples: its size across the bearing's axis, and
+    its component along that axis. Most impacts fall between two samples, so the peak normal force of every
+    contact episode, which the run finds between the samples, is drawn as a stem: a line to the peak and a dot
+    on it. An axial peak carries the sign of its flange.
+
+    Args:
+        runs: Trajectories, or pairs of a label and a dataset.
+        joint: Name of the joint with clearance; the first one if left out.
+        width: "column" (88 mm) or "page" (180 mm).
+    """
+    every = labelled(runs)
+    known = list(dict.fromkeys(name for run in every for name in run.clearance_joints))
+    if joint is None and known:
+        joint = next(name for run in every if not run.ideal for name in run.clearance_joints)
+    elif joint is not None and joint not in known:
+        raise UnknownNameError("figure", "joint with clearance", joint, known)
+    drawn = [r for r in every if not r.ideal and joint in r.clearance_joints and r.time.size > 1]
+    if joint is None or not drawn:
+        raise InvalidParameterError(
+            "figure", "runs", "at least one run with contact in a joint", ", ".join(r.label for r in every)
+        )
+    resultants = [dict(zip(_KINDS, _resultant(run, joint), strict=True)) for run in drawn]
+    peaks = [{kind: _peaks(run, joint, kind) for kind in _KINDS} for run in drawn]
+    sizes = {
+        kind: [
+            max(float(np.nanmax(np.abs(part), initial=0.0)) for part in (resultant[kind], peak[kind][1]))
+            for resultant, peak in zip(resultants, peaks, strict=True)
+        ]
+        for kind in _KINDS
+    }
+    figure, grid, letter = blocks(len(drawn), [_comparable(sizes[kind]) for kind in _KINDS], width, 42.0)
+    unit = drawn[0].unit("joint_force", "N")
+    for row, kind in enumerate(_KINDS):
+        factor, printed = prefixed(unit, max(sizes[kind]))
+        for column, (axes, run) in enumerate(zip(grid[row], drawn, strict=True)):
+            axes.plot(
+                run.time,
+                factor * resultants[column][kind],
+                color=COLOURS[0],
+                linewidth=0.6,
+                label=_SAMPLED,
+                zorder=3,
+                rasterized=run.time.size > 50_000,
+            )
+            _stems(axes, *peaks[column][kind], factor)
+            few_ticks(axes, 5)
+            if not any(f".{kind}" in name for name in _contacts_of(run, joint)):
+                if axes.get_shared_y_axes().get_siblings(axes) == [axes]:
+                    axes.set_yticks([0.0])
+                axes.text(
+                    0.5,
+                    0.7,
+                    f"no {kind} contact in this joint",
+                    transform=axes.transAxes,
+                    ha="center",
+                    va="center",
+                    bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8},
+                )
+            panel_title(axes, letter[axes], f"{run.label}, {kind}")
+            if row == 1:
+                axes.set_xlabel("time [s]")
+            if axes.get_subplotspec().is_first_col():  # type: ignore[union-attr]
+                axes.set_ylabel(f"{kind} force [{printed}]")
+            axes.axhline(0.0, color="#999999", linewidth=0.5, zorder=1.5)
+    figure.align_ylabels()
+    legend_above(figure, figure.axes)
+    return figure
+
+
+def _comparable(sizes: list[float]) -> bool:
+    """True where one scale shows all runs; on the scale of a far harder run the others would be flat."""
+    touched = [size for size in sizes if size > 0.0]
+    return not touched or min(touched) > 0.15 * max(touched)
+
+
+def _resultant(run: LabelledRun, joint: str) -> tuple[Array, Array]:
+    """Return the force on the journal: its size across the bearing's axis, its component along it [N]."""
+    force = run.values("joint_force", clearance_joint=joint)
+    return np.hypot(force[:, 0], force[:, 1]), force[:, 2]
+
+
+def _contacts_of(run: LabelledRun, joint: str) -> list[str]:
+    return [name for name in run.contacts if name.startswith(f"{joint}.")]
+
+
+def _peaks(run: LabelledRun, joint: str, kind: str) -> tuple[Array, Array]:
+    """Return times [s] and signed peak normal forces [N] of the episodes of one kind of contact."""
+    if run.data.sizes.get("episode", 0) == 0:
+        return np.empty(0), np.empty(0)
+    names = run.contacts
+    index = run.values("episode_contact").astype(int)
+    prefix = f"{joint}.{kind}"
+    of_kind = np.array([0 <= i < len(names) and names[i].startswith(prefix) for i in index])
+    # The bearing pushes the journal along its axis at the + end, against it at the - end.
+    negative = np.array([kind == "axial" and names[i].endswith("-") for i in index[of_kind]], dtype=bool)
+    force = run.values("peak_force")[of_kind]
+    time = run.values("peak_time")[of_kind]
+    known = np.isfinite(force) & np.isfinite(time)
+    return time[known], np.where(negative, -force, force)[known]
+
+
+def _stems(axes: Axes, time: Array, force: Array, factor: float) -> None:
+    """Draw a line from zero to each peak, and a dot on it."""
+    if not time.size:
+        return
+    many = time.size > 2_000
+    axes.vlines(time, 0.0, factor * force, colors=PEAK, linewidth=0.35, alpha=0.55, zorder=2, rasterized=many)
+    axes.plot(
+        time,
+        factor * force,
+        linestyle="none",
+        marker=".",
+        markersize=2.4,
+        markeredgewidth=0.0,
+        color=PEAK,
+        label=_PEAKS,
+        zorder=2.5,
+        rasterized=many,
+    )

@@ -1,0 +1,46 @@
+"""Scenarios: validated data in SI units from a TOML file, nothing computed.
+
+``load_scenario("bai2020", case="case3")`` returns a :class:`Scenario`. A file has a base and named cases that
+are laid over it; values may be overridden from outside. A bare number is SI, text carries its unit.
+"""
+
+from antenna_pin.scenario.clearance import ClearanceSpec, ContactClearance, IdealClearance, PlanarClearance
+from antenna_pin.scenario.drives import ConstantDrive, DriveSpec, SineDrive, SpringSpec, TableDrive
+from antenna_pin.scenario.initial import InitialBaseSpec, InitialJointSpec, InitialSpec
+from antenna_pin.scenario.integrator import IntegratorSpec, OutputSpec, ScalesSpec
+from antenna_pin.scenario.laws import LawChange, LawSpec
+from antenna_pin.scenario.load import load_scenario
+from antenna_pin.scenario.mechanism import JointSpec, LinkSpec, MaterialSpec, MechanismSpec, ShapeSpec
+from antenna_pin.scenario.scenario import Scenario
+from antenna_pin.scenario.shipped import CaseSummary, ScenarioSummary, list_scenarios, models_path
+
+__all__ = [
+    "CaseSummary",
+    "ClearanceSpec",
+    "ConstantDrive",
+    "ContactClearance",
+    "DriveSpec",
+    "IdealClearance",
+    "InitialBaseSpec",
+    "InitialJointSpec",
+    "InitialSpec",
+    "IntegratorSpec",
+    "JointSpec",
+    "LawChange",
+    "LawSpec",
+    "LinkSpec",
+    "MaterialSpec",
+    "MechanismSpec",
+    "OutputSpec",
+    "PlanarClearance",
+    "ScalesSpec",
+    "Scenario",
+    "ScenarioSummary",
+    "ShapeSpec",
+    "SineDrive",
+    "SpringSpec",
+    "TableDrive",
+    "list_scenarios",
+    "load_scenario",
+    "models_path",
+]

@@ -1,0 +1,298 @@
+"""What every table of a scenario shares: frozen, no unknown keys, quantities with units, one-line errors."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass
+from typing import Annotated, Any, ClassVar, NamedTuple, NoReturn, Self
+
+from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, ValidationError, model_validator
+from pydantic.fields import FieldInfo
+from pydantic_core import CoreSchema, InitErrorDetails, PydanticCustomError, core_schema
+
+from antenna_pin.errors import AntennaPinError, ScenarioError, UnknownNameError, nearest
+from antenna_pin.units import QuantityError, describe_unit, quantity, shown
+
+Location = tuple[str | int, ...]
+"""Where a value stands: the keys and indices that lead to it."""
+
+# Tables whose entries are one of several classes; pydantic puts the class into the location, after the name.
+_TAGGED = {
+    "clearance": ("contact", "planar", "ideal", "constraint"),
+    "drives": ("constant", "sine", "table"),
+}
+_BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
+
+
+def dotted(location: Location) -> str:
+    """Return a location as it is written with dots: ``mechanism.gravity[2]``."""
+    text = ""
+    for item in location:
+        if isinstance(item, int):
+            text += f"[{item}]"
+        else:
+            text += ("." if text else "") + (item if _BARE_KEY.fullmatch(item) else f'"{item}"')
+    return text
+
+
+def refuse(text: str, *location: str | int, value: object = None) -> NoReturn:
+    """Refuse a value from inside a validator.
+
+    Args:
+        text: The message without the place: rule, value seen, way out.
+        *location: Where the value stands, below the table being validated.
+        value: The value seen.
+    """
+    _raise(PydanticCustomError("refused", "{text}", {"text": text}), location, value)
+
+
+def refuse_key(text: str, *location: str | int) -> NoReturn:
+    """Refuse a key that a table does not have, from inside a validator."""
+    _raise(PydanticCustomError("unknown_key", "{text}", {"text": text}), location, None)
+
+
+def refuse_name(what: str, name: str, known: Collection[str], *location: str | int) -> NoReturn:
+    """Refuse a name that is not among those known, from inside a validator."""
+    context = {"what": what, "name": name, "known": tuple(known)}
+    _raise(PydanticCustomError("unknown_name", "unknown {what}", context), location, name)
+
+
+def _raise(error: PydanticCustomError, location: Location, value: object) -> NoReturn:
+    # pydantic merges the lines of a ValidationError raised in a validator, and completes their locations.
+    raise ValidationError.from_exception_data(
+        "scenario", [InitErrorDetails(type=error, loc=location, input=value)]
+    )
+
+
+def unknown_key(known: Collection[str], name: str) -> str:
+    """Return the message for a key that a table does not have, without the place."""
+    if name == "replace":
+        return "must be true or false, and belongs in a table of a case or an override"
+    guess = nearest(name, known)
+    return f"is unknown; did you mean {guess}?" if guess else f"is unknown; known here: {', '.join(known)}"
+
+
+@dataclass(frozen=True, slots=True)
+class Quantity:
+    """Annotation of a float: the unit it is read in, and what it must be.
+
+    Attributes:
+        unit: SI unit, or several of which one must fit.
+        rule: One of the names in ``RULES``, or "".
+    """
+
+    unit: str | tuple[str, ...]
+    rule: str = ""
+
+    RULES: ClassVar[Mapping[str, Callable[[float], bool]]] = {
+        "": lambda _: True,
+        "positive": lambda number: number > 0.0,
+        "zero or more": lambda number: number >= 0.0,
+        "between 0 and 1": lambda number: 0.0 < number < 1.0,
+        "above -1 and at most 0.5": lambda number: -1.0 < number <= 0.5,
+    }
+
+    def read(self, value: object) -> float:
+        """Return the value in SI units, or refuse it."""
+        return read_quantity(value, self.unit, self.rule)
+
+    def __str__(self) -> str:
+        return describe_unit(self.unit)
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_before_validator_function(self.read, handler(source))
+
+
+def read_quantity(value: object, unit: str | tuple[str, ...], rule: str, *location: str | int) -> float:
+    """Return a value in SI units, or refuse it, from inside a validator."""
+    try:
+        number = quantity(value, unit, "")
+    except QuantityError as error:
+        refuse(error.reason, *location, value=value)
+    if not Quantity.RULES[rule](number):
+        refuse(f"must be {rule}, got {shown(value)}", *location, value=value)
+    return number
+
+
+@dataclass(frozen=True, slots=True)
+class Vector:
+    """Annotation of a tuple of floats: the unit its entries are read in, and how many there may be."""
+
+    unit: str
+    sizes: tuple[int, ...] = (3,)
+
+    def read(self, value: object) -> tuple[float, ...]:
+        """Return the entries in SI units, or refuse them."""
+        if hasattr(value, "tolist"):  # a NumPy array
+            value = value.tolist()
+        if not isinstance(value, list | tuple) or len(value) not in self.sizes:
+            refuse(f"must be {self}, got {shown(value)}", value=value)
+        return tuple(read_quantity(entry, self.unit, "", i) for i, entry in enumerate(value))
+
+    def __str__(self) -> str:
+        sizes = " or ".join(str(size) for size in self.sizes)
+        return f"an array of {sizes} numbers" + ("" if self.unit == "1" else f" [{self.unit}]")
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_before_validator_function(self.read, handler(source))
+
+
+Vector3 = tuple[float, float, float]
+
+Length = Annotated[float, Quantity("m")]
+PositiveLength = Annotated[float, Quantity("m", "positive")]
+PositiveTime = Annotated[float, Quantity("s", "positive")]
+PositiveSpeed = Annotated[float, Quantity("m/s", "positive")]
+Position = Annotated[Vector3, Vector("m")]
+Velocity = Annotated[Vector3, Vector("m/s")]
+Rotation = Annotated[Vector3, Vector("rad")]
+AngularVelocity = Annotated[Vector3, Vector("rad/s")]
+
+
+class Spec(BaseModel):
+    """Base of all tables of a scenario.
+
+    Values are read as a scenario file gives them (text with units is converted to SI), so that
+    ``OutputSpec(rate="1 kHz")`` works from Python too. What is wrong is refused with one line.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    # Fields that no file gives: what the loader adds.
+    carried: ClassVar[frozenset[str]] = frozenset()
+
+    def __init__(self, /, **data: Any) -> None:
+        """Validate the fields."""
+        try:
+            super().__init__(**data)
+        except ValidationError as error:
+            raise explained(error, _by_class(type(self))) from None
+
+    # Keeps pydantic from calling __init__ for nested tables, where an error would lose its place.
+    __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]
+
+    @classmethod
+    def model_validate(cls, obj: Any, **options: Any) -> Self:
+        """Validate a dictionary; as in pydantic, but an error is one line."""
+        try:
+            return super().model_validate(obj, **options)
+        except ValidationError as error:
+            raise explained(error, _by_class(cls)) from None
+
+    @classmethod
+    def model_validate_json(cls, json_data: str | bytes | bytearray, **options: Any) -> Self:
+        """Validate JSON text; as in pydantic, but an error is one line."""
+        try:
+            return super().model_validate_json(json_data, **options)
+        except ValidationError as error:
+            raise explained(error, _by_class(cls)) from None
+
+    @classmethod
+    def validated(cls, data: Mapping[str, Any]) -> Self:
+        """Validate a dictionary; what is wrong is left as pydantic's own error, for ``explained``."""
+        return super().model_validate(data)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _check_keys(cls, data: Any) -> Any:
+        if not isinstance(data, Mapping):
+            return data
+        for key in data:
+            if key not in cls.model_fields:
+                known = [name for name in cls.model_fields if name not in cls.carried]
+                refuse_key(unknown_key(known, str(key)), str(key))
+        for name, field in cls.model_fields.items():
+            if field.is_required() and name not in data:
+                refuse(f"is missing{_wanted(field)}", name)
+        return data
+
+
+def _wanted(field: FieldInfo) -> str:
+    for item in field.metadata:
+        if isinstance(item, Quantity | Vector):
+            return f"; give {item}"
+    return ""
+
+
+class Place(NamedTuple):
+    """Where a value stands, for a message.
+
+    Attributes:
+        text: File and dotted place, such as ``my.toml: integrator.rtol``.
+        note: What is to be said of its origin after the message, or "".
+        stale: What is to be said, too, of a key that its table does not have, or "".
+    """
+
+    text: str
+    note: str = ""
+    stale: str = ""
+
+
+def _by_class(cls: type[Spec]) -> Callable[[Location], Place]:
+    return lambda location: Place(f"{cls.__name__}: {dotted(location)}" if location else f"{cls.__name__}:")
+
+
+Line = tuple[Location, Mapping[str, Any]]
+"""One thing that pydantic found: its location, as the user writes it, and its details."""
+
+
+def explained(error: ValidationError, place: Callable[[Location], Place]) -> AntennaPinError:
+    """Return the first thing that pydantic found as an error of one line."""
+    return explained_line(located_lines(error)[0], place)
+
+
+def explained_line(line: Line, place: Callable[[Location], Place]) -> AntennaPinError:
+    """Return one thing that pydantic found as an error of one line.
+
+    Args:
+        line: What it found.
+        place: Returns the place of a location.
+    """
+    location, detail = line
+    where, note, stale = place(location)
+    context = detail.get("ctx", {})
+    if detail["type"] == "unknown_name":
+        return UnknownNameError(where, context["what"], context["name"], context["known"])
+    stale = stale if detail["type"] == "unknown_key" else ""
+    return ScenarioError(f"{where} {_message(detail, context)}{stale}{note}")
+
+
+def located_lines(error: ValidationError) -> list[Line]:
+    """Return all that pydantic found."""
+    lines: list[Line] = []
+    for detail in error.errors(include_url=False):
+        location = tuple(item for item in detail["loc"] if item != "[key]")
+        if len(location) > 2 and location[2] in _TAGGED.get(str(location[0]), ()):
+            location = (*location[:2], *location[3:])
+        lines.append((location, detail))
+    return lines
+
+
+# What pydantic's own checks ask for, as it reads after "must be".
+_RULES = {
+    "string_type": "text",
+    "bool_type": "true or false",
+    "dict_type": "a table",
+    "model_type": "a table",
+    "model_attributes_type": "a table",
+    "tuple_type": "an array",
+    "path_type": "a path",
+    "finite_number": "finite",
+}
+
+
+def _message(detail: Mapping[str, Any], context: Mapping[str, Any]) -> str:
+    kind, value = detail["type"], detail["input"]
+    if kind in ("refused", "unknown_key"):
+        return str(context["text"])
+    if kind == "literal_error":
+        guess = nearest(str(value), re.findall(r"'([^']*)'", context["expected"]))
+        return f"must be {context['expected']}, got {shown(value)}" + (
+            f"; did you mean {guess}?" if guess else ""
+        )
+    if kind == "json_invalid":
+        return f"is not JSON: {context['error']}"
+    if kind in _RULES:
+        return f"must be {_RULES[kind]}, got {shown(value)}"
+    return f"is not valid: {detail['msg']}, got {shown(value)}"

@@ -1,0 +1,53 @@
+"""Tables about a joint that turns or slides: the units given tell which."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Literal, get_args
+
+from pydantic import model_validator
+from pydantic.fields import FieldInfo
+
+from antenna_pin.scenario._base import Quantity, Spec, refuse
+from antenna_pin.units import matching_unit, shown
+
+Motion = Literal["rotation", "translation"]
+_MOTIONS: tuple[Motion, ...] = get_args(Motion)
+_JOINTS = {"rotation": "turning", "translation": "sliding"}
+
+
+class JointTable(Spec):
+    """A table about a joint that turns or slides.
+
+    Attributes:
+        motion: What the units given say of the joint's motion; None if all numbers came without unit.
+    """
+
+    motion: Motion | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _read_motion(cls, data: Any) -> Any:
+        """Find out from the units whether the joint turns or slides, and that they agree."""
+        if not isinstance(data, Mapping):
+            return data
+        motion, first = data.get("motion"), "motion"
+        for name, field in cls.model_fields.items():
+            units = _either_unit(field)
+            unit = matching_unit(data.get(name), units) if units else None
+            if unit is None:
+                continue
+            seen = _MOTIONS[units.index(unit)]
+            if motion in _JOINTS and motion != seen:
+                rule = f"must be for a {_JOINTS[motion]} joint, as {first} is"
+                refuse(f"{rule}, got {shown(data[name])} ({_JOINTS[seen]})", name, value=data[name])
+            motion, first = seen, first if motion is not None else name
+        return data if motion is None else {**data, "motion": motion}
+
+
+def _either_unit(field: FieldInfo) -> tuple[str, ...]:
+    candidates = [*field.metadata, *(item for part in get_args(field.annotation) for item in get_args(part))]
+    for item in candidates:
+        if isinstance(item, Quantity) and isinstance(item.unit, tuple):
+            return item.unit
+    return ()

@@ -1,0 +1,153 @@
+"""Laying one table over another, and reading what is set over a file: ``integrator.rtol=1e-9``."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import PurePath
+from typing import Any
+
+from antenna_pin.errors import ScenarioError
+from antenna_pin.units import shown
+
+__all__ = ["Overrides", "merge", "read_overrides"]
+
+Overrides = Mapping[str, Any] | Sequence[str]
+
+# Keys of which a table has one or the other: giving one removes the other from below. "*" is any name.
+_ALTERNATIVES: dict[tuple[str, ...], tuple[tuple[frozenset[str], frozenset[str]], ...]] = {
+    ("clearance", "*"): (
+        (frozenset({"radial_clearance"}), frozenset({"journal_radius"})),
+        (frozenset({"axial_clearance"}), frozenset({"flange_distance"})),
+    ),
+    ("drives", "*"): ((frozenset({"file"}), frozenset({"time", "torque"})),),
+}
+
+
+def merge(base: Mapping[str, Any], over: Mapping[str, Any], path: tuple[str, ...] = ()) -> dict[str, Any]:
+    """Return one table laid over another.
+
+    Tables are merged key by key; numbers, text and arrays are replaced. A table with ``replace = true``
+    replaces the one below instead. A key that excludes another, as ``journal_radius`` does
+    ``radial_clearance``, removes the other.
+
+    Args:
+        base: The table below.
+        over: The table above.
+        path: The keys that lead to both.
+    """
+    merged = dict(base)
+    for one, other in _ALTERNATIVES.get((*path[:-1], "*") if path else (), ()):
+        for given, excluded in ((one, other), (other, one)):
+            if given & over.keys():
+                for key in excluded:
+                    merged.pop(key, None)
+    for key, value in over.items():
+        if isinstance(value, Mapping):
+            below = merged.get(key)
+            fresh = value.get("replace")
+            if isinstance(fresh, bool):
+                value = {name: entry for name, entry in value.items() if name != "replace"}
+            if fresh is True or not isinstance(below, Mapping):
+                below = {}
+            merged[key] = merge(below, value, (*path, key))
+        else:
+            merged[key] = value
+    return merged
+
+
+def read_overrides(overrides: Overrides) -> tuple[dict[str, Any], tuple[str, ...]]:
+    """Return what is set over a file as one table, and as text to repeat it by.
+
+    Args:
+        overrides: Dotted keys and values: ``{"integrator.rtol": 1e-9}``, or text as on a command line:
+            ``["integrator.rtol=1e-9", "clearance.hinge.radial_clearance=0.1 mm"]``, where what is no TOML
+            value is taken as text.
+    """
+    tree: dict[str, Any] = {}
+    record = []
+    for key, value in _entries(overrides):
+        _put(tree, _keys(key), value, key)
+        record.append(f"{key}={toml_value(value)}")
+    return tree, tuple(record)
+
+
+def toml_value(value: object) -> str:
+    """Return a value as TOML text on one line."""
+    if isinstance(value, Mapping):
+        pairs = (f"{json.dumps(name, ensure_ascii=False)} = {toml_value(v)}" for name, v in value.items())
+        return "{" + ", ".join(pairs) + "}"
+    if isinstance(value, list):
+        return "[" + ", ".join(toml_value(entry) for entry in value) + "]"
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    return json.dumps(value, ensure_ascii=False) if isinstance(value, str) else repr(value)
+
+
+def _entries(overrides: Overrides) -> Iterator[tuple[str, Any]]:
+    if isinstance(overrides, Mapping):
+        for key, value in overrides.items():
+            yield key, _plain(value, key)
+        return
+    for text in (overrides,) if isinstance(overrides, str) else overrides:
+        key, equals, value = text.partition("=")
+        if not equals:
+            raise ScenarioError(f"override {text!r} must be KEY=VALUE, as in integrator.rtol=1e-9")
+        yield key.strip(), _value(value.strip())
+
+
+def _value(text: str) -> Any:
+    try:
+        table = tomllib.loads(f"value = {text}")
+    except tomllib.TOMLDecodeError:
+        return text
+    value = table["value"]
+    plain = len(table) == 1 and isinstance(value, str | int | float | list | dict)  # dates are text here
+    return value if plain else text
+
+
+def _keys(dotted: str) -> list[str]:
+    try:
+        table = tomllib.loads(f"{dotted} = 0") if "\n" not in dotted else {}
+    except tomllib.TOMLDecodeError:
+        table = {}
+    if len(table) != 1:
+        rule = (
+            "must be keys joined by dots, as in integrator.rtol; a key with other characters stands in quotes"
+        )
+        raise ScenarioError(f"override {dotted!r}: its key {rule}")
+    keys: list[str] = []
+    below: Any = table
+    while isinstance(below, dict):
+        ((key, below),) = below.items()
+        keys.append(key)
+    return keys
+
+
+def _put(tree: dict[str, Any], keys: Sequence[str], value: Any, dotted: str) -> None:
+    for i, key in enumerate(keys[:-1], start=1):
+        below = tree.setdefault(key, {})
+        if not isinstance(below, dict):
+            outer = ".".join(keys[:i])
+            raise ScenarioError(f"override {dotted}: {outer} is set to {shown(below)}, which has no keys")
+        tree = below
+    old = tree.get(keys[-1])
+    tree[keys[-1]] = merge(old, value) if isinstance(old, dict) and isinstance(value, dict) else value
+
+
+def _plain(value: Any, place: str) -> Any:
+    """Return a value from Python as TOML would have it."""
+    if isinstance(value, Mapping):
+        return {str(key): _plain(entry, place) for key, entry in value.items()}
+    if hasattr(value, "tolist"):  # of NumPy
+        value = value.tolist()
+    if isinstance(value, list | tuple):
+        return [_plain(entry, place) for entry in value]
+    if isinstance(value, PurePath):
+        return str(value)
+    if not isinstance(value, str | bool | int | float):
+        raise ScenarioError(
+            f"override {place} must be a number, text, an array or a table, got {shown(value)}"
+        )
+    return value

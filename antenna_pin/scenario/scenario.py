@@ -1,0 +1,153 @@
+"""The whole of a scenario: everything that a run needs, so that a result that carries it can be repeated."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, get_args
+
+from pydantic import Field, model_validator
+
+from antenna_pin.errors import UnknownNameError, nearest
+from antenna_pin.scenario._base import PositiveTime, Spec, refuse, refuse_name
+from antenna_pin.scenario.clearance import ClearanceSpec
+from antenna_pin.scenario.drives import DriveSpec, SpringSpec
+from antenna_pin.scenario.initial import InitialBaseSpec, InitialSpec
+from antenna_pin.scenario.integrator import IntegratorSpec, OutputSpec
+from antenna_pin.scenario.mechanism import MaterialSpec, MechanismSpec
+from antenna_pin.units import shown
+
+if TYPE_CHECKING:
+    from antenna_pin.contact import Material
+
+__all__ = ["Scenario"]
+
+
+class Scenario(Spec):
+    """A mechanism, the play in its joints, what drives it, and how it is to be computed.
+
+    It is data: in SI units, validated, nothing computed. It goes through JSON unchanged
+    (``model_dump_json``, ``model_validate_json``), with the texts and tables of the files it names.
+
+    Attributes:
+        format: Version of the format of scenario files.
+        title: In a few words.
+        source: Where the numbers come from.
+        duration: Simulated time [s].
+        mechanism: The mechanism.
+        materials: The scenario's own materials by name; :meth:`material` also knows the shipped ones.
+        clearance: Joints with play, by the name of the joint.
+        drives: By name.
+        springs: By name.
+        initial: The initial state.
+        integrator: How the motion is integrated.
+        output: What is recorded.
+        name: Name of the scenario: its folder's, or its file's.
+        case: Name of the case, or None.
+        description: Of the case.
+        overrides: What was set over the file, as ``a.b=value``.
+        folder: Where the files are that it names.
+        urdf_text: The text of the URDF.
+    """
+
+    format: Literal[1] = 1
+    title: str = ""
+    source: str = ""
+    duration: PositiveTime
+    mechanism: MechanismSpec
+    materials: dict[str, MaterialSpec] = Field(default_factory=dict)
+    clearance: dict[str, Annotated[ClearanceSpec, Field(discriminator="model")]] = Field(default_factory=dict)
+    drives: dict[str, Annotated[DriveSpec, Field(discriminator="kind")]] = Field(default_factory=dict)
+    springs: dict[str, SpringSpec] = Field(default_factory=dict)
+    initial: InitialSpec = Field(default_factory=InitialSpec)
+    integrator: IntegratorSpec = Field(default_factory=IntegratorSpec)
+    output: OutputSpec = Field(default_factory=OutputSpec)
+    name: str = ""
+    case: str | None = None
+    description: str = ""
+    overrides: tuple[str, ...] = ()
+    folder: Path = Path()
+    urdf_text: str = Field(repr=False)
+
+    carried: ClassVar[frozenset[str]] = frozenset(
+        {"name", "case", "description", "overrides", "folder", "urdf_text"}
+    )
+
+    @property
+    def urdf_path(self) -> Path:
+        """Where the URDF was; what it refers to is found from there."""
+        return self.folder / self.mechanism.urdf
+
+    def material(self, name: str) -> Material:
+        """Return a material by name: the scenario's own, or a shipped one."""
+        from antenna_pin import contact
+
+        if name in self.materials:
+            return contact.Material(**self.materials[name].model_dump(exclude_none=True))
+        if name not in contact.MATERIALS:
+            raise UnknownNameError("Scenario", "material", name, {*self.materials, *contact.MATERIALS})
+        return contact.MATERIALS[name]
+
+    def with_overrides(self, overrides: Mapping[str, Any] | Sequence[str]) -> Scenario:
+        """Return the scenario with some values replaced, as ``load_scenario`` does.
+
+        Args:
+            overrides: ``{"integrator.rtol": 1e-9}`` or ``["integrator.rtol=1e-9"]``.
+        """
+        from antenna_pin.scenario.load import override_scenario
+
+        return override_scenario(self, overrides)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _complete_tables(cls, data: Any) -> Any:
+        """Let drives and springs act at the joint that they are named after, and ask for their kind."""
+        if not isinstance(data, Mapping):
+            return data
+        done = dict(data)
+        for place in ("drives", "springs"):
+            tables = data.get(place)
+            if isinstance(tables, Mapping):
+                done[place] = {
+                    name: {"joint": name, **table} if isinstance(table, Mapping) else table
+                    for name, table in tables.items()
+                }
+        _check_choice(done, "clearance", "model", get_args(ClearanceSpec))
+        _check_choice(done, "drives", "kind", get_args(DriveSpec))
+        return done
+
+    @model_validator(mode="after")
+    def _check_together(self) -> Self:
+        from antenna_pin import contact
+
+        known = {*self.materials, *contact.MATERIALS}
+        for joint, clearance in self.clearance.items():
+            for key in ("journal_material", "bearing_material"):
+                name = getattr(clearance, key)
+                if name is not None and name not in known:
+                    refuse_name("material", name, sorted(known), "clearance", joint, key)
+            change = self.mechanism.joints.get(joint)
+            if change is not None and change.kind is not None:
+                text = f"must be left out: clearance.{joint}.model decides it, got {shown(change.kind)}"
+                refuse(text, "mechanism", "joints", joint, "kind", value=change.kind)
+        if self.mechanism.base == "fixed" and self.initial.base != InitialBaseSpec():
+            refuse('must be left out where mechanism.base is "fixed"', "initial", "base")
+        return self
+
+
+def _check_choice(data: Mapping[str, Any], place: str, key: str, classes: tuple[type[Spec], ...]) -> None:
+    """Refuse a table that does not say, by the value of a key, which class it is."""
+    values = [value for one in classes for value in get_args(one.model_fields[key].annotation)]
+    names = ", ".join(values)
+    tables = data.get(place)
+    for name, table in tables.items() if isinstance(tables, Mapping) else ():
+        if not isinstance(table, Mapping):
+            continue
+        if key not in table:
+            guess = nearest(name, [other for other in data[place] if other != name])
+            hint = f" (or did you mean {place}.{guess}?)" if guess else ""
+            refuse(f"is missing; give one of {names}{hint}", place, name, key)
+        if table[key] not in values:
+            guess = nearest(str(table[key]), values)
+            hint = f"; did you mean {guess}?" if guess else ""
+            refuse(f"must be one of {names}, got {shown(table[key])}{hint}", place, name, key)

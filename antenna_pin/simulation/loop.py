@@ -1,0 +1,427 @@
+"""The only time loop: steps, contact memory, located events, sampling, stopping rules.
+
+Contacts change only at located instants. A trial step whose error passes is searched, in its dense output, for the
+first contact that changes; if there is one the step is made again to end there, the contact's memory is changed, and
+the integration restarts from that state. So the equations are smooth inside every accepted step.
+"""
+
+from __future__ import annotations
+
+import math
+import signal
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from types import FrameType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from antenna_pin.dynamics import System, TableDrive, _inspect
+from antenna_pin.geometry.shapes import TABLE_WIDTH
+from antenna_pin.integrate import Stepper, method_named
+from antenna_pin.joints import _kernels as _joint
+from antenna_pin.simulation.settings import RunSettings
+from antenna_pin.trajectory import Counts, Outcome
+
+__all__ = ["Episode", "Progress", "Run", "Samples"]
+
+Array = NDArray[np.float64]
+
+_SAFETY = 0.9
+_SHRINK = 0.2
+_GROW = 6.0
+_ON_SURFACE = 1e-15  # [m]: a starting gap this small is a gap of zero
+_RELOCATIONS = 5
+_REPORT_INTERVAL = 0.1  # [s] of wall time between progress reports
+
+
+@dataclass(frozen=True, slots=True)
+class Progress:
+    """Where a run is.
+
+    Attributes:
+        time: Simulated so far [s].
+        end: To be simulated [s].
+        step: Size of the last step [s].
+        steps: Steps accepted.
+        wall: Wall time so far [s].
+    """
+
+    time: float
+    end: float
+    step: float
+    steps: int
+    wall: float
+
+
+@dataclass(slots=True)
+class Episode:
+    """One contact from onset to release."""
+
+    contact: int
+    onset: float
+    approach_speed: float
+    release: float = math.nan
+    peak_force: float = 0.0
+    peak_time: float = math.nan
+    peak_depth: float = 0.0
+    impulse: float = 0.0
+    dissipated: float = 0.0
+
+
+@dataclass(slots=True)
+class Samples:
+    """States of a run at its output times, with the contacts' memory there."""
+
+    times: list[float] = field(default_factory=list)
+    states: list[Array] = field(default_factory=list)
+    memories: list[Array] = field(default_factory=list)
+
+    def add(self, t: float, y: Array, memory: Array) -> None:
+        """Append one sample; a time already there is replaced, so times stay strictly increasing."""
+        if self.times and t <= self.times[-1]:
+            if t == self.times[-1]:
+                self.states[-1] = y
+                self.memories[-1] = memory
+            return
+        self.times.append(t)
+        self.states.append(y)
+        self.memories.append(memory)
+
+
+@contextmanager
+def _interruptible() -> Iterator[Callable[[], bool]]:
+    """Turn Ctrl-C into a flag that the loop reads between steps, so that no step is left half done."""
+    seen = False
+
+    def note(number: int, frame: FrameType | None) -> None:
+        nonlocal seen
+        if seen:
+            raise KeyboardInterrupt
+        seen = True
+
+    if threading.current_thread() is not threading.main_thread():
+        yield lambda: False
+        return
+    before = signal.signal(signal.SIGINT, note)
+    try:
+        yield lambda: seen
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+class Run:
+    """One run of a system from an initial state.
+
+    Args:
+        system: The system; its contact memory is set from the initial state.
+        q: Initial configuration, (nq,).
+        v: Initial velocity, (nv,).
+        duration: Time span [s].
+        settings: How to integrate and sample.
+    """
+
+    def __init__(self, system: System, q: Array, v: Array, duration: float, settings: RunSettings) -> None:
+        """Prepare the stepper, the buffers of the inspection, and the contacts that touch at the start."""
+        self.system = system
+        self.settings = settings
+        self.duration = duration
+        self.method = method_named(settings.method)
+        self.stepper = Stepper(system, self.method, settings.scales.of(system), settings.rtol)
+        self.samples = Samples()
+        self.episodes: list[Episode] = []
+        self.gap_difference = 0.0
+        self.accepted = self.rejected = self.relocated = 0
+        self.wall = 0.0
+        self.outcome = Outcome.COMPLETED
+        self.message = Outcome.COMPLETED.value
+        contacts = len(system.contact_names)
+        self._record = np.zeros((contacts, _inspect.RECORD_SIZE))
+        self._open: list[Episode | None] = [None] * contacts
+        self._ignore = np.zeros(contacts, dtype=np.int64)
+        self._nodes = np.zeros((3, _inspect.NODES + 1, contacts))
+        self._table = np.zeros((contacts, TABLE_WIDTH))
+        self._pose = np.zeros(_joint.POSE_SIZE)
+        self._floors = [j.approach_speed_floor for j in system.clearances for _ in j.contact_names]
+        self._depths = np.array([j.maximum_depth for j in system.clearances for _ in j.contact_names])
+        plays = [j.geometry.radial_clearance for j in system.clearances for _ in j.contact_names]
+        self._gap_tolerances = [1e-9 * play for play in plays]
+        self._uses_coal = any(j.backend == "coal" for j in system.clearances)
+        manifold = system.manifold
+        self._context = (
+            manifold.sizes,
+            self.stepper.dense,
+            self.stepper.start,
+            manifold.blocks,
+            system.program,
+            system.memory,
+            np.zeros(manifold.size),
+            np.zeros(manifold.size),
+            self._pose,
+            self._table,
+            np.zeros(manifold.nv + manifold.nx),
+        )
+        self._breaks = sorted(
+            {
+                t
+                for drive in system.drives.values()
+                if isinstance(drive, TableDrive) and drive.interpolation == "linear"
+                for t in drive.times
+                if 0.0 < t < duration
+            }
+        )
+        self._patterns: dict[bytes, float] = {}
+        self._start(system.state(q, v))
+
+    # --- start ----------------------------------------------------------------------------------------------
+
+    def _start(self, y: Array) -> None:
+        system = self.system
+        system.memory[:] = 0.0
+        self.stepper.restart(0.0, y)
+        self._closed_form(y)
+        for c, row in enumerate(self._table):
+            if row[0] <= _ON_SURFACE:
+                self._touch(c, max(float(row[_joint.RATE]), 0.0))
+        self.stepper.refresh()
+        self._sample(0.0, y.copy())
+
+    def _closed_form(self, y: Array) -> None:
+        """Fill the run's own contact table for a state, in closed form."""
+        _inspect.contacts_in(y, self.system.program, self._pose, self._table)
+
+    # --- contact memory -------------------------------------------------------------------------------------
+
+    def _touch(self, c: int, rate: float) -> None:
+        speed = max(rate, self._floors[c])
+        self.system.memory[c, _joint.TOUCHING] = 1.0
+        self.system.memory[c, _joint.APPROACH] = speed
+        episode = Episode(contact=c, onset=self.stepper.t, approach_speed=speed)
+        self._record[c] = (0.0, self.stepper.t, 0.0)
+        x = self.stepper.start[self.system.model.nq + self.system.model.nv :]
+        # What the contact has integrated before; taken off at its end.
+        episode.impulse = -float(x[self.system.impulse_x[c]])
+        episode.dissipated = -self._lost(c, x)
+        self._open[c] = episode
+        self.episodes.append(episode)
+
+    def _release(self, c: int) -> None:
+        self.system.memory[c] = 0.0
+        self._close(c)
+        episode = self._open[c]
+        if episode is not None:
+            episode.release = self.stepper.t
+        self._open[c] = None
+
+    def _close(self, c: int) -> None:
+        episode = self._open[c]
+        if episode is None:
+            return
+        x = self.stepper.start[self.system.model.nq + self.system.model.nv :]
+        episode.peak_force, episode.peak_time, episode.peak_depth = self._record[c].tolist()
+        episode.impulse += float(x[self.system.impulse_x[c]])
+        episode.dissipated += self._lost(c, x)
+
+    def _lost(self, c: int, x: Array) -> float:
+        return float(x[self.system.lost_normal_x[c]] + x[self.system.lost_friction_x[c]])
+
+    def _flip(self, c: int, rate: float) -> None:
+        if self.system.memory[c, _joint.TOUCHING] != 0.0:
+            self._release(c)
+        else:
+            self._touch(c, rate)
+
+    # --- stepping -------------------------------------------------------------------------------------------
+
+    def advance(self, progress: Callable[[Progress], None] | None = None) -> None:
+        """Run to the end, or to what ends it earlier."""
+        began = time.perf_counter()
+        reported = began
+        h = self._first_step()
+        with _interruptible() as interrupted:
+            while self.stepper.t < self.duration:
+                h = self._step(h)
+                if self.outcome is not Outcome.COMPLETED:
+                    break
+                if interrupted():
+                    self._stop(Outcome.INTERRUPTED)
+                    break
+                if progress is not None:
+                    now = time.perf_counter()
+                    if now - reported > _REPORT_INTERVAL:
+                        reported = now
+                        progress(self._progress(h, now - began))
+        for c in range(len(self._open)):
+            self._close(c)
+        if self.samples.times[-1] < self.stepper.t:
+            self._sample(self.stepper.t, self.stepper.start[: self.system.manifold.size].copy())
+        self.wall = time.perf_counter() - began
+        if progress is not None:
+            progress(self._progress(h, self.wall))
+
+    def counts(self) -> Counts:
+        """Return what the run took so far."""
+        return Counts(self.accepted, self.rejected, self.relocated, self.stepper.evaluations, self.wall)
+
+    def _progress(self, h: float, wall: float) -> Progress:
+        return Progress(self.stepper.t, self.duration, h, self.accepted, wall)
+
+    def _first_step(self) -> float:
+        settings = self.settings
+        if not self.method.adaptive:
+            return settings.step
+        if settings.first_step is not None:
+            return min(settings.first_step, settings.max_step)
+        return min(1e-6, settings.max_step, self.duration)
+
+    def _limit(self, h: float) -> float:
+        """Cut a step to the longest allowed, to the next kink of a torque table, and to the end."""
+        t = self.stepper.t
+        h = min(h, self.settings.max_step)
+        while self._breaks and self._breaks[0] <= t:
+            self._breaks.pop(0)
+        end = self._breaks[0] if self._breaks else self.duration
+        rest = end - t
+        if h >= rest:
+            return rest
+        # Two equal steps rather than a sliver at the end.
+        return 0.5 * rest if self.method.adaptive and h > 0.5 * rest else h
+
+    def _step(self, h: float) -> float:
+        """Make one accepted step from the state; return the size to try next."""
+        stepper = self.stepper
+        settings = self.settings
+        while True:
+            tried = self._limit(h)
+            error = stepper.attempt(tried)
+            if error <= 1.0:
+                break
+            self.rejected += 1
+            if not math.isfinite(error):
+                if tried * _SHRINK < settings.min_step or not self.method.adaptive:
+                    self._stop(Outcome.NOT_FINITE)
+                    return h
+                h = tried * _SHRINK
+                continue
+            h = tried * max(_SHRINK, _SAFETY * error ** (-1.0 / self._power))
+            if h < settings.min_step:
+                self._stop(Outcome.STEP_TOO_SMALL)
+                return h
+        following = settings.step
+        if self.method.adaptive:
+            following = tried * (
+                _GROW if error == 0.0 else min(_GROW, _SAFETY * error ** (-1.0 / self._power))
+            )
+            if tried < h:  # cut for the sake of an output or the end, not of the error
+                following = max(following, h)
+        if self._open:
+            return self._accept_with_contacts(tried, following)
+        self._accept()
+        return following
+
+    @property
+    def _power(self) -> int:
+        order = self.method.error_order
+        return (self.method.order if order is None else order) + 1
+
+    def _accept_with_contacts(self, h: float, following: float) -> float:
+        stepper = self.stepper
+        if self._uses_coal:
+            self._compare_gaps()
+        stepper.prepare_dense()
+        context = (*self._context, h)
+        c, theta = _inspect.first_change(self._nodes, self._ignore, context)
+        if c < 0:
+            if self._nodes[0, -1].min() < 0.0 and (-self._nodes[0, -1] > self._depths).any():
+                self._accept()
+                self._stop(Outcome.TOO_DEEP, int(np.argmax(-self._nodes[0, -1] - self._depths)))
+                return following
+            _inspect.track_peaks(stepper.t, self._nodes, self._record, context)
+            self._ignore[:] = 0
+            self._accept()
+            return following
+        self._patterns[self._pattern()] = following
+        if theta > 0.0:
+            self._relocate(c, theta * h, h)
+        elif self._ignore[c] != 0:
+            # It has just changed here and would change back at once: a graze. Let it touch, and go on.
+            self._ignore[c] = 2
+            if self.system.memory[c, _joint.TOUCHING] == 0.0:
+                self._touch(c, 0.0)
+                stepper.refresh()
+            return following
+        self._closed_form(stepper.start)
+        self._flip(c, float(self._table[c, _joint.RATE]))
+        self._ignore[c] = 1
+        stepper.refresh()
+        self._sample(stepper.t, stepper.start[: self.system.manifold.size].copy())
+        return min(self._patterns.get(self._pattern(), following), following * 10.0)
+
+    def _pattern(self) -> bytes:
+        return self.system.memory[:, _joint.TOUCHING].tobytes()
+
+    def _relocate(self, c: int, size: float, longest: float) -> None:
+        """Make the step again so that it ends where contact c changes, and accept it."""
+        stepper = self.stepper
+        for _ in range(_RELOCATIONS):
+            stepper.attempt(size)
+            self.relocated += 1
+            self._closed_form(stepper.y)
+            gap, rate = float(self._table[c, 0]), float(self._table[c, _joint.RATE])
+            if abs(gap) <= self._gap_tolerances[c] or rate == 0.0:
+                break
+            better = size + gap / rate
+            if not 0.0 < better <= longest:
+                break
+            size = better
+        if self._uses_coal:
+            self._compare_gaps()
+        stepper.prepare_dense()
+        context = (*self._context, stepper.h)
+        _inspect.fill_nodes(self._nodes, context)
+        _inspect.track_peaks(stepper.t, self._nodes, self._record, context)
+        self._ignore[:] = 0
+        self._accept()
+
+    def _accept(self) -> None:
+        stepper = self.stepper
+        t, h = stepper.t, stepper.h
+        rate = self.settings.output_rate
+        first = math.floor(t * rate + 1e-9) + 1
+        last = math.floor((t + h) * rate + 1e-9)
+        if first <= last:
+            stepper.prepare_dense()
+            for k in range(first, last + 1):
+                state = np.empty(self.system.manifold.size)
+                theta = (k / rate - t) / h
+                if theta >= 1.0:
+                    state[:] = stepper.y
+                else:
+                    stepper.interpolate(theta, state)
+                self._sample(min(k / rate, self.duration), state)
+        stepper.accept()
+        if stepper.t > self.duration - 1e-15 * self.duration:
+            stepper.t = self.duration
+        self.accepted += 1
+
+    def _sample(self, t: float, y: Array) -> None:
+        self.samples.add(t, y, self.system.memory.copy())
+
+    def _compare_gaps(self) -> None:
+        """Record how far coal's gaps are from the closed form at the end of the trial step."""
+        self._closed_form(self.stepper.y)
+        difference = np.abs(self._table[:, 0] - self.system.table[:, 0]).max()
+        if difference > self.gap_difference:
+            self.gap_difference = float(difference)
+
+    def _stop(self, outcome: Outcome, contact: int = -1) -> None:
+        where = f"at t = {self.stepper.t:.9g} s"
+        if contact >= 0:
+            limit = self._depths[contact]
+            depth = -self._nodes[0, -1, contact]
+            where += f", contact {self.system.contact_names[contact]} ({depth:.3g} m, limit {limit:.3g} m)"
+        self.outcome = outcome
+        self.message = f"{where}: {outcome.value}"

@@ -1,0 +1,112 @@
+"""A scenario or a system in, a trajectory out."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from antenna_pin.assemble import build_system, initial_state
+from antenna_pin.dynamics import System, TableDrive, _inspect
+from antenna_pin.errors import InvalidParameterError
+from antenna_pin.geometry.shapes import TABLE_WIDTH
+from antenna_pin.joints import _kernels as _joint
+from antenna_pin.scenario import Scenario
+from antenna_pin.simulation.loop import Progress, Run
+from antenna_pin.simulation.record import dataset
+from antenna_pin.simulation.settings import ErrorScales, RunSettings
+from antenna_pin.trajectory import Trajectory, library_versions
+
+__all__ = ["settings_of", "simulate"]
+
+
+def settings_of(scenario: Scenario) -> RunSettings:
+    """Return how a scenario is to be integrated and sampled."""
+    spec = scenario.integrator
+    return RunSettings(
+        method=spec.method,
+        rtol=spec.rtol,
+        scales=ErrorScales(**spec.scales.model_dump()),
+        step=spec.step,
+        max_step=spec.max_step,
+        min_step=spec.min_step,
+        first_step=spec.first_step,
+        output_rate=scenario.output.rate,
+    )
+
+
+def simulate(
+    model: Scenario | System,
+    *,
+    duration: float | None = None,
+    q: ArrayLike | None = None,
+    v: ArrayLike | None = None,
+    settings: RunSettings | None = None,
+    progress: Callable[[Progress], None] | None = None,
+) -> Trajectory:
+    """Run a scenario, or a system built in Python, and return the trajectory.
+
+    A run that cannot go on, or is stopped by Ctrl-C, returns what it has; its ``outcome`` says why.
+
+    Args:
+        model: What to run.
+        duration: Time span [s]; the scenario's if not given.
+        q: Initial configuration, (nq,); the scenario's, or neutral.
+        v: Initial velocity, (nv,); the scenario's, or zero.
+        settings: Integration and sampling; the scenario's, or the defaults.
+        progress: Called about ten times a second.
+
+    Raises:
+        AntennaPinError: The input is not valid; raised before any step is made.
+    """
+    scenario = model if isinstance(model, Scenario) else None
+    if scenario is not None:
+        system = build_system(scenario)
+        first_q, first_v = initial_state(scenario, system)
+        span = scenario.duration if duration is None else duration
+        used = settings or settings_of(scenario)
+    elif isinstance(model, System):
+        system = model
+        first_q, first_v = system.neutral(), np.zeros(system.model.nv)
+        if duration is None:
+            raise InvalidParameterError("simulate", "duration", "given for a system built in Python [s]", None)
+        span = duration
+        used = settings or RunSettings()
+    else:
+        raise InvalidParameterError("simulate", "model", "a Scenario or a System", type(model).__name__)
+    if not 0.0 < span < math.inf:
+        raise InvalidParameterError("simulate", "duration", "positive and finite [s]", span)
+    start_q = first_q if q is None else np.asarray(q, dtype=float)
+    start_v = first_v if v is None else np.asarray(v, dtype=float)
+    check_start(system, system.state(start_q, start_v), span)
+    run = Run(system, start_q, start_v, float(span), used)
+    run.advance(progress)
+    title = scenario.title if scenario is not None else system.mechanism.name
+    case = (scenario.case or "") if scenario is not None else ""
+    data = dataset(run, title, case, library_versions())
+    return Trajectory(data=data, outcome=run.outcome, message=run.message, counts=run.counts(), scenario=scenario)
+
+
+def check_start(system: System, y: np.ndarray, duration: float) -> None:
+    """Refuse an initial pose in deep penetration, and a torque table that does not cover the run."""
+    table = np.zeros((len(system.contact_names), TABLE_WIDTH))
+    _inspect.contacts_in(y, system.program, np.zeros(_joint.POSE_SIZE), table)
+    limits = [joint.maximum_depth for joint in system.clearances for _ in joint.contact_names]
+    for name, row, limit in zip(system.contact_names, table, limits, strict=True):
+        if -row[0] > limit:
+            raise InvalidParameterError(
+                "initial pose",
+                f"penetration of {name}",
+                f"at most maximum_depth = {limit:g} m; start with the journal inside its clearance",
+                float(-row[0]),
+            )
+    for name, drive in system.drives.items():
+        if isinstance(drive, TableDrive) and not drive.times[0] <= 0.0 < duration <= drive.times[-1]:
+            raise InvalidParameterError(
+                f"drive {name!r}",
+                "times",
+                f"a table that covers the run from 0 to {duration:g} s; extend it or shorten the run",
+                (drive.times[0], drive.times[-1]),
+            )

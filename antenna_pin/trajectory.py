@@ -1,0 +1,219 @@
+"""One run, sampled: labelled arrays with units and provenance, and how the run ended. One NetCDF file."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import json
+import os
+import platform
+import tempfile
+from dataclasses import asdict, dataclass
+from enum import Enum
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+import xarray as xr
+
+from antenna_pin.errors import FileFormatError, OutputError
+from antenna_pin.scenario import Scenario
+
+__all__ = ["FORMAT", "Counts", "Outcome", "Trajectory", "check_writable", "library_versions"]
+
+#: Identifies the file format; readers refuse others.
+FORMAT = "antenna_pin trajectory 1"
+
+_LIBRARIES = ("antenna_pin", "pin", "coal", "numpy", "scipy", "numba", "xarray", "h5netcdf")
+
+
+class Outcome(Enum):
+    """Why a run ended."""
+
+    COMPLETED = "reached the end of the time span"
+    INTERRUPTED = "stopped by the user; what was computed is kept"
+    STEP_TOO_SMALL = "the step fell below its floor; soften the contact, loosen rtol or lower integrator.min_step"
+    NOT_FINITE = "the state stopped being finite; look at the drives and stiffnesses, or tighten the step"
+    TOO_DEEP = (
+        "a contact was pressed beyond maximum_depth, where rigid bodies with contact stiffness no longer describe it; "
+        "stiffen the law, lower the load or raise maximum_depth"
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Counts:
+    """What a run took.
+
+    Attributes:
+        accepted: Steps accepted.
+        rejected: Trial steps rejected by their error.
+        relocated: Trial steps cut back to end at a change of contact.
+        evaluations: Evaluations of the equations of motion.
+        wall_seconds: Time of the run, recording included [s].
+    """
+
+    accepted: int = 0
+    rejected: int = 0
+    relocated: int = 0
+    evaluations: int = 0
+    wall_seconds: float = 0.0
+
+
+def library_versions() -> dict[str, str]:
+    """Return the versions of this package and of the libraries that its numbers depend on."""
+    found = {"python": platform.python_version()}
+    for name in _LIBRARIES:
+        try:
+            found[name] = importlib.metadata.version(name)
+        except importlib.metadata.PackageNotFoundError:
+            found[name] = "not installed as a package"
+    return found
+
+
+def check_writable(path: str | os.PathLike[str]) -> Path:
+    """Return the path if a file can be written there; else raise before any work is done.
+
+    Raises:
+        OutputError: The folder is missing or not writable, or the path is a folder.
+    """
+    target = Path(path)
+    folder = target.parent
+    if target.is_dir():
+        raise OutputError(f"{target}: the output must be a file, got a folder; name a file in it")
+    if not folder.is_dir():
+        raise OutputError(f"{target}: the output's folder {str(folder)!r} does not exist; make it or name another")
+    try:
+        # Trying is the only test that holds for every user and file system.
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        raise OutputError(
+            f"{target}: the output's folder must be writable, got: {error.strerror}; name another folder"
+        ) from error
+    return target
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Trajectory:
+    """One run, sampled.
+
+    Attributes:
+        data: Labelled by time, contact, axis and more; units and long names on each (the README lists them).
+        outcome: Why the run ended.
+        message: The outcome in words, with the place and what to try.
+        counts: Steps, evaluations, wall time.
+        scenario: What it came from, enough to repeat it; None for a system built in Python.
+    """
+
+    data: xr.Dataset
+    outcome: Outcome
+    message: str
+    counts: Counts
+    scenario: Scenario | None = None
+
+    @property
+    def completed(self) -> bool:
+        """Whether the run reached the end of its time span."""
+        return self.outcome is Outcome.COMPLETED
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Write the NetCDF file, under a temporary name first; return its path.
+
+        Raises:
+            OutputError: It cannot be written there.
+        """
+        target = check_writable(path)
+        partial = target.with_name(f".{target.name}.{os.getpid()}.partial")
+        data = self.data.assign_attrs(
+            format=FORMAT,
+            outcome=self.outcome.name,
+            outcome_message=self.message,
+            counts=json.dumps(asdict(self.counts)),
+            scenario="" if self.scenario is None else self.scenario.model_dump_json(),
+        )
+        encoding = {
+            str(name): {"zlib": True, "complevel": 1, "shuffle": True}
+            for name, variable in data.variables.items()
+            if variable.dtype.kind in "fi" and variable.ndim > 0 and variable.size > 64
+        }
+        try:
+            data.to_netcdf(partial, engine="h5netcdf", encoding=encoding)
+            partial.replace(target)
+        except OSError as error:
+            raise OutputError(f"{target}: cannot be written: {error.strerror or error}") from error
+        finally:
+            partial.unlink(missing_ok=True)
+        return target
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Self:
+        """Read a file that :meth:`save` wrote.
+
+        Raises:
+            FileFormatError: It is not such a file, or one of another version of the format.
+        """
+        source = Path(path)
+        if not source.is_file():
+            raise FileFormatError(f"{source}: no such file; `antenna-pin run` writes one")
+        try:
+            with xr.open_dataset(source, engine="h5netcdf") as opened:
+                data = opened.load()
+        except (OSError, ValueError) as error:
+            raise FileFormatError(f"{source}: must be a NetCDF file written by antenna-pin, got: {error}") from None
+        found = data.attrs.get("format")
+        if found != FORMAT:
+            raise FileFormatError(
+                f"{source}: the format must be {FORMAT!r}, got {found!r}; run the scenario again with this version"
+            )
+        text = data.attrs["scenario"]
+        return cls(
+            data=data,
+            outcome=Outcome[data.attrs["outcome"]],
+            message=data.attrs["outcome_message"],
+            counts=Counts(**json.loads(data.attrs["counts"])),
+            scenario=Scenario.model_validate_json(text) if text else None,
+        )
+
+    def summary(self) -> dict[str, Any]:
+        """Return the run in plain numbers: how it ended, counts, peaks, impulses, conservation (SI units)."""
+        data = self.data
+        title = data.attrs.get("title", "")
+        result: dict[str, Any] = {
+            "title": title,
+            "case": data.attrs.get("case", ""),
+            "outcome": self.outcome.name,
+            "message": self.message,
+            "time": float(data["time"].values[-1]),
+            "samples": int(data.sizes["time"]),
+            "counts": asdict(self.counts),
+            "conservation": json.loads(data.attrs["conservation"]),
+            "gap_difference": float(data.attrs["gap_difference"]),
+            "motion": {
+                str(name): {
+                    "angle": float(data["motion_angle"].sel(joint=name).values[-1]),
+                    "rate": float(data["motion_rate"].sel(joint=name).values[-1]),
+                    "peak_acceleration": float(np.abs(data["motion_acceleration"].sel(joint=name).values).max()),
+                }
+                for name in data["joint"].values
+            },
+            "contacts": {},
+        }
+        if "contact" not in data.sizes:
+            return result
+        index = data["episode_contact"].values
+        for number, name in enumerate(data["contact"].values):
+            mine = index == number
+            peaks = data["peak_force"].values[mine]
+            result["contacts"][str(name)] = {
+                "episodes": int(mine.sum()),
+                "peak_force": float(peaks.max()) if mine.any() else 0.0,
+                "peak_depth": float(data["peak_depth"].values[mine].max()) if mine.any() else 0.0,
+                "largest_approach_speed": (
+                    float(data["approach_speed"].values[mine].max()) if mine.any() else 0.0
+                ),
+                "impulse": float(data["impulse"].values[mine].sum()),
+                "dissipated": float(data["dissipated"].values[mine].sum()),
+            }
+        return result
+
+    def _repr_html_(self) -> str:
+        return str(self.data._repr_html_())

@@ -1,0 +1,239 @@
+"""Quantities as people write them: a bare number is SI, a string carries its unit.
+
+``quantity("0.2 mm", "m", place)`` is 0.0002. The dimension is checked, and so are angles: a frequency [Hz]
+and an angular rate [rad/s] have the same dimension but differ by 2 pi, so neither is taken for the other.
+Decimal text is converted exactly and rounded once: "9.8 mm" is the float 0.0098.
+"""
+
+from __future__ import annotations
+
+import decimal
+import math
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from numbers import Real
+from typing import Any
+
+from antenna_pin.errors import ScenarioError
+
+__all__ = ["QuantityError", "describe_unit", "matching_unit", "quantity", "shown"]
+
+# Unit, and what a quantity of it is called; the first that fits names a quantity seen.
+_KINDS = {
+    "1": "a pure number",
+    "rad": "an angle",
+    "m": "a length",
+    "m**2": "an area",
+    "m**3": "a volume",
+    "s": "a time",
+    "kg": "a mass",
+    "m/s": "a speed",
+    "m/s**2": "an acceleration",
+    "Hz": "a frequency",
+    "rad/s": "an angular rate",
+    "rad/s**2": "an angular acceleration",
+    "N": "a force",
+    "N*m": "a torque",
+    "N*m/rad": "a torsional stiffness",
+    "N*m*s/rad": "a torsional damping",
+    "N/m": "a stiffness",
+    "N*s/m": "a damping",
+    "W": "a power",
+    "Pa": "a pressure",
+    "kg/m**3": "a density",
+    "kg*m**2": "a moment of inertia",
+}
+_PURE = ("1", "-", "")
+
+_QUANTITY = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*)", re.DOTALL)
+_NOT_FINITE = re.compile(r"[+-]?(?:nan|inf|infinity)\b.*", re.IGNORECASE | re.DOTALL)
+_UNIT_CHARACTERS = re.compile(r"[\w\s*/^().+\-%°·]*")
+
+
+class QuantityError(ScenarioError):
+    """A value that is not a quantity of the unit asked for.
+
+    Attributes:
+        reason: The message without the place: rule, value seen, way out.
+    """
+
+    def __init__(self, place: str, reason: str) -> None:
+        """Compose the one-line message."""
+        super().__init__(f"{place} {reason}")
+        self.reason = reason
+
+
+def quantity(value: object, unit: str | tuple[str, ...], place: str) -> float:
+    """Return a quantity as a float in SI units.
+
+    Args:
+        value: A number, taken to be SI, or text with a unit such as ``"0.2 mm"``. NaN, infinities, booleans,
+            unknown units and units of another dimension are refused.
+        unit: The SI unit asked for, such as ``"N*m"``, ``"N/m**1.5"``, or ``"1"`` for a pure number; a tuple
+            if any of several will do.
+        place: Where the value stands, for the message.
+
+    Raises:
+        QuantityError: With one line such as
+            ``my.toml: clearance.hinge.radial_clearance must be a length [m], got '0.2 N' (force)``.
+    """
+    units = (unit,) if isinstance(unit, str) else unit
+    try:
+        return _quantity(value, units)
+    except _Refused as refusal:
+        raise QuantityError(place, f"must be {describe_unit(unit)}, got {shown(value)}{refusal}") from None
+
+
+def matching_unit(value: object, units: tuple[str, ...]) -> str | None:
+    """Return the one of ``units`` that a text's unit fits; None for a bare number or if none fits."""
+    for unit in units if isinstance(value, str) else ():
+        try:
+            _quantity(value, (unit,))
+        except _Refused:
+            continue
+        return unit
+    return None
+
+
+def describe_unit(unit: str | tuple[str, ...]) -> str:
+    """Return what a quantity of an SI unit is, as it reads after "must be": ``a length [m]``."""
+    units = (unit,) if isinstance(unit, str) else unit
+    return " or ".join(_describe(one) for one in units)
+
+
+def shown(value: object) -> str:
+    """Return a value on one short line, as its author would recognise it."""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, Mapping):
+        return "a table"
+    text = repr(list(value)) if isinstance(value, tuple) else repr(value)
+    if len(text) > 60 or "\n" in text:
+        kind = "an array" if isinstance(value, list | tuple) else f"{type(value).__name__} "
+        return kind if kind == "an array" else f"{' '.join(text.split())[:57]}..."
+    return text
+
+
+class _Refused(Exception):  # noqa: N818 - never leaves this module
+    """Why a value is not a quantity, as it reads after the value."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Unit:
+    """A unit as SI sees it: its factor, dimension, exponent of the radian, and whether it counts cycles."""
+
+    factor: float
+    dimension: frozenset[tuple[str, float]]
+    radian: float
+    cycles: bool
+
+    def fits(self, wanted: _Unit) -> bool:
+        """Whether a quantity in this unit is one in the wanted SI unit."""
+        if self.dimension != wanted.dimension:
+            return False
+        if wanted.radian != 0.0:  # 1/s will do for rad/s, Hz will not: it is short of 2 pi
+            return self.radian in (0.0, wanted.radian) and not self.cycles
+        return self.radian == 0.0
+
+
+def _quantity(value: object, units: tuple[str, ...]) -> float:
+    if isinstance(value, bool) or not isinstance(value, Real | str):
+        raise _Refused("")
+    if isinstance(value, str):
+        return _from_text(value.strip(), units)
+    try:
+        number = float(value)
+    except OverflowError:
+        raise _Refused(" (not finite)") from None
+    if not math.isfinite(number):
+        raise _Refused(" (not finite)")
+    return number
+
+
+def _from_text(text: str, units: tuple[str, ...]) -> float:
+    if _NOT_FINITE.fullmatch(text):
+        raise _Refused(" (not finite)")
+    match = _QUANTITY.fullmatch(text)
+    if match is None:
+        raise _Refused("; write a number" + ("" if units[0] in _PURE else f" and its unit: '1 {units[0]}'"))
+    digits, name = match.groups()
+    seen = _parse_unit(name)
+    if seen is None:
+        raise _Refused(f" (unit {name!r} is unknown)")
+    if not any(seen.fits(_known_unit(unit)) for unit in units):
+        if name == "":
+            raise _Refused(f" (no unit); write '{digits} {units[0]}'")
+        raise _Refused(f" ({_name_of(name, seen)})")
+    number = _scaled(digits, seen.factor)
+    if not math.isfinite(number):
+        raise _Refused(" (not finite)")
+    return number
+
+
+def _scaled(digits: str, factor: float) -> float:
+    number = float(digits)
+    if number == 0.0 or not math.isfinite(number) or factor == 1.0:
+        return number
+    # In decimal, so that the one rounding is the last step: 9.8 * 0.001 is not 0.0098 in floats.
+    with decimal.localcontext() as context:
+        context.prec = 60
+        return float(decimal.Decimal(digits) * decimal.Decimal(repr(factor)))
+
+
+def _describe(unit: str) -> str:
+    if unit in _PURE:
+        return _KINDS["1"]
+    if unit in _KINDS:
+        return f"{_KINDS[unit]} [{unit}]"
+    return f"a stiffness [{unit}]" if unit.startswith("N/m**") else f"a quantity [{unit}]"
+
+
+def _name_of(name: str, seen: _Unit) -> str:
+    for unit, kind in _KINDS.items():
+        known = _known_unit(unit)
+        if (known.dimension, known.radian) == (seen.dimension, seen.radian):
+            return kind.split(" ", 1)[1]
+    return f"{_registry().get_base_units(_normalised(name))[1]:~C}"
+
+
+def _known_unit(name: str) -> _Unit:
+    unit = _parse_unit("" if name in _PURE else name)
+    if unit is None:
+        raise ValueError(f"{name!r} is not a unit")
+    return unit
+
+
+def _normalised(name: str) -> str:
+    return name.replace("·", "*")
+
+
+@lru_cache(maxsize=1024)
+def _parse_unit(name: str) -> _Unit | None:
+    """Return a unit by name, or None for one that is unknown or not a plain multiple (dB, degC)."""
+    if not _UNIT_CHARACTERS.fullmatch(name):
+        return None
+    registry = _registry()
+    try:
+        root = registry.get_base_units(registry.Unit(_normalised(name)))[1]
+        origin, one = (registry.Quantity(at, _normalised(name)).to(root).magnitude for at in (0.0, 1.0))
+        powers = {str(base): float(power) for base, power in registry.Quantity(1.0, root).unit_items()}
+    except Exception:  # pint raises assertion, token, type and attribute errors on text that is no unit
+        return None
+    if origin != 0.0 or not 0.0 < one < math.inf:
+        return None
+    return _Unit(
+        factor=float(one),
+        dimension=frozenset((base, round(float(n), 12)) for base, n in root.dimensionality.items()),
+        radian=powers.get("radian", 0.0),
+        cycles="hertz" in str(registry.Unit(_normalised(name))),
+    )
+
+
+@lru_cache(maxsize=1)
+def _registry() -> Any:
+    # Imported on first use: it takes a quarter of a second, and listing scenarios needs no units.
+    import pint
+
+    return pint.UnitRegistry()

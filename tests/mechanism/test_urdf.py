@@ -1,0 +1,513 @@
+"""What a URDF must be to be a mechanism, and what a variant of it keeps."""
+
+import copy
+import re
+
+import numpy as np
+import pinocchio as pin
+import pytest
+import yourdfpy
+from lxml import etree
+
+from antenna_pin.errors import AntennaPinError, MechanismError, OutputError, UnknownNameError
+from antenna_pin.mechanism import JointChange, LinkChange, ShapeChange, Urdf, build_mechanism
+
+BODY = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
+
+
+def pair(joint, child=BODY):
+    """Two links, a and b, and what is between them."""
+    return (
+        f'<robot name="pair">\n<link name="a">{BODY}</link>\n<link name="b">{child}</link>\n{joint}\n</robot>'
+    )
+
+
+def hinge(inside="", kind="continuous", name="j"):
+    return f'<joint name="{name}" type="{kind}"><parent link="a"/><child link="b"/>{inside}</joint>'
+
+
+def body(mass="1", moments=("1", "1", "1"), products=("0", "0", "0")):
+    values = zip(("ixx", "iyy", "izz", "ixy", "ixz", "iyz"), (*moments, *products), strict=True)
+    inertia = " ".join(f'{key}="{value}"' for key, value in values)
+    return f'<inertial><mass value="{mass}"/><inertia {inertia}/></inertial>'
+
+
+REFUSED = {
+    "not XML": (
+        "<robot name='x'><link name='a'></robot>",
+        "u.urdf, line 1: not well-formed XML: Opening and ending tag mismatch: link",
+    ),
+    "empty": ("", "u.urdf, line 1: not well-formed XML: "),
+    "another format": ("<sdf name='x'/>", "u.urdf, line 1: the root of a URDF must be <robot>, got <sdf>"),
+    "no robot name": ("<robot/>", "u.urdf, line 1: <robot> must have a name, got none"),
+    "xacro": (
+        '<robot name="x" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:arm/></robot>',
+        "u.urdf, line 1: <arm> is a xacro macro, not URDF; expand it first",
+    ),
+    "no links": ("<robot name='x'/>", "u.urdf, line 1: a mechanism must have at least one <link>, got none"),
+    "nameless link": ("<robot name='x'><link/></robot>", "u.urdf, line 1: <link> must have a name, got none"),
+    "blank name": (
+        "<robot name='x'><link name=' '/></robot>",
+        "u.urdf, line 1: link ' ': <link> must have a name, got ' '",
+    ),
+    "repeated link": (
+        pair(hinge()).replace('name="b"', 'name="a"'),
+        "u.urdf, line 3: link name 'a' must be unique, first used in line 2; rename one",
+    ),
+    "repeated joint": (
+        pair(hinge() + "\n" + hinge()),
+        "u.urdf, line 5: joint name 'j' must be unique, first used in line 4; rename one",
+    ),
+    "Pinocchio's name": (
+        pair(hinge(name="root_joint")),
+        "u.urdf, line 4: joint name 'root_joint' is Pinocchio's own; rename it",
+    ),
+    "unknown parent": (
+        pair(hinge()).replace('parent link="a"', 'parent link="base"'),
+        "u.urdf: parent of joint 'j': link 'base' is unknown; known: a, b",
+    ),
+    "unknown child": (
+        pair(hinge()).replace('child link="b"', 'child link="bb"'),
+        "u.urdf: child of joint 'j': link 'bb' is unknown; did you mean b? known: a, b",
+    ),
+    "no child": (
+        pair(hinge()).replace('<child link="b"/>', ""),
+        "u.urdf, line 4: joint 'j': <joint> must have a <child>, got none",
+    ),
+    "two parents": (
+        pair(hinge() + hinge(name="k")),
+        "u.urdf: link 'b' must be the child of one joint, got 'j' and 'k'; a URDF is a tree, cut the loop",
+    ),
+    "two roots": (pair(""), "u.urdf: exactly one link must be nobody's child, got a, b; join them by joints"),
+    "loop": (
+        pair(hinge() + '<joint name="k" type="continuous"><parent link="b"/><child link="a"/></joint>'),
+        "u.urdf: links a, b hang in a loop of joints that no root carries; a URDF is a tree, cut the loop",
+    ),
+    "unknown type": (
+        pair(hinge(kind="revolut")),
+        "u.urdf, line 4: joint 'j': type must be one of continuous, fixed, floating, planar, prismatic, "
+        "revolute, "
+        "got 'revolut'; did you mean revolute?",
+    ),
+    "no type": (
+        pair(hinge()).replace(' type="continuous"', ""),
+        "u.urdf, line 4: joint 'j': <joint> must have a type, got none",
+    ),
+    "mimic": (
+        pair(hinge('<mimic joint="k"/>')),
+        "u.urdf, line 4: joint 'j': a joint that mimics 'k' is a gear, which is not simulated; remove",
+    ),
+    "no limit": (
+        pair(hinge(kind="revolute")),
+        "u.urdf, line 4: joint 'j': a revolute joint must have a <limit>, got none; "
+        "a hinge without stops is type 'continuous'",
+    ),
+    "half a limit": (
+        pair(hinge('<limit effort="1"/>', kind="revolute")),
+        "u.urdf, line 4: joint 'j': <limit> velocity must be 1 finite number(s), got none",
+    ),
+    "negative limit": (
+        pair(hinge('<limit effort="-1" velocity="1"/>', kind="revolute")),
+        "u.urdf, line 4: joint 'j': <limit> effort must not be negative, got '-1'",
+    ),
+    "nameless material": (
+        pair(hinge(), BODY + "<visual><geometry><sphere radius='1'/></geometry><material/></visual>"),
+        "u.urdf, line 3: link 'b': <material> must have a name, got none",
+    ),
+    "repeated material": (
+        pair(hinge() + '<material name="m"/><material name="m"/>'),
+        "u.urdf, line 4: material name 'm' must be unique, first used in line 4; rename one",
+    ),
+    "zero axis": (
+        pair(hinge('<axis xyz="0 0 0"/>')),
+        "u.urdf, line 4: joint 'j': axis must be nonzero, got '0 0 0'",
+    ),
+    "axis of two": (
+        pair(hinge('<axis xyz="0 1"/>')),
+        "u.urdf, line 4: joint 'j': <axis> xyz must be 3 finite number(s), got '0 1'",
+    ),
+    "commas": (
+        pair(hinge('<origin xyz="0, 0, 1"/>')),
+        "u.urdf, line 4: joint 'j': <origin> xyz must be 3 finite number(s), got '0, 0, 1'",
+    ),
+    "not a number": (
+        pair(hinge('<origin rpy="0 0 nan"/>')),
+        "u.urdf, line 4: joint 'j': <origin> rpy must be 3 finite number(s), got '0 0 nan'",
+    ),
+    "planar about y": (
+        pair(hinge('<axis xyz="0 1 0"/>', kind="planar")),
+        "u.urdf: joint 'j' is planar and its axis must be 0 0 1, got 0 1 0; "
+        "turn its frame, or write it as 'continuous'",
+    ),
+    "no mass": (
+        pair(hinge(), BODY.replace('<mass value="1"/>', "")),
+        "u.urdf, line 3: link 'b': <inertial> must have a <mass>, got none",
+    ),
+    # Left alone, Pinocchio's parser would take this link as massless and say nothing that a caller sees.
+    "mass with unit": (
+        pair(hinge(), body("3kg")),
+        "u.urdf, line 3: link 'b': <mass> value must be 1 finite number(s), got '3kg'",
+    ),
+    "zero mass": (
+        pair(hinge(), body("0")),
+        "u.urdf: link 'b': mass must be positive, got 0 kg; a mere frame has no <inertial>",
+    ),
+    "negative mass": (pair(hinge(), body("-2")), "u.urdf: link 'b': mass must be positive, got -2 kg"),
+    # Left alone, yourdfpy would take a missing moment as 1 kg m^2.
+    "moment left out": (
+        pair(hinge(), BODY.replace('iyy="1"', "")),
+        "u.urdf, line 3: link 'b': <inertia> iyy must be 1 finite number(s), got none",
+    ),
+    "two inertials": (
+        pair(hinge(), BODY + BODY),
+        "u.urdf, line 3: link 'b': a link must have one <inertial>, got 2",
+    ),
+    "negative moment": (
+        pair(hinge(), body(moments=("-1", "1", "1"))),
+        "u.urdf: link 'b': principal moments of inertia must be positive, got -1, 1, 1 kg m^2",
+    ),
+    "products too large": (  # the diagonal alone looks harmless
+        pair(hinge(), body(products=("2", "0", "0"))),
+        "u.urdf: link 'b': principal moments of inertia must be positive, got -1, 1, 3 kg m^2",
+    ),
+    "moves without inertial": (
+        pair(hinge(), ""),
+        "u.urdf: link 'b' is moved by joint 'j' and must have an <inertial>, got none; "
+        "only a link fixed to one that has it may go without",
+    ),
+    "no geometry": (
+        pair(hinge(), BODY + "<visual/>"),
+        "u.urdf, line 3: link 'b': <visual> must have a <geometry>, got none",
+    ),
+    "unknown shape": (
+        pair(hinge(), BODY + "<visual><geometry><capsule/></geometry></visual>"),
+        "u.urdf, line 3: link 'b': <geometry> must hold one of box, cylinder, sphere, mesh, got <capsule>",
+    ),
+    "flat box": (
+        pair(hinge(), BODY + '<visual><geometry><box size="1 0 1"/></geometry></visual>'),
+        "u.urdf, line 3: link 'b': <box> size must be positive, got '1 0 1'",
+    ),
+    "nameless mesh": (
+        pair(hinge(), BODY + "<visual><geometry><mesh/></geometry></visual>"),
+        "u.urdf, line 3: link 'b': <mesh> must have a filename, got none",
+    ),
+    "what only yourdfpy trips over": (
+        pair(hinge('<calibration rising="soon"/>')),
+        "u.urdf: yourdfpy cannot read this URDF: could not convert string to float: 'soon'",
+    ),
+}
+
+
+@pytest.mark.parametrize(("text", "message"), REFUSED.values(), ids=REFUSED.keys())
+def test_what_is_not_a_mechanism_is_refused_in_one_line(text, message):
+    with pytest.raises((MechanismError, UnknownNameError)) as caught:
+        Urdf.from_text(text, "u.urdf")
+    assert str(caught.value).startswith(message)
+    assert "\n" not in str(caught.value)
+
+
+def test_nothing_damaged_reaches_pinocchios_parser(crooked_text, capfd):
+    """Each element and attribute in turn left out, doubled or spoilt: refused in one line, or harmless.
+
+    Pinocchio's parser prints an error, takes zero for what it could not read and goes on; so it must have
+    nothing to print.
+    """
+    whole = etree.fromstring(crooked_text.encode())
+    elements = [element for element in whole.iter(etree.Element) if element is not whole]
+    refused = 0
+    for index, element in enumerate(elements):
+        damages = [lambda e: e.getparent().remove(e), lambda e: e.addnext(copy.deepcopy(e))]
+        for key in element.attrib:
+            damages.append(lambda e, key=key: e.attrib.pop(key))
+            damages += [
+                lambda e, key=key, bad=bad: e.set(key, bad)
+                for bad in ("", "x", "-1", "1 2", "1_0", "\u0661", "1e999")
+            ]
+        for damage in damages:
+            root = copy.deepcopy(whole)
+            damage([e for e in root.iter(etree.Element) if e is not root][index])
+            try:
+                build_mechanism(Urdf.from_text(etree.tostring(root, encoding="unicode"), "u.urdf"))
+            except AntennaPinError as error:
+                assert "\n" not in str(error) and "Pinocchio" not in str(error)
+                refused += 1
+    assert refused > 500  # the rest changes a name or leaves out what is optional
+    assert capfd.readouterr().err == ""
+
+
+def test_an_inertia_that_breaks_the_triangle_rule_says_by_how_much_and_may_be_allowed_by_name():
+    """The moments of any body are sums of squares: I_1 + I_2 - I_3 = 2 integral of x_3^2 dm >= 0."""
+    text = pair(hinge(), body("1000", ("1000", "100", "100")))  # You et al. 2010, spacecraft body
+    with pytest.raises(MechanismError) as caught:
+        Urdf.from_text(text, "you2010.urdf")
+    assert str(caught.value) == (
+        "you2010.urdf: link 'b': the largest principal moment of inertia must not exceed the sum of the "
+        "other two, got 100, 100, 1000 kg m^2: too large by 800; correct it, or name the link in "
+        "allow_impossible_inertia"
+    )
+    allowed = Urdf.from_text(text, "you2010.urdf", allow_impossible_inertia=("b",))
+    assert allowed.variant(joints={"j": "free"}).allow_impossible_inertia == ("b",)
+    with pytest.raises(MechanismError, match="link 'a': the largest principal moment"):
+        allowed.variant(links={"a": LinkChange(inertia=(3.0, 1.0, 1.0))})
+    with pytest.raises(
+        UnknownNameError, match="allow_impossible_inertia: link 'c' is unknown; .*known: a, b"
+    ):
+        Urdf.from_text(text, "you2010.urdf", allow_impossible_inertia=("c",))
+
+
+def test_a_rule_on_principal_moments_does_not_depend_on_the_axes_they_are_given_in():
+    """A flat plate, I_3 = I_1 + I_2 exactly, passes in any axes; 1e-6 more does not."""
+    rng = np.random.default_rng(0)
+    for excess, accepted in ((0.0, True), (1e-6, False)):
+        for _ in range(20):
+            r = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+            i = r @ np.diag([0.2, 0.3, 0.5 + excess]) @ r.T
+            text = pair(hinge(), body("1", np.diag(i), (i[0, 1], i[0, 2], i[1, 2])))
+            if accepted:
+                Urdf.from_text(text, "plate.urdf")
+            else:
+                with pytest.raises(MechanismError, match="too large by 1e-06"):
+                    Urdf.from_text(text, "plate.urdf")
+
+
+def test_names_are_looked_up_with_the_nearest_one_offered(crooked):
+    assert crooked.joint("wrist").child == "hand"
+    assert crooked.link("tip").inertial.mass == 0.4
+    assert (crooked.name, crooked.root) == ("crooked", "hull")
+    with pytest.raises(UnknownNameError, match="crooked.urdf: joint 'wirst' is unknown; did you mean wrist?"):
+        crooked.joint("wirst")
+    with pytest.raises(UnknownNameError, match="crooked.urdf: link 'wrist' is unknown"):
+        crooked.link("wrist")
+
+
+def test_an_axis_is_the_direction_alone_and_x_where_the_urdf_says_nothing(crooked):
+    assert crooked.axis("swivel") == pytest.approx([1 / 3, 2 / 3, -2 / 3], rel=1e-15)
+    assert Urdf.from_text(pair(hinge()), "u.urdf").axis("j").tolist() == [1.0, 0.0, 0.0]
+
+
+def test_damping_that_is_not_simulated_is_said(crooked):
+    assert crooked.not_simulated == ()
+    damped = Urdf.from_text(pair(hinge('<dynamics damping="0.5" friction="0"/>')), "u.urdf")
+    (line,) = damped.not_simulated
+    assert line.startswith("u.urdf: joint 'j': <dynamics> damping=0.5 is not simulated")
+
+
+def test_files_that_cannot_be_read_are_refused(tmp_path):
+    with pytest.raises(MechanismError, match=r"missing\.urdf: cannot be read: No such file or directory"):
+        Urdf.load(tmp_path / "missing.urdf")
+    with pytest.raises(MechanismError, match="cannot be read: Is a directory"):
+        Urdf.load(tmp_path)
+
+
+def test_a_file_is_read_in_the_encoding_that_it_declares(tmp_path):
+    text = '<?xml version="1.0" encoding="ISO-8859-1"?>' + pair(hinge(name="größe"))
+    (tmp_path / "u.urdf").write_bytes(text.encode("latin-1"))
+    read = Urdf.load(tmp_path / "u.urdf")
+    assert read.joint("größe").child == "b"
+    read.write(tmp_path / "again.urdf")
+    assert Urdf.load(tmp_path / "again.urdf").joint("größe").child == "b"
+    assert Urdf.from_text(text, "u.urdf").text == read.text
+
+
+# --- variants ---
+
+
+def test_a_variant_leaves_its_source_as_it_was(crooked):
+    before = crooked.text
+    crooked.variant(
+        joints={"wrist": "planar", "swivel": "free", "slide": "locked"},
+        links={"arm": LinkChange(mass=9.0)},
+        origins={"wrist": JointChange(origin_xyz=(1.0, 0.0, 0.0))},
+    )
+    assert crooked.text == before
+    assert crooked.variant().text == before
+
+
+def test_a_variant_changes_the_type_of_a_joint_and_keeps_the_axis(crooked):
+    variant = crooked.variant(joints={"swivel": "free", "slide": "locked", "wrist": "ideal"})
+    assert [variant.joint(name).type for name in ("swivel", "slide", "wrist")] == [
+        "floating",
+        "fixed",
+        "revolute",
+    ]
+    assert np.array_equal(variant.axis("swivel"), crooked.axis("swivel"))
+    assert variant.joint("slide").limit is None
+
+
+def test_a_planar_joint_is_turned_to_z_and_back(crooked):
+    variant = crooked.variant(joints={"wrist": "planar"})
+    joint, mount = variant.joint("wrist"), variant.joint("wrist_plane_mount")
+    assert (joint.type, joint.child, mount.parent, mount.child) == (
+        "planar",
+        "wrist_plane",
+        "wrist_plane",
+        "hand",
+    )
+    assert joint.axis.tolist() == [0.0, 0.0, 1.0]
+    # Angles there and back: some roundings of numbers up to pi.
+    assert (
+        np.abs(
+            variant.placement("wrist") @ variant.placement("wrist_plane_mount") - crooked.placement("wrist")
+        ).max()
+        < 4e-15
+    )
+    normal = variant.placement("wrist")[:3, 2]
+    assert np.abs(normal - crooked.placement("wrist")[:3, :3] @ crooked.axis("wrist")).max() < 4e-15
+
+
+def test_what_else_stands_in_the_file_stays_there(crooked):
+    variant = crooked.variant(joints={"swivel": "planar", "wrist": "free"})
+    assert "<!-- the hull -->" in variant.text
+    assert "<!-- weighed -->" in variant.text
+    assert '<gazebo reference="hull"><kept_for_other_tools/></gazebo>' in variant.text
+
+
+def test_a_changed_number_loses_its_source_and_says_what_it_was(crooked):
+    """Or a file would claim that an override comes from where the number before it came from."""
+    variant = crooked.variant(
+        links={"hull": LinkChange(mass=60)},
+        origins={"swivel": JointChange(axis=(0, 0, 1), origin_xyz=(0, 0, 1))},
+    )
+    assert "weighed" not in variant.text and "drawn" not in variant.text
+    assert '<mass value="60.0"/> <!-- antenna_pin: was value="50" -->' in variant.text
+    assert '<axis xyz="0.0 0.0 1.0"/> <!-- antenna_pin: was xyz="1 2 -2" -->' in variant.text
+
+
+def test_overrides_change_what_they_name_and_nothing_else(crooked):
+    variant = crooked.variant(
+        links={
+            "arm": LinkChange(
+                mass=4.0,
+                inertia=(0.3, 0.4, 0.5),
+                centre_of_mass=(0.1, 0.2, 0.3),
+                shapes={"rod": ShapeChange(radius=0.03), "case": ShapeChange(size=(1.0, 2.0, 3.0))},
+            ),
+            "tip": LinkChange(inertia=(0.004, 0.005, 0.006, 1e-4, 2e-4, 3e-4)),
+        },
+        origins={"wrist": JointChange(origin_rpy=(0.1, 0.2, 0.3), axis=(0.0, 2.0, 0.0))},
+    )
+    arm, before = variant.link("arm"), crooked.link("arm")
+    assert (arm.inertial.mass, np.diag(arm.inertial.inertia).tolist()) == (4.0, [0.3, 0.4, 0.5])
+    assert np.array_equal(arm.inertial.inertia, np.diag([0.3, 0.4, 0.5]))  # three numbers: no products
+    assert arm.inertial.origin[:3, 3].tolist() == [0.1, 0.2, 0.3]
+    assert np.array_equal(arm.inertial.origin[:3, :3], before.inertial.origin[:3, :3])
+    rods = [shape.geometry.cylinder for shape in (*arm.visuals, *arm.collisions) if shape.name == "rod"]
+    assert [(rod.radius, rod.length) for rod in rods] == [(0.03, 0.6)] * 2
+    assert arm.visuals[1].geometry.box.size.tolist() == [1.0, 2.0, 3.0]
+    assert variant.link("tip").inertial.inertia.tolist() == [
+        [0.004, 1e-4, 2e-4],
+        [1e-4, 0.005, 3e-4],
+        [2e-4, 3e-4, 0.006],
+    ]
+    assert variant.axis("wrist").tolist() == [0.0, 1.0, 0.0]
+    assert variant.placement("wrist")[:3, 3].tolist() == [0.0, 0.6, 0.0]
+    untouched = ("hull", "hand", "camera", "weight")
+    assert all(variant.link(name) == crooked.link(name) for name in untouched)
+    assert all(variant.joint(name) == crooked.joint(name) for name in ("swivel", "weld", "slide"))
+
+
+def test_an_override_may_give_a_frame_its_inertial(crooked):
+    variant = crooked.variant(links={"camera": LinkChange(mass=0.2, inertia=(1e-4, 1e-4, 1e-4))})
+    assert variant.link("camera").inertial.mass == 0.2
+    with pytest.raises(
+        MechanismError, match="link 'camera' has no <inertial>: an override must give both mass and inertia"
+    ):
+        crooked.variant(links={"camera": LinkChange(mass=0.2)})
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"joints": {"wirst": "free"}}, "crooked.urdf: joint 'wirst' is unknown; did you mean wrist?"),
+        (
+            {"joints": {"wrist": "fre"}},
+            "crooked.urdf: joint 'wrist': kind 'fre' is unknown; did you mean free?",
+        ),
+        (
+            {"joints": {"slide": "free"}},
+            "crooked.urdf: joint 'slide' is prismatic; only a revolute or continuous joint can be made free",
+        ),
+        (
+            {"joints": {"weld": "planar"}},
+            "crooked.urdf: joint 'weld' is fixed; only a revolute or continuous joint can be made planar",
+        ),
+        (
+            {"links": {"arms": LinkChange(mass=1.0)}},
+            "crooked.urdf: link 'arms' is unknown; did you mean arm?",
+        ),
+        (
+            {"links": {"arm": LinkChange(shapes={"rd": ShapeChange(radius=1.0)})}},
+            "crooked.urdf: link 'arm': shape 'rd' is unknown; did you mean rod? known: case, rod",
+        ),
+        (
+            {"links": {"arm": LinkChange(shapes={"case": ShapeChange(radius=1.0)})}},
+            "crooked.urdf: link 'arm': shape 'case': a box has no radius to change; it has size",
+        ),
+        ({"origins": {"wist": JointChange()}}, "crooked.urdf: joint 'wist' is unknown; did you mean wrist?"),
+        (
+            {"origins": {"weld": JointChange(axis=(1, 0, 0))}},
+            "crooked.urdf: joint 'weld' is fixed and has no axis to change",
+        ),
+    ],
+)
+def test_changes_that_make_no_sense_are_refused(crooked, change, message):
+    with pytest.raises((MechanismError, UnknownNameError)) as caught:
+        crooked.variant(**change)
+    assert str(caught.value).startswith(message)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_free_joint_has_no_ideal_form_to_go_back_to(crooked):
+    for kind, urdf_type in (("free", "floating"), ("planar", "planar")):
+        variant = crooked.variant(joints={"wrist": kind})
+        with pytest.raises(
+            MechanismError, match=f"joint 'wrist' is {urdf_type} and has no ideal form to keep"
+        ):
+            variant.variant(joints={"wrist": "ideal"})
+        with pytest.raises(
+            MechanismError, match=f"joint 'wrist' is {urdf_type}; only a revolute or continuous"
+        ):
+            variant.variant(joints={"wrist": "free"})
+
+
+def test_names_that_a_planar_joint_needs_must_not_be_taken(crooked_text):
+    taken = Urdf.from_text(crooked_text.replace('"camera"', '"wrist_plane"'), "crooked.urdf")
+    with pytest.raises(
+        MechanismError, match="link name 'wrist_plane' is needed to make a joint planar; rename yours"
+    ):
+        taken.variant(joints={"wrist": "planar"})
+
+
+# --- files ---
+
+
+def test_a_written_variant_reads_back_as_itself(crooked, tmp_path):
+    variant = crooked.variant(
+        joints={"wrist": "planar", "swivel": "free"}, links={"arm": LinkChange(mass=0.1 + 0.2)}
+    )
+    variant.write(tmp_path / "variant.urdf")
+    assert Urdf.load(tmp_path / "variant.urdf").text == variant.text
+    assert [path.name for path in tmp_path.iterdir()] == ["variant.urdf"]
+
+
+def test_a_file_is_written_whole_or_not_at_all(crooked, tmp_path):
+    target = tmp_path / "nowhere" / "u.urdf"
+    with pytest.raises(
+        OutputError, match=rf"{re.escape(str(target))}: cannot be written: No such file or directory"
+    ):
+        crooked.write(target)
+    with pytest.raises(OutputError, match="cannot be written: Is a directory"):
+        crooked.write(tmp_path)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_variant_written_elsewhere_still_finds_its_meshes(antenna, tmp_path):
+    """Both by yourdfpy and by Pinocchio, which have rules of their own for file names."""
+    path = tmp_path / "antenna_clearance.urdf"
+    antenna.variant(joints={"elevation": "free"}).write(path)
+    scene = yourdfpy.URDF.load(str(path)).scene
+    assert "dish" in scene.geometry
+    model = pin.buildModelFromUrdf(str(path), pin.JointModelFreeFlyer())
+    shapes = pin.buildGeomFromUrdf(model, str(path), pin.GeometryType.VISUAL)
+    assert "reflector_0" in [shape.name for shape in shapes.geometryObjects]
+    assert 'filename="dish.obj"' in antenna.to_xml()

@@ -1,0 +1,86 @@
+"""The plan of the house, checked: who imports whom, and that every room shows what it says it does."""
+
+import importlib
+import pkgutil
+import tomllib
+from pathlib import Path
+
+import grimp
+import pytest
+from importlinter import api as importlinter_api
+from importlinter.application import use_cases
+
+import antenna_pin
+
+ROOT = Path(__file__).parents[1]
+PYPROJECT = ROOT / "pyproject.toml"
+
+
+def test_import_contracts_are_kept(monkeypatch):
+    monkeypatch.chdir(ROOT)
+    assert importlinter_api.read_configuration(str(PYPROJECT))["contracts_options"]
+    assert use_cases.lint_imports(config_filename=str(PYPROJECT), cache_dir=None), "run: lint-imports"
+
+
+@pytest.fixture(scope="module")
+def graph():
+    return grimp.build_graph(
+        "antenna_pin", include_external_packages=True, exclude_type_checking_imports=True, cache_dir=None
+    )
+
+
+@pytest.mark.parametrize(
+    ("package", "rooms"),
+    [
+        ("matplotlib", {"plot"}),
+        ("meshcat", {"record"}),
+        ("pinocchio", {"mechanism", "joints", "dynamics", "assemble", "simulation"}),
+        ("coal", {"geometry", "joints"}),
+        ("yourdfpy", {"mechanism"}),
+        ("typer", {"cli"}),
+        ("rich", {"cli"}),
+        ("pint", {"units"}),
+    ],
+)
+def test_a_library_is_known_to_its_rooms_only(graph, package, rooms):
+    if package not in graph.modules:
+        return  # nobody imports it yet
+    importers = {module.split(".")[1] for module in graph.find_modules_that_directly_import(package)}
+    assert importers <= rooms
+
+
+def packages():
+    """Return all modules that others import by a public name."""
+    found = ["antenna_pin"]
+    for module in pkgutil.walk_packages(antenna_pin.__path__, "antenna_pin."):
+        if not any(part.startswith("_") for part in module.name.split(".")):
+            found.append(module.name)
+    return found
+
+
+@pytest.mark.parametrize("name", packages())
+def test_every_public_name_can_be_imported(name):
+    module = importlib.import_module(name)
+    names = list(getattr(module, "__all__", []))
+    assert len(names) == len(set(names)), "a name stands twice in __all__"
+    missing = [public for public in names if not hasattr(module, public)]
+    assert not missing
+    if hasattr(module, "__path__"):
+        assert names, f"{name} is a package: it re-exports its public names in __all__"
+
+
+def test_constraints_pin_every_dependency():
+    """An exact version for each direct dependency and each tool, and nothing but exact versions."""
+    lines = (ROOT / "constraints.txt").read_text().splitlines()
+    pinned = {}
+    for line in lines:
+        if not line or line.startswith("#"):
+            continue
+        name, version = line.split("==")  # nothing but exact versions
+        assert version[0].isdigit()
+        pinned[name.lower().replace("_", "-")] = version
+    project = tomllib.loads(PYPROJECT.read_text())["project"]
+    wanted = project["dependencies"] + project["optional-dependencies"]["dev"]
+    for requirement in wanted:
+        name = requirement.split(">=")[0].strip().lower().replace("_", "-")
+        assert name in pinned

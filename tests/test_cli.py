@@ -1,0 +1,339 @@
+"""The command line: what it prints, what it refuses in one line, and how it ends."""
+
+import contextlib
+import dataclasses
+import json
+import signal
+import subprocess
+import sys
+
+import pytest
+
+import antenna_pin.cli
+import antenna_pin.simulation
+from antenna_pin.cli import app
+from antenna_pin.errors import OutputError
+from antenna_pin.trajectory import Outcome, Trajectory
+
+SHORT = ("--duration", "20 ms", "--geometry", "closed-form", "--no-progress")
+
+
+@dataclasses.dataclass(frozen=True)
+class Said:
+    """What a command said and how it ended."""
+
+    code: int
+    out: str
+    err: str
+
+
+@pytest.fixture
+def cli(capsys, tmp_path, monkeypatch):
+    """Run a command in an empty folder."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "200")  # tables are not folded
+
+    def run(*arguments):
+        capsys.readouterr()
+        with pytest.raises(SystemExit) as ended:
+            app([str(argument) for argument in arguments])
+        return Said(ended.value.code or 0, *capsys.readouterr())
+
+    return run
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory):
+    """Two results in a folder: the ideal case and the one with clearance."""
+    folder = tmp_path_factory.mktemp("results")
+    for case in ("case1", "case3"):
+        with contextlib.redirect_stdout(None), pytest.raises(SystemExit) as ended:
+            app(["run", "bai2020", "--case", case, "--out", str(folder / f"{case}.nc"), "--quiet", *SHORT])
+        assert not ended.value.code
+    return folder
+
+
+def refused(said):
+    """Return the one line of a refusal."""
+    assert said.code == 2, said
+    assert said.out == ""
+    lines = said.err.splitlines()
+    assert len(lines) == 1, said.err
+    assert lines[0].startswith("antenna-pin: ")
+    return lines[0]
+
+
+# --- the face ---
+
+
+def test_help_names_every_command(cli):
+    said = cli("--help")
+    assert said.code == 0
+    for command in ("list", "run", "info", "plot", "urdf"):
+        assert f"\n  {command} " in said.out
+
+
+def test_version(cli):
+    assert cli("--version").out.startswith("antenna-pin 0.")
+
+
+def test_list_has_one_line_per_case(cli):
+    said = cli("list")
+    lines = said.out.splitlines()
+    assert lines[0] == "bai2020: Dual-axis satellite antenna with a 3D revolute clearance joint"
+    assert [line.split()[0] for line in lines[1:]] == [
+        "case1",
+        "case1-constraint",
+        "case2-planar",
+        "case2-contact",
+        "case3",
+        "case4",
+        "case5",
+    ]
+    assert all(len(line.split()) > 1 for line in lines)
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["list"]])
+def test_help_and_list_do_not_wait_for_the_mechanics(arguments):
+    code = (
+        "import sys\n"
+        "from antenna_pin.cli import app\n"
+        f"try: app({arguments!r})\n"
+        "except SystemExit: pass\n"
+        "heavy = {'pinocchio', 'coal', 'numba', 'scipy', 'xarray', 'matplotlib', 'yourdfpy', 'rich'}\n"
+        "sys.exit(str(heavy & set(sys.modules)) if heavy & set(sys.modules) else 0)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+
+
+# --- run ---
+
+
+def test_run_saves_and_summarises(cli, tmp_path):
+    said = cli("run", "bai2020", "--case", "case3", *SHORT)
+    assert said.code == 0, said.err
+    assert "saved bai2020-case3.nc" in said.out
+    assert "simulated time [s]" in said.out
+    assert "COMPLETED" in said.out
+    saved = Trajectory.load(tmp_path / "bai2020-case3.nc")
+    assert saved.outcome is Outcome.COMPLETED
+    assert float(saved.data["time"][-1]) == pytest.approx(0.02, rel=1e-12)
+    assert saved.scenario.clearance["elevation"].geometry == "closed-form"
+
+
+def test_quiet_says_nothing(cli, tmp_path):
+    said = cli("run", "bai2020", "--case", "case1", "--duration", "0.001", "--out", "one.nc", "-q")
+    assert (said.code, said.out, said.err) == (0, "", "")
+    assert (tmp_path / "one.nc").is_file()
+
+
+def test_progress_bar_shows_time_speed_and_step(cli):
+    said = cli("run", "bai2020", "--case", "case1", "--duration", "0.01", "--no-summary")
+    assert said.code == 0
+    assert said.out == "saved bai2020-case1.nc\n"
+    assert "bai2020-case1" in said.err
+    assert "0.01 of 0.01 s" in said.err
+    assert "s/s" in said.err
+    assert "step" in said.err
+
+
+def test_settings_reach_the_scenario(cli, tmp_path):
+    said = cli(
+        *("run", "bai2020", "--case", "case3", "--duration", "0.001", "--quiet", "--geometry", "closed-form"),
+        *("--set", "integrator.rtol=1e-7", "--set", "clearance.elevation.radial_clearance=0.1 mm"),
+    )
+    assert said.code == 0, said.err
+    scenario = Trajectory.load(tmp_path / "bai2020-case3.nc").scenario
+    assert scenario.integrator.rtol == 1e-7
+    assert scenario.clearance["elevation"].radial_clearance == pytest.approx(1e-4)
+
+
+@pytest.fixture
+def no_work(monkeypatch):
+    """Make any simulation a failure: refusals come before the work."""
+
+    def simulate(*_arguments, **_options):
+        pytest.fail("the run had begun")
+
+    monkeypatch.setattr(antenna_pin.simulation, "simulate", simulate)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["bia2020"], "did you mean bai2020"),
+        (["missing.toml"], "missing.toml"),
+        (["bai2020", "--case", "case33"], "did you mean case3"),
+        (["bai2020", "--set", "integrator.rtoll=1e-9"], "did you mean rtol"),
+        (["bai2020", "--set", "integrator.rtol"], "integrator.rtol"),
+        (["bai2020", "--set", "clearance.elevation.radial_clearance=0.2 N"], "radial_clearance"),
+        (["bai2020", "--set", "clearance.elevation.normal.restitution=1.3"], "[0, 1]"),
+        (["bai2020", "--set", "clearance.wrist.model=ideal"], "wrist"),
+        (["bai2020", "--duration", "2 m"], "duration"),
+        (["bai2020", "--duration", "-1"], "duration"),
+        (["bai2020", "--duration", "soon"], "duration"),
+        (["bai2020", "--out", "nowhere/x.nc"], "nowhere"),
+        (["bai2020", "--out", "result.txt"], "try result.nc"),
+        (["bai2020", "--out", "."], "folder"),
+        (["bai2020", "--out", ""], "folder"),
+        (["bai2020", "--out", "/proc/x.nc"], "/proc"),
+    ],
+)
+def test_run_refuses_in_one_line_before_any_work(cli, no_work, arguments, says):
+    assert says in refused(cli("run", *arguments))
+
+
+def test_a_result_that_cannot_be_written_is_one_line(cli, monkeypatch):
+    def save(self, path):
+        raise OutputError(f"{path}: cannot be written: No space left on device")
+
+    monkeypatch.setattr(Trajectory, "save", save)
+    said = cli("run", "bai2020", "--case", "case1", "--duration", "0.001", "--quiet")
+    assert "No space left" in refused(said)
+
+
+def test_an_unreadable_file_is_one_line(cli, tmp_path, monkeypatch):
+    def load(_path):
+        raise PermissionError(13, "Permission denied", "locked.nc")
+
+    monkeypatch.setattr(Trajectory, "load", load)
+    assert refused(cli("info", "locked.nc")) == "antenna-pin: locked.nc: Permission denied"
+
+
+def test_a_run_that_ends_early_is_saved_and_says_why(cli, tmp_path, monkeypatch):
+    whole = antenna_pin.simulation.simulate
+
+    def simulate(*arguments, **options):
+        done = whole(*arguments, **options)
+        return dataclasses.replace(
+            done, outcome=Outcome.STEP_TOO_SMALL, message="at t = 0.001 s: the step fell below its floor"
+        )
+
+    monkeypatch.setattr(antenna_pin.simulation, "simulate", simulate)
+    said = cli("run", "bai2020", "--case", "case1", "--duration", "0.001", "--quiet")
+    assert said.code == 3
+    assert said.out == ""
+    line = said.err.strip()
+    assert line.startswith("antenna-pin: bai2020-case1: at t = 0.001 s: the step fell below its floor")
+    assert "bai2020-case1.nc" in line
+    assert Trajectory.load(tmp_path / "bai2020-case1.nc").outcome is Outcome.STEP_TOO_SMALL
+
+
+def test_an_interrupted_run_is_saved(cli, tmp_path, monkeypatch):
+    """The signal comes in the middle of the run, as from Ctrl-C."""
+
+    @contextlib.contextmanager
+    def ctrl_c(_title, _shown):
+        yield lambda now: signal.raise_signal(signal.SIGINT) if now.time > 0.0 else None
+
+    monkeypatch.setattr(antenna_pin.cli, "_progress_bar", ctrl_c)
+    said = cli("run", "bai2020", "--case", "case1", "--duration", "1000 s", "--no-summary")
+    assert said.code == 130
+    assert "Traceback" not in said.err
+    saved = Trajectory.load(tmp_path / "bai2020-case1.nc")
+    assert saved.outcome is Outcome.INTERRUPTED
+    assert 0.0 < float(saved.data["time"][-1]) < 1000.0
+
+
+def test_ctrl_c_outside_a_run_is_no_traceback(cli, monkeypatch):
+    def interrupted(*_arguments, **_options):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("antenna_pin.scenario.load_scenario", interrupted)
+    said = cli("run", "bai2020")
+    assert (said.code, said.out, said.err) == (130, "", "antenna-pin: interrupted\n")
+
+
+# --- info ---
+
+
+def test_info_sets_results_side_by_side(cli, results):
+    said = cli("info", results / "case1.nc", results / "case3.nc")
+    assert said.code == 0
+    header, *rows = [line for line in said.out.splitlines() if line.strip()][1:]
+    assert header.split() == ["case1", "case3"]
+    figures = {" ".join(row.split()[:-2]): row.split()[-2:] for row in rows}
+    assert figures["outcome"] == ["COMPLETED", "COMPLETED"]
+    assert figures["simulated time [s]"] == ["0.02", "0.02"]
+    assert figures["elevation.radial+ peak force [N]"][0] == "-"  # the ideal joint has no contact
+    assert float(figures["steps accepted"][0]) > 0
+
+
+def test_info_as_json_is_one_object_a_line(cli, results):
+    files = [results / "case1.nc", results / "case3.nc"]
+    said = cli("info", *files, "--json")
+    objects = [json.loads(line) for line in said.out.splitlines()]
+    assert [entry["file"] for entry in objects] == [str(path) for path in files]
+    for entry, path in zip(objects, files, strict=True):
+        assert entry == {"file": str(path), **json.loads(json.dumps(Trajectory.load(path).summary()))}
+
+
+def test_info_refuses_what_is_not_a_result(cli, tmp_path):
+    (tmp_path / "notes.nc").write_text("not a result")
+    assert "notes.nc" in refused(cli("info", "notes.nc"))
+    assert "no such file" in refused(cli("info", "missing.nc"))
+
+
+# --- plot ---
+
+
+def test_plot_writes_the_figures_and_names_them(cli, results, tmp_path):
+    said = cli(
+        "plot", results / "case1.nc", results / "case3.nc", "--out", "new/figures", "--format", "png,svg"
+    )
+    assert said.code == 0, said.err
+    names = ["motion_angle", "motion_rate", "motion_acceleration", "contact_forces", "energy", "momentum"]
+    expected = [f"new/figures/{name}.{suffix}" for name in names for suffix in ("png", "svg")]
+    assert said.out.splitlines() == expected
+    assert all((tmp_path / path).stat().st_size > 1000 for path in expected)
+    assert "case1 (ideal)" in (tmp_path / "new/figures/motion_angle.svg").read_text()
+
+
+def test_plot_tells_two_runs_of_one_case_apart_by_their_files(cli, results, tmp_path):
+    (tmp_path / "again.nc").write_bytes((results / "case3.nc").read_bytes())
+    cli("plot", results / "case3.nc", "again.nc", "--out", "figures", "--format", "svg", "--width", "column")
+    assert "again" in (tmp_path / "figures/motion_angle.svg").read_text()
+
+
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [
+        (["--out", "figures", "--format", "pgn"], "did you mean png"),
+        (["--out", "figures", "--format", ""], "png"),
+        (["--out", "file"], "this is a file"),
+        (["--out", "figures", "--joint", "elevatoin"], "did you mean elevation"),
+    ],
+)
+def test_plot_refuses_in_one_line(cli, results, tmp_path, options, says):
+    (tmp_path / "file").write_text("")
+    assert says in refused(cli("plot", results / "case1.nc", *options))
+    assert not (tmp_path / "figures").exists()
+
+
+# --- urdf ---
+
+
+def test_urdf_writes_the_variant_of_the_case(cli, tmp_path):
+    said = cli("urdf", "bai2020", "--case", "case3")
+    assert said.out == "saved bai2020-case3.urdf\n", said.err
+    text = (tmp_path / "bai2020-case3.urdf").read_text()
+    assert 'type="floating"' in text
+    cli("urdf", "bai2020", "--case", "case1", "--out", "ideal.urdf")
+    assert 'type="floating"' not in (tmp_path / "ideal.urdf").read_text()
+
+
+def test_urdf_can_be_loaded_from_where_it_is(cli, tmp_path):
+    """Its meshes are found from the new place too."""
+    import pinocchio
+    import yourdfpy
+
+    cli("urdf", "bai2020", "--case", "case3")
+    path = str(tmp_path / "bai2020-case3.urdf")
+    model = pinocchio.buildModelFromUrdf(path, pinocchio.JointModelFreeFlyer())
+    assert model.nv == 6 + 1 + 6
+    assert yourdfpy.URDF.load(path, load_meshes=True).scene.geometry
+
+
+def test_urdf_refuses_a_place_it_cannot_write_to(cli):
+    assert "nowhere" in refused(cli("urdf", "bai2020", "--out", "nowhere/x.urdf"))
