@@ -13,7 +13,6 @@ import errno
 import functools
 import json
 import signal
-import time
 from collections.abc import Callable, Iterator, Sequence
 from enum import StrEnum
 from pathlib import Path
@@ -254,27 +253,25 @@ def _progress_bar(title: str, shown: bool) -> Iterator[Callable[[Progress], None
         expand=True,
         refresh_per_second=5,
     )
-    with bar:
-        task = bar.add_task(title, total=None, time="starting", speed="", step="")
-        shown_at = 0.0
+    task = bar.add_task(title, total=None, time="", speed="", step="")
 
-        def report(now: Progress) -> None:
-            nonlocal shown_at
-            clock = time.monotonic()
-            if clock - shown_at < 0.1 and now.time < now.end:
-                return
-            shown_at = clock
-            speed = now.time / now.wall if now.wall > 0.0 else 0.0
-            bar.update(
-                task,
-                completed=now.time,
-                total=now.end,
-                time=f"{now.time:.4g} of {now.end:g} s",
-                speed=f"{speed:.3g} s/s",
-                step=f"step {_seconds(now.step)}",
-            )
+    def report(now: Progress) -> None:
+        speed = now.time / now.wall if now.wall > 0.0 else 0.0
+        bar.update(
+            task,
+            completed=now.time,
+            total=now.end,
+            time=f"{now.time:.4g} of {now.end:g} s",
+            speed=f"{speed:.3g} s/s",
+            step=f"step {_seconds(now.step)}",
+        )
+        bar.start()  # with the first step: what is refused before leaves no bar behind
 
+    try:
         yield report
+    finally:
+        if bar.live.is_started:
+            bar.stop()
 
 
 def _seconds(value: float) -> str:
@@ -324,6 +321,15 @@ _ENTRIES = {
     "rejected": ("steps rejected", ""),
     "relocated": ("steps cut to a change of contact", ""),
     "wall_seconds": ("wall time", "s"),
+    "energy_error": ("energy balance error", "J"),
+    "energy_error_relative": ("energy balance error, relative", "-"),
+    "gross_work": ("gross work of the drives", "J"),
+    "linear_momentum_drift": ("linear momentum drift", "kg m/s"),
+    "linear_momentum_scale": ("linear momentum scale", "kg m/s"),
+    "linear_momentum_drift_relative": ("linear momentum drift, relative", "-"),
+    "angular_momentum_drift": ("angular momentum drift", "kg m²/s"),
+    "angular_momentum_scale": ("angular momentum scale", "kg m²/s"),
+    "angular_momentum_drift_relative": ("angular momentum drift, relative", "-"),
     "gap_difference": ("gaps, coal against closed form", "m"),
     "angle": ("angle at the end", "rad"),
     "rate": ("rate at the end", "rad/s"),
@@ -335,7 +341,7 @@ _ENTRIES = {
     "dissipated": ("energy lost", "J"),
 }
 # Groups of a summary whose name says nothing that their entries do not say.
-_PLAIN_GROUPS = ("counts", "motion", "contacts")
+_PLAIN_GROUPS = ("counts", "conservation", "motion", "contacts")
 
 
 def _print_table(summaries: Sequence[tuple[str, dict[str, Any]]]) -> None:
@@ -348,14 +354,15 @@ def _print_table(summaries: Sequence[tuple[str, dict[str, Any]]]) -> None:
     titles = dict.fromkeys(str(summary.get("title", "")) for _, summary in summaries)
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False, title="; ".join(filter(None, titles)))
     table.title_justify = "left"
-    table.add_column("")
+    table.add_column("", no_wrap=True)
     for label, _ in summaries:
         table.add_column(label, justify="right", overflow="fold")
     for row in dict.fromkeys(name for column in columns for name in column):
         table.add_row(row, *(column.get(row, "-") for column in columns))
-    console = Console(highlight=False)
+    # Units stand in brackets, which are no markup. A pipe has no width to keep to.
+    console = Console(highlight=False, markup=False)
     if not console.is_terminal:
-        console = Console(width=max(100, 50 + 30 * len(summaries)), highlight=False)
+        console = Console(highlight=False, markup=False, width=max(100, 50 + 36 * len(summaries)))
     console.print(table)
 
 

@@ -12,7 +12,7 @@ from typing import Any
 import numba
 
 from antenna_pin.dynamics._kernels import HEADER
-from antenna_pin.integrate._kernels import dense_state
+from antenna_pin.integrate._kernels import dense_joints
 from antenna_pin.joints import _kernels as joint
 from antenna_pin.joints._kernels import (
     PLANAR,
@@ -30,23 +30,23 @@ PEAK_DEPTH = 2
 RECORD_SIZE = 3
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def contacts_at(
     theta: float,
-    sizes: Any,
+    layout: Any,
     dense: Any,
-    start: Any,
-    blocks: Any,
+    work: Any,
+    start: int,
     program: Any,
     memory: Any,
-    y: Any,
-    scratch: Any,
+    out: Any,
     pose: Any,
     table: Any,
     rates: Any,
 ) -> None:
     """Fill the contact table at the fraction theta of a step, in closed form, with compiled laws' forces."""
-    dense_state(theta, dense.shape[0], sizes, dense, start, blocks, scratch, y)
+    dense_joints(theta, layout, dense, work, start, out)
+    y = out[0]
     nq = int(program[0])
     nv = int(program[1])
     b = HEADER
@@ -60,7 +60,7 @@ def contacts_at(
         b += int(program[b + 1])
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def contacts_in(y: Any, program: Any, pose: Any, table: Any) -> None:
     """Fill gap, normal, point, depth rate and slip of all contacts in a state, in closed form."""
     nq = int(program[0])
@@ -73,15 +73,15 @@ def contacts_in(y: Any, program: Any, pose: Any, table: Any) -> None:
         b += int(program[b + 1])
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def _value(column: int, theta: float, c: int, context: Any) -> float:
     """One column of contact c's row of the table at theta."""
-    sizes, dense, start, blocks, program, memory, y, scratch, pose, table, rates, _ = context
-    contacts_at(theta, sizes, dense, start, blocks, program, memory, y, scratch, pose, table, rates)
+    layout, dense, work, start, program, memory, out, pose, table, rates, _ = context
+    contacts_at(theta, layout, dense, work, start, program, memory, out, pose, table, rates)
     return float(table[c, column])
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def _root(column: int, c: int, low: float, high: float, f_low: float, f_high: float, context: Any) -> float:
     """Root of a column between two fractions of opposite signs: bisection with regula falsi (Illinois)."""
     side = 0
@@ -110,7 +110,7 @@ def _root(column: int, c: int, low: float, high: float, f_low: float, f_high: fl
     return 0.5 * (a + b)
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def _crossing(c: int, sign: float, nodes: Any, context: Any) -> float:
     """First fraction at which contact c changes, or 2. sign = 1: touching, -1: apart.
 
@@ -137,7 +137,7 @@ def _crossing(c: int, sign: float, nodes: Any, context: Any) -> float:
             # It may rise above zero in between; below the crossing of its end tangents it cannot be.
             if fa >= 0.0:
                 return a
-            h = context[11]
+            h = context[10]
             w = h * (b - a)
             s = (fb - fa - db * w) / (da - db)
             if fa + 2.0 * da * s <= 0.0:  # twice the rise of the tangent: room for a changing curvature
@@ -149,43 +149,23 @@ def _crossing(c: int, sign: float, nodes: Any, context: Any) -> float:
     return 2.0
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def fill_nodes(nodes: Any, context: Any) -> None:
     """Write gap, depth rate and force of each contact at the points of the step: (3, NODES + 1, contacts)."""
-    sizes, dense, start, blocks, program, memory, y, scratch, pose, table, rates, _ = context
+    layout, dense, work, start, program, memory, out, pose, table, rates, _ = context
     for k in range(NODES + 1):
-        contacts_at(
-            k / NODES, sizes, dense, start, blocks, program, memory, y, scratch, pose, table, rates
-        )
+        contacts_at(k / NODES, layout, dense, work, start, program, memory, out, pose, table, rates)
         for c in range(memory.shape[0]):
             nodes[0, k, c] = table[c, 0]
             nodes[1, k, c] = table[c, joint.RATE]
             nodes[2, k, c] = table[c, joint.FORCE]
 
 
-@numba.njit(cache=True)
-def first_change(nodes: Any, ignore: Any, context: Any) -> tuple[int, float]:
-    """Return the contact that changes first within the step and the fraction of the step, or (-1, 2).
-
-    A contact marked 2 in ``ignore`` has changed twice at the start already: a third change there is not believed.
-    """
-    fill_nodes(nodes, context)
-    memory = context[5]
-    first = -1
-    when = 2.0
-    for c in range(memory.shape[0]):
-        theta = _crossing(c, 1.0 if memory[c, 0] != 0.0 else -1.0, nodes, context)
-        if theta < when and not (ignore[c] == 2 and theta == 0.0):
-            first = c
-            when = theta
-    return first, when
-
-
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def track_peaks(t: float, nodes: Any, record: Any, context: Any) -> None:
     """Raise the record of each touching contact to the maxima of this step's dense output."""
     memory = context[5]
-    h = context[11]
+    h = context[10]
     ratio = 0.3819660112501051  # golden section
     for c in range(memory.shape[0]):
         if memory[c, 0] == 0.0:
@@ -234,3 +214,25 @@ def track_peaks(t: float, nodes: Any, record: Any, context: Any) -> None:
                 depth = -_value(0, m, c, context)
                 if depth > record[c, PEAK_DEPTH]:
                     record[c, PEAK_DEPTH] = depth
+
+
+@numba.njit(cache=True, error_model="numpy")
+def inspect_step(t: float, nodes: Any, ignore: Any, record: Any, context: Any) -> tuple[int, float]:
+    """Return the contact that changes first within the step and the fraction of the step, or (-1, 2).
+
+    Where none changes the step will be accepted: then the peaks are tracked too.
+
+    A contact marked 2 in ``ignore`` has changed twice at the start already: a third change there is not believed.
+    """
+    fill_nodes(nodes, context)
+    memory = context[5]
+    first = -1
+    when = 2.0
+    for c in range(memory.shape[0]):
+        theta = _crossing(c, 1.0 if memory[c, 0] != 0.0 else -1.0, nodes, context)
+        if theta < when and not (ignore[c] == 2 and theta == 0.0):
+            first = c
+            when = theta
+    if first < 0:
+        track_peaks(t, nodes, record, context)
+    return first, when

@@ -1,6 +1,6 @@
 """Force elements of a system as one flat program, compiled.
 
-``program`` is a list of blocks ``[kind, length, ...]`` that starts at ``HEADER``; ``program[0:2]`` are nq and nv. A
+``program`` is a list of blocks ``[kind, length, ...]`` that starts at ``HEADER``; its head is [nq, nv, contacts, 0]. A
 block is a clearance joint (layout in :mod:`antenna_pin.joints._kernels`), a drive or a spring. Drives and springs::
 
     [kind, length, joint kind, start in q, start in v, start in x, block of the clearance joint or -1,
@@ -15,6 +15,7 @@ from typing import Any
 import numba
 
 from antenna_pin.contact._kernels import NORMAL_SIZE, elastic_energy
+from antenna_pin.geometry.shapes import TABLE_WIDTH
 from antenna_pin.joints import _kernels as joint
 from antenna_pin.joints._kernels import PLANAR, clearance_joint, motion_angle
 
@@ -39,7 +40,7 @@ ABOUT_JOURNAL = 7
 PARAMETERS = 8
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def drive_effort(p: Any, b: int, t: float) -> float:
     """Torque [N m] (force [N] at a prismatic joint) of the drive block at b."""
     kind = p[b]
@@ -63,7 +64,7 @@ def drive_effort(p: Any, b: int, t: float) -> float:
     return float(p[i])
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def joint_motion(p: Any, b: int, y: Any, nq: int) -> tuple[float, float, float, float]:
     """Angle and rate of the joint of a drive or spring block, and gx, gy of :func:`motion_angle`."""
     i = int(p[b + START_Q])
@@ -84,7 +85,7 @@ def joint_motion(p: Any, b: int, y: Any, nq: int) -> tuple[float, float, float, 
     return angle, gx * wx + gy * wy + wz, gx, gy
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def _drive(p: Any, b: int, t: float, y: Any, nq: int, nv: int, tau: Any, rates: Any) -> None:
     """Add a drive's generalized force; at a clearance joint a couple about the bearing's or the journal's axis."""
     effort = drive_effort(p, b, t)
@@ -121,7 +122,7 @@ def _drive(p: Any, b: int, t: float, y: Any, nq: int, nv: int, tau: Any, rates: 
     rates[x + 1] = abs(power)
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def spring_deflection(p: Any, b: int, angle: float) -> float:
     """Angle of a spring block's joint from rest; on a circle the shorter way round."""
     if p[b + JOINT_KIND] == ONE_DOF:
@@ -130,7 +131,7 @@ def spring_deflection(p: Any, b: int, angle: float) -> float:
     return math.atan2(math.sin(turned), math.cos(turned))
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def _spring(p: Any, b: int, y: Any, nq: int, nv: int, tau: Any, rates: Any) -> None:
     """Add a spring and damper; at a clearance joint the force that derives from the motion angle."""
     angle, rate, gx, gy = joint_motion(p, b, y, nq)
@@ -149,13 +150,22 @@ def _spring(p: Any, b: int, y: Any, nq: int, nv: int, tau: Any, rates: Any) -> N
     rates[nv + int(p[b + START_X])] = damping * rate
 
 
-@numba.njit(cache=True)
-def evaluate(
-    t: float, y: Any, program: Any, memory: Any, table: Any, pose: Any, tau: Any, rates: Any
-) -> None:
-    """Write the generalized force of all elements into tau, and the rates of x behind rates[nv]."""
+@numba.njit(cache=True, error_model="numpy")
+def evaluate(t: float, y: Any, program: Any, work: Any, rates: Any) -> None:
+    """Write the generalized force of all elements into work, and the rates of x behind rates[nv].
+
+    ``work`` is [generalized force (nv), pose, memory (contacts x 2), table (contacts x TABLE_WIDTH)] in one array,
+    because each argument costs a part of what is computed.
+    """
     nq = int(program[0])
     nv = int(program[1])
+    contacts = int(program[2])
+    tau = work[:nv]
+    first = nv + joint.POSE_SIZE
+    pose = work[nv:first]
+    second = first + 2 * contacts
+    memory = work[first:second].reshape(contacts, 2)
+    table = work[second : second + contacts * TABLE_WIDTH].reshape(contacts, TABLE_WIDTH)
     for k in range(nv):
         tau[k] = 0.0
     b = HEADER
@@ -171,7 +181,7 @@ def evaluate(
         b += int(program[b + 1])
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def stored_energy(y: Any, program: Any, memory: Any, table: Any) -> tuple[float, float]:
     """Energy stored in touching contacts (compiled laws; gaps from the table) and in springs [J]."""
     nq = int(program[0])

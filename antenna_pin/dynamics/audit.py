@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -72,13 +73,16 @@ def audit(system: System, y: Array, data: Any) -> Audit:
                 if system.memory[row + k, 0] != 0.0 and depth > 0.0:
                     contacts += law.elastic_energy(depth)
     linear_scale = angular_scale = 0.0
-    centre = np.array(data.com[0])
+    cx, cy, cz = data.com[0].tolist()
     first = 2 if system.mechanism.base == "free" else 1
     for i in range(first, model.njoints):
-        placement = data.oMi[i]
-        momentum = placement.act(model.inertias[i] * data.v[i])
-        linear_scale += float(np.linalg.norm(momentum.linear))
-        angular_scale += float(np.linalg.norm(momentum.angular - np.cross(centre, momentum.linear)))
+        momentum = data.oMi[i].act(model.inertias[i] * data.v[i])
+        px, py, pz, lx, ly, lz = momentum.vector.tolist()
+        linear_scale += math.sqrt(px * px + py * py + pz * pz)
+        lx -= cy * pz - cz * py
+        ly -= cz * px - cx * pz
+        lz -= cx * py - cy * px
+        angular_scale += math.sqrt(lx * lx + ly * ly + lz * lz)
     return Audit(
         kinetic=float(kinetic),
         gravity=float(gravity),

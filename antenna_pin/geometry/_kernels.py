@@ -27,7 +27,7 @@ POINT = 4
 _MAX_ITERATIONS = 60
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def nearest_on_ellipse(major: float, minor: float, x: float, y: float) -> tuple[float, float]:
     """Return the point of an ellipse nearest to (x, y), both semi-axes along the coordinate axes.
 
@@ -36,15 +36,15 @@ def nearest_on_ellipse(major: float, minor: float, x: float, y: float) -> tuple[
 
         G(s) = (major x / (s + major^2 - minor^2))^2 + (minor y / s)^2 - 1 = 0,
 
-    convex and decreasing for s > 0, so Newton from the left converges without fail.
+    convex and decreasing for s > 0: once left of the root Newton climbs to it without fail. The start is the root of
+    the circle, an upper bound and nearly the root at small tilt; a step that falls below the lower bound is cut.
     """
     px = abs(x)
     py = abs(y)
     delta = (major - minor) * (major + minor)
     if py > 0.0:
-        s = minor * py
-        other = major * px - delta
-        s = max(s, other)
+        low = max(minor * py, major * px - delta)
+        s = max(low, minor * math.sqrt(px * px + py * py))
         for _ in range(_MAX_ITERATIONS):
             u = major * px / (s + delta)
             w = minor * py / s
@@ -52,7 +52,9 @@ def nearest_on_ellipse(major: float, minor: float, x: float, y: float) -> tuple[
             slope = 2.0 * (u * u / (s + delta) + w * w / s)
             step = g / slope
             s += step
-            if step <= 1e-15 * s:
+            if s < low:
+                s = low
+            elif abs(step) <= 3e-9 * s:  # the next, quadratically smaller, would be round-off
                 break
         ex = major * major * px / (s + delta)
         ey = minor * minor * py / s
@@ -69,7 +71,7 @@ def nearest_on_ellipse(major: float, minor: float, x: float, y: float) -> tuple[
     return math.copysign(ex, x), math.copysign(ey, y)
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def bore_contact(
     shape: Any,
     side: float,
@@ -79,6 +81,7 @@ def bore_contact(
     zx: float,
     zy: float,
     zz: float,
+    sine: float,
     table: Any,
     row: int,
 ) -> None:
@@ -89,8 +92,6 @@ def bore_contact(
     """
     radius = shape[0]
     # Unit vectors: a along the line of nodes, b0 square to it in the bearing plane, b its projection square to z.
-    sine = math.hypot(zx, zy)
-    cosine = zz
     if sine > 0.0:
         ax = -zy / sine
         ay = zx / sine
@@ -99,11 +100,11 @@ def bore_contact(
         ay = 0.0
     b0x = -ay
     b0y = ax
-    if cosine < 0.0:  # keep the projected semi-axis positive for a journal put in the other way round
+    if zz < 0.0:  # keep the projected semi-axis positive for a journal put in the other way round
         b0x = -b0x
         b0y = -b0y
     lean = b0x * zx + b0y * zy  # b0 . z = -+ sine
-    shrink = abs(cosine)
+    shrink = abs(zz)
     # d = O_s - O_j; its parts along a and b, the offset of the ellipse's centre from the journal axis.
     dx = -ox
     dy = -oy
@@ -117,7 +118,7 @@ def bore_contact(
     # From the journal axis to Q, in (a, b).
     qa = ea + da
     qb = eb + db
-    distance = math.hypot(qa, qb)
+    distance = math.sqrt(qa * qa + qb * qb)
     ca = ea
     cb = eb / shrink if shrink > 0.0 else 0.0
     bx = b0x - lean * zx
@@ -141,7 +142,7 @@ def bore_contact(
     table[row, 6] = side * shape[1]
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def flange_contact(
     shape: Any,
     side: float,
@@ -151,6 +152,7 @@ def flange_contact(
     zx: float,
     zy: float,
     zz: float,
+    sine: float,
     table: Any,
     row: int,
 ) -> None:
@@ -161,7 +163,6 @@ def flange_contact(
     with its own rim: gap = min over P on the rim of side P_z - L_i/2. With exactly parallel axes the contact
     is a whole annulus and its force acts on the axis.
     """
-    sine = math.hypot(zx, zy)
     half = shape[1]
     outer = shape[2]
     flange = shape[4]
@@ -198,18 +199,19 @@ def flange_contact(
         table[row, 6] = fz
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def revolute_contacts(
     shape: Any, ox: float, oy: float, oz: float, zx: float, zy: float, zz: float, table: Any, row: int
 ) -> None:
     """Fill the four rows of a revolute clearance joint from ``row`` on."""
-    bore_contact(shape, 1.0, ox, oy, oz, zx, zy, zz, table, row)
-    bore_contact(shape, -1.0, ox, oy, oz, zx, zy, zz, table, row + 1)
-    flange_contact(shape, 1.0, ox, oy, oz, zx, zy, zz, table, row + 2)
-    flange_contact(shape, -1.0, ox, oy, oz, zx, zy, zz, table, row + 3)
+    sine = math.sqrt(zx * zx + zy * zy)
+    bore_contact(shape, 1.0, ox, oy, oz, zx, zy, zz, sine, table, row)
+    bore_contact(shape, -1.0, ox, oy, oz, zx, zy, zz, sine, table, row + 1)
+    flange_contact(shape, 1.0, ox, oy, oz, zx, zy, zz, sine, table, row + 2)
+    flange_contact(shape, -1.0, ox, oy, oz, zx, zy, zz, sine, table, row + 3)
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def planar_contact(shape: Any, ox: float, oy: float, table: Any, row: int) -> None:
     """Fill the one row of a planar clearance joint: circle in circle, shape [R_i, R_j]."""
     eccentricity = math.hypot(ox, oy)
@@ -231,14 +233,14 @@ def planar_contact(shape: Any, ox: float, oy: float, table: Any, row: int) -> No
 # --- what the coal backend needs around its queries --------------------------------------------------------
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def coal_place(
     shape: Any, ox: float, oy: float, oz: float, zx: float, zy: float, zz: float, work: Any
 ) -> None:
     """Place the bearing in the journal frame and start the search on both end circles.
 
     ``work`` (52 floats): [0:9] rotation of H in J (row-major), [9:12] origin of H in J, then for side +1 and -1
-    a record of 20 floats: [0:3] Q in J (read by coal), [3] angle, [4] last change of angle, [5:8] Q in H.
+    a record of 20 floats: [0:3] Q in J (read by coal), [3] angle, [5:8] Q in H, [8:11] normal in H, [11] gap.
     The journal frame J used here has its z axis along the journal and an arbitrary rotation about it.
     """
     # Smallest rotation taking the z axis to z: R = I + [k] + [k]^2 / (1 + zz), k = e_z x z.
@@ -280,7 +282,7 @@ def coal_place(
         _coal_point(shape, side, work, base)
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def _coal_point(shape: Any, side: float, work: Any, base: int) -> None:
     angle = work[base + 3]
     qx = shape[0] * math.cos(angle)
@@ -293,69 +295,78 @@ def _coal_point(shape: Any, side: float, work: Any, base: int) -> None:
         work[base + i] = work[3 * i] * qx + work[3 * i + 1] * qy + work[3 * i + 2] * qz + work[9 + i]
 
 
-@numba.njit(cache=True)
-def coal_turn(shape: Any, side: float, work: Any, base: int, normal: Any, distance: float) -> float:
-    """One Newton step of d gap / d phi = 0 with coal's normal (in J, from Q to the journal); returns 0 when done.
+@numba.njit(cache=True, error_model="numpy")
+def coal_turn(shape: Any, side: float, work: Any, base: int, normal: Any, gap: float) -> bool:
+    """One Newton step of d gap / d phi = 0 from coal's gap and normal (in J, from Q to the journal); True when done.
 
-    ``distance`` is the signed distance of Q from the journal's surface. The derivative of the gap along the
-    circle is -n . dQ/dphi; its own derivative follows from the curvature of the distance to a line. It is done
-    when the normal just used is right to 1e-9 rad, or, where the minimum is too flat for that, the gap to 1e-24 m.
+    The derivative of the gap along the circle is -n . dQ/dphi; its own derivative follows from the curvature of the
+    distance to a line. Once the step is below 1e-5 rad, gap and normal are carried over it to second and first order,
+    which is exact to 1e-10 in the normal and far below round-off in the gap: no further query is needed. Where the
+    minimum is so flat that its angle is lost in round-off the gap decides.
     """
     nx, ny, nz = normal[0], normal[1], normal[2]
-    # Normal in H.
     hx = work[0] * nx + work[3] * ny + work[6] * nz
     hy = work[1] * nx + work[4] * ny + work[7] * nz
     hz = work[2] * nx + work[5] * ny + work[8] * nz
-    angle = work[base + 3]
-    c = math.cos(angle)
-    s = math.sin(angle)
     radius = shape[0]
-    tx = -radius * s
-    ty = radius * c
+    qx, qy = work[base + 5], work[base + 6]
+    tx = -qy
+    ty = qx
     slope = -(hx * tx + hy * ty)
     # dist'' = (|t_perp|^2 - (n.t)^2) / dist - n . Q'' with t_perp the tangent's part square to the journal axis
-    # and Q'' = -radius (c, s, 0).
+    # and Q'' = -(qx, qy, 0).
     zx, zy, zz = work[6], work[7], work[8]
     along = tx * zx + ty * zy
-    square = radius * radius - along * along - slope * slope
-    span = distance + shape[3]
-    curvature = square / span + radius * (hx * c + hy * s)
+    span = gap + shape[3]
+    curvature = (radius * radius - along * along - slope * slope) / span + hx * qx + hy * qy
     if curvature > 0.0:
         step = -slope / curvature
+        gain = 0.5 * slope * slope / curvature
         if step > 0.5:
             step = 0.5
         elif step < -0.5:
             step = -0.5
-        gain = 0.5 * slope * slope / curvature
     else:
         step = -0.5 if slope > 0.0 else 0.5
         gain = 1.0
-    work[base + 3] = angle + step
-    work[base + 4] = step
+    done = abs(step) < 1e-5 or gain < 1e-24
+    # n changes by -(t_perp - (n.t) n) / dist per radian.
+    f = step / span if done else 0.0
+    hx -= f * (tx - along * zx + slope * hx)
+    hy -= f * (ty - along * zy + slope * hy)
+    hz -= f * (-along * zz + slope * hz)
+    scale = 1.0 / math.sqrt(hx * hx + hy * hy + hz * hz)
+    work[base + 8] = hx * scale
+    work[base + 9] = hy * scale
+    work[base + 10] = hz * scale
+    work[base + 11] = gap - gain if done else gap
+    work[base + 3] += step
     _coal_point(shape, side, work, base)
-    return 0.0 if abs(step) < 1e-9 or gain < 1e-24 else 1.0
+    return done
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def coal_collect(
     shape: Any, work: Any, gaps: Any, normals: Any, points: Any, sine: float, table: Any, row: int
 ) -> None:
-    """Turn coal's answers (in J) into the four rows of the table (in H).
+    """Turn coal's answers into the four rows of the table, in H.
 
-    ``gaps`` (4,), ``normals`` (4, 3) and ``points`` (4, 3) are coal's distances, normals from the bearing to the
-    journal, and nearest points, bore +, bore -, flange +, flange -. Of the bore the circle's own point is kept.
+    The bore's stand in ``work``; ``gaps`` (2,), ``normals`` (2, 3) and ``points`` (2, 3) are those of the flanges: coal's
+    distances, normals from the bearing to the journal, and nearest points, in J.
     """
-    for k in range(4):
-        r = row + k
+    for k in range(2):
+        base = 12 + 20 * k
+        table[row + k, 0] = work[base + 11]
+        for i in range(3):
+            table[row + k, 1 + i] = work[base + 8 + i]
+            table[row + k, 4 + i] = work[base + 5 + i]
+    for k in range(2):
+        r = row + 2 + k
         table[r, 0] = gaps[k]
         nx, ny, nz = normals[k, 0], normals[k, 1], normals[k, 2]
         for i in range(3):
             table[r, 1 + i] = work[i] * nx + work[3 + i] * ny + work[6 + i] * nz
-        if k < 2:
-            base = 12 + 20 * k
-            for i in range(3):
-                table[r, 4 + i] = work[base + 5 + i]
-        elif sine > 0.0 or shape[4] < shape[2]:
+        if sine > 0.0 or shape[4] < shape[2]:
             px = points[k, 0] - work[9]
             py = points[k, 1] - work[10]
             pz = points[k, 2] - work[11]
@@ -364,7 +375,7 @@ def coal_collect(
         else:
             table[r, 4] = 0.0
             table[r, 5] = 0.0
-            table[r, 6] = (1.0 if k == 2 else -1.0) * shape[1]
+            table[r, 6] = (1.0 if k == 0 else -1.0) * shape[1]
 
 
 # --- contact scenario ----------------------------------------------------------------------------------------
@@ -375,7 +386,7 @@ TWO_POINTS = 2
 EXTENDED = 3  # line in the bore, surface at a flange
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def contact_scenario(
     shape: Any,
     ox: float,
@@ -393,12 +404,13 @@ def contact_scenario(
     Radial: none, one end, two ends, line (both ends and the middle section on the same side). Axial: none, one
     point, two points (both flanges), surface (the whole annulus of a flange).
     """
+    sine = math.sqrt(zx * zx + zy * zy)
     first = table[row, 0] < 0.0
     second = table[row + 1, 0] < 0.0
     radial = NONE
     if first and second:
         radial = TWO_POINTS
-        bore_contact(shape, 0.0, ox, oy, oz, zx, zy, zz, table, spare)
+        bore_contact(shape, 0.0, ox, oy, oz, zx, zy, zz, sine, table, spare)
         same_plus = 0.0
         same_minus = 0.0
         for i in range(1, 4):
@@ -408,7 +420,6 @@ def contact_scenario(
             radial = EXTENDED
     elif first or second:
         radial = ONE_POINT
-    sine = math.hypot(zx, zy)
     edge = min(shape[2], shape[4])
     front = -table[row + 2, 0]
     back = -table[row + 3, 0]

@@ -78,10 +78,9 @@ class CoalRevolute:
         self._ends = tuple(
             (1.0 - 2.0 * k, start, self.work[start : start + 3]) for k, start in enumerate(starts)
         )
-        self._gaps = np.zeros(4)
-        self._normals = np.zeros((4, 3))
-        self._points = np.zeros((4, 3))
-        self._point_rows = tuple(self._points[k] for k in range(4))
+        self._gaps = np.zeros(2)
+        self._normals = np.zeros((2, 3))
+        self._points = np.zeros((2, 3))
 
     def query(self, sine: float, table: NDArray[np.float64], row: int) -> None:
         """Ask coal for the pose that :func:`_kernels.coal_place` wrote to ``work``; fill four rows of a table.
@@ -99,19 +98,16 @@ class CoalRevolute:
         gaps = self._gaps
         normals = self._normals
         turn = _kernels.coal_turn
-        for k, (side, start, point) in enumerate(self._ends):
+        for side, start, point in self._ends:
             for _ in range(_MAX_QUERIES):
                 at_point.setTranslation(point)
                 result.clear()
                 gap = radial(at_point, identity, request, result)
-                normal = result.normal
-                if turn(self._shape, side, self.work, start, normal, gap) == 0.0:
+                if turn(self._shape, side, self.work, start, result.normal, gap):
                     break
-            gaps[k] = gap
-            normals[k] = normal
         if self._covers:
             self._at_bearing.setTransform(self._rotation, self._origin)
-            for k, functor in enumerate(self._axial, start=2):
+            for k, functor in enumerate(self._axial):
                 result.clear()
                 gaps[k] = functor(self._at_bearing, identity, request, result)
                 # coal's normal runs from the bearing to the flange's half-space: that is into the journal.
@@ -128,7 +124,7 @@ class CoalRevolute:
         centre = -rotation.T @ self._origin  # journal centre in H
         axis = rotation[2]
         half = 0.5 * (self.geometry.flange_distance + self.geometry.bearing_length)
-        for k, (functor, side) in enumerate(zip(self._axial, (1.0, -1.0), strict=True), start=2):
+        for k, (functor, side) in enumerate(zip(self._axial, (1.0, -1.0), strict=True)):
             self._at_bearing.setTransform(np.ascontiguousarray(rotation.T), centre + side * half * axis)
             self._result.clear()
             self._gaps[k] = functor(self._at_bearing, self._identity, self._request, self._result)

@@ -10,7 +10,9 @@ a vector space, to which any Runge-Kutta method applies with its full order, den
 Runge, Kutta, Munthe-Kaas). Rigid motions are charted as position times rotation, R^3 x SO(3): p = p0 + u_p in the
 axes of the parent, R = R0 exp(u_w).
 
-``blocks`` has a row per joint: [kind, start in q, start in v, size].
+``layout`` is ``[nq, nv, nx, joints]`` and then four numbers per joint: kind, start in q, start in v, size in v. The
+rows of ``work`` are the stages' rates and, behind them, U, START, TOTAL, STATE and RATES (see below): one array, because
+each argument of a compiled function costs a part of what it computes.
 """
 
 from __future__ import annotations
@@ -27,23 +29,9 @@ ROTATION = 3  # quaternion xyzw, v in body axes
 RIGID = 4  # position, quaternion xyzw; v = (linear, angular) in body axes
 
 
-@numba.njit(cache=True)
-def _rotate(q: Any, i: int, x: float, y: float, z: float) -> tuple[float, float, float]:
-    """Rotate a vector by the unit quaternion at q[i:i + 4] (xyzw)."""
-    a, b, c, w = q[i], q[i + 1], q[i + 2], q[i + 3]
-    tx = 2.0 * (b * z - c * y)
-    ty = 2.0 * (c * x - a * z)
-    tz = 2.0 * (a * y - b * x)
-    return (
-        x + w * tx + b * tz - c * ty,
-        y + w * ty + c * tx - a * tz,
-        z + w * tz + a * ty - b * tx,
-    )
-
-
-@numba.njit(cache=True)
-def _turn(q0: Any, i: int, ux: float, uy: float, uz: float, q: Any) -> None:
-    """q = q0 * exp(u / 2) for the quaternions at index i, made unit again."""
+@numba.njit(cache=True, error_model="numpy")
+def _turn(q0: Any, r0: int, i: int, ux: float, uy: float, uz: float, q: Any, r: int) -> None:
+    """q = q0 * exp(u / 2) for the quaternions at column i of rows r0 and r, made unit again."""
     square = ux * ux + uy * uy + uz * uz
     if square < 1e-4:
         # sin(t/2)/t and cos(t/2) to round-off for t < 0.01.
@@ -54,55 +42,55 @@ def _turn(q0: Any, i: int, ux: float, uy: float, uz: float, q: Any) -> None:
         f = math.sin(0.5 * angle) / angle
         w = math.cos(0.5 * angle)
     x, y, z = f * ux, f * uy, f * uz
-    a, b, c, s = q0[i], q0[i + 1], q0[i + 2], q0[i + 3]
+    a, b, c, s = q0[r0, i], q0[r0, i + 1], q0[r0, i + 2], q0[r0, i + 3]
     qx = s * x + a * w + b * z - c * y
     qy = s * y + b * w + c * x - a * z
     qz = s * z + c * w + a * y - b * x
     qw = s * w - a * x - b * y - c * z
     scale = 1.0 / math.sqrt(qx * qx + qy * qy + qz * qz + qw * qw)
-    q[i] = qx * scale
-    q[i + 1] = qy * scale
-    q[i + 2] = qz * scale
-    q[i + 3] = qw * scale
+    q[r, i] = qx * scale
+    q[r, i + 1] = qy * scale
+    q[r, i + 2] = qz * scale
+    q[r, i + 3] = qw * scale
 
 
-@numba.njit(cache=True)
-def retract(blocks: Any, q0: Any, u: Any, q: Any) -> None:
-    """Write q = q0 o exp(u)."""
-    for b in range(blocks.shape[0]):
-        kind = blocks[b, 0]
-        i = blocks[b, 1]
-        j = blocks[b, 2]
+@numba.njit(cache=True, error_model="numpy")
+def retract(layout: Any, q0: Any, r0: int, u: Any, ru: int, q: Any, r: int) -> None:
+    """Write q[r] = q0[r0] o exp(u[ru]); arrays and rows apart, because a view of a row costs more than its sum."""
+    for b in range(4, 4 + 4 * layout[3], 4):
+        kind = layout[b]
+        i = layout[b + 1]
+        j = layout[b + 2]
         if kind == VECTOR:
-            for k in range(blocks[b, 3]):
-                q[i + k] = q0[i + k] + u[j + k]
+            for k in range(layout[b + 3]):
+                q[r, i + k] = q0[r0, i + k] + u[ru, j + k]
         elif kind == RIGID:
-            q[i] = q0[i] + u[j]
-            q[i + 1] = q0[i + 1] + u[j + 1]
-            q[i + 2] = q0[i + 2] + u[j + 2]
-            _turn(q0, i + 3, u[j + 3], u[j + 4], u[j + 5], q)
+            q[r, i] = q0[r0, i] + u[ru, j]
+            q[r, i + 1] = q0[r0, i + 1] + u[ru, j + 1]
+            q[r, i + 2] = q0[r0, i + 2] + u[ru, j + 2]
+            _turn(q0, r0, i + 3, u[ru, j + 3], u[ru, j + 4], u[ru, j + 5], q, r)
         elif kind == ROTATION:
-            _turn(q0, i, u[j], u[j + 1], u[j + 2], q)
+            _turn(q0, r0, i, u[ru, j], u[ru, j + 1], u[ru, j + 2], q, r)
         else:
             if kind == PLANE:
-                q[i] = q0[i] + u[j]
-                q[i + 1] = q0[i + 1] + u[j + 1]
+                q[r, i] = q0[r0, i] + u[ru, j]
+                q[r, i + 1] = q0[r0, i + 1] + u[ru, j + 1]
                 i += 2
                 j += 2
-            c = math.cos(u[j])
-            s = math.sin(u[j])
-            qc = q0[i] * c - q0[i + 1] * s
-            qs = q0[i] * s + q0[i + 1] * c
+            c = math.cos(u[ru, j])
+            s = math.sin(u[ru, j])
+            qc = q0[r0, i] * c - q0[r0, i + 1] * s
+            qs = q0[r0, i] * s + q0[r0, i + 1] * c
             scale = 1.0 / math.sqrt(qc * qc + qs * qs)
-            q[i] = qc * scale
-            q[i + 1] = qs * scale
+            q[r, i] = qc * scale
+            q[r, i + 1] = qs * scale
 
 
-@numba.njit(cache=True)
-def _unwind(u: Any, j: int, v: Any, k: int, out: Any) -> None:
-    """out[j:j+3] = the rate of u for a body angular velocity v[k:k+3] (inverse right Jacobian of SO(3))."""
-    x, y, z = u[j], u[j + 1], u[j + 2]
-    wx, wy, wz = v[k], v[k + 1], v[k + 2]
+@numba.njit(cache=True, error_model="numpy")
+def _unwind(
+    x: float, y: float, z: float, wx: float, wy: float, wz: float, out: Any, r: int, j: int
+) -> None:
+    """Write the rate of the rotation vector (x, y, z) for a body angular velocity w (inverse right Jacobian of SO(3))."""
     cx = y * wz - z * wy
     cy = z * wx - x * wz
     cz = x * wy - y * wx
@@ -113,123 +101,134 @@ def _unwind(u: Any, j: int, v: Any, k: int, out: Any) -> None:
     else:
         angle = math.sqrt(square)
         f = (1.0 - 0.5 * angle / math.tan(0.5 * angle)) / square
-    out[j] = wx + 0.5 * cx + f * (y * cz - z * cy)
-    out[j + 1] = wy + 0.5 * cy + f * (z * cx - x * cz)
-    out[j + 2] = wz + 0.5 * cz + f * (x * cy - y * cx)
+    out[r, j] = wx + 0.5 * cx + f * (y * cz - z * cy)
+    out[r, j + 1] = wy + 0.5 * cy + f * (z * cx - x * cz)
+    out[r, j + 2] = wz + 0.5 * cz + f * (x * cy - y * cx)
 
 
-@numba.njit(cache=True)
-def chart_rate(blocks: Any, u: Any, q: Any, v: Any, start: int, out: Any) -> None:
-    """Write the rate of u into out for a velocity v[start:], at the configuration q = q0 o exp(u)."""
-    for b in range(blocks.shape[0]):
-        kind = blocks[b, 0]
-        i = blocks[b, 1]
-        j = blocks[b, 2]
+@numba.njit(cache=True, error_model="numpy")
+def chart_rate(layout: Any, u: Any, ru: int, y: Any, ry: int, out: Any, r: int) -> None:
+    """Write the rate of u[ru] into out[r] for the state y[ry] = [q, v], whose q is q0 o exp(u)."""
+    start = layout[0]
+    for b in range(4, 4 + 4 * layout[3], 4):
+        kind = layout[b]
+        i = layout[b + 1]
+        j = layout[b + 2]
+        k = start + j
         if kind == VECTOR:
-            for k in range(blocks[b, 3]):
-                out[j + k] = v[start + j + k]
+            for n in range(layout[b + 3]):
+                out[r, j + n] = y[ry, k + n]
         elif kind == RIGID:
-            k = start + j
-            rx, ry, rz = _rotate(q, i + 3, v[k], v[k + 1], v[k + 2])
-            out[j] = rx
-            out[j + 1] = ry
-            out[j + 2] = rz
-            _unwind(u, j + 3, v, k + 3, out)
+            # p' = R v
+            a, b1, c, w = y[ry, i + 3], y[ry, i + 4], y[ry, i + 5], y[ry, i + 6]
+            vx, vy, vz = y[ry, k], y[ry, k + 1], y[ry, k + 2]
+            tx = 2.0 * (b1 * vz - c * vy)
+            ty = 2.0 * (c * vx - a * vz)
+            tz = 2.0 * (a * vy - b1 * vx)
+            out[r, j] = vx + w * tx + b1 * tz - c * ty
+            out[r, j + 1] = vy + w * ty + c * tx - a * tz
+            out[r, j + 2] = vz + w * tz + a * ty - b1 * tx
+            _unwind(
+                u[ru, j + 3],
+                u[ru, j + 4],
+                u[ru, j + 5],
+                y[ry, k + 3],
+                y[ry, k + 4],
+                y[ry, k + 5],
+                out,
+                r,
+                j + 3,
+            )
         elif kind == ROTATION:
-            _unwind(u, j, v, start + j, out)
+            _unwind(
+                u[ru, j], u[ru, j + 1], u[ru, j + 2], y[ry, k], y[ry, k + 1], y[ry, k + 2], out, r, j
+            )
         elif kind == PLANE:
-            c = q[i + 2]
-            s = q[i + 3]
-            k = start + j
-            out[j] = c * v[k] - s * v[k + 1]
-            out[j + 1] = s * v[k] + c * v[k + 1]
-            out[j + 2] = v[k + 2]
+            c = y[ry, i + 2]
+            s = y[ry, i + 3]
+            out[r, j] = c * y[ry, k] - s * y[ry, k + 1]
+            out[r, j + 1] = s * y[ry, k] + c * y[ry, k + 1]
+            out[r, j + 2] = y[ry, k + 2]
         else:
-            out[j] = v[start + j]
+            out[r, j] = y[ry, k]
 
 
 # Rows of the work array behind the stages' rates.
-_U = 0  # chart coordinates of the state being evaluated
-_START = 1  # the state at the start of the step
+U = 0  # chart coordinates of the state being evaluated
+START = 1  # the state at the start of the step
+TOTAL = 2  # scratch
+STATE = 3  # the state being evaluated
+RATES = 4  # its derivative
+EXTRA_ROWS = 5
 
 
-@numba.njit(cache=True)
-def begin(stages: int, sizes: Any, work: Any, y: Any, rates: Any, blocks: Any) -> None:
-    """Make ``y`` the start of a step and store its derivative, evaluated before, as the first stage."""
-    nq, nv, nx = sizes[0], sizes[1], sizes[2]
-    u = work[stages + _U]
-    start = work[stages + _START]
-    for k in range(nq + nv + nx):
-        start[k] = y[k]
-    for k in range(nv):
-        u[k] = 0.0
-    chart_rate(blocks, u, y, y, nq, work[0])
-    for k in range(nv + nx):
-        work[0, nv + k] = rates[k]
+@numba.njit(cache=True, error_model="numpy")
+def begin(stages: int, layout: Any, work: Any) -> None:
+    """Make the present state the start of a step and its derivative, evaluated before, the first stage."""
+    for k in range(layout[0] + layout[1] + layout[2]):
+        work[stages + START, k] = work[stages + STATE, k]
+    for k in range(layout[1]):
+        work[stages + U, k] = 0.0
+    store(0, stages, layout, work)
 
 
-@numba.njit(cache=True)
-def store(i: int, stages: int, sizes: Any, work: Any, y: Any, rates: Any, blocks: Any) -> None:
+@numba.njit(cache=True, error_model="numpy")
+def store(i: int, stages: int, layout: Any, work: Any) -> None:
     """Store the derivative just evaluated as stage i."""
-    nq, nv, nx = sizes[0], sizes[1], sizes[2]
-    chart_rate(blocks, work[stages + _U], y, y, nq, work[i])
-    for k in range(nv + nx):
-        work[i, nv + k] = rates[k]
+    nv = layout[1]
+    chart_rate(layout, work, stages + U, work, stages + STATE, work, i)
+    for k in range(nv + layout[2]):
+        work[i, nv + k] = work[stages + RATES, k]
 
 
-@numba.njit(cache=True)
-def stage(
-    i: int, h: float, weights: Any, sizes: Any, work: Any, y: Any, rates: Any, blocks: Any, keep: bool
-) -> None:
-    """Store the derivative of stage i - 1 (if ``keep``) and write the state of stage i into y."""
-    nq, nv, nx = sizes[0], sizes[1], sizes[2]
+@numba.njit(cache=True, error_model="numpy")
+def stage(i: int, h: float, weights: Any, layout: Any, work: Any, keep: bool) -> None:
+    """Store the derivative of stage i - 1 (if ``keep``) and write the state of stage i."""
+    nq, nv, nx = layout[0], layout[1], layout[2]
     stages = weights.shape[0]
-    u = work[stages + _U]
-    start = work[stages + _START]
     if keep:
-        store(i - 1, stages, sizes, work, y, rates, blocks)
+        store(i - 1, stages, layout, work)
     n = nv + nv + nx
-    total = work[stages + 2]
+    total = stages + TOTAL
     for k in range(n):
-        total[k] = 0.0
+        work[total, k] = 0.0
     for j in range(i):
         w = h * weights[i, j]
         if w != 0.0:
             for k in range(n):
-                total[k] += w * work[j, k]
+                work[total, k] += w * work[j, k]
     for k in range(nv):
-        u[k] = total[k]
+        work[stages + U, k] = work[total, k]
     for k in range(nv + nx):
-        y[nq + k] = start[nq + k] + total[nv + k]
-    retract(blocks, start, u, y)
+        work[stages + STATE, nq + k] = work[stages + START, nq + k] + work[total, nv + k]
+    retract(layout, work, stages + START, work, total, work, stages + STATE)
 
 
-@numba.njit(cache=True)
-def finish(
-    i: int, h: float, errors: Any, sizes: Any, work: Any, y: Any, rates: Any, blocks: Any, scales: Any, rtol: float
-) -> float:
+@numba.njit(cache=True, error_model="numpy")
+def finish(i: int, h: float, errors: Any, layout: Any, work: Any, scales: Any, rtol: float) -> float:
     """Store the derivative of the last stage i; return the scaled error of the step (1 is the tolerance).
 
     ``errors`` holds one row of weights, or two (Dormand-Prince 8(5,3), combined after Hairer). The error of a
     component counts against rtol (scale + |value|); components of infinite scale do not count.
     """
-    nq, nv, nx = sizes[0], sizes[1], sizes[2]
-    n = nv + nv + nx
-    u = work[errors.shape[1] + _U]
-    start = work[errors.shape[1] + _START]
-    store(i, errors.shape[1], sizes, work, y, rates, blocks)
+    nq, nv, nx = layout[0], layout[1], layout[2]
+    stages = errors.shape[1]
+    store(i, stages, layout, work)
     sum_first = 0.0
     sum_second = 0.0
     count = 0
-    for k in range(n):
+    for k in range(nv + nv + nx):
         scale = scales[k]
         if scale == math.inf:
             continue
-        value = abs(u[k]) if k < nv else max(abs(start[nq - nv + k]), abs(y[nq - nv + k]))
+        if k < nv:
+            value = abs(work[stages + U, k])
+        else:
+            value = max(abs(work[stages + START, nq - nv + k]), abs(work[stages + STATE, nq - nv + k]))
+        bound = rtol * (scale + value)
         first = 0.0
         for j in range(i + 1):
             first += errors[0, j] * work[j, k]
-        bound = rtol * (scale + value)
         first /= bound
         sum_first += first * first
         if errors.shape[0] == 2:
@@ -248,33 +247,50 @@ def finish(
     return abs(h) * math.sqrt(sum_first / count)
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def dense_coefficients(h: float, polynomials: Any, n: int, work: Any, dense: Any) -> None:
     """dense[p] = h sum_j polynomials[j, p] work[j]: z(theta) - z(0) = sum_p dense[p] theta^(p + 1)."""
     for p in range(polynomials.shape[1]):
-        row = dense[p]
         for k in range(n):
-            row[k] = 0.0
+            dense[p, k] = 0.0
         for j in range(polynomials.shape[0]):
             w = h * polynomials[j, p]
             if w != 0.0:
                 for k in range(n):
-                    row[k] += w * work[j, k]
+                    dense[p, k] += w * work[j, k]
 
 
-@numba.njit(cache=True)
-def dense_state(
-    theta: float, degree: int, sizes: Any, dense: Any, start: Any, blocks: Any, scratch: Any, y: Any
-) -> None:
-    """Write the state at the fraction theta of the step into y; scratch holds at least nv numbers."""
-    nq, nv, nx = sizes[0], sizes[1], sizes[2]
-    for k in range(nv + nv + nx):
-        value = dense[degree - 1, k]
-        for p in range(degree - 2, -1, -1):
-            value = value * theta + dense[p, k]
-        value *= theta
-        if k < nv:
-            scratch[k] = value
-        else:
-            y[nq - nv + k] = start[nq - nv + k] + value
-    retract(blocks, start, scratch, y)
+@numba.njit(cache=True, error_model="numpy")
+def _term(theta: float, degree: int, dense: Any, k: int) -> float:
+    """Component k of z(theta) - z(0), by Horner's rule."""
+    value = dense[degree - 1, k]
+    for p in range(degree - 2, -1, -1):
+        value = value * theta + dense[p, k]
+    return float(value * theta)
+
+
+@numba.njit(cache=True, error_model="numpy")
+def dense_state(theta: float, layout: Any, dense: Any, work: Any, start: int, out: Any) -> None:
+    """Write the state at the fraction theta of the step that began at work[start] into out[0]; out[1] is scratch."""
+    nq, nv, nx = layout[0], layout[1], layout[2]
+    degree = dense.shape[0]
+    for k in range(nv):
+        out[1, k] = _term(theta, degree, dense, k)
+    for k in range(nv, nv + nv + nx):
+        out[0, nq - nv + k] = work[start, nq - nv + k] + _term(theta, degree, dense, k)
+    retract(layout, work, start, out, 1, out, 0)
+
+
+@numba.njit(cache=True, error_model="numpy")
+def dense_joints(theta: float, layout: Any, dense: Any, work: Any, start: int, out: Any) -> None:
+    """Write only the parts of the state that belong to the joints listed in a layout, and x if its nx is not 0."""
+    nq, nv = layout[0], layout[1]
+    degree = dense.shape[0]
+    for b in range(4, 4 + 4 * layout[3], 4):
+        j = layout[b + 2]
+        for k in range(j, j + layout[b + 3]):
+            out[1, k] = _term(theta, degree, dense, k)
+            out[0, nq + k] = work[start, nq + k] + _term(theta, degree, dense, nv + k)
+    for k in range(nv + nv, nv + nv + layout[2]):
+        out[0, nq - nv + k] = work[start, nq - nv + k] + _term(theta, degree, dense, k)
+    retract(layout, work, start, out, 1, out, 0)

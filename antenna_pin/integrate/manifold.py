@@ -39,36 +39,41 @@ class Manifold:
 
     kinds: tuple[str, ...]
     nx: int = 0
-    blocks: NDArray[np.int64] = field(init=False, repr=False)
-    sizes: NDArray[np.int64] = field(init=False, repr=False)
+    layout: NDArray[np.int64] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         """Lay the factors out."""
-        rows, i, j = [], 0, 0
+        numbers, i, j = [], 0, 0
         for kind in self.kinds:
             if kind not in KINDS:
                 raise InvalidParameterError("Manifold", "kinds", f"of {sorted(KINDS)}", kind)
             code, nq, nv = KINDS[kind]
-            rows.append((code, i, j, nv))
+            numbers += [code, i, j, nv]
             i += nq
             j += nv
-        object.__setattr__(self, "blocks", np.array(rows, dtype=np.int64).reshape(-1, 4))
-        object.__setattr__(self, "sizes", np.array([i, j, self.nx], dtype=np.int64))
+        layout = np.array([i, j, self.nx, len(self.kinds), *numbers], dtype=np.int64)
+        object.__setattr__(self, "layout", layout)
+
+    def part(self, factors: Sequence[int], *, plain: bool) -> NDArray[np.int64]:
+        """Return the layout of some factors only, and of the plain numbers or not, for partial dense output."""
+        rows = self.layout[4:].reshape(-1, 4)[list(factors)]
+        head = [self.nq, self.nv, self.nx if plain else 0, len(rows)]
+        return np.array([*head, *rows.ravel()], dtype=np.int64)
 
     @property
     def nq(self) -> int:
         """Numbers in a configuration."""
-        return int(self.sizes[0])
+        return int(self.layout[0])
 
     @property
     def nv(self) -> int:
         """Numbers in a velocity."""
-        return int(self.sizes[1])
+        return int(self.layout[1])
 
     @property
     def size(self) -> int:
         """Numbers in a state [q, v, x]."""
-        return int(self.sizes.sum())
+        return int(self.layout[:3].sum())
 
     def compose(self, q: ArrayLike, u: ArrayLike) -> Array:
         """Return q o exp(u): the configuration reached from q by the chart coordinates u, (nq,).
@@ -77,25 +82,15 @@ class Manifold:
             q: Configuration, (nq,).
             u: Chart coordinates, (nv,): position [m] in the axes of the parent, rotation vector [rad] in body axes.
         """
-        out = np.empty(self.nq)
-        start = np.ascontiguousarray(q, dtype=float)
-        _kernels.retract(self.blocks, start, np.ascontiguousarray(u, dtype=float), out)
-        return out
+        rows = np.zeros((3, self.size))
+        rows[0, : self.nq], rows[1, : self.nv] = q, u
+        _kernels.retract(self.layout, rows, 0, rows, 1, rows, 2)
+        return rows[2, : self.nq].copy()
 
     def chart_rate(self, q: ArrayLike, u: ArrayLike, v: ArrayLike) -> Array:
         """Return the rate of u for the velocity v at the configuration q o exp(u), (nv,)."""
-        out = np.empty(self.nv)
-        here = self.compose(q, u)
-        coordinates = np.ascontiguousarray(u, dtype=float)
-        _kernels.chart_rate(
-            self.blocks, coordinates, here, np.ascontiguousarray(v, dtype=float), 0, out
-        )
-        return out
-
-    def expand(self, per_kind: Sequence[ArrayLike]) -> Array:
-        """Concatenate one tangent-space array per factor, checked for size, (nv,)."""
-        parts = []
-        for kind, values in zip(self.kinds, per_kind, strict=True):
-            part = np.broadcast_to(np.asarray(values, dtype=float), (KINDS[kind][2],))
-            parts.append(part)
-        return np.concatenate(parts) if parts else np.zeros(0)
+        rows = np.zeros((3, self.size))
+        rows[0, : self.nq], rows[0, self.nq : self.nq + self.nv] = self.compose(q, u), v
+        rows[1, : self.nv] = u
+        _kernels.chart_rate(self.layout, rows, 1, rows, 0, rows, 2)
+        return rows[2, : self.nv].copy()

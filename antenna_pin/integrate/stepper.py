@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Protocol
 
 import numpy as np
@@ -49,12 +50,14 @@ class Stepper:
         self.scales = np.ascontiguousarray(scales, dtype=float)
         self.rtol = rtol
         size = self.manifold.size
-        self.y = np.zeros(size)
-        self._rates = np.zeros(self.manifold.nv + self.manifold.nx)
-        self._work = np.zeros((method.stages + 3, size))
-        self.start = self._work[method.stages + 1]
+        stages = method.stages
+        self.work = np.zeros((stages + _kernels.EXTRA_ROWS, size))
+        self.y = self.work[stages + _kernels.STATE]
+        self._rates = self.work[stages + _kernels.RATES, : self.manifold.nv + self.manifold.nx]
+        self.start_row = stages + _kernels.START
+        self.start = self.work[self.start_row]
         self.dense = np.zeros((method.polynomials.shape[1], size))
-        self._scratch = np.zeros(size)
+        self._out = np.zeros((2, size))
         self.t = 0.0
         self.h = 0.0
         self.evaluations = 0
@@ -67,85 +70,57 @@ class Stepper:
         self.y[:] = y
         self.problem.derivative(t, self.y, self._rates)
         self.evaluations += 1
-        _kernels.begin(
-            self.method.stages, self.manifold.sizes, self._work, self.y, self._rates, self.manifold.blocks
-        )
+        self._has_dense = False
+        _kernels.begin(self.method.stages, self.manifold.layout, self.work)
 
     def refresh(self) -> None:
         """Evaluate the derivative at the present state again, after the problem itself has changed."""
-        self.restart(self.t, self.start.copy())
+        self.restart(self.t, self.start)
 
     def attempt(self, h: float) -> float:
         """Try a step of size h [s]; return its scaled error (1 is the tolerance; 0 for a fixed-step method)."""
         method = self.method
-        manifold = self.manifold
-        sizes, blocks = manifold.sizes, manifold.blocks
-        y, rates, work, weights = self.y, self._rates, self._work, method.weights
-        derivative = self.problem.derivative
-        stage = _kernels.stage
+        layout, work, weights = self.manifold.layout, self.work, method.weights
+        y, rates, derivative, stage = self.y, self._rates, self.problem.derivative, _kernels.stage
         t, nodes, last = self.t, self._nodes, method.last
-        stage(1, h, weights, sizes, work, y, rates, blocks, False)
+        stage(1, h, weights, layout, work, False)
         for i in range(1, last):
             derivative(t + nodes[i] * h, y, rates)
-            stage(i + 1, h, weights, sizes, work, y, rates, blocks, True)
+            stage(i + 1, h, weights, layout, work, True)
         derivative(t + h, y, rates)
         self.evaluations += last
         self.h = h
         self._has_dense = False
-        error: float = _kernels.finish(
-            last, h, method.errors, sizes, work, y, rates, blocks, self.scales, self.rtol
-        )
-        return error if method.adaptive or not np.isfinite(error) else 0.0
+        error: float = _kernels.finish(last, h, method.errors, layout, work, self.scales, self.rtol)
+        return error if method.adaptive or not math.isfinite(error) else 0.0
 
     def prepare_dense(self) -> None:
         """Compute the dense output of the last trial step, with the stages it needs beyond the step's own."""
         if self._has_dense:
             return
         method = self.method
-        manifold = self.manifold
+        layout = self.manifold.layout
         if method.stages > method.last + 1:
-            keep = self.y.copy()
-            keep_rates = self._rates.copy()
+            end = self.work[method.stages + _kernels.STATE :].copy()
             for i in range(method.last + 1, method.stages):
-                _kernels.stage(
-                    i,
-                    self.h,
-                    method.weights,
-                    manifold.sizes,
-                    self._work,
-                    self.y,
-                    self._rates,
-                    manifold.blocks,
-                    i > method.last + 1,
-                )
+                _kernels.stage(i, self.h, method.weights, layout, self.work, i > method.last + 1)
                 self.problem.derivative(self.t + self._nodes[i] * self.h, self.y, self._rates)
-                self.evaluations += 1
-            _kernels.store(
-                method.stages - 1, method.stages, manifold.sizes, self._work, self.y, self._rates, manifold.blocks
-            )
-            self.y[:] = keep
-            self._rates[:] = keep_rates
-        n = 2 * manifold.nv + manifold.nx
-        _kernels.dense_coefficients(self.h, method.polynomials, n, self._work, self.dense)
+            self.evaluations += method.stages - method.last - 1
+            _kernels.store(method.stages - 1, method.stages, layout, self.work)
+            self.work[method.stages + _kernels.STATE :] = end
+        n = 2 * self.manifold.nv + self.manifold.nx
+        _kernels.dense_coefficients(self.h, method.polynomials, n, self.work, self.dense)
         self._has_dense = True
 
     def interpolate(self, theta: float, out: Array) -> None:
         """Write the state at the fraction theta of the last trial step into out (see ``prepare_dense``)."""
         _kernels.dense_state(
-            theta,
-            self.dense.shape[0],
-            self.manifold.sizes,
-            self.dense,
-            self.start,
-            self.manifold.blocks,
-            self._scratch,
-            out,
+            theta, self.manifold.layout, self.dense, self.work, self.start_row, self._out
         )
+        out[:] = self._out[0]
 
     def accept(self) -> None:
         """Make the trial step the state."""
         self.t += self.h
         self._has_dense = False
-        _kernels.begin(
-            self.method.stages, self.manifold.sizes, self._work, self.y, self._rates, self.manifold.blocks
-        )
+        _kernels.begin(self.method.stages, self.manifold.layout, self.work)

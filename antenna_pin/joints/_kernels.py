@@ -66,7 +66,7 @@ APPROACH = 1
 POSE_SIZE = 21
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def journal_state(p: Any, b: int, y: Any, nq: int, pose: Any) -> None:
     """Write the journal's pose and twist relative to the bearing, in bearing axes."""
     i = int(p[b + 3])
@@ -123,7 +123,7 @@ def journal_state(p: Any, b: int, y: Any, nq: int, pose: Any) -> None:
         pose[18 + k] = w0 * wx + w1 * wy + w2 * wz
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def contact_geometry(p: Any, b: int, pose: Any, table: Any, row: int) -> None:
     """Fill gap, normal and point of a joint's rows in closed form."""
     shape = p[b + SHAPE : b + SHAPE + 6]
@@ -133,7 +133,7 @@ def contact_geometry(p: Any, b: int, pose: Any, table: Any, row: int) -> None:
         revolute_contacts(shape, pose[0], pose[1], pose[2], pose[3], pose[4], pose[5], table, row)
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def contact_rates(p: Any, b: int, pose: Any, table: Any, row: int) -> None:
     """Fill depth rate and slip: the relative velocity of the two material points at each contact."""
     for r in range(row, row + int(p[b + CONTACTS])):
@@ -151,7 +151,7 @@ def contact_rates(p: Any, b: int, pose: Any, table: Any, row: int) -> None:
         table[r, SLIP + 2] = vz - opening * nz
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def contact_forces(
     p: Any, b: int, y: Any, x0: int, memory: Any, first: int, table: Any, row: int, rates: Any, r0: int
 ) -> None:
@@ -187,7 +187,7 @@ def contact_forces(
         table[r, FRICTION + 2] = fz
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def contact_wrench(p: Any, b: int, pose: Any, table: Any, row: int, tau: Any, rates: Any, r0: int) -> None:
     """Add the forces of a joint's rows to tau (in the child's own axes) and write what they integrate."""
     fx = 0.0
@@ -241,7 +241,30 @@ def contact_wrench(p: Any, b: int, pose: Any, table: Any, row: int, tau: Any, ra
     tau[j + 5] += pose[8] * mx + pose[11] * my + pose[14] * mz + cx * uy - cy * ux
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
+def wrench_on_journal(count: int, pose: Any, table: Any, row: int, out: Any) -> None:
+    """Write the resultant of ``count`` rows, force and torque about the journal's centre in bearing axes, into out[0:6]."""
+    for k in range(6):
+        out[k] = 0.0
+    for r in range(row, row + count):
+        force = table[r, FORCE]
+        if force == 0.0:
+            continue
+        gx = force * table[r, 1] + table[r, FRICTION]
+        gy = force * table[r, 2] + table[r, FRICTION + 1]
+        gz = force * table[r, 3] + table[r, FRICTION + 2]
+        rx = table[r, 4] - pose[0]
+        ry = table[r, 5] - pose[1]
+        rz = table[r, 6] - pose[2]
+        out[0] += gx
+        out[1] += gy
+        out[2] += gz
+        out[3] += ry * gz - rz * gy
+        out[4] += rz * gx - rx * gz
+        out[5] += rx * gy - ry * gx
+
+
+@numba.njit(cache=True, error_model="numpy")
 def clearance_joint(
     p: Any, b: int, y: Any, nq: int, nv: int, memory: Any, table: Any, pose: Any, tau: Any, rates: Any
 ) -> None:
@@ -257,7 +280,7 @@ def clearance_joint(
     contact_wrench(p, b, pose, table, row, tau, rates, nv)
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def place_for_coal(p: Any, b: int, y: Any, nq: int, shape: Any, pose: Any, work: Any) -> float:
     """Place a revolute joint's bearing in the journal frame for coal; return the sine of the tilt."""
     journal_state(p, b, y, nq, pose)
@@ -265,7 +288,7 @@ def place_for_coal(p: Any, b: int, y: Any, nq: int, shape: Any, pose: Any, work:
     return math.hypot(pose[3], pose[4])
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def motion_angle(p: Any, b: int, y: Any) -> tuple[float, float, float]:
     """Rotation of the journal about the bearing axis (swing-twist) and where its rate comes from.
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, TypeAlias, cast
 
 import numpy as np
 import xarray as xr
@@ -79,12 +79,10 @@ def labelled(runs: Iterable[Run] | Run) -> list[LabelledRun]:
     Raises:
         InvalidParameterError: If there is no run, or none that holds two samples.
     """
-    if isinstance(runs, tuple) and len(runs) == 2 and isinstance(runs[0], str):
-        runs = [runs]  # one pair, not a list of runs
-    elif hasattr(runs, "data"):
-        runs = [runs]
+    pair = isinstance(runs, tuple) and len(runs) == 2 and isinstance(runs[0], str)
+    every = cast("Iterable[Run]", [runs] if pair or hasattr(runs, "data") else runs)
     result: list[LabelledRun] = []
-    for number, run in enumerate(runs, start=1):
+    for number, run in enumerate(every, start=1):
         label, data = run if isinstance(run, tuple) else (str(run.data.attrs.get("case") or ""), run.data)
         label = label or f"run {number}"
         taken = [other.label for other in result]

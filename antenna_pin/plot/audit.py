@@ -47,7 +47,8 @@ _LOST = (
 def figure_energy(runs: Iterable[Run] | Run, *, width: Width = "page") -> Figure:
     """Return the energy ledger of each run: work and stored energy, losses, and the error of their balance.
 
-    The error is drawn relative to the drives' gross work over the run, the integral of the absolute power.
+    Drawn is the largest error so far, relative to the drives' gross work over the run, the integral of the
+    absolute power.
 
     Args:
         runs: Trajectories, or pairs of a label and a dataset.
@@ -56,7 +57,7 @@ def figure_energy(runs: Iterable[Run] | Run, *, width: Width = "page") -> Figure
     every = labelled(runs)
     drawn = [run for run in every if run.time.size > 1]
     figure, grid, letter = blocks(len(drawn), [True] * 3, width, 38.0)
-    titles = ("energy", "losses", "balance error")
+    titles = ("energy", "losses", "largest error so far")
     for row, parts in enumerate((_STORED, _LOST)):
         books = [{entry[0]: _total(run, entry[0]) for entry in parts} for run in drawn]
         largest = max(float(np.nanmax(np.abs(v), initial=0.0)) for book in books for v in book.values())
@@ -96,8 +97,8 @@ def figure_energy(runs: Iterable[Run] | Run, *, width: Width = "page") -> Figure
 def figure_momentum(runs: Iterable[Run] | Run, *, width: Width = "page") -> Figure:
     """Return the drift of linear and angular momentum of all runs with a free base.
 
-    Drawn is the size of the change since the start over the largest sum, over the run, of the momentum
-    magnitudes of the bodies other than the base; the whole system's momentum is itself close to zero.
+    Drawn is the largest change so far, relative to the largest sum, over the run, of the momentum magnitudes
+    of the bodies other than the base: the whole system's own momentum may be zero.
 
     Args:
         runs: Trajectories, or pairs of a label and a dataset.
@@ -123,7 +124,7 @@ def figure_momentum(runs: Iterable[Run] | Run, *, width: Width = "page") -> Figu
         axes.set_xlabel("time [s]")
         few_ticks(axes, 6)
     for axes in panels[:1] if page else panels:
-        axes.set_ylabel("relative drift [-]")
+        axes.set_ylabel("largest relative drift so far [-]")
     _share_decades(list(panels))
     legend_above(figure, figure.axes)
     fixed = [run.label for run in every if "base_position" not in run.data]
@@ -140,10 +141,11 @@ def _total(run: LabelledRun, name: str) -> Array:
 
 
 def _log_line(axes: Axes, run: LabelledRun, value: Array, colour: str, label: str) -> None:
-    """Draw values on a logarithmic scale; exact zeros lie on its floor, not in a hole."""
+    """Draw the largest of the values so far on a logarithmic scale; exact zeros lie on its floor."""
     style: dict[str, Any] = IDEAL if colour == "black" else {"linewidth": 0.7, "color": colour}
     many = value.size > 50_000
-    axes.plot(run.time, np.maximum(value, _FLOOR), label=label or None, rasterized=many, **style)
+    so_far = np.fmax.accumulate(np.maximum(value, _FLOOR))
+    axes.plot(run.time, so_far, label=label or None, rasterized=many, **style)
     axes.set_yscale("log")
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable, Mapping
-from typing import Annotated, Any, ClassVar, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self, get_args
 
 from pydantic import Field, model_validator
 
@@ -13,20 +13,22 @@ from antenna_pin.scenario.laws import (
     Family,
     LawChange,
     LawSpec,
-    check_law_name,
     check_values,
     declared_parameters,
-    depends_on,
     flat,
+    law_spec,
     laws,
     missing_parameters,
     needs_materials,
-    read_parameters,
+    read_change,
+    read_law,
+    unit_of,
 )
 
 __all__ = ["ClearanceSpec", "ContactClearance", "IdealClearance", "PlanarClearance"]
 
 Kind = Literal["radial", "axial"]
+KINDS: tuple[Kind, ...] = get_args(Kind)
 
 RADIAL_PLAY = ("radial_clearance", "journal_radius")
 AXIAL_PLAY = ("axial_clearance", "flange_distance")
@@ -70,6 +72,9 @@ class _Clearance(Spec):
         friction: Friction law of both kinds of contact.
     """
 
+    # The kinds of contact that occur.
+    kinds: ClassVar[tuple[Kind, ...]] = ()
+
     bearing_radius: PositiveLength | None = None
     radial_clearance: PositiveLength | None = None
     journal_radius: PositiveLength | None = None
@@ -109,6 +114,33 @@ class _Clearance(Spec):
                 refuse(f"must be {rule} {other} = {limit:g} m, got {value:g} m", name, value=value)
         return self
 
+    @model_validator(mode="after")
+    def _check_laws(self) -> Self:
+        """Refuse laws that do not accept their parameters, and for contacts that occur incomplete ones."""
+        for kind in KINDS:
+            law, change = self._law(kind), self._change(kind)
+            if law is None:
+                if kind in self.kinds:
+                    refuse("is missing; it names the law of the contact and its parameters", "normal")
+                continue
+            places = dict.fromkeys(change.parameters if change else (), kind)
+            table = kind if change is not None and change.law is not None else "normal"
+            _check_law(law, "normal", kind in self.kinds, table, places)
+        _check_law(self.friction, "friction", bool(self.kinds), "friction", {})
+        return self
+
+    def _change(self, kind: Kind) -> LawChange | None:
+        return self.radial if kind == "radial" else self.axial
+
+    def _law(self, kind: Kind) -> LawSpec | None:
+        """Return the normal law of a kind of contact: the common one, with what its own table changes."""
+        change = self._change(kind)
+        if change is None:
+            return self.normal
+        if self.normal is None or change.law not in (None, self.normal.law):
+            return None if change.law is None else law_spec(change.law, change.parameters)
+        return law_spec(self.normal.law, self.normal.parameters | change.parameters)
+
 
 class IdealClearance(_Clearance):
     """A joint modelled without play; dimensions and laws, if given, wait for another case.
@@ -123,8 +155,6 @@ class IdealClearance(_Clearance):
 class _Touching(_Clearance):
     """What the models share whose journal touches the bearing."""
 
-    kinds: ClassVar[tuple[Kind, ...]]
-
     bearing_radius: PositiveLength
 
     @property
@@ -137,64 +167,25 @@ class _Touching(_Clearance):
 
     @property
     def radial_law(self) -> LawSpec:
-        """The normal law at the bore, with what ``radial`` changes."""
-        return self._law("radial")
-
-    def _law(self, kind: Kind) -> LawSpec:
-        change = self.radial if kind == "radial" else self.axial
-        if change is None or self.normal is None or change.law not in (None, self.normal.law):
-            law = change if change is not None and change.law is not None else self.normal
-            if law is None or law.law is None:
-                refuse("is missing; it names the law of the contact and its parameters", "normal")
-            return LawSpec.model_construct(law=law.law, parameters=dict(law.parameters))
-        return LawSpec.model_construct(
-            law=self.normal.law, parameters=self.normal.parameters | change.parameters
-        )
+        """The normal law at the bore: ``normal``, with what ``radial`` changes."""
+        law = self._law("radial")
+        assert law is not None
+        return law
 
     @model_validator(mode="after")
     def _check_contact(self) -> Self:
-        self._check_play(RADIAL_PLAY)
-        for kind in self.kinds:
-            change = self.radial if kind == "radial" else self.axial
-            own = () if change is None else tuple(change.parameters)
-            table = (
-                kind if change is not None and (self.normal is None or change.law is not None) else "normal"
-            )
-            self._check_law(self._law(kind), "normal", {name: kind for name in own}, table)
-        self._check_law(self.friction, "friction", {}, "friction")
+        _check_play(self, RADIAL_PLAY)
         if needs_materials(self.radial_law):
             for name in ("journal_material", "bearing_material"):
                 if getattr(self, name) is None:
                     refuse("is missing; it decides the stiffness, or give normal.stiffness", name)
         return self
 
-    def _check_play(self, pair: tuple[str, str]) -> None:
-        if all(getattr(self, name) is None for name in pair):
-            refuse(f"must have exactly one of {' and '.join(pair)}, got neither")
-
-    def _check_law(self, law: LawSpec, family: Family, tables: Mapping[str, str], table: str) -> None:
-        """Refuse a law that lacks parameters or does not accept them.
-
-        Args:
-            law: The law as it is used.
-            family: Which laws it is one of.
-            tables: Table in which a parameter stands, by parameter.
-            table: Table of the parameters not named there.
-        """
-        known = laws(family)
-        for name in missing_parameters(law.law, known, law.parameters):
-            takes = ", ".join(declared_parameters(law.law, known))
-            refuse(f"is missing; law {law.law} takes {takes}", table, name)
-        broken = check_values(law.law, known, law.parameters)
-        if broken is not None:
-            name, text = broken
-            refuse(text, tables.get(name, table), name)
-
 
 class PlanarClearance(_Touching):
     """A joint with radial play that keeps its plane and its axis' direction: contact at the bore only."""
 
-    kinds = ("radial",)
+    kinds: ClassVar[tuple[Kind, ...]] = ("radial",)
 
     model: Literal["planar"]
 
@@ -202,7 +193,7 @@ class PlanarClearance(_Touching):
 class ContactClearance(_Touching):
     """A joint held together by contact alone: bore and flanges, six degrees of freedom."""
 
-    kinds = ("radial", "axial")
+    kinds: ClassVar[tuple[Kind, ...]] = KINDS
 
     model: Literal["contact"]
     bearing_length: PositiveLength
@@ -219,17 +210,66 @@ class ContactClearance(_Touching):
 
     @property
     def axial_law(self) -> LawSpec:
-        """The normal law at the flanges, with what ``axial`` changes."""
-        return self._law("axial")
+        """The normal law at the flanges: ``normal``, with what ``axial`` changes."""
+        law = self._law("axial")
+        assert law is not None
+        return law
 
     @model_validator(mode="after")
     def _check_flanges(self) -> Self:
-        self._check_play(AXIAL_PLAY)
+        _check_play(self, AXIAL_PLAY)
         return self
 
 
 ClearanceSpec = ContactClearance | PlanarClearance | IdealClearance
 """A joint with play; ``model`` says which class it is."""
+
+
+def law_tables(joint: ClearanceSpec) -> dict[str, dict[str, Any]]:
+    """Return a joint's normal laws as a file has them, with the units that depend on other parameters.
+
+    So the stiffness of a law of one exponent is not taken for that of another, laid over it.
+    """
+    known = laws("normal")
+    found = {}
+    for place in ("normal", *KINDS):
+        table: LawSpec | LawChange | None = getattr(joint, place)
+        if table is None:
+            continue
+        common = joint.normal if joint.normal is not None else table
+        law = table.law or common.law or ""
+        outer = common.parameters if law == common.law else {}
+        units = {name: unit_of(name, law, known, outer | table.parameters) for name in table.parameters}
+        found[place] = flat(table) | {name: f"{table.parameters[name]!r} {units[name]}" for name in units}
+    return found
+
+
+def _check_play(joint: _Clearance, pair: tuple[str, str]) -> None:
+    if all(getattr(joint, name) is None for name in pair):
+        refuse(f"must have exactly one of {' and '.join(pair)}, got neither")
+
+
+def _check_law(law: LawSpec, family: Family, complete: bool, table: str, places: Mapping[str, str]) -> None:
+    """Refuse a law that does not accept its parameters.
+
+    Args:
+        law: The law as it is used.
+        family: Which laws it is one of.
+        complete: Whether to refuse one, too, that lacks parameters.
+        table: Table in which the law stands.
+        places: Table in which a parameter stands, by name, where it is another.
+    """
+    known = laws(family)
+    missing = missing_parameters(law.law, known, law.parameters)
+    if missing and not complete:
+        return
+    for name in missing:
+        takes = ", ".join(declared_parameters(law.law, known))
+        refuse(f"is missing; law {law.law} takes {takes}", places.get(name, table), name)
+    broken = check_values(law.law, known, law.parameters)
+    if broken is not None:
+        name, text = broken
+        refuse(text, places.get(name, table), name)
 
 
 def _read_law_tables(data: Mapping[str, Any]) -> dict[str, Any]:
@@ -238,38 +278,10 @@ def _read_law_tables(data: Mapping[str, Any]) -> dict[str, Any]:
     families: tuple[Family, ...] = ("normal", "friction")
     for family in families:
         if isinstance(tables.get(family), Mapping | LawSpec):
-            tables[family] = _read_law(flat(tables[family]), laws(family), family)
-    for kind in ("radial", "axial"):
+            tables[family] = read_law(flat(tables[family]), laws(family), family)
+    if tables.get("normal") is not None and not isinstance(tables["normal"], LawSpec):
+        return tables  # refused for its normal law
+    for kind in KINDS:
         if isinstance(tables.get(kind), Mapping | LawSpec | LawChange):
-            tables[kind] = _read_change(flat(tables[kind]), tables.get("normal"), kind)
+            tables[kind] = read_change(flat(tables[kind]), tables.get("normal"), kind)
     return tables
-
-
-def _read_law(table: dict[str, Any], known: Mapping[str, type[Any]], place: str) -> LawSpec:
-    if "law" not in table:
-        refuse(f"is missing; give one of {', '.join(known)}", place, "law")
-    law = table.pop("law")
-    check_law_name(law, known, place, "law")
-    return LawSpec.model_construct(law=law, parameters=read_parameters(law, known, table, {}, (place,)))
-
-
-def _read_change(table: dict[str, Any], normal: object, kind: str) -> LawChange:
-    known = laws("normal")
-    other = table.pop("law", None)
-    if other is not None:
-        check_law_name(other, known, kind, "law")
-    if not isinstance(normal, LawSpec):
-        if other is None:
-            refuse("is missing; there is no normal law to change", kind, "law")
-        return LawChange.model_construct(
-            law=other, parameters=read_parameters(other, known, table, {}, (kind,))
-        )
-    law = normal.law if other is None else other
-    common = normal.parameters if law == normal.law else {}
-    own = read_parameters(law, known, table, common, (kind,))
-    declared = declared_parameters(law, known)
-    for name in common.keys() - own.keys():
-        for base in depends_on(declared[name].unit):
-            if base in own and own[base] != common.get(base, declared[base].default):
-                refuse(f"is missing; another {base} changes the unit of the one in normal", kind, name)
-    return LawChange.model_construct(law=other, parameters=own)

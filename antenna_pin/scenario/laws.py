@@ -125,9 +125,50 @@ def read_parameters(
     # A unit may depend on a pure number of the same table: N/m**exponent.
     values: dict[str, float] = {}
     for name in sorted(table, key=lambda name: bool(depends_on(declared[name].unit))):
-        unit = _unit(declared[name].unit, declared, dict(common or {}) | values)
+        unit = unit_of(name, law, known, dict(common or {}) | values)
         values[name] = read_quantity(table[name], unit, "", *location, name)
     return {name: values[name] for name in table}
+
+
+def read_law(table: dict[str, Any], known: Mapping[str, type[Any]], place: str) -> LawSpec:
+    """Return the law in a flat table."""
+    if "law" not in table:
+        refuse(f"is missing; give one of {', '.join(known)}", place, "law")
+    law = table.pop("law")
+    check_law_name(law, known, place, "law")
+    return law_spec(law, read_parameters(law, known, table, {}, (place,)))
+
+
+def read_change(table: dict[str, Any], normal: object, kind: str) -> LawChange:
+    """Return what a flat table changes of the normal law.
+
+    The units of its parameters may depend on others that only the normal law has. One that it takes over must
+    not get another unit by what it changes.
+    """
+    known = laws("normal")
+    other = table.pop("law", None)
+    if other is not None:
+        check_law_name(other, known, kind, "law")
+    if not isinstance(normal, LawSpec):
+        if other is None:
+            refuse("is missing; there is no normal law to change", kind, "law")
+        return LawChange.model_construct(
+            law=other, parameters=read_parameters(other, known, table, {}, (kind,))
+        )
+    law = normal.law if other is None else other
+    common = normal.parameters if law == normal.law else {}
+    own = read_parameters(law, known, table, common, (kind,))
+    declared = declared_parameters(law, known)
+    for name in common.keys() - own.keys():
+        for base in depends_on(declared[name].unit):
+            if base in own and own[base] != common.get(base, declared[base].default):
+                refuse(f"is missing; another {base} changes the unit of the one in normal", kind, name)
+    return LawChange.model_construct(law=other, parameters=own)
+
+
+def law_spec(law: str, parameters: Mapping[str, float]) -> LawSpec:
+    """Return a law whose parameters were read."""
+    return LawSpec.model_construct(law=law, parameters=dict(parameters))
 
 
 def missing_parameters(law: str, known: Mapping[str, type[Any]], given: Mapping[str, float]) -> list[str]:
@@ -168,6 +209,17 @@ def depends_on(unit: str) -> list[str]:
     return _EXPONENT.findall(unit)
 
 
+def unit_of(name: str, law: str, known: Mapping[str, type[Any]], values: Mapping[str, float]) -> str:
+    """Return the unit of a parameter, which may depend on others: "N/m**1.5" for ``N/m**exponent``."""
+    declared = declared_parameters(law, known)
+
+    def number(match: re.Match[str]) -> str:
+        value = values.get(match.group(), declared[match.group()].default)
+        return "1" if value is None else repr(float(value)).removesuffix(".0")
+
+    return _EXPONENT.sub(number, declared[name].unit)
+
+
 def flat(table: Mapping[str, Any] | LawSpec | LawChange) -> dict[str, Any]:
     """Return a law's table as a file has it: the name of the law and its parameters side by side."""
     if isinstance(table, LawSpec | LawChange):
@@ -191,12 +243,3 @@ def _refuse_parameter(
     hint = f"did you mean {guess}? " if guess else ""
     takes = ", ".join(declared) if declared else "no parameters"
     refuse_key(f"is unknown; {hint}law {law} takes {takes}", *location, name)
-
-
-def _unit(unit: str, declared: Mapping[str, Parameter], values: Mapping[str, float]) -> str:
-    def number(match: re.Match[str]) -> str:
-        name = match.group()
-        value = values.get(name, declared[name].default)
-        return "1" if value is None else repr(float(value)).removesuffix(".0")
-
-    return _EXPONENT.sub(number, unit)

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 from pydantic import ValidationError
 
-from antenna_pin.errors import ScenarioError, UnknownNameError, nearest
+from antenna_pin.errors import AntennaPinError, ScenarioError, UnknownNameError, nearest
 from antenna_pin.scenario._base import (
     Location,
     Place,
@@ -20,6 +20,7 @@ from antenna_pin.scenario._base import (
     located_lines,
     unknown_key,
 )
+from antenna_pin.scenario.clearance import law_tables
 from antenna_pin.scenario.merge import Overrides, merge, read_overrides
 from antenna_pin.scenario.scenario import Scenario
 from antenna_pin.scenario.shipped import find_scenario, read_toml, tables
@@ -42,36 +43,44 @@ class _Case(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class _Source:
-    """Where the values come from: a file, a case in it, and overrides.
+    """Where the values come from: a file, a case laid over it, and overrides laid over both.
 
     Attributes:
         label: How messages call the file.
+        base: The file without its cases.
         case: Name of the case, or None.
         case_table: What the case lays over the file.
         overrides: What is laid over both.
+        note: What is to be said after a message about a value of the file.
     """
 
     label: str
+    base: Mapping[str, Any]
     case: str | None = None
     case_table: Mapping[str, Any] = field(default_factory=dict)
     overrides: Mapping[str, Any] = field(default_factory=dict)
+    note: str = ""
+
+    def merged(self) -> dict[str, Any]:
+        """Return the layers as one."""
+        return merge(merge(self.base, self.case_table), self.overrides)
 
     def place(self, location: Location) -> Place:
-        """Return where a value stands: in the file, in its case, or in an override."""
-        if _holds(self.overrides, location):
-            return Place(f"{self.label}: {dotted(location)}", "; set by an override")
-        if self.case is not None and _holds(self.case_table, location):
+        """Return where a value stands, or is missing: in the file, in its case, or in an override."""
+        if _from_layer(self.overrides, location, self.base, self.case_table):
+            return Place(f"{self.label}: {dotted(location)}", " (set by an override)")
+        if self.case is not None and _from_layer(self.case_table, location, self.base):
             return Place(f"{self.label}: {dotted(('cases', self.case, *location))}")
         if not location:
-            return Place(f"{self.label}:")
-        return Place(f"{self.label}: {dotted(location)}", stale=self._stale(location[:-1]))
+            return Place(f"{self.label}:", self.note)
+        return Place(f"{self.label}: {dotted(location)}", self.note, self._stale(location[:-1]))
 
     def _stale(self, table: Location) -> str:
         """Say why a key of the file may have become unknown: what is laid over it has changed the kind."""
         for layer, values in (("an override", self.overrides), (f"case {self.case}", self.case_table)):
             for key in ("kind", "law"):
                 if _holds(values, (*table, key)):
-                    return f"; {layer} sets {key}: with replace = true beside it, the old keys go"
+                    return f" ({layer} sets {key}: with replace = true beside it, the old keys go)"
         return ""
 
     def error(self, text: str, *location: str) -> ScenarioError:
@@ -100,9 +109,9 @@ def load_scenario(
     base = read_toml(found.path, found.label)
     cases, default = _take_cases(base, found.label)
     name = default if case is None else case
-    if name is not None and name not in cases:
-        place = f"{found.label}: default_case" if case is None else found.label
-        raise UnknownNameError(place, "case", name, cases)
+    for place, wanted in ((": default_case", default), ("", name)):
+        if wanted is not None and wanted not in cases:
+            raise UnknownNameError(found.label + place, "case", wanted, cases)
     chosen = _Case("", {}) if name is None else cases[name]
     layer, record = _read_layer(overrides)
     carried = {
@@ -112,12 +121,12 @@ def load_scenario(
         "overrides": record,
         "folder": found.path.parent.resolve(),
     }
-    source = _Source(found.label, name, chosen.table, layer)
-    data = merge(merge(base, chosen.table), layer)
-    _check_drives(data.get("drives"), source)
-    scenario = _build(data, carried, source)
-    for other in cases.keys() - {name}:
-        _check_case(base, cases[other], _Source(found.label, other, cases[other].table))
+    source = _Source(found.label, base, name, chosen.table, layer)
+    _check_drives(source.merged().get("drives"), source)
+    scenario = _build(carried, source)
+    for other, (_, table) in cases.items():
+        if other != name:
+            _check_case(_Source(found.label, base, other, table, note=f" (in case {other})"), layer)
     return scenario
 
 
@@ -129,6 +138,8 @@ def override_scenario(scenario: Scenario, overrides: Overrides) -> Scenario:
     carried["overrides"] = (*scenario.overrides, *record)
     if "urdf" in tables(layer.get("mechanism")):
         del carried["urdf_text"]
+    for joint, clearance in scenario.clearance.items():
+        data["clearance"][joint].update(law_tables(clearance))
     # What old units said of a joint's motion does not bind new values.
     joints = tables(layer.get("initial")).get("joints")
     for below, above in (
@@ -138,18 +149,16 @@ def override_scenario(scenario: Scenario, overrides: Overrides) -> Scenario:
     ):
         for name in tables(above).keys() & below.keys():
             below[name].pop("motion", None)
-    source = _Source(f"scenario {scenario.name}".strip(), overrides=layer)
+    source = _Source(f"scenario {scenario.name}".strip(), data, overrides=layer)
     _check_drives(layer.get("drives"), source)
-    return _build(merge(data, layer), carried, source)
+    return _build(carried, source)
 
 
 def _read_layer(overrides: Overrides) -> tuple[dict[str, Any], tuple[str, ...]]:
     layer, record = read_overrides(overrides)
     for key in ("cases", "default_case"):
         if key in layer:
-            raise ScenarioError(
-                f"override {key} is not possible; choose a case, and set values without {key}"
-            )
+            raise ScenarioError(f"override {key}: choose a case, and set its values without {key}")
     return layer, record
 
 
@@ -172,8 +181,9 @@ def _take_cases(document: dict[str, Any], label: str) -> tuple[dict[str, _Case],
     return cases, default
 
 
-def _build(data: dict[str, Any], carried: dict[str, Any], source: _Source) -> Scenario:
-    """Return the scenario of merged tables, with the files it names."""
+def _build(carried: dict[str, Any], source: _Source) -> Scenario:
+    """Return the scenario of all layers, with the files it names."""
+    data = source.merged()
     _check_keys(data, source)
     folder = Path(carried["folder"])
     drives = data.get("drives")
@@ -189,21 +199,32 @@ def _build(data: dict[str, Any], carried: dict[str, Any], source: _Source) -> Sc
         raise explained(error, source.place) from None
 
 
-def _check_case(base: Mapping[str, Any], case: _Case, source: _Source) -> None:
-    """Refuse what is wrong in a case that is not to be run; its files are not read."""
-    data = merge(base, case.table)
+def _check_case(source: _Source, overrides: Mapping[str, Any]) -> None:
+    """Refuse what is wrong in a case that is not to be run; its files are not read.
+
+    A file that overrides have to complete is no fault of the case.
+    """
+    problem = _problem_of_case(source, source.merged())
+    if problem is not None and _problem_of_case(source, merge(source.merged(), overrides)) is not None:
+        raise problem
+
+
+def _problem_of_case(source: _Source, data: dict[str, Any]) -> AntennaPinError | None:
     _check_keys(data, source)
     drives = data.get("drives")
+    _check_drives(drives, source)
     if isinstance(drives, Mapping):
         data["drives"] = {
-            name: table | _STAND_IN if _is_table_drive(table) else table for name, table in drives.items()
+            name: table | _STAND_IN if _is_table_drive(table) and "file" in table else table
+            for name, table in drives.items()
         }
     try:
         Scenario.validated(data | {"urdf_text": ""})
     except ValidationError as error:
         for line in located_lines(error):
-            if _holds(case.table, line[0]):
-                raise explained_line(line, source.place) from None
+            if _from_layer(source.case_table, line[0]):
+                return explained_line(line, source.place)
+    return None
 
 
 def _check_keys(data: Mapping[str, Any], source: _Source) -> None:
@@ -254,6 +275,14 @@ def _read_file(name: str, folder: Path, source: _Source, *location: str) -> str:
     except OSError as error:
         problem = f"must be readable, got {shown(name)} ({error.strerror})"
     raise source.error(problem, *location)
+
+
+def _from_layer(layer: Mapping[str, Any], location: Location, *below: Mapping[str, Any]) -> bool:
+    """Return whether a value is given in a layer, or is missing in a table that only this layer has."""
+    outer = location[:-1]
+    if _holds(layer, location):
+        return True
+    return _holds(layer, outer) and not any(_holds(table, outer) for table in below)
 
 
 def _holds(tree: Mapping[str, Any], location: Location) -> bool:

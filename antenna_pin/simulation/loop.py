@@ -151,15 +151,15 @@ class Run:
         self._gap_tolerances = [1e-9 * play for play in plays]
         self._uses_coal = any(j.backend == "coal" for j in system.clearances)
         manifold = system.manifold
+        factors = [system.mechanism.joint(j.name).joint_id - 1 for j in system.clearances]
         self._context = (
-            manifold.sizes,
+            manifold.part(factors, plain=system.bristle_x.size > 0),
             self.stepper.dense,
-            self.stepper.start,
-            manifold.blocks,
+            self.stepper.work,
+            self.stepper.start_row,
             system.program,
             system.memory,
-            np.zeros(manifold.size),
-            np.zeros(manifold.size),
+            np.zeros((2, manifold.size)),
             self._pose,
             self._table,
             np.zeros(manifold.nv + manifold.nx),
@@ -294,6 +294,7 @@ class Run:
         """Make one accepted step from the state; return the size to try next."""
         stepper = self.stepper
         settings = self.settings
+        rejected = self.rejected
         while True:
             tried = self._limit(h)
             error = stepper.attempt(tried)
@@ -315,6 +316,8 @@ class Run:
             following = tried * (
                 _GROW if error == 0.0 else min(_GROW, _SAFETY * error ** (-1.0 / self._power))
             )
+            if self.rejected > rejected:
+                following = min(following, tried)
             if tried < h:  # cut for the sake of an output or the end, not of the error
                 following = max(following, h)
         if self._open:
@@ -333,13 +336,12 @@ class Run:
             self._compare_gaps()
         stepper.prepare_dense()
         context = (*self._context, h)
-        c, theta = _inspect.first_change(self._nodes, self._ignore, context)
+        c, theta = _inspect.inspect_step(stepper.t, self._nodes, self._ignore, self._record, context)
         if c < 0:
             if self._nodes[0, -1].min() < 0.0 and (-self._nodes[0, -1] > self._depths).any():
                 self._accept()
                 self._stop(Outcome.TOO_DEEP, int(np.argmax(-self._nodes[0, -1] - self._depths)))
                 return following
-            _inspect.track_peaks(stepper.t, self._nodes, self._record, context)
             self._ignore[:] = 0
             self._accept()
             return following

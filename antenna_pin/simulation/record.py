@@ -108,7 +108,7 @@ class _Observer:
                 _joint.journal_state(system.program, blocks[k], y, nq, pose)
                 row = int(system.program[blocks[k] + _joint.FIRST_CONTACT])
                 rows = system.table[row : row + joint.contacts]
-                self._wrench(self.wrenches[i, k], pose, rows)
+                _joint.wrench_on_journal(joint.contacts, pose, system.table, row, self.wrenches[i, k])
                 if isinstance(joint.geometry, RevoluteClearance):
                     scratch[: joint.contacts] = rows
                     self.scenarios[i, k] = _geometry.contact_scenario(
@@ -117,15 +117,6 @@ class _Observer:
                 else:
                     self.scenarios[i, k, 0] = rows[0, 0] < 0.0
         system.memory[:] = memory
-
-    @staticmethod
-    def _wrench(out: Array, pose: Array, rows: Array) -> None:
-        """Force on the journal and torque about its centre, bearing axes, from the contacts."""
-        for row in rows:
-            if row[_joint.FORCE] != 0.0:
-                force = row[_joint.FORCE] * row[1:4] + row[_joint.FRICTION : _joint.FRICTION + 3]
-                out[:3] += force
-                out[3:] += np.cross(row[4:7] - pose[:3], force)
 
     def motion(self) -> tuple[list[str], Array, Array, Array]:
         """Return names, angles (unwrapped), rates and accelerations of the joints that turn about an axis."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Callable
 
 import numpy as np
@@ -85,7 +86,9 @@ def simulate(
     run.advance(progress)
     title = scenario.title if scenario is not None else system.mechanism.name
     case = (scenario.case or "") if scenario is not None else ""
+    began = time.perf_counter()
     data = dataset(run, title, case, library_versions())
+    run.wall += time.perf_counter() - began
     return Trajectory(data=data, outcome=run.outcome, message=run.message, counts=run.counts(), scenario=scenario)
 
 
