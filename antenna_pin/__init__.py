@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from antenna_pin.errors import AntennaPinError
     from antenna_pin.joints import ClearanceJoint
     from antenna_pin.mechanism import Mechanism, Urdf, build_mechanism
-    from antenna_pin.scenario import Scenario, list_scenarios, load_scenario
+    from antenna_pin.scenario import Scenario, list_scenarios, load_scenario, models_path
     from antenna_pin.simulation import ErrorScales, Progress, RunSettings, simulate
     from antenna_pin.trajectory import Counts, Outcome, Trajectory
 
@@ -42,6 +42,7 @@ _HOMES = {
     "initial_state": "assemble",
     "list_scenarios": "scenario",
     "load_scenario": "scenario",
+    "models_path": "scenario",
     "simulate": "simulation",
     "urdf_variant": "assemble",
 }
@@ -64,6 +65,7 @@ __all__ = [
     "initial_state",
     "list_scenarios",
     "load_scenario",
+    "models_path",
     "simulate",
     "urdf_variant",
 ]

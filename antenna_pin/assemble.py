@@ -71,6 +71,7 @@ def urdf_variant(scenario: Scenario) -> Urdf:
         scenario.urdf_text,
         str(scenario.urdf_path),
         allow_impossible_inertia=spec.allow_impossible_inertia,
+        folder=scenario.urdf_path.parent,
     )
     joints = {joint.name for joint in urdf.robot.joints}
     links = {link.name for link in urdf.robot.links}
@@ -123,6 +124,7 @@ def build_system(scenario: Scenario) -> System:
     for place, specs in (("drives", scenario.drives), ("springs", scenario.springs)):
         for name, spec in specs.items():
             _known(scenario, [spec.joint], "moving joint", mechanism.joints, place, name, "joint")
+            _check_motion(scenario, mechanism.joint(spec.joint), spec.motion, place, name)
     return System(
         mechanism,
         clearances=[
@@ -139,6 +141,16 @@ def build_system(scenario: Scenario) -> System:
         },
         hinges=[Hinge(joint=name) for name, spec in scenario.clearance.items() if spec.model == "constraint"],
     )
+
+
+def _check_motion(scenario: Scenario, slot: JointSlot, motion: str | None, *place: str) -> None:
+    """Refuse units of a sliding joint at a turning one, and the other way round."""
+    actual = "translation" if slot.kind == "prismatic" else "rotation"
+    if motion not in (None, actual):
+        raise ScenarioError(
+            f"{_where(scenario, *place)}: units must be those of a {actual}, for joint {slot.name!r} is {slot.kind}, "
+            f"got units of a {motion}"
+        )
 
 
 def _drive(spec: _drives.DriveSpec) -> Drive:
@@ -239,6 +251,7 @@ def initial_state(scenario: Scenario, system: System) -> tuple[Array, Array]:
     _known(scenario, initial.joints, "moving joint", mechanism.joints, "initial.joints")
     for name, spec in initial.joints.items():
         slot = mechanism.joint(name)
+        _check_motion(scenario, slot, spec.motion, "initial", "joints", name)
         if slot.kind in ("floating", "planar"):
             _place_journal(scenario, mechanism, slot, spec, q, v)
             continue

@@ -14,7 +14,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numba
+from antenna_pin._compile import kernel
 
 NORMAL_SIZE = 16
 FRICTION_SIZE = 12
@@ -38,7 +38,7 @@ TANH = 3.0
 BRISTLE = 100.0
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def power(depth: float, exponent: float) -> float:
     """``depth**exponent``, continued to negative depth where the exponent is an integer, else zero there.
 
@@ -58,7 +58,7 @@ def power(depth: float, exponent: float) -> float:
     return size if whole % 2.0 == 0.0 else -size
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def elastic_force(law: Any, depth: float) -> float:
     """Elastic part of the normal force [N] at ``depth`` [m]."""
     if law[ELASTIC] == POWER:
@@ -66,7 +66,7 @@ def elastic_force(law: Any, depth: float) -> float:
     return 0.0
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def elastic_energy(law: Any, depth: float) -> float:
     """Energy stored by the elastic part [J]: the integral of the force from 0 to ``depth``."""
     if depth <= 0.0:
@@ -76,7 +76,7 @@ def elastic_energy(law: Any, depth: float) -> float:
     return 0.0
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def dissipation_factor(law: Any, rate: float, approach_speed: float) -> float:
     """``chi rate / approach_speed``: what dissipation adds, as a part of the elastic force [-]."""
     if law[DISSIPATION] == HYSTERETIC:
@@ -84,7 +84,7 @@ def dissipation_factor(law: Any, rate: float, approach_speed: float) -> float:
     return 0.0
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def normal_force(law: Any, depth: float, rate: float, approach_speed: float) -> float:
     """Normal force on the journal [N]; never adhesive at positive depth, continued below zero depth."""
     force = elastic_force(law, depth) * (1.0 + dissipation_factor(law, rate, approach_speed))
@@ -93,7 +93,7 @@ def normal_force(law: Any, depth: float, rate: float, approach_speed: float) -> 
     return force
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def friction_ratio(law: Any, speed: float) -> float:
     """Friction coefficient over slip speed, ``mu(|v|) / |v|`` [s/m]; finite at rest for regular laws."""
     kind = law[0]
@@ -123,7 +123,7 @@ def friction_ratio(law: Any, speed: float) -> float:
     return 0.0
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def friction_force(
     law: Any,
     force: float,

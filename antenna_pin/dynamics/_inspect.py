@@ -9,8 +9,7 @@ from __future__ import annotations
 
 from typing import Any
 
-import numba
-
+from antenna_pin._compile import kernel
 from antenna_pin.dynamics._kernels import HEADER
 from antenna_pin.integrate._kernels import dense_joints
 from antenna_pin.joints import _kernels as joint
@@ -30,7 +29,7 @@ PEAK_DEPTH = 2
 RECORD_SIZE = 3
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def contacts_at(
     theta: float,
     layout: Any,
@@ -60,7 +59,7 @@ def contacts_at(
         b += int(program[b + 1])
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def contacts_in(y: Any, program: Any, pose: Any, table: Any) -> None:
     """Fill gap, normal, point, depth rate and slip of all contacts in a state, in closed form."""
     nq = int(program[0])
@@ -73,7 +72,7 @@ def contacts_in(y: Any, program: Any, pose: Any, table: Any) -> None:
         b += int(program[b + 1])
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def _value(column: int, theta: float, c: int, context: Any) -> float:
     """One column of contact c's row of the table at theta."""
     layout, dense, work, start, program, memory, out, pose, table, rates, _ = context
@@ -81,7 +80,7 @@ def _value(column: int, theta: float, c: int, context: Any) -> float:
     return float(table[c, column])
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def _root(column: int, c: int, low: float, high: float, f_low: float, f_high: float, context: Any) -> float:
     """Root of a column between two fractions of opposite signs: bisection with regula falsi (Illinois)."""
     side = 0
@@ -110,7 +109,7 @@ def _root(column: int, c: int, low: float, high: float, f_low: float, f_high: fl
     return 0.5 * (a + b)
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def _crossing(c: int, sign: float, nodes: Any, context: Any) -> float:
     """First fraction at which contact c changes, or 2. sign = 1: touching, -1: apart.
 
@@ -149,7 +148,7 @@ def _crossing(c: int, sign: float, nodes: Any, context: Any) -> float:
     return 2.0
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def fill_nodes(nodes: Any, context: Any) -> None:
     """Write gap, depth rate and force of each contact at the points of the step: (3, NODES + 1, contacts)."""
     layout, dense, work, start, program, memory, out, pose, table, rates, _ = context
@@ -161,7 +160,7 @@ def fill_nodes(nodes: Any, context: Any) -> None:
             nodes[2, k, c] = table[c, joint.FORCE]
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def track_peaks(t: float, nodes: Any, record: Any, context: Any) -> None:
     """Raise the record of each touching contact to the maxima of this step's dense output."""
     memory = context[5]
@@ -216,7 +215,7 @@ def track_peaks(t: float, nodes: Any, record: Any, context: Any) -> None:
                     record[c, PEAK_DEPTH] = depth
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def inspect_step(t: float, nodes: Any, ignore: Any, record: Any, context: Any) -> tuple[int, float]:
     """Return the contact that changes first within the step and the fraction of the step, or (-1, 2).
 

@@ -12,8 +12,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numba
-
+from antenna_pin._compile import kernel
 from antenna_pin.contact._kernels import NORMAL_SIZE, elastic_energy
 from antenna_pin.geometry.shapes import TABLE_WIDTH
 from antenna_pin.joints import _kernels as joint
@@ -40,7 +39,7 @@ ABOUT_JOURNAL = 7
 PARAMETERS = 8
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def drive_effort(p: Any, b: int, t: float) -> float:
     """Torque [N m] (force [N] at a prismatic joint) of the drive block at b."""
     kind = p[b]
@@ -64,7 +63,7 @@ def drive_effort(p: Any, b: int, t: float) -> float:
     return float(p[i])
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def joint_motion(p: Any, b: int, y: Any, nq: int) -> tuple[float, float, float, float]:
     """Angle and rate of the joint of a drive or spring block, and gx, gy of :func:`motion_angle`."""
     i = int(p[b + START_Q])
@@ -85,7 +84,7 @@ def joint_motion(p: Any, b: int, y: Any, nq: int) -> tuple[float, float, float, 
     return angle, gx * wx + gy * wy + wz, gx, gy
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def _drive(p: Any, b: int, t: float, y: Any, nq: int, nv: int, tau: Any, rates: Any) -> None:
     """Add a drive's generalized force; at a clearance joint a couple about the bearing's or the journal's axis."""
     effort = drive_effort(p, b, t)
@@ -122,7 +121,7 @@ def _drive(p: Any, b: int, t: float, y: Any, nq: int, nv: int, tau: Any, rates: 
     rates[x + 1] = abs(power)
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def spring_deflection(p: Any, b: int, angle: float) -> float:
     """Angle of a spring block's joint from rest; on a circle the shorter way round."""
     if p[b + JOINT_KIND] == ONE_DOF:
@@ -131,7 +130,7 @@ def spring_deflection(p: Any, b: int, angle: float) -> float:
     return math.atan2(math.sin(turned), math.cos(turned))
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def _spring(p: Any, b: int, y: Any, nq: int, nv: int, tau: Any, rates: Any) -> None:
     """Add a spring and damper; at a clearance joint the force that derives from the motion angle."""
     angle, rate, gx, gy = joint_motion(p, b, y, nq)
@@ -150,7 +149,7 @@ def _spring(p: Any, b: int, y: Any, nq: int, nv: int, tau: Any, rates: Any) -> N
     rates[nv + int(p[b + START_X])] = damping * rate
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def evaluate(t: float, y: Any, program: Any, work: Any, rates: Any) -> None:
     """Write the generalized force of all elements into work, and the rates of x behind rates[nv].
 
@@ -181,7 +180,7 @@ def evaluate(t: float, y: Any, program: Any, work: Any, rates: Any) -> None:
         b += int(program[b + 1])
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def stored_energy(y: Any, program: Any, memory: Any, table: Any) -> tuple[float, float]:
     """Energy stored in touching contacts (compiled laws; gaps from the table) and in springs [J]."""
     nq = int(program[0])

@@ -62,7 +62,7 @@ def constrained_acceleration(
         hinges: The joints to hold.
     """
     model = mechanism.model
-    models = []
+    models = pin.StdVec_RigidConstraintModel()
     for hinge in hinges:
         slot = mechanism.joint(hinge.joint)
         if slot.kind != "floating":
@@ -81,9 +81,11 @@ def constrained_acceleration(
                 constraint.corrector.Kp[:] = omega**2
                 constraint.corrector.Kd[:] = 2.0 * omega
             models.append(constraint)
-    datas = [constraint.createData() for constraint in models]
+    datas = pin.StdVec_RigidConstraintData()
+    for constraint in models:
+        datas.append(constraint.createData())
     settings = pin.ProximalSettings(1e-14, min(h.proximal for h in hinges), 50)
-    pin.initConstraintDynamics(model, data, models)
+    pin.initConstraintDynamics(model, data, models, datas)
 
     def acceleration(q: Array, v: Array, tau: Array) -> Array:
         result: Array = pin.constraintDynamics(model, data, q, v, tau, models, datas, settings)

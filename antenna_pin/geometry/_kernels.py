@@ -17,7 +17,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numba
+from antenna_pin._compile import kernel
 
 REVOLUTE_SIZE = 6
 PLANAR_SIZE = 2
@@ -27,7 +27,7 @@ POINT = 4
 _MAX_ITERATIONS = 60
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def nearest_on_ellipse(major: float, minor: float, x: float, y: float) -> tuple[float, float]:
     """Return the point of an ellipse nearest to (x, y), both semi-axes along the coordinate axes.
 
@@ -71,7 +71,7 @@ def nearest_on_ellipse(major: float, minor: float, x: float, y: float) -> tuple[
     return math.copysign(ex, x), math.copysign(ey, y)
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def bore_contact(
     shape: Any,
     side: float,
@@ -142,7 +142,7 @@ def bore_contact(
     table[row, 6] = side * shape[1]
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def flange_contact(
     shape: Any,
     side: float,
@@ -199,7 +199,7 @@ def flange_contact(
         table[row, 6] = fz
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def revolute_contacts(
     shape: Any, ox: float, oy: float, oz: float, zx: float, zy: float, zz: float, table: Any, row: int
 ) -> None:
@@ -211,7 +211,7 @@ def revolute_contacts(
     flange_contact(shape, -1.0, ox, oy, oz, zx, zy, zz, sine, table, row + 3)
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def planar_contact(shape: Any, ox: float, oy: float, table: Any, row: int) -> None:
     """Fill the one row of a planar clearance joint: circle in circle, shape [R_i, R_j]."""
     eccentricity = math.hypot(ox, oy)
@@ -233,7 +233,7 @@ def planar_contact(shape: Any, ox: float, oy: float, table: Any, row: int) -> No
 # --- what the coal backend needs around its queries --------------------------------------------------------
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def coal_place(
     shape: Any, ox: float, oy: float, oz: float, zx: float, zy: float, zz: float, work: Any
 ) -> None:
@@ -282,7 +282,7 @@ def coal_place(
         _coal_point(shape, side, work, base)
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def _coal_point(shape: Any, side: float, work: Any, base: int) -> None:
     angle = work[base + 3]
     qx = shape[0] * math.cos(angle)
@@ -295,7 +295,7 @@ def _coal_point(shape: Any, side: float, work: Any, base: int) -> None:
         work[base + i] = work[3 * i] * qx + work[3 * i + 1] * qy + work[3 * i + 2] * qz + work[9 + i]
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def coal_turn(shape: Any, side: float, work: Any, base: int, normal: Any, gap: float) -> bool:
     """One Newton step of d gap / d phi = 0 from coal's gap and normal (in J, from Q to the journal); True when done.
 
@@ -345,7 +345,7 @@ def coal_turn(shape: Any, side: float, work: Any, base: int, normal: Any, gap: f
     return done
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def coal_collect(
     shape: Any, work: Any, gaps: Any, normals: Any, points: Any, sine: float, table: Any, row: int
 ) -> None:
@@ -386,7 +386,7 @@ TWO_POINTS = 2
 EXTENDED = 3  # line in the bore, surface at a flange
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def contact_scenario(
     shape: Any,
     ox: float,

@@ -20,7 +20,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numba
+from antenna_pin._compile import kernel
 
 VECTOR = 0  # q' = v
 CIRCLE = 1  # (cos, sin)
@@ -29,7 +29,7 @@ ROTATION = 3  # quaternion xyzw, v in body axes
 RIGID = 4  # position, quaternion xyzw; v = (linear, angular) in body axes
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def _turn(q0: Any, r0: int, i: int, ux: float, uy: float, uz: float, q: Any, r: int) -> None:
     """q = q0 * exp(u / 2) for the quaternions at column i of rows r0 and r, made unit again."""
     square = ux * ux + uy * uy + uz * uz
@@ -54,7 +54,7 @@ def _turn(q0: Any, r0: int, i: int, ux: float, uy: float, uz: float, q: Any, r: 
     q[r, i + 3] = qw * scale
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def retract(layout: Any, q0: Any, r0: int, u: Any, ru: int, q: Any, r: int) -> None:
     """Write q[r] = q0[r0] o exp(u[ru]); arrays and rows apart, because a view of a row costs more than its sum."""
     for b in range(4, 4 + 4 * layout[3], 4):
@@ -86,7 +86,7 @@ def retract(layout: Any, q0: Any, r0: int, u: Any, ru: int, q: Any, r: int) -> N
             q[r, i + 1] = qs * scale
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def _unwind(
     x: float, y: float, z: float, wx: float, wy: float, wz: float, out: Any, r: int, j: int
 ) -> None:
@@ -106,7 +106,7 @@ def _unwind(
     out[r, j + 2] = wz + 0.5 * cz + f * (x * cy - y * cx)
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def chart_rate(layout: Any, u: Any, ru: int, y: Any, ry: int, out: Any, r: int) -> None:
     """Write the rate of u[ru] into out[r] for the state y[ry] = [q, v], whose q is q0 o exp(u)."""
     start = layout[0]
@@ -162,7 +162,7 @@ RATES = 4  # its derivative
 EXTRA_ROWS = 5
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def begin(stages: int, layout: Any, work: Any) -> None:
     """Make the present state the start of a step and its derivative, evaluated before, the first stage."""
     for k in range(layout[0] + layout[1] + layout[2]):
@@ -172,7 +172,7 @@ def begin(stages: int, layout: Any, work: Any) -> None:
     store(0, stages, layout, work)
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def store(i: int, stages: int, layout: Any, work: Any) -> None:
     """Store the derivative just evaluated as stage i."""
     nv = layout[1]
@@ -181,7 +181,7 @@ def store(i: int, stages: int, layout: Any, work: Any) -> None:
         work[i, nv + k] = work[stages + RATES, k]
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def stage(i: int, h: float, weights: Any, layout: Any, work: Any, keep: bool) -> None:
     """Store the derivative of stage i - 1 (if ``keep``) and write the state of stage i."""
     nq, nv, nx = layout[0], layout[1], layout[2]
@@ -204,7 +204,7 @@ def stage(i: int, h: float, weights: Any, layout: Any, work: Any, keep: bool) ->
     retract(layout, work, stages + START, work, total, work, stages + STATE)
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def finish(i: int, h: float, errors: Any, layout: Any, work: Any, scales: Any, rtol: float) -> float:
     """Store the derivative of the last stage i; return the scaled error of the step (1 is the tolerance).
 
@@ -247,7 +247,7 @@ def finish(i: int, h: float, errors: Any, layout: Any, work: Any, scales: Any, r
     return abs(h) * math.sqrt(sum_first / count)
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def dense_coefficients(h: float, polynomials: Any, n: int, work: Any, dense: Any) -> None:
     """dense[p] = h sum_j polynomials[j, p] work[j]: z(theta) - z(0) = sum_p dense[p] theta^(p + 1)."""
     for p in range(polynomials.shape[1]):
@@ -260,7 +260,7 @@ def dense_coefficients(h: float, polynomials: Any, n: int, work: Any, dense: Any
                     dense[p, k] += w * work[j, k]
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def _term(theta: float, degree: int, dense: Any, k: int) -> float:
     """Component k of z(theta) - z(0), by Horner's rule."""
     value = dense[degree - 1, k]
@@ -269,7 +269,7 @@ def _term(theta: float, degree: int, dense: Any, k: int) -> float:
     return float(value * theta)
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def dense_state(theta: float, layout: Any, dense: Any, work: Any, start: int, out: Any) -> None:
     """Write the state at the fraction theta of the step that began at work[start] into out[0]; out[1] is scratch."""
     nq, nv, nx = layout[0], layout[1], layout[2]
@@ -281,7 +281,7 @@ def dense_state(theta: float, layout: Any, dense: Any, work: Any, start: int, ou
     retract(layout, work, start, out, 1, out, 0)
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def dense_joints(theta: float, layout: Any, dense: Any, work: Any, start: int, out: Any) -> None:
     """Write only the parts of the state that belong to the joints listed in a layout, and x if its nx is not 0."""
     nq, nv = layout[0], layout[1]

@@ -19,8 +19,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numba
-
+from antenna_pin._compile import kernel
 from antenna_pin.contact._kernels import (
     FRICTION_SIZE,
     NORMAL_SIZE,
@@ -66,7 +65,7 @@ APPROACH = 1
 POSE_SIZE = 21
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def journal_state(p: Any, b: int, y: Any, nq: int, pose: Any) -> None:
     """Write the journal's pose and twist relative to the bearing, in bearing axes."""
     i = int(p[b + 3])
@@ -123,9 +122,11 @@ def journal_state(p: Any, b: int, y: Any, nq: int, pose: Any) -> None:
         pose[18 + k] = w0 * wx + w1 * wy + w2 * wz
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def contact_geometry(p: Any, b: int, pose: Any, table: Any, row: int) -> None:
-    """Fill gap, normal and point of a joint's rows in closed form."""
+    """Fill gap, normal and point of a joint's rows in closed form; a block may have none (an ideal hinge's)."""
+    if p[b + CONTACTS] == 0.0:
+        return
     shape = p[b + SHAPE : b + SHAPE + 6]
     if p[b] == PLANAR:
         planar_contact(shape, pose[0], pose[1], table, row)
@@ -133,7 +134,7 @@ def contact_geometry(p: Any, b: int, pose: Any, table: Any, row: int) -> None:
         revolute_contacts(shape, pose[0], pose[1], pose[2], pose[3], pose[4], pose[5], table, row)
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def contact_rates(p: Any, b: int, pose: Any, table: Any, row: int) -> None:
     """Fill depth rate and slip: the relative velocity of the two material points at each contact."""
     for r in range(row, row + int(p[b + CONTACTS])):
@@ -151,7 +152,7 @@ def contact_rates(p: Any, b: int, pose: Any, table: Any, row: int) -> None:
         table[r, SLIP + 2] = vz - opening * nz
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def contact_forces(
     p: Any, b: int, y: Any, x0: int, memory: Any, first: int, table: Any, row: int, rates: Any, r0: int
 ) -> None:
@@ -187,7 +188,7 @@ def contact_forces(
         table[r, FRICTION + 2] = fz
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def contact_wrench(p: Any, b: int, pose: Any, table: Any, row: int, tau: Any, rates: Any, r0: int) -> None:
     """Add the forces of a joint's rows to tau (in the child's own axes) and write what they integrate."""
     fx = 0.0
@@ -200,14 +201,13 @@ def contact_wrench(p: Any, b: int, pose: Any, table: Any, row: int, tau: Any, ra
         r = row + k
         own = r0 + int(p[b + START_X]) + k * int(p[b + STRIDE_X])
         force = table[r, FORCE]
+        rates[own + IMPULSE] = force
+        # Where a law without adhesion is cut off at zero, what the spring gives back is lost too.
+        rates[own + LOST_NORMAL] = (force - table[r, ELASTIC]) * table[r, RATE]
+        rates[own + LOST_FRICTION] = 0.0
         if force == 0.0:
-            rates[own + IMPULSE] = 0.0
-            rates[own + LOST_NORMAL] = 0.0
-            rates[own + LOST_FRICTION] = 0.0
             continue
         gx, gy, gz = table[r, FRICTION], table[r, FRICTION + 1], table[r, FRICTION + 2]
-        rates[own + IMPULSE] = force
-        rates[own + LOST_NORMAL] = (force - table[r, ELASTIC]) * table[r, RATE]
         rates[own + LOST_FRICTION] = -(
             gx * table[r, SLIP] + gy * table[r, SLIP + 1] + gz * table[r, SLIP + 2]
         )
@@ -241,7 +241,7 @@ def contact_wrench(p: Any, b: int, pose: Any, table: Any, row: int, tau: Any, ra
     tau[j + 5] += pose[8] * mx + pose[11] * my + pose[14] * mz + cx * uy - cy * ux
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def wrench_on_journal(count: int, pose: Any, table: Any, row: int, out: Any) -> None:
     """Write the resultant of ``count`` rows, force and torque about the journal's centre in bearing axes, into out[0:6]."""
     for k in range(6):
@@ -264,7 +264,7 @@ def wrench_on_journal(count: int, pose: Any, table: Any, row: int, out: Any) -> 
         out[5] += rx * gy - ry * gx
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def clearance_joint(
     p: Any, b: int, y: Any, nq: int, nv: int, memory: Any, table: Any, pose: Any, tau: Any, rates: Any
 ) -> None:
@@ -280,7 +280,7 @@ def clearance_joint(
     contact_wrench(p, b, pose, table, row, tau, rates, nv)
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def place_for_coal(p: Any, b: int, y: Any, nq: int, shape: Any, pose: Any, work: Any) -> float:
     """Place a revolute joint's bearing in the journal frame for coal; return the sine of the tilt."""
     journal_state(p, b, y, nq, pose)
@@ -288,7 +288,7 @@ def place_for_coal(p: Any, b: int, y: Any, nq: int, shape: Any, pose: Any, work:
     return math.hypot(pose[3], pose[4])
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def motion_angle(p: Any, b: int, y: Any) -> tuple[float, float, float]:
     """Rotation of the journal about the bearing axis (swing-twist) and where its rate comes from.
 

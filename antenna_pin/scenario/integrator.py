@@ -21,6 +21,7 @@ class ScalesSpec(Spec):
         angular_velocity: [rad/s].
         clearance: Position scale of a joint with play, in multiples of its own clearance [-].
         clearance_velocity: Velocity scale of a joint with play [m/s].
+        base: Factor on the scales of a free base [-]; None for the mass of the other bodies over the whole mass.
     """
 
     position: PositiveLength = 1.0
@@ -29,6 +30,7 @@ class ScalesSpec(Spec):
     angular_velocity: Annotated[float, Quantity("rad/s", "positive")] = 1.0
     clearance: Annotated[float, Quantity("1", "positive")] = 1.0
     clearance_velocity: PositiveSpeed = 0.01
+    base: Annotated[float, Quantity("1", "positive")] | None = None
 
 
 class IntegratorSpec(Spec):
@@ -45,7 +47,7 @@ class IntegratorSpec(Spec):
     """
 
     method: Literal["rk4", "bogacki-shampine-32", "dormand-prince-54", "dormand-prince-853"] = (
-        "dormand-prince-54"
+        "dormand-prince-853"
     )
     rtol: Annotated[float, Quantity("1", "between 0 and 1")] = 1e-8
     step: PositiveTime = 1e-5

@@ -1,0 +1,40 @@
+"""The decorator of the compiled kernels.
+
+Numba caches a compiled function by the age of the file it stands in, and does not see that a function it calls in
+another file has changed. The kernels call one another across rooms, so here every cache entry is tied to
+the contents of all kernel files: a change in any of them compiles all of them anew.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numba
+
+__all__ = ["kernel"]
+
+_Function = TypeVar("_Function", bound=Callable[..., Any])
+
+
+@cache
+def _stamp() -> str:
+    """Return a digest of all kernel files and of Numba's version."""
+    digest = hashlib.sha256(numba.__version__.encode())
+    folder = Path(__file__).parent
+    for path in sorted([*folder.glob("*/_kernels.py"), *folder.glob("*/_inspect.py")]):
+        digest.update(path.read_bytes())
+    return digest.hexdigest()
+
+
+def kernel(function: _Function) -> _Function:
+    """Compile a function at its first call and keep the machine code; division by zero gives inf, not an exception."""
+    compiled = numba.njit(cache=True, error_model="numpy")(function)
+    # With NUMBA_DISABLE_JIT=1 there is nothing to stamp.
+    cache_file = getattr(getattr(compiled, "_cache", None), "_cache_file", None)
+    if cache_file is not None:
+        cache_file._source_stamp = _stamp()
+    return compiled  # type: ignore[no-any-return]

@@ -1,0 +1,212 @@
+"""Friction laws: they oppose slip, stay within their coefficients and are as smooth as they claim."""
+
+import math
+import re
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from antenna_pin.contact import Ambrosio, CustomFriction, FrictionLaw, NoFriction, Tanh, VelocityBased, _kernels
+
+SPEEDS = np.concatenate([[0.0], np.geomspace(1e-9, 1e2, 200)])
+BAI_ZHAO = VelocityBased(static=0.15, dynamic=0.10, static_speed=0.1, dynamic_speed=1.0)
+
+
+def limit(law):
+    """The largest coefficient a law may reach."""
+    return max((getattr(law, n, 0.0) for n in ("static", "dynamic", "coefficient_of_friction")), default=0.0)
+
+
+def force_of(law, normal_force, slip):
+    return np.array(
+        _kernels.friction_force(law.code(), normal_force, *slip, np.zeros(3), 0, np.zeros(3), 0)
+    )
+
+
+def slope(law, speed, step):
+    """One-sided derivative of the coefficient, second order."""
+    f = [law.coefficient(speed + k * step) for k in range(3)]
+    return (-3.0 * f[0] + 4.0 * f[1] - f[2]) / (2.0 * step)
+
+
+def test_is_a_friction_law_without_memory(friction_law):
+    assert isinstance(friction_law, FrictionLaw)
+    assert friction_law.states == 0
+
+
+def test_coefficient_lies_between_zero_and_its_limit(friction_law):
+    values = np.array([friction_law.coefficient(v) for v in SPEEDS])
+    assert (values >= 0.0).all()
+    assert (values <= limit(friction_law) * (1.0 + 1e-15)).all()  # round-off
+    assert values[0] == 0.0
+
+
+def test_coefficient_is_continuous(friction_law):
+    """A refinement of the speeds shrinks the largest jump in proportion."""
+    jumps = []
+    for count in (2000, 20000):
+        speeds = np.geomspace(1e-6, 10.0, count)
+        jumps.append(np.abs(np.diff([friction_law.coefficient(v) for v in speeds])).max())
+    assert jumps[1] <= 0.11 * jumps[0]  # 0.1, and what the kinks of the ramp make of it
+
+
+def test_opposes_slip_in_every_direction(friction_law):
+    rng = np.random.default_rng(7)
+    for _ in range(200):
+        slip = rng.normal(size=3) * 10.0 ** rng.uniform(-6, 1)
+        speed = np.linalg.norm(slip)
+        expected = -friction_law.coefficient(speed) * 37.0 * slip / speed
+        # Round-off of the speed, to which a ramp of slope mu / (v_1 - v_0) is sensitive.
+        assert force_of(friction_law, 37.0, slip) == pytest.approx(expected, rel=1e-12, abs=1e-14)
+
+
+@given(x=st.floats(-10, 10), y=st.floats(-10, 10), z=st.floats(-10, 10), force=st.floats(0, 1e6))
+def test_never_does_positive_work(x, y, z, force):
+    for law in (BAI_ZHAO, Ambrosio(coefficient_of_friction=0.3), Tanh(coefficient_of_friction=0.3, transition_speed=0.01)):
+        slip = np.array([x, y, z])
+        friction = force_of(law, force, slip)
+        assert np.isfinite(friction).all()
+        assert friction @ slip <= 0.0
+        assert np.linalg.norm(friction) <= 0.3 * force * (1.0 + 1e-14)  # round-off
+
+
+def test_no_force_at_rest(friction_law):
+    assert (force_of(friction_law, 100.0, np.zeros(3)) == 0.0).all()
+
+
+def test_no_friction_is_none():
+    assert all(NoFriction().coefficient(v) == 0.0 for v in SPEEDS)
+
+
+@pytest.mark.parametrize(
+    ("speed", "coefficient"),
+    [(0.1 - 1e-15, 0.150), (0.1, 0.150), (0.3, 0.1437), (0.55, 0.125), (0.8, 0.1063), (1.0, 0.100), (1.5, 0.100)],
+)
+def test_corrected_velocity_based_law_in_numbers(speed, coefficient):
+    """The corrected law at the speeds of Bai and Zhao, four digits; as printed it jumps at both ends and rises."""
+    # The table is rounded to four digits.
+    assert BAI_ZHAO.coefficient(speed) == pytest.approx(coefficient, abs=5.1e-5)
+
+
+@pytest.mark.parametrize(("speed", "coefficient", "digit"), [(0.001, 0.00225, 1e-5), (0.01, 0.0224, 1e-4)])
+def test_friction_is_nearly_absent_at_the_antennas_slip_speeds(speed, coefficient, digit):
+    """The third branch is viscous: a few mm/s give a fiftieth of the static coefficient."""
+    assert BAI_ZHAO.coefficient(speed) == pytest.approx(coefficient, abs=0.51 * digit)  # rounding
+
+
+@pytest.mark.parametrize("speed", [0.1, 1.0])
+def test_velocity_based_law_is_continuous_with_its_slope(speed):
+    law = BAI_ZHAO
+    # Both sides of a C1 join with zero slope: the value leaves quadratically.
+    for step in (1e-5, 1e-6):
+        change = max(
+            abs(law.coefficient(speed - step) - law.coefficient(speed)),
+            abs(law.coefficient(speed + step) - law.coefficient(speed)),
+        )
+        # Half the largest second derivative there, 3 mu_s / v_s^2 = 45 s^2/m^2; and round-off.
+        assert change <= 0.5 * 46.0 * step**2 + 1e-16
+    # Truncation of the one-sided difference is step^2 f''' / 3, f''' = 45 / 0.1 at most.
+    assert slope(law, speed, 1e-5) == pytest.approx(0.0, abs=5e-8)
+    assert slope(law, speed, -1e-5) == pytest.approx(0.0, abs=5e-8)
+
+
+def test_velocity_based_law_falls_from_static_to_dynamic():
+    values = [BAI_ZHAO.coefficient(v) for v in np.linspace(0.1, 1.0, 500)]
+    assert (np.diff(values) <= 0.0).all()
+    rising = [BAI_ZHAO.coefficient(v) for v in np.linspace(0.0, 0.1, 500)]
+    assert (np.diff(rising) >= 0.0).all()
+
+
+def test_velocity_based_law_is_viscous_near_rest():
+    """Slope 1.5 mu_s / v_s = 2.25 s/m."""
+    # The next term is cubic: relative (v / v_s)^2 / 3.
+    assert BAI_ZHAO.coefficient(1e-7) / 1e-7 == pytest.approx(2.25, rel=1e-11)
+
+
+def test_docstring_formula_of_the_velocity_based_law():
+    law = VelocityBased(static=0.3, dynamic=0.2, static_speed=0.01, dynamic_speed=0.5)
+    y, x = 0.004 / 0.01, (0.5 - 0.3) / (0.5 - 0.01)
+    assert law.coefficient(0.004) == pytest.approx(0.3 * y * (3 - y * y) / 2, rel=1e-15)  # round-off
+    assert law.coefficient(0.3) == pytest.approx(0.2 + 0.1 * x * x * (3 - 2 * x), rel=1e-15)
+    assert law.coefficient(0.7) == 0.2
+
+
+def test_ambrosio_ramps_between_its_speeds():
+    law = Ambrosio(coefficient_of_friction=0.2, lower_speed=0.01, upper_speed=0.03)
+    assert law.coefficient(0.01) == 0.0
+    assert law.coefficient(0.005) == 0.0
+    assert law.coefficient(0.015) == pytest.approx(0.05, rel=1e-14)  # round-off
+    assert law.coefficient(0.03) == pytest.approx(0.2, rel=1e-15)
+    assert law.coefficient(3.0) == pytest.approx(0.2, rel=1e-15)
+
+
+def test_ambrosio_may_start_at_rest():
+    law = Ambrosio(coefficient_of_friction=0.2, lower_speed=0.0, upper_speed=0.1)
+    assert law.coefficient(0.05) == pytest.approx(0.1, rel=1e-15)  # round-off
+    assert (force_of(law, 1.0, np.zeros(3)) == 0.0).all()
+
+
+def test_tanh_is_a_hyperbolic_tangent_at_every_speed():
+    """Also where the kernel switches to a series, at 1e-4 of the transition speed."""
+    law = Tanh(coefficient_of_friction=0.2, transition_speed=0.02)
+    for speed in SPEEDS:
+        # Round-off; the series leaves out 2/15 y^4 < 2e-17.
+        assert law.coefficient(speed) == pytest.approx(0.2 * math.tanh(speed / 0.02), rel=5e-16)
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (
+            lambda: VelocityBased(static=-0.1, dynamic=0.1, static_speed=0.1, dynamic_speed=1.0),
+            "VelocityBased: static must be zero or more, and finite, got -0.1",
+        ),
+        (
+            lambda: VelocityBased(static=0.1, dynamic=math.nan, static_speed=0.1, dynamic_speed=1.0),
+            "VelocityBased: dynamic must be zero or more, and finite, got nan",
+        ),
+        (
+            lambda: VelocityBased(static=0.1, dynamic=0.1, static_speed=0.0, dynamic_speed=1.0),
+            "VelocityBased: static_speed must be positive and finite, got 0.0",
+        ),
+        (
+            lambda: VelocityBased(static=0.1, dynamic=0.1, static_speed=0.1, dynamic_speed=0.1),
+            "VelocityBased: dynamic_speed must be above static_speed = 0.1, got 0.1",
+        ),
+        (
+            lambda: VelocityBased(static=0.1, dynamic=0.1, static_speed=0.1, dynamic_speed=math.inf),
+            "VelocityBased: dynamic_speed must be above static_speed = 0.1, got inf",
+        ),
+        (
+            lambda: Ambrosio(coefficient_of_friction=math.inf),
+            "Ambrosio: coefficient_of_friction must be zero or more, and finite, got inf",
+        ),
+        (
+            lambda: Ambrosio(coefficient_of_friction=0.1, lower_speed=-1e-4),
+            "Ambrosio: lower_speed must be zero or more, and finite, got -0.0001",
+        ),
+        (
+            lambda: Ambrosio(coefficient_of_friction=0.1, upper_speed=1e-5),
+            "Ambrosio: upper_speed must be above lower_speed = 0.0001, got 1e-05",
+        ),
+        (
+            lambda: Tanh(coefficient_of_friction=-1.0, transition_speed=0.1),
+            "Tanh: coefficient_of_friction must be zero or more, and finite, got -1.0",
+        ),
+        (
+            lambda: Tanh(coefficient_of_friction=0.1, transition_speed=0.0),
+            "Tanh: transition_speed must be positive and finite, got 0.0",
+        ),
+    ],
+)
+def test_refuses_what_is_no_law(make, message):
+    with pytest.raises(ValueError, match=f"^{re.escape(message)}$"):
+        make()
+
+
+def test_a_users_own_law_is_a_law():
+    law = CustomFriction(coefficient=lambda speed: 0.1)
+    assert isinstance(law, FrictionLaw)
+    assert law.coefficient(3.0) == 0.1

@@ -1,0 +1,201 @@
+"""Quantities as people write them."""
+
+import math
+import subprocess
+import sys
+from decimal import Decimal
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from antenna_pin.errors import ScenarioError
+from antenna_pin.units import QuantityError, describe_unit, matching_unit, quantity, shown
+
+PLACE = "my.toml: clearance.hinge.radial_clearance"
+
+FINITE = st.floats(allow_nan=False, allow_infinity=False)
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "expected"),
+    [
+        (0.2, "m", 0.2),
+        (3, "m", 3.0),
+        (np.float32(0.5), "m", 0.5),
+        (np.int64(7), "kg", 7.0),
+        ("0.2 mm", "m", 0.0002),
+        ("9.8 mm", "m", 0.0098),  # 9.8 * 0.001 is another float
+        ("9.8mm", "m", 0.0098),
+        ("  +.5e1   um ", "m", 5e-6),
+        ("1 µm", "m", 1e-6),
+        ("-3 in", "m", -0.0762),
+        ("10 N*m", "N*m", 10.0),
+        ("10 N m", "N*m", 10.0),
+        ("10 N·m", "N*m", 10.0),
+        ("5 s", "s", 5.0),
+        ("10 us", "s", 1e-5),
+        ("1 kHz", "Hz", 1000.0),
+        ("2 1/s", "Hz", 2.0),
+        ("207 GPa", "Pa", 207e9),
+        ("1e11 N/m**1.5", "N/m**1.5", 1e11),
+        ("1e11 N/m^1.5", "N/m**1.5", 1e11),
+        ("1e11 N/m**(3/2)", "N/m**1.5", 1e11),
+        ("9.81 m/s²", "m/s**2", 9.81),
+        ("180 deg", "rad", math.pi),
+        ("0.5", "rad", 0.5),  # the radian may be left out
+        ("2 1/s", "rad/s", 2.0),
+        ("60 rpm", "rad/s", 2.0 * math.pi),
+        ("3 N*m", "N*m/rad", 3.0),
+        ("0.9", "1", 0.9),
+        ("90 %", "1", 0.9),
+        ("0.9", "-", 0.9),
+        ("7 N/mm", ("N*m/rad", "N/m"), 7000.0),
+        ("0 mm", "m", 0.0),
+        ("1e-400 m", "m", 0.0),
+    ],
+)
+def test_quantity_is_read_in_si(value, unit, expected):
+    # Exact but for the factors with pi, which are rounded once more.
+    tolerance = 2e-16 if unit in ("rad", "rad/s") else 0.0
+    assert quantity(value, unit, PLACE) == pytest.approx(expected, rel=tolerance, abs=0.0)
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "reason"),
+    [
+        ("0.2 N", "m", "must be a length [m], got '0.2 N' (force)"),
+        ("0.2", "m", "must be a length [m], got '0.2' (no unit); write '0.2 m'"),
+        ("0.2 mmm", "m", "must be a length [m], got '0.2 mmm' (unit 'mmm' is unknown)"),
+        ("0,2 mm", "m", "must be a length [m], got '0,2 mm' (unit ',2 mm' is unknown)"),
+        ("short", "m", "must be a length [m], got 'short'; write a number and its unit: '1 m'"),
+        ("", "1", "must be a pure number, got ''; write a number"),
+        ("1 m +", "m", "must be a length [m], got '1 m +' (unit 'm +' is unknown)"),
+        ("3 kg/m**2", "m", "must be a length [m], got '3 kg/m**2' (kg/m**2)"),
+        (True, "m", "must be a length [m], got true"),
+        (None, "m", "must be a length [m], got None"),
+        ([1.0], "m", "must be a length [m], got [1.0]"),
+        ({}, "m", "must be a length [m], got a table"),
+        (1j, "m", "must be a length [m], got 1j"),
+        (math.nan, "m", "must be a length [m], got nan (not finite)"),
+        (-math.inf, "m", "must be a length [m], got -inf (not finite)"),
+        ("nan m", "m", "must be a length [m], got 'nan m' (not finite)"),
+        ("inf", "1", "must be a pure number, got 'inf' (not finite)"),
+        ("1e400 m", "m", "must be a length [m], got '1e400 m' (not finite)"),
+        ("1e308 km", "m", "must be a length [m], got '1e308 km' (not finite)"),
+        ("60 rpm", "Hz", "must be a frequency [Hz], got '60 rpm' (angular rate)"),
+        ("1 rad/s", "Hz", "must be a frequency [Hz], got '1 rad/s' (angular rate)"),
+        ("1 kHz", "rad/s", "must be an angular rate [rad/s], got '1 kHz' (frequency)"),
+        ("0.9 rad", "1", "must be a pure number, got '0.9 rad' (angle)"),
+        ("5 dB", "1", "must be a pure number, got '5 dB' (unit 'dB' is unknown)"),
+        ("20 degC", "K", "must be a quantity [K], got '20 degC' (unit 'degC' is unknown)"),
+        ("1e11 N/m", "N/m**1.5", "must be a stiffness [N/m**1.5], got '1e11 N/m' (stiffness)"),
+        (
+            "3 m",
+            ("N*m/rad", "N/m"),
+            "must be a torsional stiffness [N*m/rad] or a stiffness [N/m], got '3 m' (length)",
+        ),
+        ("2 __import__('os')", "m", "must be a length [m], got \"2 __import__('os')\" (unit"),
+        ("x\ny", "m", "must be a length [m], got 'x\\ny'; write a number and its unit: '1 m'"),
+    ],
+)
+def test_what_is_no_quantity_is_refused(value, unit, reason):
+    with pytest.raises(QuantityError) as refusal:
+        quantity(value, unit, PLACE)
+    assert str(refusal.value).startswith(f"{PLACE} {reason}")
+    assert "\n" not in str(refusal.value)
+    assert str(refusal.value) == f"{PLACE} {refusal.value.reason}"
+    assert isinstance(refusal.value, ScenarioError)
+    assert isinstance(refusal.value, ValueError)
+
+
+def test_a_huge_integer_is_not_finite():
+    with pytest.raises(QuantityError, match=r"\(not finite\)"):
+        quantity(10**400, "m", PLACE)
+
+
+@given(number=FINITE)
+def test_bare_numbers_are_taken_as_they_are(number):
+    assert quantity(number, "m", PLACE) == number
+
+
+@given(number=FINITE)
+def test_si_text_reads_back_exactly(number):
+    assert quantity(f"{number!r} N/m**1.5", "N/m**1.5", PLACE) == number
+
+
+@given(
+    number=st.decimals(-(10**6), 10**6, allow_nan=False, places=9),
+    unit=st.sampled_from([("mm", -3), ("um", -6), ("km", 3), ("m", 0), ("cm", -2)]),
+)
+def test_decimal_prefixes_are_rounded_once(number, unit):
+    name, power = unit
+    assert quantity(f"{number} {name}", "m", PLACE) == float(number * Decimal(10) ** power)
+
+
+@given(number=st.floats(-1e200, 1e200), factor=st.sampled_from([("inch", "0.0254"), ("h", "3600")]))
+def test_units_convert_by_their_definition(number, factor):
+    name, si = factor
+    wanted = "m" if name == "inch" else "s"
+    exact = Fraction(repr(number)) * Fraction(si)
+    assert quantity(f"{number!r} {name}", wanted, PLACE) == float(exact)
+
+
+@given(text=st.text(max_size=20))
+def test_any_text_is_read_or_refused_in_one_line(text):
+    try:
+        number = quantity(text, "m", PLACE)
+    except QuantityError as refusal:
+        assert len(str(refusal).splitlines()) == 1
+    else:
+        assert math.isfinite(number)
+
+
+@pytest.mark.parametrize(
+    ("value", "expected"), [("1 N*m", "N*m"), ("1 lbf", "N"), (1.0, None), ("1 s", None), (True, None)]
+)
+def test_matching_unit(value, expected):
+    assert matching_unit(value, ("N*m", "N")) == expected
+
+
+@pytest.mark.parametrize(
+    ("unit", "expected"),
+    [
+        ("m", "a length [m]"),
+        ("-", "a pure number"),
+        ("N/m**1.1", "a stiffness [N/m**1.1]"),
+        (("rad", "m"), "an angle [rad] or a length [m]"),
+    ],
+)
+def test_describe_unit(unit, expected):
+    assert describe_unit(unit) == expected
+
+
+@pytest.mark.parametrize(
+    ("value", "expected"),
+    [
+        (True, "true"),
+        (0.1, "0.1"),
+        ("a\nb", "'a\\nb'"),
+        ({"a": 1}, "a table"),
+        ((1.0, 2.0), "[1.0, 2.0]"),
+        (list(range(100)), "an array"),
+        ("x" * 100, "'" + "x" * 56 + "..."),
+    ],
+)
+def test_shown_is_short_and_on_one_line(value, expected):
+    assert shown(value) == expected
+
+
+def test_an_unknown_si_unit_is_a_mistake_of_the_caller():
+    with pytest.raises(ValueError, match="'mmm' is not a unit"):
+        quantity("1 m", "mmm", PLACE)
+
+
+def test_pint_is_imported_on_first_use_only():
+    code = (
+        "import sys; import antenna_pin.units as u; u.quantity(1.0, 'm', ''); sys.exit('pint' in sys.modules)"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)
