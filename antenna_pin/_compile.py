@@ -1,8 +1,8 @@
 """The decorator of the compiled kernels.
 
-Numba caches a compiled function by the age of the file it stands in, and does not see that a function it calls in
-another file has changed. The kernels call one another across rooms, so here every cache entry is tied to
-the contents of all kernel files: a change in any of them compiles all of them anew.
+Numba caches a compiled function by the age of the file it stands in, and does not see that a function it
+calls in another file has changed. The kernels call one another across rooms, so here every cache entry is
+tied to the contents of all kernel files: a change in any of them compiles all of them anew.
 """
 
 from __future__ import annotations
@@ -31,7 +31,10 @@ def _stamp() -> str:
 
 
 def kernel(function: _Function) -> _Function:
-    """Compile a function at its first call and keep the machine code; division by zero gives inf, not an exception."""
+    """Compile a function at its first call and keep the machine code.
+
+    Division by zero gives infinity there, not an exception.
+    """
     compiled = numba.njit(cache=True, error_model="numpy")(function)
     # With NUMBA_DISABLE_JIT=1 there is nothing to stamp.
     cache_file = getattr(getattr(compiled, "_cache", None), "_cache_file", None)

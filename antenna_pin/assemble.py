@@ -1,4 +1,4 @@
-"""From a scenario to a system: the URDF variant, its Pinocchio model, the force elements, the initial state."""
+"""From a scenario to a system: URDF variant, Pinocchio model, force elements, initial state."""
 
 from __future__ import annotations
 
@@ -53,7 +53,9 @@ def _where(scenario: Scenario, *keys: str) -> str:
     return f"{scenario.name or 'scenario'}: {'.'.join(keys)}"
 
 
-def _known(scenario: Scenario, names: Collection[str], what: str, known: Collection[str], *place: str) -> None:
+def _known(
+    scenario: Scenario, names: Collection[str], what: str, known: Collection[str], *place: str
+) -> None:
     for name in names:
         if name not in known:
             raise UnknownNameError(_where(scenario, *place), what, name, known)
@@ -86,8 +88,9 @@ def urdf_variant(scenario: Scenario) -> Urdf:
         kind = urdf.joint(name).type
         if kind not in ("revolute", "continuous"):
             raise MechanismError(
-                f"{_where(scenario, 'clearance', name)}: a clearance joint must be revolute or continuous in the "
-                f"URDF, got {kind} (model = {clearance.model!r}); name another joint or change the URDF"
+                f"{_where(scenario, 'clearance', name)}: a clearance joint must be revolute or "
+                f"continuous in the URDF, got {kind} (model = {clearance.model!r}); "
+                "name another joint or change the URDF"
             )
     return urdf.variant(
         joints=variants,
@@ -104,9 +107,7 @@ def urdf_variant(scenario: Scenario) -> Urdf:
             for name, change in spec.links.items()
         },
         origins={
-            name: JointChange(
-                origin_xyz=change.origin_xyz, origin_rpy=change.origin_rpy, axis=change.axis
-            )
+            name: JointChange(origin_xyz=change.origin_xyz, origin_rpy=change.origin_rpy, axis=change.axis)
             for name, change in spec.joints.items()
             if (change.origin_xyz, change.origin_rpy, change.axis) != (None, None, None)
         },
@@ -148,8 +149,8 @@ def _check_motion(scenario: Scenario, slot: JointSlot, motion: str | None, *plac
     actual = "translation" if slot.kind == "prismatic" else "rotation"
     if motion not in (None, actual):
         raise ScenarioError(
-            f"{_where(scenario, *place)}: units must be those of a {actual}, for joint {slot.name!r} is {slot.kind}, "
-            f"got units of a {motion}"
+            f"{_where(scenario, *place)}: units must be those of a {actual}, "
+            f"for joint {slot.name!r} is {slot.kind}, got units of a {motion}"
         )
 
 
@@ -178,8 +179,8 @@ def clearance_joint(
 ) -> ClearanceJoint:
     """Return the clearance joint of one table of a scenario.
 
-    A stiffness that is not given comes from materials and radii in the bore; at the flanges it is that of the bore
-    (assumed: no source gives one for an edge on a plane).
+    A stiffness that is not given comes from materials and radii in the bore; at the flanges it is that of the
+    bore (assumed: no source gives one for an edge on a plane).
     """
     journal = spec.bearing_radius - spec.radial_play
     radial = _normal_law(scenario, name, spec, spec.radial_law, None)
@@ -227,7 +228,8 @@ def _normal_law(scenario: Scenario, name: str, spec: Any, law: Any, radial: Any)
         else:
             if exponent != 1.5:
                 raise ScenarioError(
-                    f"{place}: must be given for the exponent {exponent:g}; only for 1.5 does it follow from materials"
+                    f"{place}: must be given for the exponent {exponent:g}; "
+                    "only for 1.5 does it follow from materials"
                 )
             parameters["stiffness"] = hertz_stiffness(
                 spec.bearing_radius,
@@ -259,8 +261,8 @@ def initial_state(scenario: Scenario, system: System) -> tuple[Array, Array]:
             given = getattr(spec, key)
             if given is not None and any(given):
                 raise ScenarioError(
-                    f"{_where(scenario, 'initial.joints', name, key)}: must be zero or left out at a joint without "
-                    f"play, got {given}"
+                    f"{_where(scenario, 'initial.joints', name, key)}: must be zero or left out at a joint "
+                    f"without play, got {given}"
                 )
         angle = spec.position if spec.position is not None else spec.angle or 0.0
         rate = spec.velocity if spec.velocity is not None else spec.rate or 0.0
@@ -282,8 +284,8 @@ def _place_journal(
     if slot.kind == "planar":
         if position[2] or tilt.any() or velocity[2] or spin[:2].any():
             raise ScenarioError(
-                f"{_where(scenario, 'initial.joints', slot.name)}: a planar joint must stay in its plane; give no axial "
-                "position or velocity, no tilt and no rate of tilt"
+                f"{_where(scenario, 'initial.joints', slot.name)}: a planar joint must stay in its plane; "
+                "give no axial position or velocity, no tilt and no rate of tilt"
             )
         cosine, sine = np.cos(angle), np.sin(angle)
         q[slot.q] = (position[0], position[1], cosine, sine)

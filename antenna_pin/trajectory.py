@@ -31,11 +31,13 @@ class Outcome(Enum):
 
     COMPLETED = "reached the end of the time span"
     INTERRUPTED = "stopped by the user; what was computed is kept"
-    STEP_TOO_SMALL = "the step fell below its floor; soften the contact, loosen rtol or lower integrator.min_step"
+    STEP_TOO_SMALL = (
+        "the step fell below its floor; soften the contact, loosen rtol or lower integrator.min_step"
+    )
     NOT_FINITE = "the state stopped being finite; look at the drives and stiffnesses, or tighten the step"
     TOO_DEEP = (
-        "a contact was pressed beyond maximum_depth, where rigid bodies with contact stiffness no longer describe it; "
-        "stiffen the law, lower the load or raise maximum_depth"
+        "a contact was pressed beyond maximum_depth, where rigid bodies with contact stiffness no "
+        "longer describe it; stiffen the law, lower the load or raise maximum_depth"
     )
 
 
@@ -80,7 +82,9 @@ def check_writable(path: str | os.PathLike[str]) -> Path:
     if target.is_dir():
         raise OutputError(f"{target}: the output must be a file, got a folder; name a file in it")
     if not folder.is_dir():
-        raise OutputError(f"{target}: the output's folder {str(folder)!r} does not exist; make it or name another")
+        raise OutputError(
+            f"{target}: the output's folder {str(folder)!r} does not exist; make it or name another"
+        )
     try:
         # Trying is the only test that holds for every user and file system.
         with tempfile.TemporaryFile(dir=folder):
@@ -158,11 +162,14 @@ class Trajectory:
             with xr.open_dataset(source, engine="h5netcdf") as opened:
                 data = opened.load()
         except (OSError, ValueError) as error:
-            raise FileFormatError(f"{source}: must be a NetCDF file written by antenna-pin, got: {error}") from None
+            raise FileFormatError(
+                f"{source}: must be a NetCDF file written by antenna-pin, got: {error}"
+            ) from None
         found = data.attrs.get("format")
         if found != FORMAT:
             raise FileFormatError(
-                f"{source}: the format must be {FORMAT!r}, got {found!r}; run the scenario again with this version"
+                f"{source}: the format must be {FORMAT!r}, got {found!r}; "
+                "run the scenario again with this version"
             )
         text = data.attrs["scenario"]
         return cls(
@@ -191,7 +198,9 @@ class Trajectory:
                 str(name): {
                     "angle": float(data["motion_angle"].sel(joint=name).values[-1]),
                     "rate": float(data["motion_rate"].sel(joint=name).values[-1]),
-                    "peak_acceleration": float(np.abs(data["motion_acceleration"].sel(joint=name).values).max()),
+                    "peak_acceleration": float(
+                        np.abs(data["motion_acceleration"].sel(joint=name).values).max()
+                    ),
                 }
                 for name in data["joint"].values
             },

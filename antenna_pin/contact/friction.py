@@ -1,8 +1,8 @@
-"""Friction laws: force on the journal over normal force and slip velocity.
+r"""Friction laws: force on the journal over normal force and slip velocity.
 
 Every law opposes the slip: with slip velocity :math:`v` of the journal's material point over the bearing's,
-:math:`F_t = -\\mu(|v|) F_n v / |v|`. Laws with a state of their own (bristles) set ``states`` to the number of
-integrated values per contact; the state lives in the integrator's state vector.
+:math:`F_t = -\mu(|v|) F_n v / |v|`. Laws with a state of their own (bristles) set ``states`` to the number
+of integrated values per contact; the state lives in the integrator's state vector.
 """
 
 from __future__ import annotations
@@ -87,9 +87,10 @@ class VelocityBased(CompiledFrictionLaw):
         \mu_d + (\mu_s - \mu_d)\, x^2 (3 - 2x) & v_s \le |v| < v_d \\
         \mu_d & v_d \le |v| \end{cases}
 
-    continuous with its slope. Near rest it is viscous, with slope :math:`1.5 \mu_s / v_s`: it has no stiction.
-    Equation (14) of the paper has the argument of the second branch reversed, so that friction jumps at both
-    ends and rises in between; and (13) applies the sign of the slip a second time. Both are put right here.
+    continuous with its slope. Near rest it is viscous, with slope :math:`1.5 \mu_s / v_s`: it has no
+    stiction. Equation (14) of the paper has the argument of the second branch reversed, so that friction
+    jumps at both ends and rises in between; and (13) applies the sign of the slip a second time. Both are put
+    right here.
 
     Attributes:
         static: mu_s, reached at ``static_speed`` [-].

@@ -123,8 +123,8 @@ class LankaraniNikravesh(CompiledNormalLaw):
     .. math:: f = K \delta^n \left[1 + \tfrac34 (1 - c_r^2)\,
               \dot\delta / \dot\delta_0\right], \quad f \ge 0
 
-    Derived for restitution near 1: asked 0.9 it yields 0.913, asked 0.5, 0.73. A law of this form delivers the
-    restitution :math:`c` that solves :math:`\chi (1 + c) = \ln[(1 + \chi) / (1 - \chi c)]`,
+    Derived for restitution near 1: asked 0.9 it yields 0.913, asked 0.5, 0.73. A law of this form delivers
+    the restitution :math:`c` that solves :math:`\chi (1 + c) = \ln[(1 + \chi) / (1 - \chi c)]`,
     :math:`\chi = \tfrac34 (1 - c_r^2)`, whatever the mass, the stiffness, the exponent and the speed.
 
     Attributes:
@@ -153,9 +153,7 @@ class LankaraniNikravesh(CompiledNormalLaw):
 
     def code(self) -> NDArray[np.float64]:
         """Return the law as flat numbers, shape (16,)."""
-        return _code(
-            _kernels.POWER, _kernels.HYSTERETIC, self.stiffness, self.exponent, chi=self.hysteresis
-        )
+        return _code(_kernels.POWER, _kernels.HYSTERETIC, self.stiffness, self.exponent, chi=self.hysteresis)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

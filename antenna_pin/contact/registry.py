@@ -51,7 +51,7 @@ def law_parameters(law: type[Any]) -> dict[str, Parameter]:
         found[item.name] = Parameter(
             unit=item.metadata["unit"],
             required=required,
-            default=None if required else item.default,
+            default=None if required else float(item.default),  # type: ignore[arg-type]
             doc=item.metadata["doc"],
         )
     return found

@@ -1,4 +1,4 @@
-"""Free-floating equations of motion, ideal joints by constraint, force elements, energy and momentum audits."""
+"""Free-floating equations of motion, ideal joints by constraint, force elements, audits."""
 
 from antenna_pin.dynamics.audit import Audit, audit
 from antenna_pin.dynamics.elements import (

@@ -1,7 +1,7 @@
 """What happens to the contacts inside an accepted trial step, from its dense output, compiled.
 
-At ``NODES`` + 1 equally spaced points of the step each contact's gap, depth rate and force are computed. From them
-follow the first change of contact (with the gaps that dipped and came back between two points), and the
+At ``NODES`` + 1 equally spaced points of the step each contact's gap, depth rate and force are computed. From
+them follow the first change of contact (with the gaps that dipped and came back between two points), and the
 largest force and depth of each touching contact, refined to the maxima of the dense output.
 """
 
@@ -113,7 +113,8 @@ def _root(column: int, c: int, low: float, high: float, f_low: float, f_high: fl
 def _crossing(c: int, sign: float, nodes: Any, context: Any) -> float:
     """First fraction at which contact c changes, or 2. sign = 1: touching, -1: apart.
 
-    f = sign * gap is negative (or zero, at the start) while nothing changes; f' has the sign of -sign * depth rate.
+    f = sign * gap is negative (or zero, at the start) while nothing changes; f' has the sign of -sign * depth
+    rate.
     """
     for k in range(NODES):
         a = k / NODES
@@ -221,7 +222,8 @@ def inspect_step(t: float, nodes: Any, ignore: Any, record: Any, context: Any) -
 
     Where none changes the step will be accepted: then the peaks are tracked too.
 
-    A contact marked 2 in ``ignore`` has changed twice at the start already: a third change there is not believed.
+    A contact marked 2 in ``ignore`` has changed twice at the start already: a third change there is not
+    believed.
     """
     fill_nodes(nodes, context)
     memory = context[5]

@@ -1,7 +1,8 @@
 """Force elements of a system as one flat program, compiled.
 
-``program`` is a list of blocks ``[kind, length, ...]`` that starts at ``HEADER``; its head is [nq, nv, contacts, 0]. A
-block is a clearance joint (layout in :mod:`antenna_pin.joints._kernels`), a drive or a spring. Drives and springs::
+``program`` is a list of blocks ``[kind, length, ...]`` that starts at ``HEADER``; its head is [nq, nv,
+contacts, 0]. A block is a clearance joint (layout in :mod:`antenna_pin.joints._kernels`), a drive or a
+spring. Drives and springs::
 
     [kind, length, joint kind, start in q, start in v, start in x, block of the clearance joint or -1,
      acts about the journal's axis (0 or 1), parameters...]
@@ -86,7 +87,10 @@ def joint_motion(p: Any, b: int, y: Any, nq: int) -> tuple[float, float, float, 
 
 @kernel
 def _drive(p: Any, b: int, t: float, y: Any, nq: int, nv: int, tau: Any, rates: Any) -> None:
-    """Add a drive's generalized force; at a clearance joint a couple about the bearing's or the journal's axis."""
+    """Add a drive's generalized force.
+
+    At a clearance joint it is a couple about the bearing's or the journal's axis.
+    """
     effort = drive_effort(p, b, t)
     j = int(p[b + START_V])
     c = int(p[b + CLEARANCE_BLOCK])
@@ -153,8 +157,8 @@ def _spring(p: Any, b: int, y: Any, nq: int, nv: int, tau: Any, rates: Any) -> N
 def evaluate(t: float, y: Any, program: Any, work: Any, rates: Any) -> None:
     """Write the generalized force of all elements into work, and the rates of x behind rates[nv].
 
-    ``work`` is [generalized force (nv), pose, memory (contacts x 2), table (contacts x TABLE_WIDTH)] in one array,
-    because each argument costs a part of what is computed.
+    ``work`` is [generalized force (nv), pose, memory (contacts x 2), table (contacts x TABLE_WIDTH)] in one
+    array, because each argument costs a part of what is computed.
     """
     nq = int(program[0])
     nv = int(program[1])

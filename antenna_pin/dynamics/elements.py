@@ -126,11 +126,12 @@ class TableDrive:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class CallableDrive:
-    """A torque from a Python function of time and of the joint's motion, such as a controller; slower than the others.
+    """A torque from a Python function of time and motion, such as a controller; slower than the others.
 
     Attributes:
         joint: The URDF joint it drives; its reaction acts on the joint's parent.
-        torque: ``(t [s], angle [rad], rate [rad/s]) -> [N m]``; of a clearance joint the motion angle and its rate.
+        torque: ``(t [s], angle [rad], rate [rad/s]) -> [N m]``; of a clearance joint the motion angle and its
+            rate.
         axis: At a clearance joint: the axis of the torque, the bearing's or the journal's.
     """
 
@@ -154,8 +155,9 @@ Drive = ConstantDrive | SineDrive | TableDrive | CallableDrive
 class JointSpring:
     r"""A linear spring and damper at a joint: :math:`\tau = -k (\phi - \phi_0) - c \dot\phi`.
 
-    At a clearance joint phi is the motion angle and the generalized force is its exact gradient, so the spring
-    conserves energy under tilt too. At joints that turn without end the deflection is taken the shorter way round.
+    At a clearance joint phi is the motion angle and the generalized force is its exact gradient, so the
+    spring conserves energy under tilt too. At joints that turn without end the deflection is taken the
+    shorter way round.
 
     Attributes:
         joint: The URDF joint.

@@ -1,8 +1,8 @@
 """An ideal revolute joint closed by Pinocchio's constrained dynamics over a 6-DOF free joint.
 
-Pinocchio has no closure of five degrees of freedom; two point contacts (CONTACT_3D) whose anchors lie on the axis
-hold the same five, with one equation too many (the distance between the anchors), which the proximal solver
-tolerates.
+Pinocchio has no closure of five degrees of freedom; two point contacts (CONTACT_3D) whose anchors lie on the
+axis hold the same five, with one equation too many (the distance between the anchors), which the proximal
+solver tolerates.
 """
 
 from __future__ import annotations
@@ -33,8 +33,8 @@ class Hinge:
         spread: Distance of each of the two anchors from the joint's origin, along the axis [m].
         proximal: mu of the proximal solver [-].
         stabilisation: omega of critically damped Baumgarte stabilisation,
-            :math:`\ddot c = -2 \omega \dot c - \omega^2 c` [1/s]; 0 leaves the acceleration untouched and the drift
-            to the integrator's accuracy.
+            :math:`\ddot c = -2 \omega \dot c - \omega^2 c` [1/s]; 0 leaves the acceleration untouched and the
+            drift to the integrator's accuracy.
     """
 
     joint: str
@@ -74,7 +74,13 @@ def constrained_acceleration(
         for sign in (1.0, -1.0):
             anchor = pin.SE3(np.eye(3), sign * hinge.spread * slot.axis)
             constraint = pin.RigidConstraintModel(
-                pin.ContactType.CONTACT_3D, model, parent, placement * anchor, slot.joint_id, anchor, pin.LOCAL
+                pin.ContactType.CONTACT_3D,
+                model,
+                parent,
+                placement * anchor,
+                slot.joint_id,
+                anchor,
+                pin.LOCAL,
             )
             omega = hinge.stabilisation
             if omega > 0.0:

@@ -54,15 +54,16 @@ def _spaces(model: Any) -> tuple[str, ...]:
 class System:
     """A mechanism with its force elements: the derivative that an integrator asks for.
 
-    The state is ``y = [q, v, x]``: Pinocchio's configuration and velocity, and what the elements integrate (per
-    contact impulse, work lost in normal direction and to friction, bristles; per drive work and gross work; per
-    spring the work lost in its damper).
+    The state is ``y = [q, v, x]``: Pinocchio's configuration and velocity, and what the elements integrate
+    (per contact impulse, work lost in normal direction and to friction, bristles; per drive work and gross
+    work; per spring the work lost in its damper).
 
-    ``memory`` is the contacts' discrete state, one row each: [touching, approach speed]. It is not part of ``y``;
-    whoever advances the system changes it, at located events only.
+    ``memory`` is the contacts' discrete state, one row each: [touching, approach speed]. It is not part of
+    ``y``; whoever advances the system changes it, at located events only.
 
     Args:
-        mechanism: Its joints named by clearance joints and hinges must be floating (planar for a planar clearance).
+        mechanism: Its joints named by clearance joints and hinges must be floating (planar for a planar
+            clearance).
         clearances: Joints with play.
         drives: Torques by name.
         springs: Springs and dampers by name.
@@ -198,7 +199,7 @@ class System:
     # --- the equations of motion ----------------------------------------------------------------------------
 
     def apply_elements(self, t: float, y: Array, rates: Array) -> None:
-        """Write the elements' generalized force into ``tau``, contacts into ``table``, x rates behind rates[nv]."""
+        """Evaluate the elements: ``tau``, the contacts' ``table``, and x rates behind rates[nv]."""
         for path in self._paths:
             path.prepare(y, self.memory, self.table)
         for block, slot, drive in self._callables:
@@ -207,7 +208,7 @@ class System:
         _kernels.evaluate(t, y, self.program, self._work, rates)
 
     def _compile_derivative(self) -> Callable[[float, Array, Array], None]:
-        """Return the derivative as a closure over what it needs: looking attributes up costs a tenth of an ABA."""
+        """Return the derivative as a closure: looking attributes up costs a tenth of an ABA."""
         acceleration, program, work, tau = self._acceleration, self.program, self._work, self.tau
         nq, nv = self.model.nq, self.model.nv
         evaluate = self.apply_elements if self._slow else None

@@ -5,9 +5,9 @@ journal is its centre ``o`` and its unit axis ``z``. A candidate contact is one 
 
     [gap, normal (3), contact point (3), ...]
 
-gap positive apart; normal from the bearing into the journal; point from the bearing's centre. Later columns of
-a row belong to the joint (rates and forces). Rows of a revolute joint: bore at s = +1, bore at s = -1, flange at
-s = +1, flange at s = -1.
+gap positive apart; normal from the bearing into the journal; point from the bearing's centre. Later columns
+of a row belong to the joint (rates and forces). Rows of a revolute joint: bore at s = +1, bore at s = -1,
+flange at s = +1, flange at s = -1.
 
 A revolute geometry travels as ``REVOLUTE_SIZE`` floats ``[R_i, L_i / 2, R_io, R_j, R_f, L_j / 2]``.
 """
@@ -36,8 +36,9 @@ def nearest_on_ellipse(major: float, minor: float, x: float, y: float) -> tuple[
 
         G(s) = (major x / (s + major^2 - minor^2))^2 + (minor y / s)^2 - 1 = 0,
 
-    convex and decreasing for s > 0: once left of the root Newton climbs to it without fail. The start is the root of
-    the circle, an upper bound and nearly the root at small tilt; a step that falls below the lower bound is cut.
+    convex and decreasing for s > 0: once left of the root Newton climbs to it without fail. The start is the
+    root of the circle, an upper bound and nearly the root at small tilt; a step that falls below the lower
+    bound is cut.
     """
     px = abs(x)
     py = abs(y)
@@ -87,11 +88,13 @@ def bore_contact(
 ) -> None:
     """Radial candidate at the bearing's end circle ``side`` (+1 or -1).
 
-    gap = min over Q on the circle of dist(Q, journal axis) - R_j. Seen along the journal axis the circle is an
-    ellipse with semi-axes R_i and R_i cos(tilt), and the journal axis is a point: the nearest point of an ellipse.
+    gap = min over Q on the circle of dist(Q, journal axis) - R_j. Seen along the journal axis the circle is
+    an ellipse with semi-axes R_i and R_i cos(tilt), and the journal axis is a point: the nearest point of an
+    ellipse.
     """
     radius = shape[0]
-    # Unit vectors: a along the line of nodes, b0 square to it in the bearing plane, b its projection square to z.
+    # Unit vectors: a along the line of nodes, b0 square to it in the bearing plane, b its projection square
+    # to z.
     if sine > 0.0:
         ax = -zy / sine
         ay = zx / sine
@@ -159,9 +162,9 @@ def flange_contact(
     """Axial candidate between the flange and the bearing's end face at ``side`` (+1 or -1).
 
     Where the flange covers the bearing's outer edge (R_f >= R_io) that edge meets the plane of the flange:
-    gap = L_j/2 - max over Q on the edge of side (Q - O_j) . z. A smaller flange meets the plane of the end face
-    with its own rim: gap = min over P on the rim of side P_z - L_i/2. With exactly parallel axes the contact
-    is a whole annulus and its force acts on the axis.
+    gap = L_j/2 - max over Q on the edge of side (Q - O_j) . z. A smaller flange meets the plane of the end
+    face with its own rim: gap = min over P on the rim of side P_z - L_i/2. With exactly parallel axes the
+    contact is a whole annulus and its force acts on the axis.
     """
     half = shape[1]
     outer = shape[2]
@@ -239,9 +242,9 @@ def coal_place(
 ) -> None:
     """Place the bearing in the journal frame and start the search on both end circles.
 
-    ``work`` (52 floats): [0:9] rotation of H in J (row-major), [9:12] origin of H in J, then for side +1 and -1
-    a record of 20 floats: [0:3] Q in J (read by coal), [3] angle, [5:8] Q in H, [8:11] normal in H, [11] gap.
-    The journal frame J used here has its z axis along the journal and an arbitrary rotation about it.
+    ``work`` (52 floats): [0:9] rotation of H in J (row-major), [9:12] origin of H in J, then for side +1 and
+    -1 a record of 20 floats: [0:3] Q in J (read by coal), [3] angle, [5:8] Q in H, [8:11] normal in H, [11]
+    gap. The journal frame J used here has its z axis along the journal and an arbitrary rotation about it.
     """
     # Smallest rotation taking the z axis to z: R = I + [k] + [k]^2 / (1 + zz), k = e_z x z.
     f = 1.0 / (1.0 + zz) if zz > -0.5 else 0.0
@@ -297,12 +300,12 @@ def _coal_point(shape: Any, side: float, work: Any, base: int) -> None:
 
 @kernel
 def coal_turn(shape: Any, side: float, work: Any, base: int, normal: Any, gap: float) -> bool:
-    """One Newton step of d gap / d phi = 0 from coal's gap and normal (in J, from Q to the journal); True when done.
+    """Make one Newton step of d gap / d phi = 0 from coal's gap and normal (in J); True when done.
 
-    The derivative of the gap along the circle is -n . dQ/dphi; its own derivative follows from the curvature of the
-    distance to a line. Once the step is below 1e-5 rad, gap and normal are carried over it to second and first order,
-    which is exact to 1e-10 in the normal and far below round-off in the gap: no further query is needed. Where the
-    minimum is so flat that its angle is lost in round-off the gap decides.
+    The derivative of the gap along the circle is -n . dQ/dphi; its own derivative follows from the curvature
+    of the distance to a line. Once the step is below 1e-5 rad, gap and normal are carried over it to second
+    and first order, which is exact to 1e-10 in the normal and far below round-off in the gap: no further
+    query is needed. Where the minimum is so flat that its angle is lost in round-off the gap decides.
     """
     nx, ny, nz = normal[0], normal[1], normal[2]
     hx = work[0] * nx + work[3] * ny + work[6] * nz
@@ -313,8 +316,8 @@ def coal_turn(shape: Any, side: float, work: Any, base: int, normal: Any, gap: f
     tx = -qy
     ty = qx
     slope = -(hx * tx + hy * ty)
-    # dist'' = (|t_perp|^2 - (n.t)^2) / dist - n . Q'' with t_perp the tangent's part square to the journal axis
-    # and Q'' = -(qx, qy, 0).
+    # dist'' = (|t_perp|^2 - (n.t)^2) / dist - n . Q'' with t_perp the tangent's part square to the journal
+    # axis and Q'' = -(qx, qy, 0).
     zx, zy, zz = work[6], work[7], work[8]
     along = tx * zx + ty * zy
     span = gap + shape[3]
@@ -329,7 +332,7 @@ def coal_turn(shape: Any, side: float, work: Any, base: int, normal: Any, gap: f
     else:
         step = -0.5 if slope > 0.0 else 0.5
         gain = 1.0
-    done = abs(step) < 1e-5 or gain < 1e-24
+    done = bool(abs(step) < 1e-5 or gain < 1e-24)
     # n changes by -(t_perp - (n.t) n) / dist per radian.
     f = step / span if done else 0.0
     hx -= f * (tx - along * zx + slope * hx)
@@ -351,8 +354,8 @@ def coal_collect(
 ) -> None:
     """Turn coal's answers into the four rows of the table, in H.
 
-    The bore's stand in ``work``; ``gaps`` (2,), ``normals`` (2, 3) and ``points`` (2, 3) are those of the flanges: coal's
-    distances, normals from the bearing to the journal, and nearest points, in J.
+    The bore's stand in ``work``; ``gaps`` (2,), ``normals`` (2, 3) and ``points`` (2, 3) are those of the
+    flanges: coal's distances, normals from the bearing to the journal, and nearest points, in J.
     """
     for k in range(2):
         base = 12 + 20 * k
@@ -378,7 +381,8 @@ def coal_collect(
             table[r, 6] = (1.0 if k == 0 else -1.0) * shape[1]
 
 
-# --- contact scenario ----------------------------------------------------------------------------------------
+# --- contact scenario
+# ----------------------------------------------------------------------------------------
 
 NONE = 0
 ONE_POINT = 1
@@ -401,8 +405,8 @@ def contact_scenario(
 ) -> tuple[int, int]:
     """Classify the penetrations of rows ``row`` to ``row + 3``; row ``spare`` is scratch.
 
-    Radial: none, one end, two ends, line (both ends and the middle section on the same side). Axial: none, one
-    point, two points (both flanges), surface (the whole annulus of a flange).
+    Radial: none, one end, two ends, line (both ends and the middle section on the same side). Axial: none,
+    one point, two points (both flanges), surface (the whole annulus of a flange).
     """
     sine = math.sqrt(zx * zx + zy * zy)
     first = table[row, 0] < 0.0

@@ -1,9 +1,9 @@
 """The same distances by coal's own primitives.
 
 The bore is concave, so it is not one coal shape. Radial: a sphere of radius zero at a point Q(phi) of the
-bearing's end circle against a lengthened journal cylinder, and phi from d gap / d phi = 0 by Newton with coal's own
-normal. Axial: a flange's half-space against the bearing's cylinder, or a small flange's cylinder against the
-half-space of the bearing's end face. All of these pairs are closed forms inside coal; pairs that
+bearing's end circle against a lengthened journal cylinder, and phi from d gap / d phi = 0 by Newton with
+coal's own normal. Axial: a flange's half-space against the bearing's cylinder, or a small flange's cylinder
+against the half-space of the bearing's end face. All of these pairs are closed forms inside coal; pairs that
 go through GJK would be off by up to a micrometre.
 
 Functors are built once; a query only moves a transform.
@@ -59,7 +59,8 @@ class CoalRevolute:
             self._planes = (coal.Halfspace(-axis, -half), coal.Halfspace(axis, -half))
             self._axial = tuple(coal.ComputeDistance(self._bearing, p) for p in self._planes)
         else:
-            # The flanges' inner faces as the end faces of a body of length L_j; the faces as half-spaces in H.
+            # The flanges' inner faces as the end faces of a body of length L_j; the faces as half-spaces in
+            # H.
             end = 0.5 * shape.bearing_length
             self._thick = coal.Cylinder(shape.flange_radius, shape.bearing_length)
             self._planes = (coal.Halfspace(axis, end), coal.Halfspace(-axis, end))
@@ -83,7 +84,7 @@ class CoalRevolute:
         self._points = np.zeros((2, 3))
 
     def query(self, sine: float, table: NDArray[np.float64], row: int) -> None:
-        """Ask coal for the pose that :func:`_kernels.coal_place` wrote to ``work``; fill four rows of a table.
+        """Fill four rows of a table for the pose that :func:`_kernels.coal_place` wrote to ``work``.
 
         Args:
             sine: Sine of the tilt between the axes [-].
@@ -118,8 +119,8 @@ class CoalRevolute:
         _kernels.coal_collect(self._shape, self.work, gaps, normals, self._points, sine, table, row)
 
     def _query_small_flanges(self) -> None:
-        # Solid discs behind each flange face, asked against the half-spaces inside the bearing's end faces. Both
-        # are asked in H, where the half-spaces stand, and the answers carried to J.
+        # Solid discs behind each flange face, asked against the half-spaces inside the bearing's end faces.
+        # Both are asked in H, where the half-spaces stand, and the answers carried to J.
         rotation = self._rotation  # of H in J
         centre = -rotation.T @ self._origin  # journal centre in H
         axis = rotation[2]

@@ -76,7 +76,10 @@ def points_of_table(table: NDArray[np.float64]) -> tuple[ContactPoint, ...]:
     return tuple(ContactPoint(float(row[0]), row[1:4].copy(), row[4:7].copy()) for row in table)
 
 
-def pose_of(p_HJ: ArrayLike, axis_J_H: ArrayLike) -> tuple[float, ...]:
+Pose = tuple[float, float, float, float, float, float]
+
+
+def pose_of(p_HJ: ArrayLike, axis_J_H: ArrayLike) -> Pose:
     """Return a pose as six floats, the axis made unit."""
     p = np.asarray(p_HJ, dtype=float)
     z = np.asarray(axis_J_H, dtype=float)
@@ -85,7 +88,9 @@ def pose_of(p_HJ: ArrayLike, axis_J_H: ArrayLike) -> tuple[float, ...]:
     length = float(np.linalg.norm(z))
     if length == 0.0:
         raise InvalidParameterError("contacts", "axis_J_H", "a nonzero vector", z)
-    return (*p.tolist(), *(z / length).tolist())
+    ox, oy, oz = p.tolist()
+    zx, zy, zz = (z / length).tolist()
+    return ox, oy, oz, zx, zy, zz
 
 
 def _require_lengths(shape: object, names: tuple[str, ...]) -> None:
@@ -98,16 +103,16 @@ def _require_lengths(shape: object, names: tuple[str, ...]) -> None:
 class RevoluteClearance:
     r"""A journal with two flanges in a bearing, with radial and axial play.
 
-    Radial contact is sought on the bearing's two end circles, axial contact on the outer edges of its end faces
-    (or on the rims of smaller flanges). Candidates, in this order: bore at the +z end, bore at the -z end,
-    flange at the +z end, flange at the -z end.
+    Radial contact is sought on the bearing's two end circles, axial contact on the outer edges of its end
+    faces (or on the rims of smaller flanges). Candidates, in this order: bore at the +z end, bore at the -z
+    end, flange at the +z end, flange at the -z end.
 
     .. math:: C_r = R_i - R_j, \qquad C_a = (L_j - L_i) / 2
 
-    The smaller of the two edges counts: the bearing's outer edge against the plane of a flange that covers it,
-    else the flange's rim against the plane of the end face. Where the radii differ by less than the radial play
-    the edge point may overhang the opposite face by up to the eccentricity; it is kept, at an error in depth of
-    at most eccentricity times tilt, because force and energy stay continuous that way.
+    The smaller of the two edges counts: the bearing's outer edge against the plane of a flange that covers
+    it, else the flange's rim against the plane of the end face. Where the radii differ by less than the
+    radial play the edge point may overhang the opposite face by up to the eccentricity; it is kept, at an
+    error in depth of at most eccentricity times tilt, because force and energy stay continuous that way.
 
     Attributes:
         bearing_radius: R_i, of the bore [m].
@@ -118,7 +123,8 @@ class RevoluteClearance:
         flange_radius: R_f, above R_i [m].
 
     References:
-        Bai and Zhao (2020), equations (2)-(8); the gaps here are the exact minima, which their (3) approximates.
+        Bai and Zhao (2020), equations (2)-(8); the gaps here are the exact minima, which their (3)
+        approximates.
     """
 
     bearing_radius: float

@@ -5,6 +5,7 @@ Differential Equations I, 2nd ed., section II.5 and their program DOP853.
 """
 
 # fmt: off
+# ruff: noqa: E501
 NODES = (0.0, 0.05260015195876773, 0.0789002279381516, 0.1183503419072274, 0.2816496580927726, 0.3333333333333333, 0.25, 0.3076923076923077, 0.6512820512820513, 0.6, 0.8571428571428571, 1.0, 1.0, 0.1, 0.2, 0.7777777777777778)
 
 # Stage weights: stages 0-11, row 12 the step itself, rows 13-15 what the dense output adds.

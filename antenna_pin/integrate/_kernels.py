@@ -1,18 +1,18 @@
 """Arithmetic of Lie-group Runge-Kutta steps, compiled.
 
-A state ``y = [q, v, x]`` has a configuration on a manifold, a velocity in its tangent space and plain numbers ``x``
-(quadratures, bristles). Within a step it is written in a chart about the step's start,
+A state ``y = [q, v, x]`` has a configuration on a manifold, a velocity in its tangent space and plain numbers
+``x`` (quadratures, bristles). Within a step it is written in a chart about the step's start,
 
     q = q0 o exp(u),   z = [u, v, x],   z(0) = [0, v0, x0],
 
-and u' follows from v by the inverse of the exponential's derivative. So z obeys an ordinary differential equation in
-a vector space, to which any Runge-Kutta method applies with its full order, dense output included (the method of
-Runge, Kutta, Munthe-Kaas). Rigid motions are charted as position times rotation, R^3 x SO(3): p = p0 + u_p in the
-axes of the parent, R = R0 exp(u_w).
+and u' follows from v by the inverse of the exponential's derivative. So z obeys an ordinary differential
+equation in a vector space, to which any Runge-Kutta method applies with its full order, dense output included
+(the method of Runge, Kutta, Munthe-Kaas). Rigid motions are charted as position times rotation, R^3 x SO(3):
+p = p0 + u_p in the axes of the parent, R = R0 exp(u_w).
 
-``layout`` is ``[nq, nv, nx, joints]`` and then four numbers per joint: kind, start in q, start in v, size in v. The
-rows of ``work`` are the stages' rates and, behind them, U, START, TOTAL, STATE and RATES (see below): one array, because
-each argument of a compiled function costs a part of what it computes.
+``layout`` is ``[nq, nv, nx, joints]`` and then four numbers per joint: kind, start in q, start in v, size in
+v. The rows of ``work`` are the stages' rates and, behind them, U, START, TOTAL, STATE and RATES (see below):
+one array, because each argument of a compiled function costs a part of what it computes.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ RIGID = 4  # position, quaternion xyzw; v = (linear, angular) in body axes
 
 @kernel
 def _turn(q0: Any, r0: int, i: int, ux: float, uy: float, uz: float, q: Any, r: int) -> None:
-    """q = q0 * exp(u / 2) for the quaternions at column i of rows r0 and r, made unit again."""
+    """Write q0 * exp(u / 2) for the quaternions at column i of rows r0 and r, made unit again."""
     square = ux * ux + uy * uy + uz * uz
     if square < 1e-4:
         # sin(t/2)/t and cos(t/2) to round-off for t < 0.01.
@@ -56,7 +56,10 @@ def _turn(q0: Any, r0: int, i: int, ux: float, uy: float, uz: float, q: Any, r: 
 
 @kernel
 def retract(layout: Any, q0: Any, r0: int, u: Any, ru: int, q: Any, r: int) -> None:
-    """Write q[r] = q0[r0] o exp(u[ru]); arrays and rows apart, because a view of a row costs more than its sum."""
+    """Write q[r] = q0[r0] o exp(u[ru]).
+
+    Arrays and rows come apart, because a view of a row costs more than the sum it is for.
+    """
     for b in range(4, 4 + 4 * layout[3], 4):
         kind = layout[b]
         i = layout[b + 1]
@@ -87,17 +90,20 @@ def retract(layout: Any, q0: Any, r0: int, u: Any, ru: int, q: Any, r: int) -> N
 
 
 @kernel
-def _unwind(
-    x: float, y: float, z: float, wx: float, wy: float, wz: float, out: Any, r: int, j: int
-) -> None:
-    """Write the rate of the rotation vector (x, y, z) for a body angular velocity w (inverse right Jacobian of SO(3))."""
+def _unwind(x: float, y: float, z: float, wx: float, wy: float, wz: float, out: Any, r: int, j: int) -> None:
+    """Write the rate of the rotation vector (x, y, z) for a body angular velocity w.
+
+    It is w times the inverse right Jacobian of SO(3).
+    """
     cx = y * wz - z * wy
     cy = z * wx - x * wz
     cz = x * wy - y * wx
     square = x * x + y * y + z * z
     if square < 1e-2:
         # (1 - (t/2) cot(t/2)) / t^2 to round-off for t < 0.1.
-        f = 1.0 / 12.0 + square / 720.0 * (1.0 + square / 42.0 * (1.0 + square / 40.0 * (1.0 + square / 39.6)))
+        f = 1.0 / 12.0 + square / 720.0 * (
+            1.0 + square / 42.0 * (1.0 + square / 40.0 * (1.0 + square / 39.6))
+        )
     else:
         angle = math.sqrt(square)
         f = (1.0 - 0.5 * angle / math.tan(0.5 * angle)) / square
@@ -140,9 +146,7 @@ def chart_rate(layout: Any, u: Any, ru: int, y: Any, ry: int, out: Any, r: int) 
                 j + 3,
             )
         elif kind == ROTATION:
-            _unwind(
-                u[ru, j], u[ru, j + 1], u[ru, j + 2], y[ry, k], y[ry, k + 1], y[ry, k + 2], out, r, j
-            )
+            _unwind(u[ru, j], u[ru, j + 1], u[ru, j + 2], y[ry, k], y[ry, k + 1], y[ry, k + 2], out, r, j)
         elif kind == PLANE:
             c = y[ry, i + 2]
             s = y[ry, i + 3]
@@ -271,7 +275,7 @@ def _term(theta: float, degree: int, dense: Any, k: int) -> float:
 
 @kernel
 def dense_state(theta: float, layout: Any, dense: Any, work: Any, start: int, out: Any) -> None:
-    """Write the state at the fraction theta of the step that began at work[start] into out[0]; out[1] is scratch."""
+    """Write the state at the fraction theta of the step from work[start] into out[0]; out[1] is scratch."""
     nq, nv, nx = layout[0], layout[1], layout[2]
     degree = dense.shape[0]
     for k in range(nv):
@@ -283,7 +287,7 @@ def dense_state(theta: float, layout: Any, dense: Any, work: Any, start: int, ou
 
 @kernel
 def dense_joints(theta: float, layout: Any, dense: Any, work: Any, start: int, out: Any) -> None:
-    """Write only the parts of the state that belong to the joints listed in a layout, and x if its nx is not 0."""
+    """Write only the parts of a state that a layout lists: some joints, and x if its nx is not 0."""
     nq, nv = layout[0], layout[1]
     degree = dense.shape[0]
     for b in range(4, 4 + 4 * layout[3], 4):

@@ -29,8 +29,8 @@ KINDS = {
 class Manifold:
     """A product of configuration spaces, in order, and ``nx`` plain numbers behind.
 
-    Kinds: ``vector`` (one number), ``circle`` (cos, sin), ``plane`` (x, y, cos, sin), ``rotation`` (quaternion
-    xyzw), ``rigid`` (position, quaternion). Velocities are in body axes: Pinocchio's conventions.
+    Kinds: ``vector`` (one number), ``circle`` (cos, sin), ``plane`` (x, y, cos, sin), ``rotation``
+    (quaternion xyzw), ``rigid`` (position, quaternion). Velocities are in body axes: Pinocchio's conventions.
 
     Attributes:
         kinds: Kind of each factor.
@@ -55,7 +55,7 @@ class Manifold:
         object.__setattr__(self, "layout", layout)
 
     def part(self, factors: Sequence[int], *, plain: bool) -> NDArray[np.int64]:
-        """Return the layout of some factors only, and of the plain numbers or not, for partial dense output."""
+        """Return the layout of some factors only, with or without the plain numbers."""
         rows = self.layout[4:].reshape(-1, 4)[list(factors)]
         head = [self.nq, self.nv, self.nx if plain else 0, len(rows)]
         return np.array([*head, *rows.ravel()], dtype=np.int64)
@@ -80,7 +80,8 @@ class Manifold:
 
         Args:
             q: Configuration, (nq,).
-            u: Chart coordinates, (nv,): position [m] in the axes of the parent, rotation vector [rad] in body axes.
+            u: Chart coordinates, (nv,): position [m] in the axes of the parent, rotation vector [rad] in body
+                axes.
         """
         rows = np.zeros((3, self.size))
         rows[0, : self.nq], rows[1, : self.nv] = q, u

@@ -69,7 +69,7 @@ def _table(rows: list[list[float]]) -> Array:
 def _hermite(weights: Array, last: int, stages: int) -> Array:
     """Cubic Hermite dense output from the derivatives at both ends, as weights of the stages."""
     change = np.array([0.0, 3.0, -2.0])
-    out = weights[last][:, None] * change
+    out: Array = weights[last][:, None] * change
     out[0] += [1.0, -2.0, 1.0]
     out[last] += [0.0, -1.0, 1.0]
     assert out.shape == (stages, 3)
@@ -119,8 +119,8 @@ def _dormand_prince_54() -> Method:
         ]
     )
     fourth = np.array([5179 / 57600, 0, 7571 / 16695, 393 / 640, -92097 / 339200, 187 / 2100, 1 / 40])
-    # Dense output of order 4 (Hairer, Norsett, Wanner 1993, II.6): theta^2 (3 - 2 theta) times the step, Hermite parts,
-    # and a fourth-degree correction that vanishes with its slope at both ends.
+    # Dense output of order 4 (Hairer, Norsett, Wanner 1993, II.6): theta^2 (3 - 2 theta) times the step,
+    # Hermite parts, and a fourth-degree correction that vanishes with its slope at both ends.
     polynomials = np.zeros((7, 4))
     polynomials[:, :3] = _hermite(weights, 6, 7)
     correction = np.array(

@@ -31,8 +31,8 @@ class Problem(Protocol):
 class Stepper:
     """A state, and trial steps from it.
 
-    ``attempt`` computes a trial step into ``y``; ``accept`` makes it the state; without ``accept`` the state and
-    its derivative stay what they were, however many trials were made (the first stage is kept apart).
+    ``attempt`` computes a trial step into ``y``; ``accept`` makes it the state; without ``accept`` the state
+    and its derivative stay what they were, however many trials were made (the first stage is kept apart).
 
     Args:
         problem: The differential equation.
@@ -78,7 +78,7 @@ class Stepper:
         self.restart(self.t, self.start)
 
     def attempt(self, h: float) -> float:
-        """Try a step of size h [s]; return its scaled error (1 is the tolerance; 0 for a fixed-step method)."""
+        """Try a step of size h [s]; return its scaled error: 1 is the tolerance, 0 if the step is fixed."""
         method = self.method
         layout, work, weights = self.manifold.layout, self.work, method.weights
         y, rates, derivative, stage = self.y, self._rates, self.problem.derivative, _kernels.stage
@@ -114,9 +114,7 @@ class Stepper:
 
     def interpolate(self, theta: float, out: Array) -> None:
         """Write the state at the fraction theta of the last trial step into out (see ``prepare_dense``)."""
-        _kernels.dense_state(
-            theta, self.manifold.layout, self.dense, self.work, self.start_row, self._out
-        )
+        _kernels.dense_state(theta, self.manifold.layout, self.dense, self.work, self.start_row, self._out)
         out[:] = self._out[0]
 
     def accept(self) -> None:

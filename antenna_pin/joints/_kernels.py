@@ -1,4 +1,4 @@
-"""The clearance joint on flat parameters, compiled: pose and twist -> contacts -> forces -> generalized force.
+"""The clearance joint on flat parameters, compiled: from pose and twist to the generalized force.
 
 A joint is a block of floats in a larger program::
 
@@ -10,8 +10,8 @@ and its contacts are rows of a table of ``TABLE_WIDTH`` columns::
 
     [gap, normal (3), point (3), depth rate, slip (3), normal force, friction force (3), elastic force, ...]
 
-all in bearing axes. ``memory`` has a row per contact: [touching, approach speed]. What a contact
-integrates lies in x from its own start on: [impulse, work lost to normal contact, work lost to friction, bristle...].
+all in bearing axes. ``memory`` has a row per contact: [touching, approach speed]. What a contact integrates lies in
+x from its own start on: [impulse, work lost to normal contact, work lost to friction, bristle...].
 """
 
 from __future__ import annotations
@@ -123,8 +123,17 @@ def journal_state(p: Any, b: int, y: Any, nq: int, pose: Any) -> None:
 
 
 @kernel
+def centre_and_axis(pose: Any) -> tuple[float, float, float, float, float, float]:
+    """Return the first six numbers of a pose: the journal's centre and its axis."""
+    return pose[0], pose[1], pose[2], pose[3], pose[4], pose[5]
+
+
+@kernel
 def contact_geometry(p: Any, b: int, pose: Any, table: Any, row: int) -> None:
-    """Fill gap, normal and point of a joint's rows in closed form; a block may have none (an ideal hinge's)."""
+    """Fill gap, normal and point of a joint's rows in closed form.
+
+    A block may have no contacts: an ideal hinge's.
+    """
     if p[b + CONTACTS] == 0.0:
         return
     shape = p[b + SHAPE : b + SHAPE + 6]
@@ -181,7 +190,15 @@ def contact_forces(
         table[r, ELASTIC] = elastic
         own = int(p[b + START_X]) + k * int(p[b + STRIDE_X]) + BRISTLE_START
         fx, fy, fz = friction_force(
-            friction, force, table[r, SLIP], table[r, SLIP + 1], table[r, SLIP + 2], y, x0 + own, rates, r0 + own
+            friction,
+            force,
+            table[r, SLIP],
+            table[r, SLIP + 1],
+            table[r, SLIP + 2],
+            y,
+            x0 + own,
+            rates,
+            r0 + own,
         )
         table[r, FRICTION] = fx
         table[r, FRICTION + 1] = fy
@@ -243,7 +260,7 @@ def contact_wrench(p: Any, b: int, pose: Any, table: Any, row: int, tau: Any, ra
 
 @kernel
 def wrench_on_journal(count: int, pose: Any, table: Any, row: int, out: Any) -> None:
-    """Write the resultant of ``count`` rows, force and torque about the journal's centre in bearing axes, into out[0:6]."""
+    """Write force and torque about the journal's centre, of ``count`` rows in bearing axes, into out[0:6]."""
     for k in range(6):
         out[k] = 0.0
     for r in range(row, row + count):
@@ -268,7 +285,7 @@ def wrench_on_journal(count: int, pose: Any, table: Any, row: int, out: Any) -> 
 def clearance_joint(
     p: Any, b: int, y: Any, nq: int, nv: int, memory: Any, table: Any, pose: Any, tau: Any, rates: Any
 ) -> None:
-    """The whole of a clearance joint: add its generalized force to tau, write the rates of what it integrates."""
+    """Add a clearance joint's generalized force to tau; write the rates of what it integrates."""
     row = int(p[b + FIRST_CONTACT])
     journal_state(p, b, y, nq, pose)
     mode = p[b + MODE]
@@ -292,8 +309,8 @@ def place_for_coal(p: Any, b: int, y: Any, nq: int, shape: Any, pose: Any, work:
 def motion_angle(p: Any, b: int, y: Any) -> tuple[float, float, float]:
     """Rotation of the journal about the bearing axis (swing-twist) and where its rate comes from.
 
-    Returns the angle [rad] in (-pi, pi] and gx, gy: its rate is gx wx + gy wy + wz for the angular velocity w of the
-    journal in its own axes (z along the journal).
+    Returns the angle [rad] in (-pi, pi] and gx, gy: its rate is gx wx + gy wy + wz for the angular velocity w
+    of the journal in its own axes (z along the journal).
     """
     i = int(p[b + 3])
     if p[b] == PLANAR:

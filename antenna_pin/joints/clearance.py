@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.contact import FrictionLaw, NoFriction, NormalLaw
+from antenna_pin.contact._kernels import NORMAL_SIZE
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.geometry import CoalPlanar, CoalRevolute, PlanarClearance, RevoluteClearance
 from antenna_pin.geometry.shapes import TABLE_WIDTH
@@ -36,7 +37,8 @@ class JointContacts:
         slip: Tangential velocity of the journal over the bearing, (contacts, 3) [m/s].
         normal_force: (contacts,) [N].
         friction_force: On the journal, (contacts, 3) [N].
-        generalized_force: On the joint, in the child's axes, linear part first: (6,) or (3,) if planar [N, N m].
+        generalized_force: On the joint, in the child's axes, linear part first: (6,) or (3,) if planar [N, N
+            m].
     """
 
     gap: Array
@@ -66,8 +68,8 @@ class ClearanceJoint:
         backend: "coal" (distance queries) or "closed-form".
         offset: Bearing centre from the URDF joint's origin, along the joint's axis [m].
         approach_speed_floor: Least approach speed that a contact remembers [m/s].
-        maximum_depth: Depth at which a run ends, because rigid bodies with contact stiffness no longer describe it
-            [m]; a hundredth of the bearing radius if not given.
+        maximum_depth: Depth at which a run ends, because rigid bodies with contact stiffness no longer
+            describe it [m]; a hundredth of the bearing radius if not given.
     """
 
     name: str
@@ -83,7 +85,9 @@ class ClearanceJoint:
     def __post_init__(self) -> None:
         """Check what the parts do not check themselves."""
         if self.backend not in ("coal", "closed-form"):
-            raise InvalidParameterError(f"joint {self.name!r}", "backend", "coal or closed-form", self.backend)
+            raise InvalidParameterError(
+                f"joint {self.name!r}", "backend", "coal or closed-form", self.backend
+            )
         if not 0.0 < self.approach_speed_floor < math.inf:
             raise InvalidParameterError(
                 f"joint {self.name!r}", "approach_speed_floor", "positive [m/s]", self.approach_speed_floor
@@ -126,7 +130,7 @@ class ClearanceJoint:
 
     @property
     def stride(self) -> int:
-        """Numbers that each contact integrates: impulse, two losses, and a bristle if the friction has one."""
+        """Numbers that each contact integrates: impulse, two losses, a bristle if there is one."""
         return 3 + int(getattr(self.friction, "states", 0))
 
     def block(
@@ -160,8 +164,8 @@ class ClearanceJoint:
             for k, law in enumerate(self.normal_laws):
                 start = _kernels.LAWS + k * _kernels.LAW_SIZE
                 normal: Any = law
-                block[start : start + _kernels.NORMAL_SIZE] = normal.code()
-                block[start + _kernels.NORMAL_SIZE : start + _kernels.LAW_SIZE] = friction.code()
+                block[start : start + NORMAL_SIZE] = normal.code()
+                block[start + NORMAL_SIZE : start + _kernels.LAW_SIZE] = friction.code()
         return block
 
     def evaluate(
@@ -177,8 +181,8 @@ class ClearanceJoint:
         """Return contacts and forces of the joint alone, in one state; not the fast path.
 
         Args:
-            q: Pose of the journal in the bearing, Pinocchio's order: (x, y, z, quaternion xyzw), planar (x, y,
-                cos, sin) [m].
+            q: Pose of the journal in the bearing, Pinocchio's order: (x, y, z, quaternion xyzw), planar (x,
+                y, cos, sin) [m].
             v: Twist of the journal in its own axes, linear first, (6,) or (3,) [m/s, rad/s].
             touching: Whether each contact touches; those with a gap <= 0 if not given.
             approach_speed: Of each contact [m/s]; the floor if not given.
@@ -245,7 +249,9 @@ class PythonPath:
         """Fill the joint's rows of the table as far as its mode says they are given."""
         row = self._row
         if self._revolute is not None:
-            sine = _kernels.place_for_coal(self._block, 0, y, self._nq, self._shape, self._pose, self._revolute.work)
+            sine = _kernels.place_for_coal(
+                self._block, 0, y, self._nq, self._shape, self._pose, self._revolute.work
+            )
             self._revolute.query(sine, table, row)
         else:
             _kernels.journal_state(self._block, 0, y, self._nq, self._pose)

@@ -21,7 +21,8 @@ class ScalesSpec(Spec):
         angular_velocity: [rad/s].
         clearance: Position scale of a joint with play, in multiples of its own clearance [-].
         clearance_velocity: Velocity scale of a joint with play [m/s].
-        base: Factor on the scales of a free base [-]; None for the mass of the other bodies over the whole mass.
+        base: Factor on the scales of a free base [-]; None for the mass of the other bodies over the whole
+            mass.
     """
 
     position: PositiveLength = 1.0

@@ -1,8 +1,9 @@
 """The only time loop: steps, contact memory, located events, sampling, stopping rules.
 
-Contacts change only at located instants. A trial step whose error passes is searched, in its dense output, for the
-first contact that changes; if there is one the step is made again to end there, the contact's memory is changed, and
-the integration restarts from that state. So the equations are smooth inside every accepted step.
+Contacts change only at located instants. A trial step whose error passes is searched, in its dense output,
+for the first contact that changes; if there is one the step is made again to end there, the contact's memory
+is changed, and the integration restarts from that state. So the equations are smooth inside every accepted
+step.
 """
 
 from __future__ import annotations

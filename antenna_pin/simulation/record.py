@@ -1,4 +1,4 @@
-"""From the samples of a run to labelled arrays: everything that a state implies, with units and long names."""
+"""From the samples of a run to labelled arrays: all that a state implies, with units."""
 
 from __future__ import annotations
 
@@ -42,7 +42,9 @@ class _Table:
     def __init__(self) -> None:
         self.variables: dict[str, tuple[tuple[str, ...], Any, dict[str, Any]]] = {}
 
-    def add(self, name: str, dims: tuple[str, ...], values: Any, units: str, meaning: str, **more: Any) -> None:
+    def add(
+        self, name: str, dims: tuple[str, ...], values: Any, units: str, meaning: str, **more: Any
+    ) -> None:
         self.variables[name] = (dims, values, {"units": units, "long_name": meaning, **more})
 
 
@@ -112,7 +114,7 @@ class _Observer:
                 if isinstance(joint.geometry, RevoluteClearance):
                     scratch[: joint.contacts] = rows
                     self.scenarios[i, k] = _geometry.contact_scenario(
-                        joint.geometry.shape(), *pose[:6], scratch, 0, joint.contacts
+                        joint.geometry.shape(), *_joint.centre_and_axis(pose), scratch, 0, joint.contacts
                     )
                 else:
                     self.scenarios[i, k, 0] = rows[0, 0] < 0.0
@@ -139,8 +141,10 @@ class _Observer:
             angles.append(angle)
             rates.append(rate)
             accelerations.append(acceleration)
-        stack = (np.array(values).reshape(len(names), self.n).T for values in (angles, rates, accelerations))
-        return (names, *stack)
+        stacked = [
+            np.array(values).reshape(len(names), self.n).T for values in (angles, rates, accelerations)
+        ]
+        return names, stacked[0], stacked[1], stacked[2]
 
     def _clearance_motion(self, block: int, start: int, planar: bool) -> tuple[Array, Array, Array]:
         program = self.system.program
@@ -155,7 +159,8 @@ class _Observer:
             w = axes.T @ y[nq + start + 3 : nq + start + 6]
             alpha = axes.T @ self.a[i, start + 3 : start + 6]
             rate[i] = gx * w[0] + gy * w[1] + w[2]
-            # The rate's own derivative; that of g is a product of tilt rates, taken exactly from its definition.
+            # The rate's own derivative; that of g is a product of tilt rates, taken exactly from its
+            # definition.
             dg = _tilt_rate(program, block, y, w)
             acceleration[i] = gx * alpha[0] + gy * alpha[1] + alpha[2] + dg[0] * w[0] + dg[1] * w[1]
         return np.unwrap(angle), rate, acceleration
@@ -248,7 +253,11 @@ def _add_state(table: _Table, seen: _Observer) -> None:
         table.add("base_angular_velocity", ("time", "axis"), v[:, 3:6], "rad/s", "base, in its own axes")
     if system.drives:
         table.add(
-            "drive_torque", ("time", "drive"), seen.efforts, "N m", "torque of the drive (a force [N] if it slides)"
+            "drive_torque",
+            ("time", "drive"),
+            seen.efforts,
+            "N m",
+            "torque of the drive (a force [N] if it slides)",
         )
 
 
@@ -264,7 +273,9 @@ def _add_contacts(table: _Table, seen: _Observer) -> None:
     friction = rows[:, :, _joint.FRICTION : _joint.FRICTION + 3]
     table.add("gap", per_contact, gaps, "m", "distance of the surfaces, negative in contact")
     table.add("depth", per_contact, np.maximum(-gaps, 0.0), "m", "penetration depth")
-    table.add("depth_rate", per_contact, rows[:, :, _joint.RATE], "m/s", "rate of penetration, positive closing")
+    table.add(
+        "depth_rate", per_contact, rows[:, :, _joint.RATE], "m/s", "rate of penetration, positive closing"
+    )
     slip = np.linalg.norm(rows[:, :, _joint.SLIP : _joint.SLIP + 3], axis=2)
     table.add("slip_speed", per_contact, slip, "m/s", "tangential speed of the journal over the bearing")
     table.add("normal_force", per_contact, normal, "N", "normal force on the journal")
@@ -275,14 +286,22 @@ def _add_contacts(table: _Table, seen: _Observer) -> None:
     table.add("contact_point", vector, rows[:, :, 4:7], "m", "candidate contact, from the bearing's centre")
     table.add("touching", per_contact, touching, "1", "whether the contact touches")
     joint = ("time", "clearance_joint")
-    table.add("journal_position", (*joint, "axis"), seen.poses[:, :, :3], "m", "journal's centre in the bearing")
+    table.add(
+        "journal_position", (*joint, "axis"), seen.poses[:, :, :3], "m", "journal's centre in the bearing"
+    )
     tilt = np.arctan2(np.hypot(seen.poses[:, :, 3], seen.poses[:, :, 4]), seen.poses[:, :, 5])
     table.add("journal_tilt", joint, tilt, "rad", "angle between the axes of journal and bearing")
     table.add("joint_force", (*joint, "axis"), seen.wrenches[:, :, :3], "N", "contact force on the journal")
     table.add(
-        "joint_torque", (*joint, "axis"), seen.wrenches[:, :, 3:], "N m", "contact torque about the journal's centre"
+        "joint_torque",
+        (*joint, "axis"),
+        seen.wrenches[:, :, 3:],
+        "N m",
+        "contact torque about the journal's centre",
     )
-    for k, (name, kinds) in enumerate((("radial_scenario", RadialScenario), ("axial_scenario", AxialScenario))):
+    for k, (name, kinds) in enumerate(
+        (("radial_scenario", RadialScenario), ("axial_scenario", AxialScenario))
+    ):
         table.add(
             name,
             joint,
@@ -314,7 +333,11 @@ def _add_ledger(table: _Table, seen: _Observer) -> Array:
         error -= work.sum(axis=1)
         table.add("drive_work", ("time", "drive"), work, "J", "work of the drive since the start")
         table.add(
-            "drive_gross_work", ("time", "drive"), x[:, system.gross_work_x], "J", "integral of |power| of the drive"
+            "drive_gross_work",
+            ("time", "drive"),
+            x[:, system.gross_work_x],
+            "J",
+            "integral of |power| of the drive",
         )
     if system.contact_names:
         for name, index, meaning in (
@@ -323,17 +346,29 @@ def _add_ledger(table: _Table, seen: _Observer) -> Array:
         ):
             table.add(name, ("time", "contact"), x[:, index], "J", meaning)
             error += x[:, index].sum(axis=1)
-        table.add("normal_impulse", ("time", "contact"), x[:, system.impulse_x], "N s", "integral of normal force")
+        table.add(
+            "normal_impulse", ("time", "contact"), x[:, system.impulse_x], "N s", "integral of normal force"
+        )
     if system.springs:
-        table.add("dissipation_damper", ("time", "spring"), x[:, system.damper_x], "J", "energy lost in the damper")
+        table.add(
+            "dissipation_damper", ("time", "spring"), x[:, system.damper_x], "J", "energy lost in the damper"
+        )
         error += x[:, system.damper_x].sum(axis=1)
     table.add("energy_error", ("time",), error, "J", "stored - start - work of drives + losses")
     table.add("linear_momentum", ("time", "axis"), seen.linear, "kg m/s", "of the whole, world axes")
     table.add(
-        "angular_momentum", ("time", "axis"), seen.angular, "kg m^2/s", "of the whole about its mass centre, world axes"
+        "angular_momentum",
+        ("time", "axis"),
+        seen.angular,
+        "kg m^2/s",
+        "of the whole about its mass centre, world axes",
     )
     table.add(
-        "momentum_scale", ("time",), seen.momentum_scales[:, 0], "kg m/s", "summed magnitudes, bodies without the base"
+        "momentum_scale",
+        ("time",),
+        seen.momentum_scales[:, 0],
+        "kg m/s",
+        "summed magnitudes, bodies without the base",
     )
     table.add(
         "angular_momentum_scale",

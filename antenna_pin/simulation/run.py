@@ -72,7 +72,9 @@ def simulate(
         system = model
         first_q, first_v = system.neutral(), np.zeros(system.model.nv)
         if duration is None:
-            raise InvalidParameterError("simulate", "duration", "given for a system built in Python [s]", None)
+            raise InvalidParameterError(
+                "simulate", "duration", "given for a system built in Python [s]", None
+            )
         span = duration
         used = settings or RunSettings()
     else:
@@ -89,7 +91,9 @@ def simulate(
     began = time.perf_counter()
     data = dataset(run, title, case, library_versions())
     run.wall += time.perf_counter() - began
-    return Trajectory(data=data, outcome=run.outcome, message=run.message, counts=run.counts(), scenario=scenario)
+    return Trajectory(
+        data=data, outcome=run.outcome, message=run.message, counts=run.counts(), scenario=scenario
+    )
 
 
 def check_start(system: System, y: np.ndarray, duration: float) -> None:

@@ -26,17 +26,17 @@ def _positive(owner: object, *names: str) -> None:
 class ErrorScales:
     """What counts as one unit of each kind of quantity: a step's error is held below rtol (scale + |value|).
 
-    A clearance of a fraction of a millimetre and a satellite of tonnes do not share a scale. At a clearance joint
-    positions are measured in clearances. Scales of a free base are multiplied by ``base``; left out, that is the
-    mass of the other bodies over the whole mass, so that errors weigh alike as momentum.
+    A clearance of a fraction of a millimetre and a satellite of tonnes do not share a scale. At a clearance
+    joint positions are measured in clearances. Scales of a free base are multiplied by ``base``; left out,
+    that is the mass of the other bodies over the whole mass, so that errors weigh alike as momentum.
 
     Attributes:
         position: [m].
         angle: [rad].
         velocity: [m/s].
         angular_velocity: [rad/s].
-        clearance: Position of a journal in its bearing, in multiples of the radial clearance [-]; the tilt's scale
-            is that over half the bearing's length.
+        clearance: Position of a journal in its bearing, in multiples of the radial clearance [-]; the tilt's
+            scale is that over half the bearing's length.
         clearance_velocity: Of a journal in its bearing [m/s]; over half the length for the tilt's rate.
         base: Factor on the scales of a free base [-], or None.
     """
@@ -51,7 +51,9 @@ class ErrorScales:
 
     def __post_init__(self) -> None:
         """Check the scales."""
-        _positive(self, "position", "angle", "velocity", "angular_velocity", "clearance", "clearance_velocity")
+        _positive(
+            self, "position", "angle", "velocity", "angular_velocity", "clearance", "clearance_velocity"
+        )
         if self.base is not None and not 0.0 < self.base < math.inf:
             raise InvalidParameterError(self, "base", "positive and finite, or left out")
 
@@ -81,7 +83,8 @@ class ErrorScales:
             velocity[start : start + linear] = self.clearance_velocity
             if isinstance(joint.geometry, RevoluteClearance):
                 half = 0.5 * joint.geometry.bearing_length
-                # About the axis the motion angle, across it the tilt; in between, for an axis askew, the finer.
+                # About the axis the motion angle, across it the tilt; in between, for an axis askew, the
+                # finer.
                 about = np.abs(slot.axis) > 1.0 - 1e-9
                 position[start + 3 : start + 6] = np.where(about, self.angle, play / half)
                 velocity[start + 3 : start + 6] = np.where(

@@ -28,8 +28,8 @@ def restitution_of(chi):
     def excess(e):
         return math.log1p(chi) - math.log1p(-chi * e) - chi * (1.0 + e)
 
-    # e = -1 is always a root; the wanted one lies where the derivative is positive, above zero.
-    return brentq(excess, 0.0, 1.0, xtol=1e-15, rtol=1e-15)
+    # e = -1 is a root too, and the logarithm ends at 1 / chi.
+    return brentq(excess, 0.0, min(1.0, (1.0 - 1e-12) / chi), xtol=1e-15, rtol=1e-15)
 
 
 def impact(law, mass, speed):
