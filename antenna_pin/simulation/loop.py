@@ -16,10 +16,13 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from types import FrameType
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import minimize_scalar
 
+from antenna_pin.contact import NormalLaw
 from antenna_pin.dynamics import System, TableDrive, _inspect
 from antenna_pin.geometry.shapes import TABLE_WIDTH
 from antenna_pin.integrate import Stepper, method_named
@@ -27,7 +30,7 @@ from antenna_pin.joints import _kernels as _joint
 from antenna_pin.simulation.settings import RunSettings
 from antenna_pin.trajectory import Counts, Outcome
 
-__all__ = ["Episode", "Progress", "Run", "Samples"]
+__all__ = ["Episode", "Progress", "Run", "Samples", "interruptible"]
 
 Array = NDArray[np.float64]
 
@@ -94,8 +97,11 @@ class Samples:
 
 
 @contextmanager
-def _interruptible() -> Iterator[Callable[[], bool]]:
-    """Turn Ctrl-C into a flag that the loop reads between steps, so that no step is left half done."""
+def interruptible() -> Iterator[Callable[[], bool]]:
+    """Turn Ctrl-C into a flag that the loop reads between steps, so that nothing is left half done.
+
+    A second Ctrl-C interrupts at once.
+    """
     seen = False
 
     def note(number: int, frame: FrameType | None) -> None:
@@ -165,6 +171,13 @@ class Run:
             self._table,
             np.zeros(manifold.nv + manifold.nx),
         )
+        # Laws written in Python, by the row of their contact: the compiled inspection cannot evaluate them.
+        self._python_laws: list[tuple[int, NormalLaw]] = []
+        for joint in system.clearances:
+            if not joint.compiled:
+                block = system.clearance_blocks[joint.name]
+                row = int(system.program[block + _joint.FIRST_CONTACT])
+                self._python_laws += [(row + k, law) for k, law in enumerate(joint.normal_laws)]
         self._breaks = sorted(
             {
                 t
@@ -237,24 +250,27 @@ class Run:
 
     # --- stepping -------------------------------------------------------------------------------------------
 
-    def advance(self, progress: Callable[[Progress], None] | None = None) -> None:
-        """Run to the end, or to what ends it earlier."""
+    def advance(
+        self,
+        progress: Callable[[Progress], None] | None = None,
+        interrupted: Callable[[], bool] = lambda: False,
+    ) -> None:
+        """Run to the end, or to what ends it earlier; ``interrupted`` is asked between steps."""
         began = time.perf_counter()
         reported = began
         h = self._first_step()
-        with _interruptible() as interrupted:
-            while self.stepper.t < self.duration:
-                h = self._step(h)
-                if self.outcome is not Outcome.COMPLETED:
-                    break
-                if interrupted():
-                    self._stop(Outcome.INTERRUPTED)
-                    break
-                if progress is not None:
-                    now = time.perf_counter()
-                    if now - reported > _REPORT_INTERVAL:
-                        reported = now
-                        progress(self._progress(h, now - began))
+        while self.stepper.t < self.duration:
+            h = self._step(h)
+            if self.outcome is not Outcome.COMPLETED:
+                break
+            if interrupted():
+                self._stop(Outcome.INTERRUPTED)
+                break
+            if progress is not None:
+                now = time.perf_counter()
+                if now - reported > _REPORT_INTERVAL:
+                    reported = now
+                    progress(self._progress(h, now - began))
         for c in range(len(self._open)):
             self._close(c)
         if self.samples.times[-1] < self.stepper.t:
@@ -343,6 +359,7 @@ class Run:
                 self._accept()
                 self._stop(Outcome.TOO_DEEP, int(np.argmax(-self._nodes[0, -1] - self._depths)))
                 return following
+            self._track_python_laws(context)
             self._ignore[:] = 0
             self._accept()
             return following
@@ -386,8 +403,39 @@ class Run:
         context = (*self._context, stepper.h)
         _inspect.fill_nodes(self._nodes, context)
         _inspect.track_peaks(stepper.t, self._nodes, self._record, context)
+        self._track_python_laws(context)
         self._ignore[:] = 0
         self._accept()
+
+    def _track_python_laws(self, context: tuple[Any, ...]) -> None:
+        """Raise the largest force of contacts with a Python law to the maximum of the dense output."""
+        t, h = self.stepper.t, self.stepper.h
+        for c, law in self._python_laws:
+            if self.system.memory[c, _joint.TOUCHING] == 0.0:
+                continue
+            speed = float(self.system.memory[c, _joint.APPROACH])
+
+            def lack(theta: float, c: int = c, law: NormalLaw = law, speed: float = speed) -> float:
+                _inspect.contacts_at(theta, *context[:-1])
+                depth = -float(self._table[c, 0])
+                return -law.force(depth, float(self._table[c, _joint.RATE]), speed) if depth > 0.0 else 0.0
+
+            points = [k / _inspect.NODES for k in range(_inspect.NODES + 1)]
+            values = [lack(theta) for theta in points]
+            best = int(np.argmin(values))
+            theta, value = points[best], values[best]
+            if 0 < best < _inspect.NODES and -value > 0.95 * self._record[c, _inspect.PEAK_FORCE]:
+                found = minimize_scalar(
+                    lack,
+                    bounds=(points[best - 1], points[best + 1]),
+                    method="bounded",
+                    options={"xatol": 1e-6},
+                )
+                if found.fun < value:
+                    theta, value = float(found.x), float(found.fun)
+            if -value > self._record[c, _inspect.PEAK_FORCE]:
+                self._record[c, _inspect.PEAK_FORCE] = -value
+                self._record[c, _inspect.PEAK_TIME] = t + theta * h
 
     def _accept(self) -> None:
         stepper = self.stepper

@@ -15,7 +15,7 @@ from antenna_pin.errors import InvalidParameterError
 from antenna_pin.geometry.shapes import TABLE_WIDTH
 from antenna_pin.joints import _kernels as _joint
 from antenna_pin.scenario import Scenario
-from antenna_pin.simulation.loop import Progress, Run
+from antenna_pin.simulation.loop import Progress, Run, interruptible
 from antenna_pin.simulation.record import dataset
 from antenna_pin.simulation.settings import ErrorScales, RunSettings
 from antenna_pin.trajectory import Trajectory, library_versions
@@ -85,12 +85,13 @@ def simulate(
     start_v = first_v if v is None else np.asarray(v, dtype=float)
     check_start(system, system.state(start_q, start_v), span)
     run = Run(system, start_q, start_v, float(span), used)
-    run.advance(progress)
     title = scenario.title if scenario is not None else system.mechanism.name
     case = (scenario.case or "") if scenario is not None else ""
-    began = time.perf_counter()
-    data = dataset(run, title, case, library_versions())
-    run.wall += time.perf_counter() - began
+    with interruptible() as interrupted:
+        run.advance(progress, interrupted)
+        began = time.perf_counter()
+        data = dataset(run, title, case, library_versions())
+        run.wall += time.perf_counter() - began
     return Trajectory(
         data=data, outcome=run.outcome, message=run.message, counts=run.counts(), scenario=scenario
     )
@@ -107,7 +108,7 @@ def check_start(system: System, y: np.ndarray, duration: float) -> None:
                 "initial pose",
                 f"penetration of {name}",
                 f"at most maximum_depth = {limit:g} m; start with the journal inside its clearance",
-                float(-row[0]),
+                float(f"{-row[0]:.6g}"),
             )
     for name, drive in system.drives.items():
         if isinstance(drive, TableDrive) and not drive.times[0] <= 0.0 < duration <= drive.times[-1]:

@@ -1,4 +1,4 @@
-"""Every law of the registries, built from example parameters: a law that is added is tested without being asked."""
+"""Every law of the registries, built from example parameters: a law that is added is tested unasked."""
 
 import itertools
 
@@ -6,7 +6,7 @@ import pytest
 
 from antenna_pin.contact import FRICTION_LAWS, NORMAL_LAWS, law_parameters
 
-# What each parameter is tried at. Stiffness and exponent are not what a law's facts depend on; restitution is.
+# What each parameter is tried at. A new parameter of a new law needs its example here.
 EXAMPLES = {
     "stiffness": (3.7e9,),
     "exponent": (1.0, 10 / 9, 1.5, 2.0, 3.0),

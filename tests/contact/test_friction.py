@@ -8,7 +8,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from antenna_pin.contact import Ambrosio, CustomFriction, FrictionLaw, NoFriction, Tanh, VelocityBased, _kernels
+from antenna_pin.contact import (
+    Ambrosio,
+    CustomFriction,
+    FrictionLaw,
+    NoFriction,
+    Tanh,
+    VelocityBased,
+    _kernels,
+)
 
 SPEEDS = np.concatenate([[0.0], np.geomspace(1e-9, 1e2, 200)])
 BAI_ZHAO = VelocityBased(static=0.15, dynamic=0.10, static_speed=0.1, dynamic_speed=1.0)
@@ -20,9 +28,7 @@ def limit(law):
 
 
 def force_of(law, normal_force, slip):
-    return np.array(
-        _kernels.friction_force(law.code(), normal_force, *slip, np.zeros(3), 0, np.zeros(3), 0)
-    )
+    return np.array(_kernels.friction_force(law.code(), normal_force, *slip, np.zeros(3), 0, np.zeros(3), 0))
 
 
 def slope(law, speed, step):
@@ -64,7 +70,11 @@ def test_opposes_slip_in_every_direction(friction_law):
 
 @given(x=st.floats(-10, 10), y=st.floats(-10, 10), z=st.floats(-10, 10), force=st.floats(0, 1e6))
 def test_never_does_positive_work(x, y, z, force):
-    for law in (BAI_ZHAO, Ambrosio(coefficient_of_friction=0.3), Tanh(coefficient_of_friction=0.3, transition_speed=0.01)):
+    for law in (
+        BAI_ZHAO,
+        Ambrosio(coefficient_of_friction=0.3),
+        Tanh(coefficient_of_friction=0.3, transition_speed=0.01),
+    ):
         slip = np.array([x, y, z])
         friction = force_of(law, force, slip)
         assert np.isfinite(friction).all()
@@ -82,10 +92,18 @@ def test_no_friction_is_none():
 
 @pytest.mark.parametrize(
     ("speed", "coefficient"),
-    [(0.1 - 1e-15, 0.150), (0.1, 0.150), (0.3, 0.1437), (0.55, 0.125), (0.8, 0.1063), (1.0, 0.100), (1.5, 0.100)],
+    [
+        (0.1 - 1e-15, 0.150),
+        (0.1, 0.150),
+        (0.3, 0.1437),
+        (0.55, 0.125),
+        (0.8, 0.1063),
+        (1.0, 0.100),
+        (1.5, 0.100),
+    ],
 )
 def test_corrected_velocity_based_law_in_numbers(speed, coefficient):
-    """The corrected law at the speeds of Bai and Zhao, four digits; as printed it jumps at both ends and rises."""
+    """At the speeds of Bai and Zhao, whose printed law jumps at both ends and rises in between."""
     # The table is rounded to four digits.
     assert BAI_ZHAO.coefficient(speed) == pytest.approx(coefficient, abs=5.1e-5)
 

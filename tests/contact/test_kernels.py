@@ -1,4 +1,4 @@
-"""The compiled arithmetic is the Python that is written, and continues smoothly where a step may overshoot."""
+"""The compiled arithmetic is the Python that is written; it continues smoothly where a step overshoots."""
 
 import math
 
@@ -60,7 +60,9 @@ def test_codes_have_the_size_of_their_slots(normal_law, friction_law):
 def test_integer_powers_continue_analytically_below_zero_depth(exponent):
     """So that a trial step across the end of a contact keeps the integrator's order."""
     for depth in (-1e-3, -1e-6, 1e-6, 1e-3):
-        assert _kernels.power(depth, exponent) == pytest.approx(depth ** int(exponent), rel=1e-15)  # round-off
+        assert _kernels.power(depth, exponent) == pytest.approx(
+            depth ** int(exponent), rel=1e-15
+        )  # round-off
 
 
 @pytest.mark.parametrize("exponent", [10 / 9, 1.5, 2.5])

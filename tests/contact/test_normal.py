@@ -33,7 +33,7 @@ def restitution_of(chi):
 
 
 def impact(law, mass, speed):
-    """A free mass meets a wall: returns depths and speeds at the deepest point and at separation, scaled by speed."""
+    """A free mass meets a wall: returns the peak depth [m] and the restitution."""
     n = law.exponent
     length = (mass * speed**2 / law.stiffness) ** (1.0 / (n + 1.0))
     period = length / speed
@@ -137,13 +137,17 @@ def test_energy_is_the_integral_of_the_elastic_force(normal_law):
     for depth in (1e-8, 3e-6, 1e-4):
         # In sqrt(depth), so that the integrand is smooth for exponent 3/2; quad is then exact to round-off.
         work, _ = quad(
-            lambda s: 2.0 * s * normal_law.elastic_force(s * s), 0.0, math.sqrt(depth), epsabs=0.0, epsrel=1e-13
+            lambda s: 2.0 * s * normal_law.elastic_force(s * s),
+            0.0,
+            math.sqrt(depth),
+            epsabs=0.0,
+            epsrel=1e-13,
         )
         assert normal_law.elastic_energy(depth) == pytest.approx(work, rel=1e-12)
 
 
 def test_impact_delivers_the_certified_restitution(normal_law):
-    """chi (1 + e) = ln[(1 + chi) / (1 - chi e)], whatever the mass, the stiffness, the exponent and the speed."""
+    """chi (1 + e) = ln[(1 + chi) / (1 - chi e)], whatever mass, stiffness, exponent and speed."""
     expected = restitution_of(hysteresis(normal_law))
     for mass, speed in ((0.4, 0.2), (70.0, 0.003)):
         _, delivered = impact(normal_law, mass, speed)
@@ -198,7 +202,7 @@ def test_dissipation_is_what_the_impact_loses():
 
 @pytest.mark.parametrize(("asked", "delivered"), [(0.90, 0.9132), (0.95, 0.9535)])
 def test_lankarani_nikravesh_delivers_more_than_it_is_asked_for(asked, delivered):
-    """Its chi comes from an energy argument that holds near 1; the values are those of the certificate, 4 digits."""
+    """Its chi comes from an energy argument that holds near 1. Values of the certificate, 4 digits."""
     law = LankaraniNikravesh(stiffness=1e10, restitution=asked)
     assert restitution_of(law.hysteresis) == pytest.approx(delivered, abs=5e-5)
 

@@ -23,26 +23,25 @@ def antenna(**changes):
     return RevoluteClearance.from_clearances(**(ANTENNA | changes))
 
 
-#: Name -> shape, largest tilt [rad], largest offset of the journal centre across and along the axis [m].
+#: Half a radian fits a short, wide bore. Its end circle, seen along the journal, is so flat an ellipse that
+#: the distance has two local minima in the middle of the bore.
+WIDE = dict(radial_clearance=0.0018, bearing_length=0.006, axial_clearance=0.006)
+
+#: Name -> shape, largest tilt [rad], largest offset of the journal's centre across and along the axis [m].
 POSE_SETS = {
     "antenna": (antenna(), 0.010, 0.0004, 0.0004),
-    # Half a radian fits a short, wide bore. The end circle seen along the journal is an ellipse so flat that the
-    # distance has two local minima over much of the bore.
-    "wide": (antenna(radial_clearance=0.006, bearing_length=0.012, axial_clearance=0.008), 0.5, 0.006, 0.004),
     "small flange": (antenna(flange_radius=0.011), 0.010, 0.0004, 0.0004),
     "equal edges": (antenna(flange_radius=0.012), 0.010, 0.0004, 0.0004),
-    "wide, small flange": (
-        antenna(radial_clearance=0.006, bearing_length=0.012, axial_clearance=0.008, flange_radius=0.0105),
-        0.5,
-        0.006,
-        0.004,
-    ),
+    "wide": (antenna(**WIDE), 0.5, 0.002, 0.004),
+    "wide, small flange": (antenna(**WIDE, flange_radius=0.0105), 0.5, 0.002, 0.004),
 }
 
 
 def axis_of(tilt, direction):
     """Unit vectors tilted from z towards an azimuth, (..., 3)."""
-    return np.stack([np.sin(tilt) * np.cos(direction), np.sin(tilt) * np.sin(direction), np.cos(tilt)], axis=-1)
+    return np.stack(
+        [np.sin(tilt) * np.cos(direction), np.sin(tilt) * np.sin(direction), np.cos(tilt)], axis=-1
+    )
 
 
 def random_poses(count, seed, tilt, across, along):
@@ -58,8 +57,8 @@ def random_poses(count, seed, tilt, across, along):
 def zoomed_minimum(function, count, *, grid=360, levels=6, zoom=33):
     """Least value over the circle of ``function(index, angle)``, by grids alone: (values, angles, minima).
 
-    A dense grid; around each of its local minima, of which ``minima`` counts those of every index, a finer grid; and
-    so on down to 2 pi / 360 / 16^6 = 1e-9 rad, where a minimum differs from its neighbours by less than round-off.
+    A dense grid; around each of its local minima (``minima`` counts them, per index) a finer grid; and so on
+    down to 2 pi / 360 / 16^6 = 1e-9 rad, where a minimum differs from its neighbours by less than round-off.
     """
     angles = 2.0 * np.pi * np.arange(grid) / grid
     index = np.arange(count)
@@ -83,7 +82,7 @@ def zoomed_minimum(function, count, *, grid=360, levels=6, zoom=33):
 
 
 def bore_gaps(shape, centre, axis, side):
-    """Gap at one end circle: least distance of its points from the journal's axis, less the journal's radius."""
+    """Gap at one end circle: least distance of its points from the journal's axis, less its radius."""
     radius, height = shape.bearing_radius, 0.5 * side * shape.bearing_length
 
     def distance(index, angle):

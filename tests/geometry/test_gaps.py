@@ -1,4 +1,4 @@
-"""Gaps, normals and contact points of a revolute clearance joint against brute force and against their definition."""
+"""Gaps, normals and contact points of a joint with play against brute force and against their definition."""
 
 import math
 
@@ -10,6 +10,10 @@ from hypothesis import strategies as st
 from antenna_pin.geometry import CoalRevolute, RevoluteClearance, _kernels
 
 SIDES = (1.0, -1.0)
+BACKENDS = {"closed-form": lambda shape: shape, "coal": CoalRevolute}
+# With exactly parallel axes the closed form errs by round-off. There coal makes a cylinder longer by 1e-10
+# of its length, to keep it strictly convex: 2.5 pm at each end.
+PARALLEL = {"closed-form": 1e-17, "coal": 3e-12}
 
 
 @pytest.fixture(scope="module")
@@ -41,7 +45,7 @@ def test_radial_gap_is_the_least_distance_to_the_journal(poses, table):
 def test_wide_poses_have_two_local_minima(poses):
     """The comparison above is one of global minima only where there is a choice."""
     if "wide" in poses.name:
-        assert (poses.minima >= 2).sum() > 5000
+        assert (poses.minima == 2).sum() > 2000
         assert (poses.minima == 1).sum() > 1000
     assert poses.minima.max() <= 2  # the squared distance is a trigonometric polynomial of degree 2
 
@@ -117,8 +121,8 @@ def test_axial_rows_are_what_they_are_defined_to_be(poses, table):
 
 
 def test_coal_agrees_with_the_closed_form(poses, table, coal_table):
-    # Asked for: 1e-10 m. Both are closed forms with the contact angle at a root, so they agree to round-off.
-    assert np.abs(coal_table[:, :, 0] - table[:, :, 0]).max() < 1e-15
+    # 1e-10 m is asked for. Both are closed forms with the contact angle at a root: round-off of 2.5e-2 m.
+    assert np.abs(coal_table[:, :, 0] - table[:, :, 0]).max() < 3e-17
 
 
 def test_coal_gives_the_same_normals_and_points_near_contact(poses, table, coal_table):
@@ -126,10 +130,10 @@ def test_coal_gives_the_same_normals_and_points_near_contact(poses, table, coal_
     for row in range(4):
         rows = near[:, row]
         assert rows.sum() > 20
-        # Where the distance changes its angle by delta, normal and point change in first order: that of the bore
-        # is carried to 1e-10 rad; of the flanges round-off over the sine of the tilt.
+        # The search ends with a step below 1e-5 rad, carried over to first order: (1e-5)^2 remains, times a
+        # factor that grows where a second minimum is near.
         assert np.abs(coal_table[rows, row, 1:4] - table[rows, row, 1:4]).max() < 1e-9
-        assert np.abs(coal_table[rows, row, 4:7] - table[rows, row, 4:7]).max() < 1e-11
+        assert np.abs(coal_table[rows, row, 4:7] - table[rows, row, 4:7]).max() < 1e-11  # times R_i
 
 
 def test_published_gaps_near_the_axis(pose_maker, joint):
@@ -155,42 +159,40 @@ def test_published_gaps_near_the_axis(pose_maker, joint):
     assert identity < 5e-17  # round-off
 
 
-@pytest.mark.parametrize("backend", [RevoluteClearance, CoalRevolute])
+@pytest.mark.parametrize("backend", BACKENDS)
 def test_centred_and_parallel_every_gap_is_the_clearance(backend, joint):
-    shape = joint()
-    contacts = (shape if backend is RevoluteClearance else CoalRevolute(shape)).contacts([0, 0, 0], [0, 0, 1])
-    assert [c.gap for c in contacts] == pytest.approx([2e-4] * 4, abs=1e-17)  # round-off
+    contacts = BACKENDS[backend](joint()).contacts([0, 0, 0], [0, 0, 1])
+    assert [c.gap for c in contacts] == pytest.approx([2e-4] * 4, abs=PARALLEL[backend])
     for contact in contacts:
         assert np.isfinite(contact.point).all()
         assert np.linalg.norm(contact.normal) == pytest.approx(1.0, rel=1e-15)
         assert contact.depth == 0.0
 
 
-@pytest.mark.parametrize("backend", ["closed-form", "coal"])
+@pytest.mark.parametrize("backend", BACKENDS)
 def test_parallel_axes_push_apart_along_the_axis(backend, joint):
     """With exactly parallel axes the flange's force acts on the axis: it has no reason to choose a side."""
-    shape = joint()
     for z in (1e-4, -3e-4):
-        contacts = (shape if backend == "closed-form" else CoalRevolute(shape)).contacts([1e-4, 2e-5, z], [0, 0, 1])
+        contacts = BACKENDS[backend](joint()).contacts([1e-4, 2e-5, z], [0, 0, 1])
         for contact, side in zip(contacts[2:], SIDES, strict=True):
-            assert contact.gap == pytest.approx(2e-4 + side * z, abs=1e-17)  # round-off
+            assert contact.gap == pytest.approx(2e-4 + side * z, abs=PARALLEL[backend])
             assert contact.normal.tolist() == [0.0, 0.0, side]
             assert contact.point == pytest.approx([0.0, 0.0, side * 0.025], abs=1e-17)
 
 
-def test_parallel_axes_and_a_small_flange_push_on_the_journals_axis(joint):
-    contacts = joint(flange_radius=0.011).contacts([1e-4, 2e-5, 0.0], [0, 0, 1])
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_parallel_axes_and_a_small_flange_push_on_the_journals_axis(backend, joint):
+    contacts = BACKENDS[backend](joint(flange_radius=0.011)).contacts([1e-4, 2e-5, 0.0], [0, 0, 1])
     for contact, side in zip(contacts[2:], SIDES, strict=True):
         assert contact.normal.tolist() == [0.0, 0.0, side]
-        assert contact.point == pytest.approx([1e-4, 2e-5, side * 0.0252], abs=1e-17)  # round-off
+        assert contact.point == pytest.approx([1e-4, 2e-5, side * 0.0252], abs=PARALLEL[backend])
 
 
-@pytest.mark.parametrize("backend", ["closed-form", "coal"])
+@pytest.mark.parametrize("backend", BACKENDS)
 def test_parallel_axes_make_the_bore_a_circle_in_a_circle(backend, joint):
-    shape = joint()
     eccentricity, angle = 1.7e-4, 2.1
     p = [eccentricity * math.cos(angle), eccentricity * math.sin(angle), 5e-5]
-    contacts = (shape if backend == "closed-form" else CoalRevolute(shape)).contacts(p, [0, 0, 1])
+    contacts = BACKENDS[backend](joint()).contacts(p, [0, 0, 1])
     for contact, side in zip(contacts[:2], SIDES, strict=True):
         assert contact.gap == pytest.approx(2e-4 - eccentricity, abs=1e-17)  # round-off
         # Round-off over the eccentricity.
@@ -209,7 +211,7 @@ def test_gaps_are_continuous_as_the_tilt_vanishes(tilt, joint):
 
 
 def test_largest_tilt_by_radial_play(joint):
-    """Centred, the journal meets both ends at a tilt of 2 C_r / L_i = 8 mrad, where 96 um of the axial play is used."""
+    """Centred, the journal meets both ends at 2 C_r / L_i = 8 mrad; that uses 96 um of the axial play."""
     shape = joint()
     gaps = [c.gap for c in shape.contacts([0, 0, 0], [math.sin(8e-3), 0, math.cos(8e-3)])]
     # First order in the tilt; the second is R_i tilt^2 / 2 = 3e-7 m.
@@ -266,15 +268,17 @@ def test_a_journal_put_in_upside_down_meets_the_same_bore(pose_maker, joint):
                 assert a.gap == pytest.approx(b.gap, abs=3e-17)  # round-off
 
 
-@pytest.mark.parametrize("point", [(0, 0), (3, 0), (0, 2), (4, 0), (5, 0), (0, 9), (1e-9, 1e-9), (-3, 1e-12)])
+@pytest.mark.parametrize(
+    "point", [(0, 5e-324), (0, 0), (3, 0), (0, 2), (4, 0), (5, 0), (0, 9), (1e-9, 1e-9), (-3, 1e-12)]
+)
 @pytest.mark.parametrize("axes", [(5.0, 3.0), (5.0, 5.0), (5.0, 4.99999), (5.0, 0.1)])
 def test_nearest_point_of_an_ellipse(axes, point):
-    """Also on the axes of symmetry, at the centre and on a circle, where no point or every point is special."""
+    """Also on the axes of symmetry, at the centre and on a circle, where every point is as near."""
     a, b = axes
     ex, ey = _kernels.nearest_on_ellipse(a, b, float(point[0]), float(point[1]))
     assert (ex / a) ** 2 + (ey / b) ** 2 == pytest.approx(1.0, rel=1e-14)  # round-off
     angle = np.linspace(0.0, 2.0 * np.pi, 200_001)
     least = np.hypot(a * np.cos(angle) - point[0], b * np.sin(angle) - point[1]).min()
-    # The grid is 3e-5 rad: it errs by a (3e-5)^2 / 8 over the least radius of curvature, b^2 / a = 0.002 at worst.
+    # Half a grid step, 1.6e-5 rad, errs by at most a * 1.6e-5 along, squared over twice the distance.
     assert math.hypot(ex - point[0], ey - point[1]) <= least + 1e-13
     assert math.hypot(ex - point[0], ey - point[1]) == pytest.approx(least, abs=1e-6)

@@ -1,0 +1,205 @@
+"""Dimensions of a joint with play: what follows from them, and what is refused."""
+
+import math
+import re
+
+import numpy as np
+import pytest
+
+import antenna_pin.geometry
+from antenna_pin.geometry import (
+    ClearanceGeometry,
+    CoalPlanar,
+    CoalRevolute,
+    ContactPoint,
+    PlanarClearance,
+    RevoluteClearance,
+)
+
+PLANAR = PlanarClearance(bearing_radius=0.010, journal_radius=0.0098)
+
+
+def test_clearances_follow_from_dimensions(joint):
+    shape = joint()
+    assert shape.journal_radius == pytest.approx(0.0098, rel=1e-15)  # round-off
+    assert shape.flange_distance == pytest.approx(0.0504, rel=1e-15)
+    assert shape.radial_clearance == pytest.approx(2e-4, rel=1e-12)  # round-off of a difference of lengths
+    assert shape.axial_clearance == pytest.approx(2e-4, rel=1e-12)
+    assert PLANAR.radial_clearance == pytest.approx(2e-4, rel=1e-12)
+
+
+def test_names_and_number_of_contacts(joint):
+    shape = joint()
+    for geometry in (shape, CoalRevolute(shape)):
+        assert geometry.contact_names == ("radial+", "radial-", "axial+", "axial-")
+        assert len(geometry.contacts([0, 0, 0], [0, 0, 1])) == 4
+    for geometry in (PLANAR, CoalPlanar(PLANAR)):
+        assert geometry.contact_names == ("radial",)
+        assert len(geometry.contacts([0, 0, 0], [0, 0, 1])) == 1
+
+
+def test_depth_is_the_negative_part_of_the_gap():
+    normal = point = np.zeros(3)
+    assert ContactPoint(-2e-6, normal, point).depth == 2e-6
+    assert ContactPoint(2e-6, normal, point).depth == 0.0
+
+
+def test_only_the_direction_of_the_axis_counts(joint):
+    shape = joint()
+    for a, b in zip(
+        shape.contacts([1e-4, 0, 0], [0.001, 0.002, 1.0]),
+        shape.contacts([1e-4, 0, 0], [0.007, 0.014, 7.0]),
+        strict=True,
+    ):
+        assert a.gap == pytest.approx(b.gap, abs=3e-17)  # round-off
+
+
+@pytest.mark.parametrize("geometry", [PLANAR, CoalPlanar(PLANAR)], ids=["closed-form", "coal"])
+def test_planar_joint_is_a_circle_in_a_circle(geometry):
+    rng = np.random.default_rng(5)
+    for _ in range(100):
+        x, y = rng.uniform(-4e-4, 4e-4, 2)
+        (contact,) = geometry.contacts([x, y, 0.0], [0, 0, 1])
+        eccentricity = math.hypot(x, y)
+        assert contact.gap == pytest.approx(2e-4 - eccentricity, abs=1e-17)  # round-off
+        # Coal's normal is a difference of points of 1e-2 m over the journal's radius.
+        assert contact.normal == pytest.approx([-x / eccentricity, -y / eccentricity, 0.0], abs=1e-13)
+        assert contact.point == pytest.approx(
+            [0.01 * x / eccentricity, 0.01 * y / eccentricity, 0.0], abs=1e-16
+        )
+
+
+@pytest.mark.parametrize("geometry", [PLANAR, CoalPlanar(PLANAR)], ids=["closed-form", "coal"])
+def test_planar_joint_at_its_centre_has_a_gap_and_some_normal(geometry):
+    (contact,) = geometry.contacts([0, 0, 0], [0, 0, 1])
+    assert contact.gap == pytest.approx(2e-4, abs=1e-17)  # round-off
+    assert np.linalg.norm(contact.normal) == pytest.approx(1.0, rel=1e-15)
+
+
+def test_planar_joint_is_the_end_of_a_journal_that_does_not_tilt(joint):
+    for x, y in ((1e-4, 5e-5), (-2.3e-4, 1e-4)):
+        (flat,) = PLANAR.contacts([x, y, 0])
+        for end in joint().contacts([x, y, 1e-5], [0, 0, 1])[:2]:
+            assert end.gap == pytest.approx(flat.gap, abs=1e-17)  # round-off
+            assert end.normal == pytest.approx(flat.normal, abs=1e-13)
+
+
+GOOD = dict(
+    bearing_radius=0.01,
+    journal_radius=0.0098,
+    bearing_length=0.05,
+    flange_distance=0.0504,
+    bearing_outer_radius=0.012,
+    flange_radius=0.014,
+)
+
+
+@pytest.mark.parametrize("length", GOOD)
+@pytest.mark.parametrize("value", [0.0, -0.01, math.nan, math.inf])
+def test_refuses_what_is_no_length(length, value):
+    message = f"RevoluteClearance: {length} must be a positive length [m], got {value!r}"
+    with pytest.raises(ValueError, match=f"^{re.escape(message)}$"):
+        RevoluteClearance(**(GOOD | {length: value}))
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (
+            {"journal_radius": 0.01},
+            "RevoluteClearance: journal_radius must be below bearing_radius = 0.01 m, got 0.01",
+        ),
+        (
+            {"journal_radius": 0.02},
+            "RevoluteClearance: journal_radius must be below bearing_radius = 0.01 m, got 0.02",
+        ),
+        (
+            {"flange_distance": 0.0499},
+            "RevoluteClearance: flange_distance must be at least bearing_length = 0.05 m, got 0.0499",
+        ),
+        (
+            {"bearing_outer_radius": 0.01},
+            "RevoluteClearance: bearing_outer_radius must be above bearing_radius = 0.01 m, got 0.01",
+        ),
+        (
+            {"flange_radius": 0.0099},
+            "RevoluteClearance: flange_radius must be above bearing_radius = 0.01 m, got 0.0099",
+        ),
+    ],
+)
+def test_refuses_what_does_not_fit_together(change, message):
+    with pytest.raises(ValueError, match=f"^{re.escape(message)}$"):
+        RevoluteClearance(**(GOOD | change))
+
+
+def test_axial_clearance_of_zero_is_allowed(joint):
+    assert joint(axial_clearance=0.0).axial_clearance == 0.0
+    RevoluteClearance(**(GOOD | {"flange_distance": 0.05 * (1.0 - 1e-13)}))  # zero but for round-off
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        (
+            {"bearing_radius": 0.01, "journal_radius": 0.011},
+            "PlanarClearance: journal_radius must be below bearing_radius = 0.01 m, got 0.011",
+        ),
+        (
+            {"bearing_radius": -0.01, "journal_radius": 0.011},
+            "PlanarClearance: bearing_radius must be a positive length [m], got -0.01",
+        ),
+        (
+            {"bearing_radius": 0.01, "journal_radius": math.nan},
+            "PlanarClearance: journal_radius must be a positive length [m], got nan",
+        ),
+    ],
+)
+def test_refuses_what_is_no_planar_joint(given, message):
+    with pytest.raises(ValueError, match=f"^{re.escape(message)}$"):
+        PlanarClearance(**given)
+
+
+def test_refuses_what_is_no_pose(joint):
+    shape = joint()
+    for geometry in (shape, CoalRevolute(shape), PLANAR, CoalPlanar(PLANAR)):
+        with pytest.raises(
+            ValueError, match="^contacts: pose must be two finite vectors of three numbers, got "
+        ):
+            geometry.contacts([0, 0], [0, 0, 1])
+        with pytest.raises(
+            ValueError, match="^contacts: pose must be two finite vectors of three numbers, got "
+        ):
+            geometry.contacts([0, 0, math.nan], [0, 0, 1])
+        with pytest.raises(ValueError, match="^contacts: axis_J_H must be a nonzero vector, got "):
+            geometry.contacts([0, 0, 0], [0, 0, 0])
+
+
+def test_public_names_exist():
+    for name in antenna_pin.geometry.__all__:
+        assert getattr(antenna_pin.geometry, name) is not None
+    assert hasattr(ClearanceGeometry, "contacts")
+
+
+def test_kernels_equal_their_python(joint, pose_maker):
+    """In the last bits; poses with both local minima included."""
+    kernel = antenna_pin.geometry._kernels.nearest_on_ellipse
+    if not hasattr(kernel, "py_func"):
+        pytest.skip("compilation is switched off")
+    kernels = antenna_pin.geometry._kernels
+    for shape in (joint(), joint(flange_radius=0.011)):
+        flat = shape.shape()
+        for p, z in zip(*pose_maker(200, 9, 0.4, 1e-3, 1e-3), strict=True):
+            compiled, plain = np.zeros((4, 7)), np.zeros((4, 7))
+            sine = math.hypot(z[0], z[1])
+            for row, side in enumerate((1.0, -1.0)):
+                kernels.bore_contact(flat, side, *p, *z, sine, compiled, row)
+                kernels.bore_contact.py_func(flat, side, *p, *z, sine, plain, row)
+                kernels.flange_contact(flat, side, *p, *z, sine, compiled, 2 + row)
+                kernels.flange_contact.py_func(flat, side, *p, *z, sine, plain, 2 + row)
+            # Round-off of angles near a second minimum; the gaps below do not feel it.
+            assert compiled == pytest.approx(plain, abs=1e-12)
+            assert compiled[:, 0] == pytest.approx(plain[:, 0], abs=1e-16)
+    rng = np.random.default_rng(1)
+    for major, ratio, x, y in rng.uniform([1e-3, 0.1, -2e-2, -2e-2], [1e-2, 1.0, 2e-2, 2e-2], (500, 4)):
+        arguments = (major, ratio * major, x, y)
+        assert kernel(*arguments) == pytest.approx(kernel.py_func(*arguments), abs=1e-15)  # round-off

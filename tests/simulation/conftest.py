@@ -1,0 +1,62 @@
+"""Rigs: small mechanisms whose motion is known in closed form, and the antenna in few words."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from antenna_pin import RunSettings, System, Urdf, build_mechanism
+from antenna_pin.geometry import PlanarClearance
+from antenna_pin.joints import ClearanceJoint
+
+IMPACT_URDF = """
+<robot name="impact">
+  <link name="ground"/>
+  <link name="body">
+    <inertial><origin xyz="0 0 0"/><mass value="{mass}"/>
+      <inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial>
+  </link>
+  <joint name="hole" type="continuous">
+    <parent link="ground"/><child link="body"/><axis xyz="0 0 1"/>
+  </joint>
+</robot>
+"""
+
+
+@pytest.fixture
+def impact_rig() -> Callable[..., System]:
+    """A disc of mass m in a fixed round hole: along a diameter a ball between two walls."""
+
+    def build(law: Any, mass: float = 2.0, play: float = 1e-3, **joint: Any) -> System:
+        urdf = Urdf.from_text(IMPACT_URDF.format(mass=mass), "impact.urdf").variant(joints={"hole": "planar"})
+        mechanism = build_mechanism(urdf, base="fixed")
+        clearance = ClearanceJoint(
+            name="hole",
+            geometry=PlanarClearance(bearing_radius=0.01, journal_radius=0.01 - play),
+            radial=law,
+            backend="closed-form",
+            **{"maximum_depth": 1e-2, **joint},
+        )
+        return System(mechanism, clearances=[clearance])
+
+    return build
+
+
+@pytest.fixture
+def fixed_steps() -> Callable[..., RunSettings]:
+    """Settings that make any method walk with equal steps (but for those that end at events)."""
+
+    def build(method: str, step: float) -> RunSettings:
+        return RunSettings(
+            method=method, rtol=1e12, step=step, first_step=step, max_step=step, output_rate=10.0
+        )
+
+    return build
+
+
+def final(run: Any) -> np.ndarray:
+    """Position and velocity along the first axis at the end of a run."""
+    return np.array([run.data["q"].values[-1, 0], run.data["v"].values[-1, 0]])

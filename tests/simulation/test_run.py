@@ -1,0 +1,168 @@
+"""How a run behaves: sampling, progress, stopping, drives and springs against closed forms."""
+
+import math
+import os
+import signal
+
+import numpy as np
+import pytest
+
+from antenna_pin import (
+    AntennaPinError,
+    Outcome,
+    RunSettings,
+    System,
+    Urdf,
+    build_mechanism,
+    load_scenario,
+    simulate,
+)
+from antenna_pin.assemble import build_system
+from antenna_pin.dynamics import CallableDrive, JointSpring, SineDrive, TableDrive
+
+WHEEL = """
+<robot name="wheel">
+  <link name="ground"/>
+  <link name="wheel"><inertial><mass value="1"/>
+    <inertia ixx="0.3" iyy="0.3" izz="0.5" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <joint name="axle" type="{kind}"><parent link="ground"/><child link="wheel"/><axis xyz="0 0 1"/>
+    {limit}</joint>
+</robot>
+"""
+INERTIA = 0.5
+
+
+def wheel(kind="continuous", **elements):
+    limit = '<limit lower="-9" upper="9" effort="9" velocity="9"/>' if kind == "revolute" else ""
+    urdf = Urdf.from_text(WHEEL.format(kind=kind, limit=limit), "wheel.urdf")
+    return System(build_mechanism(urdf, base="fixed"), **elements)
+
+
+TIGHT = RunSettings(rtol=1e-12, output_rate=200.0)
+
+
+@pytest.mark.parametrize("kind", ["continuous", "revolute"])
+def test_a_spring_and_damper_give_the_damped_oscillator(kind):
+    stiffness, damping, rest = 8.0, 0.2, 0.3
+    system = wheel(
+        kind, springs={"s": JointSpring(joint="axle", stiffness=stiffness, damping=damping, rest_angle=rest)}
+    )
+    run = simulate(system, duration=3.0, settings=TIGHT)
+    t = run.data["time"].values
+    decay = damping / (2 * INERTIA)
+    omega = math.sqrt(stiffness / INERTIA - decay**2)
+    exact = rest - rest * np.exp(-decay * t) * (np.cos(omega * t) + decay / omega * np.sin(omega * t))
+    assert run.data["motion_angle"].sel(joint="axle").values == pytest.approx(exact, abs=1e-11)
+    lost = run.data["dissipation_damper"].sel(spring="s").values[-1]
+    stored = run.data["kinetic_energy"].values[-1] + run.data["spring_energy"].values[-1]
+    assert lost + stored == pytest.approx(0.5 * stiffness * rest**2, rel=1e-11)
+
+
+def test_sine_table_and_callable_drive_the_same_motion():
+    amplitude, frequency = 2.0, 1.5
+    sine = SineDrive(joint="axle", amplitude=amplitude, frequency=frequency)
+    times = np.linspace(0.0, 1.0, 2001)
+    values = amplitude * np.sin(2 * np.pi * frequency * times)
+    drives = {
+        "sine": sine,
+        "callable": CallableDrive(
+            joint="axle", torque=lambda t, angle, rate: amplitude * math.sin(2 * math.pi * frequency * t)
+        ),
+        "linear": TableDrive(joint="axle", times=tuple(times), values=tuple(values)),
+        "cubic": TableDrive(joint="axle", times=tuple(times), values=tuple(values), interpolation="cubic"),
+    }
+    w = 2 * np.pi * frequency
+    final = {
+        name: simulate(wheel(drives={"d": drive}), duration=1.0, settings=TIGHT).data
+        for name, drive in drives.items()
+    }
+    exact = amplitude / (INERTIA * w) * (1.0 - math.sin(w) / w)
+    for name, bound in (
+        ("sine", 1e-11),
+        ("callable", 1e-11),
+        ("linear", 1e-5),  # chords of an arc: (w dt)^2 / 12 = 2e-6 of the torque
+        ("cubic", 1e-5),  # monotone slopes are of second order at the extrema
+    ):
+        angle = final[name]["motion_angle"].values[-1, 0]
+        assert angle == pytest.approx(exact, rel=bound), name
+    work = final["sine"]["drive_work"].values[-1, 0]
+    assert work == pytest.approx(final["sine"]["kinetic_energy"].values[-1], rel=1e-10)
+    assert final["sine"]["drive_gross_work"].values[-1, 0] >= abs(work)
+
+
+def test_a_callable_drive_sees_the_motion():
+    """A proportional-derivative controller is a spring and a damper."""
+    spring = {"s": JointSpring(joint="axle", stiffness=5.0, damping=0.4, rest_angle=0.2)}
+    control = {
+        "c": CallableDrive(joint="axle", torque=lambda t, angle, rate: -5.0 * (angle - 0.2) - 0.4 * rate)
+    }
+    runs = [
+        simulate(wheel(**e), duration=2.0, settings=TIGHT) for e in ({"springs": spring}, {"drives": control})
+    ]
+    ends = [run.data["motion_angle"].values for run in runs]
+    assert ends[1] == pytest.approx(ends[0], abs=1e-11)
+
+
+def test_samples_are_at_the_rate_and_at_all_events():
+    run = simulate(load_scenario("bai2020", case="case3"), duration=0.05)
+    times = run.data["time"].values
+    assert (np.diff(times) > 0.0).all()
+    for moment in np.arange(51) / 1000.0:
+        assert abs(times - moment).min() < 1e-15
+    for name in ("onset_time", "release_time"):
+        events = run.data[name].values
+        for moment in events[np.isfinite(events)]:
+            assert abs(times - moment).min() < 1e-15
+
+
+def test_ctrl_c_ends_cleanly_and_keeps_what_was_computed():
+    def press(progress):
+        if progress.time > 0.0 and progress.steps > 20:
+            os.kill(os.getpid(), signal.SIGINT)
+
+    before = signal.getsignal(signal.SIGINT)
+    run = simulate(load_scenario("bai2020", case="case3"), duration=1000.0, progress=press)
+    assert run.outcome is Outcome.INTERRUPTED
+    assert 0.0 < run.data["time"].values[-1] < 1000.0
+    assert run.summary()["conservation"]["linear_momentum_drift_relative"] < 1e-8
+    assert signal.getsignal(signal.SIGINT) is before
+
+
+def test_a_state_that_stops_being_finite_ends_the_run_and_says_where():
+    drive = CallableDrive(joint="axle", torque=lambda t, angle, rate: 1.0 if t < 0.5 else math.nan)
+    run = simulate(wheel(drives={"d": drive}), duration=1.0, settings=TIGHT)
+    assert run.outcome is Outcome.NOT_FINITE
+    assert "at t = 0.5" in run.message or "at t = 0.49" in run.message
+    assert np.isfinite(run.data["q"].values).all()
+
+
+def test_a_step_that_collapses_ends_the_run_and_says_what_to_try():
+    system = wheel(drives={"d": SineDrive(joint="axle", amplitude=1e3, frequency=1e3)})
+    run = simulate(system, duration=1.0, settings=RunSettings(rtol=1e-12, min_step=1e-3, first_step=1e-2))
+    assert run.outcome is Outcome.STEP_TOO_SMALL
+    assert "integrator.min_step" in run.message
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("rtol", 0.0),
+        ("max_step", math.inf),
+        ("output_rate", -1.0),
+        ("min_step", math.nan),
+        ("method", "euler"),
+    ],
+)
+def test_settings_are_checked(key, value):
+    with pytest.raises(AntennaPinError, match=key):
+        RunSettings(**{key: value})
+
+
+def test_a_system_needs_a_duration_and_a_finite_state():
+    system = build_system(load_scenario("bai2020", case="case1"))
+    with pytest.raises(AntennaPinError, match="duration"):
+        simulate(system)
+    with pytest.raises(AntennaPinError, match="14 finite numbers|9 finite numbers"):
+        simulate(system, duration=1.0, q=np.full(system.model.nq, np.nan))
+    with pytest.raises(AntennaPinError, match="duration"):
+        simulate(system, duration=-1.0)

@@ -1,0 +1,151 @@
+"""From a scenario to a system: placements, laws, and what is refused before any work."""
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from antenna_pin import AntennaPinError, Urdf, build_mechanism, load_scenario, simulate
+from antenna_pin.assemble import build_system, initial_state, urdf_variant
+from antenna_pin.contact import MATERIALS, hertz_stiffness
+from antenna_pin.geometry.shapes import TABLE_WIDTH
+from antenna_pin.joints import _kernels as joint_kernels
+
+
+def scenario(*overrides, case="case3"):
+    return load_scenario("bai2020", case=case, overrides=overrides)
+
+
+REFUSALS = {
+    "unknown joint of a drive": (
+        ["drives.azimuth.joint=azimut"],
+        ["drives.azimuth.joint", "'azimut'", "did you mean azimuth"],
+    ),
+    "unknown joint of an initial state": (
+        ["initial.joints.elevatoin.angle=0.1"],
+        ["initial.joints", "'elevatoin'", "did you mean elevation"],
+    ),
+    "unknown link": (["mechanism.links.reflektor.mass=1"], ["mechanism.links", "did you mean reflector"]),
+    "unit of a sliding joint at a turning one": (
+        ["drives.azimuth.amplitude=10 N"],
+        ["drives.azimuth", "rotation", "translation"],
+    ),
+    "deep penetration at the start": (
+        ["initial.joints.elevation.journal_position=[0.5e-3, 0, 0]"],
+        ["penetration of elevation.radial", "maximum_depth = 0.0001 m", "0.0003"],
+    ),
+    "stiffness of another exponent without a number": (
+        ["clearance.elevation.normal.exponent=1.2"],
+        ["clearance.elevation.normal.stiffness", "1.2"],
+    ),
+    "negative mass": (["mechanism.links.reflector.mass=-1"], ["mechanism.links.reflector.mass", "-1"]),
+    "impossible inertia": (
+        ["mechanism.links.body.inertia=[1000, 100, 100]"],
+        ["'body'", "allow_impossible_inertia"],
+    ),
+}
+
+
+@pytest.mark.parametrize("name", REFUSALS)
+def test_bad_input_is_refused_in_one_line_before_any_step(name):
+    overrides, parts = REFUSALS[name]
+    with pytest.raises(AntennaPinError) as caught:
+        simulate(scenario(*overrides), duration=0.01)
+    message = str(caught.value)
+    assert "\n" not in message
+    for part in parts:
+        assert part in message, message
+
+
+def test_a_clearance_joint_must_be_a_hinge(tmp_path):
+    text = scenario().urdf_text.replace('type="revolute"', 'type="prismatic"')
+    other = scenario().model_copy(update={"urdf_text": text})
+    with pytest.raises(AntennaPinError, match=r"clearance\.elevation.*revolute or continuous.*prismatic"):
+        build_system(other)
+
+
+def test_a_torque_table_must_cover_the_run(tmp_path):
+    (tmp_path / "torque.csv").write_text("time,torque\n0,0\n0.05,1\n")
+    table = 'drives.azimuth={kind="table", replace=true, file="%s"}' % (tmp_path / "torque.csv")
+    with pytest.raises(AntennaPinError, match=r"drive 'azimuth'.*covers the run from 0 to 0\.1 s"):
+        simulate(scenario(table), duration=0.1)
+    assert simulate(scenario(table), duration=0.05).completed
+
+
+def test_stiffness_follows_from_materials_and_radii_unless_given():
+    joint = build_system(scenario()).clearances[0]
+    steel = MATERIALS["steel"]
+    assert joint.radial.stiffness == pytest.approx(hertz_stiffness(0.01, 0.0098, steel, steel), rel=1e-12)
+    assert joint.radial.stiffness == pytest.approx(1.0615e11, rel=1e-4)  # papers' constants, internal form
+    assert joint.axial.stiffness == joint.radial.stiffness  # assumed, named in the model's README
+    given = build_system(scenario("clearance.elevation.axial.stiffness=2e10")).clearances[0]
+    assert given.axial.stiffness == 2e10
+    assert given.radial.stiffness == joint.radial.stiffness
+
+
+def test_initial_state_of_a_journal_is_what_was_asked_in_bearing_axes():
+    """Position, tilt and velocities go through the joint's frames and come back from the contact kernel's pose."""
+    offset = 7e-3
+    asked = scenario(
+        "initial.joints.elevation={angle=0.7, rate=0.3, journal_position=[1e-4, -5e-5, 8e-5],"
+        " journal_tilt=[1e-3, 2e-3, 0], journal_velocity=[1e-3, 2e-3, -3e-3],"
+        " journal_angular_velocity=[0.01, -0.02, 0]}",
+        f"clearance.elevation.offset={offset}",
+    )
+    system = build_system(asked)
+    q, v = initial_state(asked, system)
+    pose = np.zeros(joint_kernels.POSE_SIZE)
+    block = system.clearance_blocks["elevation"]
+    joint_kernels.journal_state(system.program, block, np.concatenate([q, v]), system.model.nq, pose)
+    assert pose[:3] == pytest.approx([1e-4, -5e-5, 8e-5], abs=1e-17)  # round-off of 7 mm and a rotation
+    tilt = pin.exp3(np.array([1e-3, 2e-3, 0.0]))
+    assert pose[3:6] == pytest.approx(tilt[:, 2], abs=1e-15)
+    assert pose[15:18] == pytest.approx([1e-3, 2e-3, -3e-3], abs=1e-16)
+    assert pose[18:21] == pytest.approx([0.01, -0.02, 0.3], abs=1e-15)
+    angle, _, _ = joint_kernels.motion_angle(system.program, block, q)
+    # Swing-twist: the tilt about a transverse axis adds no twist to a turn about the axis.
+    assert angle == pytest.approx(0.7, abs=1e-12)
+
+
+def test_several_clearance_joints_in_one_mechanism():
+    """Both joints with play: contacts of their own, momentum and energy kept."""
+    both = scenario(
+        "clearance.azimuth={model='contact', bearing_radius=0.02, radial_clearance=1e-4, bearing_length=0.04,"
+        " axial_clearance=1e-4, bearing_outer_radius=0.025, flange_radius=0.024, geometry='closed-form',"
+        " normal={law='lankarani-nikravesh', restitution=0.8}, journal_material='steel',"
+        " bearing_material='steel'}",
+        "clearance.elevation.geometry=coal",
+    )
+    run = simulate(both, duration=0.1)
+    assert run.completed, run.message
+    assert run.data.sizes["contact"] == 8
+    summary = run.summary()
+    touched = {name.split(".")[0] for name, contact in summary["contacts"].items() if contact["episodes"]}
+    assert touched == {"azimuth", "elevation"}
+    assert summary["conservation"]["linear_momentum_drift_relative"] < 1e-8
+    assert summary["conservation"]["angular_momentum_drift_relative"] < 1e-8
+    assert abs(summary["conservation"]["energy_error_relative"]) < 1e-6
+
+
+def test_a_fixed_base_and_gravity():
+    run = simulate(scenario("mechanism.base=fixed", "mechanism.gravity=[0, 0, -9.81]"), duration=0.1)
+    assert run.completed, run.message
+    assert "base_position" not in run.data
+    assert run.summary()["conservation"]["linear_momentum_drift"] is None
+    assert abs(run.summary()["conservation"]["energy_error_relative"]) < 1e-6
+
+
+def test_the_variant_written_out_is_the_model_that_was_run(tmp_path):
+    path = tmp_path / "clearance.urdf"
+    urdf_variant(scenario()).write(path)
+    again = build_mechanism(Urdf.load(path))
+    model = build_system(scenario()).model
+    rng = np.random.default_rng(0)
+    q = pin.integrate(model, pin.neutral(model), rng.standard_normal(model.nv))
+    v, tau = rng.standard_normal(model.nv), rng.standard_normal(model.nv)
+    ours = pin.aba(model, model.createData(), q, v, tau)
+    theirs = pin.aba(again.model, again.model.createData(), q, v, tau)
+    assert theirs == pytest.approx(ours, rel=1e-13)
+
+
+def test_table_width_holds_what_the_joint_writes():
+    assert joint_kernels.ELASTIC < TABLE_WIDTH
