@@ -83,7 +83,7 @@ def test_stiffness_follows_from_materials_and_radii_unless_given():
 
 
 def test_initial_state_of_a_journal_is_what_was_asked_in_bearing_axes():
-    """Position, tilt and velocities go through the joint's frames and come back from the contact kernel's pose."""
+    """Position, tilt and velocities come back from the contact kernel's pose."""
     offset = 7e-3
     asked = scenario(
         "initial.joints.elevation={angle=0.7, rate=0.3, journal_position=[1e-4, -5e-5, 8e-5],"

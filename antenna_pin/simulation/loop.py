@@ -100,22 +100,22 @@ class Samples:
 def interruptible() -> Iterator[Callable[[], bool]]:
     """Turn Ctrl-C into a flag that the loop reads between steps, so that nothing is left half done.
 
-    A second Ctrl-C interrupts at once.
+    An impatient second one changes nothing; a third interrupts at once.
     """
-    seen = False
+    presses = 0
 
     def note(number: int, frame: FrameType | None) -> None:
-        nonlocal seen
-        if seen:
+        nonlocal presses
+        presses += 1
+        if presses > 2:
             raise KeyboardInterrupt
-        seen = True
 
     if threading.current_thread() is not threading.main_thread():
         yield lambda: False
         return
     before = signal.signal(signal.SIGINT, note)
     try:
-        yield lambda: seen
+        yield lambda: presses > 0
     finally:
         signal.signal(signal.SIGINT, before)
 

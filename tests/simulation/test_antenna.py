@@ -1,4 +1,4 @@
-"""The satellite antenna: what a free-floating mechanism must keep, and what the results must not depend on."""
+"""The satellite antenna: what a free-floating mechanism keeps, and what results do not depend on."""
 
 import json
 
@@ -69,7 +69,7 @@ def test_more_than_a_hundred_episodes_leave_the_momentum():
 
 
 def test_rejected_and_relocated_steps_leave_no_trace():
-    """First steps far too long after every event: hundreds of rejections; a stage that one of them overwrote shows."""
+    """Far too long first steps: hundreds of rejections. A stage overwritten by one of them would show."""
     scenario = load_scenario("bai2020", case="case3", overrides=[CLOSED])
     settings = settings_of(scenario)
     greedy = RunSettings(
@@ -90,7 +90,7 @@ def test_coal_and_closed_form_give_the_same_run(default_run):
     angle, other = (r.data["motion_angle"].sel(joint="elevation").values[-1] for r in (run, default_run))
     assert angle == pytest.approx(other, rel=1e-9)
     assert run.data.sizes["episode"] == default_run.data.sizes["episode"]
-    # Impacts amplify a difference of round-off; the first dozen still agree to what the tolerance of a step leaves.
+    # Impacts amplify a difference of round-off; the first dozen still agree to the tolerance of a step.
     first, same = (r.data["peak_force"].values[:12] for r in (run, default_run))
     assert first == pytest.approx(same, rel=1e-5)
 
@@ -101,7 +101,7 @@ def test_the_ideal_antenna_drifts_as_its_inertia_says():
         load_scenario("bai2020", case="case1", overrides=["drives.azimuth.amplitude=0"]), duration=1.0
     )
     rate = run.data["motion_rate"].sel(joint="elevation")
-    # The base gives way: about the elevation axis its 328 kg m^2 and the lever of the joint against 0.689 kg m^2.
+    # The base gives way: its 328 kg m^2 about the elevation axis against 0.689 kg m^2.
     held = 4.0 / (2.0 * np.pi * (0.00589 + 0.68297))
     assert float(rate.mean("time")) == pytest.approx(held, rel=0.02)
     assert float(rate.min()) > -1e-12
