@@ -8,6 +8,7 @@ step.
 
 from __future__ import annotations
 
+import bisect
 import math
 import signal
 import threading
@@ -95,6 +96,15 @@ class Samples:
         self.states.append(y)
         self.memories.append(memory)
 
+    def insert(self, t: float, y: Array, memory: Array) -> None:
+        """Put a sample between others in time; one that is there already stays."""
+        place = bisect.bisect_left(self.times, t)
+        if place < len(self.times) and self.times[place] == t:
+            return
+        self.times.insert(place, t)
+        self.states.insert(place, y)
+        self.memories.insert(place, memory)
+
 
 @contextmanager
 def interruptible() -> Iterator[Callable[[], bool]]:
@@ -148,6 +158,7 @@ class Run:
         contacts = len(system.contact_names)
         self._record = np.zeros((contacts, _inspect.RECORD_SIZE))
         self._open: list[Episode | None] = [None] * contacts
+        self._peaks: list[tuple[float, Array, Array] | None] = [None] * contacts
         self._ignore = np.zeros(contacts, dtype=np.int64)
         self._nodes = np.zeros((3, _inspect.NODES + 1, contacts))
         self._table = np.zeros((contacts, TABLE_WIDTH))
@@ -236,6 +247,10 @@ class Run:
             return
         x = self.stepper.start[self.system.model.nq + self.system.model.nv :]
         episode.peak_force, episode.peak_time, episode.peak_depth = self._record[c].tolist()
+        peak = self._peaks[c]
+        if peak is not None:
+            self.samples.insert(*peak)
+            self._peaks[c] = None
         episode.impulse += float(x[self.system.impulse_x[c]])
         episode.dissipated += self._lost(c, x)
 
@@ -360,6 +375,7 @@ class Run:
                 self._stop(Outcome.TOO_DEEP, int(np.argmax(-self._nodes[0, -1] - self._depths)))
                 return following
             self._track_python_laws(context)
+            self._keep_peaks()
             self._ignore[:] = 0
             self._accept()
             return following
@@ -404,8 +420,22 @@ class Run:
         _inspect.fill_nodes(self._nodes, context)
         _inspect.track_peaks(stepper.t, self._nodes, self._record, context)
         self._track_python_laws(context)
+        self._keep_peaks()
         self._ignore[:] = 0
         self._accept()
+
+    def _keep_peaks(self) -> None:
+        """Keep the state at the largest force so far of each touching contact: it becomes a sample at the end."""
+        t, h = self.stepper.t, self.stepper.h
+        for c, episode in enumerate(self._open):
+            if episode is None:
+                continue
+            moment = float(self._record[c, _inspect.PEAK_TIME])
+            kept = self._peaks[c]
+            if t < moment <= t + h and (kept is None or kept[0] != moment):
+                state = np.empty(self.system.manifold.size)
+                self.stepper.interpolate((moment - t) / h, state)
+                self._peaks[c] = (moment, state, self.system.memory.copy())
 
     def _track_python_laws(self, context: tuple[Any, ...]) -> None:
         """Raise the largest force of contacts with a Python law to the maximum of the dense output."""

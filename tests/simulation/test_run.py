@@ -103,16 +103,21 @@ def test_a_callable_drive_sees_the_motion():
     assert ends[1] == pytest.approx(ends[0], abs=1e-11)
 
 
-def test_samples_are_at_the_rate_and_at_all_events():
+def test_samples_are_at_the_rate_and_at_all_events_and_peaks():
     run = simulate(load_scenario("bai2020", case="case3"), duration=0.05)
     times = run.data["time"].values
     assert (np.diff(times) > 0.0).all()
     for moment in np.arange(51) / 1000.0:
         assert abs(times - moment).min() < 1e-15
-    for name in ("onset_time", "release_time"):
+    for name in ("onset_time", "release_time", "peak_time"):
         events = run.data[name].values
         for moment in events[np.isfinite(events)]:
             assert abs(times - moment).min() < 1e-15
+    # So the largest sampled force of a contact is the largest of its episodes.
+    for number, name in enumerate(run.data["contact"].values):
+        mine = run.data["peak_force"].values[run.data["episode_contact"].values == number]
+        sampled = run.data["normal_force"].sel(contact=name).values.max()
+        assert sampled == pytest.approx(mine.max(initial=0.0), rel=1e-9)
 
 
 def test_ctrl_c_ends_cleanly_and_keeps_what_was_computed():
