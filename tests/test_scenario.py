@@ -210,7 +210,7 @@ def test_the_defaults_are_those_of_the_documentation(folder):
     assert scenario.format == 1
     assert scenario.mechanism == MechanismSpec(urdf="body.urdf", base="free", gravity=(0, 0, 0))
     integrator = scenario.integrator
-    assert (integrator.method, integrator.rtol, integrator.first_step) == ("dormand-prince-54", 1e-8, None)
+    assert (integrator.method, integrator.rtol, integrator.first_step) == ("dormand-prince-853", 1e-8, None)
     assert (integrator.step, integrator.max_step, integrator.min_step) == (1e-5, 1e-2, 1e-14)
     assert integrator.scales.model_dump() == {
         "position": 1.0,

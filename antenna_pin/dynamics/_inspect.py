@@ -14,7 +14,7 @@ from antenna_pin.dynamics._kernels import HEADER
 from antenna_pin.integrate._kernels import dense_joints
 from antenna_pin.joints import _kernels as joint
 from antenna_pin.joints._kernels import (
-    PLANAR,
+    LAST_KIND,
     contact_forces,
     contact_geometry,
     contact_rates,
@@ -49,7 +49,7 @@ def contacts_at(
     nq = int(program[0])
     nv = int(program[1])
     b = HEADER
-    while b < program.shape[0] and program[b] <= PLANAR:
+    while b < program.shape[0] and program[b] < LAST_KIND:
         row = int(program[b + joint.FIRST_CONTACT])
         journal_state(program, b, y, nq, pose)
         contact_geometry(program, b, pose, table, row)
@@ -64,7 +64,7 @@ def contacts_in(y: Any, program: Any, pose: Any, table: Any) -> None:
     """Fill gap, normal, point, depth rate and slip of all contacts in a state, in closed form."""
     nq = int(program[0])
     b = HEADER
-    while b < program.shape[0] and program[b] <= PLANAR:
+    while b < program.shape[0] and program[b] < LAST_KIND:
         row = int(program[b + joint.FIRST_CONTACT])
         journal_state(program, b, y, nq, pose)
         contact_geometry(program, b, pose, table, row)

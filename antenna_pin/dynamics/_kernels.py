@@ -17,7 +17,13 @@ from antenna_pin._compile import kernel
 from antenna_pin.contact._kernels import NORMAL_SIZE, elastic_energy
 from antenna_pin.geometry.shapes import TABLE_WIDTH
 from antenna_pin.joints import _kernels as joint
-from antenna_pin.joints._kernels import PLANAR, clearance_joint, motion_angle
+from antenna_pin.joints._kernels import (
+    DISTRIBUTED,
+    LAST_KIND,
+    PLANAR,
+    clearance_joint,
+    motion_angle,
+)
 
 HEADER = 4
 
@@ -168,14 +174,15 @@ def evaluate(t: float, y: Any, program: Any, work: Any, rates: Any) -> None:
     pose = work[nv:first]
     second = first + 2 * contacts
     memory = work[first:second].reshape(contacts, 2)
-    table = work[second : second + contacts * TABLE_WIDTH].reshape(contacts, TABLE_WIDTH)
+    rows = int(program[3])
+    table = work[second : second + rows * TABLE_WIDTH].reshape(rows, TABLE_WIDTH)
     for k in range(nv):
         tau[k] = 0.0
     b = HEADER
     end = program.shape[0]
     while b < end:
         kind = program[b]
-        if kind <= PLANAR:
+        if kind < LAST_KIND:
             clearance_joint(program, b, y, nq, nv, memory, table, pose, tau, rates)
         elif kind < SPRING:
             _drive(program, b, t, y, nq, nv, tau, rates)
@@ -193,11 +200,15 @@ def stored_energy(y: Any, program: Any, memory: Any, table: Any) -> tuple[float,
     b = HEADER
     while b < program.shape[0]:
         kind = program[b]
-        if kind <= PLANAR:
+        if kind < LAST_KIND:
             if program[b + joint.MODE] < joint.FORCES_GIVEN:
                 row = int(program[b + joint.FIRST_CONTACT])
                 for k in range(int(program[b + joint.CONTACTS])):
-                    if memory[row + k, 0] != 0.0:
+                    if memory[row + k, 0] == 0.0:
+                        continue
+                    if kind == DISTRIBUTED:
+                        contacts += table[row + k, joint.PATCH_ENERGY]
+                    else:
                         law = b + joint.LAWS + k * joint.LAW_SIZE
                         contacts += elastic_energy(program[law : law + NORMAL_SIZE], -table[row + k, 0])
         elif kind == SPRING:

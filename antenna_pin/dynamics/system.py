@@ -135,12 +135,16 @@ class System:
             dtype=int,
         )
         nv = self.model.nv
-        self._work = np.zeros(nv + _joint.POSE_SIZE + row * (2 + TABLE_WIDTH))
+        # Strips and sectors of joints with distributed load have their rows behind those of all contacts.
+        rows = row
+        for joint in self.clearances:
+            rows += joint.place_strips(blocks[1 + self.clearances.index(joint)], rows)
+        self._work = np.zeros(nv + _joint.POSE_SIZE + 2 * row + rows * TABLE_WIDTH)
         self.tau = self._work[:nv]
         table = nv + _joint.POSE_SIZE + 2 * row
         self.memory = self._work[nv + _joint.POSE_SIZE : table].reshape(row, 2)
-        self.table = self._work[table:].reshape(row, TABLE_WIDTH)
-        blocks[0][2] = row
+        self.table = self._work[table:].reshape(rows, TABLE_WIDTH)
+        blocks[0][2:4] = row, rows
         work_x, self.drive_blocks = [], {}
         self._callables: list[tuple[int, int, CallableDrive]] = []
         for name, drive in self.drives.items():

@@ -1,6 +1,6 @@
 """Where journal and bearing meet and how deep: surfaces, no forces."""
 
-from antenna_pin.geometry.coal_backend import CoalPlanar, CoalRevolute
+from antenna_pin.geometry.coal_backend import CoalPlanar, CoalRevolute, CoalSpherical
 from antenna_pin.geometry.shapes import (
     AxialScenario,
     ClearanceGeometry,
@@ -8,6 +8,7 @@ from antenna_pin.geometry.shapes import (
     PlanarClearance,
     RadialScenario,
     RevoluteClearance,
+    SphericalClearance,
 )
 
 __all__ = [
@@ -15,8 +16,10 @@ __all__ = [
     "ClearanceGeometry",
     "CoalPlanar",
     "CoalRevolute",
+    "CoalSpherical",
     "ContactPoint",
     "PlanarClearance",
     "RadialScenario",
     "RevoluteClearance",
+    "SphericalClearance",
 ]

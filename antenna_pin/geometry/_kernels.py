@@ -233,6 +233,123 @@ def planar_contact(shape: Any, ox: float, oy: float, table: Any, row: int) -> No
     table[row, 6] = 0.0
 
 
+@kernel
+def spherical_contact(shape: Any, ox: float, oy: float, oz: float, table: Any, row: int) -> None:
+    """Fill the one row of a spherical clearance joint: ball in socket, shape [R_socket, R_ball]."""
+    eccentricity = math.sqrt(ox * ox + oy * oy + oz * oz)
+    table[row, 0] = shape[0] - shape[1] - eccentricity
+    if eccentricity > 0.0:
+        ux = ox / eccentricity
+        uy = oy / eccentricity
+        uz = oz / eccentricity
+    else:
+        ux = 1.0
+        uy = 0.0
+        uz = 0.0
+    table[row, 1] = -ux
+    table[row, 2] = -uy
+    table[row, 3] = -uz
+    table[row, 4] = shape[0] * ux
+    table[row, 5] = shape[0] * uy
+    table[row, 6] = shape[0] * uz
+
+
+# --- distributed contact: the bore cut into strips, the flanges into sectors ------------------------------------
+
+APART = 1.0  # [m], the gap written to strips that are known to be apart without being computed
+
+
+@kernel
+def strip_contacts(
+    shape: Any,
+    strips: int,
+    ox: float,
+    oy: float,
+    oz: float,
+    zx: float,
+    zy: float,
+    zz: float,
+    table: Any,
+    row: int,
+    first: int,
+) -> None:
+    """Fill the bore's strips, rows ``first`` on from the -z to the +z end, and its two halves, ``row`` and ``row + 1``.
+
+    A strip is the circle at its middle. The gap is concave along the bearing (the distance between two straight
+    axes is convex), so in each half it is least at the outermost or the innermost strip, and from those two the
+    loaded strips are found; the others are marked as apart. A half's row is that of its least gap.
+    """
+    sine = math.sqrt(zx * zx + zy * zy)
+    half = strips // 2
+    for k in range(strips):
+        table[first + k, 0] = APART
+    for h in range(2):
+        if h == 0:
+            inner, outer, step = half, strips - 1, -1
+        else:
+            inner, outer, step = half - 1, 0, 1
+        least = outer
+        for begin, towards in ((outer, step), (inner, -step)):
+            k = begin
+            while (k >= half) == (h == 0) and 0 <= k < strips:
+                if table[first + k, 0] != APART:
+                    break
+                side = (2.0 * k + 1.0) / strips - 1.0
+                bore_contact(shape, side, ox, oy, oz, zx, zy, zz, sine, table, first + k)
+                if table[first + k, 0] < table[first + least, 0]:
+                    least = k
+                if table[first + k, 0] >= 0.0:
+                    break
+                k += towards
+        for i in range(7):
+            table[row + h, i] = table[first + least, i]
+
+
+@kernel
+def sector_contacts(
+    shape: Any,
+    sectors: Any,
+    count: int,
+    radius: float,
+    ox: float,
+    oy: float,
+    oz: float,
+    zx: float,
+    zy: float,
+    zz: float,
+    table: Any,
+    row: int,
+    first: int,
+) -> None:
+    """Fill the flanges' sectors, rows ``first`` on (+z, then -z), and the two flanges' own, ``row`` and ``row + 1``.
+
+    A sector is the point of the bearing's end face at ``radius`` in its middle direction, against the plane of the
+    flange. ``sectors`` holds cosine and sine of each direction. A flange's row is that of its least gap.
+    """
+    for h in range(2):
+        side = 1.0 - 2.0 * h
+        base = shape[5] - side * (-ox * zx - oy * zy + (side * shape[1] - oz) * zz)
+        start = first + h * count
+        least = start
+        for k in range(count):
+            r = start + k
+            px = radius * sectors[2 * k]
+            py = radius * sectors[2 * k + 1]
+            gap = base - side * (px * zx + py * zy)
+            table[r, 0] = gap
+            if gap < 0.0 or gap < table[least, 0] or k == 0:
+                table[r, 1] = side * zx
+                table[r, 2] = side * zy
+                table[r, 3] = side * zz
+                table[r, 4] = px
+                table[r, 5] = py
+                table[r, 6] = side * shape[1]
+                if gap < table[least, 0]:
+                    least = r
+        for i in range(7):
+            table[row + h, i] = table[least, i]
+
+
 # --- what the coal backend needs around its queries --------------------------------------------------------
 
 

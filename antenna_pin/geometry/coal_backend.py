@@ -23,11 +23,12 @@ from antenna_pin.geometry.shapes import (
     ContactPoint,
     PlanarClearance,
     RevoluteClearance,
+    SphericalClearance,
     points_of_table,
     pose_of,
 )
 
-__all__ = ["CoalPlanar", "CoalRevolute"]
+__all__ = ["CoalPlanar", "CoalRevolute", "CoalSpherical"]
 
 _WORK_SIZE = 52
 _RECORD = 12  # where the record of the first end circle starts in the work array
@@ -175,4 +176,42 @@ class CoalPlanar:
         pose = pose_of(p_HJ, axis_J_H)
         table = np.zeros((1, TABLE_WIDTH))
         self.query(pose[0], pose[1], table, 0)
+        return points_of_table(table)
+
+
+class CoalSpherical:
+    """Distance of a :class:`SphericalClearance` by coal: the socket's point on the line of centres against the ball.
+
+    Args:
+        shape: The joint's dimensions.
+    """
+
+    def __init__(self, shape: SphericalClearance) -> None:
+        """Build shapes, functors and buffers once."""
+        self.geometry = shape
+        self.contact_names = shape.contact_names
+        self._shape = shape.shape()
+        self._point = coal.Sphere(0.0)
+        self._ball = coal.Sphere(shape.ball_radius)
+        self._functor = coal.ComputeDistance(self._point, self._ball)
+        self._request = coal.DistanceRequest()
+        self._result = coal.DistanceResult()
+        self._at_point = coal.Transform3s()
+        self._at_ball = coal.Transform3s()
+
+    def query(self, centre: NDArray[np.float64], table: NDArray[np.float64], row: int) -> None:
+        """Fill one row for the ball's centre in the socket, (3,) [m]."""
+        _kernels.spherical_contact(
+            self._shape, float(centre[0]), float(centre[1]), float(centre[2]), table, row
+        )
+        self._at_point.setTranslation(table[row, 4:7])
+        self._at_ball.setTranslation(centre)
+        self._result.clear()
+        table[row, 0] = self._functor(self._at_point, self._at_ball, self._request, self._result)
+        table[row, 1:4] = self._result.normal
+
+    def contacts(self, p_HJ: ArrayLike, axis_J_H: ArrayLike = (0.0, 0.0, 1.0)) -> tuple[ContactPoint, ...]:
+        """Return the one candidate contact (see :meth:`SphericalClearance.contacts`)."""
+        table = np.zeros((1, TABLE_WIDTH))
+        self.query(np.array(pose_of(p_HJ, axis_J_H)[:3]), table, 0)
         return points_of_table(table)

@@ -21,12 +21,13 @@ __all__ = [
     "PlanarClearance",
     "RadialScenario",
     "RevoluteClearance",
+    "SphericalClearance",
 ]
 
 Vector3 = NDArray[np.float64]
 
 #: Columns of a contact table; geometry fills the first seven (gap, normal, point), a joint the others.
-TABLE_WIDTH = 20
+TABLE_WIDTH = 24
 
 
 class RadialScenario(IntEnum):
@@ -273,4 +274,61 @@ class PlanarClearance:
         table = np.zeros((1, TABLE_WIDTH))
         pose = pose_of(p_HJ, axis_J_H)
         _kernels.planar_contact(self.shape(), pose[0], pose[1], table, 0)
+        return points_of_table(table)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SphericalClearance:
+    """A ball in a socket with play: one candidate contact, on the line of the two centres.
+
+    The socket is taken as a whole sphere: it holds the ball in every direction.
+
+    Attributes:
+        socket_radius: Of the hollow sphere, on the parent [m].
+        ball_radius: Below the socket's, on the child [m].
+
+    References:
+        Chen and Cui (2021), equations (6)-(9).
+    """
+
+    socket_radius: float
+    ball_radius: float
+
+    def __post_init__(self) -> None:
+        """Check the dimensions."""
+        _require_lengths(self, ("socket_radius", "ball_radius"))
+        if not self.ball_radius < self.socket_radius:
+            raise InvalidParameterError(
+                self, "ball_radius", f"below socket_radius = {self.socket_radius:g} m"
+            )
+
+    @property
+    def bearing_radius(self) -> float:
+        """The hollow part's radius, by the name that all joints share [m]."""
+        return self.socket_radius
+
+    @property
+    def journal_radius(self) -> float:
+        """The inner part's radius, by the name that all joints share [m]."""
+        return self.ball_radius
+
+    @property
+    def radial_clearance(self) -> float:
+        """Socket radius minus ball radius [m]."""
+        return self.socket_radius - self.ball_radius
+
+    @property
+    def contact_names(self) -> tuple[str, ...]:
+        """Names of the candidate contacts."""
+        return ("spherical",)
+
+    def shape(self) -> NDArray[np.float64]:
+        """Return the flat numbers of the kernels: [R_socket, R_ball] [m]."""
+        return np.array([self.socket_radius, self.ball_radius])
+
+    def contacts(self, p_HJ: ArrayLike, axis_J_H: ArrayLike = (0.0, 0.0, 1.0)) -> tuple[ContactPoint, ...]:
+        """Return the one candidate contact; the axis is ignored."""
+        table = np.zeros((1, TABLE_WIDTH))
+        pose = pose_of(p_HJ, axis_J_H)
+        _kernels.spherical_contact(self.shape(), pose[0], pose[1], pose[2], table, 0)
         return points_of_table(table)

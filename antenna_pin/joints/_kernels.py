@@ -4,13 +4,15 @@ A joint is a block of floats in a larger program::
 
     [kind, length, mode, start in q, start in v, first contact, contacts, start in x, stride in x,
      A (9, row-major; its columns are the bearing frame's axes in the joint frame), c (3, bearing centre in the
-     joint frame), shape (6), then per contact: normal law (16), friction law (12)]
+     joint frame), shape (6), then per contact: normal law (16), friction law (12); with distributed load then:
+     strips, sectors, first of their rows, sectors' radius, cosine and sine of each sector]
 
 and its contacts are rows of a table of ``TABLE_WIDTH`` columns::
 
     [gap, normal (3), point (3), depth rate, slip (3), normal force, friction force (3), elastic force, ...]
 
-all in bearing axes. ``memory`` has a row per contact: [touching, approach speed]. What a contact integrates lies in
+all in bearing axes. Under distributed load the four contacts are patches (two halves of the bore, two flanges) whose
+rows sum up those of their strips and sectors, which follow behind the contacts of all joints. ``memory`` has a row per contact: [touching, approach speed]. What a contact integrates lies in
 x from its own start on: [impulse, work lost to normal contact, work lost to friction, bristle...].
 """
 
@@ -24,13 +26,24 @@ from antenna_pin.contact._kernels import (
     FRICTION_SIZE,
     NORMAL_SIZE,
     dissipation_factor,
+    elastic_energy,
     elastic_force,
     friction_force,
 )
-from antenna_pin.geometry._kernels import coal_place, planar_contact, revolute_contacts
+from antenna_pin.geometry._kernels import (
+    coal_place,
+    planar_contact,
+    revolute_contacts,
+    sector_contacts,
+    spherical_contact,
+    strip_contacts,
+)
 
 REVOLUTE = 1.0
 PLANAR = 2.0
+SPHERICAL = 3.0
+DISTRIBUTED = 4.0
+LAST_KIND = 9.0  # kinds of other force elements lie above
 
 MODE = 2
 GEOMETRY_GIVEN = 1.0  # rows already hold gap, normal and point (coal)
@@ -51,6 +64,19 @@ SLIP = 8
 FORCE = 11
 FRICTION = 12
 ELASTIC = 15
+
+# Of a patch under distributed load: power lost in normal direction and to friction, energy stored.
+PATCH_LOST_NORMAL = 16
+PATCH_LOST_FRICTION = 17
+PATCH_ENERGY = 18
+
+# Behind the laws of a joint with distributed load: strips, sectors, first of their rows, radius, (cos, sin)...
+STRIPS = 0
+SECTORS = 1
+FIRST_STRIP = 2
+SECTOR_RADIUS = 3
+DIRECTIONS = 4
+DISTRIBUTED_TAIL = LAWS + 4 * LAW_SIZE
 
 IMPULSE = 0
 LOST_NORMAL = 1
@@ -139,26 +165,120 @@ def contact_geometry(p: Any, b: int, pose: Any, table: Any, row: int) -> None:
     shape = p[b + SHAPE : b + SHAPE + 6]
     if p[b] == PLANAR:
         planar_contact(shape, pose[0], pose[1], table, row)
+    elif p[b] == SPHERICAL:
+        spherical_contact(shape, pose[0], pose[1], pose[2], table, row)
+    elif p[b] == DISTRIBUTED:
+        tail = b + DISTRIBUTED_TAIL
+        strips = int(p[tail + STRIPS])
+        count = int(p[tail + SECTORS])
+        first = int(p[tail + FIRST_STRIP])
+        strip_contacts(
+            shape, strips, pose[0], pose[1], pose[2], pose[3], pose[4], pose[5], table, row, first
+        )
+        sector_contacts(
+            shape,
+            p[tail + DIRECTIONS : tail + DIRECTIONS + 2 * count],
+            count,
+            p[tail + SECTOR_RADIUS],
+            pose[0],
+            pose[1],
+            pose[2],
+            pose[3],
+            pose[4],
+            pose[5],
+            table,
+            row + 2,
+            first + strips,
+        )
     else:
         revolute_contacts(shape, pose[0], pose[1], pose[2], pose[3], pose[4], pose[5], table, row)
 
 
 @kernel
+def _row_rates(pose: Any, table: Any, r: int) -> None:
+    """Fill depth rate and slip of a row: the relative velocity of the two material points at the contact."""
+    rx = table[r, 4] - pose[0]
+    ry = table[r, 5] - pose[1]
+    rz = table[r, 6] - pose[2]
+    vx = pose[15] + pose[19] * rz - pose[20] * ry
+    vy = pose[16] + pose[20] * rx - pose[18] * rz
+    vz = pose[17] + pose[18] * ry - pose[19] * rx
+    nx, ny, nz = table[r, 1], table[r, 2], table[r, 3]
+    opening = vx * nx + vy * ny + vz * nz
+    table[r, RATE] = -opening
+    table[r, SLIP] = vx - opening * nx
+    table[r, SLIP + 1] = vy - opening * ny
+    table[r, SLIP + 2] = vz - opening * nz
+
+
+@kernel
 def contact_rates(p: Any, b: int, pose: Any, table: Any, row: int) -> None:
-    """Fill depth rate and slip: the relative velocity of the two material points at each contact."""
+    """Fill depth rate and slip of a joint's contacts; with distributed load of its loaded strips too."""
     for r in range(row, row + int(p[b + CONTACTS])):
-        rx = table[r, 4] - pose[0]
-        ry = table[r, 5] - pose[1]
-        rz = table[r, 6] - pose[2]
-        vx = pose[15] + pose[19] * rz - pose[20] * ry
-        vy = pose[16] + pose[20] * rx - pose[18] * rz
-        vz = pose[17] + pose[18] * ry - pose[19] * rx
-        nx, ny, nz = table[r, 1], table[r, 2], table[r, 3]
-        opening = vx * nx + vy * ny + vz * nz
-        table[r, RATE] = -opening
-        table[r, SLIP] = vx - opening * nx
-        table[r, SLIP + 1] = vy - opening * ny
-        table[r, SLIP + 2] = vz - opening * nz
+        _row_rates(pose, table, r)
+    if p[b] == DISTRIBUTED:
+        tail = b + DISTRIBUTED_TAIL
+        first = int(p[tail + FIRST_STRIP])
+        for r in range(first, first + int(p[tail + STRIPS]) + 2 * int(p[tail + SECTORS])):
+            if table[r, 0] < 0.0:
+                _row_rates(pose, table, r)
+
+
+@kernel
+def _row_forces(
+    p: Any, law: int, approach: float, y: Any, state: int, table: Any, r: int, rates: Any, rate: int
+) -> None:
+    """Fill the forces of a row from the laws at p[law:]; a bristle lies at y[state:], its rate goes to rates[rate:]."""
+    normal = p[law : law + NORMAL_SIZE]
+    friction = p[law + NORMAL_SIZE : law + LAW_SIZE]
+    depth = -table[r, 0]
+    elastic = elastic_force(normal, depth)
+    force = elastic * (1.0 + dissipation_factor(normal, table[r, RATE], approach))
+    if depth > 0.0 and force < 0.0:
+        force = 0.0
+    table[r, FORCE] = force
+    table[r, ELASTIC] = elastic
+    fx, fy, fz = friction_force(
+        friction, force, table[r, SLIP], table[r, SLIP + 1], table[r, SLIP + 2], y, state, rates, rate
+    )
+    table[r, FRICTION] = fx
+    table[r, FRICTION + 1] = fy
+    table[r, FRICTION + 2] = fz
+
+
+@kernel
+def patch_rows(p: Any, b: int, k: int) -> tuple[int, int]:
+    """Return the range of table rows of patch k: the two halves of the bore (+z, -z), the two flanges (+z, -z)."""
+    tail = b + DISTRIBUTED_TAIL
+    first = int(p[tail + FIRST_STRIP])
+    strips = int(p[tail + STRIPS])
+    sectors = int(p[tail + SECTORS])
+    if k == 0:
+        return first + strips // 2, first + strips
+    if k == 1:
+        return first, first + strips // 2
+    start = first + strips + (k - 2) * sectors
+    return start, start + sectors
+
+
+@kernel
+def _patch_forces(p: Any, b: int, k: int, law: int, approach: float, y: Any, table: Any, r: int) -> None:
+    """Fill the forces of the loaded strips or sectors of patch k, and their sums in the patch's row r."""
+    first, last = patch_rows(p, b, k)
+    normal = p[law : law + NORMAL_SIZE]
+    for s in range(first, last):
+        if table[s, 0] >= 0.0:
+            continue
+        _row_forces(p, law, approach, y, 0, table, s, y, 0)
+        table[r, FORCE] += table[s, FORCE]
+        table[r, ELASTIC] += table[s, ELASTIC]
+        power = 0.0
+        for i in range(3):
+            table[r, FRICTION + i] += table[s, FRICTION + i]
+            power += table[s, FRICTION + i] * table[s, SLIP + i]
+        table[r, PATCH_LOST_NORMAL] += (table[s, FORCE] - table[s, ELASTIC]) * table[s, RATE]
+        table[r, PATCH_LOST_FRICTION] -= power
+        table[r, PATCH_ENERGY] += elastic_energy(normal, -table[s, 0])
 
 
 @kernel
@@ -176,33 +296,32 @@ def contact_forces(
         table[r, FRICTION + 1] = 0.0
         table[r, FRICTION + 2] = 0.0
         table[r, ELASTIC] = 0.0
+        table[r, PATCH_LOST_NORMAL] = 0.0
+        table[r, PATCH_LOST_FRICTION] = 0.0
+        table[r, PATCH_ENERGY] = 0.0
         if memory[first + k, TOUCHING] == 0.0:
             continue
         law = b + LAWS + k * LAW_SIZE
-        normal = p[law : law + NORMAL_SIZE]
-        friction = p[law + NORMAL_SIZE : law + LAW_SIZE]
-        depth = -table[r, 0]
-        elastic = elastic_force(normal, depth)
-        force = elastic * (1.0 + dissipation_factor(normal, table[r, RATE], memory[first + k, APPROACH]))
-        if depth > 0.0 and force < 0.0:
-            force = 0.0
-        table[r, FORCE] = force
-        table[r, ELASTIC] = elastic
-        own = int(p[b + START_X]) + k * int(p[b + STRIDE_X]) + BRISTLE_START
-        fx, fy, fz = friction_force(
-            friction,
-            force,
-            table[r, SLIP],
-            table[r, SLIP + 1],
-            table[r, SLIP + 2],
-            y,
-            x0 + own,
-            rates,
-            r0 + own,
-        )
-        table[r, FRICTION] = fx
-        table[r, FRICTION + 1] = fy
-        table[r, FRICTION + 2] = fz
+        if p[b] == DISTRIBUTED:
+            _patch_forces(p, b, k, law, memory[first + k, APPROACH], y, table, r)
+        else:
+            own = int(p[b + START_X]) + k * int(p[b + STRIDE_X]) + BRISTLE_START
+            _row_forces(
+                p, law, memory[first + k, APPROACH], y, x0 + own, table, r, rates, r0 + own
+            )
+
+
+@kernel
+def _row_wrench(pose: Any, table: Any, r: int) -> tuple[float, float, float, float, float, float]:
+    """Return force and torque about the journal's centre of one row, in bearing axes."""
+    force = table[r, FORCE]
+    gx = force * table[r, 1] + table[r, FRICTION]
+    gy = force * table[r, 2] + table[r, FRICTION + 1]
+    gz = force * table[r, 3] + table[r, FRICTION + 2]
+    rx = table[r, 4] - pose[0]
+    ry = table[r, 5] - pose[1]
+    rz = table[r, 6] - pose[2]
+    return gx, gy, gz, ry * gz - rz * gy, rz * gx - rx * gz, rx * gy - ry * gx
 
 
 @kernel
@@ -222,24 +341,34 @@ def contact_wrench(p: Any, b: int, pose: Any, table: Any, row: int, tau: Any, ra
         # Where a law without adhesion is cut off at zero, what the spring gives back is lost too.
         rates[own + LOST_NORMAL] = (force - table[r, ELASTIC]) * table[r, RATE]
         rates[own + LOST_FRICTION] = 0.0
+        if p[b] == DISTRIBUTED:
+            rates[own + LOST_NORMAL] = table[r, PATCH_LOST_NORMAL]
+            rates[own + LOST_FRICTION] = table[r, PATCH_LOST_FRICTION]
         if force == 0.0:
+            continue
+        if p[b] == DISTRIBUTED:
+            first, last = patch_rows(p, b, k)
+            for s in range(first, last):
+                if table[s, 0] < 0.0:
+                    gx, gy, gz, hx, hy, hz = _row_wrench(pose, table, s)
+                    fx += gx
+                    fy += gy
+                    fz += gz
+                    mx += hx
+                    my += hy
+                    mz += hz
             continue
         gx, gy, gz = table[r, FRICTION], table[r, FRICTION + 1], table[r, FRICTION + 2]
         rates[own + LOST_FRICTION] = -(
             gx * table[r, SLIP] + gy * table[r, SLIP + 1] + gz * table[r, SLIP + 2]
         )
-        gx += force * table[r, 1]
-        gy += force * table[r, 2]
-        gz += force * table[r, 3]
-        rx = table[r, 4] - pose[0]
-        ry = table[r, 5] - pose[1]
-        rz = table[r, 6] - pose[2]
+        gx, gy, gz, hx, hy, hz = _row_wrench(pose, table, r)
         fx += gx
         fy += gy
         fz += gz
-        mx += ry * gz - rz * gy
-        my += rz * gx - rx * gz
-        mz += rx * gy - ry * gx
+        mx += hx
+        my += hy
+        mz += hz
     j = int(p[b + 4])
     if p[b] == PLANAR:
         tau[j] += pose[6] * fx + pose[9] * fy
@@ -259,26 +388,26 @@ def contact_wrench(p: Any, b: int, pose: Any, table: Any, row: int, tau: Any, ra
 
 
 @kernel
-def wrench_on_journal(count: int, pose: Any, table: Any, row: int, out: Any) -> None:
-    """Write force and torque about the journal's centre, of ``count`` rows in bearing axes, into out[0:6]."""
+def wrench_on_journal(p: Any, b: int, pose: Any, table: Any, row: int, out: Any) -> None:
+    """Write the contacts' force and torque about the journal's centre, in bearing axes, into out[0:6]."""
     for k in range(6):
         out[k] = 0.0
-    for r in range(row, row + count):
-        force = table[r, FORCE]
-        if force == 0.0:
+    for k in range(int(p[b + CONTACTS])):
+        if table[row + k, FORCE] == 0.0:
             continue
-        gx = force * table[r, 1] + table[r, FRICTION]
-        gy = force * table[r, 2] + table[r, FRICTION + 1]
-        gz = force * table[r, 3] + table[r, FRICTION + 2]
-        rx = table[r, 4] - pose[0]
-        ry = table[r, 5] - pose[1]
-        rz = table[r, 6] - pose[2]
-        out[0] += gx
-        out[1] += gy
-        out[2] += gz
-        out[3] += ry * gz - rz * gy
-        out[4] += rz * gx - rx * gz
-        out[5] += rx * gy - ry * gx
+        first, last = row + k, row + k + 1
+        if p[b] == DISTRIBUTED:
+            first, last = patch_rows(p, b, k)
+        for s in range(first, last):
+            if p[b] == DISTRIBUTED and table[s, 0] >= 0.0:
+                continue
+            gx, gy, gz, hx, hy, hz = _row_wrench(pose, table, s)
+            out[0] += gx
+            out[1] += gy
+            out[2] += gz
+            out[3] += hx
+            out[4] += hy
+            out[5] += hz
 
 
 @kernel

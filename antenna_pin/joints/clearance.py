@@ -16,7 +16,14 @@ from numpy.typing import ArrayLike, NDArray
 from antenna_pin.contact import FrictionLaw, NoFriction, NormalLaw
 from antenna_pin.contact._kernels import NORMAL_SIZE
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.geometry import CoalPlanar, CoalRevolute, PlanarClearance, RevoluteClearance
+from antenna_pin.geometry import (
+    CoalPlanar,
+    CoalRevolute,
+    CoalSpherical,
+    PlanarClearance,
+    RevoluteClearance,
+    SphericalClearance,
+)
 from antenna_pin.geometry.shapes import TABLE_WIDTH
 from antenna_pin.joints import _kernels
 
@@ -73,7 +80,7 @@ class ClearanceJoint:
     """
 
     name: str
-    geometry: RevoluteClearance | PlanarClearance
+    geometry: RevoluteClearance | PlanarClearance | SphericalClearance
     radial: NormalLaw
     axial: NormalLaw | None = None
     friction: FrictionLaw = field(default_factory=NoFriction)
@@ -81,6 +88,9 @@ class ClearanceJoint:
     offset: float = 0.0
     approach_speed_floor: float = 1e-4
     maximum_depth: float | None = None
+    load: Literal["point", "distributed"] = "point"
+    strips: int = 16
+    sectors: int = 16
 
     def __post_init__(self) -> None:
         """Check what the parts do not check themselves."""
@@ -94,11 +104,33 @@ class ClearanceJoint:
             )
         if self.axial is None and isinstance(self.geometry, RevoluteClearance):
             raise InvalidParameterError(f"joint {self.name!r}", "axial", "a normal law", None)
+        self._check_load()
         if self.maximum_depth is None:
             object.__setattr__(self, "maximum_depth", 0.01 * self.geometry.bearing_radius)
         elif not 0.0 < self.maximum_depth < math.inf:
             raise InvalidParameterError(
                 f"joint {self.name!r}", "maximum_depth", "a positive length [m]", self.maximum_depth
+            )
+
+    def _check_load(self) -> None:
+        place = f"joint {self.name!r}"
+        if self.load not in ("point", "distributed"):
+            raise InvalidParameterError(place, "load", "point or distributed", self.load)
+        if self.load == "point":
+            return
+        if not isinstance(self.geometry, RevoluteClearance):
+            raise InvalidParameterError(place, "load", "point where the joint is planar or spherical", self.load)
+        if self.strips < 2 or self.strips % 2:
+            raise InvalidParameterError(place, "strips", "an even number of 2 or more", self.strips)
+        if self.sectors < 3:
+            raise InvalidParameterError(place, "sectors", "3 or more", self.sectors)
+        if not self.compiled:
+            raise InvalidParameterError(
+                place, "load", "point with laws in Python; distributed takes built-in laws", self.load
+            )
+        if getattr(self.friction, "states", 0):
+            raise InvalidParameterError(
+                place, "load", "point with a bristle friction law (it has one state per contact)", self.load
             )
 
     @property
@@ -153,7 +185,15 @@ class ClearanceJoint:
             mode = _kernels.FORCES_GIVEN
         elif self.backend == "coal":
             mode = _kernels.GEOMETRY_GIVEN
-        kind = _kernels.PLANAR if self.planar else _kernels.REVOLUTE
+        kind = _kernels.REVOLUTE
+        if self.planar:
+            kind = _kernels.PLANAR
+        elif isinstance(self.geometry, SphericalClearance):
+            kind = _kernels.SPHERICAL
+        elif self.load == "distributed":
+            kind = _kernels.DISTRIBUTED
+            size += _kernels.DIRECTIONS + 2 * self.sectors
+            block = np.zeros(size)
         block[:9] = [kind, size, mode, q, v, first_contact, self.contacts, start_x, self.stride]
         block[_kernels.AXES : _kernels.AXES + 9] = np.asarray(axes, dtype=float).ravel()
         block[_kernels.CENTRE : _kernels.CENTRE + 3] = self.offset * np.asarray(axis, dtype=float)
@@ -167,6 +207,22 @@ class ClearanceJoint:
                 block[start : start + NORMAL_SIZE] = normal.code()
                 block[start + NORMAL_SIZE : start + _kernels.LAW_SIZE] = friction.code()
         return block
+
+    def place_strips(self, block: Array, first: int) -> int:
+        """Write into a block where its strips' rows start; return how many rows they are.
+
+        The sectors stand on the circle whose radius squared is the mean of the annulus': its ring has the annulus'
+        second moment, so a uniform modulus resists compression and tilt as over the whole annulus.
+        """
+        if self.load != "distributed" or not isinstance(self.geometry, RevoluteClearance):
+            return 0
+        outer = min(self.geometry.bearing_outer_radius, self.geometry.flange_radius)
+        radius = math.sqrt(0.5 * (outer**2 + self.geometry.bearing_radius**2))
+        tail = block[_kernels.DISTRIBUTED_TAIL :]
+        tail[:4] = self.strips, self.sectors, first, radius
+        angles = 2.0 * math.pi * (np.arange(self.sectors) + 0.5) / self.sectors
+        tail[4::2], tail[5::2] = np.cos(angles), np.sin(angles)
+        return self.strips + 2 * self.sectors
 
     def evaluate(
         self,
@@ -196,12 +252,13 @@ class ClearanceJoint:
         x = np.zeros(self.contacts * self.stride)
         y = np.concatenate([y, x])
         block = self.block(frame, axis, 0, 0, 0, 0)
-        table = np.zeros((self.contacts, TABLE_WIDTH))
+        rows = self.contacts + self.place_strips(block, self.contacts)
+        table = np.zeros((rows, TABLE_WIDTH))
         memory = np.zeros((self.contacts, 2))
         pose = np.zeros(_kernels.POSE_SIZE)
         _kernels.journal_state(block, 0, y, nq, pose)
         _kernels.contact_geometry(block, 0, pose, table, 0)
-        memory[:, 0] = table[:, 0] <= 0.0 if touching is None else np.asarray(touching, dtype=float)
+        memory[:, 0] = table[: self.contacts, 0] <= 0.0 if touching is None else np.asarray(touching, dtype=float)
         speed = self.approach_speed_floor if approach_speed is None else approach_speed
         memory[:, 1] = np.maximum(np.asarray(speed, dtype=float), self.approach_speed_floor)
         tau = np.zeros(nv)
@@ -209,14 +266,15 @@ class ClearanceJoint:
         if block[_kernels.MODE] != 0.0:
             PythonPath(self, block, nq).prepare(y, memory, table)
         _kernels.clearance_joint(block, 0, y, nq, nv, memory, table, pose, tau, rates)
+        n = self.contacts
         return JointContacts(
-            gap=table[:, 0].copy(),
-            normal=table[:, 1:4].copy(),
-            point=table[:, 4:7].copy(),
-            rate=table[:, _kernels.RATE].copy(),
-            slip=table[:, _kernels.SLIP : _kernels.SLIP + 3].copy(),
-            normal_force=table[:, _kernels.FORCE].copy(),
-            friction_force=table[:, _kernels.FRICTION : _kernels.FRICTION + 3].copy(),
+            gap=table[:n, 0].copy(),
+            normal=table[:n, 1:4].copy(),
+            point=table[:n, 4:7].copy(),
+            rate=table[:n, _kernels.RATE].copy(),
+            slip=table[:n, _kernels.SLIP : _kernels.SLIP + 3].copy(),
+            normal_force=table[:n, _kernels.FORCE].copy(),
+            friction_force=table[:n, _kernels.FRICTION : _kernels.FRICTION + 3].copy(),
             generalized_force=tau,
         )
 
@@ -238,10 +296,12 @@ class PythonPath:
         self._row = int(block[_kernels.FIRST_CONTACT])
         self._pose = np.zeros(_kernels.POSE_SIZE)
         self._shape = joint.geometry.shape()
-        self._revolute = self._planar = None
+        self._revolute = self._planar = self._spherical = None
         if joint.backend == "coal":
             if isinstance(joint.geometry, PlanarClearance):
                 self._planar = CoalPlanar(joint.geometry)
+            elif isinstance(joint.geometry, SphericalClearance):
+                self._spherical = CoalSpherical(joint.geometry)
             else:
                 self._revolute = CoalRevolute(joint.geometry)
 
@@ -257,6 +317,8 @@ class PythonPath:
             _kernels.journal_state(self._block, 0, y, self._nq, self._pose)
             if self._planar is not None:
                 self._planar.query(float(self._pose[0]), float(self._pose[1]), table, row)
+            elif self._spherical is not None:
+                self._spherical.query(self._pose[:3], table, row)
             else:
                 _kernels.contact_geometry(self._block, 0, self._pose, table, row)
         if not self.joint.compiled:

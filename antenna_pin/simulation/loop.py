@@ -25,7 +25,6 @@ from scipy.optimize import minimize_scalar
 
 from antenna_pin.contact import NormalLaw
 from antenna_pin.dynamics import System, TableDrive, _inspect
-from antenna_pin.geometry.shapes import TABLE_WIDTH
 from antenna_pin.integrate import Stepper, method_named
 from antenna_pin.joints import _kernels as _joint
 from antenna_pin.simulation.settings import RunSettings
@@ -161,7 +160,7 @@ class Run:
         self._peaks: list[tuple[float, Array, Array] | None] = [None] * contacts
         self._ignore = np.zeros(contacts, dtype=np.int64)
         self._nodes = np.zeros((3, _inspect.NODES + 1, contacts))
-        self._table = np.zeros((contacts, TABLE_WIDTH))
+        self._table = np.zeros_like(system.table)
         self._pose = np.zeros(_joint.POSE_SIZE)
         self._floors = [j.approach_speed_floor for j in system.clearances for _ in j.contact_names]
         self._depths = np.array([j.maximum_depth for j in system.clearances for _ in j.contact_names])
@@ -208,7 +207,8 @@ class Run:
         system.memory[:] = 0.0
         self.stepper.restart(0.0, y)
         self._closed_form(y)
-        for c, row in enumerate(self._table):
+        for c in range(len(self._open)):
+            row = self._table[c]
             if row[0] <= _ON_SURFACE:
                 self._touch(c, max(float(row[_joint.RATE]), 0.0))
         self.stepper.refresh()
@@ -494,7 +494,8 @@ class Run:
     def _compare_gaps(self) -> None:
         """Record how far coal's gaps are from the closed form at the end of the trial step."""
         self._closed_form(self.stepper.y)
-        difference = np.abs(self._table[:, 0] - self.system.table[:, 0]).max()
+        contacts = len(self._open)
+        difference = np.abs(self._table[:contacts, 0] - self.system.table[:contacts, 0]).max()
         if difference > self.gap_difference:
             self.gap_difference = float(difference)
 

@@ -90,7 +90,7 @@ class _Observer:
         rates = np.zeros(system.model.nv + system.manifold.nx)
         y = np.zeros(system.manifold.size)
         nq = system.model.nq
-        scratch = np.zeros((len(system.contact_names) + 1, TABLE_WIDTH))
+        scratch = np.zeros((5, TABLE_WIDTH))
         memory = system.memory.copy()
         blocks = [system.clearance_blocks[joint.name] for joint in system.clearances]
         for i in range(self.n):
@@ -98,7 +98,7 @@ class _Observer:
             system.memory[:] = self.run.samples.memories[i]
             system.derivative(self.times[i], y, rates)
             self.a[i] = rates[: system.model.nv]
-            self.tables[i] = system.table
+            self.tables[i] = system.table[: len(system.contact_names)]
             found = audit(system, y, data)
             self.energies[i] = (found.kinetic, found.contacts, found.springs, found.gravity)
             self.linear[i], self.angular[i] = found.linear, found.angular
@@ -109,15 +109,15 @@ class _Observer:
                 pose = self.poses[i, k]
                 _joint.journal_state(system.program, blocks[k], y, nq, pose)
                 row = int(system.program[blocks[k] + _joint.FIRST_CONTACT])
-                rows = system.table[row : row + joint.contacts]
-                _joint.wrench_on_journal(joint.contacts, pose, system.table, row, self.wrenches[i, k])
+                _joint.wrench_on_journal(
+                    system.program, blocks[k], pose, system.table, row, self.wrenches[i, k]
+                )
                 if isinstance(joint.geometry, RevoluteClearance):
-                    scratch[: joint.contacts] = rows
-                    self.scenarios[i, k] = _geometry.contact_scenario(
-                        joint.geometry.shape(), *_joint.centre_and_axis(pose), scratch, 0, joint.contacts
-                    )
+                    shape, at = joint.geometry.shape(), _joint.centre_and_axis(pose)
+                    _geometry.revolute_contacts(shape, *at, scratch, 0)
+                    self.scenarios[i, k] = _geometry.contact_scenario(shape, *at, scratch, 0, 4)
                 else:
-                    self.scenarios[i, k, 0] = rows[0, 0] < 0.0
+                    self.scenarios[i, k, 0] = system.table[row, 0] < 0.0
         system.memory[:] = memory
 
     def motion(self) -> tuple[list[str], Array, Array, Array]:

@@ -12,7 +12,6 @@ from numpy.typing import ArrayLike
 from antenna_pin.assemble import build_system, initial_state
 from antenna_pin.dynamics import System, TableDrive, _inspect
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.geometry.shapes import TABLE_WIDTH
 from antenna_pin.joints import _kernels as _joint
 from antenna_pin.scenario import Scenario
 from antenna_pin.simulation.loop import Progress, Run, interruptible
@@ -99,10 +98,10 @@ def simulate(
 
 def check_start(system: System, y: np.ndarray, duration: float) -> None:
     """Refuse an initial pose in deep penetration, and a torque table that does not cover the run."""
-    table = np.zeros((len(system.contact_names), TABLE_WIDTH))
+    table = np.zeros_like(system.table)
     _inspect.contacts_in(y, system.program, np.zeros(_joint.POSE_SIZE), table)
     limits = [joint.maximum_depth for joint in system.clearances for _ in joint.contact_names]
-    for name, row, limit in zip(system.contact_names, table, limits, strict=True):
+    for name, row, limit in zip(system.contact_names, table, limits, strict=False):
         if -row[0] > limit:
             raise InvalidParameterError(
                 "initial pose",

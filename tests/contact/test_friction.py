@@ -141,14 +141,14 @@ def test_velocity_based_law_falls_from_static_to_dynamic():
 def test_velocity_based_law_is_viscous_near_rest():
     """Slope 1.5 mu_s / v_s = 2.25 s/m."""
     # The next term is cubic: relative (v / v_s)^2 / 3.
-    assert BAI_ZHAO.coefficient(1e-7) / 1e-7 == pytest.approx(2.25, rel=1e-11)
+    assert BAI_ZHAO.coefficient(1e-7) / 1e-7 == pytest.approx(2.25, rel=1e-11, abs=0.0)
 
 
 def test_docstring_formula_of_the_velocity_based_law():
     law = VelocityBased(static=0.3, dynamic=0.2, static_speed=0.01, dynamic_speed=0.5)
     y, x = 0.004 / 0.01, (0.5 - 0.3) / (0.5 - 0.01)
-    assert law.coefficient(0.004) == pytest.approx(0.3 * y * (3 - y * y) / 2, rel=1e-15)  # round-off
-    assert law.coefficient(0.3) == pytest.approx(0.2 + 0.1 * x * x * (3 - 2 * x), rel=1e-15)
+    assert law.coefficient(0.004) == pytest.approx(0.3 * y * (3 - y * y) / 2, rel=1e-15, abs=0.0)  # round-off
+    assert law.coefficient(0.3) == pytest.approx(0.2 + 0.1 * x * x * (3 - 2 * x), rel=1e-15, abs=0.0)
     assert law.coefficient(0.7) == 0.2
 
 
@@ -156,14 +156,14 @@ def test_ambrosio_ramps_between_its_speeds():
     law = Ambrosio(coefficient_of_friction=0.2, lower_speed=0.01, upper_speed=0.03)
     assert law.coefficient(0.01) == 0.0
     assert law.coefficient(0.005) == 0.0
-    assert law.coefficient(0.015) == pytest.approx(0.05, rel=1e-14)  # round-off
-    assert law.coefficient(0.03) == pytest.approx(0.2, rel=1e-15)
-    assert law.coefficient(3.0) == pytest.approx(0.2, rel=1e-15)
+    assert law.coefficient(0.015) == pytest.approx(0.05, rel=1e-14, abs=0.0)  # round-off
+    assert law.coefficient(0.03) == pytest.approx(0.2, rel=1e-15, abs=0.0)
+    assert law.coefficient(3.0) == pytest.approx(0.2, rel=1e-15, abs=0.0)
 
 
 def test_ambrosio_may_start_at_rest():
     law = Ambrosio(coefficient_of_friction=0.2, lower_speed=0.0, upper_speed=0.1)
-    assert law.coefficient(0.05) == pytest.approx(0.1, rel=1e-15)  # round-off
+    assert law.coefficient(0.05) == pytest.approx(0.1, rel=1e-15, abs=0.0)  # round-off
     assert (force_of(law, 1.0, np.zeros(3)) == 0.0).all()
 
 
@@ -172,7 +172,7 @@ def test_tanh_is_a_hyperbolic_tangent_at_every_speed():
     law = Tanh(coefficient_of_friction=0.2, transition_speed=0.02)
     for speed in SPEEDS:
         # Round-off; the series leaves out 2/15 y^4 < 2e-17.
-        assert law.coefficient(speed) == pytest.approx(0.2 * math.tanh(speed / 0.02), rel=5e-16)
+        assert law.coefficient(speed) == pytest.approx(0.2 * math.tanh(speed / 0.02), rel=5e-16, abs=0.0)
 
 
 @pytest.mark.parametrize(

@@ -111,7 +111,7 @@ def test_elastic_force_is_the_power_law(normal_law):
     for depth in DEPTHS:
         expected = normal_law.stiffness * depth**normal_law.exponent
         # Round-off of the power.
-        assert normal_law.elastic_force(depth) == pytest.approx(expected, rel=1e-15)
+        assert normal_law.elastic_force(depth) == pytest.approx(expected, rel=1e-15, abs=0.0)
 
 
 def test_force_is_linear_in_the_rate_until_it_would_pull(normal_law):
@@ -129,7 +129,7 @@ def test_the_slope_is_continuous_at_touchdown_above_exponent_one(normal_law):
     slopes = [normal_law.force(d, 0.1, 0.1) / d / normal_law.stiffness for d in (1e-6, 1e-9, 1e-12)]
     n = normal_law.exponent
     expected = [(1.0 + hysteresis(normal_law)) * d ** (n - 1.0) for d in (1e-6, 1e-9, 1e-12)]
-    assert slopes == pytest.approx(expected, rel=1e-14)  # round-off
+    assert slopes == pytest.approx(expected, rel=1e-14, abs=0.0)  # round-off
     if n > 1.0:
         assert slopes[2] < slopes[1] < slopes[0]
 
@@ -144,7 +144,7 @@ def test_energy_is_the_integral_of_the_elastic_force(normal_law):
             epsabs=0.0,
             epsrel=1e-13,
         )
-        assert normal_law.elastic_energy(depth) == pytest.approx(work, rel=1e-12)
+        assert normal_law.elastic_energy(depth) == pytest.approx(work, rel=1e-12, abs=0.0)
 
 
 def test_impact_delivers_the_certified_restitution(normal_law):
@@ -163,13 +163,15 @@ def test_impact_reaches_the_closed_form_depth(normal_law):
     expected = ((n + 1.0) * mass * speed**2 / normal_law.stiffness * part) ** (1.0 / (n + 1.0))
     depth, _ = impact(normal_law, mass, speed)
     # The event is located on the dense output of order 7; a maximum is flat, so depth errs by its error only.
-    assert depth == pytest.approx(expected, rel=1e-10)
+    assert depth == pytest.approx(expected, rel=1e-10, abs=0.0)
 
 
 def test_elastic_impact_turns_all_kinetic_energy_into_spring_energy():
     law, mass, speed = Hertz(stiffness=1e9), 0.4, 0.2
     depth, delivered = impact(law, mass, speed)
-    assert law.elastic_energy(depth) == pytest.approx(0.5 * mass * speed**2, rel=1e-10)  # integration
+    assert law.elastic_energy(depth) == pytest.approx(
+        0.5 * mass * speed**2, rel=1e-10, abs=0.0
+    )  # integration
     assert delivered == pytest.approx(1.0, abs=1e-10)
 
 
@@ -212,8 +214,8 @@ def test_docstring_formula_of_lankarani_nikravesh():
     law = LankaraniNikravesh(stiffness=2e9, restitution=0.8, exponent=1.3)
     depth, rate, first = 4e-6, -0.03, 0.07
     expected = 2e9 * depth**1.3 * (1.0 + 0.75 * (1.0 - 0.8**2) * rate / first)
-    assert law.force(depth, rate, first) == pytest.approx(expected, rel=1e-15)  # round-off
-    assert law.hysteresis == pytest.approx(0.75 * 0.36, rel=1e-15)
+    assert law.force(depth, rate, first) == pytest.approx(expected, rel=1e-15, abs=0.0)  # round-off
+    assert law.hysteresis == pytest.approx(0.75 * 0.36, rel=1e-15, abs=0.0)
 
 
 def test_restitution_one_is_hertz():

@@ -165,7 +165,7 @@ def test_centred_and_parallel_every_gap_is_the_clearance(backend, joint):
     assert [c.gap for c in contacts] == pytest.approx([2e-4] * 4, abs=PARALLEL[backend])
     for contact in contacts:
         assert np.isfinite(contact.point).all()
-        assert np.linalg.norm(contact.normal) == pytest.approx(1.0, rel=1e-15)
+        assert np.linalg.norm(contact.normal) == pytest.approx(1.0, rel=1e-15, abs=0.0)
         assert contact.depth == 0.0
 
 
@@ -277,7 +277,7 @@ def test_nearest_point_of_an_ellipse(axes, point):
     """Also on the axes of symmetry, at the centre and on a circle, where every point is as near."""
     a, b = axes
     ex, ey = _kernels.nearest_on_ellipse(a, b, float(point[0]), float(point[1]))
-    assert (ex / a) ** 2 + (ey / b) ** 2 == pytest.approx(1.0, rel=1e-14)  # round-off
+    assert (ex / a) ** 2 + (ey / b) ** 2 == pytest.approx(1.0, rel=1e-14, abs=0.0)  # round-off
     angle = np.linspace(0.0, 2.0 * np.pi, 200_001)
     least = np.hypot(a * np.cos(angle) - point[0], b * np.sin(angle) - point[1]).min()
     # Half a grid step, 1.6e-5 rad, errs by at most a * 1.6e-5 along, squared over twice the distance.

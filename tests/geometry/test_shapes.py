@@ -21,11 +21,13 @@ PLANAR = PlanarClearance(bearing_radius=0.010, journal_radius=0.0098)
 
 def test_clearances_follow_from_dimensions(joint):
     shape = joint()
-    assert shape.journal_radius == pytest.approx(0.0098, rel=1e-15)  # round-off
-    assert shape.flange_distance == pytest.approx(0.0504, rel=1e-15)
-    assert shape.radial_clearance == pytest.approx(2e-4, rel=1e-12)  # round-off of a difference of lengths
-    assert shape.axial_clearance == pytest.approx(2e-4, rel=1e-12)
-    assert PLANAR.radial_clearance == pytest.approx(2e-4, rel=1e-12)
+    assert shape.journal_radius == pytest.approx(0.0098, rel=1e-15, abs=0.0)  # round-off
+    assert shape.flange_distance == pytest.approx(0.0504, rel=1e-15, abs=0.0)
+    assert shape.radial_clearance == pytest.approx(
+        2e-4, rel=1e-12, abs=0.0
+    )  # round-off of a difference of lengths
+    assert shape.axial_clearance == pytest.approx(2e-4, rel=1e-12, abs=0.0)
+    assert PLANAR.radial_clearance == pytest.approx(2e-4, rel=1e-12, abs=0.0)
 
 
 def test_names_and_number_of_contacts(joint):
@@ -73,7 +75,7 @@ def test_planar_joint_is_a_circle_in_a_circle(geometry):
 def test_planar_joint_at_its_centre_has_a_gap_and_some_normal(geometry):
     (contact,) = geometry.contacts([0, 0, 0], [0, 0, 1])
     assert contact.gap == pytest.approx(2e-4, abs=1e-17)  # round-off
-    assert np.linalg.norm(contact.normal) == pytest.approx(1.0, rel=1e-15)
+    assert np.linalg.norm(contact.normal) == pytest.approx(1.0, rel=1e-15, abs=0.0)
 
 
 def test_planar_joint_is_the_end_of_a_journal_that_does_not_tilt(joint):

@@ -46,7 +46,7 @@ def joint_maker():
 
 
 def random_states(joint, count, seed):
-    """Poses that touch here and there, turned any way about the axis, and twists; in bearing axes = joint axes."""
+    """Poses that touch here and there, turned any way about the axis, and twists; the axis is z."""
     rng = np.random.default_rng(seed)
     for _ in range(count):
         offset = rng.uniform(-3e-4, 3e-4, 3)

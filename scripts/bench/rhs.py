@@ -1,0 +1,80 @@
+#!/usr/bin/env python3
+"""Cost of one right-hand side: the antenna with one clearance joint, over one bare ``pin.aba`` of its model.
+
+A right-hand side is what an integrator asks for: forces of contacts and drives, forward dynamics, and the
+rates of what is integrated along (impulses, work, losses). It is timed in states of a real run of case 3, in
+free flight and with one and two contacts, in turns with ``pin.aba`` in the same process.
+"""
+
+from __future__ import annotations
+
+import sys
+
+import numpy as np
+import pinocchio as pin
+from bench_tools import CLOSED_FORM, Array, Report, interleaved, scenario
+
+from antenna_pin import System, build_system, simulate
+
+LIMITS = {"closed-form": 2.0, "coal": 9.0}
+SPAN = 0.1  # [s] of case 3, where the states come from
+
+
+def states_of_run(count: int) -> dict[int, list[tuple[Array, Array, Array]]]:
+    """Return q, v and contact memory of up to ``count`` states of a run for each number of contacts."""
+    data = simulate(scenario("case3", CLOSED_FORM, "output.rate=10000"), duration=SPAN).data
+    touching = data["touching"].values
+    found: dict[int, list[tuple[Array, Array, Array]]] = {}
+    for contacts in np.unique(touching.sum(axis=1)):
+        indices = np.flatnonzero(touching.sum(axis=1) == contacts)
+        chosen = indices[np.linspace(0, len(indices) - 1, min(count, len(indices))).astype(int)]
+        memories = [np.column_stack([touching[i], 0.01 * touching[i]]).astype(float) for i in chosen]
+        found[int(contacts)] = [
+            (data["q"].values[i], data["v"].values[i], memory)
+            for i, memory in zip(chosen, memories, strict=True)
+        ]
+    return found
+
+
+def ratios(
+    system: System, states: list[tuple[Array, Array, Array]], repeats: int, number: int
+) -> tuple[Array, Array]:
+    """Return times of the right-hand side over those of ``pin.aba``, and the latter [s]."""
+    data = system.model.createData()
+    over, bare = [], []
+    for q, v, memory in states:
+        y = system.state(q, v)
+        rates = np.zeros(system.model.nv + system.manifold.nx)
+        system.memory[:] = memory
+        names = {"f": system.derivative, "y": y, "rates": rates, "aba": pin.aba, "model": system.model}
+        names |= {"data": data, "q": q.copy(), "v": v.copy(), "tau": np.zeros(system.model.nv)}
+        times = interleaved(
+            {"rhs": ("f(0.05, y, rates)", names), "aba": ("aba(model, data, q, v, tau)", names)},
+            repeats,
+            number,
+        )
+        over.append(np.median(times["rhs"] / times["aba"]))
+        bare.append(np.median(times["aba"]))
+    return np.array(over), np.array(bare)
+
+
+def main() -> int:
+    """Time both backends."""
+    report = Report("rhs", __doc__ or "")
+    arguments = report.parse()
+    count, repeats, number = (2, 3, 200) if arguments.quick else (5, 15, 2000)
+    states = states_of_run(count)
+    bare = []
+    for backend, limit in LIMITS.items():
+        system = build_system(scenario("case3", f"clearance.elevation.geometry={backend}"))
+        for contacts, some in states.items():
+            over, aba = ratios(system, some, repeats, number)
+            bare.append(aba)
+            name = f"{backend}, {contacts} contact{'' if contacts == 1 else 's'}, over pin.aba"
+            report.add(name, np.median(over), limit=limit)
+    report.add("pin.aba", 1e6 * np.median(np.concatenate(bare)), "us")
+    return report.finish()
+
+
+if __name__ == "__main__":
+    sys.exit(main())
