@@ -15,7 +15,7 @@ from typing import Any, TypeVar
 
 import numba
 
-__all__ = ["kernel"]
+__all__ = ["inlined", "kernel"]
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 
@@ -24,6 +24,7 @@ _Function = TypeVar("_Function", bound=Callable[..., Any])
 def _stamp() -> str:
     """Return a digest of all kernel files and of Numba's version."""
     digest = hashlib.sha256(numba.__version__.encode())
+    digest.update(Path(__file__).read_bytes())
     folder = Path(__file__).parent
     for path in sorted([*folder.glob("*/_kernels.py"), *folder.glob("*/_inspect.py")]):
         digest.update(path.read_bytes())
@@ -35,7 +36,16 @@ def kernel(function: _Function) -> _Function:
 
     Division by zero gives infinity there, not an exception.
     """
-    compiled = numba.njit(cache=True, error_model="numpy")(function)
+    return _compiled(function)
+
+
+def inlined(function: _Function) -> _Function:
+    """Compile a small function that is always put into its callers: a call with arrays costs more than it does."""
+    return _compiled(function, forceinline=True)
+
+
+def _compiled(function: _Function, **options: bool) -> _Function:
+    compiled = numba.njit(cache=True, error_model="numpy", **options)(function)
     # With NUMBA_DISABLE_JIT=1 there is nothing to stamp.
     cache_file = getattr(getattr(compiled, "_cache", None), "_cache_file", None)
     if cache_file is not None:

@@ -93,7 +93,7 @@ def test_initial_state_of_a_journal_is_what_was_asked_in_bearing_axes():
     )
     system = build_system(asked)
     q, v = initial_state(asked, system)
-    pose = np.zeros(joint_kernels.POSE_SIZE)
+    pose = np.zeros(joint_kernels.POSE_BUFFER)
     block = system.clearance_blocks["elevation"]
     joint_kernels.journal_state(system.program, block, np.concatenate([q, v]), system.model.nq, pose)
     assert pose[:3] == pytest.approx([1e-4, -5e-5, 8e-5], abs=1e-17)  # round-off of 7 mm and a rotation

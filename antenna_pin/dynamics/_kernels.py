@@ -170,7 +170,7 @@ def evaluate(t: float, y: Any, program: Any, work: Any, rates: Any) -> None:
     nv = int(program[1])
     contacts = int(program[2])
     tau = work[:nv]
-    first = nv + joint.POSE_SIZE
+    first = nv + joint.POSE_BUFFER
     pose = work[nv:first]
     second = first + 2 * contacts
     memory = work[first:second].reshape(contacts, 2)

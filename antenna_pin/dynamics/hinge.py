@@ -84,8 +84,9 @@ def constrained_acceleration(
             )
             omega = hinge.stabilisation
             if omega > 0.0:
-                constraint.corrector.Kp[:] = omega**2
-                constraint.corrector.Kd[:] = 2.0 * omega
+                constraint.setBaumgarteCorrectorParameters(
+                    pin.BaumgarteCorrectorParameters(omega**2, 2.0 * omega)
+                )
             models.append(constraint)
     datas = pin.StdVec_RigidConstraintData()
     for constraint in models:

@@ -10,7 +10,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
-from antenna_pin.dynamics import _kernels
+from antenna_pin.dynamics import _inspect, _kernels
 from antenna_pin.dynamics.elements import CallableDrive, Drive, JointSpring
 from antenna_pin.dynamics.hinge import Hinge, constrained_acceleration
 from antenna_pin.errors import InvalidParameterError, MechanismError
@@ -139,10 +139,10 @@ class System:
         rows = row
         for joint in self.clearances:
             rows += joint.place_strips(blocks[1 + self.clearances.index(joint)], rows)
-        self._work = np.zeros(nv + _joint.POSE_SIZE + 2 * row + rows * TABLE_WIDTH)
+        self._work = np.zeros(nv + _joint.POSE_BUFFER + 2 * row + rows * TABLE_WIDTH)
         self.tau = self._work[:nv]
-        table = nv + _joint.POSE_SIZE + 2 * row
-        self.memory = self._work[nv + _joint.POSE_SIZE : table].reshape(row, 2)
+        table = nv + _joint.POSE_BUFFER + 2 * row
+        self.memory = self._work[nv + _joint.POSE_BUFFER : table].reshape(row, 2)
         self.table = self._work[table:].reshape(rows, TABLE_WIDTH)
         blocks[0][2:4] = row, rows
         work_x, self.drive_blocks = [], {}
@@ -201,6 +201,16 @@ class System:
         return np.array([*head, clearance, about, *parameters], dtype=float)
 
     # --- the equations of motion ----------------------------------------------------------------------------
+
+    def measure(self, y: Array) -> None:
+        """Bring all rows of ``table`` up to date for a state: gap, normal, point, rates of every contact.
+
+        The derivative itself updates the touching contacts only. Coal's gaps are asked for where it is the backend.
+        """
+        pose = self._work[self.model.nv : self.model.nv + _joint.POSE_BUFFER]
+        _inspect.contacts_in(y, self.program, pose, self.table)
+        for path in self._paths:
+            path.prepare(y, self.memory, self.table, everything=True)
 
     def apply_elements(self, t: float, y: Array, rates: Array) -> None:
         """Evaluate the elements: ``tau``, the contacts' ``table``, and x rates behind rates[nv]."""

@@ -12,6 +12,7 @@ Functors are built once; a query only moves a transform.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import coal
 import numpy as np
@@ -84,13 +85,16 @@ class CoalRevolute:
         self._normals = np.zeros((2, 3))
         self._points = np.zeros((2, 3))
 
-    def query(self, sine: float, table: NDArray[np.float64], row: int) -> None:
+    def query(
+        self, sine: float, table: NDArray[np.float64], row: int, wanted: Sequence[float] | None = None
+    ) -> None:
         """Fill four rows of a table for the pose that :func:`_kernels.coal_place` wrote to ``work``.
 
         Args:
             sine: Sine of the tilt between the axes [-].
             table: Contact table, (rows, TABLE_WIDTH).
             row: First row to fill.
+            wanted: Which of the four contacts to ask for (nonzero); all if not given. The others' rows are not valid.
         """
         result = self._result
         request = self._request
@@ -100,7 +104,9 @@ class CoalRevolute:
         gaps = self._gaps
         normals = self._normals
         turn = _kernels.coal_turn
-        for side, start, point in self._ends:
+        for k, (side, start, point) in enumerate(self._ends):
+            if wanted is not None and not wanted[k]:
+                continue
             for _ in range(_MAX_QUERIES):
                 at_point.setTranslation(point)
                 result.clear()
@@ -110,16 +116,18 @@ class CoalRevolute:
         if self._covers:
             self._at_bearing.setTransform(self._rotation, self._origin)
             for k, functor in enumerate(self._axial):
+                if wanted is not None and not wanted[2 + k]:
+                    continue
                 result.clear()
                 gaps[k] = functor(self._at_bearing, identity, request, result)
                 # coal's normal runs from the bearing to the flange's half-space: that is into the journal.
                 normals[k] = result.normal
                 self._points[k] = result.getNearestPoint1()
         else:
-            self._query_small_flanges()
+            self._query_small_flanges(wanted)
         _kernels.coal_collect(self._shape, self.work, gaps, normals, self._points, sine, table, row)
 
-    def _query_small_flanges(self) -> None:
+    def _query_small_flanges(self, wanted: Sequence[float] | None) -> None:
         # Solid discs behind each flange face, asked against the half-spaces inside the bearing's end faces.
         # Both are asked in H, where the half-spaces stand, and the answers carried to J.
         rotation = self._rotation  # of H in J
@@ -127,6 +135,8 @@ class CoalRevolute:
         axis = rotation[2]
         half = 0.5 * (self.geometry.flange_distance + self.geometry.bearing_length)
         for k, (functor, side) in enumerate(zip(self._axial, (1.0, -1.0), strict=True)):
+            if wanted is not None and not wanted[2 + k]:
+                continue
             self._at_bearing.setTransform(np.ascontiguousarray(rotation.T), centre + side * half * axis)
             self._result.clear()
             self._gaps[k] = functor(self._at_bearing, self._identity, self._request, self._result)

@@ -21,7 +21,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin._compile import kernel
+from antenna_pin._compile import inlined, kernel
 from antenna_pin.contact._kernels import (
     FRICTION_SIZE,
     NORMAL_SIZE,
@@ -31,7 +31,9 @@ from antenna_pin.contact._kernels import (
     friction_force,
 )
 from antenna_pin.geometry._kernels import (
+    bore_contact,
     coal_place,
+    flange_contact,
     planar_contact,
     revolute_contacts,
     sector_contacts,
@@ -89,6 +91,7 @@ APPROACH = 1
 # Pose and twist of a journal: centre (3), axis (3), rotation child -> H (9, row-major), velocity of the
 # centre (3) and angular velocity (3), all in H.
 POSE_SIZE = 21
+POSE_BUFFER = 27  # with room for a resultant behind
 
 
 @kernel
@@ -194,7 +197,26 @@ def contact_geometry(p: Any, b: int, pose: Any, table: Any, row: int) -> None:
         revolute_contacts(shape, pose[0], pose[1], pose[2], pose[3], pose[4], pose[5], table, row)
 
 
-@kernel
+@inlined
+def touching_geometry(p: Any, b: int, pose: Any, memory: Any, table: Any, row: int) -> None:
+    """Fill gap, normal and point of the contacts that touch; the others have no force, whatever their gap."""
+    if p[b] != REVOLUTE:
+        contact_geometry(p, b, pose, table, row)
+        return
+    shape = p[b + SHAPE : b + SHAPE + 6]
+    ox, oy, oz, zx, zy, zz = pose[0], pose[1], pose[2], pose[3], pose[4], pose[5]
+    sine = math.sqrt(zx * zx + zy * zy)
+    for k in range(int(p[b + CONTACTS])):
+        if memory[row + k, TOUCHING] == 0.0:
+            continue
+        side = 1.0 - 2.0 * (k % 2)
+        if k < 2:
+            bore_contact(shape, side, ox, oy, oz, zx, zy, zz, sine, table, row + k)
+        else:
+            flange_contact(shape, side, ox, oy, oz, zx, zy, zz, sine, table, row + k)
+
+
+@inlined
 def _row_rates(pose: Any, table: Any, r: int) -> None:
     """Fill depth rate and slip of a row: the relative velocity of the two material points at the contact."""
     rx = table[r, 4] - pose[0]
@@ -211,7 +233,7 @@ def _row_rates(pose: Any, table: Any, r: int) -> None:
     table[r, SLIP + 2] = vz - opening * nz
 
 
-@kernel
+@inlined
 def contact_rates(p: Any, b: int, pose: Any, table: Any, row: int) -> None:
     """Fill depth rate and slip of a joint's contacts; with distributed load of its loaded strips too."""
     for r in range(row, row + int(p[b + CONTACTS])):
@@ -246,7 +268,7 @@ def _row_forces(
     table[r, FRICTION + 2] = fz
 
 
-@kernel
+@inlined
 def patch_rows(p: Any, b: int, k: int) -> tuple[int, int]:
     """Return the range of table rows of patch k: the two halves of the bore (+z, -z), the two flanges (+z, -z)."""
     tail = b + DISTRIBUTED_TAIL
@@ -289,29 +311,24 @@ def contact_forces(
 
     x starts at y[x0] and its rates at rates[r0]; ``first`` is the joint's first row in ``memory``.
     """
+    distributed = p[b] == DISTRIBUTED
+    start = int(p[b + START_X]) + BRISTLE_START
+    stride = int(p[b + STRIDE_X])
     for k in range(int(p[b + CONTACTS])):
         r = row + k
-        table[r, FORCE] = 0.0
-        table[r, FRICTION] = 0.0
-        table[r, FRICTION + 1] = 0.0
-        table[r, FRICTION + 2] = 0.0
-        table[r, ELASTIC] = 0.0
-        table[r, PATCH_LOST_NORMAL] = 0.0
-        table[r, PATCH_LOST_FRICTION] = 0.0
-        table[r, PATCH_ENERGY] = 0.0
+        for column in range(FORCE, PATCH_ENERGY + 1):
+            table[r, column] = 0.0
         if memory[first + k, TOUCHING] == 0.0:
             continue
         law = b + LAWS + k * LAW_SIZE
-        if p[b] == DISTRIBUTED:
+        if distributed:
             _patch_forces(p, b, k, law, memory[first + k, APPROACH], y, table, r)
         else:
-            own = int(p[b + START_X]) + k * int(p[b + STRIDE_X]) + BRISTLE_START
-            _row_forces(
-                p, law, memory[first + k, APPROACH], y, x0 + own, table, r, rates, r0 + own
-            )
+            own = start + k * stride
+            _row_forces(p, law, memory[first + k, APPROACH], y, x0 + own, table, r, rates, r0 + own)
 
 
-@kernel
+@inlined
 def _row_wrench(pose: Any, table: Any, r: int) -> tuple[float, float, float, float, float, float]:
     """Return force and torque about the journal's centre of one row, in bearing axes."""
     force = table[r, FORCE]
@@ -325,6 +342,26 @@ def _row_wrench(pose: Any, table: Any, r: int) -> tuple[float, float, float, flo
 
 
 @kernel
+def _patch_wrench(p: Any, b: int, pose: Any, table: Any, out: Any, at: int) -> None:
+    """Write force and torque of all loaded strips and sectors into out[at:at + 6]."""
+    for i in range(6):
+        out[at + i] = 0.0
+    for k in range(int(p[b + CONTACTS])):
+        if table[int(p[b + FIRST_CONTACT]) + k, FORCE] == 0.0:
+            continue
+        first, last = patch_rows(p, b, k)
+        for s in range(first, last):
+            if table[s, 0] < 0.0:
+                gx, gy, gz, hx, hy, hz = _row_wrench(pose, table, s)
+                out[at] += gx
+                out[at + 1] += gy
+                out[at + 2] += gz
+                out[at + 3] += hx
+                out[at + 4] += hy
+                out[at + 5] += hz
+
+
+@inlined
 def contact_wrench(p: Any, b: int, pose: Any, table: Any, row: int, tau: Any, rates: Any, r0: int) -> None:
     """Add the forces of a joint's rows to tau (in the child's own axes) and write what they integrate."""
     fx = 0.0
@@ -333,34 +370,24 @@ def contact_wrench(p: Any, b: int, pose: Any, table: Any, row: int, tau: Any, ra
     mx = 0.0
     my = 0.0
     mz = 0.0
+    distributed = p[b] == DISTRIBUTED
+    start = r0 + int(p[b + START_X])
+    stride = int(p[b + STRIDE_X])
     for k in range(int(p[b + CONTACTS])):
         r = row + k
-        own = r0 + int(p[b + START_X]) + k * int(p[b + STRIDE_X])
+        own = start + k * stride
         force = table[r, FORCE]
+        elastic = table[r, ELASTIC]
         rates[own + IMPULSE] = force
         # Where a law without adhesion is cut off at zero, what the spring gives back is lost too.
-        rates[own + LOST_NORMAL] = (force - table[r, ELASTIC]) * table[r, RATE]
+        rates[own + LOST_NORMAL] = (force - elastic) * table[r, RATE] if elastic != 0.0 else 0.0
         rates[own + LOST_FRICTION] = 0.0
-        if p[b] == DISTRIBUTED:
-            rates[own + LOST_NORMAL] = table[r, PATCH_LOST_NORMAL]
-            rates[own + LOST_FRICTION] = table[r, PATCH_LOST_FRICTION]
-        if force == 0.0:
+        if force == 0.0 or distributed:
             continue
-        if p[b] == DISTRIBUTED:
-            first, last = patch_rows(p, b, k)
-            for s in range(first, last):
-                if table[s, 0] < 0.0:
-                    gx, gy, gz, hx, hy, hz = _row_wrench(pose, table, s)
-                    fx += gx
-                    fy += gy
-                    fz += gz
-                    mx += hx
-                    my += hy
-                    mz += hz
-            continue
-        gx, gy, gz = table[r, FRICTION], table[r, FRICTION + 1], table[r, FRICTION + 2]
         rates[own + LOST_FRICTION] = -(
-            gx * table[r, SLIP] + gy * table[r, SLIP + 1] + gz * table[r, SLIP + 2]
+            table[r, FRICTION] * table[r, SLIP]
+            + table[r, FRICTION + 1] * table[r, SLIP + 1]
+            + table[r, FRICTION + 2] * table[r, SLIP + 2]
         )
         gx, gy, gz, hx, hy, hz = _row_wrench(pose, table, r)
         fx += gx
@@ -369,6 +396,14 @@ def contact_wrench(p: Any, b: int, pose: Any, table: Any, row: int, tau: Any, ra
         mx += hx
         my += hy
         mz += hz
+    if distributed:
+        for k in range(4):
+            own = start + k * stride
+            rates[own + LOST_NORMAL] = table[row + k, PATCH_LOST_NORMAL]
+            rates[own + LOST_FRICTION] = table[row + k, PATCH_LOST_FRICTION]
+        _patch_wrench(p, b, pose, table, pose, POSE_SIZE)
+        fx, fy, fz = pose[POSE_SIZE], pose[POSE_SIZE + 1], pose[POSE_SIZE + 2]
+        mx, my, mz = pose[POSE_SIZE + 3], pose[POSE_SIZE + 4], pose[POSE_SIZE + 5]
     j = int(p[b + 4])
     if p[b] == PLANAR:
         tau[j] += pose[6] * fx + pose[9] * fy
@@ -390,37 +425,37 @@ def contact_wrench(p: Any, b: int, pose: Any, table: Any, row: int, tau: Any, ra
 @kernel
 def wrench_on_journal(p: Any, b: int, pose: Any, table: Any, row: int, out: Any) -> None:
     """Write the contacts' force and torque about the journal's centre, in bearing axes, into out[0:6]."""
+    if p[b] == DISTRIBUTED:
+        _patch_wrench(p, b, pose, table, out, 0)
+        return
     for k in range(6):
         out[k] = 0.0
-    for k in range(int(p[b + CONTACTS])):
-        if table[row + k, FORCE] == 0.0:
+    for r in range(row, row + int(p[b + CONTACTS])):
+        if table[r, FORCE] == 0.0:
             continue
-        first, last = row + k, row + k + 1
-        if p[b] == DISTRIBUTED:
-            first, last = patch_rows(p, b, k)
-        for s in range(first, last):
-            if p[b] == DISTRIBUTED and table[s, 0] >= 0.0:
-                continue
-            gx, gy, gz, hx, hy, hz = _row_wrench(pose, table, s)
-            out[0] += gx
-            out[1] += gy
-            out[2] += gz
-            out[3] += hx
-            out[4] += hy
-            out[5] += hz
+        gx, gy, gz, hx, hy, hz = _row_wrench(pose, table, r)
+        out[0] += gx
+        out[1] += gy
+        out[2] += gz
+        out[3] += hx
+        out[4] += hy
+        out[5] += hz
 
 
 @kernel
 def clearance_joint(
     p: Any, b: int, y: Any, nq: int, nv: int, memory: Any, table: Any, pose: Any, tau: Any, rates: Any
 ) -> None:
-    """Add a clearance joint's generalized force to tau; write the rates of what it integrates."""
+    """Add a clearance joint's generalized force to tau; write the rates of what it integrates.
+
+    Of the table only the rows of touching contacts are brought up to date (see ``contact_geometry`` for all).
+    """
     row = int(p[b + FIRST_CONTACT])
     journal_state(p, b, y, nq, pose)
     mode = p[b + MODE]
     if mode < FORCES_GIVEN:
         if mode < GEOMETRY_GIVEN:
-            contact_geometry(p, b, pose, table, row)
+            touching_geometry(p, b, pose, memory, table, row)
         contact_rates(p, b, pose, table, row)
         contact_forces(p, b, y, nq + nv, memory, row, table, row, rates, nv)
     contact_wrench(p, b, pose, table, row, tau, rates, nv)

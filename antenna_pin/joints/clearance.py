@@ -255,7 +255,7 @@ class ClearanceJoint:
         rows = self.contacts + self.place_strips(block, self.contacts)
         table = np.zeros((rows, TABLE_WIDTH))
         memory = np.zeros((self.contacts, 2))
-        pose = np.zeros(_kernels.POSE_SIZE)
+        pose = np.zeros(_kernels.POSE_BUFFER)
         _kernels.journal_state(block, 0, y, nq, pose)
         _kernels.contact_geometry(block, 0, pose, table, 0)
         memory[:, 0] = table[: self.contacts, 0] <= 0.0 if touching is None else np.asarray(touching, dtype=float)
@@ -264,7 +264,7 @@ class ClearanceJoint:
         tau = np.zeros(nv)
         rates = np.zeros(nv + x.size)
         if block[_kernels.MODE] != 0.0:
-            PythonPath(self, block, nq).prepare(y, memory, table)
+            PythonPath(self, block, nq).prepare(y, memory, table, everything=True)
         _kernels.clearance_joint(block, 0, y, nq, nv, memory, table, pose, tau, rates)
         n = self.contacts
         return JointContacts(
@@ -294,7 +294,7 @@ class PythonPath:
         self._block = block
         self._nq = nq
         self._row = int(block[_kernels.FIRST_CONTACT])
-        self._pose = np.zeros(_kernels.POSE_SIZE)
+        self._pose = np.zeros(_kernels.POSE_BUFFER)
         self._shape = joint.geometry.shape()
         self._revolute = self._planar = self._spherical = None
         if joint.backend == "coal":
@@ -305,14 +305,22 @@ class PythonPath:
             else:
                 self._revolute = CoalRevolute(joint.geometry)
 
-    def prepare(self, y: Array, memory: Array, table: Array) -> None:
-        """Fill the joint's rows of the table as far as its mode says they are given."""
+    def prepare(self, y: Array, memory: Array, table: Array, everything: bool = False) -> None:
+        """Fill the joint's rows of the table as far as its mode says they are given.
+
+        Args:
+            y: State [q, v, x].
+            memory: Contact memory of the system.
+            table: Contact table of the system.
+            everything: Ask coal for contacts that do not touch, too; they have no force, whatever their gap.
+        """
         row = self._row
         if self._revolute is not None:
             sine = _kernels.place_for_coal(
                 self._block, 0, y, self._nq, self._shape, self._pose, self._revolute.work
             )
-            self._revolute.query(sine, table, row)
+            touching = None if everything else memory[row : row + 4, _kernels.TOUCHING].tolist()
+            self._revolute.query(sine, table, row, touching)
         else:
             _kernels.journal_state(self._block, 0, y, self._nq, self._pose)
             if self._planar is not None:

@@ -161,7 +161,7 @@ class Run:
         self._ignore = np.zeros(contacts, dtype=np.int64)
         self._nodes = np.zeros((3, _inspect.NODES + 1, contacts))
         self._table = np.zeros_like(system.table)
-        self._pose = np.zeros(_joint.POSE_SIZE)
+        self._pose = np.zeros(_joint.POSE_BUFFER)
         self._floors = [j.approach_speed_floor for j in system.clearances for _ in j.contact_names]
         self._depths = np.array([j.maximum_depth for j in system.clearances for _ in j.contact_names])
         plays = [j.geometry.radial_clearance for j in system.clearances for _ in j.contact_names]
@@ -493,6 +493,7 @@ class Run:
 
     def _compare_gaps(self) -> None:
         """Record how far coal's gaps are from the closed form at the end of the trial step."""
+        self.system.measure(self.stepper.y)
         self._closed_form(self.stepper.y)
         contacts = len(self._open)
         difference = np.abs(self._table[:contacts, 0] - self.system.table[:contacts, 0]).max()

@@ -74,7 +74,7 @@ class _Observer:
         drives = len(system.drives)
         self.a = np.zeros((self.n, system.model.nv))
         self.tables = np.zeros((self.n, contacts, TABLE_WIDTH))
-        self.poses = np.zeros((self.n, joints, _joint.POSE_SIZE))
+        self.poses = np.zeros((self.n, joints, _joint.POSE_BUFFER))
         self.scenarios = np.zeros((self.n, joints, 2), dtype=np.int8)
         self.wrenches = np.zeros((self.n, joints, 6))
         self.efforts = np.zeros((self.n, drives))
@@ -96,6 +96,7 @@ class _Observer:
         for i in range(self.n):
             y[:] = self.states[i]
             system.memory[:] = self.run.samples.memories[i]
+            system.measure(y)
             system.derivative(self.times[i], y, rates)
             self.a[i] = rates[: system.model.nv]
             self.tables[i] = system.table[: len(system.contact_names)]

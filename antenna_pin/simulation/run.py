@@ -99,7 +99,7 @@ def simulate(
 def check_start(system: System, y: np.ndarray, duration: float) -> None:
     """Refuse an initial pose in deep penetration, and a torque table that does not cover the run."""
     table = np.zeros_like(system.table)
-    _inspect.contacts_in(y, system.program, np.zeros(_joint.POSE_SIZE), table)
+    _inspect.contacts_in(y, system.program, np.zeros(_joint.POSE_BUFFER), table)
     limits = [joint.maximum_depth for joint in system.clearances for _ in joint.contact_names]
     for name, row, limit in zip(system.contact_names, table, limits, strict=False):
         if -row[0] > limit:
