@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin._compile import kernel
+from antenna_pin._compile import inlined, kernel
 from antenna_pin.contact._kernels import NORMAL_SIZE, elastic_energy
 from antenna_pin.geometry.shapes import TABLE_WIDTH
 from antenna_pin.joints import _kernels as joint
@@ -46,7 +46,7 @@ ABOUT_JOURNAL = 7
 PARAMETERS = 8
 
 
-@kernel
+@inlined
 def drive_effort(p: Any, b: int, t: float) -> float:
     """Torque [N m] (force [N] at a prismatic joint) of the drive block at b."""
     kind = p[b]
@@ -91,7 +91,7 @@ def joint_motion(p: Any, b: int, y: Any, nq: int) -> tuple[float, float, float, 
     return angle, gx * wx + gy * wy + wz, gx, gy
 
 
-@kernel
+@inlined
 def _drive(p: Any, b: int, t: float, y: Any, nq: int, nv: int, tau: Any, rates: Any) -> None:
     """Add a drive's generalized force.
 

@@ -43,7 +43,7 @@ def nearest_on_ellipse(major: float, minor: float, x: float, y: float) -> tuple[
     px = abs(x)
     py = abs(y)
     delta = (major - minor) * (major + minor)
-    if minor * py > 0.0:  # not py alone: a product that underflows would divide zero by zero
+    if minor * py > 1e-290:  # far below any length; closer to zero the terms below under- and overflow
         low = max(minor * py, major * px - delta)
         s = max(low, minor * math.sqrt(px * px + py * py))
         for _ in range(_MAX_ITERATIONS):

@@ -20,7 +20,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin._compile import kernel
+from antenna_pin._compile import inlined, kernel
 
 VECTOR = 0  # q' = v
 CIRCLE = 1  # (cos, sin)
@@ -29,7 +29,7 @@ ROTATION = 3  # quaternion xyzw, v in body axes
 RIGID = 4  # position, quaternion xyzw; v = (linear, angular) in body axes
 
 
-@kernel
+@inlined
 def _turn(q0: Any, r0: int, i: int, ux: float, uy: float, uz: float, q: Any, r: int) -> None:
     """Write q0 * exp(u / 2) for the quaternions at column i of rows r0 and r, made unit again."""
     square = ux * ux + uy * uy + uz * uz
@@ -54,7 +54,7 @@ def _turn(q0: Any, r0: int, i: int, ux: float, uy: float, uz: float, q: Any, r: 
     q[r, i + 3] = qw * scale
 
 
-@kernel
+@inlined
 def retract(layout: Any, q0: Any, r0: int, u: Any, ru: int, q: Any, r: int) -> None:
     """Write q[r] = q0[r0] o exp(u[ru]).
 
@@ -89,7 +89,7 @@ def retract(layout: Any, q0: Any, r0: int, u: Any, ru: int, q: Any, r: int) -> N
             q[r, i + 1] = qs * scale
 
 
-@kernel
+@inlined
 def _unwind(x: float, y: float, z: float, wx: float, wy: float, wz: float, out: Any, r: int, j: int) -> None:
     """Write the rate of the rotation vector (x, y, z) for a body angular velocity w.
 
@@ -112,7 +112,7 @@ def _unwind(x: float, y: float, z: float, wx: float, wy: float, wz: float, out: 
     out[r, j + 2] = wz + 0.5 * cz + f * (x * cy - y * cx)
 
 
-@kernel
+@inlined
 def chart_rate(layout: Any, u: Any, ru: int, y: Any, ry: int, out: Any, r: int) -> None:
     """Write the rate of u[ru] into out[r] for the state y[ry] = [q, v], whose q is q0 o exp(u)."""
     start = layout[0]
@@ -176,7 +176,7 @@ def begin(stages: int, layout: Any, work: Any) -> None:
     store(0, stages, layout, work)
 
 
-@kernel
+@inlined
 def store(i: int, stages: int, layout: Any, work: Any) -> None:
     """Store the derivative just evaluated as stage i."""
     nv = layout[1]
@@ -264,7 +264,7 @@ def dense_coefficients(h: float, polynomials: Any, n: int, work: Any, dense: Any
                     dense[p, k] += w * work[j, k]
 
 
-@kernel
+@inlined
 def _term(theta: float, degree: int, dense: Any, k: int) -> float:
     """Component k of z(theta) - z(0), by Horner's rule."""
     value = dense[degree - 1, k]

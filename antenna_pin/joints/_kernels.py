@@ -94,7 +94,7 @@ POSE_SIZE = 21
 POSE_BUFFER = 27  # with room for a resultant behind
 
 
-@kernel
+@inlined
 def journal_state(p: Any, b: int, y: Any, nq: int, pose: Any) -> None:
     """Write the journal's pose and twist relative to the bearing, in bearing axes."""
     i = int(p[b + 3])
@@ -303,7 +303,7 @@ def _patch_forces(p: Any, b: int, k: int, law: int, approach: float, y: Any, tab
         table[r, PATCH_ENERGY] += elastic_energy(normal, -table[s, 0])
 
 
-@kernel
+@inlined
 def contact_forces(
     p: Any, b: int, y: Any, x0: int, memory: Any, first: int, table: Any, row: int, rates: Any, r0: int
 ) -> None:
@@ -316,12 +316,16 @@ def contact_forces(
     stride = int(p[b + STRIDE_X])
     for k in range(int(p[b + CONTACTS])):
         r = row + k
-        for column in range(FORCE, PATCH_ENERGY + 1):
-            table[r, column] = 0.0
         if memory[first + k, TOUCHING] == 0.0:
+            # Both are zero only if all columns between are; most contacts are apart, and stay so.
+            if table[r, FORCE] != 0.0 or table[r, ELASTIC] != 0.0:
+                for column in range(FORCE, PATCH_ENERGY + 1):
+                    table[r, column] = 0.0
             continue
         law = b + LAWS + k * LAW_SIZE
         if distributed:
+            for column in range(FORCE, PATCH_ENERGY + 1):
+                table[r, column] = 0.0
             _patch_forces(p, b, k, law, memory[first + k, APPROACH], y, table, r)
         else:
             own = start + k * stride
@@ -378,9 +382,14 @@ def contact_wrench(p: Any, b: int, pose: Any, table: Any, row: int, tau: Any, ra
         own = start + k * stride
         force = table[r, FORCE]
         elastic = table[r, ELASTIC]
+        if force == 0.0 and elastic == 0.0:
+            rates[own + IMPULSE] = 0.0
+            rates[own + LOST_NORMAL] = 0.0
+            rates[own + LOST_FRICTION] = 0.0
+            continue
         rates[own + IMPULSE] = force
         # Where a law without adhesion is cut off at zero, what the spring gives back is lost too.
-        rates[own + LOST_NORMAL] = (force - elastic) * table[r, RATE] if elastic != 0.0 else 0.0
+        rates[own + LOST_NORMAL] = (force - elastic) * table[r, RATE]
         rates[own + LOST_FRICTION] = 0.0
         if force == 0.0 or distributed:
             continue
@@ -442,7 +451,7 @@ def wrench_on_journal(p: Any, b: int, pose: Any, table: Any, row: int, out: Any)
         out[5] += hz
 
 
-@kernel
+@inlined
 def clearance_joint(
     p: Any, b: int, y: Any, nq: int, nv: int, memory: Any, table: Any, pose: Any, tau: Any, rates: Any
 ) -> None:
