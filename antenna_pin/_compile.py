@@ -40,7 +40,7 @@ def kernel(function: _Function) -> _Function:
 
 
 def inlined(function: _Function) -> _Function:
-    """Compile a small function that is always put into its callers: a call with arrays costs more than it does."""
+    """Compile a small function that is always put into its callers: a call would cost more than it."""
     return _compiled(function, forceinline=True)
 
 

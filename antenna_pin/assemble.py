@@ -20,7 +20,7 @@ from antenna_pin.dynamics import (
     TableDrive,
 )
 from antenna_pin.errors import MechanismError, ScenarioError, UnknownNameError
-from antenna_pin.geometry import PlanarClearance, RevoluteClearance
+from antenna_pin.geometry import PlanarClearance, RevoluteClearance, SphericalClearance
 from antenna_pin.joints import ClearanceJoint
 from antenna_pin.mechanism import (
     JointChange,
@@ -45,6 +45,7 @@ _VARIANTS: dict[str, JointVariant] = {
     "contact": "free",
     "constraint": "free",
     "planar": "planar",
+    "spherical": "free",
     "ideal": "ideal",
 }
 
@@ -83,10 +84,14 @@ def urdf_variant(scenario: Scenario) -> Urdf:
     variants: dict[str, JointVariant] = {
         name: change.kind for name, change in spec.joints.items() if change.kind is not None
     }
-    variants |= {name: _VARIANTS[clearance.model] for name, clearance in scenario.clearance.items()}
+    for name, clearance in scenario.clearance.items():
+        # A ball joint has no URDF type: a joint written as floating is taken as it is.
+        if not (clearance.model == "spherical" and urdf.joint(name).type == "floating"):
+            variants[name] = _VARIANTS[clearance.model]
     for name, clearance in scenario.clearance.items():
         kind = urdf.joint(name).type
-        if kind not in ("revolute", "continuous"):
+        allowed = ("revolute", "continuous", *(("floating",) if clearance.model == "spherical" else ()))
+        if kind not in allowed:
             raise MechanismError(
                 f"{_where(scenario, 'clearance', name)}: a clearance joint must be revolute or "
                 f"continuous in the URDF, got {kind} (model = {clearance.model!r}); "
@@ -175,7 +180,9 @@ def _drive(spec: _drives.DriveSpec) -> Drive:
 
 
 def clearance_joint(
-    scenario: Scenario, name: str, spec: _clearance.PlanarClearance | _clearance.ContactClearance
+    scenario: Scenario,
+    name: str,
+    spec: _clearance.PlanarClearance | _clearance.ContactClearance | _clearance.SphericalClearance,
 ) -> ClearanceJoint:
     """Return the clearance joint of one table of a scenario.
 
@@ -184,10 +191,12 @@ def clearance_joint(
     """
     journal = spec.bearing_radius - spec.radial_play
     radial = _normal_law(scenario, name, spec, spec.radial_law, None)
-    geometry: PlanarClearance | RevoluteClearance
+    geometry: PlanarClearance | RevoluteClearance | SphericalClearance
     axial = None
     if isinstance(spec, _clearance.PlanarClearance):
         geometry = PlanarClearance(bearing_radius=spec.bearing_radius, journal_radius=journal)
+    elif isinstance(spec, _clearance.SphericalClearance):
+        geometry = SphericalClearance(socket_radius=spec.bearing_radius, ball_radius=journal)
     else:
         geometry = RevoluteClearance(
             bearing_radius=spec.bearing_radius,
@@ -208,6 +217,9 @@ def clearance_joint(
         offset=spec.offset,
         approach_speed_floor=spec.approach_speed_floor,
         maximum_depth=spec.maximum_depth,
+        load=spec.load,
+        strips=spec.strips,
+        sectors=spec.sectors,
     )
 
 

@@ -219,6 +219,7 @@ def test_the_defaults_are_those_of_the_documentation(folder):
         "angular_velocity": 1.0,
         "clearance": 1.0,
         "clearance_velocity": 0.01,
+        "base": None,
     }
     assert scenario.output.rate == 1000.0
     assert scenario.initial.base.attitude == (0.0, 0.0, 0.0, 1.0)
@@ -534,7 +535,7 @@ def test_what_an_override_sets_is_told_as_such(folder):
         ),
         (
             "clearance.hing.geometry=coal",
-            "clearance.hing.model is missing; give one of contact, planar, ideal, constraint "
+            "clearance.hing.model is missing; give one of contact, planar, spherical, ideal, constraint "
             "(or did you mean clearance.hinge?) (set by an override)",
         ),
     ):
@@ -700,7 +701,7 @@ REFUSALS = [
     ({"cases.tight.name": "x"}, f"cases.tight.name is unknown; known here: {TOP}, default_case, cases"),
     (
         {"cases.tight.clearance.hing": {"geometry": "coal"}},
-        "cases.tight.clearance.hing.model is missing; give one of contact, planar, ideal, constraint "
+        "cases.tight.clearance.hing.model is missing; give one of contact, planar, spherical, ideal, constraint "
         "(or did you mean clearance.hinge?)",
     ),
     (
@@ -775,14 +776,14 @@ REFUSALS = [
     ({H + "clearence": 1}, "clearance.hinge.clearence is unknown; did you mean axial_clearance?"),
     (
         {H + "model": DELETED},
-        "clearance.hinge.model is missing; give one of contact, planar, ideal, constraint",
+        "clearance.hinge.model is missing; give one of contact, planar, spherical, ideal, constraint",
     ),
     (
         {H + "model": "contac"},
-        "clearance.hinge.model must be one of contact, planar, ideal, constraint, got 'contac'; did "
+        "clearance.hinge.model must be one of contact, planar, spherical, ideal, constraint, got 'contac'; did "
         "you mean contact?",
     ),
-    ({H + "model": 3}, "clearance.hinge.model must be one of contact, planar, ideal, constraint, got 3"),
+    ({H + "model": 3}, "clearance.hinge.model must be one of contact, planar, spherical, ideal, constraint, got 3"),
     (
         {H + "radial_clearance": "0.2 N"},
         "clearance.hinge.radial_clearance must be a length [m], got '0.2 N' (force)",
@@ -844,7 +845,7 @@ REFUSALS = [
         {H + "geometry": "coall"},
         "clearance.hinge.geometry must be 'coal' or 'closed-form', got 'coall'; did you mean coal?",
     ),
-    ({H + "load": "distributed"}, "clearance.hinge.load must be 'point', got 'distributed'"),
+    ({H + "load": "line"}, "clearance.hinge.load must be 'point' or 'distributed', got 'line'"),
     (
         {H + "journal_material": DELETED},
         "clearance.hinge.journal_material is missing; it decides the stiffness, or give normal.stiffness",

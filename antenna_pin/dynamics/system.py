@@ -14,6 +14,7 @@ from antenna_pin.dynamics import _inspect, _kernels
 from antenna_pin.dynamics.elements import CallableDrive, Drive, JointSpring
 from antenna_pin.dynamics.hinge import Hinge, constrained_acceleration
 from antenna_pin.errors import InvalidParameterError, MechanismError
+from antenna_pin.geometry import SphericalClearance
 from antenna_pin.geometry.shapes import TABLE_WIDTH
 from antenna_pin.integrate import Manifold
 from antenna_pin.joints import ClearanceJoint
@@ -186,15 +187,19 @@ class System:
     ) -> Array:
         slot = self.mechanism.joint(joint)
         clearance = self.clearance_blocks.get(joint, -1)
-        if clearance >= 0:
+        spherical = any(
+            j.name == joint and isinstance(j.geometry, SphericalClearance) for j in self.clearances
+        )
+        if clearance >= 0 and not spherical:
             joint_kind = _kernels.CLEARANCE
         elif slot.kind in ("revolute", "prismatic"):
             joint_kind = _kernels.ONE_DOF
         elif slot.kind == "continuous":
             joint_kind = _kernels.CIRCLE
         else:
+            kind_seen = "spherical" if spherical else slot.kind
             raise MechanismError(
-                f"{place}: joint {joint!r} is {slot.kind} and has no axis to act about; "
+                f"{place}: joint {joint!r} is {kind_seen} and has no axis to act about; "
                 "use a revolute, continuous, prismatic or clearance joint"
             )
         head = [kind, _kernels.PARAMETERS + len(parameters), joint_kind, slot.q.start, slot.v.start, x]
@@ -205,7 +210,8 @@ class System:
     def measure(self, y: Array) -> None:
         """Bring all rows of ``table`` up to date for a state: gap, normal, point, rates of every contact.
 
-        The derivative itself updates the touching contacts only. Coal's gaps are asked for where it is the backend.
+        The derivative itself updates the touching contacts only. Coal's gaps are asked for where it is the
+        backend.
         """
         pose = self._work[self.model.nv : self.model.nv + _joint.POSE_BUFFER]
         _inspect.contacts_in(y, self.program, pose, self.table)

@@ -254,7 +254,8 @@ def spherical_contact(shape: Any, ox: float, oy: float, oz: float, table: Any, r
     table[row, 6] = shape[0] * uz
 
 
-# --- distributed contact: the bore cut into strips, the flanges into sectors ------------------------------------
+# --- distributed contact: the bore cut into strips, the flanges into sectors
+# ------------------------------------
 
 APART = 1.0  # [m], the gap written to strips that are known to be apart without being computed
 
@@ -273,11 +274,12 @@ def strip_contacts(
     row: int,
     first: int,
 ) -> None:
-    """Fill the bore's strips, rows ``first`` on from the -z to the +z end, and its two halves, ``row`` and ``row + 1``.
+    """Fill the bore's strips, and its two halves: the +z one in ``row``, the -z one behind it.
 
-    A strip is the circle at its middle. The gap is concave along the bearing (the distance between two straight
-    axes is convex), so in each half it is least at the outermost or the innermost strip, and from those two the
-    loaded strips are found; the others are marked as apart. A half's row is that of its least gap.
+    The strips stand from ``first`` on, from the -z to the +z end; a strip is the circle at its middle. The gap is
+    concave along the bearing (the distance between two straight axes is convex), so in each half it is least at
+    the outermost or the innermost strip, and from those two the loaded strips are found; the others are marked
+    as apart. A half's row is that of its least gap.
     """
     sine = math.sqrt(zx * zx + zy * zy)
     half = strips // 2
@@ -321,10 +323,11 @@ def sector_contacts(
     row: int,
     first: int,
 ) -> None:
-    """Fill the flanges' sectors, rows ``first`` on (+z, then -z), and the two flanges' own, ``row`` and ``row + 1``.
+    """Fill the flanges' sectors, from ``first`` on, and the two flanges' own rows, ``row`` and the next.
 
-    A sector is the point of the bearing's end face at ``radius`` in its middle direction, against the plane of the
-    flange. ``sectors`` holds cosine and sine of each direction. A flange's row is that of its least gap.
+    A sector is the point of the bearing's end face at ``radius`` in its middle direction, against the plane of
+    the flange. ``sectors`` holds cosine and sine of each direction. Those of the +z flange come first. A
+    flange's row is that of its least gap.
     """
     for h in range(2):
         side = 1.0 - 2.0 * h
@@ -391,15 +394,29 @@ def coal_place(
     for i in range(3):
         work[9 + i] = -(work[3 * i] * ox + work[3 * i + 1] * oy + work[3 * i + 2] * oz)
     for k in range(2):
-        side = 1.0 - 2.0 * k
-        base = 12 + 20 * k
-        # Towards the side of the bore that the journal axis is nearest to, where it cuts the end plane.
-        lift = (side * shape[1] - oz) / zz if zz != 0.0 else 0.0
-        cx = ox + lift * zx
-        cy = oy + lift * zy
-        angle = math.atan2(cy, cx) if (cx != 0.0 or cy != 0.0) else 0.0
-        work[base + 3] = angle
-        _coal_point(shape, side, work, base)
+        coal_start(shape, 1.0 - 2.0 * k, ox, oy, oz, zx, zy, zz, work, 12 + 20 * k)
+
+
+@kernel
+def coal_start(
+    shape: Any,
+    side: float,
+    ox: float,
+    oy: float,
+    oz: float,
+    zx: float,
+    zy: float,
+    zz: float,
+    work: Any,
+    base: int,
+) -> None:
+    """Start the search on the circle at ``side`` times half the length, in the record at work[base]."""
+    # Towards the side of the bore that the journal axis is nearest to, where it cuts the circle's plane.
+    lift = (side * shape[1] - oz) / zz if zz != 0.0 else 0.0
+    cx = ox + lift * zx
+    cy = oy + lift * zy
+    work[base + 3] = math.atan2(cy, cx) if (cx != 0.0 or cy != 0.0) else 0.0
+    _coal_point(shape, side, work, base)
 
 
 @kernel

@@ -68,6 +68,9 @@ class CoalRevolute:
             self._planes = (coal.Halfspace(axis, end), coal.Halfspace(-axis, end))
             self._axial = tuple(coal.ComputeDistance(self._thick, p) for p in self._planes)
         self._radial = coal.ComputeDistance(self._point, self._journal)
+        # The flanges' inner faces in the journal frame, for points of the bearing's end faces.
+        self._faces = (coal.Halfspace(-axis, -half), coal.Halfspace(axis, -half))
+        self._sector_functors = tuple(coal.ComputeDistance(self._point, f) for f in self._faces)
         self._request = coal.DistanceRequest()
         self._result = coal.DistanceResult()
         self._identity = coal.Transform3s()
@@ -94,7 +97,8 @@ class CoalRevolute:
             sine: Sine of the tilt between the axes [-].
             table: Contact table, (rows, TABLE_WIDTH).
             row: First row to fill.
-            wanted: Which of the four contacts to ask for (nonzero); all if not given. The others' rows are not valid.
+            wanted: Which of the four contacts to ask for (nonzero); all if not given. The others' rows are
+                not valid.
         """
         result = self._result
         request = self._request
@@ -126,6 +130,71 @@ class CoalRevolute:
         else:
             self._query_small_flanges(wanted)
         _kernels.coal_collect(self._shape, self.work, gaps, normals, self._points, sine, table, row)
+
+    def query_strips(
+        self,
+        pose: NDArray[np.float64],
+        strips: int,
+        sectors: NDArray[np.float64],
+        radius: float,
+        table: NDArray[np.float64],
+        row: int,
+        first: int,
+    ) -> None:
+        """Fill the strips of the bore and the sectors of the flanges, and the four patches' rows.
+
+        The strips are those that the closed form loads and their neighbours on the surface; each is asked of coal.
+
+        Args:
+            pose: Journal's centre and axis in bearing axes, (6,) or longer.
+            strips: Number of strips.
+            sectors: Cosine and sine of each sector's direction, (2 sectors,).
+            radius: Of the sectors' circle [m].
+            table: Contact table.
+            row: Row of the first patch.
+            first: Row of the first strip.
+        """
+        at = (
+            float(pose[0]), float(pose[1]), float(pose[2]),
+            float(pose[3]), float(pose[4]), float(pose[5]),
+        )  # fmt: skip
+        count = len(sectors) // 2
+        _kernels.coal_place(self._shape, *at, self.work)
+        _kernels.strip_contacts(self._shape, strips, *at, table, row, first)
+        start, point = _RECORD, self._ends[0][2]
+        for k in range(strips):
+            if table[first + k, 0] == _kernels.APART:
+                continue
+            side = (2.0 * k + 1.0) / strips - 1.0
+            _kernels.coal_start(self._shape, side, *at, self.work, start)
+            for _ in range(_MAX_QUERIES):
+                self._at_point.setTranslation(point)
+                self._result.clear()
+                gap = self._radial(self._at_point, self._identity, self._request, self._result)
+                if _kernels.coal_turn(self._shape, side, self.work, start, self._result.normal, gap):
+                    break
+            table[first + k, 0] = self.work[start + 11]
+            table[first + k, 1:4] = self.work[start + 8 : start + 11]
+            table[first + k, 4:7] = self.work[start + 5 : start + 8]
+        half = strips // 2
+        for patch, begin in enumerate((first + half, first)):
+            least = begin + int(np.argmin(table[begin : begin + half, 0]))
+            table[row + patch, :7] = table[least, :7]
+        _kernels.sector_contacts(self._shape, sectors, count, radius, *at, table, row + 2, first + strips)
+        rotation, origin = self._rotation, self._origin
+        for patch, (functor, side) in enumerate(zip(self._sector_functors, (1.0, -1.0), strict=True)):
+            begin = first + strips + patch * count
+            for r in range(begin, begin + count):
+                k = r - begin
+                place = np.array(
+                    [radius * sectors[2 * k], radius * sectors[2 * k + 1], side * self._shape[1]]
+                )
+                self._at_point.setTranslation(rotation @ place + origin)
+                self._result.clear()
+                table[r, 0] = functor(self._at_point, self._identity, self._request, self._result)
+                table[r, 1:4] = rotation.T @ self._result.normal
+            least = begin + int(np.argmin(table[begin : begin + count, 0]))
+            table[row + 2 + patch, :4] = table[least, :4]
 
     def _query_small_flanges(self, wanted: Sequence[float] | None) -> None:
         # Solid discs behind each flange face, asked against the half-spaces inside the bearing's end faces.
@@ -190,7 +259,9 @@ class CoalPlanar:
 
 
 class CoalSpherical:
-    """Distance of a :class:`SphericalClearance` by coal: the socket's point on the line of centres against the ball.
+    """Distance of a :class:`SphericalClearance` by coal.
+
+    The socket's point on the line of the two centres is asked against the ball.
 
     Args:
         shape: The joint's dimensions.

@@ -3,17 +3,18 @@
 A joint is a block of floats in a larger program::
 
     [kind, length, mode, start in q, start in v, first contact, contacts, start in x, stride in x,
-     A (9, row-major; its columns are the bearing frame's axes in the joint frame), c (3, bearing centre in the
-     joint frame), shape (6), then per contact: normal law (16), friction law (12); with distributed load then:
-     strips, sectors, first of their rows, sectors' radius, cosine and sine of each sector]
+     A (9, row-major; its columns are the bearing frame's axes in the joint frame), c (3, bearing centre in
+     the joint frame), shape (6), then per contact: normal law (16), friction law (12); with distributed load
+     then: strips, sectors, first of their rows, sectors' radius, cosine and sine of each sector]
 
 and its contacts are rows of a table of ``TABLE_WIDTH`` columns::
 
     [gap, normal (3), point (3), depth rate, slip (3), normal force, friction force (3), elastic force, ...]
 
-all in bearing axes. Under distributed load the four contacts are patches (two halves of the bore, two flanges) whose
-rows sum up those of their strips and sectors, which follow behind the contacts of all joints. ``memory`` has a row per contact: [touching, approach speed]. What a contact integrates lies in
-x from its own start on: [impulse, work lost to normal contact, work lost to friction, bristle...].
+all in bearing axes. Under distributed load the four contacts are patches (two halves of the bore, two
+flanges) whose rows sum up those of their strips and sectors, which follow behind the contacts of all joints.
+``memory`` has a row per contact: [touching, approach speed]. What a contact integrates lies in x from its own
+start on: [impulse, work lost to normal contact, work lost to friction, bristle...].
 """
 
 from __future__ import annotations
@@ -72,7 +73,8 @@ PATCH_LOST_NORMAL = 16
 PATCH_LOST_FRICTION = 17
 PATCH_ENERGY = 18
 
-# Behind the laws of a joint with distributed load: strips, sectors, first of their rows, radius, (cos, sin)...
+# Behind the laws of a joint with distributed load: strips, sectors, first of their rows, radius, (cos,
+# sin)...
 STRIPS = 0
 SECTORS = 1
 FIRST_STRIP = 2
@@ -175,9 +177,7 @@ def contact_geometry(p: Any, b: int, pose: Any, table: Any, row: int) -> None:
         strips = int(p[tail + STRIPS])
         count = int(p[tail + SECTORS])
         first = int(p[tail + FIRST_STRIP])
-        strip_contacts(
-            shape, strips, pose[0], pose[1], pose[2], pose[3], pose[4], pose[5], table, row, first
-        )
+        strip_contacts(shape, strips, pose[0], pose[1], pose[2], pose[3], pose[4], pose[5], table, row, first)
         sector_contacts(
             shape,
             p[tail + DIRECTIONS : tail + DIRECTIONS + 2 * count],
@@ -250,7 +250,10 @@ def contact_rates(p: Any, b: int, pose: Any, table: Any, row: int) -> None:
 def _row_forces(
     p: Any, law: int, approach: float, y: Any, state: int, table: Any, r: int, rates: Any, rate: int
 ) -> None:
-    """Fill the forces of a row from the laws at p[law:]; a bristle lies at y[state:], its rate goes to rates[rate:]."""
+    """Fill the forces of a row from the laws at p[law:].
+
+    A bristle lies at y[state:], and its rate goes to rates[rate:].
+    """
     normal = p[law : law + NORMAL_SIZE]
     friction = p[law + NORMAL_SIZE : law + LAW_SIZE]
     depth = -table[r, 0]
@@ -270,7 +273,7 @@ def _row_forces(
 
 @inlined
 def patch_rows(p: Any, b: int, k: int) -> tuple[int, int]:
-    """Return the range of table rows of patch k: the two halves of the bore (+z, -z), the two flanges (+z, -z)."""
+    """Return the range of table rows of patch k: bore at +z, bore at -z, flange at +z, flange at -z."""
     tail = b + DISTRIBUTED_TAIL
     first = int(p[tail + FIRST_STRIP])
     strips = int(p[tail + STRIPS])

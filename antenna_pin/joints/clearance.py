@@ -119,7 +119,9 @@ class ClearanceJoint:
         if self.load == "point":
             return
         if not isinstance(self.geometry, RevoluteClearance):
-            raise InvalidParameterError(place, "load", "point where the joint is planar or spherical", self.load)
+            raise InvalidParameterError(
+                place, "load", "point where the joint is planar or spherical", self.load
+            )
         if self.strips < 2 or self.strips % 2:
             raise InvalidParameterError(place, "strips", "an even number of 2 or more", self.strips)
         if self.sectors < 3:
@@ -211,8 +213,8 @@ class ClearanceJoint:
     def place_strips(self, block: Array, first: int) -> int:
         """Write into a block where its strips' rows start; return how many rows they are.
 
-        The sectors stand on the circle whose radius squared is the mean of the annulus': its ring has the annulus'
-        second moment, so a uniform modulus resists compression and tilt as over the whole annulus.
+        The sectors stand on the circle whose radius squared is the mean of the annulus': its ring has the
+        annulus' second moment, so a uniform modulus resists compression and tilt as over the whole annulus.
         """
         if self.load != "distributed" or not isinstance(self.geometry, RevoluteClearance):
             return 0
@@ -223,6 +225,29 @@ class ClearanceJoint:
         angles = 2.0 * math.pi * (np.arange(self.sectors) + 0.5) / self.sectors
         tail[4::2], tail[5::2] = np.cos(angles), np.sin(angles)
         return self.strips + 2 * self.sectors
+
+    def stored_energy(self, q: ArrayLike) -> float:
+        """Return the energy that the contacts store in a pose in which all with a gap <= 0 touch [J].
+
+        Args:
+            q: Pose of the journal in the bearing (see :meth:`evaluate`), for a joint axis along z.
+        """
+        configuration = np.asarray(q, dtype=float)
+        nv = 3 if self.planar else 6
+        y = np.concatenate([configuration, np.zeros(nv + self.contacts * self.stride)])
+        block = self.block(np.eye(3), (0.0, 0.0, 1.0), 0, 0, 0, 0)
+        table = np.zeros((self.contacts + self.place_strips(block, self.contacts), TABLE_WIDTH))
+        pose = np.zeros(_kernels.POSE_BUFFER)
+        _kernels.journal_state(block, 0, y, configuration.size, pose)
+        _kernels.contact_geometry(block, 0, pose, table, 0)
+        energy = 0.0
+        for k, law in enumerate(self.normal_laws):
+            rows = table[k : k + 1]
+            if self.load == "distributed":
+                first, last = _kernels.patch_rows(block, 0, k)
+                rows = table[first:last]
+            energy += sum(law.elastic_energy(-float(row[0])) for row in rows if row[0] < 0.0)
+        return energy
 
     def evaluate(
         self,
@@ -258,7 +283,8 @@ class ClearanceJoint:
         pose = np.zeros(_kernels.POSE_BUFFER)
         _kernels.journal_state(block, 0, y, nq, pose)
         _kernels.contact_geometry(block, 0, pose, table, 0)
-        memory[:, 0] = table[: self.contacts, 0] <= 0.0 if touching is None else np.asarray(touching, dtype=float)
+        inside = table[: self.contacts, 0] <= 0.0
+        memory[:, 0] = inside if touching is None else np.asarray(touching, dtype=float)
         speed = self.approach_speed_floor if approach_speed is None else approach_speed
         memory[:, 1] = np.maximum(np.asarray(speed, dtype=float), self.approach_speed_floor)
         tau = np.zeros(nv)
@@ -315,7 +341,9 @@ class PythonPath:
             everything: Ask coal for contacts that do not touch, too; they have no force, whatever their gap.
         """
         row = self._row
-        if self._revolute is not None:
+        if self._revolute is not None and self.joint.load == "distributed":
+            self._prepare_strips(self._revolute, y, table)
+        elif self._revolute is not None:
             sine = _kernels.place_for_coal(
                 self._block, 0, y, self._nq, self._shape, self._pose, self._revolute.work
             )
@@ -332,6 +360,15 @@ class PythonPath:
         if not self.joint.compiled:
             _kernels.contact_rates(self._block, 0, self._pose, table, row)
             self._apply_laws(memory, table)
+
+    def _prepare_strips(self, backend: CoalRevolute, y: Array, table: Array) -> None:
+        _kernels.journal_state(self._block, 0, y, self._nq, self._pose)
+        tail = self._block[_kernels.DISTRIBUTED_TAIL :]
+        strips, _, first = (int(number) for number in tail[:3])
+        directions = tail[_kernels.DIRECTIONS :]
+        backend.query_strips(
+            self._pose, strips, directions, float(tail[_kernels.SECTOR_RADIUS]), table, self._row, first
+        )
 
     def _apply_laws(self, memory: Array, table: Array) -> None:
         friction = self.joint.friction

@@ -4,7 +4,13 @@
 are laid over it; values may be overridden from outside. A bare number is SI, text carries its unit.
 """
 
-from antenna_pin.scenario.clearance import ClearanceSpec, ContactClearance, IdealClearance, PlanarClearance
+from antenna_pin.scenario.clearance import (
+    ClearanceSpec,
+    ContactClearance,
+    IdealClearance,
+    PlanarClearance,
+    SphericalClearance,
+)
 from antenna_pin.scenario.drives import ConstantDrive, DriveSpec, SineDrive, SpringSpec, TableDrive
 from antenna_pin.scenario.initial import InitialBaseSpec, InitialJointSpec, InitialSpec
 from antenna_pin.scenario.integrator import IntegratorSpec, OutputSpec, ScalesSpec
@@ -38,6 +44,7 @@ __all__ = [
     "ScenarioSummary",
     "ShapeSpec",
     "SineDrive",
+    "SphericalClearance",
     "SpringSpec",
     "TableDrive",
     "list_scenarios",

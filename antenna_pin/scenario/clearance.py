@@ -25,7 +25,13 @@ from antenna_pin.scenario.laws import (
     unit_of,
 )
 
-__all__ = ["ClearanceSpec", "ContactClearance", "IdealClearance", "PlanarClearance"]
+__all__ = [
+    "ClearanceSpec",
+    "ContactClearance",
+    "IdealClearance",
+    "PlanarClearance",
+    "SphericalClearance",
+]
 
 Kind = Literal["radial", "axial"]
 KINDS: tuple[Kind, ...] = get_args(Kind)
@@ -61,7 +67,12 @@ class _Clearance(Spec):
         flange_radius: R_f [m].
         offset: Bearing centre along the joint's axis from the joint's origin [m].
         geometry: What measures the gaps: coal's distance queries or the closed form.
-        load: How contact is spread; one force per contact.
+        load: How contact is spread: one force per contact, or over strips of the bore and sectors of the
+            flanges.
+        strips: Of the bore under distributed load, even [-].
+        sectors: Of each flange under distributed load [-].
+        flange_modulus: Of the flanges' elastic foundation under distributed load, pressure over depth
+            [N/m^3]; None for the one that gives the compression stiffness of a rigid annular punch.
         approach_speed_floor: Least approach speed that a law sees [m/s].
         maximum_depth: A run that presses deeper ends [m]; None for a hundredth of the bearing's radius.
         journal_material: Name of a material.
@@ -85,7 +96,10 @@ class _Clearance(Spec):
     flange_radius: PositiveLength | None = None
     offset: Length = 0.0
     geometry: Literal["coal", "closed-form"] = "coal"
-    load: Literal["point"] = "point"
+    load: Literal["point", "distributed"] = "point"
+    strips: Annotated[int, Field(ge=2, multiple_of=2)] = 16
+    sectors: Annotated[int, Field(ge=3)] = 16
+    flange_modulus: Annotated[float, Quantity("N/m**3", "positive")] | None = None
     approach_speed_floor: PositiveSpeed = 1e-4
     maximum_depth: PositiveLength | None = None
     journal_material: str | None = None
@@ -190,6 +204,14 @@ class PlanarClearance(_Touching):
     model: Literal["planar"]
 
 
+class SphericalClearance(_Touching):
+    """A ball in a socket: ``bearing_radius`` is the socket's, ``journal_radius`` the ball's."""
+
+    kinds = ("radial",)
+
+    model: Literal["spherical"]
+
+
 class ContactClearance(_Touching):
     """A joint held together by contact alone: bore and flanges, six degrees of freedom."""
 
@@ -221,7 +243,7 @@ class ContactClearance(_Touching):
         return self
 
 
-ClearanceSpec = ContactClearance | PlanarClearance | IdealClearance
+ClearanceSpec = ContactClearance | PlanarClearance | SphericalClearance | IdealClearance
 """A joint with play; ``model`` says which class it is."""
 
 

@@ -425,7 +425,7 @@ class Run:
         self._accept()
 
     def _keep_peaks(self) -> None:
-        """Keep the state at the largest force so far of each touching contact: it becomes a sample at the end."""
+        """Keep the state at the largest force so far of each touching contact, to sample it at the end."""
         t, h = self.stepper.t, self.stepper.h
         for c, episode in enumerate(self._open):
             if episode is None:

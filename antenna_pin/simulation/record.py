@@ -129,6 +129,8 @@ class _Observer:
         velocities = self.states[:, nq : nq + nv]
         for slot in system.mechanism.joints.values():
             block = system.clearance_blocks.get(slot.name, -1)
+            if block >= 0 and system.program[block] == _joint.SPHERICAL:
+                continue
             if block >= 0:
                 angle, rate, acceleration = self._clearance_motion(block, slot.v.start, slot.kind == "planar")
             elif slot.kind in ("revolute", "continuous"):

@@ -4,15 +4,15 @@ Without play the journal stays centred, so the hinge's own constraint wrench say
 Let :math:`F` and :math:`M` be force and moment on the journal about the joint's centre, split along the axis
 :math:`z` and across it. The two ends of the bearing, a length :math:`L` apart, hold the cross force and, as a
 couple, the tilting moment. A flange holds the axial force :math:`F_a` where the tilted journal meets the
-bearing's edge of radius :math:`R_{io}`, in the direction :math:`t` of the tilt; that moment :math:`m_a` and the
-flange's own friction :math:`f_a`, in the plane of that end, change what the ends hold:
+bearing's edge of radius :math:`R_{io}`, in the direction :math:`t` of the tilt; its moment :math:`m_a` and
+its own friction :math:`f_a`, in the plane of that end, change what the ends hold:
 
 .. math:: E_\pm = \tfrac12 F_\perp \pm \tfrac1L (M_\perp - m_a) \times z - f_a
 
 (:math:`f_a` at one end only). At an end the contact point lies where normal force and friction together give
 :math:`E`: the normal force is :math:`N = |E| / \sqrt{1 + \mu^2}` (the friction circle), and its direction is
-that of :math:`E`, turned by :math:`\arctan \mu` against the spin. The tilt follows from the directions of both
-normals. With the rate :math:`\omega` the friction torque is
+that of :math:`E`, turned by :math:`\arctan \mu` against the spin. The tilt follows from the directions of
+both normals. With the rate :math:`\omega` the friction torque is
 
 .. math:: T = -\operatorname{sign}(\omega) \left[ R_i\, \mu(R_i |\omega|) (N_+ + N_-)
           + R_{io}\, \mu(R_{io} |\omega|) |F_a| \right]
@@ -24,6 +24,8 @@ play exceeds what the tilt takes of it: :math:`C_a > 2 R_{io} (C_r + \delta) / L
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pinocchio as pin
 from bench_tools import Array
@@ -32,8 +34,6 @@ from antenna_pin import ClearanceJoint, System
 from antenna_pin.geometry import RevoluteClearance
 from antenna_pin.integrate import METHODS, Stepper
 from antenna_pin.mechanism import frame_aligning_z
-
-_Z = np.array([0.0, 0.0, 1.0])
 
 
 class FrictionalHinge:
@@ -61,41 +61,39 @@ class FrictionalHinge:
     def torque(self, force: Array, moment: Array, rate: float) -> float:
         """Return the friction torque on the journal [N m].
 
+        Vectors across the axis are complex numbers here, so that the cross product z x e is 1j * e.
+
         Args:
             force: On the journal, in bearing axes, (3,) [N].
             moment: About the joint's centre, (3,) [N m].
             rate: Of the joint [rad/s].
         """
-        shape, spin = self.shape, np.sign(rate)
+        shape, spin = self.shape, math.copysign(1.0, rate) if rate else 0.0
         radius, edge = shape.bearing_radius, shape.bearing_outer_radius
         mu = self.friction.coefficient(radius * abs(rate))
         mu_edge = self.friction.coefficient(edge * abs(rate))
-        axial = force[2]
-        flange = 0 if axial > 0.0 else 1  # which end's flange presses
-        side = 1.0 - 2.0 * flange
-        across = force - axial * _Z
-        tilting = moment - moment[2] * _Z
-        ends = self._ends(across, tilting)
-        for _ in range(20 if axial != 0.0 else 0):
-            normals = [self._normal(end, mu, spin) for end in ends]
-            tilt = normals[1] - normals[0]
-            tilt /= np.linalg.norm(tilt)
-            arm = side * edge * tilt
-            ends = self._ends(across, tilting - np.cross(arm, axial * _Z))
-            ends[flange] += mu_edge * abs(axial) * spin * np.cross(_Z, side * tilt)
-        normal_force = sum(float(np.linalg.norm(end)) for end in ends) / np.hypot(1.0, mu)
-        return float(-spin * (radius * mu * normal_force + edge * mu_edge * abs(axial)))
-
-    def _ends(self, across: Array, tilting: Array) -> Array:
-        """Return what the bearing's two ends carry, (2, 3) [N]."""
-        couple = np.cross(tilting, _Z) / self.shape.bearing_length
-        return np.array([0.5 * across + couple, 0.5 * across - couple])
-
-    def _normal(self, end: Array, mu: float, spin: float) -> Array:
-        size = np.linalg.norm(end)
-        direction = end / size if size > 0.0 else np.zeros(3)
-        turned: Array = (direction - mu * spin * np.cross(_Z, direction)) / np.hypot(1.0, mu)
-        return turned
+        across, axial = complex(force[0], force[1]), float(force[2])
+        tilting = complex(moment[0], moment[1])
+        side = math.copysign(1.0, axial)  # the end whose flange presses
+        turn = (1.0 - 1j * mu * spin) / math.hypot(1.0, mu)
+        arm = drag = before = 0j
+        for _ in range(50):
+            couple = -1j * (tilting + 1j * arm * axial) / shape.bearing_length
+            plus, minus = 0.5 * across + couple, 0.5 * across - couple
+            if side > 0.0:
+                plus -= drag
+            else:
+                minus -= drag
+            if abs(plus) == 0.0 or abs(minus) == 0.0 or axial == 0.0:
+                break
+            tilt = turn * (minus / abs(minus) - plus / abs(plus))
+            if abs(tilt) == 0.0 or abs(tilt - before) < 1e-14:
+                break
+            before = tilt
+            arm = side * edge * tilt / abs(tilt)
+            drag = -mu_edge * abs(axial) * spin * 1j * arm / edge
+        normal_force = (abs(plus) + abs(minus)) / math.hypot(1.0, mu)
+        return -spin * (radius * mu * normal_force + edge * mu_edge * abs(axial))
 
     def derivative(self, t: float, y: Array, rates: Array) -> None:
         """Write acceleration and rates of x at time t [s] and state y into rates."""

@@ -8,6 +8,7 @@ free flight and with one and two contacts, in turns with ``pin.aba`` in the same
 
 from __future__ import annotations
 
+import dataclasses
 import sys
 
 import numpy as np
@@ -15,6 +16,7 @@ import pinocchio as pin
 from bench_tools import CLOSED_FORM, Array, Report, interleaved, scenario
 
 from antenna_pin import System, build_system, simulate
+from antenna_pin.contact import CustomFriction, CustomNormal
 
 LIMITS = {"closed-form": 2.0, "coal": 9.0}
 SPAN = 0.1  # [s] of case 3, where the states come from
@@ -58,6 +60,19 @@ def ratios(
     return np.array(over), np.array(bare)
 
 
+def with_python_laws(system: System) -> System:
+    """Return the same system with its laws behind Python functions, as a user's own would be."""
+    (joint,) = system.clearances
+    normal = CustomNormal(
+        force=joint.radial.force,
+        elastic_force=joint.radial.elastic_force,
+        elastic_energy=joint.radial.elastic_energy,
+    )
+    friction = CustomFriction(coefficient=joint.friction.coefficient)
+    slow = dataclasses.replace(joint, radial=normal, axial=normal, friction=friction)
+    return System(system.mechanism, clearances=[slow], drives=system.drives)
+
+
 def main() -> int:
     """Time both backends."""
     report = Report("rhs", __doc__ or "")
@@ -65,13 +80,17 @@ def main() -> int:
     count, repeats, number = (2, 3, 200) if arguments.quick else (5, 15, 2000)
     states = states_of_run(count)
     bare = []
-    for backend, limit in LIMITS.items():
-        system = build_system(scenario("case3", f"clearance.elevation.geometry={backend}"))
+    systems = {
+        backend: build_system(scenario("case3", f"clearance.elevation.geometry={backend}"))
+        for backend in LIMITS
+    }
+    systems["laws in Python"] = with_python_laws(systems["closed-form"])
+    for label, system in systems.items():
         for contacts, some in states.items():
             over, aba = ratios(system, some, repeats, number)
             bare.append(aba)
-            name = f"{backend}, {contacts} contact{'' if contacts == 1 else 's'}, over pin.aba"
-            report.add(name, np.median(over), limit=limit)
+            name = f"{label}, {contacts} contact{'' if contacts == 1 else 's'}, over pin.aba"
+            report.add(name, np.median(over), limit=LIMITS.get(label))
     report.add("pin.aba", 1e6 * np.median(np.concatenate(bare)), "us")
     return report.finish()
 

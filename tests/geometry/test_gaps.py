@@ -270,7 +270,20 @@ def test_a_journal_put_in_upside_down_meets_the_same_bore(pose_maker, joint):
 
 
 @pytest.mark.parametrize(
-    "point", [(0, 5e-324), (0, 0), (3, 0), (0, 2), (4, 0), (5, 0), (0, 9), (1e-9, 1e-9), (-3, 1e-12)]
+    "point",
+    [
+        (0, 5e-324),
+        (0, 1e-311),
+        (0, 1e-285),
+        (0, 0),
+        (3, 0),
+        (0, 2),
+        (4, 0),
+        (5, 0),
+        (0, 9),
+        (1e-9, 1e-9),
+        (-3, 1e-12),
+    ],
 )
 @pytest.mark.parametrize("axes", [(5.0, 3.0), (5.0, 5.0), (5.0, 4.99999), (5.0, 0.1)])
 def test_nearest_point_of_an_ellipse(axes, point):

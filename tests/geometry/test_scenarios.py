@@ -83,3 +83,14 @@ def test_scenarios_do_not_depend_on_the_azimuth(joint):
             expected = shape.scenario([x, 0, 2e-6], tilted(tilt))
             sine = math.sin(tilt)
             assert shape.scenario([c * x, s * x, 2e-6], [c * sine, s * sine, math.cos(tilt)]) == expected
+
+
+@pytest.mark.parametrize("flange_radius", [0.014, 0.011])
+def test_a_flange_is_a_surface_once_its_whole_edge_is_pressed(flange_radius, joint):
+    """The far side of the smaller edge lies higher than the near side by its diameter times the tilt."""
+    tilt = 1e-3
+    edge = min(0.012, flange_radius) * math.sin(tilt)
+    for share, expected in ((-0.01, A.NONE), (0.01, A.ONE_POINT), (0.99, A.ONE_POINT), (1.01, A.SURFACE)):
+        shape = joint(flange_radius=flange_radius)
+        z = -(2e-4 - edge) - share * 2.0 * edge
+        assert shape.scenario([0, 0, z], tilted(tilt))[1] == expected, share

@@ -52,7 +52,7 @@ def charted(kind, q, v):
 
 
 def displacement(kind, q, r):
-    """From q to r in body axes, linear part as the crow flies; to first order what ``pin.difference`` gives."""
+    """From q to r in body axes, linear part as the crow flies; to first order ``pin.difference``."""
     if kind == "vector":
         return r - q
     if kind in ("circle", "plane"):

@@ -31,6 +31,9 @@ class Exploding:
 
 
 START = np.array([0.7, 1.1])
+adaptive = pytest.mark.parametrize(
+    "method", [m for m in METHODS.values() if m.adaptive], ids=lambda m: m.name
+)
 
 
 def make(problem, method, y=None, *, scales=None, rtol=1e-6):
@@ -59,7 +62,7 @@ def test_a_rejected_step_leaves_no_trace(method, rejected, body):
     """Bit by bit, dense output included: a stage that a trial overwrote would show in later digits only."""
     tried, fresh = make(body(2.0), method), make(body(2.0), method)
     for h in rejected:
-        # Without compilation Python refuses the sine of infinity: a trial that breaks off leaves no trace either.
+        # Uncompiled, Python refuses the sine of infinity: a trial that breaks off leaves no trace either.
         with np.errstate(all="ignore"), contextlib.suppress(ValueError, OverflowError):
             tried.attempt(h)
             tried.prepare_dense()
@@ -157,10 +160,9 @@ def test_the_error_counts_in_units_of_the_tolerance(method, body):
     assert (tight > 0.0) == method.adaptive
 
 
+@adaptive
 def test_the_error_is_a_mean_over_the_components_that_count(method):
     """Scale + |value| of the larger end; infinite scales leave components out."""
-    if not method.adaptive:
-        pytest.skip("a fixed-step method estimates no error")
     problem = Forced()
 
     def error(*scales):
@@ -189,13 +191,12 @@ def test_a_component_that_does_not_count_is_integrated_all_the_same(method, body
     assert (partial.y == full.y).all()
 
 
+@adaptive
 def test_the_error_estimate_has_its_order(method, body):
-    if not method.adaptive:
-        pytest.skip("a fixed-step method estimates no error")
     sizes = (0.1, 0.05) if method.name == "dormand-prince-853" else (0.02, 0.01)
     errors = [make(body(2.0), method).attempt(h) for h in sizes]
-    # An estimate against order q falls with h^(q + 1); that of 8(5,3) is combined to fall with h^8. The next term
-    # has relative size h.
+    # An estimate against order q falls with h^(q + 1); that of 8(5,3) is combined to fall with h^8. The next
+    # term has relative size h.
     expected = method.error_order + 1
     assert math.log2(errors[0] / errors[1]) == pytest.approx(expected, abs=0.3)
 

@@ -1,0 +1,54 @@
+"""A normal law, a friction law and a drive of one's own, as Python functions: the slow path."""
+
+import math
+from pathlib import Path
+
+from antenna_pin import ClearanceJoint, System, Urdf, build_mechanism, simulate
+from antenna_pin.contact import CustomFriction, CustomNormal
+from antenna_pin.dynamics import CallableDrive
+from antenna_pin.geometry import RevoluteClearance
+
+STIFFNESS, DAMPING = 2e7, 0.3  # [N/m], [-]
+
+normal = CustomNormal(
+    # Depth [m], rate [m/s] and approach speed [m/s] give the force [N]; called in contact only.
+    force=lambda depth, rate, approach: STIFFNESS * depth * (1.0 + DAMPING * rate / approach),
+    # What of it comes back, and the energy stored [J]: the rest is the ledger's dissipation.
+    elastic_force=lambda depth: STIFFNESS * depth,
+    elastic_energy=lambda depth: 0.5 * STIFFNESS * depth**2,
+)
+friction = CustomFriction(coefficient=lambda speed: 0.1 * speed / math.hypot(speed, 1e-3))
+
+
+def controller(t: float, angle: float, rate: float) -> float:
+    """Return the motor's torque [N m] at time t [s], joint angle [rad] and rate [rad/s]."""
+    target = -0.5 * (1.0 - math.exp(-t / 0.05))
+    return 8.0 * (target - angle) - 1.0 * rate
+
+
+urdf = Urdf.load(Path(__file__).parent / "panel" / "panel.urdf")
+hinge = ClearanceJoint(
+    name="hinge",
+    geometry=RevoluteClearance.from_clearances(
+        bearing_radius=5e-3,
+        radial_clearance=50e-6,
+        bearing_length=40e-3,
+        axial_clearance=100e-6,
+        bearing_outer_radius=7e-3,
+        flange_radius=8e-3,
+    ),
+    radial=normal,
+    axial=normal,
+    friction=friction,
+    backend="closed-form",
+)
+system = System(
+    build_mechanism(urdf.variant(joints={"hinge": "free"})),
+    clearances=[hinge],
+    drives={"motor": CallableDrive(joint="hinge", torque=controller)},
+)
+run = simulate(system, duration=0.1)
+
+print(run.outcome.name)
+print("angle at the end [rad]:", run.data["motion_angle"].sel(joint="hinge")[-1].item())
+print("energy ledger, relative:", run.summary()["conservation"]["energy_error_relative"])
