@@ -11,9 +11,13 @@ bring all of them up to date::
 
 from __future__ import annotations
 
+import contextlib
+import io
 import json
 import os
 import re
+import runpy
+import shlex
 import subprocess
 import sys
 import tempfile
@@ -24,8 +28,10 @@ from typing import Any, get_args
 
 import pytest
 from pydantic.fields import FieldInfo
+from typer.testing import CliRunner
 
 from antenna_pin import load_scenario, simulate
+from antenna_pin.cli import app
 from antenna_pin.contact import FRICTION_LAWS, NORMAL_LAWS, law_parameters
 from antenna_pin.scenario import (
     ConstantDrive,
@@ -119,31 +125,47 @@ def commands(block: str) -> Iterator[tuple[str, str]]:
 
 
 def run(command: str, folder: Path) -> tuple[str, int]:
-    """Return output (both streams) and exit code of a shell command."""
+    """Return what a command prints in a folder (both streams) and its exit code."""
     if not (folder / "scripts").exists():
         (folder / "scripts").symlink_to(ROOT / "scripts")
-        (folder / "bin").mkdir()
-        for name, call in (("python", ""), ("antenna-pin", "-m antenna_pin.cli ")):
-            script = folder / "bin" / name
-            script.write_text(f'#!/bin/sh\nexec "{sys.executable}" {call}"$@"\n')
-            script.chmod(0o755)
-    environment = os.environ | {
-        "PATH": f"{folder / 'bin'}{os.pathsep}{os.environ['PATH']}",
-        "PYTHONPATH": str(ROOT),
-        "COLUMNS": "100",
-    }
+    words = shlex.split(command)
+    before = Path.cwd()
+    os.chdir(folder)
+    try:
+        if words[0] == "antenna-pin" and "|" not in words:
+            result = CliRunner().invoke(app, words[1:], catch_exceptions=False)
+            output, code = result.output, result.exit_code
+        elif words[0] == "python" and words[1].startswith("scripts/examples/"):
+            with contextlib.redirect_stdout(io.StringIO()) as stream:
+                runpy.run_path(words[1], run_name="__main__")
+            output, code = stream.getvalue(), 0
+        else:
+            output, code = in_shell(command, folder)
+    finally:
+        os.chdir(before)
+    lines = [line.rstrip() for line in output.splitlines()]
+    return "".join(f"{line}\n" for line in lines if line), code
+
+
+def in_shell(command: str, folder: Path) -> tuple[str, int]:
+    """Return what a shell command prints and its exit code; ``python`` and ``antenna-pin`` are those here."""
+    names = folder / "bin"
+    names.mkdir(exist_ok=True)
+    for name, call in (("python", ""), ("antenna-pin", "-m antenna_pin.cli ")):
+        script = names / name
+        script.write_text(f'#!/bin/sh\nexec "{sys.executable}" {call}"$@"\n')
+        script.chmod(0o755)
+    path = f"{names}{os.pathsep}{os.environ['PATH']}"
     done = subprocess.run(
         command,
         shell=True,
-        cwd=folder,
-        env=environment,
+        env=os.environ | {"PATH": path, "PYTHONPATH": str(ROOT)},
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         text=True,
         check=False,
     )
-    lines = [line.rstrip() for line in done.stdout.splitlines()]
-    return "".join(f"{line}\n" for line in lines if line), done.returncode
+    return done.stdout, done.returncode
 
 
 def disagreement(command: str, shown: str, found: str) -> str:

@@ -701,8 +701,8 @@ REFUSALS = [
     ({"cases.tight.name": "x"}, f"cases.tight.name is unknown; known here: {TOP}, default_case, cases"),
     (
         {"cases.tight.clearance.hing": {"geometry": "coal"}},
-        "cases.tight.clearance.hing.model is missing; give one of contact, planar, spherical, ideal, constraint "
-        "(or did you mean clearance.hinge?)",
+        "cases.tight.clearance.hing.model is missing; give one of contact, planar, spherical, ideal, "
+        "constraint (or did you mean clearance.hinge?)",
     ),
     (
         {"cases.tight.clearance.hinge.replace": "yes"},
@@ -780,10 +780,13 @@ REFUSALS = [
     ),
     (
         {H + "model": "contac"},
-        "clearance.hinge.model must be one of contact, planar, spherical, ideal, constraint, got 'contac'; did "
-        "you mean contact?",
+        "clearance.hinge.model must be one of contact, planar, spherical, ideal, constraint, got 'contac'; "
+        "did you mean contact?",
     ),
-    ({H + "model": 3}, "clearance.hinge.model must be one of contact, planar, spherical, ideal, constraint, got 3"),
+    (
+        {H + "model": 3},
+        "clearance.hinge.model must be one of contact, planar, spherical, ideal, constraint, got 3",
+    ),
     (
         {H + "radial_clearance": "0.2 N"},
         "clearance.hinge.radial_clearance must be a length [m], got '0.2 N' (force)",

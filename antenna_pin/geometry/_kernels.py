@@ -276,10 +276,10 @@ def strip_contacts(
 ) -> None:
     """Fill the bore's strips, and its two halves: the +z one in ``row``, the -z one behind it.
 
-    The strips stand from ``first`` on, from the -z to the +z end; a strip is the circle at its middle. The gap is
-    concave along the bearing (the distance between two straight axes is convex), so in each half it is least at
-    the outermost or the innermost strip, and from those two the loaded strips are found; the others are marked
-    as apart. A half's row is that of its least gap.
+    The strips stand from ``first`` on, from the -z to the +z end; a strip is the circle at its middle. The gap
+    is concave along the bearing (the distance between two straight axes is convex), so in each half it is least
+    at the outermost or the innermost strip, and from those two the loaded strips are found; the others are
+    marked as apart. A half's row is that of its least gap.
     """
     sine = math.sqrt(zx * zx + zy * zy)
     half = strips // 2
@@ -325,8 +325,8 @@ def sector_contacts(
 ) -> None:
     """Fill the flanges' sectors, from ``first`` on, and the two flanges' own rows, ``row`` and the next.
 
-    A sector is the point of the bearing's end face at ``radius`` in its middle direction, against the plane of
-    the flange. ``sectors`` holds cosine and sine of each direction. Those of the +z flange come first. A
+    A sector is the point of the bearing's end face at ``radius`` in its middle direction, against the plane
+    of the flange. ``sectors`` holds cosine and sine of each direction. Those of the +z flange come first. A
     flange's row is that of its least gap.
     """
     for h in range(2):

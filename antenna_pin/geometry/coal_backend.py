@@ -143,7 +143,8 @@ class CoalRevolute:
     ) -> None:
         """Fill the strips of the bore and the sectors of the flanges, and the four patches' rows.
 
-        The strips are those that the closed form loads and their neighbours on the surface; each is asked of coal.
+        The strips are those that the closed form loads and their neighbours on the surface; each is asked of
+        coal.
 
         Args:
             pose: Journal's centre and axis in bearing axes, (6,) or longer.

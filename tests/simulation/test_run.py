@@ -55,7 +55,7 @@ def test_a_spring_and_damper_give_the_damped_oscillator(kind):
     assert run.data["motion_angle"].sel(joint="axle").values == pytest.approx(exact, abs=1e-11)
     lost = run.data["dissipation_damper"].sel(spring="s").values[-1]
     stored = run.data["kinetic_energy"].values[-1] + run.data["spring_energy"].values[-1]
-    assert lost + stored == pytest.approx(0.5 * stiffness * rest**2, rel=1e-11)
+    assert lost + stored == pytest.approx(0.5 * stiffness * rest**2, rel=1e-11, abs=0.0)
 
 
 def test_sine_table_and_callable_drive_the_same_motion():
@@ -84,9 +84,9 @@ def test_sine_table_and_callable_drive_the_same_motion():
         ("cubic", 1e-5),  # monotone slopes are of second order at the extrema
     ):
         angle = final[name]["motion_angle"].values[-1, 0]
-        assert angle == pytest.approx(exact, rel=bound), name
+        assert angle == pytest.approx(exact, rel=bound, abs=0.0), name
     work = final["sine"]["drive_work"].values[-1, 0]
-    assert work == pytest.approx(final["sine"]["kinetic_energy"].values[-1], rel=1e-10)
+    assert work == pytest.approx(final["sine"]["kinetic_energy"].values[-1], rel=1e-10, abs=0.0)
     assert final["sine"]["drive_gross_work"].values[-1, 0] >= abs(work)
 
 
@@ -117,7 +117,7 @@ def test_samples_are_at_the_rate_and_at_all_events_and_peaks():
     for number, name in enumerate(run.data["contact"].values):
         mine = run.data["peak_force"].values[run.data["episode_contact"].values == number]
         sampled = run.data["normal_force"].sel(contact=name).values.max()
-        assert sampled == pytest.approx(mine.max(initial=0.0), rel=1e-9)
+        assert sampled == pytest.approx(mine.max(initial=0.0), rel=1e-9, abs=0.0)
 
 
 def test_ctrl_c_ends_cleanly_and_keeps_what_was_computed():
