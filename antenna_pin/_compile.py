@@ -45,7 +45,11 @@ def inlined(function: _Function) -> _Function:
 
 
 def _compiled(function: _Function, **options: bool) -> _Function:
-    compiled = numba.njit(cache=True, error_model="numpy", **options)(function)
+    try:
+        compiled = numba.njit(cache=True, error_model="numpy", **options)(function)
+    except RuntimeError:
+        # Neither the package's folder nor the user's cache can be written: compile anew in each process.
+        compiled = numba.njit(error_model="numpy", **options)(function)
     # With NUMBA_DISABLE_JIT=1 there is nothing to stamp.
     cache_file = getattr(getattr(compiled, "_cache", None), "_cache_file", None)
     if cache_file is not None:

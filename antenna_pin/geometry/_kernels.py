@@ -276,10 +276,10 @@ def strip_contacts(
 ) -> None:
     """Fill the bore's strips, and its two halves: the +z one in ``row``, the -z one behind it.
 
-    The strips stand from ``first`` on, from the -z to the +z end; a strip is the circle at its middle. The gap
-    is concave along the bearing (the distance between two straight axes is convex), so in each half it is least
-    at the outermost or the innermost strip, and from those two the loaded strips are found; the others are
-    marked as apart. A half's row is that of its least gap.
+    The strips stand from ``first`` on, from the -z to the +z end; a strip is the circle at its middle. The
+    gap is concave along the bearing (the distance between two straight axes is convex), so in each half it is
+    least at the outermost or the innermost strip, and from those two the loaded strips are found; the others
+    are marked as apart. A half's row is that of its least gap.
     """
     sine = math.sqrt(zx * zx + zy * zy)
     half = strips // 2

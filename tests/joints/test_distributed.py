@@ -146,7 +146,7 @@ def test_force_derives_from_the_energy(seed):
 
     h = 1e-6
     rate = (energy(-2 * h) - 8 * energy(-h) + 8 * energy(h) - energy(2 * h)) / (12 * h)
-    # Fourth-order differences of an energy of about 0.1 J: round-off 1e-17 / 1e-6, kinks where a strip comes in.
+    # Fourth-order differences of about 0.1 J: round-off 1e-17 / 1e-6, kinks where a strip comes in.
     assert force(one, q, v) @ v == pytest.approx(-rate, rel=1e-5, abs=1e-8)
 
 
