@@ -34,9 +34,9 @@ from antenna_pin import load_scenario, simulate
 from antenna_pin.cli import app
 from antenna_pin.contact import FRICTION_LAWS, NORMAL_LAWS, law_parameters
 from antenna_pin.scenario import (
+    ClearanceSpec,
     ConstantDrive,
     ContactClearance,
-    IdealClearance,
     InitialBaseSpec,
     InitialJointSpec,
     IntegratorSpec,
@@ -45,7 +45,6 @@ from antenna_pin.scenario import (
     MaterialSpec,
     MechanismSpec,
     OutputSpec,
-    PlanarClearance,
     ScalesSpec,
     Scenario,
     ShapeSpec,
@@ -317,31 +316,25 @@ def law_section(title: str, laws: Any, note: str) -> str:
 
 def clearance_rows() -> list[str]:
     """Return the rows of a clearance joint: what is required depends on the model."""
-    models = [
-        value for cls in (ContactClearance, PlanarClearance, IdealClearance) for value in models_of(cls)
-    ]
-    lines = [f"| `model` | {', '.join(f'`{m}`' for m in models)} | required | {MODELS} |"]
+    classes = get_args(ClearanceSpec)
+    meanings = []
+    for cls in classes:
+        names = " or ".join(f"`{name}`" for name in get_args(cls.model_fields["model"].annotation))
+        meanings.append(f"{names}: {(cls.__doc__ or '').splitlines()[0].rstrip('.').replace('``', '`')}")
+    choices = [name for cls in classes for name in get_args(cls.model_fields["model"].annotation)]
+    listed = ", ".join(f"`{name}`" for name in choices)
+    lines = [f"| `model` | {listed} | required | {'. '.join(meanings)} |"]
     laws = ("normal", "radial", "axial", "friction")
     for name in ContactClearance.model_fields:
         if name == "model" or name in laws:
             continue
         needing = [
-            cls.__name__.removesuffix("Clearance").lower()
-            for cls in (ContactClearance, PlanarClearance)
+            get_args(cls.model_fields["model"].annotation)[0]
+            for cls in classes
             if cls.model_fields[name].is_required()
         ]
         lines += rows(ContactClearance, iter([name]), f"required for {', '.join(needing)}")
     return lines
-
-
-def models_of(cls: type[Any]) -> tuple[str, ...]:
-    return get_args(cls.model_fields["model"].annotation)
-
-
-MODELS = (
-    "`contact`: six degrees of freedom, contact at bore and flanges; `planar`: keeps its plane, contact at"
-    " the bore; `ideal`: revolute; `constraint`: revolute by Pinocchio's constrained dynamics"
-)
 
 
 def scenario_table() -> str:
@@ -424,7 +417,7 @@ def test_the_table_misses_no_part_of_a_scenario():
     known = {"mechanism", "materials", "clearance", "drives", "springs", "initial", "integrator", "output"}
     simple = {"format", "title", "source", "duration"}
     assert set(Scenario.model_fields) - Scenario.carried == known | simple
-    assert set(ContactClearance.model_fields) == set(IdealClearance.model_fields)
+    assert len({frozenset(cls.model_fields) for cls in get_args(ClearanceSpec)}) == 1
 
 
 def trajectory_table() -> str:

@@ -13,12 +13,13 @@ SCRIPT = """
 import json
 from antenna_pin import load_scenario, simulate
 run = simulate(load_scenario("bai2020", case="case3"), duration=0.017)
-print(json.dumps([run.counts.evaluations, run.data["q"].values[-1].tolist(), run.data["v"].values[-1].tolist()]))
+last = [run.data[name].values[-1].tolist() for name in ("q", "v")]
+print(json.dumps([run.counts.evaluations, *last]))
 """
 
 
 def test_a_run_without_the_compiler_gives_the_same_numbers():
-    """Compiled code may contract or reorder nothing (no fastmath): round-off of a few thousand evaluations is left."""
+    """No fastmath: what differs is the round-off of a few thousand evaluations."""
     environment = {**os.environ, "NUMBA_DISABLE_JIT": "1"}
     done = subprocess.run(
         [sys.executable, "-c", SCRIPT], env=environment, capture_output=True, text=True, check=True
