@@ -217,10 +217,13 @@ def track_peaks(t: float, nodes: Any, record: Any, context: Any) -> None:
 
 
 @kernel
-def inspect_step(t: float, nodes: Any, ignore: Any, record: Any, context: Any) -> tuple[int, float]:
-    """Return the contact that changes first within the step and the fraction of the step, or (-1, 2).
+def inspect_step(
+    t: float, nodes: Any, ignore: Any, limits: Any, record: Any, context: Any
+) -> tuple[int, float, int]:
+    """Return the contact that changes first within the step and the fraction of the step, or -1 and 2.
 
-    Where none changes the step will be accepted: then the peaks are tracked too.
+    Where none changes the step will be accepted: then the peaks are tracked too, and the third value is the
+    contact that ends deeper than its limit, or -1.
 
     A contact marked 2 in ``ignore`` has changed twice at the start already: a third change there is not
     believed.
@@ -229,11 +232,14 @@ def inspect_step(t: float, nodes: Any, ignore: Any, record: Any, context: Any) -
     memory = context[5]
     first = -1
     when = 2.0
+    deep = -1
     for c in range(memory.shape[0]):
         theta = _crossing(c, 1.0 if memory[c, 0] != 0.0 else -1.0, nodes, context)
         if theta < when and not (ignore[c] == 2 and theta == 0.0):
             first = c
             when = theta
+        if -nodes[0, NODES, c] > limits[c]:
+            deep = c
     if first < 0:
         track_peaks(t, nodes, record, context)
-    return first, when
+    return first, when, deep

@@ -368,11 +368,13 @@ class Run:
             self._compare_gaps()
         stepper.prepare_dense()
         context = (*self._context, h)
-        c, theta = _inspect.inspect_step(stepper.t, self._nodes, self._ignore, self._record, context)
+        c, theta, deep = _inspect.inspect_step(
+            stepper.t, self._nodes, self._ignore, self._depths, self._record, context
+        )
         if c < 0:
-            if self._nodes[0, -1].min() < 0.0 and (-self._nodes[0, -1] > self._depths).any():
+            if deep >= 0:
                 self._accept()
-                self._stop(Outcome.TOO_DEEP, int(np.argmax(-self._nodes[0, -1] - self._depths)))
+                self._stop(Outcome.TOO_DEEP, deep)
                 return following
             self._track_python_laws(context)
             self._keep_peaks()
