@@ -173,6 +173,8 @@ def disagreement(command: str, shown: str, found: str) -> str:
     """Return the first line in which outputs differ by more than machines may, or ""."""
     own_numbers = any(name in command for name in _OWN_NUMBERS)
     right, left = found.splitlines(), shown.splitlines()
+    if command == "antenna-pin list":  # models may be added
+        return "" if set(left) <= set(right) else "a model or case is not there"
     for one, other in zip(left, right, strict=False):
         words, others = (" ".join(_NUMBER.sub("#", line).split()) for line in (one, other))
         if words != others and not set(words) == set(others) == {"─"}:
