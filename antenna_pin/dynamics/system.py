@@ -94,7 +94,9 @@ class System:
             if self.hinges
             else partial(pin.aba, self.model, self.data)
         )
-        self.derivative = self._compile_derivative()
+        #: ``derivative(t, y, rates)`` writes [acceleration (nv), rate of x (nx)] at time t [s] and state y
+        # into : rates; fastest when the two arrays are the same in each call.
+        self.derivative = self._derivative()
 
     # --- layout ---------------------------------------------------------------------------------------------
 
@@ -227,35 +229,46 @@ class System:
             self.program[slot] = drive.torque(t, angle, rate)
         _kernels.evaluate(t, y, self.program, self._work, rates)
 
-    def _compile_derivative(self) -> Callable[[float, Array, Array], None]:
-        """Return the derivative as a closure: looking attributes up costs a tenth of an ABA."""
-        acceleration, program, work, tau = self._acceleration, self.program, self._work, self.tau
+    def bind(self, y: Array, rates: Array) -> Callable[[float], None]:
+        """Return the derivative of a state held in an array, as a function of time alone.
+
+        What an integrator calls: the arrays are looked at once, and no attribute is looked up (which would
+        cost a tenth of an ABA).
+
+        Args:
+            y: State [q, v, x], contiguous; read at each call.
+            rates: Output [acceleration (nv), rate of x (nx)], written at each call.
+        """
         nq, nv = self.model.nq, self.model.nv
-        evaluate = self.apply_elements if self._slow else None
-        fused = _kernels.evaluate
+        q, v, out = y[:nq], y[nq : nq + nv], rates[:nv]
+        program, work, tau = self.program, self._work, self.tau
+        evaluate, model, data, aba = _kernels.evaluate, self.model, self.data, pin.aba
+        if self._slow or self.hinges:
+            elements, acceleration = self.apply_elements, self._acceleration
+
+            def general(t: float) -> None:
+                elements(t, y, rates)
+                out[:] = acceleration(q, v, tau)
+
+            return general
+
+        def fused(t: float) -> None:
+            evaluate(t, y, program, work, rates)
+            out[:] = aba(model, data, q, v, tau)
+
+        return fused
+
+    def _derivative(self) -> Callable[[float, Array, Array], None]:
+        """Return :meth:`derivative` as a closure that binds new arrays only when it is given new ones."""
         known = np.zeros(self.manifold.size)
-        q, v = known[:nq], known[nq : nq + nv]
-        output = np.zeros(nv + self.manifold.nx)
-        out = output[:nv]
+        output = np.zeros(self.model.nv + self.manifold.nx)
+        bound = self.bind(known, output)
 
         def derivative(t: float, y: Array, rates: Array) -> None:
-            """Write [acceleration (nv), rate of x (nx)] at time t [s] and state y into rates.
-
-            Args:
-                t: Time [s].
-                y: State [q, v, x], contiguous; fastest when it is the same array in each call.
-                rates: Output, (nv + nx,).
-            """
-            nonlocal known, q, v, output, out
-            if y is not known:
-                known, q, v = y, y[:nq], y[nq : nq + nv]
-            if rates is not output:
-                output, out = rates, rates[:nv]
-            if evaluate is None:
-                fused(t, y, program, work, rates)
-            else:
-                evaluate(t, y, rates)
-            out[:] = acceleration(q, v, tau)
+            nonlocal known, output, bound
+            if y is not known or rates is not output:
+                known, output, bound = y, rates, self.bind(y, rates)
+            bound(t)
 
         return derivative
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Protocol
 
 import numpy as np
@@ -26,6 +27,15 @@ class Problem(Protocol):
 
     def derivative(self, t: float, y: Array, rates: Array) -> None:
         """Write [acceleration (nv), rate of x (nx)] at time t [s] and state y = [q, v, x] into rates."""
+
+
+def _bound(problem: Problem, y: Array, rates: Array) -> Callable[[float], None]:
+    """Return the derivative for two arrays that stay the same, by the problem's ``bind`` if it has one."""
+    bind = getattr(problem, "bind", None)
+    if bind is not None:
+        function: Callable[[float], None] = bind(y, rates)
+        return function
+    return lambda t: problem.derivative(t, y, rates)
 
 
 class Stepper:
@@ -56,6 +66,7 @@ class Stepper:
         self._rates = self.work[stages + _kernels.RATES, : self.manifold.nv + self.manifold.nx]
         self.start_row = stages + _kernels.START
         self.start = self.work[self.start_row]
+        self._derivative = _bound(problem, self.y, self._rates)
         self.dense = np.zeros((method.polynomials.shape[1], size))
         self._out = np.zeros((2, size))
         self.t = 0.0
@@ -68,7 +79,7 @@ class Stepper:
         """Make (t, y) the state and evaluate its derivative."""
         self.t = t
         self.y[:] = y
-        self.problem.derivative(t, self.y, self._rates)
+        self._derivative(t)
         self.evaluations += 1
         self._has_dense = False
         _kernels.begin(self.method.stages, self.manifold.layout, self.work)
@@ -81,13 +92,13 @@ class Stepper:
         """Try a step of size h [s]; return its scaled error: 1 is the tolerance, 0 if the step is fixed."""
         method = self.method
         layout, work, weights = self.manifold.layout, self.work, method.weights
-        y, rates, derivative, stage = self.y, self._rates, self.problem.derivative, _kernels.stage
+        derivative, stage = self._derivative, _kernels.stage
         t, nodes, last = self.t, self._nodes, method.last
         stage(1, h, weights, layout, work, False)
         for i in range(1, last):
-            derivative(t + nodes[i] * h, y, rates)
+            derivative(t + nodes[i] * h)
             stage(i + 1, h, weights, layout, work, True)
-        derivative(t + h, y, rates)
+        derivative(t + h)
         self.evaluations += last
         self.h = h
         self._has_dense = False
@@ -104,7 +115,7 @@ class Stepper:
             end = self.work[method.stages + _kernels.STATE :].copy()
             for i in range(method.last + 1, method.stages):
                 _kernels.stage(i, self.h, method.weights, layout, self.work, i > method.last + 1)
-                self.problem.derivative(self.t + self._nodes[i] * self.h, self.y, self._rates)
+                self._derivative(self.t + self._nodes[i] * self.h)
             self.evaluations += method.stages - method.last - 1
             _kernels.store(method.stages - 1, method.stages, layout, self.work)
             self.work[method.stages + _kernels.STATE :] = end

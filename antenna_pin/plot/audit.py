@@ -75,12 +75,13 @@ def figure_energy(runs: Iterable[Run] | Run, *, width: Width = "page") -> Figure
                 axes.set_ylabel(f"energy [{printed}]")
             few_ticks(axes, 5)
     for axes, run in zip(grid[2], drawn, strict=True):
-        gross = float(np.sum(run.values("drive_gross_work")[-1]))
+        # A run without drives has its largest energy as the measure.
+        gross = float(np.sum(run.values("drive_gross_work")[-1])) if "drive_gross_work" in run.data else 0.0
         reference = gross if gross > 0.0 else float(np.nanmax(_total(run, "kinetic_energy"), initial=0.0))
         error = np.abs(run.values("energy_error")) / (reference or 1.0)
         _log_line(axes, run, error, COLOURS[0], "")
         if axes.get_subplotspec().is_first_col():  # type: ignore[union-attr]
-            axes.set_ylabel("error / gross work [-]")
+            axes.set_ylabel("error / gross work [-]" if gross > 0.0 else "error / largest energy [-]")
         axes.set_xlabel("time [s]")
         few_ticks(axes, 5)
     _share_decades(grid[2])

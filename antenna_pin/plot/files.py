@@ -29,7 +29,8 @@ def save_figures(
 ) -> list[Path]:
     """Draw all figures that the runs allow, write them, and return their paths.
 
-    The files are ``motion_angle``, ``motion_rate``, ``motion_acceleration``, ``contact_forces`` (where a run
+    The files are ``motion_angle``, ``motion_rate``, ``motion_acceleration`` (where a joint turns about an
+    axis), ``contact_forces`` (where a run
     has contact), ``energy`` and ``momentum`` (where a run has a free base). Each appears whole or not at all.
 
     Args:
@@ -44,11 +45,13 @@ def save_figures(
             raise UnknownNameError("figure", "format", suffix, FORMATS)
     every = labelled(runs)
     pairs: list[Run] = [(run.label, run.data) for run in every]
-    choose_joint(every, joint)  # refuses an unknown one before anything is made
+    turning = any(run.joints for run in every)
+    if turning or joint is not None:
+        choose_joint(every, joint)  # refuses an unknown one before anything is made
     long_enough = [run for run in every if run.time.size > 1]
 
     drawings: dict[str, Callable[[], Figure]] = {}
-    for quantity in QUANTITIES:
+    for quantity in QUANTITIES if turning else ():
         drawings[f"motion_{quantity}"] = functools.partial(
             figure_motion, pairs, quantity, joint=joint, width=width
         )

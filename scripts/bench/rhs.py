@@ -48,10 +48,10 @@ def ratios(
         y = system.state(q, v)
         rates = np.zeros(system.model.nv + system.manifold.nx)
         system.memory[:] = memory
-        names = {"f": system.derivative, "y": y, "rates": rates, "aba": pin.aba, "model": system.model}
+        names = {"f": system.bind(y, rates), "aba": pin.aba, "model": system.model}
         names |= {"data": data, "q": q.copy(), "v": v.copy(), "tau": np.zeros(system.model.nv)}
         times = interleaved(
-            {"rhs": ("f(0.05, y, rates)", names), "aba": ("aba(model, data, q, v, tau)", names)},
+            {"rhs": ("f(0.05)", names), "aba": ("aba(model, data, q, v, tau)", names)},
             repeats,
             number,
         )
