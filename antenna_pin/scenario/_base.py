@@ -19,7 +19,7 @@ Location = tuple[str | int, ...]
 
 # Tables whose entries are one of several classes; pydantic puts the class into the location, after the name.
 _TAGGED = {
-    "clearance": ("contact", "planar", "ideal", "constraint"),
+    "clearance": ("contact", "planar", "spherical", "ideal", "constraint"),
     "drives": ("constant", "sine", "table"),
 }
 _BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")

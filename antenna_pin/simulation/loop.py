@@ -85,11 +85,13 @@ class Samples:
     memories: list[Array] = field(default_factory=list)
 
     def add(self, t: float, y: Array, memory: Array) -> None:
-        """Append one sample; a time already there is replaced, so times stay strictly increasing."""
+        """Append one sample, or replace the last where it is the same instant but for round-off.
+
+        An event may fall on an output time; what holds from the event on is what is kept.
+        """
         if self.times and t <= self.times[-1]:
-            if t == self.times[-1]:
-                self.states[-1] = y
-                self.memories[-1] = memory
+            self.states[-1] = y
+            self.memories[-1] = memory
             return
         self.times.append(t)
         self.states.append(y)

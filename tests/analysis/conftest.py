@@ -1,0 +1,63 @@
+"""The antenna's joint in few words, and gaps and scenarios of many poses at once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from numba import njit
+
+from antenna_pin.geometry import RevoluteClearance
+from antenna_pin.geometry._kernels import contact_scenario, revolute_contacts
+from antenna_pin.geometry.shapes import TABLE_WIDTH
+
+
+@pytest.fixture
+def bai() -> Callable[..., RevoluteClearance]:
+    """Bai and Zhao's joint, with changes."""
+
+    def build(**changes: float) -> RevoluteClearance:
+        return RevoluteClearance.from_clearances(
+            **{
+                "bearing_radius": 0.010,
+                "radial_clearance": 2e-4,
+                "bearing_length": 0.050,
+                "axial_clearance": 2e-4,
+                "bearing_outer_radius": 0.012,
+                "flange_radius": 0.014,
+                **changes,
+            }
+        )
+
+    return build
+
+
+@njit
+def _look(shape: Any, grown: Any, poses: Any, table: Any, gaps: Any, scenarios: Any) -> None:
+    for k in range(len(poses)):
+        ox, oy, oz, zx, zy, zz = poses[k]
+        revolute_contacts(shape, ox, oy, oz, zx, zy, zz, table, 0)
+        for i in range(4):
+            gaps[k, i] = table[i, 0]
+        revolute_contacts(grown, ox, oy, oz, zx, zy, zz, table, 0)
+        scenarios[k] = contact_scenario(grown, ox, oy, oz, zx, zy, zz, table, 0, 4)
+
+
+@pytest.fixture(scope="session")
+def look() -> Callable[..., tuple[np.ndarray, np.ndarray]]:
+    """Gaps (n, 4) and scenarios (n, 2) of poses (n, 6); a gap below the tolerance counts as contact."""
+
+    def at(
+        shape: RevoluteClearance, poses: np.ndarray, tolerance: float = 0.0
+    ) -> tuple[np.ndarray, np.ndarray]:
+        grown = shape.shape()
+        grown[3] += tolerance
+        grown[5] -= tolerance
+        gaps = np.zeros((len(poses), 4))
+        scenarios = np.zeros((len(poses), 2), dtype=np.int64)
+        _look(shape.shape(), grown, poses, np.zeros((5, TABLE_WIDTH)), gaps, scenarios)
+        return gaps, scenarios
+
+    return at
