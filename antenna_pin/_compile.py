@@ -26,7 +26,7 @@ def _stamp() -> str:
     digest = hashlib.sha256(numba.__version__.encode())
     digest.update(Path(__file__).read_bytes())
     folder = Path(__file__).parent
-    for path in sorted([*folder.glob("*/_kernels.py"), *folder.glob("*/_inspect.py")]):
+    for path in sorted([*folder.glob("*/_*kernels.py"), *folder.glob("*/_inspect.py")]):
         digest.update(path.read_bytes())
     return digest.hexdigest()
 

@@ -2,14 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+import math
+from collections.abc import Collection, Mapping
 from typing import Any
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from antenna_pin.contact import FRICTION_LAWS, NORMAL_LAWS, hertz_stiffness, law_parameters
+from antenna_pin.contact import (
+    FRICTION_LAWS,
+    CompiledNormalLaw,
+    DampedContact,
+    Hertz,
+    LineLaw,
+    Parameter,
+    effective_modulus,
+    internal_hertz_stiffness,
+    make_normal_law,
+    normal_parameters,
+)
 from antenna_pin.dynamics import (
     ConstantDrive,
     Drive,
@@ -19,7 +31,7 @@ from antenna_pin.dynamics import (
     System,
     TableDrive,
 )
-from antenna_pin.errors import MechanismError, ScenarioError, UnknownNameError
+from antenna_pin.errors import InvalidParameterError, MechanismError, ScenarioError, UnknownNameError
 from antenna_pin.geometry import PlanarClearance, RevoluteClearance, SphericalClearance
 from antenna_pin.joints import ClearanceJoint
 from antenna_pin.mechanism import (
@@ -36,6 +48,7 @@ from antenna_pin.mechanism import (
 from antenna_pin.scenario import Scenario
 from antenna_pin.scenario import clearance as _clearance
 from antenna_pin.scenario import drives as _drives
+from antenna_pin.scenario.laws import LawSpec
 
 __all__ = ["build_system", "initial_state", "urdf_variant"]
 
@@ -187,7 +200,7 @@ def clearance_joint(
     """Return the clearance joint of one table of a scenario.
 
     A stiffness that is not given comes from materials and radii in the bore; at the flanges it is that of the
-    bore (assumed: no source gives one for an edge on a plane).
+    bore (assumed: no source gives one for an edge on a plane), also where the bore has a law along a line.
     """
     journal = spec.bearing_radius - spec.radial_play
     radial = _normal_law(scenario, name, spec, spec.radial_law, None)
@@ -223,33 +236,113 @@ def clearance_joint(
     )
 
 
-def _normal_law(scenario: Scenario, name: str, spec: Any, law: Any, radial: Any) -> Any:
-    cls = NORMAL_LAWS[law.law]
+def _normal_law(
+    scenario: Scenario, name: str, spec: Any, law: LawSpec, radial: CompiledNormalLaw | None
+) -> CompiledNormalLaw:
+    """Return the normal law of the bore or, with the bore's law given, that of the flanges.
+
+    What it is not given it takes from the joint. A law along a line means nothing at a flange: the common law
+    of both kinds of contact, if it is one, gives way there to another, with the same dissipation
+    (``_flange_law``).
+    """
+    place = _where(scenario, "clearance", name, "normal" if radial is None else "axial")
+    declared = normal_parameters(law.law, law.dissipation)
     parameters = dict(law.parameters)
-    declared = law_parameters(cls)
     if "stiffness" in declared and "stiffness" not in parameters:
-        exponent = parameters.get("exponent", declared["exponent"].default if "exponent" in declared else 1.5)
-        place = _where(scenario, "clearance", name, "normal" if radial is None else "axial", "stiffness")
-        if radial is not None and hasattr(radial, "stiffness"):
-            if getattr(radial, "exponent", 1.5) != exponent:
-                raise ScenarioError(
-                    f"{place}: must be given where the exponent ({exponent:g}) is not the bore's "
-                    f"({radial.exponent:g}), for the bore's stiffness has another unit"
-                )
-            parameters["stiffness"] = radial.stiffness
-        else:
-            if exponent != 1.5:
-                raise ScenarioError(
-                    f"{place}: must be given for the exponent {exponent:g}; "
-                    "only for 1.5 does it follow from materials"
-                )
-            parameters["stiffness"] = hertz_stiffness(
-                spec.bearing_radius,
-                spec.bearing_radius - spec.radial_play,
-                scenario.material(spec.bearing_material),
-                scenario.material(spec.journal_material),
+        parameters["stiffness"] = _stiffness(
+            scenario, spec, declared, parameters, radial, f"{place}.stiffness"
+        )
+    for key in [key for key, p in declared.items() if p.from_joint and key not in parameters]:
+        parameters[key] = _from_joint(scenario, spec, key, f"{place}.{key}")
+    try:
+        made = make_normal_law(law.law, parameters, law.dissipation)
+    except InvalidParameterError as error:
+        raise ScenarioError(f"{place}: {error}") from None
+    elastic = made.parts.elastic
+    if not isinstance(elastic, LineLaw):
+        return made
+    if isinstance(spec, _clearance.SphericalClearance):
+        raise ScenarioError(
+            f"{place}.law: must be a law of a point, such as hertz, for a ball in a socket, got {law.law!r}"
+        )
+    if radial is None:
+        return made
+    if spec.axial is not None and spec.axial.law is not None:
+        raise ScenarioError(
+            f"{place}.law: must be a law of a point, such as hertz, for a flange has no line of contact, "
+            f"got {law.law!r}"
+        )
+    return DampedContact(elastic=_flange_law(spec, elastic), dissipation=made.parts.dissipation)
+
+
+def _flange_law(spec: _clearance.ContactClearance, bore: LineLaw) -> Hertz:
+    """Return the elastic law of the flanges beside a law along a line in the bore.
+
+    Under point load it is Hertz's with the stiffness of a point contact in the bore (assumed: no source gives
+    one for an edge on a plane). Under distributed load it is a sector's share of an elastic foundation, whose
+    modulus, if not given, is that of the compression of a rigid annular punch, 0.87 x 2 E* R_io over its
+    area.
+    """
+    if spec.load == "point":
+        return Hertz(
+            stiffness=internal_hertz_stiffness(bore.bearing_radius, bore.journal_radius, bore.modulus)
+        )
+    outer = min(spec.bearing_outer_radius, spec.flange_radius)
+    punch = 0.87 * 2.0 * bore.modulus * outer
+    if spec.flange_modulus is not None:
+        punch = spec.flange_modulus * math.pi * (outer**2 - spec.bearing_radius**2)
+    return Hertz(stiffness=punch / spec.sectors, exponent=1.0)
+
+
+def _stiffness(
+    scenario: Scenario,
+    spec: Any,
+    declared: Mapping[str, Parameter],
+    given: Mapping[str, float],
+    radial: CompiledNormalLaw | None,
+    place: str,
+) -> float:
+    """Return the stiffness of a power law that is not given one: the bore's, or that of a Hertz contact."""
+    default = declared["exponent"].default if "exponent" in declared else None
+    exponent = given.get("exponent", 1.5 if default is None else default)
+    bore = None if radial is None else radial.parts.elastic
+    if isinstance(bore, Hertz):
+        if bore.exponent != exponent:
+            raise ScenarioError(
+                f"{place}: must be given where the exponent ({exponent:g}) is not the bore's "
+                f"({bore.exponent:g}), for the bore's stiffness has another unit"
             )
-    return cls(**parameters)
+        return bore.stiffness
+    if exponent != 1.5:
+        raise ScenarioError(
+            f"{place}: must be given for the exponent {exponent:g}; "
+            "only for 1.5 does it follow from materials"
+        )
+    if isinstance(bore, LineLaw):
+        return internal_hertz_stiffness(bore.bearing_radius, bore.journal_radius, bore.modulus)
+    modulus = _from_joint(scenario, spec, "modulus", place)
+    return internal_hertz_stiffness(spec.bearing_radius, spec.bearing_radius - spec.radial_play, modulus)
+
+
+def _from_joint(scenario: Scenario, spec: Any, key: str, place: str) -> float:
+    """Return what a law takes from the joint's dimensions and materials."""
+    if key == "bearing_radius":
+        return float(spec.bearing_radius)
+    if key == "journal_radius":
+        return float(spec.bearing_radius - spec.radial_play)
+    if key == "length":
+        if spec.bearing_length is None:
+            raise ScenarioError(f"{place}: is missing; give it or the joint's bearing_length")
+        # Of a line along the bearing each contact carries its part: under point load the two ends, under
+        # distributed load the strips, and in a planar joint the one contact the whole.
+        parts = spec.strips if spec.load == "distributed" else 2
+        return float(spec.bearing_length / (1 if isinstance(spec, _clearance.PlanarClearance) else parts))
+    for material in ("bearing_material", "journal_material"):
+        if getattr(spec, material) is None:
+            raise ScenarioError(f"{place}: is missing; give it or the joint's {material}")
+    return effective_modulus(
+        scenario.material(spec.bearing_material), scenario.material(spec.journal_material)
+    )
 
 
 def initial_state(scenario: Scenario, system: System) -> tuple[Array, Array]:

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NoReturn, ParamSpec, TypeVar
 
 import typer
 
+from antenna_pin.cli_contact import app as contact_app
 from antenna_pin.errors import AntennaPinError, OutputError, UnknownNameError
 
 if TYPE_CHECKING:
@@ -444,6 +445,14 @@ def urdf(
 
     urdf_variant(chosen).write(path)
     typer.echo(f"saved {path}")
+
+
+# --- contact ---
+
+for _command in contact_app.registered_commands:
+    assert _command.callback is not None
+    _command.callback = _one_line_errors(_command.callback)
+app.add_typer(contact_app)
 
 
 if __name__ == "__main__":

@@ -35,6 +35,9 @@ class Outcome(Enum):
         "the step fell below its floor; soften the contact, loosen rtol or lower integrator.min_step"
     )
     NOT_FINITE = "the state stopped being finite; look at the drives and stiffnesses, or tighten the step"
+    OUT_OF_LAW_RANGE = (
+        "a contact left the range of its law; choose a law that reaches deeper, or lower the load"
+    )
     TOO_DEEP = (
         "a contact was pressed beyond maximum_depth, where rigid bodies with contact stiffness no "
         "longer describe it; stiffen the law, lower the load or raise maximum_depth"

@@ -670,6 +670,9 @@ def test_a_byte_order_mark_is_no_harm(folder):
 
 H = "clearance.hinge."
 LN = "law lankarani-nikravesh takes stiffness, restitution, exponent"
+WHOLE = "law lankarani-nikravesh brings its own; elastic laws are " + ", ".join(
+    name for name in contact.NORMAL_LAWS if contact.is_elastic(name)
+)
 TOP = (
     "format, title, source, duration, mechanism, materials, clearance, drives, springs, initial, "
     "integrator, output"
@@ -864,7 +867,38 @@ REFUSALS = [
     ({H + "axial": 3}, "clearance.hinge.axial must be a table, got 3"),
     (
         {H + "normal.law": DELETED},
-        "clearance.hinge.normal.law is missing; give one of hertz, lankarani-nikravesh",
+        f"clearance.hinge.normal.law is missing; give one of {', '.join(contact.NORMAL_LAWS)}",
+    ),
+    (
+        {H + "normal.dissipation": "flores"},
+        f"clearance.hinge.normal.dissipation must be left out, for {WHOLE}",
+    ),
+    (
+        {H + "normal": {"law": "johnson", "dissipation": 3}, H + "axial": DELETED},
+        "clearance.hinge.normal.dissipation must be text, got 3",
+    ),
+    (
+        {H + "normal": {"law": "johnson", "dissipation": "flores"}, H + "axial": DELETED},
+        "clearance.hinge.normal.restitution is missing; law johnson with flores takes length, "
+        "journal_radius, bearing_radius, modulus, restitution",
+    ),
+    (
+        {H + "normal": {"law": "hertz", "dissipation": "flores", "restitution": 0}, H + "axial": DELETED},
+        "clearance.hinge.normal.restitution must be above 0 (no finite damping of this form stops a body "
+        "dead), got 0.0",
+    ),
+    (
+        {H + "normal": {"law": "hertz", "dissipation": "tsuji", "restitution": 1, "effective_mas": 1}},
+        "clearance.hinge.normal.effective_mas is unknown; did you mean effective_mass? law hertz with "
+        "tsuji takes stiffness, exponent, restitution, effective_mass",
+    ),
+    (
+        {H + "axial": {"dissipation": "flores"}},
+        f"clearance.hinge.axial.dissipation must be left out, for {WHOLE}",
+    ),
+    (
+        {H + "friction.dissipation": "flores"},
+        "clearance.hinge.friction.dissipation is unknown; law tanh is a friction law and has no dissipation",
     ),
     ({H + "normal.law": 3}, "clearance.hinge.normal.law must be text, got 3"),
     ({H + "normal.restitution": 1.3}, "clearance.hinge.normal.restitution must be in [0, 1], got 1.3"),
@@ -1073,7 +1107,7 @@ def test_refusals(folder, changes, message):
         (
             {H + "journal_material": "stel"},
             "clearance.hinge.journal_material: material 'stel' is unknown; did you mean steel? "
-            "known: alloy, steel",
+            "known: alloy, aluminium-2024-t3,",
         ),
         (
             {"cases.tight.clearance.hinge.bearing_material": "aloy"},
@@ -1082,9 +1116,17 @@ def test_refusals(folder, changes, message):
         (
             {H + "normal.law": "lankarani"},
             "clearance.hinge.normal.law: law 'lankarani' is unknown; did you mean "
-            "lankarani-nikravesh? known: hertz,",
+            "lankarani-nikravesh? known: adams-impact,",
         ),
-        ({H + "normal.law": "tanh"}, "clearance.hinge.normal.law: law 'tanh' is unknown; known: hertz,"),
+        (
+            {H + "normal.law": "tanh"},
+            "clearance.hinge.normal.law: law 'tanh' is unknown; known: adams-impact,",
+        ),
+        (
+            {H + "normal": {"law": "hertz", "dissipation": "floras"}},
+            "clearance.hinge.normal.dissipation: dissipation 'floras' is unknown; did you mean flores? "
+            "known: adams-impact,",
+        ),
         (
             {H + "axial.law": "hertzz"},
             "clearance.hinge.axial.law: law 'hertzz' is unknown; did you mean hertz?",
@@ -1199,6 +1241,57 @@ def test_the_unit_of_a_stiffness_follows_the_exponent_of_its_law(folder):
     assert hinge.axial_law.parameters == {"restitution": 0.9, "exponent": 2.0, "stiffness": 2.0}
 
 
+JOHNSON = {"law": "johnson", "dissipation": "flores", "restitution": 0.8}
+
+
+def test_a_dissipation_is_named_beside_an_elastic_law(folder):
+    scenario = folder.load({H + "normal": JOHNSON, H + "axial": DELETED})
+    hinge = scenario.clearance["hinge"]
+    assert hinge.normal == LawSpec(law="johnson", dissipation="flores", parameters={"restitution": 0.8})
+    assert json.loads(scenario.model_dump_json())["clearance"]["hinge"]["normal"] == JOHNSON
+    assert Scenario.model_validate_json(scenario.model_dump_json()) == scenario
+
+
+def test_another_dissipation_keeps_the_parameters_that_it_knows(folder):
+    def axial_law(change):
+        changes = {H + "normal": JOHNSON, H + "axial": change, "cases": {}}
+        return folder.load(changes).clearance["hinge"].axial_law
+
+    assert axial_law({"dissipation": "tsuji", "effective_mass": "2 kg"}) == LawSpec(
+        law="johnson", dissipation="tsuji", parameters={"restitution": 0.8, "effective_mass": 2.0}
+    )
+    assert axial_law({"dissipation": "kelvin-voigt", "damping": "3 N*s/m"}).parameters == {"damping": 3.0}
+    assert axial_law({"restitution": 0.5}) == LawSpec(
+        law="johnson", dissipation="flores", parameters={"restitution": 0.5}
+    )
+    assert axial_law({"law": "hertz"}) == LawSpec(law="hertz")
+
+
+def test_a_case_changes_the_dissipation(folder):
+    changes = {
+        H + "normal": JOHNSON,
+        H + "axial": DELETED,
+        "cases.elastic.clearance.hinge.normal": {"dissipation": "hu-guo"},
+    }
+    law = folder.load(changes, case="elastic").clearance["hinge"].radial_law
+    assert law == LawSpec(law="johnson", dissipation="hu-guo", parameters={"restitution": 0.8})
+
+
+def test_a_line_law_takes_dimensions_and_modulus_from_the_joint_or_is_given_them(folder):
+    given = {"length": "20 mm", "modulus": "100 GPa", "journal_radius": "9 mm"}
+    changes = {
+        H + "normal": JOHNSON | given,
+        H + "axial": DELETED,
+        H + "journal_material": DELETED,
+        "cases": {},
+    }
+    parameters = folder.load(changes).clearance["hinge"].normal.parameters
+    assert parameters == {"restitution": 0.8, "length": 0.02, "modulus": 1e11, "journal_radius": 0.009}
+    changes[H + "normal"] = JOHNSON
+    message = "clearance.hinge.journal_material is missing; it decides the modulus, or give normal.modulus"
+    assert folder.refusal(changes).startswith(message)
+
+
 def test_materials_are_not_needed_where_the_stiffness_is_given(folder):
     changes = {
         H + "journal_material": DELETED,
@@ -1239,19 +1332,32 @@ def test_zero_axial_clearance_is_allowed(folder):
     assert folder.load(changes).clearance["hinge"].axial_play == 0.0
 
 
+# A value that is fit for parameters of that name, which must agree with others.
+FIT = {"journal_radius": 0.0098, "bearing_radius": 0.01, "dynamic": 0.4}
+
+
 @pytest.mark.parametrize("family", ["NORMAL_LAWS", "FRICTION_LAWS"])
 def test_every_law_of_the_registry_can_be_named(family):
     for name, law in getattr(contact, family).items():
+        declared = contact.law_parameters(law)
         parameters = {
-            key: f"1.5 {parameter.unit.replace('**exponent', '**1.5')}"
+            key: f"1.5 {parameter.unit.replace('exponent', str(declared['exponent'].default))}"
             if "exponent" in parameter.unit
-            else 0.5 + 0.1 * i
-            for i, (key, parameter) in enumerate(contact.law_parameters(law).items())
+            else FIT.get(key, 0.5 + 0.1 * i)
+            for i, (key, parameter) in enumerate(declared.items())
             if parameter.required
         }
         spec = LawSpec(law=name, parameters=parameters)
         assert spec.parameters.keys() == parameters.keys()
         assert isinstance(law(**spec.parameters), law)
+
+
+def test_every_dissipation_of_the_registry_can_be_named():
+    for name, dissipation in contact.DISSIPATIONS.items():
+        parameters = dict.fromkeys(contact.law_parameters(dissipation), 0.5)
+        spec = LawSpec(law="hertz", dissipation=name, parameters={"stiffness": 1e9} | parameters)
+        law = contact.make_normal_law(spec.law, spec.parameters, spec.dissipation)
+        assert isinstance(law.parts.dissipation, dissipation)
 
 
 # --- drives, springs, initial state ---

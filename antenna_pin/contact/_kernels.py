@@ -1,12 +1,12 @@
-"""Arithmetic of the contact laws on flat parameters, compiled.
+"""Arithmetic of the normal laws on flat parameters, compiled.
 
 A normal law travels as ``NORMAL_SIZE`` floats::
 
     [elastic kind, dissipation kind, elastic parameters (8), dissipation parameters (6)]
 
-and a friction law as ``FRICTION_SIZE`` floats ``[kind, parameters (11)]``. Kernels check nothing and raise
-nothing; the classes of :mod:`antenna_pin.contact` check, document and name. A new law is a new kind here and
-a new class there: nothing that calls these functions changes.
+Kernels check nothing and raise nothing; the classes of :mod:`antenna_pin.contact` check, document and name. A
+new law is a new kind here and a new class there: nothing that calls these functions changes. The kinds that
+run most come first; the rest stands in functions of its own, so that it costs the others nothing.
 """
 
 from __future__ import annotations
@@ -14,28 +14,36 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin._compile import kernel
+import numpy as np
+
+from antenna_pin._compile import inlined, kernel
 
 NORMAL_SIZE = 16
-FRICTION_SIZE = 12
-BRISTLE_SIZE = 3  # integrated numbers per contact of a friction law with memory: a vector in bearing axes
 
 ELASTIC = 0
 DISSIPATION = 1
 ELASTIC_PARAMETERS = 2
 DISSIPATION_PARAMETERS = 10
 
-# Elastic kinds.
-POWER = 1.0
-# Dissipation kinds.
+# Elastic kinds and their parameters, from ELASTIC_PARAMETERS on.
+POWER = 1.0  # K, n
+LOGARITHMIC = 2.0  # F_0, d_0: d = d_0 s ln(1/s), F = F_0 s
+FOUNDATION = 3.0  # (pi/2) E* L / sqrt 2, dR
+BAI_ZHAO = 4.0  # (pi/8) E* L sqrt 2, dR, n
+PERSSON = 5.0  # 2 pi E* L dR, dR, largest tan^2(eps/2)
+PIN_JOINT = 6.0  # (pi/2) E* L, R_j, R_i, dR, the share of the depth that shapes the contact
+# Dissipation kinds and their parameters, from DISSIPATION_PARAMETERS on.
 CONSERVATIVE = 0.0
-HYSTERETIC = 1.0
-# Friction kinds; those from BRISTLE on carry a state.
-FRICTIONLESS = 0.0
-VELOCITY_BASED = 1.0
-AMBROSIO = 2.0
-TANH = 3.0
-BRISTLE = 100.0
+HYSTERETIC = 1.0  # chi
+PROPORTIONAL = 2.0  # chi over the approach speed
+VISCOUS = 3.0  # D
+ROOT_DEPTH = 4.0  # c
+SECANT = 5.0  # alpha, m
+SECANT_LOADING = 6.0  # 2 xi, m
+STEP = 7.0  # D, depth of full damping
+
+# Gauss-Legendre with 8 points, on [-1, 1].
+NODES, WEIGHTS = np.polynomial.legendre.leggauss(8)
 
 
 @kernel
@@ -59,11 +67,119 @@ def power(depth: float, exponent: float) -> float:
 
 
 @kernel
+def log_ratio(ratio: float) -> float:
+    """The larger root w of ``w exp(-w) = ratio``, for a ratio in (0, 1/e]; beyond 1/e that of 1/e: 1.
+
+    By Newton's method on ``(w - 1) - ln w = u``, ``u = -1 - ln ratio``, between the bounds
+    ``sqrt(2 u) + 2 u / 3`` and ``sqrt(2 u) + u`` of w - 1 (Chatzigeorgiou 2013). It is convex, so that from
+    the lower bound the first step lands above the root and all others come down on it: four or five steps.
+    """
+    u = -1.0 - math.log(ratio)
+    if not u > 0.0:
+        return 1.0
+    root = math.sqrt(2.0 * u)
+    low = root + 2.0 / 3.0 * u
+    high = root + u
+    w = low
+    for _ in range(12):
+        step = (w - math.log1p(w) - u) * (1.0 + w) / w
+        w = min(max(w - step, low), high)
+        if abs(step) <= 1e-15 * w:
+            break
+    return 1.0 + w
+
+
+@kernel
+def _logarithmic(force_0: float, depth_0: float, depth: float) -> float:
+    # d = d_0 w exp(-w), F = F_0 exp(-w), on the branch below the turn-over at w = 1. Odd, as the law is
+    # nearly linear and an integrator may step across its end.
+    ratio = abs(depth) / depth_0
+    if ratio < 1e-300:
+        return 0.0
+    force = force_0 * math.exp(-log_ratio(ratio))
+    return force if depth > 0.0 else -force
+
+
+@kernel
+def _pin_joint(
+    factor: float, journal: float, bearing: float, clearance: float, share: float, depth: float
+) -> float:
+    # Liu et al. 2013 (24) and (28); a^2 is written so that nothing cancels at small depth. Odd.
+    size = abs(depth)
+    d = min(size * share, math.sqrt((bearing + journal) * clearance) - clearance)
+    s = clearance + d
+    inner = 4.0 * bearing * clearance + 2.0 * (bearing + clearance) * d + d * d
+    square = d * (2.0 * journal - d) * inner / (4.0 * s * s)
+    if square < 1e-300:
+        return 0.0
+    force = factor * size / (math.log(16.0 * journal * journal / square) - 1.0)
+    return force if depth > 0.0 else -force
+
+
+@kernel
+def _cylinder_force(kind: float, a: float, b: float, c: float, d: float, e: float, depth: float) -> float:
+    """Elastic force [N] of the kinds that are no power of the depth, from their parameters a to e."""
+    if kind == LOGARITHMIC:
+        return _logarithmic(a, b, depth)
+    if kind == FOUNDATION:
+        return a * depth * math.sqrt(depth / (b + depth)) if depth > 0.0 else 0.0
+    if kind == BAI_ZHAO:
+        if depth <= 0.0:
+            return 0.0
+        stiffness = a * math.sqrt(depth / (b + depth)) * (3.0 * b + 2.0 * depth) / (b + depth)  # K_n L
+        return stiffness * power(depth, c)
+    if kind == PERSSON:
+        x = max(depth, -b)
+        square = min(x / (2.0 * b + x), c)  # tan^2(eps/2)
+        return a * square * (1.0 + square) / (2.0 - math.log1p(square) - 2.0 * square * square)
+    if kind == PIN_JOINT:
+        return _pin_joint(a, b, c, d, e, depth)
+    return 0.0
+
+
+@inlined
 def elastic_force(law: Any, depth: float) -> float:
     """Elastic part of the normal force [N] at ``depth`` [m]."""
     if law[ELASTIC] == POWER:
         return float(law[2] * power(depth, law[3]))  # f = K d^n
-    return 0.0
+    return _cylinder_force(law[0], law[2], law[3], law[4], law[5], law[6], depth)
+
+
+@kernel
+def _quadrature(law: Any, depth: float) -> float:
+    """Integral of the elastic force from 0 to ``depth`` [J], where it has no closed form.
+
+    Over u of ``depth exp(-u)``, in which these forces are smooth down to depth zero; what lies beyond u = 40
+    is less than the round-off.
+    """
+    total = 0.0
+    low = 0.0
+    width = 0.5
+    while low < 40.0:
+        for k in range(NODES.shape[0]):
+            x = depth * math.exp(-low - 0.5 * width * (1.0 + NODES[k]))
+            total += 0.5 * width * WEIGHTS[k] * x * elastic_force(law, x)
+        low += width
+        width *= 1.25
+    return total
+
+
+@kernel
+def _foundation_energy(factor: float, clearance: float, depth: float) -> float:
+    """Integral of ``factor x sqrt(x / (clearance + x))`` from 0 to ``depth`` [J]."""
+    r = depth / clearance
+    if r > 0.3:
+        root = math.sqrt(r * (1.0 + r))
+        return 0.25 * factor * clearance**2 * ((2.0 * r - 3.0) * root + 3.0 * math.asinh(math.sqrt(r)))
+    # The terms of that cancel at small depth: sum over k of binomial(-1/2, k) r^k / (k + 5/2).
+    total = 0.0
+    term = 1.0
+    for k in range(40):
+        total += term / (k + 2.5)
+        term *= -r * (k + 0.5) / (k + 1.0)
+        if abs(term) < 1e-17:
+            break
+    return factor * depth * depth * math.sqrt(r) * total
 
 
 @kernel
@@ -73,73 +189,58 @@ def elastic_energy(law: Any, depth: float) -> float:
         return 0.0
     if law[ELASTIC] == POWER:
         return float(law[2] * power(depth, law[3]) * depth / (law[3] + 1.0))
-    return 0.0
+    if law[ELASTIC] == LOGARITHMIC:
+        # F d - integral of d dF, with d = d_0 s ln(1/s): F_0 d_0 s^2 (w/2 - 1/4), w = ln(1/s).
+        if depth < 1e-300 * law[3]:
+            return 0.0
+        w = log_ratio(depth / law[3])
+        s = math.exp(-w)
+        # Beyond the turn-over the force stays as it is there.
+        beyond = max(0.0, depth - law[3] * w * s) * law[2] * s
+        return float(law[2] * law[3] * s * s * (0.5 * w - 0.25) + beyond)
+    if law[ELASTIC] == FOUNDATION:
+        return _foundation_energy(law[2], law[3], depth)
+    if law[ELASTIC] == BAI_ZHAO and law[4] == 1.0:
+        # K_n L is the slope of Liu's force F, whose factor is twice K_n's: F d - integral of F.
+        force = 2.0 * law[2] * depth * math.sqrt(depth / (law[3] + depth))
+        return float(force * depth - _foundation_energy(2.0 * law[2], law[3], depth))
+    return _quadrature(law, depth)
 
 
 @kernel
-def dissipation_factor(law: Any, rate: float, approach_speed: float) -> float:
-    """``chi rate / approach_speed``: what dissipation adds, as a part of the elastic force [-]."""
-    if law[DISSIPATION] == HYSTERETIC:
-        return float(law[10] * rate / approach_speed)
-    return 0.0
+def _additive_force(kind: float, a: float, b: float, elastic: float, depth: float, rate: float) -> float:
+    """Elastic force and a damping that is no multiple of it [N], cut off at zero."""
+    damping = 0.0
+    if kind == VISCOUS:
+        damping = a
+    elif kind == ROOT_DEPTH:
+        damping = a * math.sqrt(max(depth, 0.0))
+    elif kind == SECANT or (kind == SECANT_LOADING and rate > 0.0):
+        damping = a * math.sqrt(b * max(elastic / depth, 0.0)) if depth != 0.0 else 0.0
+    elif kind == STEP:
+        x = min(max(depth / b, 0.0), 1.0)
+        damping = a * x * x * (3.0 - 2.0 * x)
+    return max(elastic + damping * rate, 0.0)
 
 
-@kernel
-def normal_force(law: Any, depth: float, rate: float, approach_speed: float) -> float:
-    """Normal force on the journal [N]; never adhesive at positive depth, continued below zero depth."""
-    force = elastic_force(law, depth) * (1.0 + dissipation_factor(law, rate, approach_speed))
+@inlined
+def damped_force(law: Any, elastic: float, depth: float, rate: float, approach_speed: float) -> float:
+    """Normal force on the journal [N], from its elastic part; never adhesive at positive depth."""
+    kind = law[DISSIPATION]
+    if kind == HYSTERETIC:
+        force = elastic * (1.0 + float(law[10] * rate / approach_speed))
+    elif kind == CONSERVATIVE:
+        force = elastic
+    elif kind == PROPORTIONAL:
+        force = elastic * (1.0 + law[10] * rate)
+    else:
+        return _additive_force(kind, law[10], law[11], elastic, depth, rate)
     if depth > 0.0 and force < 0.0:
         return 0.0
     return force
 
 
 @kernel
-def friction_ratio(law: Any, speed: float) -> float:
-    """Friction coefficient over slip speed, ``mu(|v|) / |v|`` [s/m]; finite at rest for regular laws."""
-    kind = law[0]
-    if kind == VELOCITY_BASED:
-        # Corrected law (14) of Bai and Zhao 2020: cubic STEP 0 -> mu_s at v_s -> mu_d at v_d.
-        mu_s, mu_d, v_s, v_d = law[1], law[2], law[3], law[4]
-        if speed < v_s:
-            y = speed / v_s
-            return float(0.5 * mu_s * (3.0 - y * y) / v_s)
-        if speed < v_d:
-            x = (v_d - speed) / (v_d - v_s)
-            return float((mu_d + (mu_s - mu_d) * x * x * (3.0 - 2.0 * x)) / speed)
-        return float(mu_d / speed)
-    if kind == AMBROSIO:
-        mu, v_0, v_1 = law[1], law[2], law[3]
-        if speed <= v_0:
-            return 0.0
-        if speed < v_1:
-            return float(mu * (speed - v_0) / (v_1 - v_0) / speed)
-        return float(mu / speed)
-    if kind == TANH:
-        mu, v_t = law[1], law[2]
-        y = speed / v_t
-        if y < 1e-4:
-            return float(mu * (1.0 - y * y / 3.0) / v_t)
-        return float(mu * math.tanh(y) / speed)
-    return 0.0
-
-
-@kernel
-def friction_force(
-    law: Any,
-    force: float,
-    slip_x: float,
-    slip_y: float,
-    slip_z: float,
-    state: Any,
-    start: int,
-    rates: Any,
-    rate_start: int,
-) -> tuple[float, float, float]:
-    """Friction on the journal [N] for a slip velocity [m/s].
-
-    ``state[start:start + 3]`` is the bristle of a law with memory, and its rate goes to
-    ``rates[rate_start:rate_start + 3]``; laws of the slip speed alone touch neither.
-    """
-    speed = math.sqrt(slip_x * slip_x + slip_y * slip_y + slip_z * slip_z)
-    factor = -force * friction_ratio(law, speed)
-    return factor * slip_x, factor * slip_y, factor * slip_z
+def normal_force(law: Any, depth: float, rate: float, approach_speed: float) -> float:
+    """Normal force on the journal [N]; never adhesive at positive depth, continued below zero depth."""
+    return damped_force(law, elastic_force(law, depth), depth, rate, approach_speed)

@@ -1,8 +1,9 @@
-r"""Friction laws: force on the journal over normal force and slip velocity.
+r"""Friction laws of the slip speed: force on the journal over normal force and slip velocity.
 
 Every law opposes the slip: with slip velocity :math:`v` of the journal's material point over the bearing's,
-:math:`F_t = -\mu(|v|) F_n v / |v|`. Laws with a state of their own (bristles) set ``states`` to the number
-of integrated values per contact; the state lives in the integrator's state vector.
+:math:`F_t = -\mu(|v|) F_n v / |v|`. All are regular at rest, where friction is viscous: they have no
+stiction, and a joint under a static load creeps. Laws that stick remember a deflection: they are in
+:mod:`antenna_pin.contact.bristle`.
 """
 
 from __future__ import annotations
@@ -14,18 +15,26 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.contact import _kernels
+from antenna_pin.contact import _friction_kernels as _kernels
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = [
     "Ambrosio",
+    "BengisuAkay",
+    "BrownMcPhee",
     "CompiledFrictionLaw",
+    "Coulomb",
     "CustomFriction",
     "FrictionLaw",
+    "LinearFriction",
     "NoFriction",
+    "Stribeck",
     "Tanh",
+    "Threlfall",
     "VelocityBased",
 ]
+
+_COEFFICIENT = {"unit": "1", "doc": "mu at high speed"}
 
 
 @runtime_checkable
@@ -44,27 +53,54 @@ class CompiledFrictionLaw:
     @property
     def states(self) -> int:
         """Integrated values per contact that the law carries [-]."""
-        return _kernels.BRISTLE_SIZE if self.code()[0] >= _kernels.BRISTLE else 0
+        return len(self.state_scales)
+
+    @property
+    def state_scales(self) -> tuple[float, ...]:
+        """What each of the integrated values reaches, in its own unit: an error is small against it."""
+        return ()
 
     def code(self) -> NDArray[np.float64]:
         """Return the law as flat numbers, shape (12,), for the fused kernels."""
         raise NotImplementedError
 
-    def coefficient(self, speed: float) -> float:
-        """Return the friction coefficient at a slip speed [m/s] >= 0; at least 0 [-]."""
-        return float(_kernels.friction_ratio(self.code(), speed) * speed)
+    def coefficient(self, speed: float, normal_force: float = np.inf) -> float:
+        """Return the friction coefficient at a slip speed; at least 0 [-].
+
+        Args:
+            speed: Slip speed [m/s], zero or more.
+            normal_force: What presses the surfaces together [N]; for laws whose friction is not proportional
+                to it.
+        """
+        return float(_kernels.friction_ratio(self.code(), speed, normal_force) * speed)
 
 
-def _code(kind: float, *parameters: float) -> NDArray[np.float64]:
+def friction_code(kind: float, *parameters: float) -> NDArray[np.float64]:
+    """Return a friction law as flat numbers, shape (12,)."""
     code = np.zeros(_kernels.FRICTION_SIZE)
     code[0] = kind
     code[1 : 1 + len(parameters)] = parameters
     return code
 
 
-def _check_coefficient(law: object, name: str) -> None:
+def check_coefficient(law: object, name: str) -> None:
+    """Refuse what is not zero or more, and finite."""
     if not 0.0 <= getattr(law, name) < np.inf:
         raise InvalidParameterError(law, name, "zero or more, and finite")
+
+
+def check_positive(law: object, *names: str) -> None:
+    """Refuse what is not positive and finite."""
+    for name in names:
+        if not 0.0 < getattr(law, name) < np.inf:
+            raise InvalidParameterError(law, name, "positive and finite")
+
+
+def check_at_least(law: object, name: str, other: str) -> None:
+    """Refuse a coefficient below another."""
+    least = getattr(law, other)
+    if not least <= getattr(law, name) < np.inf:
+        raise InvalidParameterError(law, name, f"at least {other} = {least}")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -73,7 +109,7 @@ class NoFriction(CompiledFrictionLaw):
 
     def code(self) -> NDArray[np.float64]:
         """Return the law as flat numbers, shape (12,)."""
-        return _code(_kernels.FRICTIONLESS)
+        return friction_code(_kernels.FRICTIONLESS)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -109,16 +145,15 @@ class VelocityBased(CompiledFrictionLaw):
 
     def __post_init__(self) -> None:
         """Check the parameters."""
-        _check_coefficient(self, "static")
-        _check_coefficient(self, "dynamic")
-        if not 0.0 < self.static_speed < np.inf:
-            raise InvalidParameterError(self, "static_speed", "positive and finite")
+        check_coefficient(self, "static")
+        check_coefficient(self, "dynamic")
+        check_positive(self, "static_speed")
         if not self.static_speed < self.dynamic_speed < np.inf:
             raise InvalidParameterError(self, "dynamic_speed", f"above static_speed = {self.static_speed}")
 
     def code(self) -> NDArray[np.float64]:
         """Return the law as flat numbers, shape (12,)."""
-        return _code(
+        return friction_code(
             _kernels.VELOCITY_BASED, self.static, self.dynamic, self.static_speed, self.dynamic_speed
         )
 
@@ -147,7 +182,7 @@ class Ambrosio(CompiledFrictionLaw):
 
     def __post_init__(self) -> None:
         """Check the parameters."""
-        _check_coefficient(self, "coefficient_of_friction")
+        check_coefficient(self, "coefficient_of_friction")
         if not 0.0 <= self.lower_speed < np.inf:
             raise InvalidParameterError(self, "lower_speed", "zero or more, and finite")
         if not self.lower_speed < self.upper_speed < np.inf:
@@ -155,7 +190,9 @@ class Ambrosio(CompiledFrictionLaw):
 
     def code(self) -> NDArray[np.float64]:
         """Return the law as flat numbers, shape (12,)."""
-        return _code(_kernels.AMBROSIO, self.coefficient_of_friction, self.lower_speed, self.upper_speed)
+        return friction_code(
+            _kernels.AMBROSIO, self.coefficient_of_friction, self.lower_speed, self.upper_speed
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -171,18 +208,253 @@ class Tanh(CompiledFrictionLaw):
         transition_speed: v_t [m/s].
     """
 
-    coefficient_of_friction: float = field(metadata={"unit": "1", "doc": "mu at high speed"})
+    coefficient_of_friction: float = field(metadata=_COEFFICIENT)
     transition_speed: float = field(metadata={"unit": "m/s", "doc": "v_t, where mu is 76 % of its limit"})
 
     def __post_init__(self) -> None:
         """Check the parameters."""
-        _check_coefficient(self, "coefficient_of_friction")
-        if not 0.0 < self.transition_speed < np.inf:
-            raise InvalidParameterError(self, "transition_speed", "positive and finite")
+        check_coefficient(self, "coefficient_of_friction")
+        check_positive(self, "transition_speed")
 
     def code(self) -> NDArray[np.float64]:
         """Return the law as flat numbers, shape (12,)."""
-        return _code(_kernels.TANH, self.coefficient_of_friction, self.transition_speed)
+        return friction_code(_kernels.TANH, self.coefficient_of_friction, self.transition_speed)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Coulomb(CompiledFrictionLaw):
+    r"""Coulomb friction with its jump at rest rounded off.
+
+    .. math:: \mu(|v|) = \mu\, \frac{|v|}{\sqrt{v^2 + v_r^2}}
+
+    Infinitely differentiable in the slip velocity. It tends to Coulomb's law as v_r tends to zero, but for
+    its sticking: :math:`\mu` is approached as :math:`1 - v_r^2 / (2 v^2)`.
+
+    Attributes:
+        coefficient_of_friction: mu [-].
+        regularisation_speed: v_r, where mu is 71 % of its limit [m/s].
+
+    References:
+        The law is Coulomb's (1785); this regularisation is a usual one.
+    """
+
+    coefficient_of_friction: float = field(metadata=_COEFFICIENT)
+    regularisation_speed: float = field(
+        default=1e-4, metadata={"unit": "m/s", "doc": "v_r, where mu is 71 % of its limit"}
+    )
+
+    def __post_init__(self) -> None:
+        """Check the parameters."""
+        check_coefficient(self, "coefficient_of_friction")
+        check_positive(self, "regularisation_speed")
+
+    def code(self) -> NDArray[np.float64]:
+        """Return the law as flat numbers, shape (12,)."""
+        return friction_code(_kernels.COULOMB, self.coefficient_of_friction, self.regularisation_speed)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LinearFriction(CompiledFrictionLaw):
+    r"""Coulomb friction with a straight ramp through rest.
+
+    .. math:: \mu(|v|) = \mu \min(1, |v| / v_r)
+
+    Continuous, with a kink at v_r.
+
+    Attributes:
+        coefficient_of_friction: mu, from ``regularisation_speed`` on [-].
+        regularisation_speed: v_r [m/s].
+
+    References:
+        As the multibody code Exudyn regularises Coulomb friction.
+    """
+
+    coefficient_of_friction: float = field(metadata=_COEFFICIENT)
+    regularisation_speed: float = field(metadata={"unit": "m/s", "doc": "v_r, full friction from there on"})
+
+    def __post_init__(self) -> None:
+        """Check the parameters."""
+        check_coefficient(self, "coefficient_of_friction")
+        check_positive(self, "regularisation_speed")
+
+    def code(self) -> NDArray[np.float64]:
+        """Return the law as flat numbers, shape (12,)."""
+        return friction_code(_kernels.LINEAR, self.coefficient_of_friction, self.regularisation_speed)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Stribeck(CompiledFrictionLaw):
+    r"""Friction that falls from static to dynamic with the speed, and a viscous part.
+
+    .. math:: \mu(|v|) = \left[\mu_d + (\mu_s - \mu_d)\, e^{-(|v| / v_s)^a}\right] \tanh(|v| / v_t)
+              + \sigma |v|
+
+    The tanh stands for the sign of the slip, whose jump it rounds off. The viscous part is proportional to
+    the load, like the rest, so that an unloaded contact has no friction.
+
+    Attributes:
+        static: mu_s, at least ``dynamic`` [-].
+        dynamic: mu_d [-].
+        stribeck_speed: v_s [m/s].
+        transition_speed: v_t, below v_s [m/s].
+        viscous: sigma, viscous coefficient [s/m].
+        shape: a [-]; 2 is usual, 1/2 to 2 in the literature.
+
+    References:
+        Stribeck (1902); the form of Bo and Pavelescu (1982), as Andersson, Soderberg and Bjorklund (2007),
+        Tribol. Int. 40, 580-587, regularise it.
+    """
+
+    static: float = field(metadata={"unit": "1", "doc": "mu_s, at least dynamic"})
+    dynamic: float = field(metadata={"unit": "1", "doc": "mu_d"})
+    stribeck_speed: float = field(metadata={"unit": "m/s", "doc": "v_s, over which friction falls"})
+    transition_speed: float = field(
+        default=1e-4, metadata={"unit": "m/s", "doc": "v_t, below v_s, over which it rises from rest"}
+    )
+    viscous: float = field(default=0.0, metadata={"unit": "s/m", "doc": "sigma, viscous coefficient"})
+    shape: float = field(default=2.0, metadata={"unit": "1", "doc": "a of exp(-(v/v_s)^a)"})
+
+    def __post_init__(self) -> None:
+        """Check the parameters."""
+        check_coefficient(self, "dynamic")
+        check_at_least(self, "static", "dynamic")
+        check_positive(self, "stribeck_speed", "transition_speed", "shape")
+        if not self.transition_speed < self.stribeck_speed:
+            raise InvalidParameterError(
+                self, "transition_speed", f"below stribeck_speed = {self.stribeck_speed}"
+            )
+        check_coefficient(self, "viscous")
+
+    def code(self) -> NDArray[np.float64]:
+        """Return the law as flat numbers, shape (12,)."""
+        return friction_code(
+            _kernels.STRIBECK,
+            self.dynamic,
+            self.static,
+            self.stribeck_speed,
+            self.shape,
+            self.viscous,
+            self.transition_speed,
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Threlfall(CompiledFrictionLaw):
+    r"""Threlfall's exponential rise to Coulomb friction.
+
+    .. math:: \mu(|v|) = \mu \left(1 - e^{-3 |v| / v_0}\right) \text{ up to } v_0,
+              \quad \mu (1 - e^{-3}) \text{ above}
+
+    The law is printed with 0.95 above v_0, which is :math:`1 - e^{-3}` rounded and would make it jump by
+    0.02 %. There is a kink at v_0.
+
+    Attributes:
+        coefficient_of_friction: mu; 95 % of it are reached [-].
+        transition_speed: v_0 [m/s].
+
+    References:
+        Threlfall (1978), Mech. Mach. Theory 13, 475-483. Recalled, not checked against the paper.
+    """
+
+    coefficient_of_friction: float = field(metadata={"unit": "1", "doc": "mu, of which 95 % are reached"})
+    transition_speed: float = field(metadata={"unit": "m/s", "doc": "v_0, constant from there on"})
+
+    def __post_init__(self) -> None:
+        """Check the parameters."""
+        check_coefficient(self, "coefficient_of_friction")
+        check_positive(self, "transition_speed")
+
+    def code(self) -> NDArray[np.float64]:
+        """Return the law as flat numbers, shape (12,)."""
+        return friction_code(_kernels.THRELFALL, self.coefficient_of_friction, self.transition_speed)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BengisuAkay(CompiledFrictionLaw):
+    r"""Bengisu and Akay's rise to static friction and fall to dynamic friction.
+
+    .. math:: \mu(|v|) = \begin{cases}
+        \mu_s \left[1 - (1 - |v| / v_0)^2\right] & |v| < v_0 \\
+        \mu_d + (\mu_s - \mu_d)\, e^{-\xi (|v| - v_0)} & v_0 \le |v| \end{cases}
+
+    Continuous, with a kink at v_0.
+
+    Attributes:
+        static: mu_s, at ``static_speed``; at least ``dynamic`` [-].
+        dynamic: mu_d, at high speed [-].
+        static_speed: v_0 [m/s].
+        decay: xi, how fast friction falls [s/m].
+
+    References:
+        Bengisu and Akay (1994), J. Vib. Acoust. 116, 1-10, and (1999), J. Acoust. Soc. Am. 105, 194-205.
+        Recalled, not checked against the papers.
+    """
+
+    static: float = field(metadata={"unit": "1", "doc": "mu_s, at static_speed; at least dynamic"})
+    dynamic: float = field(metadata={"unit": "1", "doc": "mu_d, at high speed"})
+    static_speed: float = field(metadata={"unit": "m/s", "doc": "v_0"})
+    decay: float = field(metadata={"unit": "s/m", "doc": "xi of exp(-xi (v - v_0))"})
+
+    def __post_init__(self) -> None:
+        """Check the parameters."""
+        check_coefficient(self, "dynamic")
+        check_at_least(self, "static", "dynamic")
+        check_positive(self, "static_speed")
+        check_coefficient(self, "decay")
+
+    def code(self) -> NDArray[np.float64]:
+        """Return the law as flat numbers, shape (12,)."""
+        return friction_code(_kernels.BENGISU_AKAY, self.dynamic, self.static, self.static_speed, self.decay)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BrownMcPhee(CompiledFrictionLaw):
+    r"""Brown and McPhee's smooth law with Stribeck peak and viscous part.
+
+    .. math:: F_t = F_n \left[\mu_d \tanh\frac{4 v}{v_t}
+              + \frac{(\mu_s - \mu_d)\, v / v_t}{\left[\tfrac14 (v / v_t)^2 + \tfrac34\right]^2}\right]
+              + \mu_v\, v \tanh\frac{4 F_n}{F_{nt}}
+
+    Infinitely differentiable. The peak, mu_s but for :math:`\mu_d (1 - \tanh 4) = 0.0007 \mu_d`, is at v_t.
+    The viscous part does not grow with the load, but fades in with it.
+
+    Attributes:
+        static: mu_s, at least ``dynamic`` [-].
+        dynamic: mu_d [-].
+        transition_speed: v_t, of the peak [m/s].
+        viscous: mu_v [N s/m].
+        transition_force: F_nt, normal force from which on the viscous part acts in full [N].
+
+    References:
+        Brown and McPhee (2016), J. Comput. Nonlinear Dyn. 11, 054502; the formula as public multibody codes
+        have it.
+    """
+
+    static: float = field(metadata={"unit": "1", "doc": "mu_s, at the peak; at least dynamic"})
+    dynamic: float = field(metadata={"unit": "1", "doc": "mu_d, at high speed"})
+    transition_speed: float = field(metadata={"unit": "m/s", "doc": "v_t, of the peak"})
+    viscous: float = field(default=0.0, metadata={"unit": "N*s/m", "doc": "mu_v, viscous coefficient"})
+    transition_force: float = field(
+        default=1.0, metadata={"unit": "N", "doc": "F_nt, load from which on mu_v acts in full"}
+    )
+
+    def __post_init__(self) -> None:
+        """Check the parameters."""
+        check_coefficient(self, "dynamic")
+        check_at_least(self, "static", "dynamic")
+        check_positive(self, "transition_speed", "transition_force")
+        check_coefficient(self, "viscous")
+
+    def code(self) -> NDArray[np.float64]:
+        """Return the law as flat numbers, shape (12,)."""
+        return friction_code(
+            _kernels.BROWN_MCPHEE,
+            self.static,
+            self.dynamic,
+            self.transition_speed,
+            self.viscous,
+            self.transition_force,
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -1,4 +1,9 @@
-"""Normal contact laws: force over penetration depth, penetration rate and approach speed.
+r"""Normal contact laws: force over penetration depth, penetration rate and approach speed.
+
+A law has two parts that are chosen apart: an elastic force, which derives from a potential, and what
+dissipates. An :class:`ElasticLaw` alone is a law without dissipation; :class:`DampedContact` joins one with a
+:class:`Dissipation` of :mod:`antenna_pin.contact.hysteresis` or :mod:`antenna_pin.contact.damping`. The laws
+that the literature gives as a whole stand in :mod:`antenna_pin.contact.point_laws`.
 
 A law is a small frozen dataclass over the compiled kernels. What a law needs to be run at full speed is its
 ``code()``, a flat array; a user's own law without one (:class:`CustomNormal`, or any object that fulfils
@@ -7,9 +12,10 @@ A law is a small frozen dataclass over the compiled kernels. What a law needs to
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Protocol, runtime_checkable
+from typing import Any, ClassVar, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,16 +23,29 @@ from numpy.typing import NDArray
 from antenna_pin.contact import _kernels
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["CompiledNormalLaw", "CustomNormal", "Hertz", "LankaraniNikravesh", "NormalLaw"]
+__all__ = [
+    "CompiledNormalLaw",
+    "CustomNormal",
+    "DampedContact",
+    "Dissipation",
+    "ElasticLaw",
+    "Hertz",
+    "NoDissipation",
+    "NormalLaw",
+]
 
-_STIFFNESS = {"unit": "N/m**exponent", "doc": "K, force at unit depth"}
-_EXPONENT = {"unit": "1", "doc": "n of K depth^n; 3/2 for Hertz"}
-_RESTITUTION = {"unit": "1", "doc": "coefficient of restitution asked for, in [0, 1]"}
+# A scenario may leave out what has "from_joint": it follows from the joint's dimensions and materials.
+STIFFNESS = {"unit": "N/m**exponent", "doc": "K, force at unit depth", "from_joint": True}
+EXPONENT = {"unit": "1", "doc": "n of K depth^n; 3/2 for Hertz"}
+RESTITUTION = {"unit": "1", "doc": "coefficient of restitution asked for, in [0, 1]"}
 
 
 @runtime_checkable
 class NormalLaw(Protocol):
-    """What a normal law must offer; :class:`CustomNormal` makes one from functions."""
+    """What a normal law must offer; :class:`CustomNormal` makes one from functions.
+
+    A law that does not hold at any depth says so by an attribute ``depth_limit`` [m].
+    """
 
     def force(self, depth: float, rate: float, approach_speed: float) -> float:
         """Return the normal force on the journal [N], zero in free flight."""
@@ -42,6 +61,16 @@ class CompiledNormalLaw:
     """The shared face of the laws whose arithmetic is a compiled kernel."""
 
     __slots__ = ()
+
+    @property
+    def parts(self) -> DampedContact:
+        """The law as its elastic law and its dissipation."""
+        raise NotImplementedError
+
+    @property
+    def depth_limit(self) -> float:
+        """Depth beyond which the law says nothing [m]; infinite if there is none."""
+        return self.parts.elastic.depth_limit
 
     def code(self) -> NDArray[np.float64]:
         """Return the law as flat numbers, shape (16,), for the fused kernels."""
@@ -68,7 +97,103 @@ class CompiledNormalLaw:
         return float(_kernels.elastic_energy(self.code(), depth))
 
 
-def _check_power_law(law: Hertz | LankaraniNikravesh) -> None:
+class ElasticLaw(CompiledNormalLaw):
+    """A law without dissipation; it can be given one with :class:`DampedContact`.
+
+    Attributes:
+        line: Whether it is the law of two cylinders along a line, which means nothing at a flange.
+    """
+
+    __slots__ = ()
+
+    line: ClassVar[bool] = False
+
+    @property
+    def parts(self) -> DampedContact:
+        """The law with no dissipation."""
+        return DampedContact(elastic=self, dissipation=NoDissipation())
+
+    @property
+    def depth_limit(self) -> float:
+        """Depth beyond which the law says nothing [m]; infinite if there is none."""
+        return math.inf
+
+
+class Dissipation:
+    """What a normal law dissipates with; it knows nothing of the elastic law that it is used with.
+
+    Attributes:
+        adds_force: Whether it adds a force of its own to the elastic one, rather than a multiple of that.
+    """
+
+    __slots__ = ()
+
+    adds_force: ClassVar[bool] = False
+
+    @classmethod
+    def check(cls, law: Any) -> None:
+        """Refuse parameters that make no such dissipation, in itself or in a law that has them all."""
+
+    def code(self, elastic: ElasticLaw) -> tuple[float, ...]:
+        """Return its kind and its parameters, beside an elastic law, for the fused kernels."""
+        raise NotImplementedError
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NoDissipation(Dissipation):
+    """No dissipation: a restitution of 1."""
+
+    def code(self, elastic: ElasticLaw) -> tuple[float, ...]:
+        """Return its kind."""
+        return (_kernels.CONSERVATIVE,)
+
+
+def elastic_code(kind: float, *parameters: float) -> NDArray[np.float64]:
+    """Return an elastic law without dissipation as flat numbers, shape (16,)."""
+    code = np.zeros(_kernels.NORMAL_SIZE)
+    code[_kernels.ELASTIC] = kind
+    start = _kernels.ELASTIC_PARAMETERS
+    code[start : start + len(parameters)] = parameters
+    code[_kernels.DISSIPATION] = _kernels.CONSERVATIVE
+    return code
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DampedContact(CompiledNormalLaw):
+    """An elastic law with a dissipation: any with any.
+
+    Attributes:
+        elastic: The elastic part.
+        dissipation: What it dissipates with.
+    """
+
+    elastic: ElasticLaw
+    dissipation: Dissipation
+
+    def __post_init__(self) -> None:
+        """Check that the parts are parts."""
+        if not isinstance(self.elastic, ElasticLaw):
+            raise InvalidParameterError(self, "elastic", "an elastic law such as Hertz")
+        if not isinstance(self.dissipation, Dissipation):
+            raise InvalidParameterError(self, "dissipation", "a dissipation such as FloresDamping")
+
+    @property
+    def parts(self) -> DampedContact:
+        """Itself."""
+        return self
+
+    def code(self) -> NDArray[np.float64]:
+        """Return the law as flat numbers, shape (16,)."""
+        code = self.elastic.code()
+        kind, *parameters = self.dissipation.code(self.elastic)
+        start = _kernels.DISSIPATION_PARAMETERS
+        code[_kernels.DISSIPATION] = kind
+        code[start : start + len(parameters)] = parameters
+        return code
+
+
+def check_power_law(law: Any) -> None:
+    """Refuse a stiffness or an exponent that makes no power law."""
     # Written so that NaN fails too.
     if not 0.0 < law.stiffness < np.inf:
         raise InvalidParameterError(law, "stiffness", "positive and finite")
@@ -76,18 +201,8 @@ def _check_power_law(law: Hertz | LankaraniNikravesh) -> None:
         raise InvalidParameterError(law, "exponent", "in [1, 4]")
 
 
-def _code(elastic: float, dissipation: float, *parameters: float, chi: float = 0.0) -> NDArray[np.float64]:
-    code = np.zeros(_kernels.NORMAL_SIZE)
-    code[_kernels.ELASTIC] = elastic
-    code[_kernels.DISSIPATION] = dissipation
-    start = _kernels.ELASTIC_PARAMETERS
-    code[start : start + len(parameters)] = parameters
-    code[_kernels.DISSIPATION_PARAMETERS] = chi
-    return code
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Hertz(CompiledNormalLaw):
+class Hertz(ElasticLaw):
     r"""Elastic contact without dissipation.
 
     .. math:: f = K \delta^n
@@ -95,6 +210,7 @@ class Hertz(CompiledNormalLaw):
     Holds for elastic bodies whose contact patch is small against their radii. With n = 3/2 it is the contact
     of two spheres; for a journal in a bore it is used with the internal radius
     :math:`R_i R_j / (R_i - R_j)` (see :mod:`antenna_pin.contact.stiffness`). Delivers a restitution of 1.
+    With n in 1..3/2 it is, too, what Lankarani and Nikravesh propose for cylinders.
 
     Attributes:
         stiffness: K [N/m^n].
@@ -104,56 +220,16 @@ class Hertz(CompiledNormalLaw):
         Hertz (1881), J. reine angew. Math. 92, 156-171.
     """
 
-    stiffness: float = field(metadata=_STIFFNESS)
-    exponent: float = field(default=1.5, metadata=_EXPONENT)
+    stiffness: float = field(metadata=STIFFNESS)
+    exponent: float = field(default=1.5, metadata=EXPONENT)
 
     def __post_init__(self) -> None:
         """Check the parameters."""
-        _check_power_law(self)
+        check_power_law(self)
 
     def code(self) -> NDArray[np.float64]:
         """Return the law as flat numbers, shape (16,)."""
-        return _code(_kernels.POWER, _kernels.CONSERVATIVE, self.stiffness, self.exponent)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class LankaraniNikravesh(CompiledNormalLaw):
-    r"""Hertzian spring with hysteresis damping set by the restitution.
-
-    .. math:: f = K \delta^n \left[1 + \tfrac34 (1 - c_r^2)\,
-              \dot\delta / \dot\delta_0\right], \quad f \ge 0
-
-    Derived for restitution near 1: asked 0.9 it yields 0.913, asked 0.5, 0.73. A law of this form delivers
-    the restitution :math:`c` that solves :math:`\chi (1 + c) = \ln[(1 + \chi) / (1 - \chi c)]`,
-    :math:`\chi = \tfrac34 (1 - c_r^2)`, whatever the mass, the stiffness, the exponent and the speed.
-
-    Attributes:
-        stiffness: K [N/m^n].
-        restitution: c_r, in [0, 1] [-].
-        exponent: n [-]; 3/2 for Hertz contact.
-
-    References:
-        Lankarani and Nikravesh (1990), J. Mech. Des. 112(3), 369-376.
-    """
-
-    stiffness: float = field(metadata=_STIFFNESS)
-    restitution: float = field(metadata=_RESTITUTION)
-    exponent: float = field(default=1.5, metadata=_EXPONENT)
-
-    def __post_init__(self) -> None:
-        """Check the parameters."""
-        _check_power_law(self)
-        if not 0.0 <= self.restitution <= 1.0:
-            raise InvalidParameterError(self, "restitution", "in [0, 1]")
-
-    @property
-    def hysteresis(self) -> float:
-        """Hysteresis damping factor chi of ``1 + chi rate / approach_speed`` [-]."""
-        return 0.75 * (1.0 - self.restitution**2)
-
-    def code(self) -> NDArray[np.float64]:
-        """Return the law as flat numbers, shape (16,)."""
-        return _code(_kernels.POWER, _kernels.HYSTERETIC, self.stiffness, self.exponent, chi=self.hysteresis)
+        return elastic_code(_kernels.POWER, self.stiffness, self.exponent)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -165,8 +241,10 @@ class CustomNormal:
         elastic_force: ``depth [m] -> [N]``, the part of the force with a potential; what ``force`` adds to it
             counts as dissipation in the energy ledger.
         elastic_energy: ``depth [m] -> [J]``, the integral of ``elastic_force`` from 0.
+        depth_limit: Depth beyond which the law says nothing [m].
     """
 
     force: Callable[[float, float, float], float]
     elastic_force: Callable[[float], float]
     elastic_energy: Callable[[float], float]
+    depth_limit: float = math.inf

@@ -1,6 +1,10 @@
-"""The laws by name, and what parameters each takes.
+"""The laws by name, what parameters each takes, and how one is built from a name and numbers.
 
 A scenario file, the command line and the documentation all read the laws from here; a law enters by one line.
+A normal law is a name and its parameters; where the name is that of an elastic law, a dissipation can be
+named beside it, whose parameters then stand with the elastic law's::
+
+    make_normal_law("johnson", {"length": 0.025, ..., "restitution": 0.9}, dissipation="flores")
 """
 
 from __future__ import annotations
@@ -11,10 +15,21 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
 
-from antenna_pin.contact.friction import Ambrosio, NoFriction, Tanh, VelocityBased
-from antenna_pin.contact.normal import Hertz, LankaraniNikravesh
+from antenna_pin.contact import bristle, conformal, cylinder, damping, friction, hysteresis, normal, pin_joint
+from antenna_pin.contact import point_laws as points
+from antenna_pin.contact.normal import CompiledNormalLaw, DampedContact, ElasticLaw
+from antenna_pin.errors import InvalidParameterError, UnknownNameError
 
-__all__ = ["FRICTION_LAWS", "NORMAL_LAWS", "Parameter", "law_parameters"]
+__all__ = [
+    "DISSIPATIONS",
+    "FRICTION_LAWS",
+    "NORMAL_LAWS",
+    "Parameter",
+    "is_elastic",
+    "law_parameters",
+    "make_normal_law",
+    "normal_parameters",
+]
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,25 +41,110 @@ class Parameter:
         required: Whether the law has no default for it.
         default: The default, or None.
         doc: What it is.
+        from_joint: Whether a scenario may leave it out, as it follows from the joint's dimensions and
+            materials.
     """
 
     unit: str
     required: bool
     default: float | None
     doc: str
+    from_joint: bool = False
 
 
 NORMAL_LAWS: Mapping[str, type[Any]] = MappingProxyType(
-    {"hertz": Hertz, "lankarani-nikravesh": LankaraniNikravesh}
+    {
+        # Elastic laws, which can be given any of the DISSIPATIONS: point contact ...
+        "hertz": normal.Hertz,
+        # ... lines ...
+        "hertz-line": cylinder.HertzLine,
+        "johnson": cylinder.Johnson,
+        "radzimovsky": cylinder.Radzimovsky,
+        "goldsmith": cylinder.Goldsmith,
+        "dubowsky-freudenstein": cylinder.DubowskyFreudenstein,
+        "esdu-78035": cylinder.ESDU78035,
+        "pereira": conformal.Pereira,
+        # ... arcs of the bore ...
+        "liu-foundation": conformal.LiuFoundation,
+        "persson": conformal.Persson,
+        "bai-zhao-elastic": conformal.BaiZhaoElastic,
+        # ... and the pin joint of Liu et al. 2013.
+        "liu-2013-hertz": pin_joint.LiuHertz,
+        "liu-2013-conformal": pin_joint.LiuConformal,
+        "liu-2013": pin_joint.LiuPinJoint,
+        "liu-2013-corrected": pin_joint.LiuPinJointCorrected,
+        # Laws as a whole, with the dissipation of their authors.
+        "lankarani-nikravesh": points.LankaraniNikravesh,
+        "exact-restitution": points.ExactRestitution,
+        "hunt-crossley": points.HuntCrossley,
+        "herbert-mcwhannell": points.HerbertMcWhannell,
+        "lee-wang": points.LeeWang,
+        "marhefka-orin": points.MarhefkaOrin,
+        "gonthier": points.Gonthier,
+        "zhiying-qishao": points.ZhiyingQishao,
+        "ye": points.Ye,
+        "flores": points.Flores,
+        "gharib-hurmuzlu": points.GharibHurmuzlu,
+        "pant-wijeyewickrema": points.PantWijeyewickrema,
+        "hu-guo": points.HuGuo,
+        "carvalho-martins": points.CarvalhoMartins,
+        "kelvin-voigt": points.KelvinVoigt,
+        "kuwabara-kono": points.KuwabaraKono,
+        "tsuji": points.Tsuji,
+        "jankowski": points.Jankowski,
+        "adams-impact": points.AdamsImpact,
+        "bai-zhao": points.BaiZhao,
+    }
+)
+
+DISSIPATIONS: Mapping[str, type[Any]] = MappingProxyType(
+    {
+        "none": normal.NoDissipation,
+        "lankarani-nikravesh": hysteresis.LankaraniNikraveshDamping,
+        "exact-restitution": hysteresis.ExactDamping,
+        "hunt-crossley": hysteresis.HuntCrossleyDamping,
+        "herbert-mcwhannell": hysteresis.HerbertMcWhannellDamping,
+        "lee-wang": hysteresis.LeeWangDamping,
+        "marhefka-orin": hysteresis.MarhefkaOrinDamping,
+        "gonthier": hysteresis.GonthierDamping,
+        "zhiying-qishao": hysteresis.ZhiyingQishaoDamping,
+        "ye": hysteresis.YeDamping,
+        "flores": hysteresis.FloresDamping,
+        "gharib-hurmuzlu": hysteresis.GharibHurmuzluDamping,
+        "pant-wijeyewickrema": hysteresis.PantWijeyewickremaDamping,
+        "hu-guo": hysteresis.HuGuoDamping,
+        "carvalho-martins": hysteresis.CarvalhoMartinsDamping,
+        "kelvin-voigt": damping.KelvinVoigtDamping,
+        "kuwabara-kono": damping.KuwabaraKonoDamping,
+        "tsuji": damping.TsujiDamping,
+        "jankowski": damping.JankowskiDamping,
+        "adams-impact": damping.AdamsDamping,
+    }
 )
 
 FRICTION_LAWS: Mapping[str, type[Any]] = MappingProxyType(
-    {"none": NoFriction, "velocity-based": VelocityBased, "ambrosio": Ambrosio, "tanh": Tanh}
+    {
+        # Laws of the slip speed.
+        "none": friction.NoFriction,
+        "velocity-based": friction.VelocityBased,
+        "ambrosio": friction.Ambrosio,
+        "tanh": friction.Tanh,
+        "coulomb": friction.Coulomb,
+        "linear": friction.LinearFriction,
+        "stribeck": friction.Stribeck,
+        "threlfall": friction.Threlfall,
+        "bengisu-akay": friction.BengisuAkay,
+        "brown-mcphee": friction.BrownMcPhee,
+        # Laws with bristles.
+        "dahl": bristle.Dahl,
+        "lugre": bristle.LuGre,
+        "gonthier-bristle": bristle.GonthierBristle,
+    }
 )
 
 
 def law_parameters(law: type[Any]) -> dict[str, Parameter]:
-    """Return the parameters of a law class by name, with unit, default and meaning."""
+    """Return the parameters of a law or dissipation class by name, with unit, default and meaning."""
     found = {}
     for item in dataclasses.fields(law):
         required = item.default is dataclasses.MISSING
@@ -53,5 +153,61 @@ def law_parameters(law: type[Any]) -> dict[str, Parameter]:
             required=required,
             default=None if required else float(item.default),  # type: ignore[arg-type]
             doc=item.metadata["doc"],
+            from_joint=bool(item.metadata.get("from_joint", False)),
         )
     return found
+
+
+def is_elastic(law: str) -> bool:
+    """Return whether a normal law, by name, is an elastic one, beside which a dissipation can be named."""
+    return issubclass(NORMAL_LAWS[law], ElasticLaw)
+
+
+def normal_parameters(law: str, dissipation: str | None = None) -> dict[str, Parameter]:
+    """Return the parameters of a normal law by name, with those of the dissipation named beside it.
+
+    Args:
+        law: Name in ``NORMAL_LAWS``.
+        dissipation: Name in ``DISSIPATIONS``, only beside an elastic law.
+    """
+    own = law_parameters(NORMAL_LAWS[law])
+    return own if dissipation is None else own | law_parameters(DISSIPATIONS[dissipation])
+
+
+def make_normal_law(
+    law: str, parameters: Mapping[str, float], dissipation: str | None = None
+) -> CompiledNormalLaw:
+    """Return a normal law from names and numbers.
+
+    Args:
+        law: Name in ``NORMAL_LAWS``.
+        parameters: Parameters in SI units, of the law and of the dissipation together.
+        dissipation: Name in ``DISSIPATIONS``; only beside an elastic law, which without one is conservative.
+
+    Raises:
+        UnknownNameError: No such law or dissipation.
+        InvalidParameterError: A parameter breaks a rule, is missing, or is not the law's.
+    """
+    if law not in NORMAL_LAWS:
+        raise UnknownNameError("make_normal_law", "law", law, NORMAL_LAWS)
+    if dissipation is not None and dissipation not in DISSIPATIONS:
+        raise UnknownNameError("make_normal_law", "dissipation", dissipation, DISSIPATIONS)
+    if dissipation is not None and not is_elastic(law):
+        raise InvalidParameterError(
+            "make_normal_law", "dissipation", f"left out, for law {law} brings its own", dissipation
+        )
+    declared = normal_parameters(law, dissipation)
+    for name in parameters:
+        if name not in declared:
+            takes = ", ".join(declared) or "no parameters"
+            raise InvalidParameterError("make_normal_law", "parameters", f"of {takes} (law {law})", name)
+    for name, parameter in declared.items():
+        if parameter.required and name not in parameters:
+            raise InvalidParameterError("make_normal_law", name, f"given (law {law})")
+    own = law_parameters(NORMAL_LAWS[law])
+    elastic: CompiledNormalLaw = NORMAL_LAWS[law](**{k: v for k, v in parameters.items() if k in own})
+    if dissipation is None:
+        return elastic
+    assert isinstance(elastic, ElasticLaw)
+    rest = {name: value for name, value in parameters.items() if name not in own}
+    return DampedContact(elastic=elastic, dissipation=DISSIPATIONS[dissipation](**rest))

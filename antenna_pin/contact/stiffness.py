@@ -15,7 +15,7 @@ import math
 from antenna_pin.contact.materials import Material
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["effective_modulus", "hertz_stiffness"]
+__all__ = ["effective_modulus", "hertz_stiffness", "internal_hertz_stiffness"]
 
 
 def effective_modulus(first: Material, second: Material) -> float:
@@ -34,9 +34,20 @@ def hertz_stiffness(
         bearing: Material of the bearing.
         journal: Material of the journal.
     """
+    return internal_hertz_stiffness(bearing_radius, journal_radius, effective_modulus(bearing, journal))
+
+
+def internal_hertz_stiffness(bearing_radius: float, journal_radius: float, modulus: float) -> float:
+    """Return K of ``K depth^1.5`` for a journal inside a bore [N/m^1.5].
+
+    Args:
+        bearing_radius: R_i [m].
+        journal_radius: R_j [m], below R_i.
+        modulus: E* of the pair [Pa].
+    """
     if not 0.0 < journal_radius < bearing_radius:
         raise InvalidParameterError(
             "hertz_stiffness", "journal_radius", f"in (0, {bearing_radius}) [m]", journal_radius
         )
     radius = bearing_radius * journal_radius / (bearing_radius - journal_radius)
-    return 4.0 / 3.0 * effective_modulus(bearing, journal) * math.sqrt(radius)
+    return 4.0 / 3.0 * modulus * math.sqrt(radius)

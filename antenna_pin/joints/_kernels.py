@@ -23,14 +23,8 @@ import math
 from typing import Any
 
 from antenna_pin._compile import inlined, kernel
-from antenna_pin.contact._kernels import (
-    FRICTION_SIZE,
-    NORMAL_SIZE,
-    dissipation_factor,
-    elastic_energy,
-    elastic_force,
-    friction_force,
-)
+from antenna_pin.contact._friction_kernels import FRICTION_SIZE, bristle_force, friction_force
+from antenna_pin.contact._kernels import NORMAL_SIZE, damped_force, elastic_energy, elastic_force
 from antenna_pin.geometry._kernels import (
     bore_contact,
     coal_place,
@@ -247,28 +241,56 @@ def contact_rates(p: Any, b: int, pose: Any, table: Any, row: int) -> None:
 
 
 @kernel
-def _row_forces(
-    p: Any, law: int, approach: float, y: Any, state: int, table: Any, r: int, rates: Any, rate: int
-) -> None:
-    """Fill the forces of a row from the laws at p[law:].
-
-    A bristle lies at y[state:], and its rate goes to rates[rate:].
-    """
+def _row_forces(p: Any, law: int, approach: float, table: Any, r: int) -> None:
+    """Fill the forces of a row from the laws at p[law:]; friction with bristles comes after."""
     normal = p[law : law + NORMAL_SIZE]
     friction = p[law + NORMAL_SIZE : law + LAW_SIZE]
     depth = -table[r, 0]
     elastic = elastic_force(normal, depth)
-    force = elastic * (1.0 + dissipation_factor(normal, table[r, RATE], approach))
-    if depth > 0.0 and force < 0.0:
-        force = 0.0
+    force = damped_force(normal, elastic, depth, table[r, RATE], approach)
     table[r, FORCE] = force
     table[r, ELASTIC] = elastic
-    fx, fy, fz = friction_force(
-        friction, force, table[r, SLIP], table[r, SLIP + 1], table[r, SLIP + 2], y, state, rates, rate
-    )
+    fx, fy, fz = friction_force(friction, force, table[r, SLIP], table[r, SLIP + 1], table[r, SLIP + 2])
     table[r, FRICTION] = fx
     table[r, FRICTION + 1] = fy
     table[r, FRICTION + 2] = fz
+
+
+@kernel
+def _bristles(
+    p: Any, b: int, y: Any, x0: int, memory: Any, first: int, table: Any, row: int, rates: Any, r0: int
+) -> None:
+    """Fill the friction of a joint whose law has bristles, and the rates of what they remember.
+
+    The bristle of a contact that is apart does not change; at the onset it is set to zero.
+    """
+    start = int(p[b + START_X]) + BRISTLE_START
+    stride = int(p[b + STRIDE_X])
+    for k in range(int(p[b + CONTACTS])):
+        own = start + k * stride
+        if memory[first + k, TOUCHING] == 0.0:
+            for i in range(stride - BRISTLE_START):
+                rates[r0 + own + i] = 0.0
+            continue
+        r = row + k
+        fx, fy, fz = bristle_force(
+            p,
+            b + LAWS + k * LAW_SIZE + NORMAL_SIZE,
+            table[r, FORCE],
+            table[r, SLIP],
+            table[r, SLIP + 1],
+            table[r, SLIP + 2],
+            table[r, 1],
+            table[r, 2],
+            table[r, 3],
+            y,
+            x0 + own,
+            rates,
+            r0 + own,
+        )
+        table[r, FRICTION] = fx
+        table[r, FRICTION + 1] = fy
+        table[r, FRICTION + 2] = fz
 
 
 @inlined
@@ -287,14 +309,14 @@ def patch_rows(p: Any, b: int, k: int) -> tuple[int, int]:
 
 
 @kernel
-def _patch_forces(p: Any, b: int, k: int, law: int, approach: float, y: Any, table: Any, r: int) -> None:
+def _patch_forces(p: Any, b: int, k: int, law: int, approach: float, table: Any, r: int) -> None:
     """Fill the forces of the loaded strips or sectors of patch k, and their sums in the patch's row r."""
     first, last = patch_rows(p, b, k)
     normal = p[law : law + NORMAL_SIZE]
     for s in range(first, last):
         if table[s, 0] >= 0.0:
             continue
-        _row_forces(p, law, approach, y, 0, table, s, y, 0)
+        _row_forces(p, law, approach, table, s)
         table[r, FORCE] += table[s, FORCE]
         table[r, ELASTIC] += table[s, ELASTIC]
         power = 0.0
@@ -315,8 +337,6 @@ def contact_forces(
     x starts at y[x0] and its rates at rates[r0]; ``first`` is the joint's first row in ``memory``.
     """
     distributed = p[b] == DISTRIBUTED
-    start = int(p[b + START_X]) + BRISTLE_START
-    stride = int(p[b + STRIDE_X])
     for k in range(int(p[b + CONTACTS])):
         r = row + k
         if memory[first + k, TOUCHING] == 0.0:
@@ -329,10 +349,11 @@ def contact_forces(
         if distributed:
             for column in range(FORCE, PATCH_ENERGY + 1):
                 table[r, column] = 0.0
-            _patch_forces(p, b, k, law, memory[first + k, APPROACH], y, table, r)
+            _patch_forces(p, b, k, law, memory[first + k, APPROACH], table, r)
         else:
-            own = start + k * stride
-            _row_forces(p, law, memory[first + k, APPROACH], y, x0 + own, table, r, rates, r0 + own)
+            _row_forces(p, law, memory[first + k, APPROACH], table, r)
+    if p[b + STRIDE_X] > BRISTLE_START:
+        _bristles(p, b, y, x0, memory, first, table, row, rates, r0)
 
 
 @inlined

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.contact import FrictionLaw, NoFriction, NormalLaw
+from antenna_pin.contact._friction_kernels import friction_force
 from antenna_pin.contact._kernels import NORMAL_SIZE
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.geometry import (
@@ -60,6 +61,15 @@ class JointContacts:
 
 def _has_code(law: object) -> bool:
     return hasattr(law, "code")
+
+
+def _range_of(law: NormalLaw) -> float:
+    return float(getattr(law, "depth_limit", math.inf))
+
+
+def _law_name(law: NormalLaw) -> str:
+    parts = getattr(law, "parts", None)
+    return type(law if parts is None else parts.elastic).__name__
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -111,6 +121,13 @@ class ClearanceJoint:
             raise InvalidParameterError(
                 f"joint {self.name!r}", "maximum_depth", "a positive length [m]", self.maximum_depth
             )
+        if getattr(self.friction, "states", 0) and not all(_has_code(law) for law in self.normal_laws):
+            raise InvalidParameterError(
+                f"joint {self.name!r}",
+                "friction",
+                "a law of the slip speed beside a normal law in Python (bristles need compiled laws)",
+                self.friction,
+            )
 
     def _check_load(self) -> None:
         place = f"joint {self.name!r}"
@@ -156,6 +173,23 @@ class ClearanceJoint:
         if self.planar or self.axial is None:
             return (self.radial,)
         return (self.radial, self.radial, self.axial, self.axial)
+
+    @property
+    def depth_limits(self) -> tuple[float, ...]:
+        """Depth of each contact at which a run ends [m]: the least of ``maximum_depth`` and its law's own."""
+        assert self.maximum_depth is not None
+        return tuple(min(self.maximum_depth, _range_of(law)) for law in self.normal_laws)
+
+    @property
+    def limit_reasons(self) -> tuple[str, ...]:
+        """What sets each of the ``depth_limits``, in words: the law's own range, or ``maximum_depth``."""
+        assert self.maximum_depth is not None
+        return tuple(
+            f"the range of {_law_name(law)} ends there"
+            if _range_of(law) < self.maximum_depth
+            else "maximum_depth"
+            for law in self.normal_laws
+        )
 
     @property
     def compiled(self) -> bool:
@@ -371,7 +405,8 @@ class PythonPath:
         )
 
     def _apply_laws(self, memory: Array, table: Array) -> None:
-        friction = self.joint.friction
+        friction: Any = self.joint.friction
+        code = friction.code() if _has_code(friction) else None
         for k, law in enumerate(self.joint.normal_laws):
             r = self._row + k
             table[r, _kernels.FORCE : _kernels.ELASTIC + 1] = 0.0
@@ -383,7 +418,11 @@ class PythonPath:
             speed = float(np.linalg.norm(slip))
             table[r, _kernels.FORCE] = force
             table[r, _kernels.ELASTIC] = law.elastic_force(depth)
-            if speed > 0.0:
+            if code is not None:
+                table[r, _kernels.FRICTION : _kernels.FRICTION + 3] = friction_force(
+                    code, force, *slip.tolist()
+                )
+            elif speed > 0.0:
                 table[r, _kernels.FRICTION : _kernels.FRICTION + 3] = (
                     -friction.coefficient(speed) * force / speed * slip
                 )

@@ -13,15 +13,16 @@ from antenna_pin.scenario.laws import (
     Family,
     LawChange,
     LawSpec,
+    changed_law,
     check_values,
     declared_parameters,
     flat,
-    law_spec,
     laws,
     missing_parameters,
     needs_materials,
     read_change,
     read_law,
+    title,
     unit_of,
 )
 
@@ -148,12 +149,7 @@ class _Clearance(Spec):
 
     def _law(self, kind: Kind) -> LawSpec | None:
         """Return the normal law of a kind of contact: the common one, with what its own table changes."""
-        change = self._change(kind)
-        if change is None:
-            return self.normal
-        if self.normal is None or change.law not in (None, self.normal.law):
-            return None if change.law is None else law_spec(change.law, change.parameters)
-        return law_spec(self.normal.law, self.normal.parameters | change.parameters)
+        return changed_law(self.normal, self._change(kind))
 
 
 class IdealClearance(_Clearance):
@@ -189,10 +185,10 @@ class _Touching(_Clearance):
     @model_validator(mode="after")
     def _check_contact(self) -> Self:
         _check_play(self, RADIAL_PLAY)
-        if needs_materials(self.radial_law):
-            for name in ("journal_material", "bearing_material"):
-                if getattr(self, name) is None:
-                    refuse("is missing; it decides the stiffness, or give normal.stiffness", name)
+        left = needs_materials(self.radial_law)
+        for name in ("journal_material", "bearing_material") if left else ():
+            if getattr(self, name) is None:
+                refuse(f"is missing; it decides the {left}, or give normal.{left}", name)
         return self
 
 
@@ -261,7 +257,11 @@ def law_tables(joint: ClearanceSpec) -> dict[str, dict[str, Any]]:
         common = joint.normal if joint.normal is not None else table
         law = table.law or common.law or ""
         outer = common.parameters if law == common.law else {}
-        units = {name: unit_of(name, law, known, outer | table.parameters) for name in table.parameters}
+        dissipation = table.dissipation or (common.dissipation if law == common.law else None)
+        units = {
+            name: unit_of(name, law, known, outer | table.parameters, dissipation)
+            for name in table.parameters
+        }
         found[place] = flat(table) | {name: f"{table.parameters[name]!r} {units[name]}" for name in units}
     return found
 
@@ -282,13 +282,13 @@ def _check_law(law: LawSpec, family: Family, complete: bool, table: str, places:
         places: Table in which a parameter stands, by name, where it is another.
     """
     known = laws(family)
-    missing = missing_parameters(law.law, known, law.parameters)
+    missing = missing_parameters(law, known)
     if missing and not complete:
         return
     for name in missing:
-        takes = ", ".join(declared_parameters(law.law, known))
-        refuse(f"is missing; law {law.law} takes {takes}", places.get(name, table), name)
-    broken = check_values(law.law, known, law.parameters)
+        takes = ", ".join(declared_parameters(law.law, known, law.dissipation))
+        refuse(f"is missing; law {title(law)} takes {takes}", places.get(name, table), name)
+    broken = check_values(law, family)
     if broken is not None:
         name, text = broken
         refuse(text, places.get(name, table), name)

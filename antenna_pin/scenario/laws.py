@@ -21,8 +21,12 @@ if TYPE_CHECKING:
 
 Family = Literal["normal", "friction"]
 
-# A parameter that may be left out though the law needs it: it comes from the materials of the pair.
-FROM_MATERIALS = "stiffness"
+# What stands in for parameters that come from the joint, to see that a law accepts the others.
+_STAND_INS = {"stiffness": 1.0, "length": 0.05, "bearing_radius": 0.01, "modulus": 1e11}
+_STAND_IN_PLAY = 2e-4
+
+# Parameters that follow from the materials of the pair.
+_OF_MATERIALS = ("stiffness", "modulus")
 
 _EXPONENT = re.compile(r"(?<=\*\*)[A-Za-z_]\w*")
 
@@ -31,14 +35,19 @@ class LawSpec(Spec):
     """A contact or friction law.
 
     ``LawSpec(law="hertz", parameters={"stiffness": 1e11})`` is what a file writes as
-    ``law = "hertz"`` and ``stiffness = "1e11 N/m**1.5"`` in one table.
+    ``law = "hertz"`` and ``stiffness = "1e11 N/m**1.5"`` in one table. Beside an elastic normal law a file
+    may name a dissipation, whose parameters stand in the same table: ``dissipation = "flores"``,
+    ``restitution = 0.9``.
 
     Attributes:
         law: Name in ``contact.NORMAL_LAWS`` or ``contact.FRICTION_LAWS``.
-        parameters: The parameters given, in SI units; ``stiffness`` may be missing.
+        dissipation: Name in ``contact.DISSIPATIONS``, of an elastic normal law.
+        parameters: The parameters given, in SI units; what follows from the joint's dimensions and materials
+            may be missing.
     """
 
     law: str
+    dissipation: str | None = None
     parameters: dict[str, float] = Field(default_factory=dict)
 
     @model_validator(mode="before")
@@ -47,15 +56,19 @@ class LawSpec(Spec):
         if not isinstance(data, Mapping):
             return data
         table = _nested(data)
-        if "law" in table and len(table) == 2:
+        if "law" in table and not table.keys() - {"law", "dissipation", "parameters"}:
             known = laws("normal") | laws("friction")
             check_law_name(table["law"], known, "law")
-            table["parameters"] = read_parameters(table["law"], known, table["parameters"])
+            dissipation = table.get("dissipation")
+            check_dissipation(dissipation, table["law"], "dissipation")
+            table["parameters"] = read_parameters(
+                table["law"], known, table["parameters"], dissipation=dissipation
+            )
         return table
 
     @model_serializer
     def _as_in_files(self) -> dict[str, Any]:
-        return {"law": self.law, **self.parameters}
+        return _names(self) | self.parameters
 
 
 class LawChange(Spec):
@@ -63,10 +76,12 @@ class LawChange(Spec):
 
     Attributes:
         law: Another law, which then takes nothing from the common one; None for the same law.
+        dissipation: Another dissipation, of an elastic law; None for the same one.
         parameters: Parameters given, in SI units; those of the common law hold for the rest.
     """
 
     law: str | None = None
+    dissipation: str | None = None
     parameters: dict[str, float] = Field(default_factory=dict)
 
     @model_validator(mode="before")
@@ -76,7 +91,12 @@ class LawChange(Spec):
 
     @model_serializer
     def _as_in_files(self) -> dict[str, Any]:
-        return ({} if self.law is None else {"law": self.law}) | self.parameters
+        return _names(self) | self.parameters
+
+
+def _names(spec: LawSpec | LawChange) -> dict[str, Any]:
+    names = {"law": spec.law, "dissipation": spec.dissipation}
+    return {key: name for key, name in names.items() if name is not None}
 
 
 def laws(family: Family) -> dict[str, type[Any]]:
@@ -87,11 +107,31 @@ def laws(family: Family) -> dict[str, type[Any]]:
     return dict(contact.NORMAL_LAWS if family == "normal" else contact.FRICTION_LAWS)
 
 
-def declared_parameters(law: str, known: Mapping[str, type[Any]]) -> dict[str, Parameter]:
-    """Return the parameters that a law declares, by name."""
+def declared_parameters(
+    law: str, known: Mapping[str, type[Any]], dissipation: str | None = None
+) -> dict[str, Parameter]:
+    """Return the parameters that a law declares, by name, with those of a dissipation beside it."""
     from antenna_pin import contact
 
-    return contact.law_parameters(known[law])
+    own = contact.law_parameters(known[law])
+    return own if dissipation is None else own | contact.law_parameters(contact.DISSIPATIONS[dissipation])
+
+
+def check_dissipation(name: object, law: str, *location: str) -> None:
+    """Refuse what is not the name of a dissipation, and one beside a law that brings its own."""
+    from antenna_pin import contact
+
+    if name is None:
+        return
+    if law not in contact.NORMAL_LAWS:
+        refuse_key(f"is unknown; law {law} is a friction law and has no dissipation", *location)
+    if not isinstance(name, str):
+        refuse(f"must be text, got {shown(name)}", *location, value=name)
+    if name not in contact.DISSIPATIONS:
+        refuse_name("dissipation", name, contact.DISSIPATIONS, *location)
+    if not contact.is_elastic(law):
+        elastic = ", ".join(law for law in contact.NORMAL_LAWS if contact.is_elastic(law))
+        refuse(f"must be left out, for law {law} brings its own; elastic laws are {elastic}", *location)
 
 
 def check_law_name(name: object, known: Mapping[str, type[Any]], *location: str) -> None:
@@ -108,6 +148,7 @@ def read_parameters(
     table: Mapping[str, Any],
     common: Mapping[str, float] | None = None,
     location: tuple[str, ...] = (),
+    dissipation: str | None = None,
 ) -> dict[str, float]:
     """Return the parameters in a table in SI units, or refuse the first that is wrong.
 
@@ -117,15 +158,16 @@ def read_parameters(
         table: The parameters as they were given.
         common: Parameters that hold where the table says nothing.
         location: Where the table stands.
+        dissipation: Name of the dissipation beside the law, if there is one.
     """
-    declared = declared_parameters(law, known)
+    declared = declared_parameters(law, known, dissipation)
     for name in table:
         if name not in declared:
-            _refuse_parameter(law, declared, name, location)
+            _refuse_parameter(title(law_spec(law, {}, dissipation)), declared, name, location)
     # A unit may depend on a pure number of the same table: N/m**exponent.
     values: dict[str, float] = {}
     for name in sorted(table, key=lambda name: bool(depends_on(declared[name].unit))):
-        unit = unit_of(name, law, known, dict(common or {}) | values)
+        unit = unit_of(name, law, known, dict(common or {}) | values, dissipation)
         values[name] = read_quantity(table[name], unit, "", *location, name)
     return {name: values[name] for name in table}
 
@@ -136,7 +178,9 @@ def read_law(table: dict[str, Any], known: Mapping[str, type[Any]], place: str) 
         refuse(f"is missing; give one of {', '.join(known)}", place, "law")
     law = table.pop("law")
     check_law_name(law, known, place, "law")
-    return law_spec(law, read_parameters(law, known, table, {}, (place,)))
+    dissipation = table.pop("dissipation", None)
+    check_dissipation(dissipation, law, place, "dissipation")
+    return law_spec(law, read_parameters(law, known, table, {}, (place,), dissipation), dissipation)
 
 
 def read_change(table: dict[str, Any], normal: object, kind: str) -> LawChange:
@@ -149,54 +193,81 @@ def read_change(table: dict[str, Any], normal: object, kind: str) -> LawChange:
     other = table.pop("law", None)
     if other is not None:
         check_law_name(other, known, kind, "law")
-    if not isinstance(normal, LawSpec):
-        if other is None:
-            refuse("is missing; there is no normal law to change", kind, "law")
-        return LawChange.model_construct(
-            law=other, parameters=read_parameters(other, known, table, {}, (kind,))
-        )
-    law = normal.law if other is None else other
-    common = normal.parameters if law == normal.law else {}
-    own = read_parameters(law, known, table, common, (kind,))
-    declared = declared_parameters(law, known)
+    if not isinstance(normal, LawSpec) and other is None:
+        refuse("is missing; there is no normal law to change", kind, "law")
+    # The common law as far as this one shares it: not at all if it is another.
+    same = normal if isinstance(normal, LawSpec) and other in (None, normal.law) else None
+    law = same.law if same is not None else str(other)
+    changed = table.pop("dissipation", None)
+    check_dissipation(changed, law, kind, "dissipation")
+    dissipation = same.dissipation if same is not None and changed is None else changed
+    declared = declared_parameters(law, known, dissipation)
+    shared = {} if same is None else same.parameters
+    common = {key: value for key, value in shared.items() if key in declared}
+    own = read_parameters(law, known, table, common, (kind,), dissipation)
     for name in common.keys() - own.keys():
         for base in depends_on(declared[name].unit):
             if base in own and own[base] != common.get(base, declared[base].default):
                 refuse(f"is missing; another {base} changes the unit of the one in normal", kind, name)
-    return LawChange.model_construct(law=other, parameters=own)
+    return LawChange.model_construct(law=other, dissipation=changed, parameters=own)
 
 
-def law_spec(law: str, parameters: Mapping[str, float]) -> LawSpec:
+def law_spec(law: str, parameters: Mapping[str, float], dissipation: str | None = None) -> LawSpec:
     """Return a law whose parameters were read."""
-    return LawSpec.model_construct(law=law, parameters=dict(parameters))
+    return LawSpec.model_construct(law=law, dissipation=dissipation, parameters=dict(parameters))
 
 
-def missing_parameters(law: str, known: Mapping[str, type[Any]], given: Mapping[str, float]) -> list[str]:
-    """Return the names of the parameters that a law needs and that were not given."""
-    declared = declared_parameters(law, known)
+def changed_law(normal: LawSpec | None, change: LawChange | None) -> LawSpec | None:
+    """Return the law of a kind of contact: the common one, with what its own table changes."""
+    if change is None:
+        return normal
+    if normal is None or change.law not in (None, normal.law):
+        return None if change.law is None else law_spec(change.law, change.parameters, change.dissipation)
+    dissipation = normal.dissipation if change.dissipation is None else change.dissipation
+    # Another dissipation may not know the parameters of the one that it takes the place of.
+    declared = declared_parameters(normal.law, laws("normal"), dissipation)
+    kept = {name: value for name, value in normal.parameters.items() if name in declared}
+    return law_spec(normal.law, kept | change.parameters, dissipation)
+
+
+def missing_parameters(law: LawSpec, known: Mapping[str, type[Any]]) -> list[str]:
+    """Return the names of the parameters that a law needs, that were not given and that no joint gives."""
+    declared = declared_parameters(law.law, known, law.dissipation)
     return [
         name
         for name, parameter in declared.items()
-        if parameter.required and name not in given and name != FROM_MATERIALS
+        if parameter.required and name not in law.parameters and not parameter.from_joint
     ]
 
 
-def needs_materials(law: LawSpec) -> bool:
-    """Return whether the stiffness of a normal law is left to the materials."""
-    declared = declared_parameters(law.law, laws("normal"))
-    return FROM_MATERIALS in declared and FROM_MATERIALS not in law.parameters
+def needs_materials(law: LawSpec) -> str | None:
+    """Return the parameter of a normal law that is left to the materials, or None."""
+    declared = declared_parameters(law.law, laws("normal"), law.dissipation)
+    left = [name for name in _OF_MATERIALS if name in declared and name not in law.parameters]
+    return left[0] if left else None
 
 
-def check_values(
-    law: str, known: Mapping[str, type[Any]], parameters: Mapping[str, float]
-) -> tuple[str, str] | None:
+def check_values(law: LawSpec, family: Family) -> tuple[str, str] | None:
     """Return the first parameter that the law itself refuses and the rule it breaks, or None.
 
-    The parameters must be complete but for the stiffness.
+    The parameters must be complete but for what comes from the joint.
     """
-    stand_in = {FROM_MATERIALS: 1.0} if FROM_MATERIALS in declared_parameters(law, known) else {}
+    from antenna_pin import contact
+
+    known = laws(family)
+    declared = declared_parameters(law.law, known, law.dissipation)
+    stand_ins = _STAND_INS | {"journal_radius": _STAND_INS["bearing_radius"] - _STAND_IN_PLAY}
+    if "journal_radius" in law.parameters:
+        stand_ins["bearing_radius"] = law.parameters["journal_radius"] + _STAND_IN_PLAY
+    elif "bearing_radius" in law.parameters:
+        radius = law.parameters["bearing_radius"]
+        stand_ins["journal_radius"] = radius - min(_STAND_IN_PLAY, 0.5 * radius)
+    parameters = {name: stand_ins[name] for name, p in declared.items() if p.from_joint} | law.parameters
     try:
-        known[law](**(stand_in | dict(parameters)))
+        if family == "normal":
+            contact.make_normal_law(law.law, parameters, law.dissipation)
+        else:
+            known[law.law](**parameters)
     except InvalidParameterError as error:
         # "LankaraniNikravesh: restitution must be in [0, 1], got 1.3": the parameter is in the place.
         text = str(error).partition(": ")[2]
@@ -204,14 +275,25 @@ def check_values(
     return None
 
 
+def title(law: LawSpec) -> str:
+    """Return a law's name, with that of the dissipation beside it."""
+    return law.law if law.dissipation is None else f"{law.law} with {law.dissipation}"
+
+
 def depends_on(unit: str) -> list[str]:
     """Return the parameters that a unit depends on: ``exponent`` for ``N/m**exponent``."""
     return _EXPONENT.findall(unit)
 
 
-def unit_of(name: str, law: str, known: Mapping[str, type[Any]], values: Mapping[str, float]) -> str:
+def unit_of(
+    name: str,
+    law: str,
+    known: Mapping[str, type[Any]],
+    values: Mapping[str, float],
+    dissipation: str | None = None,
+) -> str:
     """Return the unit of a parameter, which may depend on others: "N/m**1.5" for ``N/m**exponent``."""
-    declared = declared_parameters(law, known)
+    declared = declared_parameters(law, known, dissipation)
 
     def number(match: re.Match[str]) -> str:
         value = values.get(match.group(), declared[match.group()].default)
@@ -232,8 +314,8 @@ def flat(table: Mapping[str, Any] | LawSpec | LawChange) -> dict[str, Any]:
 def _nested(table: Mapping[str, Any]) -> dict[str, Any]:
     if isinstance(table.get("parameters"), Mapping):
         return dict(table)
-    rest = {name: value for name, value in table.items() if name != "law"}
-    return ({"law": table["law"]} if "law" in table else {}) | {"parameters": rest}
+    names = {name: table[name] for name in ("law", "dissipation") if name in table}
+    return names | {"parameters": {name: value for name, value in table.items() if name not in names}}
 
 
 def _refuse_parameter(

@@ -165,7 +165,9 @@ class Run:
         self._table = np.zeros_like(system.table)
         self._pose = np.zeros(_joint.POSE_BUFFER)
         self._floors = [j.approach_speed_floor for j in system.clearances for _ in j.contact_names]
-        self._depths = np.array([j.maximum_depth for j in system.clearances for _ in j.contact_names])
+        self._depths = np.array([limit for j in system.clearances for limit in j.depth_limits])
+        self._reasons = [reason for j in system.clearances for reason in j.limit_reasons]
+        self._bristles = [j.stride - _joint.BRISTLE_START for j in system.clearances for _ in j.contact_names]
         plays = [j.geometry.radial_clearance for j in system.clearances for _ in j.contact_names]
         self._gap_tolerances = [1e-9 * play for play in plays]
         self._uses_coal = any(j.backend == "coal" for j in system.clearances)
@@ -234,6 +236,9 @@ class Run:
         episode.dissipated = -self._lost(c, x)
         self._open[c] = episode
         self.episodes.append(episode)
+        # A new contact has new bristles.
+        first = len(self.stepper.start) - len(x) + int(self.system.impulse_x[c]) + _joint.BRISTLE_START
+        self.stepper.start[first : first + self._bristles[c]] = 0.0
 
     def _release(self, c: int) -> None:
         self.system.memory[c] = 0.0
@@ -376,7 +381,8 @@ class Run:
         if c < 0:
             if deep >= 0:
                 self._accept()
-                self._stop(Outcome.TOO_DEEP, deep)
+                of_joint = self._reasons[deep] == "maximum_depth"
+                self._stop(Outcome.TOO_DEEP if of_joint else Outcome.OUT_OF_LAW_RANGE, deep)
                 return following
             self._track_python_laws(context)
             self._keep_peaks()
@@ -509,6 +515,7 @@ class Run:
         if contact >= 0:
             limit = self._depths[contact]
             depth = -self._nodes[0, -1, contact]
-            where += f", contact {self.system.contact_names[contact]} ({depth:.3g} m, limit {limit:.3g} m)"
+            where += f", contact {self.system.contact_names[contact]} ({depth:.3g} m, limit {limit:.3g} m: "
+            where += f"{self._reasons[contact]})"
         self.outcome = outcome
         self.message = f"{where}: {outcome.value}"

@@ -91,7 +91,12 @@ class ErrorScales:
                     about, self.angular_velocity, self.clearance_velocity / half
                 )
         x = np.full(system.manifold.nx, math.inf)
-        x[system.bristle_x] = self.clearance_velocity
+        x[system.bristle_x] = [
+            scale
+            for joint in system.clearances
+            for _ in joint.contact_names
+            for scale in getattr(joint.friction, "state_scales", ())
+        ]
         return np.concatenate([position, velocity, x])
 
 

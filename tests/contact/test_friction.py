@@ -15,7 +15,7 @@ from antenna_pin.contact import (
     NoFriction,
     Tanh,
     VelocityBased,
-    _kernels,
+    _friction_kernels,
 )
 
 SPEEDS = np.concatenate([[0.0], np.geomspace(1e-9, 1e2, 200)])
@@ -28,7 +28,7 @@ def limit(law):
 
 
 def force_of(law, normal_force, slip):
-    return np.array(_kernels.friction_force(law.code(), normal_force, *slip, np.zeros(3), 0, np.zeros(3), 0))
+    return np.array(_friction_kernels.friction_force(law.code(), normal_force, *slip))
 
 
 def slope(law, speed, step):

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from antenna_pin.contact import Hertz, _kernels
+from antenna_pin.contact import Hertz, _friction_kernels, _kernels
 
 # Compiled powers and divisions may differ from the interpreter's in the last bits.
 ULPS = dict(rel=4 * np.finfo(float).eps, abs=0.0)
@@ -31,7 +31,6 @@ def test_normal_kernels_equal_their_python(normal_law):
         for kernel, arguments in (
             (_kernels.elastic_force, (depth,)),
             (_kernels.elastic_energy, (depth,)),
-            (_kernels.dissipation_factor, (rate, first)),
             (_kernels.normal_force, (depth, rate, first)),
         ):
             assert kernel(code, *arguments) == pytest.approx(python(kernel)(code, *arguments), **ULPS)
@@ -42,18 +41,17 @@ def test_friction_kernels_equal_their_python(friction_law):
     for _ in range(200):
         slip = (rng.normal(size=3) * 10.0 ** rng.uniform(-6, 1)).tolist()
         speed = math.sqrt(sum(s * s for s in slip))
-        kernel = _kernels.friction_ratio
+        kernel = _friction_kernels.friction_ratio
         # The ramp's (speed - v_0) cancels near its lower end; it does so alike in both.
-        assert kernel(code, speed) == pytest.approx(python(kernel)(code, speed), **ULPS)
-        kernel, state, rates = _kernels.friction_force, np.zeros(3), np.zeros(3)
-        arguments = (code, 12.0, *slip, state, 0, rates, 0)
+        assert kernel(code, speed, 12.0) == pytest.approx(python(kernel)(code, speed, 12.0), **ULPS)
+        kernel = _friction_kernels.friction_force
+        arguments = (code, 12.0, *slip)
         assert kernel(*arguments) == pytest.approx(python(kernel)(*arguments), rel=1e-12, abs=0.0)
-        assert not state.any() and not rates.any()
 
 
 def test_codes_have_the_size_of_their_slots(normal_law, friction_law):
     assert normal_law.code().shape == (_kernels.NORMAL_SIZE,)
-    assert friction_law.code().shape == (_kernels.FRICTION_SIZE,)
+    assert friction_law.code().shape == (_friction_kernels.FRICTION_SIZE,)
 
 
 @pytest.mark.parametrize("exponent", [1.0, 2.0, 3.0, 4.0])

@@ -155,5 +155,5 @@ def test_a_contact_pressed_too_deep_ends_the_run_and_says_where(impact_rig):
     run = launch(system, 0.1, TIGHT)
     assert run.outcome is Outcome.TOO_DEEP
     assert "hole.radial" in run.message
-    assert "limit 5e-05 m" in run.message
+    assert "limit 5e-05 m: maximum_depth" in run.message
     assert run.data["time"].values[-1] > PLAY / SPEED  # what was computed is kept

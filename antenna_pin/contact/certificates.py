@@ -1,0 +1,356 @@
+r"""What a normal law really does in an impact: in closed form, and by integrating one.
+
+A law with hysteresis damping, :math:`f = f_e(\delta)(1 + \chi \dot\delta / v_0)`, separates with the
+restitution c that solves :math:`\chi (1 + c) = \ln[(1 + \chi) / (1 - \chi c)]` and goes as deep as
+
+.. math:: U(\delta_{max}) = m v_0^2 \left[\frac1\chi - \frac{\ln(1 + \chi)}{\chi^2}\right]
+
+with the energy U of its elastic part, whatever that is. A damper :math:`\alpha \sqrt{m f_e / \delta}` beside
+a power law is a linear oscillator in disguise (:mod:`antenna_pin.contact.damping`): with :math:`g = \zeta
+\arccos\zeta / \sqrt{1 - \zeta^2}` it separates with :math:`e^{-2g}` where it is cut off at zero, with
+:math:`e^{-g}` where it acts in the approach only.
+
+Impacts are integrated in SciPy's DOP853, with the compiled law: of a mass on a wall, and of two free bodies.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from antenna_pin.contact import _kernels, hysteresis
+from antenna_pin.contact.normal import CompiledNormalLaw, DampedContact, Hertz, NormalLaw
+from antenna_pin.contact.registry import DISSIPATIONS, law_parameters
+from antenna_pin.errors import InvalidParameterError
+
+__all__ = [
+    "Impact",
+    "RestitutionRow",
+    "closed_form_peak_depth",
+    "closed_form_restitution",
+    "impact_of_pair",
+    "impact_on_wall",
+    "restitution_table",
+]
+
+
+@dataclass(frozen=True, slots=True)
+class Impact:
+    """One impact, from touch to separation.
+
+    Attributes:
+        restitution: Relative speed after over before [-].
+        peak_depth: Largest depth [m].
+        peak_force: Largest force [N].
+        duration: Time in contact [s].
+        dissipated: Energy lost [J].
+    """
+
+    restitution: float
+    peak_depth: float
+    peak_force: float
+    duration: float
+    dissipated: float
+
+
+@dataclass(frozen=True, slots=True)
+class RestitutionRow:
+    """What a dissipation delivers for what it is asked for.
+
+    Attributes:
+        dissipation: Its name.
+        asked: Coefficient of restitution asked for [-].
+        closed_form: What it delivers by its closed form [-].
+        on_wall: What an integrated impact on a wall delivers [-]; NaN if none was made.
+        of_pair: What an integrated impact of two free bodies delivers [-]; NaN if none was made.
+        closed_form_depth: Largest depth by its closed form [m].
+        depth_on_wall: Largest depth of the impact on the wall [m]; NaN if none was made.
+    """
+
+    dissipation: str
+    asked: float
+    closed_form: float
+    on_wall: float
+    of_pair: float
+    closed_form_depth: float
+    depth_on_wall: float
+
+
+def _check_impact(place: str, mass: float, speed: float) -> None:
+    if not 0.0 < mass < math.inf:
+        raise InvalidParameterError(place, "mass", "positive and finite [kg]", mass)
+    if not 0.0 < speed < math.inf:
+        raise InvalidParameterError(place, "speed", "positive and finite [m/s]", speed)
+
+
+def _hysteresis(code: NDArray[np.float64], speed: float) -> float | None:
+    """Return chi of a law with hysteresis damping, 0 of one without damping, else None."""
+    kind, parameter = code[_kernels.DISSIPATION], float(code[_kernels.DISSIPATION_PARAMETERS])
+    if kind == _kernels.CONSERVATIVE:
+        return 0.0
+    if kind == _kernels.HYSTERETIC:
+        return parameter
+    return parameter * speed if kind == _kernels.PROPORTIONAL else None
+
+
+def _damping_ratio(code: NDArray[np.float64], mass: float) -> float | None:
+    """Return zeta of a law that is a linear oscillator in disguise, else None."""
+    if code[_kernels.ELASTIC] != _kernels.POWER:
+        return None
+    stiffness, exponent = code[_kernels.ELASTIC_PARAMETERS : _kernels.ELASTIC_PARAMETERS + 2].tolist()
+    kind = code[_kernels.DISSIPATION]
+    first, second = code[_kernels.DISSIPATION_PARAMETERS : _kernels.DISSIPATION_PARAMETERS + 2].tolist()
+    if kind in (_kernels.SECANT, _kernels.SECANT_LOADING):
+        return float(first * math.sqrt(second / mass) / math.sqrt(2.0 * (exponent + 1.0)))
+    if kind == _kernels.VISCOUS and exponent == 1.0:
+        return float(first / (2.0 * math.sqrt(stiffness * mass)))
+    return None
+
+
+def _decay(zeta: float) -> float:
+    """``zeta arccos(zeta) / sqrt(1 - zeta^2)``: what a damped oscillator loses to its peak, as exponent."""
+    if abs(zeta - 1.0) < 1e-8:
+        return 1.0
+    if zeta < 1.0:
+        return zeta * math.acos(zeta) / math.sqrt(1.0 - zeta * zeta)
+    return zeta * math.acosh(zeta) / math.sqrt(zeta * zeta - 1.0)
+
+
+def closed_form_restitution(law: CompiledNormalLaw, *, mass: float, speed: float) -> float | None:
+    """Return the restitution that a law delivers in a free impact [-], or None if there is no closed form.
+
+    Args:
+        law: The law.
+        mass: Effective mass of the bodies [kg]: 1/m = 1/m_1 + 1/m_2.
+        speed: Approach speed [m/s].
+    """
+    _check_impact("closed_form_restitution", mass, speed)
+    code = law.code()
+    chi = _hysteresis(code, speed)
+    if chi is not None:
+        return hysteresis.delivered_restitution(chi)
+    zeta = _damping_ratio(code, mass)
+    if zeta is None:
+        return None
+    only_loading = code[_kernels.DISSIPATION] == _kernels.SECANT_LOADING
+    return math.exp(-_decay(zeta) if only_loading else -2.0 * _decay(zeta))
+
+
+def closed_form_peak_depth(law: CompiledNormalLaw, *, mass: float, speed: float) -> float | None:
+    """Return the largest depth of a free impact [m], or None if there is no closed form.
+
+    Args:
+        law: The law.
+        mass: Effective mass of the bodies [kg]: 1/m = 1/m_1 + 1/m_2.
+        speed: Approach speed [m/s].
+    """
+    _check_impact("closed_form_peak_depth", mass, speed)
+    code = law.code()
+    chi = _hysteresis(code, speed)
+    if chi is not None:
+        if chi < 0.05:
+            part = sum((-chi) ** k / (k + 2.0) for k in range(14))
+        else:
+            part = 1.0 / chi - math.log1p(chi) / chi**2
+        return _depth_of_energy(law, mass * speed**2 * part)
+    zeta = _damping_ratio(code, mass)
+    if zeta is None:
+        return None
+    stiffness, exponent = code[_kernels.ELASTIC_PARAMETERS : _kernels.ELASTIC_PARAMETERS + 2].tolist()
+    half = 0.5 * (exponent + 1.0)
+    peak = half * speed / math.sqrt(half * stiffness / mass) * math.exp(-_decay(zeta))
+    return float(peak ** (1.0 / half))
+
+
+def _depth_of_energy(law: NormalLaw, energy: float) -> float:
+    """Return the depth at which a law stores an energy [m]; infinite beyond its range."""
+    from scipy.optimize import brentq
+
+    limit = getattr(law, "depth_limit", math.inf)
+    high = min(1e-6, limit)
+    while law.elastic_energy(high) < energy:
+        if high >= limit:
+            return math.inf
+        high = min(4.0 * high, limit)
+    low = 0.25 * high
+    while law.elastic_energy(low) > energy:
+        low *= 0.25
+    # Where the energy goes as the depth squared, a tolerance on the depth is half of one on the energy.
+    return float(brentq(lambda d: law.elastic_energy(d) / energy - 1.0, low, high, xtol=1e-30, rtol=1e-15))
+
+
+def impact_on_wall(law: NormalLaw, *, mass: float, speed: float, rtol: float = 1e-12) -> Impact:
+    """Integrate the impact of a free mass on a wall.
+
+    Args:
+        law: The law.
+        mass: [kg].
+        speed: Approach speed [m/s].
+        rtol: Relative tolerance of the integration [-].
+    """
+    _check_impact("impact_on_wall", mass, speed)
+    return _impact(law, (mass, math.inf), (speed, 0.0), rtol)
+
+
+def impact_of_pair(
+    law: NormalLaw, *, masses: tuple[float, float], speeds: tuple[float, float], rtol: float = 1e-12
+) -> Impact:
+    """Integrate the impact of two free bodies on one line.
+
+    Args:
+        law: The law.
+        masses: Of the body behind and of the one in front [kg].
+        speeds: Of the body behind and of the one in front, the first the faster [m/s].
+        rtol: Relative tolerance of the integration [-].
+    """
+    for mass in masses:
+        _check_impact("impact_of_pair", mass, 1.0)
+    if not speeds[0] > speeds[1]:
+        raise InvalidParameterError("impact_of_pair", "speeds", "such that the bodies approach", speeds)
+    return _impact(law, masses, speeds, rtol)
+
+
+def _force(law: NormalLaw) -> Callable[[float, float, float], float]:
+    if isinstance(law, CompiledNormalLaw):
+        code = law.code()
+        return lambda depth, rate, first: float(_kernels.normal_force(code, depth, rate, first))
+    return lambda depth, rate, first: law.force(depth, rate, first) if depth > 0.0 else 0.0
+
+
+def _impact(law: NormalLaw, masses: tuple[float, float], speeds: tuple[float, float], rtol: float) -> Impact:
+    from scipy.integrate import solve_ivp
+
+    approach = speeds[0] - speeds[1]
+    mass = 1.0 / (1.0 / masses[0] + 1.0 / masses[1])
+    energy = 0.5 * mass * approach**2
+    length = min(_depth_of_energy(law, energy), getattr(law, "depth_limit", math.inf))
+    scale = length / approach  # of time; the state is in units of length and approach speed
+    shares = (mass / masses[0], mass / masses[1])
+    force = _force(law)
+
+    def pressing(z: Any) -> float:
+        depth, rate = (z[0] - z[2]) * length, (z[1] - z[3]) * approach
+        return force(depth, rate, approach) * scale / (mass * approach)
+
+    def rates(_: float, z: Any) -> list[float]:
+        f = pressing(z)
+        return [z[1], -f * shares[0], z[3], f * shares[1]]
+
+    def deepest(_: float, z: Any) -> float:
+        return float(z[1] - z[3])
+
+    def apart(t: float, z: Any) -> float:
+        return float(z[0] - z[2]) if t > 0.0 else 1.0
+
+    events: tuple[Any, Any] = (deepest, apart)
+    for event in events:
+        event.direction = -1.0
+    events[1].terminal = True
+    # The step is held down because many laws have no second derivative at the ends.
+    run: Any = solve_ivp(
+        rates,
+        (0.0, 1e5),
+        [0.0, speeds[0] / approach, 0.0, speeds[1] / approach],
+        method="DOP853",
+        rtol=max(rtol, 3e-14),
+        atol=1e-3 * rtol,
+        max_step=0.05,
+        events=events,
+        dense_output=True,
+    )
+    if not run.t_events[1].size:
+        raise InvalidParameterError("impact", "law", "one that separates", law)
+    end, last = float(run.t_events[1][0]), run.y_events[1][0]
+    top = float(run.t_events[0][0])
+    peak = _largest(lambda t: pressing(run.sol(t)), 0.0, min(2.0 * top, end))
+    restitution = float(last[3] - last[1])
+    return Impact(
+        restitution=restitution,
+        peak_depth=float(run.y_events[0][0][0] - run.y_events[0][0][2]) * length,
+        peak_force=peak * mass * approach / scale,
+        duration=end * scale,
+        dissipated=energy * (1.0 - restitution**2),
+    )
+
+
+def _largest(function: Callable[[float], float], low: float, high: float) -> float:
+    """Return the largest value of a function with one maximum, to a relative 1e-12 of its square."""
+    times = np.linspace(low, high, 65)
+    values = [function(t) for t in times]
+    best = int(np.argmax(values))
+    a, b = float(times[max(best - 1, 0)]), float(times[min(best + 1, 64)])
+    ratio = 0.5 * (math.sqrt(5.0) - 1.0)
+    for _ in range(40):
+        c, d = b - ratio * (b - a), a + ratio * (b - a)
+        if function(c) > function(d):
+            b = d
+        else:
+            a = c
+    return max(max(values), function(0.5 * (a + b)))
+
+
+def restitution_table(
+    dissipations: Iterable[str] | None = None,
+    asked: Iterable[float] = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 1.0),
+    *,
+    stiffness: float = 1e10,
+    exponent: float = 1.5,
+    mass: float = 1.0,
+    speed: float = 0.1,
+    simulate: bool = True,
+) -> tuple[RestitutionRow, ...]:
+    """Return what the dissipations that ask for a restitution deliver, in closed form and integrated.
+
+    Args:
+        dissipations: Names in ``DISSIPATIONS``; all that take a restitution if not given.
+        asked: Coefficients of restitution; those that a dissipation refuses are left out.
+        stiffness: K of the elastic law [N/m^n].
+        exponent: n of the elastic law [-].
+        mass: Effective mass [kg]; of the free pair one body has three times the mass of the other.
+        speed: Approach speed [m/s].
+        simulate: Whether to integrate impacts too.
+    """
+    taking = [name for name, cls in DISSIPATIONS.items() if "restitution" in law_parameters(cls)]
+    rows = []
+    for name in taking if dissipations is None else dissipations:
+        if name not in taking:
+            raise InvalidParameterError(
+                "restitution_table", "dissipations", f"of {', '.join(taking)}, which take a restitution", name
+            )
+        cls = DISSIPATIONS[name]
+        more = {"effective_mass": mass} if "effective_mass" in law_parameters(cls) else {}
+        for value in asked:
+            try:
+                dissipation = cls(restitution=value, **more)
+            except InvalidParameterError:
+                if value == 0.0:
+                    continue
+                raise
+            law = DampedContact(
+                elastic=Hertz(stiffness=stiffness, exponent=exponent), dissipation=dissipation
+            )
+            wall = pair = None
+            if simulate:
+                wall = impact_on_wall(law, mass=mass, speed=speed)
+                pair = impact_of_pair(
+                    law, masses=(4.0 * mass, 4.0 * mass / 3.0), speeds=(0.25 * speed, -0.75 * speed)
+                )
+            closed = closed_form_restitution(law, mass=mass, speed=speed)
+            depth = closed_form_peak_depth(law, mass=mass, speed=speed)
+            rows.append(
+                RestitutionRow(
+                    dissipation=name,
+                    asked=value,
+                    closed_form=math.nan if closed is None else closed,
+                    on_wall=math.nan if wall is None else wall.restitution,
+                    of_pair=math.nan if pair is None else pair.restitution,
+                    closed_form_depth=math.nan if depth is None else depth,
+                    depth_on_wall=math.nan if wall is None else wall.peak_depth,
+                )
+            )
+    return tuple(rows)

@@ -1,0 +1,66 @@
+"""The elastic laws side by side for one joint: by how much they differ at the same depth."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+
+from antenna_pin.contact.materials import Material
+from antenna_pin.contact.normal import CompiledNormalLaw, ElasticLaw, NormalLaw
+from antenna_pin.contact.registry import NORMAL_LAWS, is_elastic, law_parameters, make_normal_law
+from antenna_pin.contact.stiffness import effective_modulus, internal_hertz_stiffness
+from antenna_pin.errors import InvalidParameterError
+
+__all__ = ["elastic_laws_of_joint", "force_table"]
+
+
+def elastic_laws_of_joint(
+    *, bearing_radius: float, journal_radius: float, length: float, bearing: Material, journal: Material
+) -> dict[str, ElasticLaw]:
+    """Return every elastic law for a journal in a bore, by name.
+
+    Laws that do not hold for these dimensions are left out.
+
+    Args:
+        bearing_radius: R_i [m].
+        journal_radius: R_j [m].
+        length: L, of the line of contact [m].
+        bearing: Material of the bearing.
+        journal: Material of the journal.
+    """
+    modulus = effective_modulus(bearing, journal)
+    known = {
+        "length": length,
+        "journal_radius": journal_radius,
+        "bearing_radius": bearing_radius,
+        "modulus": modulus,
+        "stiffness": internal_hertz_stiffness(bearing_radius, journal_radius, modulus),
+    }
+    found: dict[str, ElasticLaw] = {}
+    for name, cls in NORMAL_LAWS.items():
+        if not is_elastic(name):
+            continue
+        parameters = {key: known[key] for key, p in law_parameters(cls).items() if p.from_joint}
+        try:
+            law: CompiledNormalLaw = make_normal_law(name, parameters)
+        except InvalidParameterError:
+            continue
+        assert isinstance(law, ElasticLaw)
+        found[name] = law
+    return found
+
+
+def force_table(laws: Mapping[str, NormalLaw], depths: Iterable[float]) -> dict[str, tuple[float, ...]]:
+    """Return the elastic force of each law at each depth [N]; NaN where the law says nothing.
+
+    Args:
+        laws: The laws by name.
+        depths: [m].
+    """
+    points = tuple(depths)
+    return {name: tuple(force_within(law, depth) for depth in points) for name, law in laws.items()}
+
+
+def force_within(law: NormalLaw, depth: float) -> float:
+    """Return the elastic force of a law at a depth [N], or NaN beyond its range."""
+    return law.elastic_force(depth) if depth <= getattr(law, "depth_limit", math.inf) else math.nan

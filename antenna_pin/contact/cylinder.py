@@ -1,0 +1,260 @@
+r"""Line contact of a journal in a bore: the laws with a logarithm.
+
+Two elastic cylinders that touch along a line approach by an amount that depends, through a logarithm, on how
+far away one measures it. So these laws share one form and differ in what stands in the logarithm: with the
+load per length :math:`f = F / L`, the play :math:`\Delta R = R_i - R_j` and
+:math:`1/E^* = (1 - \nu_i^2)/E_i + (1 - \nu_j^2)/E_j`
+
+.. math:: \delta = \alpha f \ln(\beta / f)
+
+They give the depth over the force; the force over the depth is the branch that begins at zero. It ends
+where the depth turns over, at :math:`\ln(\beta / f) = 1` and :math:`\delta = \alpha \beta / e`: that is
+``depth_limit``. The stiffness grows without bound as the depth comes near it, and beyond it the law says
+nothing (the kernel holds the force). Well before, the contact patch is no longer small against the radii.
+
+Near zero depth the force is a little less than proportional to the depth: its slope falls to zero, but as
+slowly as :math:`1 / \ln(1 / \delta)`.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from antenna_pin.contact import _kernels
+from antenna_pin.contact.normal import ElasticLaw, elastic_code
+from antenna_pin.errors import InvalidParameterError
+
+__all__ = [
+    "ESDU78035",
+    "DubowskyFreudenstein",
+    "Goldsmith",
+    "HertzLine",
+    "Johnson",
+    "LineLaw",
+    "LogarithmicLaw",
+    "Radzimovsky",
+]
+
+# A scenario may leave out what has "from_joint": it follows from the joint's dimensions and materials.
+LENGTH = {"unit": "m", "doc": "L, of the line of contact", "from_joint": True}
+JOURNAL_RADIUS = {"unit": "m", "doc": "R_j", "from_joint": True}
+BEARING_RADIUS = {"unit": "m", "doc": "R_i, above R_j", "from_joint": True}
+MODULUS = {"unit": "Pa", "doc": "E*, contact modulus of the pair", "from_joint": True}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LineLaw(ElasticLaw):
+    """What the laws of a journal in a bore need to know.
+
+    A scenario may leave all of it out: the dimensions are the joint's (``length`` half the bearing's length,
+    for each of its two ends; the whole for a planar joint), the modulus that of its materials.
+
+    Attributes:
+        length: L, of the line along which they touch [m].
+        journal_radius: R_j [m].
+        bearing_radius: R_i, above R_j [m].
+        modulus: E*, plane-strain contact modulus of the pair [Pa].
+    """
+
+    line: ClassVar[bool] = True
+
+    length: float = field(metadata=LENGTH)
+    journal_radius: float = field(metadata=JOURNAL_RADIUS)
+    bearing_radius: float = field(metadata=BEARING_RADIUS)
+    modulus: float = field(metadata=MODULUS)
+
+    def __post_init__(self) -> None:
+        """Check the parameters."""
+        self.check(self)
+
+    @classmethod
+    def check(cls, law: Any) -> None:
+        """Refuse what makes no such law, in itself or in a law that has the same parameters."""
+        for name, unit in (("length", "m"), ("journal_radius", "m"), ("modulus", "Pa")):
+            if not 0.0 < getattr(law, name) < math.inf:
+                raise InvalidParameterError(law, name, f"positive and finite [{unit}]")
+        if not law.journal_radius < law.bearing_radius < math.inf:
+            raise InvalidParameterError(
+                law, "bearing_radius", f"above journal_radius = {law.journal_radius:g} m, and finite"
+            )
+
+    @property
+    def clearance(self) -> float:
+        """Radial play dR = R_i - R_j [m]."""
+        return self.bearing_radius - self.journal_radius
+
+
+class LogarithmicLaw(LineLaw):
+    r"""Base of the laws :math:`\delta = \alpha f \ln(\beta / f)`."""
+
+    __slots__ = ()
+
+    def _logarithm(self) -> tuple[float, float]:
+        """Return alpha [m^2/N] and beta [N/m]."""
+        raise NotImplementedError
+
+    @property
+    def depth_limit(self) -> float:
+        """Depth at which the law turns over [m]."""
+        alpha, beta = self._logarithm()
+        return alpha * beta / math.e
+
+    def depth(self, force: float) -> float:
+        """Return the depth under a force, as the law is published [m].
+
+        Args:
+            force: Elastic force [N], zero or more.
+        """
+        if force == 0.0:
+            return 0.0
+        alpha, beta = self._logarithm()
+        load = force / self.length
+        return alpha * load * math.log(beta / load)
+
+    def code(self) -> NDArray[np.float64]:
+        """Return the law as flat numbers, shape (16,)."""
+        alpha, beta = self._logarithm()
+        return elastic_code(_kernels.LOGARITHMIC, beta * self.length, alpha * beta)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class HertzLine(LogarithmicLaw):
+    r"""Hertz's contact of two cylinders.
+
+    .. math:: \delta = \frac{2 f}{\pi E^*} \left[\ln\frac{\pi E^* \Delta R}{f} - 1\right]
+
+    Holds for a patch narrow against the play and the radii.
+
+    References:
+        Hertz (1881); this form as a public multibody code (DyS) has it, after Machado et al. (2012), Mech.
+        Mach. Theory 53, 99-121. Its prefactor is twice that of the others; not derived here.
+    """
+
+    def _logarithm(self) -> tuple[float, float]:
+        return 2.0 / (math.pi * self.modulus), math.pi * self.modulus * self.clearance / math.e
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Johnson(LogarithmicLaw):
+    r"""Johnson's compression of two cylinders, for a journal in a bore.
+
+    .. math:: \delta = \frac{f}{\pi E^*} \left[\ln\frac{4 \pi E^* \Delta R}{f} - 1\right]
+
+    The sum of each body's compression between the contact and its own axis,
+    :math:`f (1 - \nu^2) / (\pi E)\, [2 \ln(4 R / a) - 1]`, with the half-width
+    :math:`a^2 = 4 f R_i R_j / (\pi E^* \Delta R)`: the radii drop out for a pair of one material. Turns over
+    at :math:`\delta = 4 e^{-2} \Delta R = 0.541\, \Delta R`.
+
+    References:
+        Johnson (1985), Contact Mechanics, sections 4.2 and 5.6.
+    """
+
+    def _logarithm(self) -> tuple[float, float]:
+        return 1.0 / (math.pi * self.modulus), 4.0 * math.pi * self.modulus * self.clearance / math.e
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Radzimovsky(LogarithmicLaw):
+    r"""Radzimovsky's contact of two cylinders.
+
+    .. math:: \delta = \frac{f}{\pi E^*} \left[\frac23 + \ln\frac{4 R_i}{b} + \ln\frac{4 R_j}{b}\right],
+              \qquad b = k \sqrt{\frac{f R_i R_j}{E^* \Delta R}}
+
+    with the full width b of the contact. The literature on clearance joints prints k = 1.60 with radii. That
+    factor belongs to diameters; with radii Hertz's full width is :math:`k = 4 / \sqrt\pi = 2.257`, the
+    default. As printed the depth comes out 6 to 10 % higher.
+
+    Attributes:
+        width_factor: k [-].
+
+    References:
+        Radzimovsky (1953), University of Illinois Eng. Exp. Station Bull. 408; Roark's Formulas for Stress
+        and Strain. The formula after Machado et al. (2012), not checked against the bulletin.
+    """
+
+    width_factor: float = field(
+        default=4.0 / math.sqrt(math.pi),
+        metadata={"unit": "1", "doc": "k of the contact's full width; 1.60 as often printed"},
+    )
+
+    @classmethod
+    def check(cls, law: Any) -> None:
+        """Refuse what makes no such law."""
+        LineLaw.check(law)
+        if not 0.0 < law.width_factor < math.inf:
+            raise InvalidParameterError(law, "width_factor", "positive and finite")
+
+    def _logarithm(self) -> tuple[float, float]:
+        beta = 16.0 / self.width_factor**2 * self.modulus * self.clearance * math.exp(2.0 / 3.0)
+        return 1.0 / (math.pi * self.modulus), beta
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Goldsmith(LogarithmicLaw):
+    r"""Goldsmith's contact of two cylinders, for a journal in a bore.
+
+    .. math:: \delta = \frac{F (\sigma_i + \sigma_j)}{L}
+              \left[\ln\frac{L^3}{F R (\sigma_i + \sigma_j)} + 1\right], \qquad
+              \sigma = \frac{1 - \nu^2}{\pi E}, \quad R = \frac{R_i R_j}{\Delta R}
+
+    The power of L is printed as m, with m = 1 in places; only m = 3 is consistent in its units. With the
+    internal radius R it is Dubowsky and Freudenstein's law. The length of the contact takes the place of the
+    distance over which the depth is measured, so that a long bearing is softer per length than a short one.
+
+    References:
+        Goldsmith (1960), Impact; the form after Machado et al. (2012), Mech. Mach. Theory 53, 99-121. Not
+        checked against the book.
+    """
+
+    def _logarithm(self) -> tuple[float, float]:
+        return _over_length(self)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DubowskyFreudenstein(LogarithmicLaw):
+    r"""Dubowsky and Freudenstein's contact of a pin in a hole.
+
+    .. math:: \delta = \frac{F (\sigma_i + \sigma_j)}{L}
+              \left[\ln\frac{L^3 \Delta R}{F R_i R_j (\sigma_i + \sigma_j)} + 1\right], \qquad
+              \sigma = \frac{1 - \nu^2}{\pi E}
+
+    The power of L is printed as m; only m = 3 is consistent in its units.
+
+    References:
+        Dubowsky and Freudenstein (1971), J. Eng. Ind. 93, 305-309; the form after Machado et al. (2012). Not
+        checked against the paper.
+    """
+
+    def _logarithm(self) -> tuple[float, float]:
+        return _over_length(self)
+
+
+def _over_length(law: LineLaw) -> tuple[float, float]:
+    softness = 1.0 / (math.pi * law.modulus)  # sigma_i + sigma_j
+    radius = law.bearing_radius * law.journal_radius / law.clearance
+    return softness, law.length**2 / (radius * softness) * math.e
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ESDU78035(LogarithmicLaw):
+    r"""The law of ESDU item 78035 for a cylinder in a bore.
+
+    .. math:: \delta = \frac{F (\sigma_i + \sigma_j)}{L}
+              \left[\ln\frac{4 L \Delta R}{F (\sigma_i + \sigma_j)} + 1\right], \qquad
+              \sigma = \frac{1 - \nu^2}{\pi E}
+
+    Johnson's law but for the +1 where that has -1. A public multibody code (DyS) has another version, whose
+    units do not agree.
+
+    References:
+        ESDU 78035 (1978), Contact phenomena I; the form after Pereira et al. (2011), Nonlinear Dyn. 63,
+        681-697. Recalled, not checked.
+    """
+
+    def _logarithm(self) -> tuple[float, float]:
+        return 1.0 / (math.pi * self.modulus), 4.0 * math.pi * self.modulus * self.clearance * math.e

@@ -1,0 +1,147 @@
+r"""The laws of Liu et al. 2013 for the pin joint of a deployable structure, and one of them put right.
+
+The paper measures the load of a pin in a clevis over the displacement, and compares its own law (28) with
+Hertz's (6) and with the simplest conformal one (14). Equation numbers are the paper's.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from antenna_pin.contact import _kernels
+from antenna_pin.contact.cylinder import LineLaw
+from antenna_pin.contact.normal import elastic_code
+
+__all__ = ["LiuConformal", "LiuHertz", "LiuPinJoint", "LiuPinJointCorrected"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LiuHertz(LineLaw):
+    r"""Equation (6), "Hertz theory": :math:`F = \tfrac\pi4 E^* L \delta`.
+
+    Linear, without radii. It rests on :math:`a^2 = \delta R` (5), which has no basis for a line contact:
+    there the depth depends on a logarithm, as in :class:`antenna_pin.contact.Johnson`.
+
+    References:
+        Liu, Zhang, Guo and Deng (2013), J. Aerosp. Technol. Manag. 5(3), 341-348, equation (6).
+    """
+
+    @property
+    def stiffness(self) -> float:
+        """K of K depth [N/m]."""
+        return 0.25 * math.pi * self.modulus * self.length
+
+    @property
+    def exponent(self) -> float:
+        """One [-]."""
+        return 1.0
+
+    def code(self) -> NDArray[np.float64]:
+        """Return the law as flat numbers, shape (16,)."""
+        return elastic_code(_kernels.POWER, self.stiffness, 1.0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LiuConformal(LineLaw):
+    r"""Equation (14), "conformal model".
+
+    .. math:: F = \tfrac43 E^* \delta^{3/2} \left(\frac{1}{R_j} - \frac{1}{R_i}\right)^{-1/2}
+
+    Steuermann's formulas for bodies of revolution with n = 1, that is Hertz's law for *spheres*, with the
+    internal radius. It knows no length, which is checked and not used; the paper compares it with (6) per
+    millimetre. Its column in Table 1 has radii of 0.9 mm, or a slip in the units.
+
+    References:
+        Liu, Zhang, Guo and Deng (2013), J. Aerosp. Technol. Manag. 5(3), 341-348, equation (14).
+    """
+
+    @property
+    def stiffness(self) -> float:
+        """K of K depth^1.5 [N/m^1.5]."""
+        radius = self.bearing_radius * self.journal_radius / self.clearance
+        return 4.0 / 3.0 * self.modulus * math.sqrt(radius)
+
+    @property
+    def exponent(self) -> float:
+        """One and a half [-]."""
+        return 1.5
+
+    def code(self) -> NDArray[np.float64]:
+        """Return the law as flat numbers, shape (16,)."""
+        return elastic_code(_kernels.POWER, self.stiffness, 1.5)
+
+
+class _PinJoint(LineLaw):
+    """Base of (28) and (28'), which differ in the share of the depth that shapes the contact."""
+
+    __slots__ = ()
+
+    @property
+    def _share(self) -> float:
+        raise NotImplementedError
+
+    @property
+    def depth_limit(self) -> float:
+        """Depth at which the contact is as wide as the pin [m]: sqrt(R_i^2 - R_j^2) - dR, over the share."""
+        sum_of_radii = self.bearing_radius + self.journal_radius
+        return (math.sqrt(sum_of_radii * self.clearance) - self.clearance) / self._share
+
+    def half_width(self, depth: float) -> float:
+        """Return the half-width a of the contact, (24), at a depth [m]."""
+        s = self.clearance + self._share * depth
+        sum_of_radii = self.bearing_radius + self.journal_radius
+        x = 0.5 * (sum_of_radii * self.clearance / s + s)
+        return math.sqrt(max(self.bearing_radius**2 - x * x, 0.0))
+
+    def code(self) -> NDArray[np.float64]:
+        """Return the law as flat numbers, shape (16,)."""
+        return elastic_code(
+            _kernels.PIN_JOINT,
+            0.5 * math.pi * self.modulus * self.length,
+            self.journal_radius,
+            self.bearing_radius,
+            self.clearance,
+            self._share,
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LiuPinJoint(_PinJoint):
+    r"""Equation (28), the paper's new law.
+
+    .. math:: F = \frac{\pi E L \delta}{4 (1 - \nu^2)}\, \frac{1}{2 \ln(4 R_j / a) - 1}, \qquad
+              a^2 = R_i^2 - \frac14 \left(\frac{R_i^2 - R_j^2}{\delta + \Delta R} + \delta + \Delta R\right)^2
+
+    Written here with :math:`E / (1 - \nu^2) = 2 E^*`, for a pair of one material. The prefactor (26), (27)
+    belongs to a depth that is the sum of two contacts in series (pin-clevis and pin-tang), the width (24) to
+    that of one: the text mixes them (see :class:`LiuPinJointCorrected`). Here the depth given is put into
+    both. For radii large against the play the law depends on play and depth only.
+
+    References:
+        Liu, Zhang, Guo and Deng (2013), J. Aerosp. Technol. Manag. 5(3), 341-348, equations (24), (28).
+    """
+
+    @property
+    def _share(self) -> float:
+        return 1.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LiuPinJointCorrected(_PinJoint):
+    r"""Equation (28) with half the depth in the width of the contact: (28').
+
+    The depth is that of the whole joint, two equal contacts in series; each is pressed in by half of it, and
+    that half is what (24) makes the width from. It fits the paper's measurements better than (28).
+
+    References:
+        Liu, Zhang, Guo and Deng (2013), J. Aerosp. Technol. Manag. 5(3), 341-348; the correction is this
+        project's.
+    """
+
+    @property
+    def _share(self) -> float:
+        return 0.5

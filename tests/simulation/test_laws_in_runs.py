@@ -1,0 +1,76 @@
+"""Laws of the literature and distributed load inside runs: ledgers, bristles, ranges."""
+
+import pytest
+
+from antenna_pin import Outcome, load_scenario, simulate
+from antenna_pin.contact import FRICTION_LAWS, NORMAL_LAWS
+
+CLOSED = "clearance.elevation.geometry=closed-form"
+
+
+def antenna(*overrides, duration=0.05):
+    return simulate(load_scenario("bai2020", case="case3", overrides=[CLOSED, *overrides]), duration=duration)
+
+
+def kept(run):
+    assert run.completed, run.message
+    found = run.summary()["conservation"]
+    assert found["linear_momentum_drift_relative"] < 1e-8
+    assert abs(found["energy_error_relative"]) < 1e-6
+    assert run.data.sizes["episode"] > 0
+
+
+LINES = ["johnson", "liu-foundation", "hertz-line", "radzimovsky", "persson", "bai-zhao-elastic"]
+
+
+@pytest.mark.parametrize("law", LINES)
+def test_a_line_law_takes_its_dimensions_from_the_joint(law):
+    """Named by one word beside a dissipation; at the flanges Hertz's law stands in."""
+    law_table = (
+        f"clearance.elevation.normal={{law='{law}', dissipation='flores', restitution=0.9, replace=true}}"
+    )
+    kept(antenna(law_table))
+
+
+@pytest.mark.parametrize("law", ["hunt-crossley", "exact-restitution", "flores", "gonthier", "hu-guo"])
+def test_a_whole_law_is_named_by_its_author(law):
+    assert law in NORMAL_LAWS
+    kept(antenna(f"clearance.elevation.normal={{law='{law}', restitution=0.8, replace=true}}"))
+
+
+BRISTLES = {
+    "dahl": "coefficient_of_friction=0.1, bristle_stiffness=1e5",
+    "lugre": "dynamic=0.1, static=0.15, stribeck_speed=5e-3, bristle_stiffness=1e5, bristle_damping=50",
+}
+
+
+@pytest.mark.parametrize("law", BRISTLES)
+def test_bristles_are_part_of_the_state(law):
+    assert law in FRICTION_LAWS
+    run = antenna(f"clearance.elevation.friction={{law='{law}', {BRISTLES[law]}, replace=true}}")
+    kept(run)
+    assert run.data["friction_force"].values.max() > 0.0
+
+
+def test_distributed_load_keeps_the_ledgers():
+    run = antenna(
+        "clearance.elevation.load=distributed",
+        "clearance.elevation.normal="
+        "{law='liu-foundation', dissipation='lankarani-nikravesh', restitution=0.9, replace=true}",
+        "integrator.rtol=1e-9",
+    )
+    kept(run)
+
+
+def test_a_run_that_leaves_the_range_of_its_law_says_which_contact():
+    """Johnson's law turns over at 0.541 of the play; a play of 5 um is soon pressed that far."""
+    run = antenna(
+        "clearance.elevation.normal={law='johnson', replace=true}",
+        "clearance.elevation.radial_clearance=2 um",
+        "drives.elevation.amplitude=4000",
+        "drives.azimuth.amplitude=40000",
+        duration=0.5,
+    )
+    assert run.outcome is Outcome.OUT_OF_LAW_RANGE
+    assert "elevation.radial" in run.message
+    assert "Johnson" in run.message
