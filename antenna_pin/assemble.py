@@ -50,7 +50,7 @@ from antenna_pin.scenario import clearance as _clearance
 from antenna_pin.scenario import drives as _drives
 from antenna_pin.scenario.laws import LawSpec
 
-__all__ = ["build_system", "initial_state", "urdf_variant"]
+__all__ = ["build_system", "effective_mass", "initial_state", "urdf_variant"]
 
 Array = NDArray[np.float64]
 
@@ -147,7 +147,7 @@ def build_system(scenario: Scenario) -> System:
     return System(
         mechanism,
         clearances=[
-            clearance_joint(scenario, name, spec)
+            clearance_joint(scenario, name, spec, mechanism)
             for name, spec in scenario.clearance.items()
             if not isinstance(spec, _clearance.IdealClearance)
         ],
@@ -196,6 +196,7 @@ def clearance_joint(
     scenario: Scenario,
     name: str,
     spec: _clearance.PlanarClearance | _clearance.ContactClearance | _clearance.SphericalClearance,
+    mechanism: Mechanism,
 ) -> ClearanceJoint:
     """Return the clearance joint of one table of a scenario.
 
@@ -203,7 +204,7 @@ def clearance_joint(
     bore (assumed: no source gives one for an edge on a plane), also where the bore has a law along a line.
     """
     journal = spec.bearing_radius - spec.radial_play
-    radial = _normal_law(scenario, name, spec, spec.radial_law, None)
+    radial = _normal_law(scenario, name, spec, spec.radial_law, None, mechanism)
     geometry: PlanarClearance | RevoluteClearance | SphericalClearance
     axial = None
     if isinstance(spec, _clearance.PlanarClearance):
@@ -219,7 +220,7 @@ def clearance_joint(
             bearing_outer_radius=spec.bearing_outer_radius,
             flange_radius=spec.flange_radius,
         )
-        axial = _normal_law(scenario, name, spec, spec.axial_law, radial)
+        axial = _normal_law(scenario, name, spec, spec.axial_law, radial, mechanism)
     return ClearanceJoint(
         name=name,
         geometry=geometry,
@@ -237,7 +238,12 @@ def clearance_joint(
 
 
 def _normal_law(
-    scenario: Scenario, name: str, spec: Any, law: LawSpec, radial: CompiledNormalLaw | None
+    scenario: Scenario,
+    name: str,
+    spec: Any,
+    law: LawSpec,
+    radial: CompiledNormalLaw | None,
+    mechanism: Mechanism,
 ) -> CompiledNormalLaw:
     """Return the normal law of the bore or, with the bore's law given, that of the flanges.
 
@@ -252,6 +258,8 @@ def _normal_law(
         parameters["stiffness"] = _stiffness(
             scenario, spec, declared, parameters, radial, f"{place}.stiffness"
         )
+    if "effective_mass" in declared and "effective_mass" not in parameters:
+        parameters["effective_mass"] = effective_mass(scenario, mechanism, name, axial=radial is not None)
     for key in [key for key, p in declared.items() if p.from_joint and key not in parameters]:
         parameters[key] = _from_joint(scenario, spec, key, f"{place}.{key}")
     try:
@@ -324,6 +332,37 @@ def _stiffness(
     return internal_hertz_stiffness(spec.bearing_radius, spec.bearing_radius - spec.radial_play, modulus)
 
 
+def effective_mass(scenario: Scenario, mechanism: Mechanism, name: str, *, axial: bool = False) -> float:
+    """Return ``(n^T M^-1 n)^-1`` of a clearance joint: the mass that a contact at its centre sees [kg].
+
+    M is the mass matrix in the initial configuration, and n a direction of the journal's centre relative to
+    the bearing: the bearing's axis, or across it the mean of ``n^T M^-1 n`` over all directions (in a ball
+    joint over those of space). The mass that an impact off the centre sees is smaller, by the turn that it
+    causes.
+
+    Args:
+        scenario: It gives the initial configuration and the bearing's offset.
+        mechanism: Its variant with the joint freed.
+        name: The joint.
+        axial: Along the axis rather than across it.
+    """
+    slot = mechanism.joint(name)
+    q, _ = _initial_state(scenario, mechanism)
+    data = mechanism.model.createData()
+    upper = np.triu(pin.computeMinverse(mechanism.model, data, q))
+    inverse = upper + np.triu(upper, 1).T
+    if slot.kind == "planar":
+        block = inverse[slot.v, slot.v][:2, :2]
+        return float(2.0 / np.trace(block))
+    centre = scenario.clearance[name].offset * slot.axis
+    jacobian = np.hstack([np.eye(3), -pin.skew(centre)])
+    block = jacobian @ inverse[slot.v, slot.v] @ jacobian.T
+    if isinstance(scenario.clearance[name], _clearance.SphericalClearance):
+        return float(3.0 / np.trace(block))
+    along = float(slot.axis @ block @ slot.axis)
+    return 1.0 / along if axial else float(2.0 / (np.trace(block) - along))
+
+
 def _from_joint(scenario: Scenario, spec: Any, key: str, place: str) -> float:
     """Return what a law takes from the joint's dimensions and materials."""
     if key == "bearing_radius":
@@ -347,8 +386,11 @@ def _from_joint(scenario: Scenario, spec: Any, key: str, place: str) -> float:
 
 def initial_state(scenario: Scenario, system: System) -> tuple[Array, Array]:
     """Return the initial configuration and velocity of a scenario, (nq,) and (nv,)."""
-    mechanism = system.mechanism
-    q, v = system.neutral(), np.zeros(mechanism.model.nv)
+    return _initial_state(scenario, system.mechanism)
+
+
+def _initial_state(scenario: Scenario, mechanism: Mechanism) -> tuple[Array, Array]:
+    q, v = pin.neutral(mechanism.model), np.zeros(mechanism.model.nv)
     initial = scenario.initial
     if mechanism.base == "free":
         base = initial.base

@@ -300,9 +300,26 @@ def info(
     runs = [(path, _load_result(path)) for path in files]
     if as_json:
         for path, trajectory in runs:
-            typer.echo(json.dumps({"file": str(path), **trajectory.summary()}, default=str))
+            typer.echo(json.dumps({"file": str(path), **_facts(trajectory)}, default=str))
         return
-    _print_table([(_label(trajectory, path), trajectory.summary()) for path, trajectory in runs])
+    _print_table([(_label(trajectory, path), _facts(trajectory)) for path, trajectory in runs])
+
+
+def _facts(trajectory: Trajectory) -> dict[str, Any]:
+    """Return the summary of a run with the share of time that each joint spent in each contact scenario."""
+    from antenna_pin.analysis import scenario_shares
+
+    shares = scenario_shares(trajectory)
+    found = {
+        str(joint): {
+            f"radial {radial}, axial {axial}".replace("_", " "): float(share)
+            for radial, row in zip(shares["radial"].values, table, strict=True)
+            for axial, share in zip(shares["axial"].values, row, strict=True)
+            if share > 0.0
+        }
+        for joint, table in zip(shares["clearance_joint"].values, shares.values, strict=True)
+    }
+    return trajectory.summary() | ({"share of time": found} if found else {})
 
 
 def _load_result(path: Path) -> Trajectory:

@@ -30,7 +30,11 @@ __all__ = [
     "damping_ratio",
 ]
 
-EFFECTIVE_MASS = {"unit": "kg", "doc": "m, of the two bodies at the contact: 1/m = 1/m_1 + 1/m_2"}
+EFFECTIVE_MASS = {
+    "unit": "kg",
+    "doc": "m, of the two bodies at the contact: 1/m = 1/m_1 + 1/m_2; of a joint (n^T M^-1 n)^-1",
+    "from_joint": True,
+}
 DAMPING = {"unit": "N*s/m", "doc": "D"}
 ROOT_DAMPING = {"unit": "N*s/m**1.5", "doc": "c of c sqrt(depth) rate"}
 FULL_DAMPING_DEPTH = {"unit": "m", "doc": "d, depth from which on the damping acts in full"}

@@ -256,7 +256,11 @@ def check_values(law: LawSpec, family: Family) -> tuple[str, str] | None:
 
     known = laws(family)
     declared = declared_parameters(law.law, known, law.dissipation)
-    stand_ins = _STAND_INS | {"journal_radius": _STAND_INS["bearing_radius"] - _STAND_IN_PLAY}
+    stand_ins = (
+        {"effective_mass": 1.0}
+        | _STAND_INS
+        | {"journal_radius": _STAND_INS["bearing_radius"] - _STAND_IN_PLAY}
+    )
     if "journal_radius" in law.parameters:
         stand_ins["bearing_radius"] = law.parameters["journal_radius"] + _STAND_IN_PLAY
     elif "bearing_radius" in law.parameters:
