@@ -278,6 +278,10 @@ def test_info_as_json_is_one_object_a_line(cli, results):
     objects = [json.loads(line) for line in said.out.splitlines()]
     assert [entry["file"] for entry in objects] == [str(path) for path in files]
     for entry, path in zip(objects, files, strict=True):
+        shares = entry.pop("share of time", {})
+        assert set(shares) == ({"elevation"} if path.stem == "case3" else set())
+        for joint in shares.values():
+            assert sum(joint.values()) == pytest.approx(1.0, abs=1e-12)
         assert entry == {"file": str(path), **json.loads(json.dumps(Trajectory.load(path).summary()))}
 
 
