@@ -46,7 +46,7 @@ def frame_aligning_z(axis: npt.ArrayLike) -> Matrix3:
     vector /= np.abs(vector).max()  # first, so that no length overflows or underflows
     a, b, c = (float(u) for u in vector / math.sqrt(float(vector @ vector)))
     radial = a * a + b * b
-    if c < 0.0 and radial == 0.0:
+    if c < 0.0 and radial < 1e-280:  # so near -z that its reciprocal would overflow
         return np.diag([1.0, -1.0, -1.0])
     h = 1.0 / (1.0 + c) if c >= 0.0 else (1.0 - c) / radial
     rotation = np.array([[1.0 - h * a * a, -h * a * b, a], [-h * a * b, 1.0 - h * b * b, b], [-a, -b, c]])
