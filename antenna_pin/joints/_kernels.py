@@ -154,6 +154,25 @@ def centre_and_axis(pose: Any) -> tuple[float, float, float, float, float, float
 
 
 @kernel
+def _distributed_geometry(p: Any, b: int, pose: Any, table: Any, row: int, bore: bool, flanges: bool) -> None:
+    """Fill strips and sectors of a joint with distributed load, and its patches, or one kind only."""
+    shape = p[b + SHAPE : b + SHAPE + 6]
+    tail = b + DISTRIBUTED_TAIL
+    strips = int(p[tail + STRIPS])
+    count = int(p[tail + SECTORS])
+    first = int(p[tail + FIRST_STRIP])
+    ox, oy, oz, zx, zy, zz = pose[0], pose[1], pose[2], pose[3], pose[4], pose[5]
+    if bore:
+        strip_contacts(shape, strips, ox, oy, oz, zx, zy, zz, table, row, first)
+    if flanges:
+        directions = p[tail + DIRECTIONS : tail + DIRECTIONS + 2 * count]
+        radius = p[tail + SECTOR_RADIUS]
+        sector_contacts(
+            shape, directions, count, radius, ox, oy, oz, zx, zy, zz, table, row + 2, first + strips
+        )
+
+
+@kernel
 def contact_geometry(p: Any, b: int, pose: Any, table: Any, row: int) -> None:
     """Fill gap, normal and point of a joint's rows in closed form.
 
@@ -167,26 +186,7 @@ def contact_geometry(p: Any, b: int, pose: Any, table: Any, row: int) -> None:
     elif p[b] == SPHERICAL:
         spherical_contact(shape, pose[0], pose[1], pose[2], table, row)
     elif p[b] == DISTRIBUTED:
-        tail = b + DISTRIBUTED_TAIL
-        strips = int(p[tail + STRIPS])
-        count = int(p[tail + SECTORS])
-        first = int(p[tail + FIRST_STRIP])
-        strip_contacts(shape, strips, pose[0], pose[1], pose[2], pose[3], pose[4], pose[5], table, row, first)
-        sector_contacts(
-            shape,
-            p[tail + DIRECTIONS : tail + DIRECTIONS + 2 * count],
-            count,
-            p[tail + SECTOR_RADIUS],
-            pose[0],
-            pose[1],
-            pose[2],
-            pose[3],
-            pose[4],
-            pose[5],
-            table,
-            row + 2,
-            first + strips,
-        )
+        _distributed_geometry(p, b, pose, table, row, True, True)
     else:
         revolute_contacts(shape, pose[0], pose[1], pose[2], pose[3], pose[4], pose[5], table, row)
 
@@ -194,6 +194,11 @@ def contact_geometry(p: Any, b: int, pose: Any, table: Any, row: int) -> None:
 @inlined
 def touching_geometry(p: Any, b: int, pose: Any, memory: Any, table: Any, row: int) -> None:
     """Fill gap, normal and point of the contacts that touch; the others have no force, whatever their gap."""
+    if p[b] == DISTRIBUTED:
+        bore = memory[row, TOUCHING] != 0.0 or memory[row + 1, TOUCHING] != 0.0
+        flanges = memory[row + 2, TOUCHING] != 0.0 or memory[row + 3, TOUCHING] != 0.0
+        _distributed_geometry(p, b, pose, table, row, bore, flanges)
+        return
     if p[b] != REVOLUTE:
         contact_geometry(p, b, pose, table, row)
         return
