@@ -20,8 +20,12 @@ from antenna_pin.scenario import Scenario
 
 __all__ = ["FORMAT", "Counts", "Outcome", "Trajectory", "check_writable", "library_versions"]
 
-#: Identifies the file format; readers refuse others.
-FORMAT = "antenna_pin trajectory 1"
+#: Identifies the file format. Readers also take the older ones below, with what those hold; others they
+#: refuse.
+FORMAT = "antenna_pin trajectory 2"
+
+#: Without ``journal_attitude`` and the mechanism among the attributes.
+_OLDER = ("antenna_pin trajectory 1",)
 
 _LIBRARIES = ("antenna_pin", "pin", "coal", "numpy", "scipy", "numba", "xarray", "h5netcdf")
 
@@ -153,10 +157,12 @@ class Trajectory:
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Self:
-        """Read a file that :meth:`save` wrote.
+        """Read a file that :meth:`save` wrote, with this version or an older one.
+
+        An older file lacks what its version did not record; what needs that says so.
 
         Raises:
-            FileFormatError: It is not such a file, or one of another version of the format.
+            FileFormatError: It is not such a file, or one of an unknown version of the format.
         """
         source = Path(path)
         if not source.is_file():
@@ -169,7 +175,7 @@ class Trajectory:
                 f"{source}: must be a NetCDF file written by antenna-pin, got: {error}"
             ) from None
         found = data.attrs.get("format")
-        if found != FORMAT:
+        if found != FORMAT and found not in _OLDER:
             raise FileFormatError(
                 f"{source}: the format must be {FORMAT!r}, got {found!r}; "
                 "run the scenario again with this version"

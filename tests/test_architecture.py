@@ -37,8 +37,8 @@ def graph():
         ("pinocchio", {"mechanism", "joints", "dynamics", "assemble", "simulation"}),
         ("coal", {"geometry", "joints"}),
         ("yourdfpy", {"mechanism"}),
-        ("typer", {"cli", "cli_contact"}),
-        ("rich", {"cli", "cli_contact"}),
+        ("typer", {"cli"}),
+        ("rich", {"cli"}),
         ("pint", {"units"}),
     ],
 )

@@ -9,7 +9,6 @@ import sys
 
 import pytest
 
-import antenna_pin.cli
 import antenna_pin.simulation
 from antenna_pin.cli import app
 from antenna_pin.errors import OutputError
@@ -239,7 +238,7 @@ def test_an_interrupted_run_is_saved(cli, tmp_path, monkeypatch):
     def ctrl_c(_title, _shown):
         yield report
 
-    monkeypatch.setattr(antenna_pin.cli, "_progress_bar", ctrl_c)
+    monkeypatch.setattr("antenna_pin.cli.run.progress_bar", ctrl_c)
     said = cli("run", "bai2020", "--case", "case1", "--duration", "1000 s", "--no-summary")
     assert said.code == 130
     assert "Traceback" not in said.err

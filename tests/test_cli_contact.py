@@ -9,7 +9,7 @@ import sys
 import pytest
 
 from antenna_pin.cli import app
-from antenna_pin.cli_contact import _Reproduction
+from antenna_pin.cli.contact import _Reproduction
 from antenna_pin.contact import DISSIPATIONS, FRICTION_LAWS, LIU_2013, NORMAL_LAWS, is_elastic, law_parameters
 
 ELASTIC = [name for name in NORMAL_LAWS if is_elastic(name)]

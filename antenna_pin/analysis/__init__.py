@@ -1,5 +1,6 @@
 """What a run shows, and what a joint's shape allows: readers of trajectories and geometries."""
 
+from antenna_pin.analysis.bodies import body_poses, joint_loads, mechanism_of
 from antenna_pin.analysis.scenarios import (
     SCENARIO_COLUMNS,
     JournalPose,
@@ -16,6 +17,9 @@ __all__ = [
     "JournalPose",
     "ScenarioPair",
     "TiltRange",
+    "body_poses",
+    "joint_loads",
+    "mechanism_of",
     "possible_scenarios",
     "scenario_of",
     "scenario_rows",

@@ -10,6 +10,7 @@ from antenna_pin.dynamics.elements import (
     TableDrive,
 )
 from antenna_pin.dynamics.hinge import Hinge
+from antenna_pin.dynamics.loads import transmitted_wrenches
 from antenna_pin.dynamics.system import System
 
 __all__ = [
@@ -23,4 +24,5 @@ __all__ = [
     "System",
     "TableDrive",
     "audit",
+    "transmitted_wrenches",
 ]

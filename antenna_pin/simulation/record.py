@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from antenna_pin.dynamics import System, audit
 from antenna_pin.dynamics import _kernels as _dynamics
@@ -16,7 +17,9 @@ from antenna_pin.geometry import AxialScenario, RadialScenario, RevoluteClearanc
 from antenna_pin.geometry import _kernels as _geometry
 from antenna_pin.geometry.shapes import TABLE_WIDTH
 from antenna_pin.joints import _kernels as _joint
+from antenna_pin.mechanism import frame_aligning_z
 from antenna_pin.simulation.loop import Run
+from antenna_pin.simulation.places import mechanism_attributes
 
 __all__ = ["dataset"]
 
@@ -216,6 +219,7 @@ def dataset(run: Run, title: str, case: str, versions: dict[str, str]) -> xr.Dat
         "versions": json.dumps(versions),
         "gap_difference": run.gap_difference,
         "conservation": json.dumps(_conservation(seen, error)),
+        **mechanism_attributes(run.system),
     }
     return xr.Dataset(table.variables, coords=coords, attrs=attributes)
 
@@ -229,7 +233,7 @@ def _coordinates(seen: _Observer) -> dict[str, Any]:
         "configuration": ("configuration", np.array(configuration, dtype=object)),
         "coordinate": ("coordinate", np.array(velocity, dtype=object)),
     }
-    if system.mechanism.base == "free":
+    if system.mechanism.base == "free" or system.clearances:
         coords["quaternion"] = ("quaternion", np.array(["x", "y", "z", "w"], dtype=object))
     for dim, names in (
         ("contact", system.contact_names),
@@ -292,6 +296,13 @@ def _add_contacts(table: _Table, seen: _Observer) -> None:
     table.add(
         "journal_position", (*joint, "axis"), seen.poses[:, :, :3], "m", "journal's centre in the bearing"
     )
+    table.add(
+        "journal_attitude",
+        (*joint, "quaternion"),
+        _attitudes(system, seen.poses),
+        "1",
+        "journal in the bearing, quaternion",
+    )
     tilt = np.arctan2(np.hypot(seen.poses[:, :, 3], seen.poses[:, :, 4]), seen.poses[:, :, 5])
     table.add("journal_tilt", joint, tilt, "rad", "angle between the axes of journal and bearing")
     table.add("joint_force", (*joint, "axis"), seen.wrenches[:, :, :3], "N", "contact force on the journal")
@@ -314,6 +325,20 @@ def _add_contacts(table: _Table, seen: _Observer) -> None:
             flag_values=np.array([kind.value for kind in kinds], dtype=np.int8),
             flag_meanings=" ".join(kind.name.lower() for kind in kinds),
         )
+
+
+def _attitudes(system: System, poses: Array) -> Array:
+    """Return the attitudes of the journals' frames in their bearings', (n, joints, 4)."""
+    samples = poses.shape[0]
+    result = np.zeros((samples, len(system.clearances), 4))
+    for k, joint in enumerate(system.clearances):
+        of_child = poses[:, k, 6:15].reshape(samples, 3, 3)
+        axes = np.eye(3) if joint.planar else frame_aligning_z(system.mechanism.joint(joint.name).axis)
+        quaternions = Rotation.from_matrix(of_child @ axes).as_quat()
+        jumps = np.sum(quaternions[1:] * quaternions[:-1], axis=1) < 0.0
+        quaternions[1:] *= np.where(np.cumsum(jumps) % 2 == 1, -1.0, 1.0)[:, None]
+        result[:, k] = quaternions
+    return result
 
 
 def _add_ledger(table: _Table, seen: _Observer) -> Array:

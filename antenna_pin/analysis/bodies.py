@@ -1,0 +1,124 @@
+"""Where the bodies of a finished run were, and what its joints carried."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import xarray as xr
+from numpy.typing import ArrayLike, NDArray
+
+from antenna_pin.assemble import urdf_variant
+from antenna_pin.dynamics import transmitted_wrenches
+from antenna_pin.errors import FileFormatError
+from antenna_pin.mechanism import Mechanism, Urdf, build_mechanism, link_poses
+from antenna_pin.scenario import Scenario
+from antenna_pin.trajectory import Trajectory
+
+__all__ = ["body_poses", "joint_loads", "mechanism_of"]
+
+_AXES = ("x", "y", "z")
+
+
+def mechanism_of(run: Trajectory | xr.Dataset) -> Mechanism:
+    """Return the mechanism that a run simulated: from the URDF it carries, else from its scenario.
+
+    Raises:
+        FileFormatError: The run carries neither (format 1, of a system built in Python).
+    """
+    data = run.data if isinstance(run, Trajectory) else run
+    if "urdf" in data.attrs:
+        about = json.loads(data.attrs["mechanism"])
+        urdf = Urdf.from_text(
+            data.attrs["urdf"],
+            str(data.attrs.get("title") or "run"),
+            allow_impossible_inertia=about["allow_impossible_inertia"],
+            folder=data.attrs["urdf_folder"] or None,
+        )
+        return build_mechanism(urdf, about["base"], about["gravity"])
+    scenario = _scenario_of(run)
+    if scenario is None:
+        raise FileFormatError(
+            "run: it must carry its mechanism to tell where bodies are, got a file of format 1 without a "
+            "scenario; run it again with this version"
+        )
+    return build_mechanism(urdf_variant(scenario), scenario.mechanism.base, scenario.mechanism.gravity)
+
+
+def _scenario_of(run: Trajectory | xr.Dataset) -> Scenario | None:
+    if isinstance(run, Trajectory):
+        return run.scenario
+    text = run.attrs.get("scenario")
+    return Scenario.model_validate_json(text) if text else None
+
+
+def _picked(run: Trajectory | xr.Dataset, times: ArrayLike | None) -> xr.Dataset:
+    data = run.data if isinstance(run, Trajectory) else run
+    return data if times is None else data.isel(time=np.asarray(times, dtype=int))
+
+
+def _array(data: xr.Dataset, name: str) -> NDArray[np.float64]:
+    if name not in data:
+        raise FileFormatError(f"run: no variable {name!r}; is it an antenna_pin result?")
+    return np.asarray(data[name].values, dtype=float)
+
+
+def body_poses(run: Trajectory | xr.Dataset, times: ArrayLike | None = None) -> xr.Dataset:
+    """Return the pose of every link's frame in the world.
+
+    Args:
+        run: A run, or its data.
+        times: Indices of samples; all if not given.
+
+    Returns:
+        ``position`` (time, body, axis) [m] and ``attitude`` (time, body, quaternion), xyzw.
+    """
+    data = _picked(run, times)
+    mechanism = mechanism_of(run)
+    position, attitude = link_poses(mechanism, _array(data, "q"))
+    return xr.Dataset(
+        {
+            "position": (
+                ("time", "body", "axis"),
+                position,
+                {"units": "m", "long_name": "link's frame in the world"},
+            ),
+            "attitude": (
+                ("time", "body", "quaternion"),
+                attitude,
+                {"units": "1", "long_name": "link's frame in the world, quaternion"},
+            ),
+        },
+        coords={
+            "time": data["time"],
+            "body": [link.name for link in mechanism.urdf.robot.links],
+            "axis": list(_AXES),
+            "quaternion": ["x", "y", "z", "w"],
+        },
+    )
+
+
+def joint_loads(run: Trajectory | xr.Dataset, times: ArrayLike | None = None) -> xr.Dataset:
+    """Return what each moving joint passes from parent to child, by inverse dynamics of the recorded motion.
+
+    It holds for ideal joints and joints with play alike: constraint or contact forces and motor torques.
+
+    Args:
+        run: A run, or its data.
+        times: Indices of samples; all if not given.
+
+    Returns:
+        ``force`` [N] and ``torque`` about the joint frame's origin on the child [N m], (time, moving_joint,
+        axis), world axes.
+    """
+    data = _picked(run, times)
+    mechanism = mechanism_of(run)
+    wrenches = transmitted_wrenches(mechanism, _array(data, "q"), _array(data, "v"), _array(data, "a"))
+    dims = ("time", "moving_joint", "axis")
+    return xr.Dataset(
+        {
+            "force": (dims, wrenches[..., :3], {"units": "N", "long_name": "force through the joint"}),
+            "torque": (dims, wrenches[..., 3:], {"units": "N m", "long_name": "torque through the joint"}),
+        },
+        coords={"time": data["time"], "moving_joint": list(mechanism.joints), "axis": list(_AXES)},
+    )

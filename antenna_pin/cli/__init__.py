@@ -1,0 +1,68 @@
+"""Command line: parse, call, print. What it does, the Python API does in as few lines.
+
+Rooms are imported inside the commands, so ``--help`` and ``list`` do not wait for the mechanics.
+
+Exit codes: 0 done; 2 refused, with one line on the error stream that says why; 3 a run ended before its time
+(its result is saved); 130 interrupted (what was computed is saved).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Annotated
+
+import typer
+
+from antenna_pin.cli import contact, info, run
+from antenna_pin.cli._common import one_line_errors
+
+__all__ = ["app", "main"]
+
+app = typer.Typer(
+    name="antenna-pin",
+    help="Simulate mechanisms with imperfect joints on a free-floating base.",
+    add_completion=False,
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+
+def main() -> None:
+    """Run the command line."""
+    app()
+
+
+def _show_version(wanted: bool) -> None:
+    if wanted:
+        from importlib.metadata import version
+
+        typer.echo(f"antenna-pin {version('antenna-pin')}")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_show_version, is_eager=True, help="Print the version.")
+    ] = False,
+) -> None:
+    pass
+
+
+# In the order in which --help shows them.
+_COMMANDS: dict[str, Callable[..., None]] = {
+    "list": run.list_scenarios,
+    "run": run.run,
+    "info": info.info,
+    "plot": info.plot,
+    "urdf": run.urdf,
+}
+for _name, _command in _COMMANDS.items():
+    app.command(_name)(one_line_errors(_command))
+
+for _registered in contact.app.registered_commands:
+    assert _registered.callback is not None
+    _registered.callback = one_line_errors(_registered.callback)
+app.add_typer(contact.app)

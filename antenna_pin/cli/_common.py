@@ -1,0 +1,170 @@
+"""What the commands share: refusals in one line, arguments, results to read, files to write, tables to print.
+
+Rooms are imported inside the functions, so ``--help`` does not wait for them.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import functools
+import signal
+from collections.abc import Callable, Iterator, Sequence
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, NoReturn, ParamSpec, TypeVar
+
+import typer
+
+from antenna_pin.errors import AntennaPinError, OutputError, UnknownNameError
+
+if TYPE_CHECKING:
+    from antenna_pin.scenario import Scenario
+    from antenna_pin.trajectory import Trajectory
+
+REFUSED = 2
+ENDED_EARLY = 3
+INTERRUPTED = 130
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+
+class Geometry(StrEnum):
+    """Backends that find where journal and bearing touch."""
+
+    COAL = "coal"
+    CLOSED_FORM = "closed-form"
+
+
+class Width(StrEnum):
+    """Widths of figures."""
+
+    COLUMN = "column"
+    PAGE = "page"
+
+
+def complain(message: str) -> None:
+    """Print one line on the error stream."""
+    typer.echo(f"antenna-pin: {' '.join(message.split())}", err=True)
+
+
+def refuse(message: str) -> NoReturn:
+    complain(message)
+    raise typer.Exit(REFUSED)
+
+
+def one_line_errors(command: Callable[P, R]) -> Callable[P, R]:
+    """Turn what a user can act on into one line and an exit code; a bug keeps its traceback."""
+
+    @functools.wraps(command)
+    def wrapper(*args: P.args, **kwargs: P.kwargs) -> R:
+        try:
+            return command(*args, **kwargs)
+        except KeyboardInterrupt:
+            complain("interrupted")
+            raise typer.Exit(INTERRUPTED) from None
+        except AntennaPinError as error:
+            refuse(str(error))
+        except OSError as error:
+            if error.errno == errno.EPIPE:  # the reader of a pipe has gone: nothing to say
+                raise
+            where = f"{error.filename}: " if error.filename else ""
+            refuse(f"{where}{error.strerror or error}")
+
+    return wrapper
+
+
+ScenarioArgument = Annotated[
+    str, typer.Argument(metavar="SCENARIO", help="Name of a shipped scenario, or path of a TOML file.")
+]
+CaseOption = Annotated[str | None, typer.Option(help="Case of the scenario; its default case if left out.")]
+SetOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set",
+        metavar="KEY=VALUE",
+        help="Change one entry of the scenario, such as integrator.rtol=1e-9 or"
+        " 'clearance.elevation.radial_clearance=0.1 mm'. May be repeated.",
+    ),
+]
+
+
+FilesArgument = Annotated[list[Path], typer.Argument(metavar="FILES...", help="Result files of runs.")]
+
+
+def load(
+    name: str,
+    case: str | None,
+    settings: Sequence[str] | None,
+    geometry: Geometry | None = None,
+    duration: str | None = None,
+) -> Scenario:
+    """Return the scenario with the changes that the command line asks for."""
+    from antenna_pin.scenario import load_scenario
+
+    changes = list(settings or ())
+    if duration is not None:
+        changes.append(f"duration={duration}")
+    loaded = load_scenario(name, case=case, overrides=changes)
+    if geometry is None or not loaded.clearance:
+        return loaded
+    changes += [f"clearance.{joint}.geometry={geometry.value}" for joint in loaded.clearance]
+    return load_scenario(name, case=case, overrides=changes)
+
+
+def stem(scenario: Scenario) -> str:
+    """Return NAME-CASE, or NAME where a scenario has no cases."""
+    return f"{scenario.name}-{scenario.case}" if scenario.case else str(scenario.name)
+
+
+def writable_file(path: Path, suffix: str) -> Path:
+    """Return a path that a result can be written to, or say what keeps it from being one.
+
+    Asked before a run, so that hours of work do not end in a missing folder.
+    """
+    from antenna_pin.trajectory import check_writable
+
+    if path.suffix != suffix and not path.is_dir():
+        raise OutputError(f"{path}: the output's name must end in {suffix}; try {path.with_suffix(suffix)}")
+    return check_writable(path)
+
+
+@contextlib.contextmanager
+def not_interrupted() -> Iterator[None]:
+    """Let a result be written to its end: a second Ctrl-C must not cost it."""
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def load_result(path: Path) -> Trajectory:
+    from antenna_pin.trajectory import Trajectory
+
+    return Trajectory.load(path)
+
+
+def label_of(trajectory: Trajectory, path: Path) -> str:
+    return str(trajectory.data.attrs.get("case") or path.stem)
+
+
+def figure_formats(text: str) -> list[str]:
+    """Return the formats that a comma-separated list names, each once.
+
+    Raises:
+        UnknownNameError: One that figures cannot be written in.
+    """
+    suffixes = list(dict.fromkeys(part.strip() for part in text.split(",") if part.strip()))
+    for suffix in suffixes or [""]:
+        if suffix not in ("png", "pdf", "svg"):
+            raise UnknownNameError("--format", "figure format", suffix, ("png", "pdf", "svg"))
+    return suffixes
+
+
+def figure_folder(out: Path) -> Path:
+    """Return the folder for figures, made later, or say that it is a file."""
+    if out.exists() and not out.is_dir():
+        raise OutputError(f"--out {out}: this is a file; name a folder for the figures")
+    return out

@@ -1,0 +1,60 @@
+"""The progress bar of a run."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from antenna_pin.simulation import Progress
+
+
+@contextlib.contextmanager
+def progress_bar(title: str, shown: bool) -> Iterator[Callable[[Progress], None] | None]:
+    """Yield what a run reports its progress to: simulated time, speed and step size on the error stream."""
+    if not shown:
+        yield None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
+    from rich.progress import Progress as Bar
+
+    bar = Bar(
+        TextColumn("{task.description}"),
+        BarColumn(bar_width=None),
+        TextColumn("{task.fields[time]}"),
+        TextColumn("{task.fields[speed]}"),
+        TextColumn("{task.fields[step]}"),
+        TimeRemainingColumn(compact=True),
+        console=Console(stderr=True),
+        expand=True,
+        refresh_per_second=5,
+    )
+    task = bar.add_task(title, total=None, time="", speed="", step="")
+
+    def report(now: Progress) -> None:
+        speed = now.time / now.wall if now.wall > 0.0 else 0.0
+        bar.update(
+            task,
+            completed=now.time,
+            total=now.end,
+            time=f"{now.time:.4g} of {now.end:g} s",
+            speed=f"{speed:.3g} s/s",
+            step=f"step {_seconds(now.step)}",
+        )
+        bar.start()  # with the first step: what is refused before leaves no bar behind
+
+    try:
+        yield report
+    finally:
+        if bar.live.is_started:
+            bar.stop()
+
+
+def _seconds(value: float) -> str:
+    """Return a short duration with a unit that suits it."""
+    for size, unit in ((1.0, "s"), (1e-3, "ms"), (1e-6, "us"), (1e-9, "ns")):
+        if value >= size:
+            return f"{value / size:.3g} {unit}"
+    return f"{value:.3g} s"

@@ -1,0 +1,78 @@
+"""Tables of summaries for people."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+# How the entries of a summary are called in a table, and their units; others keep their own names.
+_ENTRIES = {
+    "time": ("simulated time", "s"),
+    "accepted": ("steps accepted", ""),
+    "rejected": ("steps rejected", ""),
+    "relocated": ("steps cut to a change of contact", ""),
+    "wall_seconds": ("wall time", "s"),
+    "energy_error": ("energy balance error", "J"),
+    "energy_error_relative": ("energy balance error, relative", "-"),
+    "gross_work": ("gross work of the drives", "J"),
+    "linear_momentum_drift": ("linear momentum drift", "kg m/s"),
+    "linear_momentum_scale": ("linear momentum scale", "kg m/s"),
+    "linear_momentum_drift_relative": ("linear momentum drift, relative", "-"),
+    "angular_momentum_drift": ("angular momentum drift", "kg m²/s"),
+    "angular_momentum_scale": ("angular momentum scale", "kg m²/s"),
+    "angular_momentum_drift_relative": ("angular momentum drift, relative", "-"),
+    "gap_difference": ("gaps, coal against closed form", "m"),
+    "angle": ("angle at the end", "rad"),
+    "rate": ("rate at the end", "rad/s"),
+    "peak_acceleration": ("peak acceleration", "rad/s²"),
+    "peak_force": ("peak force", "N"),
+    "peak_depth": ("peak depth", "m"),
+    "largest_approach_speed": ("largest approach speed", "m/s"),
+    "impulse": ("impulse", "N s"),
+    "dissipated": ("energy lost", "J"),
+}
+# Groups of a summary whose name says nothing that their entries do not say.
+_PLAIN_GROUPS = ("counts", "conservation", "motion", "contacts")
+
+
+def print_summaries(summaries: Sequence[tuple[str, dict[str, Any]]]) -> None:
+    """Print summaries side by side, one row per figure."""
+    from rich import box
+    from rich.console import Console
+    from rich.table import Table
+
+    columns = [dict(_rows(summary)) for _, summary in summaries]
+    titles = dict.fromkeys(str(summary.get("title", "")) for _, summary in summaries)
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, title="; ".join(filter(None, titles)))
+    table.title_justify = "left"
+    table.add_column("", no_wrap=True)
+    for label, _ in summaries:
+        table.add_column(label, justify="right", overflow="fold")
+    for row in dict.fromkeys(name for column in columns for name in column):
+        table.add_row(row, *(column.get(row, "-") for column in columns))
+    # Units stand in brackets, which are no markup. A pipe has no width to keep to.
+    console = Console(highlight=False, markup=False)
+    if not console.is_terminal:
+        console = Console(highlight=False, markup=False, width=max(100, 50 + 36 * len(summaries)))
+    console.print(table)
+
+
+def _rows(summary: dict[str, Any], group: str = "") -> Iterator[tuple[str, str]]:
+    """Yield name and text of every entry of a summary, those of a group after its name."""
+    for key, value in summary.items():
+        if isinstance(value, dict):
+            yield from _rows(value, group if key in _PLAIN_GROUPS else f"{group}{key} ")
+        elif not (key in ("title", "case") and not group):
+            name, unit = _ENTRIES.get(key, (key.replace("_", " "), ""))
+            yield f"{group}{name}" + (f" [{unit}]" if unit else ""), _text(value)
+
+
+def _text(value: Any) -> str:
+    """Return an entry as it stands in a table."""
+    if value is None or value == "":
+        return "-"
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    if isinstance(value, (list, tuple)):
+        return ", ".join(map(_text, value))
+    return str(value)

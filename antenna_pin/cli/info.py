@@ -1,0 +1,80 @@
+"""``antenna-pin info`` and ``plot``: what results are, and the standard figures of them."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from antenna_pin.cli._common import (
+    FilesArgument,
+    Width,
+    figure_folder,
+    figure_formats,
+    label_of,
+    load_result,
+)
+from antenna_pin.cli._tables import print_summaries
+
+if TYPE_CHECKING:
+    from antenna_pin.trajectory import Trajectory
+
+
+def info(
+    files: FilesArgument,
+    as_json: Annotated[
+        bool, typer.Option("--json", help="Print one JSON object per file, each on one line.")
+    ] = False,
+) -> None:
+    """Say what results are: how they ended, counts, peaks, conservation."""
+    runs = [(path, load_result(path)) for path in files]
+    if as_json:
+        for path, trajectory in runs:
+            typer.echo(json.dumps({"file": str(path), **_facts(trajectory)}, default=str))
+        return
+    print_summaries([(label_of(trajectory, path), _facts(trajectory)) for path, trajectory in runs])
+
+
+def _facts(trajectory: Trajectory) -> dict[str, Any]:
+    """Return the summary of a run with the share of time that each joint spent in each contact scenario."""
+    from antenna_pin.analysis import scenario_shares
+
+    shares = scenario_shares(trajectory)
+    found = {
+        str(joint): {
+            f"radial {radial}, axial {axial}".replace("_", " "): float(share)
+            for radial, row in zip(shares["radial"].values, table, strict=True)
+            for axial, share in zip(shares["axial"].values, row, strict=True)
+            if share > 0.0
+        }
+        for joint, table in zip(shares["clearance_joint"].values, shares.values, strict=True)
+    }
+    return trajectory.summary() | ({"share of time": found} if found else {})
+
+
+def plot(
+    files: FilesArgument,
+    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for the figures; made if missing.")],
+    formats: Annotated[
+        str, typer.Option("--format", metavar="LIST", help="Any of png, pdf, svg, separated by commas.")
+    ] = "png",
+    joint: Annotated[
+        str | None, typer.Option(help="Joint to draw; the first one with clearance if left out.")
+    ] = None,
+    width: Annotated[Width, typer.Option(help="Width of the figures: 88 mm or 180 mm.")] = Width.PAGE,
+) -> None:
+    """Draw motion, contact forces, energy, momentum."""
+    suffixes = figure_formats(formats)
+    figure_folder(out)
+    runs = [(path, load_result(path)) for path in files]
+    labels = [label_of(trajectory, path) for path, trajectory in runs]
+    if len(set(labels)) < len(labels):  # the same case twice: the files tell them apart
+        labels = [path.stem for path, _ in runs]
+
+    from antenna_pin.plot import save_figures
+
+    pairs = [(label, trajectory.data) for label, (_, trajectory) in zip(labels, runs, strict=True)]
+    for figure in save_figures(pairs, out, suffixes, joint=joint, width=width.value):
+        typer.echo(figure)

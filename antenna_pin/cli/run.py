@@ -1,0 +1,91 @@
+"""``antenna-pin list``, ``run`` and ``urdf``: scenarios, and what is made of them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from antenna_pin.cli._common import (
+    ENDED_EARLY,
+    INTERRUPTED,
+    CaseOption,
+    Geometry,
+    ScenarioArgument,
+    SetOption,
+    complain,
+    label_of,
+    load,
+    not_interrupted,
+    stem,
+    writable_file,
+)
+from antenna_pin.cli._progress import progress_bar
+from antenna_pin.cli._tables import print_summaries
+
+
+def list_scenarios() -> None:
+    """List the shipped scenarios and their cases."""
+    from antenna_pin.scenario import list_scenarios as shipped
+
+    for name, title, cases in shipped():
+        typer.echo(f"{name}: {title}")
+        widest = max((len(case) for case, _ in cases), default=0)
+        for case, description in cases:
+            typer.echo(f"  {case:<{widest}}  {description}".rstrip())
+
+
+def run(
+    scenario: ScenarioArgument,
+    case: CaseOption = None,
+    duration: Annotated[
+        str | None, typer.Option(help="Simulated time, in seconds or with a unit ('20 ms').")
+    ] = None,
+    out: Annotated[Path | None, typer.Option(help="Result file; NAME-CASE.nc here if left out.")] = None,
+    settings: SetOption = None,
+    geometry: Annotated[
+        Geometry | None, typer.Option(help="How gaps are found, for all joints with clearance.")
+    ] = None,
+    progress: Annotated[bool, typer.Option(help="Show a progress bar.")] = True,
+    summary: Annotated[bool, typer.Option(help="Print a summary of the result.")] = True,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")] = False,
+) -> None:
+    """Simulate a scenario and save the result."""
+    chosen = load(scenario, case, settings, geometry, duration)
+    path = writable_file(out or Path(f"{stem(chosen)}.nc"), ".nc")
+
+    from antenna_pin.simulation import simulate
+
+    with progress_bar(stem(chosen), progress and not quiet) as report:
+        trajectory = simulate(chosen, progress=report)
+    with not_interrupted():
+        trajectory.save(path)
+    if summary and not quiet:
+        print_summaries([(label_of(trajectory, path), trajectory.summary())])
+    if not quiet:
+        typer.echo(f"saved {path}")
+    outcome = trajectory.outcome.name
+    if outcome == "COMPLETED":
+        return
+    complain(f"{stem(chosen)}: {trajectory.message} (the result up to there is in {path})")
+    raise typer.Exit(INTERRUPTED if outcome == "INTERRUPTED" else ENDED_EARLY)
+
+
+def urdf(
+    scenario: ScenarioArgument,
+    case: CaseOption = None,
+    out: Annotated[Path | None, typer.Option(help="URDF file; NAME-CASE.urdf here if left out.")] = None,
+    settings: SetOption = None,
+) -> None:
+    """Write the URDF that a case simulates.
+
+    Joints with clearance are free in it; other tools can load it.
+    """
+    chosen = load(scenario, case, settings)
+    path = writable_file(out or Path(f"{stem(chosen)}.urdf"), ".urdf")
+
+    from antenna_pin.assemble import urdf_variant
+
+    urdf_variant(chosen).write(path)
+    typer.echo(f"saved {path}")
