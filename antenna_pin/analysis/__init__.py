@@ -1,6 +1,11 @@
 """What a run shows, and what a joint's shape allows: readers of trajectories and geometries."""
 
 from antenna_pin.analysis.bodies import body_poses, joint_loads, mechanism_of
+from antenna_pin.analysis.base import base_motion
+from antenna_pin.analysis.deviation import Deviation, DeviationMeasures, deviation
+from antenna_pin.analysis.growth import Growth, growth_of
+from antenna_pin.analysis.impacts import impacts
+from antenna_pin.analysis.sampled import resampled, time_mean, time_percentiles, time_rms
 from antenna_pin.analysis.scenarios import (
     SCENARIO_COLUMNS,
     JournalPose,
@@ -14,14 +19,25 @@ from antenna_pin.analysis.shares import scenario_shares
 
 __all__ = [
     "SCENARIO_COLUMNS",
+    "Deviation",
+    "DeviationMeasures",
+    "Growth",
     "JournalPose",
     "ScenarioPair",
     "TiltRange",
     "body_poses",
     "joint_loads",
     "mechanism_of",
+    "base_motion",
+    "deviation",
+    "growth_of",
+    "impacts",
     "possible_scenarios",
+    "resampled",
     "scenario_of",
     "scenario_rows",
     "scenario_shares",
+    "time_mean",
+    "time_percentiles",
+    "time_rms",
 ]

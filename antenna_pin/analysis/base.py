@@ -1,0 +1,82 @@
+"""Motion of a free-floating base in world axes."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+from scipy.spatial.transform import Rotation
+
+from antenna_pin.analysis._run import Array, RunLike, data_of, label_of, variable
+from antenna_pin.errors import InvalidParameterError
+
+__all__ = ["base_motion"]
+
+_RATES = ("vx", "vy", "vz", "wx", "wy", "wz")
+
+
+def base_motion(run: RunLike) -> xr.Dataset:
+    r"""Return position, attitude, velocities and accelerations of the base, all in world axes.
+
+    A run records its base's velocity and acceleration as the generalized ones, along axes that turn with it.
+    Here they are those of the base's origin as seen from the world: :math:`R v` and
+    :math:`R (a + \omega \times v)`.
+
+    Args:
+        run: A run with a free base, or its data.
+
+    Returns:
+        Over time and axis: ``position`` [m], ``rotation`` since the first sample as a rotation vector [rad]
+        (unwrapped beyond pi), ``velocity`` [m/s], ``angular_velocity`` [rad/s], ``acceleration`` [m/s^2],
+        ``angular_acceleration`` [rad/s^2]; and ``attitude`` (time, quaternion), xyzw.
+    """
+    data = data_of(run)
+    if "base_position" not in data:
+        raise InvalidParameterError("base_motion", "run", "one with a free base", label_of(data))
+    attitude = np.asarray(variable(data, "base_attitude", "base_motion").values, dtype=float)
+    turn = Rotation.from_quat(attitude)
+    v, a = (
+        np.asarray(
+            variable(data, name, "base_motion").sel(coordinate=[f"base.{part}" for part in _RATES]).values,
+            dtype=float,
+        )
+        for name in ("v", "a")
+    )
+    linear = a[:, :3] + np.cross(v[:, 3:], v[:, :3])
+    columns = {
+        "position": (np.asarray(data["base_position"].values, dtype=float), "m", "base's origin"),
+        "rotation": (
+            _unwrapped((turn * turn[0].inv()).as_rotvec()),
+            "rad",
+            "base's rotation since the start",
+        ),
+        "velocity": (turn.apply(v[:, :3]), "m/s", "velocity of the base's origin"),
+        "angular_velocity": (turn.apply(v[:, 3:]), "rad/s", "base's angular velocity"),
+        "acceleration": (turn.apply(linear), "m/s^2", "acceleration of the base's origin"),
+        "angular_acceleration": (turn.apply(a[:, 3:]), "rad/s^2", "base's angular acceleration"),
+    }
+    variables = {
+        name: (("time", "axis"), values, {"units": units, "long_name": f"{meaning}, world axes"})
+        for name, (values, units, meaning) in columns.items()
+    }
+    variables["attitude"] = (
+        ("time", "quaternion"),
+        attitude,
+        {"units": "1", "long_name": "base in the world, quaternion"},
+    )
+    coords = {name: data.coords[name] for name in ("time", "axis", "quaternion") if name in data.coords}
+    return xr.Dataset(variables, coords=coords, attrs={"case": data.attrs.get("case", "")})
+
+
+def _unwrapped(vectors: Array) -> Array:
+    """Return rotation vectors that go on beyond pi instead of jumping to the other side."""
+    result = vectors.copy()
+    if np.linalg.norm(vectors, axis=1).max(initial=0.0) < 3.0:
+        return result
+    for i in range(1, len(result)):
+        angle = np.linalg.norm(result[i])
+        if angle == 0.0:
+            continue
+        axis = result[i] / angle
+        turns = np.round((axis @ result[i - 1] - angle) / (2.0 * np.pi))
+        result[i] += 2.0 * np.pi * turns * axis
+    return result

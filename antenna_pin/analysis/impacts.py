@@ -1,0 +1,116 @@
+"""The impacts of a run: one row per contact episode, from first touch to release."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+
+from antenna_pin.analysis._run import Array, RunLike, choose, data_of, names, sample_times, variable
+from antenna_pin.errors import FileFormatError
+
+__all__ = ["impacts"]
+
+_UNITS = {
+    "onset": ("s", "first touch"),
+    "duration": ("s", "from first touch to release, or to the end of the run"),
+    "approach_speed": ("m/s", "rate of depth at first touch"),
+    "separation_speed": ("m/s", "rate of the gap at release; NaN: still touching"),
+    "restitution": ("1", "separation over approach speed; NaN: still touching or floored"),
+    "peak_force": ("N", "largest normal force"),
+    "peak_time": ("s", "when the force was largest"),
+    "peak_depth": ("m", "largest depth"),
+    "impulse": ("N s", "integral of the normal force"),
+    "dissipated": ("J", "energy lost, normal and friction"),
+}
+
+
+def impacts(run: RunLike, joint: str | None = None) -> xr.Dataset:
+    """Return the table of impacts of a run, in order of their onset.
+
+    Approach and separation speed are the rates of depth at the very instants of first touch and release,
+    which a run samples. A contact law sees no approach speed below its floor (``approach_speed_floor`` of a
+    scenario); such an episode is ``floored``, and since the law was not asked what it returns at its speed,
+    its restitution is NaN. Restitution delivered is the law's own only for an impact by itself: two contacts
+    at once push each other (a value above 1 is possible), and a contact that a load keeps closed for long
+    leaves at a speed that the load decides.
+
+    Args:
+        run: A run, or its data.
+        joint: Name of a clearance joint; all of them if left out.
+
+    Returns:
+        Over ``impact``: ``onset`` [s], ``duration`` [s], ``approach_speed`` [m/s], ``separation_speed``
+        [m/s], ``restitution`` [-], ``peak_force`` [N], ``peak_time`` [s], ``peak_depth`` [m], ``impulse``
+        [N s], ``dissipated`` [J]; whether it ``ended`` (else durations, impulses and losses are those up to
+        the end of the run) and was ``floored``; labelled by ``contact`` and ``clearance_joint``. No rows if
+        the run has no clearance joint.
+    """
+    data = data_of(run)
+    joints = choose("impacts", "clearance joint", joint, names(data, "clearance_joint"))
+    if not joints:
+        return _table({name: np.zeros(0) for name in _UNITS}, np.zeros(0, bool), np.zeros(0, bool), [], data)
+    time = sample_times(data, "impacts")
+    contacts = names(data, "contact")
+    index = np.asarray(variable(data, "episode_contact", "impacts").values, dtype=int)
+    mine = np.array([name.rpartition(".")[0] in joints for name in contacts], dtype=bool)
+    rows = np.flatnonzero(mine[index])
+    rows = rows[np.argsort(data["onset_time"].values[rows], kind="stable")]
+    index = index[rows]
+    column = {
+        name: np.asarray(variable(data, name, "impacts").values, dtype=float)[rows]
+        for name in ("onset_time", "release_time", "approach_speed", "peak_force", "peak_time", "peak_depth")
+    } | {name: np.asarray(data[name].values, dtype=float)[rows] for name in ("impulse", "dissipated")}
+    onset, release = column["onset_time"], column["release_time"]
+    ended = np.isfinite(release)
+    rate = np.asarray(variable(data, "depth_rate", "impacts").values, dtype=float)
+    approach = rate[_sample_at(time, onset), index]
+    separation = np.full(onset.size, np.nan)
+    separation[ended] = -rate[_sample_at(time, release[ended]), index[ended]]
+    # The memory holds the larger of rate and floor; the two rates differ by round-off otherwise.
+    floored = column["approach_speed"] > approach + 1e-9 * np.abs(column["approach_speed"])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        restitution = np.where(floored, np.nan, separation / approach)
+    values = {
+        "onset": onset,
+        "duration": np.where(ended, release, time[-1]) - onset,
+        "approach_speed": approach,
+        "separation_speed": separation,
+        "restitution": restitution,
+        **{name: column[name] for name in ("peak_force", "peak_time", "peak_depth", "impulse", "dissipated")},
+    }
+    return _table(values, ended, floored, [contacts[k] for k in index], data)
+
+
+def _sample_at(time: Array, moments: Array) -> np.ndarray:
+    """Return the samples at given instants, the last of each: what holds from the event on."""
+    if not moments.size:
+        return np.zeros(0, dtype=int)
+    tolerance = 1e-12 * max(1.0, float(np.abs(time).max()))
+    found = np.clip(np.searchsorted(time, moments + tolerance, side="right") - 1, 0, time.size - 1)
+    # A first touch in the last step before an interruption may lie past the last sample by round-off only.
+    if np.any(np.abs(time[found] - moments) > tolerance):
+        raise FileFormatError("impacts: the run has no samples at its contact events; run the scenario again")
+    return found
+
+
+def _table(
+    values: dict[str, Array], ended: np.ndarray, floored: np.ndarray, contacts: list[str], data: xr.Dataset
+) -> xr.Dataset:
+    variables: dict[str, tuple[str, np.ndarray, dict[str, str]]] = {
+        name: ("impact", values[name], {"units": units, "long_name": meaning})
+        for name, (units, meaning) in _UNITS.items()
+    }
+    flag = {"units": "1"}
+    variables["ended"] = ("impact", ended, flag | {"long_name": "whether it was released before the end"})
+    variables["floored"] = ("impact", floored, flag | {"long_name": "whether the law saw its floor of speed"})
+    labels = np.array(contacts, dtype=object) if contacts else np.zeros(0, dtype="<U1")
+    joints = [name.rpartition(".")[0] for name in contacts]
+    return xr.Dataset(
+        variables,
+        coords={
+            "impact": np.arange(len(contacts)),
+            "contact": ("impact", labels),
+            "clearance_joint": ("impact", np.array(joints, dtype=object) if joints else labels),
+        },
+        attrs={"case": str(data.attrs.get("case", ""))},
+    )

@@ -1,0 +1,141 @@
+r"""Signals between uneven samples: interpolation, and statistics weighted by time.
+
+A run is sampled at its output rate and at every event, so samples crowd where something happens. A plain mean
+over them would weigh impacts more than they last; here every sample counts for the time around it.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.interpolate import CubicHermiteSpline, CubicSpline
+
+from antenna_pin.analysis._run import Array
+from antenna_pin.errors import InvalidParameterError
+
+__all__ = ["resampled", "time_mean", "time_percentiles", "time_rms"]
+
+
+def resampled(
+    time: ArrayLike, values: ArrayLike, at: ArrayLike, derivative: ArrayLike | None = None
+) -> Array:
+    """Return a smooth signal at other times; NaN outside its span.
+
+    A cubic Hermite spline through values and derivatives if the derivative is known and finite, else a cubic
+    spline through the values: both err by the fourth power of the spacing. Of samples at the same instant the
+    first counts. It is for smooth signals: across a jump a spline overshoots.
+
+    Args:
+        time: Sample times, not decreasing, (n,) [s].
+        values: Samples, (n,) or (n, k).
+        at: Times wanted, (m,) [s].
+        derivative: Time derivative of the values, like them [1/s].
+
+    Returns:
+        (m,) or (m, k), in the unit of the values.
+    """
+    own, first = np.unique(np.asarray(time, dtype=float), return_index=True)
+    wanted = np.asarray(at, dtype=float)
+    held = np.asarray(values, dtype=float)[first]
+    if own.size < 2 or not np.isfinite(held).all():
+        result = np.full((wanted.size, *held.shape[1:]), np.nan)
+        if own.size:
+            result[wanted == own[0]] = held[0]
+        return result
+    slope = None if derivative is None else np.asarray(derivative, dtype=float)[first]
+    if slope is not None and np.isfinite(slope).all():
+        spline = CubicHermiteSpline(own, held, slope, extrapolate=False)
+    else:
+        spline = CubicSpline(own, held, extrapolate=False)
+    return np.asarray(spline(wanted), dtype=float)
+
+
+def time_mean(time: ArrayLike, values: ArrayLike) -> Array:
+    """Return the mean over time by the trapezoidal rule; of one instant, its value.
+
+    Args:
+        time: Sample times, not decreasing, (n,) [s].
+        values: Samples, (n,) or (n, ...).
+
+    Returns:
+        () or (...), in the unit of the values.
+    """
+    t, x = _checked(time, values)
+    if t[-1] == t[0]:
+        return np.asarray(x[0])
+    return np.asarray(np.trapezoid(x, t, axis=0) / (t[-1] - t[0]))
+
+
+def time_rms(time: ArrayLike, values: ArrayLike) -> Array:
+    """Return the root mean square over time, the square integrated by the trapezoidal rule.
+
+    Args:
+        time: Sample times, not decreasing, (n,) [s].
+        values: Samples, (n,) or (n, ...).
+
+    Returns:
+        () or (...), in the unit of the values.
+    """
+    return np.sqrt(time_mean(time, np.square(np.asarray(values, dtype=float))))
+
+
+def time_percentiles(time: ArrayLike, values: ArrayLike, percent: ArrayLike) -> Array:
+    """Return the values that a signal stays below for given shares of the time.
+
+    Exact for the polygon through the samples. A signal that rests at a value for a share of the time has that
+    value as a whole range of percentiles.
+
+    Args:
+        time: Sample times, not decreasing, (n,) [s].
+        values: Samples, (n,).
+        percent: From 0 to 100, (p,) [%].
+
+    Returns:
+        (p,), in the unit of the values.
+    """
+    t, x = _checked(time, values)
+    shares = np.atleast_1d(np.asarray(percent, dtype=float)) / 100.0
+    if not np.all((shares >= 0.0) & (shares <= 1.0)):
+        raise InvalidParameterError("time_percentiles", "percent", "from 0 to 100 [%]", percent)
+    span = np.diff(t)
+    if span.sum() == 0.0:
+        return np.full(shares.size, x[0])
+    low, high = np.minimum(x[:-1], x[1:]), np.maximum(x[:-1], x[1:])
+    rise = np.where(high > low, high - low, 1.0)
+    levels = np.unique(x)
+
+    def below(level: float, including: bool) -> float:
+        """Share of the time in which the polygon is below a level, or at it."""
+        rests = (low <= level) if including else (low < level)
+        part = np.where(high > low, np.clip((level - low) / rise, 0.0, 1.0), rests)
+        return float(part @ span / span.sum())
+
+    def quantile(share: float) -> float:
+        first, last = 0, levels.size - 1  # the least level that the polygon is not above for the share
+        while first < last:
+            middle = (first + last) // 2
+            if below(levels[middle], True) >= share - 1e-15:
+                last = middle
+            else:
+                first = middle + 1
+        if first == 0:
+            return float(levels[0])
+        before, until = below(levels[first - 1], True), below(levels[first], False)
+        if share >= until or until == before:
+            return float(levels[first])
+        # Between two levels of samples the share grows in a straight line.
+        part = (share - before) / (until - before)
+        return float(levels[first - 1] + part * (levels[first] - levels[first - 1]))
+
+    return np.array([quantile(share) for share in shares])
+
+
+def _checked(time: ArrayLike, values: ArrayLike) -> tuple[Array, Array]:
+    t, x = np.asarray(time, dtype=float), np.asarray(values, dtype=float)
+    if t.ndim != 1 or t.size == 0 or x.shape[:1] != t.shape:
+        raise InvalidParameterError(
+            "samples", "values", "one per time, at least one", f"{x.shape} values at {t.shape} times"
+        )
+    if np.any(np.diff(t) < 0.0):
+        raise InvalidParameterError("samples", "time", "not decreasing [s]", "times that go back")
+    return t, x
