@@ -1,7 +1,7 @@
 """What a run shows, and what a joint's shape allows: readers of trajectories and geometries."""
 
-from antenna_pin.analysis.bodies import body_poses, joint_loads, mechanism_of
 from antenna_pin.analysis.base import base_motion
+from antenna_pin.analysis.bodies import body_poses, joint_loads, mechanism_of
 from antenna_pin.analysis.deviation import Deviation, DeviationMeasures, deviation
 from antenna_pin.analysis.growth import Growth, growth_of
 from antenna_pin.analysis.impacts import impacts
@@ -16,6 +16,13 @@ from antenna_pin.analysis.scenarios import (
     scenario_rows,
 )
 from antenna_pin.analysis.shares import scenario_shares
+from antenna_pin.analysis.spectrum import (
+    UniformSignal,
+    dominant_frequencies,
+    spectrogram,
+    spectrum,
+    uniform,
+)
 
 __all__ = [
     "SCENARIO_COLUMNS",
@@ -25,11 +32,13 @@ __all__ = [
     "JournalPose",
     "ScenarioPair",
     "TiltRange",
+    "UniformSignal",
     "body_poses",
     "joint_loads",
     "mechanism_of",
     "base_motion",
     "deviation",
+    "dominant_frequencies",
     "growth_of",
     "impacts",
     "possible_scenarios",
@@ -37,7 +46,10 @@ __all__ = [
     "scenario_of",
     "scenario_rows",
     "scenario_shares",
+    "spectrogram",
+    "spectrum",
     "time_mean",
     "time_percentiles",
     "time_rms",
+    "uniform",
 ]
