@@ -23,7 +23,7 @@ def resampled(
 
     A cubic Hermite spline through values and derivatives if the derivative is known and finite, else a cubic
     spline through the values: both err by the fourth power of the spacing. Of samples at the same instant the
-    first counts. It is for smooth signals: across a jump a spline overshoots.
+    first counts, and none that is not finite. It is for smooth signals: across a jump a spline overshoots.
 
     Args:
         time: Sample times, not decreasing, (n,) [s].
@@ -37,7 +37,9 @@ def resampled(
     own, first = np.unique(np.asarray(time, dtype=float), return_index=True)
     wanted = np.asarray(at, dtype=float)
     held = np.asarray(values, dtype=float)[first]
-    if own.size < 2 or not np.isfinite(held).all():
+    finite = np.isfinite(held).reshape(own.size, -1).all(axis=1)
+    own, first, held = own[finite], first[finite], held[finite]
+    if own.size < 2:
         result = np.full((wanted.size, *held.shape[1:]), np.nan)
         if own.size:
             result[wanted == own[0]] = held[0]

@@ -31,6 +31,7 @@ __all__ = ["UniformSignal", "dominant_frequencies", "spectrogram", "spectrum", "
 
 _OVERSAMPLING = 16
 _LEAST_SAMPLES = 16
+_LEAST_SHARE = 1e-3  # of the strongest peak, for one to be named beside it
 
 
 class UniformSignal(NamedTuple):
@@ -159,9 +160,9 @@ def dominant_frequencies(
 ) -> xr.Dataset:
     r"""Return the strongest periodic parts of a signal, frequencies and amplitudes interpolated between bins.
 
-    A straight line is taken off, a Hann window laid over the whole signal, and of every local maximum of its
-    spectrum X that is above five times the median of its surroundings (an eighth of the band) the frequency
-    follows from its larger neighbour: with :math:`\alpha` the ratio of neighbour to maximum,
+    A straight line is taken off and a Hann window laid over the whole signal. Local maxima of its spectrum X
+    count that are above five times the median of their surroundings (an eighth of the band) and above a
+    thousandth of the strongest. The frequency follows from the larger neighbour: with :math:`\alpha` the ratio of neighbour to maximum,
 
     .. math:: f = (k \pm \delta)/T, \quad \delta = \frac{2\alpha - 1}{1 + \alpha}, \qquad
               A = 2 |X_k| \frac{\pi\delta}{\sin\pi\delta} (1 - \delta^2),
@@ -193,6 +194,7 @@ def dominant_frequencies(
     peaks, _ = signal.find_peaks(size)
     peaks = peaks[(peaks >= 2) & (size[peaks] > 5.0 * level[peaks])]
     peaks = peaks[np.argsort(-size[peaks], kind="stable")]
+    peaks = peaks[size[peaks] >= _LEAST_SHARE * size[peaks].max(initial=0.0)]
     frequency: list[float] = []
     amplitude: list[float] = []
     kept: list[int] = []

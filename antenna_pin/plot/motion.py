@@ -13,8 +13,8 @@ from typing import Literal
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from scipy.interpolate import CubicHermiteSpline
 
+from antenna_pin.analysis import resampled
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.plot._runs import LabelledRun, Run, choose_joint, labelled, too_short
 from antenna_pin.plot._style import (
@@ -124,18 +124,10 @@ def _curves(
 
 
 def _resampled(run: LabelledRun, joint: str, quantity: Quantity, time: Array) -> Array:
-    """Return a smooth run's motion at other times; NaN outside its span.
-
-    Samples carry the next derivative, so a cubic Hermite spline errs by the fourth power of their spacing.
-    """
-    own, first = np.unique(run.time, return_index=True)
-    value = run.values(f"motion_{quantity}", joint=joint)[first]
+    """Return a smooth run's motion at other times; NaN outside its span."""
     derivative = _DERIVATIVE.get(quantity)
-    if derivative is not None and derivative in run.data:
-        slope = run.values(derivative, joint=joint)[first]
-        if np.isfinite(slope).all() and np.isfinite(value).all():
-            return np.asarray(CubicHermiteSpline(own, value, slope, extrapolate=False)(time), dtype=float)
-    return np.interp(time, own, value, left=np.nan, right=np.nan)
+    slope = run.values(derivative, joint=joint) if derivative and derivative in run.data else None
+    return resampled(run.time, run.values(f"motion_{quantity}", joint=joint), time, slope)
 
 
 def _from_rest(curve: _Curve) -> _Curve:

@@ -72,6 +72,10 @@ def test_interpolation_takes_doubled_instants_and_ends_with_the_signal():
     assert np.isnan(found[[0, -1]]).all()
     assert found[1:-1] == pytest.approx([0.0, 0.09, 1.0], abs=1e-15)  # a parabola is met exactly
     assert np.isnan(resampled([1.0], [4.0], [0.5])).all()
+    # A run whose last state was not finite is known up to there.
+    ended = resampled([*t, 1.5], [*t**2, np.nan], [0.3, 1.2], [*2.0 * t, np.nan])
+    assert ended[0] == pytest.approx(0.09, abs=1e-15)
+    assert np.isnan(ended[1])
 
 
 def test_growth_of_known_laws(uneven):
