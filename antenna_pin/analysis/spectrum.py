@@ -162,7 +162,7 @@ def dominant_frequencies(
 
     A straight line is taken off and a Hann window laid over the whole signal. Local maxima of its spectrum X
     count that are above five times the median of their surroundings (an eighth of the band) and above a
-    thousandth of the strongest. The frequency follows from the larger neighbour: with :math:`\alpha` the ratio of neighbour to maximum,
+    thousandth of the strongest. With :math:`\alpha` the ratio of the larger neighbour to the maximum,
 
     .. math:: f = (k \pm \delta)/T, \quad \delta = \frac{2\alpha - 1}{1 + \alpha}, \qquad
               A = 2 |X_k| \frac{\pi\delta}{\sin\pi\delta} (1 - \delta^2),
