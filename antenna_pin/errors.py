@@ -15,6 +15,7 @@ __all__ = [
     "FileFormatError",
     "InvalidParameterError",
     "MechanismError",
+    "MissingToolError",
     "OutputError",
     "ScenarioError",
     "UnknownNameError",
@@ -80,6 +81,10 @@ class FileFormatError(AntennaPinError, ValueError):
 
 class OutputError(AntennaPinError, OSError):
     """A result cannot be written where it was asked to be."""
+
+
+class MissingToolError(AntennaPinError, RuntimeError):
+    """A program or an optional package that this needs is not installed, or does not start."""
 
 
 def nearest(name: str, known: Iterable[str]) -> str | None:

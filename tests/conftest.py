@@ -1,7 +1,121 @@
-"""What all tests share."""
+"""What all tests share: repeatable examples, and a real browser."""
 
+from __future__ import annotations
+
+import base64
+import io
+import json
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
 from hypothesis import settings
 
 # The same examples in every run, and no deadline, because a first example may compile kernels.
 settings.register_profile("repeatable", derandomize=True, deadline=None)
 settings.load_profile("repeatable")
+
+
+# --- a real browser, offline ---
+
+#: "required": a missing browser is an error (scripts/test sets it); "skip": tests that need one are left out;
+#: otherwise they are skipped where there is none.
+BROWSER_TESTS = "ANTENNA_PIN_TEST_BROWSER"
+
+
+class Page:
+    """One page in the browser: its pixels, its console, and what it asked of the network.
+
+    Times are given to the page by its own scripts; sizes are in pixels of the page.
+    """
+
+    def __init__(self, browser: Any) -> None:
+        self.browser = browser
+        self._console: list[dict[str, Any]] = []
+        self._requests: list[str] = []
+
+    def open(self, path: Path, width: int = 800, height: int = 600) -> Page:
+        """Open a file as a user does who is offline, in a view of the given size."""
+        self.browser.open("about:blank")  # ends what the page before still does
+        self._collect()
+        self._console.clear()
+        self._requests.clear()
+        self.resize(width, height)
+        self.browser.open(path.resolve().as_uri())
+        return self
+
+    def resize(self, width: int, height: int, mobile: bool = False) -> None:
+        """Give the page another view, such as a phone's."""
+        self.browser.resize(width, height, mobile)
+
+    def run(self, code: str, *arguments: Any) -> Any:
+        """Return what JavaScript returns: a function's body, which may ``await``; ``a`` are its arguments."""
+        return self.browser.run(code, *arguments)
+
+    def pixels(self, selector: str = "canvas") -> np.ndarray:
+        """Return what a canvas shows, (height, width, 3) of 0 to 255.
+
+        A WebGL canvas must keep its drawing buffer (``preserveDrawingBuffer``), else it is blank.
+        """
+        address = self.run("return document.querySelector(a[0]).toDataURL('image/png');", selector)
+        return _picture(base64.b64decode(address.partition(",")[2]))
+
+    def screenshot(self) -> np.ndarray:
+        """Return what a user sees of the page, (height, width, 3) of 0 to 255."""
+        return _picture(self.browser.picture())
+
+    @property
+    def errors(self) -> list[str]:
+        """What the console has complained of since the page was opened: errors and warnings."""
+        self._collect()
+        return [entry["message"] for entry in self._console if entry["level"] in ("SEVERE", "WARNING")]
+
+    @property
+    def requests(self) -> list[str]:
+        """Addresses the page has asked for besides its own file and what it holds within itself."""
+        self._collect()
+        return [url for url in self._requests[1:] if not url.startswith(("data:", "blob:"))]
+
+    def _collect(self) -> None:
+        self._console += self.browser.log("browser")
+        for entry in self.browser.log("performance"):
+            message = json.loads(entry["message"])["message"]
+            if message["method"] == "Network.requestWillBeSent":
+                self._requests.append(message["params"]["request"]["url"])
+
+
+def _picture(png: bytes) -> np.ndarray:
+    from PIL import Image
+
+    with Image.open(io.BytesIO(png)) as image:
+        return np.asarray(image.convert("RGB"))
+
+
+@pytest.fixture(scope="session")
+def _browser() -> Iterator[Any]:
+    """One browser for each worker, with a profile of its own."""
+    from antenna_pin.errors import MissingToolError
+    from antenna_pin.record._browser import find_browser, open_browser
+
+    if os.environ.get(BROWSER_TESTS) == "skip":
+        pytest.skip(f"{BROWSER_TESTS}=skip")
+    programs, missing = None, ""
+    try:
+        programs = find_browser()
+    except MissingToolError as error:
+        missing = str(error)
+    if programs is None and os.environ.get(BROWSER_TESTS) == "required":
+        pytest.fail(f"{missing} ({BROWSER_TESTS}=required)", pytrace=False)
+    if programs is None:
+        pytest.skip(missing)
+    with open_browser(programs, logs=True) as browser:
+        yield browser
+
+
+@pytest.fixture
+def page(_browser: Any) -> Page:
+    """A page of a real browser without network: ``page.open(path)``, then its pixels, errors and requests."""
+    return Page(_browser)

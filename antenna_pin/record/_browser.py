@@ -1,0 +1,238 @@
+"""A real browser without a screen: finds Chromium, starts it offline with WebGL in software, and opens pages.
+
+Selenium drives it. Both programs are taken from where they are installed; nothing is ever downloaded.
+"""
+
+from __future__ import annotations
+
+import base64
+import contextlib
+import importlib.util
+import os
+import shutil
+import tempfile
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from antenna_pin.errors import MissingToolError
+
+if TYPE_CHECKING:
+    from selenium.webdriver import ChromeOptions
+    from selenium.webdriver.remote.webdriver import WebDriver
+
+__all__ = [
+    "BROWSER_VARIABLE",
+    "DRIVER_VARIABLE",
+    "Browser",
+    "BrowserPrograms",
+    "find_browser",
+    "open_browser",
+]
+
+#: Environment variables that name the programs where they are not found on the path.
+BROWSER_VARIABLE = "ANTENNA_PIN_BROWSER"
+DRIVER_VARIABLE = "ANTENNA_PIN_CHROMEDRIVER"
+
+_BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+_DRIVERS = ("chromedriver",)
+_INSTALL = "install both (Debian, Ubuntu: apt-get install chromium chromium-driver)"
+
+#: Nothing that a browser does on its own: it opens one page of ours, offline, and draws it without a
+#: graphics card, so that pictures are the same on every machine.
+_FLAGS = (
+    "--headless",
+    "--app=data:,",  # an empty page, in place of the browser's own
+    "--no-first-run",
+    "--no-default-browser-check",
+    "--disable-background-networking",
+    "--disable-client-side-phishing-detection",
+    "--disable-component-update",
+    "--disable-default-apps",
+    "--disable-domain-reliability",
+    "--disable-extensions",
+    "--disable-quic",
+    "--disable-search-engine-choice-screen",
+    "--disable-sync",
+    "--disable-features=MediaRouter,OptimizationHints,Translate",
+    "--host-resolver-rules=MAP * ~NOTFOUND",
+    "--disable-dev-shm-usage",  # /dev/shm is small in containers
+    "--force-color-profile=srgb",
+    "--force-device-scale-factor=1",
+    "--hide-scrollbars",
+    "--mute-audio",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+)
+
+
+@dataclass(frozen=True, slots=True)
+class BrowserPrograms:
+    """What pages are opened with.
+
+    Attributes:
+        browser: Path of Chromium or Chrome.
+        driver: Path of its ChromeDriver, of the same version.
+    """
+
+    browser: str
+    driver: str
+
+
+def find_browser() -> BrowserPrograms:
+    """Return the browser and its driver on this machine.
+
+    Raises:
+        MissingToolError: One of them, or Selenium, is not installed.
+    """
+    if importlib.util.find_spec("selenium") is None:
+        raise MissingToolError(
+            "pictures of a recording need the Python package selenium, which is not installed; "
+            'pip install "antenna-pin[video]"'
+        )
+    return BrowserPrograms(
+        browser=_program("a browser", _BROWSERS, BROWSER_VARIABLE),
+        driver=_program("the browser's driver", _DRIVERS, DRIVER_VARIABLE),
+    )
+
+
+def _program(what: str, names: tuple[str, ...], variable: str) -> str:
+    named = os.environ.get(variable)
+    if named:
+        found = shutil.which(named)
+        if found is None:
+            raise MissingToolError(f"{variable}: must name a program, got {named!r}")
+        return found
+    for name in names:
+        found = shutil.which(name)
+        if found is not None:
+            return found
+    raise MissingToolError(
+        f"pictures of a recording need {what}, found no {' or '.join(names)}; {_INSTALL} or name it in "
+        f"{variable}"
+    )
+
+
+class Browser:
+    """A browser with one page, as :func:`open_browser` yields it.
+
+    Args:
+        driver: Selenium's driver of it.
+    """
+
+    def __init__(self, driver: WebDriver) -> None:
+        """Take over a driver."""
+        self._driver = driver
+
+    def open(self, url: str) -> None:
+        """Load a page and return when it is there (``load`` event)."""
+        self._driver.get(url)
+
+    def run(self, code: str, *arguments: Any) -> Any:
+        """Return what JavaScript returns: the body of a function, which may ``await``.
+
+        Args:
+            code: The body; its arguments are ``a[0]``, ``a[1]``, ...
+            arguments: Numbers, text, and lists or dicts of them.
+        """
+        return self._driver.execute_script(
+            f"const a = arguments; return (async () => {{ {code} }})();", *arguments
+        )
+
+    def command(self, name: str, **parameters: Any) -> Any:
+        """Send a command of the Chrome DevTools protocol and return its result."""
+        return self._driver.execute("executeCdpCommand", {"cmd": name, "params": parameters})["value"]
+
+    def resize(self, width: int, height: int, mobile: bool = False) -> None:
+        """Give the page another view [px], such as a phone's."""
+        self.command(
+            "Emulation.setDeviceMetricsOverride",
+            width=width,
+            height=height,
+            deviceScaleFactor=1,
+            mobile=mobile,
+        )
+
+    def picture(self) -> bytes:
+        """Return what is seen of the page, as a PNG file."""
+        shot = self.command("Page.captureScreenshot", format="png", optimizeForSpeed=True)
+        return base64.b64decode(shot["data"])
+
+    def log(self, kind: str) -> list[dict[str, Any]]:
+        """Return what has been logged since the last call.
+
+        Args:
+            kind: "browser" for the console, "performance" for the network; needs ``logs=True``.
+        """
+        found: list[dict[str, Any]] = self._driver.execute("getLog", {"type": kind})["value"]
+        return found
+
+
+@contextlib.contextmanager
+def open_browser(
+    programs: BrowserPrograms | None = None, *, logs: bool = False, timeout: float = 60.0
+) -> Iterator[Browser]:
+    """Start a browser without a screen, with settings of its own, and end it afterwards.
+
+    Args:
+        programs: Which; found if not given.
+        logs: Whether to keep the console's messages and the network's requests.
+        timeout: For a page to load and for a script to return [s].
+
+    Yields:
+        The browser, with an empty page.
+
+    Raises:
+        MissingToolError: It is not installed or does not start.
+    """
+    programs = find_browser() if programs is None else programs
+    from selenium.common.exceptions import WebDriverException
+    from selenium.webdriver import Remote
+    from selenium.webdriver.chrome.remote_connection import ChromeRemoteConnection
+    from selenium.webdriver.chrome.service import Service
+    from selenium.webdriver.common.proxy import Proxy, ProxyType
+    from selenium.webdriver.remote.client_config import ClientConfig
+
+    # The driver gets a session of its own: Ctrl-C is for us, who then end it in good order.
+    service = Service(executable_path=programs.driver, popen_kw={"start_new_session": True})
+    # The browser may write to its folder until the last of its processes has gone.
+    folder = tempfile.TemporaryDirectory(prefix="antenna-pin-browser-", ignore_cleanup_errors=True)
+    with folder as profile, contextlib.ExitStack() as ending:
+        try:
+            service.start()
+            ending.callback(service.stop)
+            # It listens on this machine, so no proxy of the environment leads there.
+            direct = Proxy({"proxyType": ProxyType.DIRECT})
+            config = ClientConfig(service.service_url, proxy=direct, timeout=int(2 * timeout))
+            connection = ChromeRemoteConnection(service.service_url, client_config=config)
+            driver = Remote(command_executor=connection, options=_options(programs.browser, profile, logs))
+        except WebDriverException as error:
+            reason = " ".join((error.msg or "no reason given").split())
+            raise MissingToolError(
+                f"{programs.browser} must start with {programs.driver}, got: {reason[:300]}; {_INSTALL}, of "
+                "one version"
+            ) from error
+        ending.callback(_quit, driver)
+        driver.set_page_load_timeout(timeout)
+        driver.set_script_timeout(timeout)
+        yield Browser(driver)
+
+
+def _options(browser: str, profile: str, logs: bool) -> ChromeOptions:
+    from selenium.webdriver import ChromeOptions
+
+    options = ChromeOptions()
+    options.binary_location = browser
+    for flag in _FLAGS:
+        options.add_argument(flag)
+    options.add_argument(f"--user-data-dir={profile}")
+    if hasattr(os, "geteuid") and os.geteuid() == 0:  # Chromium's sandbox refuses root
+        options.add_argument("--no-sandbox")
+    if logs:
+        options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
+    return options
+
+
+def _quit(driver: WebDriver) -> None:
+    with contextlib.suppress(Exception):  # it may be gone already, and fails then in many ways
+        driver.quit()
