@@ -5,6 +5,7 @@ from antenna_pin.analysis.bodies import body_poses, joint_loads, mechanism_of
 from antenna_pin.analysis.deviation import Deviation, DeviationMeasures, deviation
 from antenna_pin.analysis.growth import Growth, growth_of
 from antenna_pin.analysis.impacts import impacts
+from antenna_pin.analysis.loads import load_statistics
 from antenna_pin.analysis.sampled import resampled, time_mean, time_percentiles, time_rms
 from antenna_pin.analysis.scenarios import (
     SCENARIO_COLUMNS,
@@ -15,6 +16,7 @@ from antenna_pin.analysis.scenarios import (
     scenario_of,
     scenario_rows,
 )
+from antenna_pin.analysis.settling import Settling, settling, touching_intervals
 from antenna_pin.analysis.shares import scenario_shares
 from antenna_pin.analysis.spectrum import (
     UniformSignal,
@@ -31,6 +33,7 @@ __all__ = [
     "Growth",
     "JournalPose",
     "ScenarioPair",
+    "Settling",
     "TiltRange",
     "UniformSignal",
     "body_poses",
@@ -41,15 +44,18 @@ __all__ = [
     "dominant_frequencies",
     "growth_of",
     "impacts",
+    "load_statistics",
     "possible_scenarios",
     "resampled",
     "scenario_of",
     "scenario_rows",
     "scenario_shares",
+    "settling",
     "spectrogram",
     "spectrum",
     "time_mean",
     "time_percentiles",
     "time_rms",
+    "touching_intervals",
     "uniform",
 ]

@@ -1,0 +1,149 @@
+"""What contacts and joints carried: statistics of their forces over time."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+
+from antenna_pin.analysis._run import (
+    Array,
+    RunLike,
+    choose,
+    contacts_of,
+    data_of,
+    names,
+    sample_times,
+    variable,
+)
+from antenna_pin.analysis.sampled import time_mean, time_percentiles, time_rms
+from antenna_pin.analysis.settling import touching_intervals
+
+__all__ = ["load_statistics"]
+
+_CONTACT = {
+    "peak_force": ("N", "largest normal force, of the dense output"),
+    "mean_force": ("N", "mean normal force over the whole time"),
+    "mean_force_in_contact": ("N", "mean normal force while touching; NaN: never"),
+    "rms_force": ("N", "root mean square of the normal force"),
+    "contact_share": ("1", "share of the time in contact"),
+    "episodes": ("1", "number of contacts"),
+    "impulse": ("N s", "integral of the normal force"),
+    "dissipated": ("J", "energy lost, normal and friction"),
+}
+_JOINT = {
+    "joint_peak_force": ("N", "largest contact force on the journal, of the samples"),
+    "joint_mean_force": ("N", "mean size of the contact force on the journal"),
+    "joint_rms_force": ("N", "root mean square of the contact force on the journal"),
+    "joint_contact_share": ("1", "share of the time with any contact"),
+    "joint_episodes": ("1", "number of contacts"),
+    "joint_impulse": ("N s", "integral of all normal forces"),
+    "joint_dissipated": ("J", "energy lost, normal and friction"),
+}
+
+
+def load_statistics(
+    run: RunLike, joint: str | None = None, percent: Sequence[float] = (50.0, 90.0, 99.0, 99.9)
+) -> xr.Dataset:
+    """Return statistics of the load on every contact and every clearance joint.
+
+    Peaks of contacts, impulses, losses and shares of contact are those that the run kept exactly, between
+    samples too, and so is the mean normal force, impulse over time. Root mean square, percentiles and the
+    force of a joint as a whole are taken of samples, weighted by time: impacts have samples at their onset,
+    peak and release, so a root mean square is good to some per cent, no better.
+
+    The force on a journal as a whole may be far below those of its contacts: a tilted journal is pressed
+    against opposite sides of its bore, and these forces make a torque.
+
+    Args:
+        run: A run, or its data.
+        joint: Name of a clearance joint; all of them if left out.
+        percent: Percentiles of the time [%].
+
+    Returns:
+        Over ``contact``: ``peak_force``, ``mean_force``, ``mean_force_in_contact``, ``rms_force`` [N],
+        ``force_percentile`` (contact, percent) [N], ``contact_share`` [-], ``episodes``, ``impulse`` [N s],
+        ``dissipated`` [J]. Over ``clearance_joint`` the same of the joint, named ``joint_...``, of the size
+        of the whole contact force on the journal, friction included. No rows if the run has no clearance
+        joint.
+    """
+    data = data_of(run)
+    joints = choose("load_statistics", "clearance joint", joint, names(data, "clearance_joint"))
+    contacts = [name for own in joints for name in contacts_of(data, own)]
+    time = sample_times(data, "load_statistics")
+    shares = np.asarray(percent, dtype=float)
+    of_contacts = [_contact(data, name, time, shares) for name in contacts]
+    of_joints = [_joint(data, name, time, shares) for name in joints]
+    variables: dict[str, tuple[tuple[str, ...], Array, dict[str, str]]] = {}
+    for dim, rows, columns, prefix in (
+        ("contact", of_contacts, _CONTACT, ""),
+        ("clearance_joint", of_joints, _JOINT, "joint_"),
+    ):
+        for k, (name, (units, meaning)) in enumerate(columns.items()):
+            attributes = {"units": units, "long_name": meaning}
+            variables[name] = ((dim,), np.array([row[0][k] for row in rows], dtype=float), attributes)
+        variables[f"{prefix}force_percentile"] = (
+            (dim, "percent"),
+            np.array([row[1] for row in rows], dtype=float).reshape(len(rows), shares.size),
+            {"units": "N", "long_name": "force that is not exceeded for a percentage of the time"},
+        )
+    coords = {
+        "contact": np.array(contacts, dtype=object) if contacts else np.zeros(0, dtype="<U1"),
+        "clearance_joint": np.array(joints, dtype=object) if joints else np.zeros(0, dtype="<U1"),
+        "percent": shares,
+    }
+    return xr.Dataset(variables, coords=coords, attrs={"case": str(data.attrs.get("case", ""))})
+
+
+def _contact(data: xr.Dataset, contact: str, time: Array, percent: Array) -> tuple[list[float], Array]:
+    """Return the columns of one contact, and its percentiles."""
+    span = time[-1] - time[0]
+    mine = variable(data, "episode_contact", "load_statistics").values == names(data, "contact").index(
+        contact
+    )
+    force = np.asarray(
+        variable(data, "normal_force", "load_statistics").sel(contact=contact).values, dtype=float
+    )
+    impulse = _gained(data, "normal_impulse", [contact])
+    touched = _length(touching_intervals(data, [contact]))
+    peaks = np.asarray(data["peak_force"].values, dtype=float)[mine]
+    return [
+        float(np.concatenate([peaks, force]).max()),
+        impulse / span if span > 0.0 else float(force[0]),
+        impulse / touched if touched > 0.0 else float("nan"),
+        float(time_rms(time, force)),
+        touched / span if span > 0.0 else float(data["touching"].sel(contact=contact).values[0]),
+        float(np.count_nonzero(mine)),
+        impulse,
+        _gained(data, "dissipation_normal", [contact]) + _gained(data, "dissipation_friction", [contact]),
+    ], time_percentiles(time, force, percent)
+
+
+def _joint(data: xr.Dataset, joint: str, time: Array, percent: Array) -> tuple[list[float], Array]:
+    """Return the columns of one joint, and its percentiles."""
+    span = time[-1] - time[0]
+    contacts = contacts_of(data, joint)
+    vector = variable(data, "joint_force", "load_statistics").sel(clearance_joint=joint).values
+    force = np.linalg.norm(np.asarray(vector, dtype=float), axis=1)
+    index = [names(data, "contact").index(name) for name in contacts]
+    touching = data["touching"].sel(contact=contacts).values[0].any()
+    return [
+        float(force.max()),
+        float(time_mean(time, force)),
+        float(time_rms(time, force)),
+        _length(touching_intervals(data, contacts)) / span if span > 0.0 else float(touching),
+        float(np.count_nonzero(np.isin(data["episode_contact"].values, index))),
+        _gained(data, "normal_impulse", contacts),
+        _gained(data, "dissipation_normal", contacts) + _gained(data, "dissipation_friction", contacts),
+    ], time_percentiles(time, force, percent)
+
+
+def _gained(data: xr.Dataset, name: str, contacts: list[str]) -> float:
+    """Return by how much integrals of contacts have grown since the first sample."""
+    values = np.asarray(variable(data, name, "load_statistics").sel(contact=contacts).values, dtype=float)
+    return float((values[-1] - values[0]).sum())
+
+
+def _length(intervals: Array) -> float:
+    return float((intervals[:, 1] - intervals[:, 0]).sum())

@@ -1,0 +1,244 @@
+r"""When impacts turn into lasting contact.
+
+A joint has *settled* at the instant from which on its bore's contacts (a socket's, of a ball joint) are never
+all apart for longer than a given time: :math:`t_s` is the onset of contact that ends the last such interval
+longer than the longest gap allowed. It has not settled if one is still open when the run ends, or if what
+remains of the run after :math:`t_s` is too short to tell. Times are those of the located onsets and releases,
+not of samples.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+import xarray as xr
+
+from antenna_pin.analysis._run import (
+    Array,
+    RunLike,
+    choose,
+    contacts_of,
+    data_of,
+    names,
+    sample_times,
+    variable,
+)
+from antenna_pin.analysis.impacts import impacts
+from antenna_pin.errors import InvalidParameterError
+
+__all__ = ["Settling", "settling", "touching_intervals"]
+
+Kind = Literal["bore", "flanges", "any"]
+_LEAST_IMPACTS = 5
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Settling:
+    """Whether and when a joint came to lasting contact.
+
+    Attributes:
+        joint: The clearance joint.
+        contacts: Its contacts that count, any of which is contact.
+        time: When it settled [s]; None if it did not.
+        note: Why it did not; empty if it did.
+        longest_gap: Longest time without contact that counts as lasting contact [s].
+        share_before: Share of the time in contact before it settled (of the whole run if it did not) [-].
+        share_after: The same from then on [-]; NaN if it did not settle.
+        last_gap: End of the last interval without contact, however short [s]; NaN if there was none.
+        decay_rate: Rate at which approach speeds fall, of the straight line through ln speed over time [1/s];
+            NaN for fewer than 5 impacts above the law's floor.
+        decay_r2: Coefficient of determination of that line [-]; a low one says that speeds do not decay
+            exponentially.
+        curve: Over ``window`` (labelled by its middle, ``time``): ``contact_share`` [-], ``impacts`` begun,
+            and their ``largest_approach_speed`` and ``mean_approach_speed`` [m/s] (NaN: no impact).
+    """
+
+    joint: str
+    contacts: tuple[str, ...]
+    time: float | None
+    note: str
+    longest_gap: float
+    share_before: float
+    share_after: float
+    last_gap: float
+    decay_rate: float
+    decay_r2: float
+    curve: xr.Dataset
+
+
+def touching_intervals(run: RunLike, contacts: Sequence[str]) -> Array:
+    """Return when any of some contacts touches, as intervals that do not overlap.
+
+    Args:
+        run: A run, or its data.
+        contacts: Names of contacts.
+
+    Returns:
+        Start and end of each, in order, (n, 2) [s]; the last end is the run's if it still touches then.
+    """
+    data = data_of(run)
+    if not contacts:
+        return np.zeros((0, 2))
+    index = [choose("touching_intervals", "contact", name, names(data, "contact"))[0] for name in contacts]
+    number = [names(data, "contact").index(name) for name in index]
+    mine = np.isin(variable(data, "episode_contact", "touching_intervals").values, number)
+    end = float(sample_times(data, "touching_intervals")[-1])
+    onset = np.asarray(data["onset_time"].values, dtype=float)[mine]
+    release = np.asarray(data["release_time"].values, dtype=float)[mine]
+    release = np.where(np.isfinite(release), release, end)
+    merged: list[list[float]] = []
+    for k in np.argsort(onset, kind="stable"):
+        if merged and onset[k] <= merged[-1][1]:
+            merged[-1][1] = max(merged[-1][1], float(release[k]))
+        else:
+            merged.append([float(onset[k]), float(release[k])])
+    return np.array(merged).reshape(-1, 2)
+
+
+def settling(
+    run: RunLike,
+    joint: str | None = None,
+    *,
+    longest_gap: float = 1e-3,
+    least_duration: float | None = None,
+    windows: int = 50,
+    contacts: Kind = "bore",
+) -> tuple[Settling, ...]:
+    """Return whether and when each clearance joint came to lasting contact; the module's text defines it.
+
+    Args:
+        run: A run, or its data.
+        joint: Name of a clearance joint; all of them if left out.
+        longest_gap: Longest time without contact that counts as lasting contact [s]; 0: it never parts again.
+        least_duration: Time that must remain after settling [s]; if left out, a twentieth of the run, or ten
+            longest gaps if they are longer.
+        windows: Number of windows of the curve.
+        contacts: Which count: those of the "bore" (or socket), of the "flanges", or "any".
+
+    Returns:
+        One per clearance joint; none if the run has no clearance joint.
+    """
+    if not longest_gap >= 0.0:
+        raise InvalidParameterError("settling", "longest_gap", "0 or more [s]", longest_gap)
+    if windows < 1:
+        raise InvalidParameterError("settling", "windows", "1 or more", windows)
+    if contacts not in ("bore", "flanges", "any"):
+        raise InvalidParameterError("settling", "contacts", "'bore', 'flanges' or 'any'", contacts)
+    data = data_of(run)
+    result = []
+    for name in choose("settling", "clearance joint", joint, names(data, "clearance_joint")):
+        own = tuple(
+            contact
+            for contact in contacts_of(data, name)
+            if contacts == "any" or (contacts == "flanges") == contact.rpartition(".")[2].startswith("axial")
+        )
+        result.append(_settling(data, name, own, longest_gap, least_duration, windows))
+    return tuple(result)
+
+
+def _settling(
+    data: xr.Dataset,
+    joint: str,
+    contacts: tuple[str, ...],
+    longest_gap: float,
+    least_duration: float | None,
+    windows: int,
+) -> Settling:
+    time = sample_times(data, "settling")
+    start, end = float(time[0]), float(time[-1])
+    least = max(0.05 * (end - start), 10.0 * longest_gap) if least_duration is None else least_duration
+    touching = touching_intervals(data, contacts)
+    gaps = np.column_stack(
+        [np.concatenate([[start], touching[:, 1]]), np.concatenate([touching[:, 0], [end]])]
+    )
+    gaps = gaps[gaps[:, 1] > gaps[:, 0]]
+    long = gaps[gaps[:, 1] - gaps[:, 0] > longest_gap]
+    settled: float | None = float(long[-1, 1]) if long.size else start
+    note = ""
+    if end == start:
+        settled, note = None, "one sample is no time to settle in"
+    elif not touching.size:
+        settled, note = None, "it never touches"
+    elif long.size and long[-1, 1] == end:
+        settled, note = None, f"it is apart for {1e3 * (end - long[-1, 0]):.3g} ms when the run ends"
+    elif settled is not None and end - settled < least:
+        left = 1e3 * (end - settled)
+        settled, note = (
+            None,
+            f"only {left:.3g} ms of {1e3 * least:.3g} ms to tell remain after {settled:.4g} s",
+        )
+    table = impacts(data, joint)
+    table = table.isel(impact=np.flatnonzero(np.isin(table["contact"].values, contacts)))
+    rate, fit = _decay(table)
+    middle = end if settled is None else settled
+    return Settling(
+        joint=joint,
+        contacts=contacts,
+        time=settled,
+        note=note,
+        longest_gap=longest_gap,
+        share_before=_share(touching, start, middle),
+        share_after=float("nan") if settled is None else _share(touching, settled, end),
+        last_gap=float(gaps[-1, 1]) if gaps.size else float("nan"),
+        decay_rate=rate,
+        decay_r2=fit,
+        curve=_curve(table, touching, np.linspace(start, end, windows + 1)),
+    )
+
+
+def _share(touching: Array, start: float, end: float) -> float:
+    """Return the share of a span in contact; NaN of none."""
+    if not end > start:
+        return float("nan")
+    inside = np.clip(touching, start, end)
+    return float((inside[:, 1] - inside[:, 0]).sum() / (end - start))
+
+
+def _decay(table: xr.Dataset) -> tuple[float, float]:
+    """Return rate and coefficient of determination of exponentially falling approach speeds."""
+    speed = table["approach_speed"].values
+    counted = ~table["floored"].values & (speed > 0.0)
+    x, y = table["onset"].values[counted], np.log(speed[counted])
+    if x.size < _LEAST_IMPACTS or np.ptp(x) == 0.0 or np.ptp(y) == 0.0:
+        return float("nan"), float("nan")
+    dx, dy = x - x.mean(), y - y.mean()
+    slope = float(dx @ dy / (dx @ dx))
+    left = dy - slope * dx
+    return -slope, float(1.0 - left @ left / (dy @ dy))
+
+
+def _curve(table: xr.Dataset, touching: Array, edges: Array) -> xr.Dataset:
+    count = edges.size - 1
+    share = np.array([_share(touching, *edges[k : k + 2]) for k in range(count)])
+    where = np.clip(np.searchsorted(edges, table["onset"].values, side="right") - 1, 0, count - 1)
+    begun = np.bincount(where, minlength=count)
+    largest, mean = np.full(count, np.nan), np.full(count, np.nan)
+    for k in np.unique(where):
+        speed = table["approach_speed"].values[where == k]
+        largest[k], mean[k] = speed.max(), speed.mean()
+    return xr.Dataset(
+        {
+            "contact_share": ("window", share, {"units": "1", "long_name": "share of the window in contact"}),
+            "impacts": ("window", begun, {"units": "1", "long_name": "contacts begun in the window"}),
+            "largest_approach_speed": (
+                "window",
+                largest,
+                {"units": "m/s", "long_name": "largest approach speed of the window"},
+            ),
+            "mean_approach_speed": (
+                "window",
+                mean,
+                {"units": "m/s", "long_name": "mean approach speed of the window"},
+            ),
+        },
+        coords={
+            "time": (
+                "window",
+                0.5 * (edges[1:] + edges[:-1]),
+                {"units": "s", "long_name": "middle of the window"},
+            )
+        },
+    )
