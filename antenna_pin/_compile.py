@@ -34,9 +34,11 @@ def _stamp() -> str:
 def kernel(function: _Function) -> _Function:
     """Compile a function at its first call and keep the machine code.
 
-    Division by zero gives infinity there, not an exception.
+    Division by zero gives infinity there, not an exception. Nothing may be allocated: references to arrays
+    are not counted, which would take as long as all the arithmetic.
     """
-    return _compiled(function)
+    # Left unsaid, Numba takes over what the caller says for which it is compiled.
+    return _compiled(function, forceinline=False)
 
 
 def inlined(function: _Function) -> _Function:
@@ -46,12 +48,20 @@ def inlined(function: _Function) -> _Function:
 
 def _compiled(function: _Function, **options: bool) -> _Function:
     try:
-        compiled = numba.njit(cache=True, error_model="numpy", **options)(function)
+        compiled = _njit(function, cache=True, **options)
     except RuntimeError:
         # Neither the package's folder nor the user's cache can be written: compile anew in each process.
-        compiled = numba.njit(error_model="numpy", **options)(function)
+        compiled = _njit(function, **options)
     # With NUMBA_DISABLE_JIT=1 there is nothing to stamp.
     cache_file = getattr(getattr(compiled, "_cache", None), "_cache_file", None)
     if cache_file is not None:
         cache_file._source_stamp = _stamp()
     return compiled  # type: ignore[no-any-return]
+
+
+def _njit(function: Callable[..., Any], **options: bool) -> Any:
+    try:
+        return numba.njit(error_model="numpy", _nrt=False, **options)(function)
+    except KeyError:
+        # The option against counting is Numba's own, not a promised one; without it kernels are slower.
+        return numba.njit(error_model="numpy", **options)(function)
