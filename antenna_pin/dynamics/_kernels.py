@@ -207,7 +207,7 @@ def stored_energy(y: Any, program: Any, memory: Any, table: Any) -> tuple[float,
                     if memory[row + k, 0] == 0.0:
                         continue
                     if kind == DISTRIBUTED:
-                        contacts += table[row + k, joint.PATCH_ENERGY]
+                        contacts += joint.patch_energy(program, b, k, table)
                     else:
                         law = b + joint.LAWS + k * joint.LAW_SIZE
                         contacts += elastic_energy(program[law : law + NORMAL_SIZE], -table[row + k, 0])

@@ -62,10 +62,9 @@ FORCE = 11
 FRICTION = 12
 ELASTIC = 15
 
-# Of a patch under distributed load: power lost in normal direction and to friction, energy stored.
+# Of a patch under distributed load: power lost in normal direction and to friction.
 PATCH_LOST_NORMAL = 16
 PATCH_LOST_FRICTION = 17
-PATCH_ENERGY = 18
 
 # Behind the laws of a joint with distributed load: strips, sectors, first of their rows, radius, (cos,
 # sin)...
@@ -317,7 +316,6 @@ def patch_rows(p: Any, b: int, k: int) -> tuple[int, int]:
 def _patch_forces(p: Any, b: int, k: int, law: int, approach: float, table: Any, r: int) -> None:
     """Fill the forces of the loaded strips or sectors of patch k, and their sums in the patch's row r."""
     first, last = patch_rows(p, b, k)
-    normal = p[law : law + NORMAL_SIZE]
     for s in range(first, last):
         if table[s, 0] >= 0.0:
             continue
@@ -330,7 +328,18 @@ def _patch_forces(p: Any, b: int, k: int, law: int, approach: float, table: Any,
             power += table[s, FRICTION + i] * table[s, SLIP + i]
         table[r, PATCH_LOST_NORMAL] += (table[s, FORCE] - table[s, ELASTIC]) * table[s, RATE]
         table[r, PATCH_LOST_FRICTION] -= power
-        table[r, PATCH_ENERGY] += elastic_energy(normal, -table[s, 0])
+
+
+@kernel
+def patch_energy(p: Any, b: int, k: int, table: Any) -> float:
+    """Energy stored by the loaded strips or sectors of patch k [J]; gaps from the table."""
+    first, last = patch_rows(p, b, k)
+    law = b + LAWS + k * LAW_SIZE
+    normal = p[law : law + NORMAL_SIZE]
+    energy = 0.0
+    for s in range(first, last):
+        energy += elastic_energy(normal, -table[s, 0])
+    return energy
 
 
 @inlined
@@ -347,12 +356,12 @@ def contact_forces(
         if memory[first + k, TOUCHING] == 0.0:
             # Both are zero only if all columns between are; most contacts are apart, and stay so.
             if table[r, FORCE] != 0.0 or table[r, ELASTIC] != 0.0:
-                for column in range(FORCE, PATCH_ENERGY + 1):
+                for column in range(FORCE, PATCH_LOST_FRICTION + 1):
                     table[r, column] = 0.0
             continue
         law = b + LAWS + k * LAW_SIZE
         if distributed:
-            for column in range(FORCE, PATCH_ENERGY + 1):
+            for column in range(FORCE, PATCH_LOST_FRICTION + 1):
                 table[r, column] = 0.0
             _patch_forces(p, b, k, law, memory[first + k, APPROACH], table, r)
         else:
