@@ -46,7 +46,7 @@ STEP = 7.0  # D, depth of full damping
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(8)
 
 
-@kernel
+@inlined
 def power(depth: float, exponent: float) -> float:
     """``depth**exponent``, continued to negative depth where the exponent is an integer, else zero there.
 
@@ -117,21 +117,31 @@ def _pin_joint(
 
 
 @kernel
+def _bai_zhao(factor: float, clearance: float, exponent: float, depth: float) -> float:
+    if depth <= 0.0:
+        return 0.0
+    s = clearance + depth
+    return (
+        factor * math.sqrt(depth / s) * (3.0 * clearance + 2.0 * depth) / s * power(depth, exponent)
+    )  # K_n d^n
+
+
+@kernel
+def _persson(factor: float, clearance: float, largest: float, depth: float) -> float:
+    x = max(depth, -0.5 * clearance)
+    square = min(x / (2.0 * clearance + x), largest)  # tan^2(eps/2)
+    return factor * square * (1.0 + square) / (2.0 - math.log1p(square) - 2.0 * square * square)
+
+
+@kernel
 def _cylinder_force(kind: float, a: float, b: float, c: float, d: float, e: float, depth: float) -> float:
-    """Elastic force [N] of the kinds that are no power of the depth, from their parameters a to e."""
+    """Elastic force [N] of the rarer kinds, from their parameters a to e."""
     if kind == LOGARITHMIC:
         return _logarithmic(a, b, depth)
-    if kind == FOUNDATION:
-        return a * depth * math.sqrt(depth / (b + depth)) if depth > 0.0 else 0.0
     if kind == BAI_ZHAO:
-        if depth <= 0.0:
-            return 0.0
-        stiffness = a * math.sqrt(depth / (b + depth)) * (3.0 * b + 2.0 * depth) / (b + depth)  # K_n L
-        return stiffness * power(depth, c)
+        return _bai_zhao(a, b, c, depth)
     if kind == PERSSON:
-        x = max(depth, -b)
-        square = min(x / (2.0 * b + x), c)  # tan^2(eps/2)
-        return a * square * (1.0 + square) / (2.0 - math.log1p(square) - 2.0 * square * square)
+        return _persson(a, b, c, depth)
     if kind == PIN_JOINT:
         return _pin_joint(a, b, c, d, e, depth)
     return 0.0
@@ -140,28 +150,12 @@ def _cylinder_force(kind: float, a: float, b: float, c: float, d: float, e: floa
 @inlined
 def elastic_force(law: Any, depth: float) -> float:
     """Elastic part of the normal force [N] at ``depth`` [m]."""
-    if law[ELASTIC] == POWER:
+    kind = law[ELASTIC]
+    if kind == POWER:
         return float(law[2] * power(depth, law[3]))  # f = K d^n
-    return _cylinder_force(law[0], law[2], law[3], law[4], law[5], law[6], depth)
-
-
-@kernel
-def _quadrature(law: Any, depth: float) -> float:
-    """Integral of the elastic force from 0 to ``depth`` [J], where it has no closed form.
-
-    Over u of ``depth exp(-u)``, in which these forces are smooth down to depth zero; what lies beyond u = 40
-    is less than the round-off.
-    """
-    total = 0.0
-    low = 0.0
-    width = 0.5
-    while low < 40.0:
-        for k in range(NODES.shape[0]):
-            x = depth * math.exp(-low - 0.5 * width * (1.0 + NODES[k]))
-            total += 0.5 * width * WEIGHTS[k] * x * elastic_force(law, x)
-        low += width
-        width *= 1.25
-    return total
+    if kind == FOUNDATION:
+        return float(law[2] * depth * math.sqrt(depth / (law[3] + depth))) if depth > 0.0 else 0.0
+    return _cylinder_force(kind, law[2], law[3], law[4], law[5], law[6], depth)
 
 
 @kernel
@@ -183,28 +177,58 @@ def _foundation_energy(factor: float, clearance: float, depth: float) -> float:
 
 
 @kernel
+def _logarithmic_energy(force_0: float, depth_0: float, depth: float) -> float:
+    # F d - integral of d dF, with d = d_0 s ln(1/s): F_0 d_0 s^2 (w/2 - 1/4), w = ln(1/s).
+    if depth < 1e-300 * depth_0:
+        return 0.0
+    w = log_ratio(depth / depth_0)
+    s = math.exp(-w)
+    # Beyond the turn-over the force stays as it is there.
+    beyond = max(0.0, depth - depth_0 * w * s) * force_0 * s
+    return force_0 * depth_0 * s * s * (0.5 * w - 0.25) + beyond
+
+
+@kernel
+def _quadrature(kind: float, a: float, b: float, c: float, d: float, e: float, depth: float) -> float:
+    """Integral of the elastic force from 0 to ``depth`` [J], where it has no closed form.
+
+    Over u of ``depth exp(-u)``, in which these forces are smooth down to depth zero; what lies beyond u = 40
+    is less than the round-off.
+    """
+    total = 0.0
+    low = 0.0
+    width = 0.5
+    while low < 40.0:
+        for k in range(NODES.shape[0]):
+            x = depth * math.exp(-low - 0.5 * width * (1.0 + NODES[k]))
+            total += 0.5 * width * WEIGHTS[k] * x * _cylinder_force(kind, a, b, c, d, e, x)
+        low += width
+        width *= 1.25
+    return total
+
+
+@kernel
+def _cylinder_energy(kind: float, a: float, b: float, c: float, d: float, e: float, depth: float) -> float:
+    """Energy stored [J] by the kinds that are no power of the depth, from their parameters a to e."""
+    if kind == FOUNDATION:
+        return _foundation_energy(a, b, depth)
+    if kind == LOGARITHMIC:
+        return _logarithmic_energy(a, b, depth)
+    if kind == BAI_ZHAO and c == 1.0:
+        # K_n L is the slope of Liu's force F, whose factor is twice K_n's: F d - integral of F.
+        force = 2.0 * a * depth * math.sqrt(depth / (b + depth))
+        return force * depth - _foundation_energy(2.0 * a, b, depth)
+    return _quadrature(kind, a, b, c, d, e, depth)
+
+
+@kernel
 def elastic_energy(law: Any, depth: float) -> float:
     """Energy stored by the elastic part [J]: the integral of the force from 0 to ``depth``."""
     if depth <= 0.0:
         return 0.0
     if law[ELASTIC] == POWER:
         return float(law[2] * power(depth, law[3]) * depth / (law[3] + 1.0))
-    if law[ELASTIC] == LOGARITHMIC:
-        # F d - integral of d dF, with d = d_0 s ln(1/s): F_0 d_0 s^2 (w/2 - 1/4), w = ln(1/s).
-        if depth < 1e-300 * law[3]:
-            return 0.0
-        w = log_ratio(depth / law[3])
-        s = math.exp(-w)
-        # Beyond the turn-over the force stays as it is there.
-        beyond = max(0.0, depth - law[3] * w * s) * law[2] * s
-        return float(law[2] * law[3] * s * s * (0.5 * w - 0.25) + beyond)
-    if law[ELASTIC] == FOUNDATION:
-        return _foundation_energy(law[2], law[3], depth)
-    if law[ELASTIC] == BAI_ZHAO and law[4] == 1.0:
-        # K_n L is the slope of Liu's force F, whose factor is twice K_n's: F d - integral of F.
-        force = 2.0 * law[2] * depth * math.sqrt(depth / (law[3] + depth))
-        return float(force * depth - _foundation_energy(2.0 * law[2], law[3], depth))
-    return _quadrature(law, depth)
+    return _cylinder_energy(law[0], law[2], law[3], law[4], law[5], law[6], depth)
 
 
 @kernel

@@ -75,6 +75,10 @@ class KelvinVoigtDamping(Dissipation):
 
     Attributes:
         damping: D [N s/m].
+
+    References:
+        Voigt (1892), Ann. Phys. 283, 671-693. Codes exist that unload with c_r K depth instead, without a
+        potential; that is not this law.
     """
 
     adds_force: ClassVar[bool] = True
@@ -140,7 +144,10 @@ class TsujiDamping(Dissipation):
     power law of exponent n :math:`\alpha = \sqrt{2 (n + 1)}\, \zeta`, for which the restitution is exact:
     for n = 1 it is a Kelvin-Voigt contact. :math:`c_r` is what the contact would deliver that pulls to the
     end; cut off, it delivers :math:`\exp[-\zeta (\pi - 2 \arcsin\zeta) / \sqrt{1 - \zeta^2}]`: asked 0.9,
-    0.906, asked 0.5, 0.54.
+    0.902, asked 0.5, 0.55.
+
+    Beside an elastic law that is linear at small depth, or nearly, as the laws with a logarithm are, the
+    force jumps at the onset as that of a Kelvin-Voigt contact does.
 
     Attributes:
         restitution: c_r, in (0, 1] [-].
@@ -182,9 +189,12 @@ class JankowskiDamping(Dissipation):
         \xi = \frac{9 \sqrt5}{2}\, \frac{1 - c_r^2}{c_r [c_r (9 \pi - 16) + 16]}
 
     Continuous, with a kink where the approach ends. With other elastic laws :math:`K \sqrt\delta` is the
-    secant stiffness :math:`f_e / \delta`. With a power law it delivers :math:`\exp(-\zeta \arccos\zeta /
-    \sqrt{1 - \zeta^2})`, :math:`\zeta = 2 \xi / \sqrt{2 (n + 1)}`: asked 0.9 0.902, asked 0.5, 0.53 with n =
-    3/2.
+    secant stiffness :math:`f_e / \delta`. With a power law it delivers
+    :math:`\exp(-\zeta \arccos\zeta / \sqrt{1 - \zeta^2})`, :math:`\zeta = 2 \xi / \sqrt{2 (n + 1)}`: with
+    n = 3/2 asked 0.9, 0.900, asked 0.5, 0.495.
+
+    Beside an elastic law that is linear at small depth, or nearly, as the laws with a logarithm are, the
+    force jumps at the onset as that of a Kelvin-Voigt contact does.
 
     Attributes:
         restitution: c_r, in (0, 1] [-].
@@ -232,6 +242,9 @@ class AdamsDamping(Dissipation):
     Attributes:
         damping: D, of full damping [N s/m].
         full_damping_depth: d, depth from which on it acts in full [m].
+
+    References:
+        MSC Adams, function IMPACT.
     """
 
     adds_force: ClassVar[bool] = True

@@ -15,6 +15,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Any, ClassVar, Protocol, runtime_checkable
 
 import numpy as np
@@ -86,15 +87,21 @@ class CompiledNormalLaw:
         """
         if depth <= 0.0:
             return 0.0
-        return float(_kernels.normal_force(self.code(), depth, rate, approach_speed))
+        return float(_kernels.normal_force(_code_of(self), depth, rate, approach_speed))
 
     def elastic_force(self, depth: float) -> float:
         """Return the part of the force that derives from a potential [N]."""
-        return float(_kernels.elastic_force(self.code(), depth)) if depth > 0.0 else 0.0
+        return float(_kernels.elastic_force(_code_of(self), depth)) if depth > 0.0 else 0.0
 
     def elastic_energy(self, depth: float) -> float:
         """Return the energy stored at ``depth`` [J]: the integral of the elastic force from 0."""
-        return float(_kernels.elastic_energy(self.code(), depth))
+        return float(_kernels.elastic_energy(_code_of(self), depth))
+
+
+@lru_cache(maxsize=256)
+def _code_of(law: CompiledNormalLaw) -> NDArray[np.float64]:
+    """Return a law's code, composed once: a law is frozen."""
+    return law.code()
 
 
 class ElasticLaw(CompiledNormalLaw):
