@@ -1,4 +1,4 @@
-"""Friction laws: they oppose slip, stay within their coefficients and are as smooth as they claim."""
+"""Friction laws of the slip speed: they oppose slip, keep to their limits and are as smooth as they say."""
 
 import math
 import re
@@ -10,42 +10,65 @@ from hypothesis import strategies as st
 
 from antenna_pin.contact import (
     Ambrosio,
+    BengisuAkay,
+    BrownMcPhee,
+    Coulomb,
     CustomFriction,
     FrictionLaw,
+    LinearFriction,
     NoFriction,
+    Stribeck,
     Tanh,
+    Threlfall,
     VelocityBased,
-    _friction_kernels,
 )
+from antenna_pin.contact import _friction_kernels as _kernels
 
 SPEEDS = np.concatenate([[0.0], np.geomspace(1e-9, 1e2, 200)])
 BAI_ZHAO = VelocityBased(static=0.15, dynamic=0.10, static_speed=0.1, dynamic_speed=1.0)
+LOAD = 37.0
+
+# Those that have a kink, and where; the others are continuous with their slope.
+KINKS = {
+    Ambrosio: ("lower_speed", "upper_speed"),
+    LinearFriction: ("regularisation_speed",),
+    Threlfall: ("transition_speed",),
+    BengisuAkay: ("static_speed",),
+}
 
 
-def limit(law):
-    """The largest coefficient a law may reach."""
+def dry_limit(law):
+    """The largest coefficient a law may reach, but for its viscous part."""
     return max((getattr(law, n, 0.0) for n in ("static", "dynamic", "coefficient_of_friction")), default=0.0)
 
 
+def viscous(law, speed):
+    """The viscous part of a law's coefficient under the load [-]."""
+    if isinstance(law, BrownMcPhee):
+        return law.viscous * speed * math.tanh(4.0 * LOAD / law.transition_force) / LOAD
+    return getattr(law, "viscous", 0.0) * speed
+
+
 def force_of(law, normal_force, slip):
-    return np.array(_friction_kernels.friction_force(law.code(), normal_force, *slip))
+    return np.array(_kernels.friction_force(law.code(), normal_force, *map(float, slip)))
 
 
 def slope(law, speed, step):
     """One-sided derivative of the coefficient, second order."""
-    f = [law.coefficient(speed + k * step) for k in range(3)]
+    f = [law.coefficient(speed + k * step, LOAD) for k in range(3)]
     return (-3.0 * f[0] + 4.0 * f[1] - f[2]) / (2.0 * step)
 
 
 def test_is_a_friction_law_without_memory(friction_law):
     assert isinstance(friction_law, FrictionLaw)
-    assert friction_law.states == 0
+    assert friction_law.states == 0 and friction_law.state_scales == ()
 
 
 def test_coefficient_lies_between_zero_and_its_limit(friction_law):
-    values = np.array([friction_law.coefficient(v) for v in SPEEDS])
+    values = np.array([friction_law.coefficient(v, LOAD) for v in SPEEDS])
+    excess = np.array([viscous(friction_law, v) for v in SPEEDS])
     assert (values >= 0.0).all()
-    assert (values <= limit(friction_law) * (1.0 + 1e-15)).all()  # round-off
+    assert (values - excess <= dry_limit(friction_law) * (1.0 + 1e-12)).all()  # round-off of the difference
     assert values[0] == 0.0
 
 
@@ -54,8 +77,26 @@ def test_coefficient_is_continuous(friction_law):
     jumps = []
     for count in (2000, 20000):
         speeds = np.geomspace(1e-6, 10.0, count)
-        jumps.append(np.abs(np.diff([friction_law.coefficient(v) for v in speeds])).max())
-    assert jumps[1] <= 0.11 * jumps[0]  # 0.1, and what the kinks of the ramp make of it
+        jumps.append(np.abs(np.diff([friction_law.coefficient(v, LOAD) for v in speeds])).max())
+    assert jumps[1] <= 0.11 * jumps[0]  # 0.1, and what the kinks of the ramps make of it
+
+
+def test_slope_is_continuous_but_for_the_named_kinks(friction_law):
+    """One-sided slopes agree at the speeds where a law changes its formula, and elsewhere."""
+    kinks = KINKS.get(type(friction_law), ())
+    named = [n for n in dir(type(friction_law)) if n.endswith("_speed")]
+    for speed in [getattr(friction_law, n) for n in named if n not in kinks] + [3e-4, 0.017, 0.4]:
+        h = 1e-4 * speed
+        left, right = slope(friction_law, speed, -h), slope(friction_law, speed, h)
+        scale = (
+            friction_law.coefficient(speed, LOAD) / speed
+            + friction_law.coefficient(2.0 * speed, LOAD) / speed
+        )
+        assert left == pytest.approx(right, abs=2e-5 * scale + 1e-12)  # truncation, h^2
+    for name in kinks:
+        speed = getattr(friction_law, name)
+        h = 1e-5 * speed
+        assert abs(slope(friction_law, speed, -h) - slope(friction_law, speed, h)) > 1e-3
 
 
 def test_opposes_slip_in_every_direction(friction_law):
@@ -63,9 +104,18 @@ def test_opposes_slip_in_every_direction(friction_law):
     for _ in range(200):
         slip = rng.normal(size=3) * 10.0 ** rng.uniform(-6, 1)
         speed = np.linalg.norm(slip)
-        expected = -friction_law.coefficient(speed) * 37.0 * slip / speed
+        expected = -friction_law.coefficient(speed, LOAD) * LOAD * slip / speed
         # Round-off of the speed, to which a ramp of slope mu / (v_1 - v_0) is sensitive.
-        assert force_of(friction_law, 37.0, slip) == pytest.approx(expected, rel=1e-12, abs=1e-14)
+        assert force_of(friction_law, LOAD, slip) == pytest.approx(expected, rel=1e-12, abs=1e-14)
+
+
+def test_friction_vanishes_with_the_load(friction_law):
+    slip = np.array([0.3, -0.1, 0.0])
+    assert (force_of(friction_law, 0.0, slip) == 0.0).all()
+    small, smaller = (np.linalg.norm(force_of(friction_law, load, slip)) for load in (1e-6, 1e-9))
+    assert smaller == pytest.approx(1e-3 * small, rel=1e-6)  # (F / F_nt)^2
+    if not isinstance(friction_law, BrownMcPhee):
+        assert friction_law.coefficient(0.2) == friction_law.coefficient(0.2, LOAD)
 
 
 @settings(deadline=None, derandomize=True)  # the first call may compile
@@ -75,6 +125,12 @@ def test_never_does_positive_work(x, y, z, force):
         BAI_ZHAO,
         Ambrosio(coefficient_of_friction=0.3),
         Tanh(coefficient_of_friction=0.3, transition_speed=0.01),
+        Coulomb(coefficient_of_friction=0.3),
+        LinearFriction(coefficient_of_friction=0.3, regularisation_speed=0.01),
+        Threlfall(coefficient_of_friction=0.3, transition_speed=0.01),
+        Stribeck(static=0.3, dynamic=0.2, stribeck_speed=0.01),
+        BengisuAkay(static=0.3, dynamic=0.2, static_speed=0.01, decay=3.0),
+        BrownMcPhee(static=0.3, dynamic=0.2, transition_speed=0.01),
     ):
         slip = np.array([x, y, z])
         friction = force_of(law, force, slip)
@@ -144,6 +200,9 @@ def test_velocity_based_law_is_viscous_near_rest():
     assert BAI_ZHAO.coefficient(1e-7) / 1e-7 == pytest.approx(2.25, rel=1e-11, abs=0.0)
 
 
+# --- docstring formulas ---
+
+
 def test_docstring_formula_of_the_velocity_based_law():
     law = VelocityBased(static=0.3, dynamic=0.2, static_speed=0.01, dynamic_speed=0.5)
     y, x = 0.004 / 0.01, (0.5 - 0.3) / (0.5 - 0.01)
@@ -173,6 +232,50 @@ def test_tanh_is_a_hyperbolic_tangent_at_every_speed():
     for speed in SPEEDS:
         # Round-off; the series leaves out 2/15 y^4 < 2e-17.
         assert law.coefficient(speed) == pytest.approx(0.2 * math.tanh(speed / 0.02), rel=5e-16, abs=0.0)
+
+
+def test_docstring_formulas_of_the_others():
+    v = 0.013
+    for law, expected in (
+        (
+            Coulomb(coefficient_of_friction=0.2, regularisation_speed=0.004),
+            0.2 * v / math.sqrt(v**2 + 0.004**2),
+        ),
+        (LinearFriction(coefficient_of_friction=0.2, regularisation_speed=0.02), 0.2 * v / 0.02),
+        (LinearFriction(coefficient_of_friction=0.2, regularisation_speed=0.01), 0.2),
+        (
+            Stribeck(
+                static=0.3, dynamic=0.2, stribeck_speed=0.02, transition_speed=0.01, viscous=0.4, shape=0.5
+            ),
+            (0.2 + 0.1 * math.exp(-((v / 0.02) ** 0.5))) * math.tanh(v / 0.01) + 0.4 * v,
+        ),
+        (Threlfall(coefficient_of_friction=0.2, transition_speed=0.02), 0.2 * (1 - math.exp(-3 * v / 0.02))),
+        (Threlfall(coefficient_of_friction=0.2, transition_speed=0.01), 0.2 * (1 - math.exp(-3))),
+        (
+            BengisuAkay(static=0.3, dynamic=0.2, static_speed=0.02, decay=5.0),
+            0.3 - 0.3 / 0.02**2 * (v - 0.02) ** 2,
+        ),
+        (
+            BengisuAkay(static=0.3, dynamic=0.2, static_speed=0.01, decay=5.0),
+            0.2 + 0.1 * math.exp(-5 * (v - 0.01)),
+        ),
+    ):
+        assert law.coefficient(v) == pytest.approx(expected, rel=1e-13, abs=0.0)  # round-off
+
+
+def test_docstring_formula_of_brown_and_mcphee():
+    law = BrownMcPhee(static=0.3, dynamic=0.2, transition_speed=0.01, viscous=5.0, transition_force=20.0)
+    for v in (1e-9, 0.004, 0.01, 0.3):
+        for load in (0.3, 12.0, 500.0):
+            y = v / 0.01
+            dry = 0.2 * math.tanh(4 * y) + 0.1 * y / (0.25 * y**2 + 0.75) ** 2
+            expected = load * dry + 5.0 * v * math.tanh(4 * load / 20.0)
+            assert law.coefficient(v, load) * load == pytest.approx(expected, rel=1e-13, abs=0.0)  # round-off
+            assert -force_of(law, load, (v, 0, 0))[0] == pytest.approx(expected, rel=1e-13, abs=0.0)
+    # Without a load it is the dry coefficient; its peak is at v_t.
+    assert law.coefficient(0.01) == pytest.approx(0.2 * math.tanh(4.0) + 0.1, rel=1e-13, abs=0.0)
+    around = [law.coefficient(0.01 * (1 + k)) for k in (-0.1, 0.0, 0.1)]
+    assert around[1] > around[0] and around[1] > around[2]
 
 
 @pytest.mark.parametrize(
@@ -217,6 +320,26 @@ def test_tanh_is_a_hyperbolic_tangent_at_every_speed():
         (
             lambda: Tanh(coefficient_of_friction=0.1, transition_speed=0.0),
             "Tanh: transition_speed must be positive and finite, got 0.0",
+        ),
+        (
+            lambda: Coulomb(coefficient_of_friction=0.1, regularisation_speed=0.0),
+            "Coulomb: regularisation_speed must be positive and finite, got 0.0",
+        ),
+        (
+            lambda: Stribeck(static=0.1, dynamic=0.2, stribeck_speed=0.1),
+            "Stribeck: static must be at least dynamic = 0.2, got 0.1",
+        ),
+        (
+            lambda: Stribeck(static=0.3, dynamic=0.2, stribeck_speed=0.1, transition_speed=0.2),
+            "Stribeck: transition_speed must be below stribeck_speed = 0.1, got 0.2",
+        ),
+        (
+            lambda: BengisuAkay(static=0.3, dynamic=0.2, static_speed=0.1, decay=-1.0),
+            "BengisuAkay: decay must be zero or more, and finite, got -1.0",
+        ),
+        (
+            lambda: BrownMcPhee(static=0.3, dynamic=0.2, transition_speed=0.1, transition_force=0.0),
+            "BrownMcPhee: transition_force must be positive and finite, got 0.0",
         ),
     ],
 )

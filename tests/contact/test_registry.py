@@ -1,36 +1,121 @@
 """The laws by name: what scenario files, the command line and the documentation read."""
 
 import dataclasses
+import re
 
 import pytest
 
 import antenna_pin.contact
-from antenna_pin.contact import FRICTION_LAWS, NORMAL_LAWS, Hertz, Parameter, VelocityBased, law_parameters
+from antenna_pin.contact import (
+    DISSIPATIONS,
+    FRICTION_LAWS,
+    NORMAL_LAWS,
+    DampedContact,
+    ExactDamping,
+    FloresDamping,
+    Hertz,
+    Johnson,
+    Parameter,
+    VelocityBased,
+    is_elastic,
+    law_parameters,
+    make_normal_law,
+    normal_parameters,
+)
+
+from .conftest import DIMENSIONS, EXAMPLES
 
 LAWS = {**NORMAL_LAWS, **FRICTION_LAWS}
+EVERYTHING = {**{f"dissipation {name}": cls for name, cls in DISSIPATIONS.items()}, **LAWS}
 
 
 def test_names_of_the_laws():
-    assert {"hertz", "lankarani-nikravesh"} <= set(NORMAL_LAWS)
-    assert {"none", "velocity-based", "ambrosio", "tanh"} <= set(FRICTION_LAWS)
+    assert list(NORMAL_LAWS) == [
+        "hertz",
+        "hertz-line",
+        "johnson",
+        "radzimovsky",
+        "goldsmith",
+        "dubowsky-freudenstein",
+        "esdu-78035",
+        "pereira",
+        "liu-foundation",
+        "persson",
+        "bai-zhao-elastic",
+        "liu-2013-hertz",
+        "liu-2013-conformal",
+        "liu-2013",
+        "liu-2013-corrected",
+        "lankarani-nikravesh",
+        "exact-restitution",
+        "hunt-crossley",
+        "herbert-mcwhannell",
+        "lee-wang",
+        "marhefka-orin",
+        "gonthier",
+        "zhiying-qishao",
+        "ye",
+        "flores",
+        "gharib-hurmuzlu",
+        "pant-wijeyewickrema",
+        "hu-guo",
+        "carvalho-martins",
+        "kelvin-voigt",
+        "kuwabara-kono",
+        "tsuji",
+        "jankowski",
+        "adams-impact",
+        "bai-zhao",
+    ]
+    assert {"none", "velocity-based", "ambrosio", "tanh", "coulomb", "linear", "stribeck"} <= set(
+        FRICTION_LAWS
+    )
+    assert {"threlfall", "bengisu-akay", "brown-mcphee", "dahl", "lugre", "gonthier-bristle"} <= set(
+        FRICTION_LAWS
+    )
+    # A law's name alone says which family it is of.
     assert not set(NORMAL_LAWS) & set(FRICTION_LAWS)
-    assert all(name == name.lower() and "_" not in name for name in LAWS)
+    assert all(re.fullmatch("[a-z0-9-]+", name) for name in EVERYTHING if " " not in name)
+
+
+def test_every_dissipation_is_a_law_as_a_whole_too():
+    """By the same name, with Hertz's power law; with the same force."""
+    whole = {name for name in NORMAL_LAWS if not is_elastic(name)}
+    assert whole == (set(DISSIPATIONS) - {"none"}) | {"bai-zhao"}
+    for name in whole - {"bai-zhao"}:
+        parameters = {key: EXAMPLES[key][0] for key in law_parameters(NORMAL_LAWS[name])}
+        law = NORMAL_LAWS[name](**parameters)
+        composed = make_normal_law("hertz", parameters, name)
+        assert (law.code() == composed.code()).all(), name
 
 
 def test_registries_are_read_only():
-    with pytest.raises(TypeError):
-        NORMAL_LAWS["hertz"] = Hertz
-    with pytest.raises(TypeError):
-        FRICTION_LAWS["hertz"] = Hertz
+    for registry in (NORMAL_LAWS, FRICTION_LAWS, DISSIPATIONS):
+        with pytest.raises(TypeError):
+            registry["hertz"] = Hertz
 
 
-@pytest.mark.parametrize("name", LAWS)
+@pytest.mark.parametrize("name", EVERYTHING)
 def test_every_parameter_has_unit_and_meaning(name):
-    parameters = law_parameters(LAWS[name])
-    assert set(parameters) == {f.name for f in dataclasses.fields(LAWS[name])}
+    parameters = law_parameters(EVERYTHING[name])
+    assert set(parameters) == {f.name for f in dataclasses.fields(EVERYTHING[name])}
     for parameter in parameters.values():
         assert parameter.unit and parameter.doc
         assert parameter.required == (parameter.default is None)
+
+
+@pytest.mark.parametrize("name", EVERYTHING)
+def test_every_law_says_what_it_is_and_where_it_comes_from(name):
+    doc = " ".join((EVERYTHING[name].__doc__ or "").split())
+    # A law as a whole points to its damping, which has the source.
+    assert name in ("none", "dissipation none", "tanh") or "References:" in doc or ":class:" in doc
+
+
+def test_elastic_and_dissipative_parameters_do_not_share_names():
+    """They stand side by side in one table."""
+    elastic = set().union(*(law_parameters(NORMAL_LAWS[name]) for name in NORMAL_LAWS if is_elastic(name)))
+    dissipative = set().union(*(law_parameters(cls) for cls in DISSIPATIONS.values()))
+    assert not elastic & dissipative
 
 
 def test_unit_of_a_stiffness_follows_its_exponent():
@@ -40,6 +125,57 @@ def test_unit_of_a_stiffness_follows_its_exponent():
     assert law_parameters(VelocityBased)["static_speed"].unit == "m/s"
 
 
+def test_what_follows_from_the_joint_is_marked():
+    assert law_parameters(Hertz)["stiffness"].from_joint
+    assert not law_parameters(Hertz)["exponent"].from_joint
+    assert all(parameter.from_joint for parameter in law_parameters(Johnson).values())
+    assert not normal_parameters("johnson", "flores")["restitution"].from_joint
+
+
+def test_laws_are_made_from_names_and_numbers():
+    assert make_normal_law("hertz", {"stiffness": 1e9}) == Hertz(stiffness=1e9)
+    law = make_normal_law("johnson", {**DIMENSIONS, "restitution": 0.8}, "flores")
+    assert law == DampedContact(elastic=Johnson(**DIMENSIONS), dissipation=FloresDamping(restitution=0.8))
+    exact = make_normal_law("exact-restitution", {"stiffness": 1e9, "restitution": 0.8})
+    assert exact.parts.dissipation == ExactDamping(restitution=0.8)
+    assert list(normal_parameters("hertz", "tsuji")) == [
+        "stiffness",
+        "exponent",
+        "restitution",
+        "effective_mass",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("herz", {}), "make_normal_law: law 'herz' is unknown; did you mean hertz? known:"),
+        (
+            ("hertz", {"stiffness": 1.0}, "floras"),
+            "make_normal_law: dissipation 'floras' is unknown; did you mean flores? known:",
+        ),
+        (
+            ("flores", {"stiffness": 1.0, "restitution": 0.5}, "flores"),
+            "make_normal_law: dissipation must be left out, for law flores brings its own, got 'flores'",
+        ),
+        (
+            ("hertz", {"stifness": 1.0}),
+            "make_normal_law: parameters must be of stiffness, exponent (law hertz), got 'stifness'",
+        ),
+        (("hertz", {}), "make_normal_law: stiffness must be given (law hertz), got None"),
+        (("hertz", {"stiffness": -1.0}), "Hertz: stiffness must be positive and finite, got -1.0"),
+    ],
+)
+def test_bad_names_and_numbers_are_refused(arguments, message):
+    with pytest.raises((ValueError, LookupError), match=f"^{re.escape(message)}"):
+        make_normal_law(*arguments)
+
+
 def test_public_names_exist():
     for name in antenna_pin.contact.__all__:
         assert getattr(antenna_pin.contact, name) is not None
+
+
+def test_every_registered_class_is_public():
+    for cls in EVERYTHING.values():
+        assert cls.__name__ in antenna_pin.contact.__all__, cls

@@ -1,0 +1,167 @@
+"""The instruments themselves: integrated impacts against what is known of them, and the table."""
+
+import math
+import re
+
+import numpy as np
+import pytest
+
+from antenna_pin.contact import (
+    CustomNormal,
+    DampedContact,
+    ExactDamping,
+    Hertz,
+    Johnson,
+    KuwabaraKono,
+    LankaraniNikravesh,
+    LiuFoundation,
+    closed_form_peak_depth,
+    closed_form_restitution,
+    impact_of_pair,
+    impact_on_wall,
+    restitution_table,
+)
+
+from .conftest import DIMENSIONS
+
+LAW = LankaraniNikravesh(stiffness=1e9, restitution=0.7)
+
+
+@pytest.mark.parametrize("exponent", [1.0, 1.5, 2.0])
+def test_elastic_impact_reaches_the_closed_form(exponent):
+    """All kinetic energy becomes spring energy, and comes back; for a linear spring in half a period."""
+    law, mass, speed = Hertz(stiffness=1e8, exponent=exponent), 0.4, 0.2
+    impact = impact_on_wall(law, mass=mass, speed=speed)
+    depth = ((exponent + 1.0) * mass * speed**2 / (2.0 * law.stiffness)) ** (1.0 / (exponent + 1.0))
+    assert impact.restitution == pytest.approx(1.0, abs=1e-10)  # integration
+    assert impact.peak_depth == pytest.approx(depth, rel=1e-10, abs=0.0)
+    assert impact.peak_force == pytest.approx(law.stiffness * depth**exponent, rel=1e-10, abs=0.0)
+    assert impact.dissipated == pytest.approx(0.0, abs=1e-10)
+    if exponent == 1.0:
+        assert impact.duration == pytest.approx(math.pi * math.sqrt(mass / law.stiffness), rel=1e-10)
+
+
+def test_a_pair_meets_like_its_effective_mass_meets_a_wall():
+    wall = impact_on_wall(LAW, mass=0.75, speed=0.3)
+    for masses, speeds in (((1.0, 3.0), (0.3, 0.0)), ((3.0, 1.0), (-1.0, -1.3)), ((1.5, 1.5), (0.1, -0.2))):
+        pair = impact_of_pair(LAW, masses=masses, speeds=speeds)
+        for name in ("restitution", "peak_depth", "peak_force", "duration", "dissipated"):
+            assert getattr(pair, name) == pytest.approx(getattr(wall, name), rel=1e-8, abs=0.0), name
+
+
+def test_energy_lost_is_that_of_the_hysteresis_loop():
+    """The loop of force over depth, integrated with the trapezium rule along the motion."""
+    mass, speed = 0.4, 0.2
+    impact = impact_on_wall(LAW, mass=mass, speed=speed)
+    depth, rate, lost, h = 0.0, speed, 0.0, impact.duration / 40000
+    while depth >= 0.0:
+        half = rate - 0.5 * h * LAW.force(depth, rate, speed) / mass
+        middle = depth + 0.5 * h * rate
+        force = LAW.force(middle, half, speed)
+        lost += h * (force - LAW.elastic_force(middle)) * half
+        depth, rate = depth + h * half, rate - h * force / mass
+    assert impact.dissipated == pytest.approx(lost, rel=1e-6)  # h^2
+
+
+def test_a_users_own_law_is_integrated_too():
+    own = CustomNormal(force=LAW.force, elastic_force=LAW.elastic_force, elastic_energy=LAW.elastic_energy)
+    ours, theirs = (impact_on_wall(law, mass=0.4, speed=0.2) for law in (LAW, own))
+    assert theirs.restitution == pytest.approx(ours.restitution, rel=1e-10)
+    assert theirs.peak_force == pytest.approx(ours.peak_force, rel=1e-10)
+
+
+def test_peak_depth_of_any_elastic_law_stores_what_the_closed_form_says():
+    mass, speed = 0.4, 0.1
+    for elastic in (Hertz(stiffness=1e9), Johnson(**DIMENSIONS), LiuFoundation(**DIMENSIONS)):
+        law = DampedContact(elastic=elastic, dissipation=ExactDamping(restitution=0.5))
+        chi = law.dissipation.hysteresis
+        depth = closed_form_peak_depth(law, mass=mass, speed=speed)
+        energy = mass * speed**2 * (1.0 / chi - math.log1p(chi) / chi**2)
+        assert law.elastic_energy(depth) == pytest.approx(energy, rel=1e-12, abs=0.0)
+
+
+def test_peak_depth_is_continuous_in_the_damping():
+    """Where the closed form changes to its series."""
+    depths = []
+    for restitution in np.linspace(0.95, 0.99, 41):
+        law = DampedContact(elastic=Hertz(stiffness=1e9), dissipation=ExactDamping(restitution=restitution))
+        depths.append(closed_form_peak_depth(law, mass=0.4, speed=0.1))
+    second = np.diff(depths, 2)
+    assert np.abs(second).max() < 3.0 * np.abs(second).min() + 1e-14 * depths[0]
+
+
+def test_no_depth_beyond_the_range_of_a_law():
+    law = Johnson(**DIMENSIONS)
+    limit = law.elastic_energy(law.depth_limit)
+    assert closed_form_peak_depth(law, mass=1.0, speed=math.sqrt(2.02 * limit)) == math.inf
+    assert closed_form_peak_depth(law, mass=1.0, speed=math.sqrt(1.98 * limit)) < law.depth_limit
+
+
+def test_table_of_what_the_laws_deliver():
+    """Closed form against both integrations, for every dissipation that takes a restitution: to 1e-6."""
+    asked = (0.05, 0.3, 0.9, 1.0)
+    rows = restitution_table(asked=asked)
+    names = {row.dissipation for row in rows}
+    assert names >= {"exact-restitution", "flores", "tsuji", "jankowski", "gharib-hurmuzlu"}
+    assert len(rows) == len(asked) * len(names)
+    for row in rows:
+        assert row.on_wall == pytest.approx(row.closed_form, abs=1e-6)
+        assert row.of_pair == pytest.approx(row.closed_form, abs=1e-6)
+        assert row.depth_on_wall == pytest.approx(row.closed_form_depth, rel=1e-6)
+        if row.dissipation == "exact-restitution":
+            assert row.on_wall == pytest.approx(row.asked, abs=1e-9)
+
+
+def test_table_without_integration_is_quick_and_leaves_them_out():
+    rows = restitution_table(["lankarani-nikravesh", "flores"], (0.0, 0.5), simulate=False)
+    # Flores refuses zero.
+    assert [(row.dissipation, row.asked) for row in rows] == [
+        ("lankarani-nikravesh", 0.0),
+        ("lankarani-nikravesh", 0.5),
+        ("flores", 0.5),
+    ]
+    assert all(math.isnan(row.on_wall) and math.isnan(row.of_pair) for row in rows)
+    assert rows[1].closed_form == pytest.approx(0.7252, abs=5e-5)
+
+
+def test_laws_without_a_closed_form_say_none():
+    law = KuwabaraKono(stiffness=1e9, damping=1e3)
+    assert closed_form_restitution(law, mass=1.0, speed=0.1) is None
+    assert closed_form_peak_depth(law, mass=1.0, speed=0.1) is None
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (
+            lambda: impact_on_wall(LAW, mass=0.0, speed=1.0),
+            "impact_on_wall: mass must be positive and finite [kg], got 0.0",
+        ),
+        (
+            lambda: impact_on_wall(LAW, mass=1.0, speed=-1.0),
+            "impact_on_wall: speed must be positive and finite [m/s], got -1.0",
+        ),
+        (
+            lambda: impact_of_pair(LAW, masses=(1.0, 1.0), speeds=(0.0, 0.1)),
+            "impact_of_pair: speeds must be such that the bodies approach, got (0.0, 0.1)",
+        ),
+        (
+            lambda: impact_of_pair(LAW, masses=(1.0, math.inf), speeds=(0.1, 0.0)),
+            "impact_of_pair: mass must be positive and finite [kg], got inf",
+        ),
+        (
+            lambda: closed_form_restitution(LAW, mass=math.nan, speed=1.0),
+            "closed_form_restitution: mass must be positive and finite [kg], got nan",
+        ),
+    ],
+)
+def test_refusals(call, message):
+    with pytest.raises(ValueError, match=f"^{re.escape(message)}$"):
+        call()
+
+
+def test_table_refuses_a_dissipation_that_takes_no_restitution():
+    with pytest.raises(ValueError, match=r"which take a restitution, got 'kelvin-voigt'$"):
+        restitution_table(["kelvin-voigt"])
+    with pytest.raises(ValueError, match=r"restitution must be in \[0, 1\], got 1\.5$"):
+        restitution_table(["flores"], (1.5,))
