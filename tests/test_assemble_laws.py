@@ -125,8 +125,8 @@ def test_limits_of_depth_name_what_rules():
     [
         (
             [JOHNSON, "clearance.elevation.axial={law='persson', dissipation='none'}"],
-            "bai2020: clearance.elevation.axial.law: must be a law of a point, such as hertz, for a flange has"
-            " no line of contact, got 'persson'",
+            "bai2020: clearance.elevation.axial.law: must be a law of a point, such as hertz, for a flange"
+            " has no line of contact, got 'persson'",
         ),
         (
             [NORMAL % "law='pereira'", "clearance.elevation.radial_clearance='1 um'"],

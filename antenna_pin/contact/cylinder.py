@@ -167,8 +167,8 @@ class Radzimovsky(LogarithmicLaw):
 
     with the full width b of the contact. The literature on clearance joints prints k = 1.60 with radii. That
     factor belongs to diameters; with radii Hertz's full width is :math:`k = 4 / \sqrt\pi = 2.257`, the
-    default. As printed, the bracket is :math:`2 \ln(2.257 / 1.60) = 0.69` larger: in a bore of 10 mm radius with
-    a play of 0.2 mm the depth comes out 5 to 11 % higher at 0.2 to 200 N/mm.
+    default. As printed, the bracket is :math:`2 \ln(2.257 / 1.60) = 0.69` larger: in a bore of 10 mm
+    radius with a play of 0.2 mm the depth comes out 5 to 11 % higher at 0.2 to 200 N/mm.
 
     Attributes:
         width_factor: k [-].
