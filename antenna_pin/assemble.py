@@ -94,6 +94,8 @@ def urdf_variant(scenario: Scenario) -> Urdf:
     _known(scenario, spec.joints, "joint", joints, "mechanism.joints")
     _known(scenario, spec.links, "link", links, "mechanism.links")
     _known(scenario, scenario.clearance, "joint", joints, "clearance")
+    if scenario.pointing is not None:
+        _known(scenario, [scenario.pointing.body], "link", links, "pointing.body")
     variants: dict[str, JointVariant] = {
         name: change.kind for name, change in spec.joints.items() if change.kind is not None
     }

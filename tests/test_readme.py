@@ -44,7 +44,9 @@ from antenna_pin.scenario import (
     LinkSpec,
     MaterialSpec,
     MechanismSpec,
+    OrbitSpec,
     OutputSpec,
+    PointingSpec,
     ScalesSpec,
     Scenario,
     ShapeSpec,
@@ -407,6 +409,12 @@ def scenario_table() -> str:
         section("[integrator.scales]", rows(ScalesSpec)),
         section("[output]", rows(OutputSpec)),
         section(
+            "[pointing]",
+            rows(PointingSpec, iter(n for n in PointingSpec.model_fields if n != "orbit")),
+            ": for analysis; the motion does not see it",
+        ),
+        section("[pointing.orbit]", rows(OrbitSpec), ": circular"),
+        section(
             "[cases.NAME]",
             [
                 "| `description` | text | | One line for `antenna-pin list` |",
@@ -421,6 +429,7 @@ def scenario_table() -> str:
 def test_the_table_misses_no_part_of_a_scenario():
     """Every table of a scenario is in the reference: a new one must be added to it."""
     known = {"mechanism", "materials", "clearance", "drives", "springs", "initial", "integrator", "output"}
+    known |= {"pointing"}
     simple = {"format", "title", "source", "duration"}
     assert set(Scenario.model_fields) - Scenario.carried == known | simple
     assert len({frozenset(cls.model_fields) for cls in get_args(ClearanceSpec)}) == 1

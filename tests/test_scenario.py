@@ -29,8 +29,10 @@ from antenna_pin.scenario import (
     LawSpec,
     LinkSpec,
     MechanismSpec,
+    OrbitSpec,
     OutputSpec,
     PlanarClearance,
+    PointingSpec,
     Scenario,
     ShapeSpec,
     SineDrive,
@@ -113,6 +115,15 @@ FILE = {
         "scales": {"angle": "1 mrad", "clearance": 0.5},
     },
     "output": {"rate": "2 kHz"},
+    "pointing": {
+        "body": "body",
+        "boresight": [0, 0, -2],
+        "up": [1, 0, 0.5],
+        "commanded": "orbit",
+        "direction": [0, 0.1, 1],
+        "direction_up": [1, 0, 0],
+        "orbit": {"altitude": "500 km", "normal": [0, 0, 2], "nadir": [-3, 0, 0]},
+    },
     "cases": {
         "tight": {"description": "less play", "clearance": {"hinge": {"radial_clearance": "10 um"}}},
         "by-radius": {"clearance": {"hinge": {"journal_radius": "9.9 mm", "flange_distance": "50.1 mm"}}},
@@ -193,6 +204,7 @@ def test_values_are_in_si_units(folder):
     assert scenario.initial.base.position == (1.0, 2.0, 3000.0)
     assert scenario.integrator.scales.angle == 0.001
     assert scenario.output.rate == 2000.0
+    assert scenario.pointing.orbit.altitude == 5e5
 
 
 def test_files_are_carried_along(folder):
@@ -222,6 +234,11 @@ def test_the_defaults_are_those_of_the_documentation(folder):
         "base": None,
     }
     assert scenario.output.rate == 1000.0
+    assert scenario.pointing is None
+    pointing = PointingSpec(body="dish", boresight=(0, 0, 1))
+    assert (pointing.up, pointing.commanded, pointing.orbit) == (None, "ideal", None)
+    orbit = OrbitSpec(period=5400)
+    assert (orbit.normal, orbit.nadir) == ((0.0, 1.0, 0.0), (0.0, 0.0, -1.0))
     assert scenario.initial.base.attitude == (0.0, 0.0, 0.0, 1.0)
     drive = SineDrive(joint="j", kind="sine", amplitude=1, frequency=1)
     assert (drive.phase, drive.axis) == (0.0, "bearing")
@@ -675,7 +692,7 @@ WHOLE = "law lankarani-nikravesh brings its own; elastic laws are " + ", ".join(
 )
 TOP = (
     "format, title, source, duration, mechanism, materials, clearance, drives, springs, initial, "
-    "integrator, output"
+    "integrator, output, pointing"
 )
 
 REFUSALS = [
@@ -1038,6 +1055,44 @@ REFUSALS = [
     (
         {"springs.azimuth": {"rest_angle": 1}},
         "springs.azimuth must have a stiffness or a damping above zero, got neither",
+    ),
+    # pointing
+    ({"pointing.boresigth": [1, 0, 0]}, "pointing.boresigth is unknown; did you mean boresight?"),
+    ({"pointing.boresight": DELETED}, "pointing.boresight is missing; give an array of 3 numbers"),
+    ({"pointing.boresight": [0, 0, 0]}, "pointing.boresight must not be zero, got [0.0, 0.0, 0.0]"),
+    (
+        {"pointing.up": [0, 0, 1]},
+        "pointing.up must not lie along boresight = [0.0, 0.0, -2.0], got [0.0, 0.0, 1.0]",
+    ),
+    (
+        {"pointing.commanded": "ideel"},
+        "pointing.commanded must be 'ideal', 'world' or 'orbit', got 'ideel'; did you mean ideal?",
+    ),
+    (
+        {"pointing.commanded": "ideal"},
+        'pointing.direction must be left out where commanded is "ideal", got [0.0, 0.1, 1.0]',
+    ),
+    (
+        {"pointing.direction": DELETED},
+        'pointing.direction is missing; give it where commanded is "orbit"',
+    ),
+    (
+        {"pointing.direction_up": [0, -0.1, -1]},
+        "pointing.direction_up must not lie along direction = [0.0, 0.1, 1.0], got [0.0, -0.1, -1.0]",
+    ),
+    ({"pointing.orbit": DELETED}, 'pointing.orbit is missing; give it where commanded is "orbit"'),
+    (
+        {"pointing.orbit.altitude": DELETED},
+        "pointing.orbit must have one of altitude, period and rate, got none",
+    ),
+    (
+        {"pointing.orbit.period": "90 min"},
+        "pointing.orbit must have one of altitude, period and rate, got altitude and period",
+    ),
+    ({"pointing.orbit.altitude": "-1 m"}, "pointing.orbit.altitude must be positive, got '-1 m'"),
+    (
+        {"pointing.orbit.nadir": [0, 0, 1]},
+        "pointing.orbit.nadir must be perpendicular to normal = [0.0, 0.0, 2.0], got [0.0, 0.0, 1.0]",
     ),
     # initial state
     ({"initial.joint": {}}, "initial.joint is unknown; did you mean joints?"),

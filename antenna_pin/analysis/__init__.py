@@ -1,11 +1,14 @@
 """What a run shows, and what a joint's shape allows: readers of trajectories and geometries."""
 
+from antenna_pin.analysis.attitude import interpolate_attitude, interpolation_error
 from antenna_pin.analysis.base import base_motion
-from antenna_pin.analysis.bodies import body_poses, joint_loads, mechanism_of
+from antenna_pin.analysis.bodies import body_poses, body_twists, joint_loads, mechanism_of
 from antenna_pin.analysis.deviation import Deviation, DeviationMeasures, deviation
 from antenna_pin.analysis.growth import Growth, growth_of
 from antenna_pin.analysis.impacts import impacts
 from antenna_pin.analysis.loads import load_statistics
+from antenna_pin.analysis.orbit import Orbit
+from antenna_pin.analysis.pointing import Antenna, Command, boresight, pointing_error
 from antenna_pin.analysis.sampled import resampled, time_mean, time_percentiles, time_rms
 from antenna_pin.analysis.scenarios import (
     SCENARIO_COLUMNS,
@@ -28,23 +31,31 @@ from antenna_pin.analysis.spectrum import (
 
 __all__ = [
     "SCENARIO_COLUMNS",
+    "Antenna",
+    "Command",
     "Deviation",
     "DeviationMeasures",
     "Growth",
     "JournalPose",
+    "Orbit",
     "ScenarioPair",
     "Settling",
     "TiltRange",
     "UniformSignal",
-    "body_poses",
-    "joint_loads",
-    "mechanism_of",
     "base_motion",
+    "body_poses",
+    "body_twists",
+    "boresight",
     "deviation",
     "dominant_frequencies",
     "growth_of",
     "impacts",
+    "interpolate_attitude",
+    "interpolation_error",
+    "joint_loads",
     "load_statistics",
+    "mechanism_of",
+    "pointing_error",
     "possible_scenarios",
     "resampled",
     "scenario_of",

@@ -11,11 +11,11 @@ from numpy.typing import ArrayLike, NDArray
 from antenna_pin.assemble import urdf_variant
 from antenna_pin.dynamics import transmitted_wrenches
 from antenna_pin.errors import FileFormatError
-from antenna_pin.mechanism import Mechanism, Urdf, build_mechanism, link_poses
+from antenna_pin.mechanism import Mechanism, Urdf, build_mechanism, link_poses, link_twists
 from antenna_pin.scenario import Scenario
 from antenna_pin.trajectory import Trajectory
 
-__all__ = ["body_poses", "joint_loads", "mechanism_of"]
+__all__ = ["body_poses", "body_twists", "carried_scenario", "joint_loads", "mechanism_of"]
 
 _AXES = ("x", "y", "z")
 
@@ -36,7 +36,7 @@ def mechanism_of(run: Trajectory | xr.Dataset) -> Mechanism:
             folder=data.attrs["urdf_folder"] or None,
         )
         return build_mechanism(urdf, about["base"], about["gravity"])
-    scenario = _scenario_of(run)
+    scenario = carried_scenario(run)
     if scenario is None:
         raise FileFormatError(
             "run: it must carry its mechanism to tell where bodies are, got a file of format 1 without a "
@@ -45,7 +45,8 @@ def mechanism_of(run: Trajectory | xr.Dataset) -> Mechanism:
     return build_mechanism(urdf_variant(scenario), scenario.mechanism.base, scenario.mechanism.gravity)
 
 
-def _scenario_of(run: Trajectory | xr.Dataset) -> Scenario | None:
+def carried_scenario(run: Trajectory | xr.Dataset) -> Scenario | None:
+    """Return the scenario that a run carries; None for a system built in Python."""
     if isinstance(run, Trajectory):
         return run.scenario
     text = run.attrs.get("scenario")
@@ -94,6 +95,33 @@ def body_poses(run: Trajectory | xr.Dataset, times: ArrayLike | None = None) -> 
             "body": [link.name for link in mechanism.urdf.robot.links],
             "axis": list(_AXES),
             "quaternion": ["x", "y", "z", "w"],
+        },
+    )
+
+
+def body_twists(run: Trajectory | xr.Dataset, times: ArrayLike | None = None) -> xr.Dataset:
+    """Return the velocity of every link's frame relative to the world, in the link's own axes.
+
+    Args:
+        run: A run, or its data.
+        times: Indices of samples; all if not given.
+
+    Returns:
+        ``velocity`` [m/s] and ``angular_velocity`` [rad/s], (time, body, axis).
+    """
+    data = _picked(run, times)
+    mechanism = mechanism_of(run)
+    twists = link_twists(mechanism, _array(data, "q"), _array(data, "v"))
+    dims = ("time", "body", "axis")
+    return xr.Dataset(
+        {
+            "velocity": (dims, twists[..., :3], {"units": "m/s", "long_name": "of the link's frame"}),
+            "angular_velocity": (dims, twists[..., 3:], {"units": "rad/s", "long_name": "of the link"}),
+        },
+        coords={
+            "time": data["time"],
+            "body": [link.name for link in mechanism.urdf.robot.links],
+            "axis": list(_AXES),
         },
     )
 

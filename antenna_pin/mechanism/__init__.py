@@ -2,7 +2,7 @@
 
 from antenna_pin.mechanism.changes import JOINT_VARIANTS, JointChange, JointVariant, LinkChange, ShapeChange
 from antenna_pin.mechanism.frames import frame_aligning_z, roll_pitch_yaw
-from antenna_pin.mechanism.kinematics import link_poses
+from antenna_pin.mechanism.kinematics import link_poses, link_twists
 from antenna_pin.mechanism.model import Base, JointKind, JointSlot, Mechanism, build_mechanism
 from antenna_pin.mechanism.urdf import Urdf
 
@@ -20,5 +20,6 @@ __all__ = [
     "build_mechanism",
     "frame_aligning_z",
     "link_poses",
+    "link_twists",
     "roll_pitch_yaw",
 ]

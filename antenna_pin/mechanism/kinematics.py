@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.mechanism.model import Mechanism
 
-__all__ = ["link_poses"]
+__all__ = ["link_poses", "link_twists"]
 
 Array = NDArray[np.float64]
 
@@ -27,9 +27,7 @@ def link_poses(mechanism: Mechanism, q: ArrayLike) -> tuple[Array, Array]:
         along n [-]; links in the URDF's order (``[link.name for link in mechanism.urdf.robot.links]``).
     """
     model = mechanism.model
-    configurations = np.ascontiguousarray(q, dtype=float)
-    if configurations.ndim != 2 or configurations.shape[1] != model.nq:
-        raise InvalidParameterError("link_poses", "q", f"of shape (n, {model.nq})", configurations.shape)
+    configurations = _rows("link_poses", "q", q, model.nq)
     n = configurations.shape[0]
     data = model.createData()
     joints = np.zeros((n, model.njoints, 4, 4))
@@ -47,3 +45,34 @@ def link_poses(mechanism: Mechanism, q: ArrayLike) -> tuple[Array, Array]:
     jumps = np.sum(quaternions[1:] * quaternions[:-1], axis=2) < 0.0
     quaternions[1:] *= np.where(np.cumsum(jumps, axis=0) % 2 == 1, -1.0, 1.0)[..., None]
     return poses[..., :3, 3].copy(), quaternions
+
+
+def link_twists(mechanism: Mechanism, q: ArrayLike, v: ArrayLike) -> Array:
+    """Return the twist of every link's frame relative to the world, in the link's own axes.
+
+    Args:
+        mechanism: The mechanism.
+        q: Configurations, (n, nq).
+        v: Generalized velocities, (n, nv).
+
+    Returns:
+        Twists (n, links, 6), linear part first [m/s, rad/s]; links in the URDF's order.
+    """
+    model = mechanism.model
+    configurations = _rows("link_twists", "q", q, model.nq)
+    velocities = _rows("link_twists", "v", v, model.nv)
+    data = model.createData()
+    frames = [mechanism.frame(link.name) for link in mechanism.urdf.robot.links]
+    twists = np.zeros((configurations.shape[0], len(frames), 6))
+    for i in range(configurations.shape[0]):
+        pin.forwardKinematics(model, data, configurations[i], velocities[i])
+        for k, frame in enumerate(frames):
+            twists[i, k] = pin.getFrameVelocity(model, data, frame, pin.ReferenceFrame.LOCAL).vector
+    return twists
+
+
+def _rows(place: str, name: str, value: ArrayLike, width: int) -> Array:
+    rows = np.ascontiguousarray(value, dtype=float)
+    if rows.ndim != 2 or rows.shape[1] != width:
+        raise InvalidParameterError(place, name, f"of shape (n, {width})", rows.shape)
+    return rows

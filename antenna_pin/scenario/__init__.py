@@ -17,6 +17,7 @@ from antenna_pin.scenario.integrator import IntegratorSpec, OutputSpec, ScalesSp
 from antenna_pin.scenario.laws import LawChange, LawSpec
 from antenna_pin.scenario.load import load_scenario
 from antenna_pin.scenario.mechanism import JointSpec, LinkSpec, MaterialSpec, MechanismSpec, ShapeSpec
+from antenna_pin.scenario.pointing import OrbitSpec, PointingSpec
 from antenna_pin.scenario.scenario import Scenario
 from antenna_pin.scenario.shipped import CaseSummary, ScenarioSummary, list_scenarios, models_path
 
@@ -37,8 +38,10 @@ __all__ = [
     "LinkSpec",
     "MaterialSpec",
     "MechanismSpec",
+    "OrbitSpec",
     "OutputSpec",
     "PlanarClearance",
+    "PointingSpec",
     "ScalesSpec",
     "Scenario",
     "ScenarioSummary",

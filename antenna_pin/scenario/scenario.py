@@ -15,6 +15,7 @@ from antenna_pin.scenario.drives import DriveSpec, SpringSpec
 from antenna_pin.scenario.initial import InitialBaseSpec, InitialSpec
 from antenna_pin.scenario.integrator import IntegratorSpec, OutputSpec
 from antenna_pin.scenario.mechanism import MaterialSpec, MechanismSpec
+from antenna_pin.scenario.pointing import PointingSpec
 from antenna_pin.units import shown
 
 if TYPE_CHECKING:
@@ -42,6 +43,7 @@ class Scenario(Spec):
         initial: The initial state.
         integrator: How the motion is integrated.
         output: What is recorded.
+        pointing: Where the antenna looks and should look; None where nothing does.
         name: Name of the scenario: its folder's, or its file's.
         case: Name of the case, or None.
         description: Of the case.
@@ -62,6 +64,7 @@ class Scenario(Spec):
     initial: InitialSpec = Field(default_factory=InitialSpec)
     integrator: IntegratorSpec = Field(default_factory=IntegratorSpec)
     output: OutputSpec = Field(default_factory=OutputSpec)
+    pointing: PointingSpec | None = None
     name: str = ""
     case: str | None = None
     description: str = ""

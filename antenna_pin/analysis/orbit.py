@@ -1,0 +1,82 @@
+"""A circular orbit and the axes that turn with it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.spatial.transform import Rotation
+
+from antenna_pin.errors import InvalidParameterError
+from antenna_pin.scenario import OrbitSpec
+
+__all__ = ["EARTH_MU", "EARTH_RADIUS", "Orbit"]
+
+#: Gravitational parameter of the Earth [m^3/s^2] (WGS 84).
+EARTH_MU = 3.986004418e14
+#: Equatorial radius of the Earth [m] (WGS 84).
+EARTH_RADIUS = 6378137.0
+
+Vector3 = tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Orbit:
+    r"""A circular orbit, and the world's axes in it.
+
+    Orbit-fixed axes: z to nadir, y against the orbit's normal, x completes them and so lies along the
+    velocity. They turn about the normal :math:`n` at the orbital rate :math:`\omega`:
+
+    .. math:: R_{WO}(t) = \exp(\omega t\, [n]_\times)\, R_{WO}(0)
+
+    The world's axes do not turn. The motion itself does not know of the orbit: no gravity gradient acts.
+
+    Attributes:
+        rate: Orbital rate [rad/s].
+        normal: Orbit's normal, along the orbital angular momentum, in world axes, any length [-].
+        nadir: Direction to the Earth's centre at t = 0, in world axes, perpendicular to it, any length [-].
+    """
+
+    rate: float
+    normal: Vector3 = (0.0, 1.0, 0.0)
+    nadir: Vector3 = (0.0, 0.0, -1.0)
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.rate < math.inf:
+            raise InvalidParameterError(self, "rate", "positive")
+        # The rules of directions are those of a scenario.
+        OrbitSpec(rate=self.rate, normal=self.normal, nadir=self.nadir)
+
+    @classmethod
+    def from_spec(cls, spec: OrbitSpec) -> Orbit:
+        r"""Return the orbit of a scenario.
+
+        Of an altitude h the rate is :math:`\sqrt{\mu / (R_E + h)^3}`, of a period P it is :math:`2 \pi / P`.
+        """
+        if spec.rate is not None:
+            rate = spec.rate
+        elif spec.period is not None:
+            rate = 2.0 * math.pi / spec.period
+        else:
+            assert spec.altitude is not None
+            rate = math.sqrt(EARTH_MU / (EARTH_RADIUS + spec.altitude) ** 3)
+        return cls(rate=rate, normal=spec.normal, nadir=spec.nadir)
+
+    @property
+    def period(self) -> float:
+        """Time of one revolution [s]."""
+        return 2.0 * math.pi / self.rate
+
+    def axes(self, times: ArrayLike) -> Rotation:
+        """Return the orbit-fixed axes in the world at times (n,) [s]: turns from orbit to world."""
+        normal = np.array(self.normal) / np.linalg.norm(self.normal)
+        z = np.array(self.nadir) / np.linalg.norm(self.nadir)
+        x = np.cross(z, normal)
+        x /= np.linalg.norm(x)
+        start = Rotation.from_matrix(np.column_stack([x, -normal, np.cross(x, -normal)]))
+        turn = Rotation.from_rotvec(
+            self.rate * np.atleast_1d(np.asarray(times, dtype=float))[:, None] * normal
+        )
+        return turn * start

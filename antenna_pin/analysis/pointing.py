@@ -1,0 +1,322 @@
+r"""Where an antenna looks, and how far that is from where it should.
+
+The antenna's axes are the boresight, the part of ``up`` that is perpendicular to it, and ``cross``, which
+completes them: boresight x cross = up. With :math:`R_i` the commanded or ideal attitude of these axes and
+:math:`R` the true one, the error is the rotation vector
+
+.. math:: \varepsilon = \log(R_i^T R)
+
+in the ideal antenna's axes: its component about the boresight is a clocking error, those about ``cross`` and
+``up`` turn the boresight. The half-cone angle is the angle between the two boresights; with
+:math:`R_i^T R` as the quaternion :math:`(x, y, z, w)`, x along the boresight, it is
+
+.. math:: \theta = 2\, \mathrm{atan2}\!\left(\sqrt{y^2 + z^2},\, \sqrt{x^2 + w^2}\right)
+
+to the relative precision of the quaternion at any angle (an arc cosine of the boresights' product would lose
+all below 1e-8 rad).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+import xarray as xr
+from numpy.typing import ArrayLike, NDArray
+from scipy.spatial.transform import Rotation
+
+from antenna_pin.analysis.attitude import interpolate_attitude, interpolation_error
+from antenna_pin.analysis.bodies import body_poses, body_twists, carried_scenario, mechanism_of
+from antenna_pin.analysis.orbit import Orbit
+from antenna_pin.errors import FileFormatError, InvalidParameterError, UnknownNameError
+from antenna_pin.scenario import PointingSpec
+from antenna_pin.trajectory import Trajectory
+
+__all__ = ["Antenna", "Command", "boresight", "pointing_error"]
+
+Array = NDArray[np.float64]
+Vector3 = tuple[float, float, float]
+Run = Trajectory | xr.Dataset
+
+POINTING_AXES = ("boresight", "cross", "up")
+
+_ALONG = 0.9  # cosine of the angle from which on a boresight counts as lying along z
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Antenna:
+    """The body that looks, and its axes.
+
+    Attributes:
+        body: Link that looks.
+        boresight: Axis it looks along, in the link's frame, any length [-].
+        up: Second axis in the link's frame, of which the part perpendicular to the boresight counts [-]; None
+            for the link's z axis, or its x axis where the boresight lies within 26 deg of z.
+    """
+
+    body: str
+    boresight: Vector3
+    up: Vector3 | None = None
+
+    def __post_init__(self) -> None:
+        # The rules are those of a scenario.
+        PointingSpec(body=self.body, boresight=self.boresight, up=self.up)
+
+    @classmethod
+    def of(cls, run: Run) -> Antenna:
+        """Return the antenna that the run's scenario names.
+
+        Raises:
+            FileFormatError: It names none.
+        """
+        spec = _spec_of(run)
+        if spec is None:
+            raise FileFormatError(
+                "run: its scenario must have a table [pointing] that says what looks where, got none; "
+                "add it and run again, or name the body and its boresight"
+            )
+        return cls(body=spec.body, boresight=spec.boresight, up=spec.up)
+
+    @property
+    def axes(self) -> Rotation:
+        """Axes boresight, cross, up in the link's frame; it turns vectors from these axes to the link's."""
+        return _frame(self.boresight, self.up)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Command:
+    """A commanded direction of the boresight.
+
+    Attributes:
+        direction: In the frame's axes, any length [-].
+        up: Commanded direction of the antenna's ``up`` in them [-]; None where turns about the boresight do
+            not matter: then the frame's z axis serves (x near z), as for an antenna's ``up``.
+        frame: Axes in which it stands still: the ``world``'s or the ``orbit``'s.
+    """
+
+    direction: Vector3
+    up: Vector3 | None = None
+    frame: Literal["world", "orbit"] = "world"
+
+    def __post_init__(self) -> None:
+        if self.frame not in ("world", "orbit"):
+            raise UnknownNameError("Command", "frame", str(self.frame), ("world", "orbit"))
+        PointingSpec(
+            body="", boresight=(1, 0, 0), commanded="world", direction=self.direction, direction_up=self.up
+        )
+
+
+def boresight(
+    run: Run, antenna: Antenna | None = None, orbit: Orbit | None = None, times: ArrayLike | None = None
+) -> xr.Dataset:
+    """Return where an antenna looks.
+
+    Azimuth is the angle of the direction's projection on the x-y plane from x, about z; elevation the angle
+    from that plane towards z. In orbit-fixed axes z is nadir and x along the velocity. At an elevation of
+    +-90 deg azimuth is undefined; it is continuous along time elsewhere.
+
+    Args:
+        run: A run, or its data.
+        antenna: What looks; the scenario's if left out.
+        orbit: The orbit; the scenario's, if any, if left out.
+        times: Indices of samples; all if not given.
+
+    Returns:
+        ``direction`` (time, axis), unit vectors in the world [-]; ``azimuth``, ``elevation`` (time) [rad];
+        ``origin`` (time, axis), the link's frame in the world [m]; ``attitude`` (time, quaternion), the
+        antenna's axes boresight, cross, up in the world, xyzw; with an orbit also ``orbit_direction``,
+        ``orbit_azimuth`` and ``orbit_elevation`` in orbit-fixed axes.
+
+    Raises:
+        FileFormatError: No antenna is known, or the run carries no mechanism.
+        UnknownNameError: The mechanism has no such link.
+    """
+    antenna = Antenna.of(run) if antenna is None else antenna
+    orbit = _orbit_of(run) if orbit is None else orbit
+    poses = body_poses(run, times).sel(body=_link(run, antenna))
+    time = np.asarray(poses["time"].values, dtype=float)
+    attitude = Rotation.from_quat(poses["attitude"].values) * antenna.axes
+    direction = attitude.apply([1.0, 0.0, 0.0])
+    found = _directions(direction, "", "in the world")
+    found["origin"] = (("time", "axis"), poses["position"].values, _about("m", "link's frame in the world"))
+    found["attitude"] = (
+        ("time", "quaternion"),
+        attitude.as_quat(),
+        _about("1", "axes boresight, cross, up in the world, quaternion"),
+    )
+    if orbit is not None:
+        found |= _directions(orbit.axes(time).inv().apply(direction), "orbit_", "in orbit-fixed axes")
+    return xr.Dataset(
+        found,
+        coords={
+            "time": ("time", time, _about("s", "time")),
+            "axis": ["x", "y", "z"],
+            "quaternion": ["x", "y", "z", "w"],
+        },
+        attrs={"body": antenna.body},
+    )
+
+
+def pointing_error(
+    run: Run,
+    ideal: Run | None = None,
+    *,
+    antenna: Antenna | None = None,
+    command: Command | None = None,
+    orbit: Orbit | None = None,
+) -> xr.Dataset:
+    """Return how far an antenna looks from where it should, at the run's samples.
+
+    The ideal run's attitude is interpolated to them (:mod:`antenna_pin.analysis.attitude`).
+
+    Args:
+        run: A run, or its data.
+        ideal: The run that points as it should; it covers the time of ``run``.
+        antenna: What looks, in both runs; the scenario's if left out.
+        command: Instead of an ideal run; the scenario's if both are left out.
+        orbit: Needed where the command stands still in orbit-fixed axes; the scenario's if left out.
+
+    Returns:
+        ``error`` (time, pointing_axis): rotation vector of the error, in the ideal antenna's axes; the
+        shortest one [rad]. Without ``boresight`` where no ``up`` is commanded.
+        ``boresight_error`` (time, cross_axis): the smallest rotation that takes the ideal boresight to the
+        true one, about ``cross`` and ``up`` [rad]. Its length is
+        ``half_cone`` (time): angle between both boresights [rad].
+        Attribute ``interpolation_error``: estimate of the largest error of the ideal attitude between its
+        samples [rad]; 0 against a command.
+
+    Raises:
+        FileFormatError: Nothing to compare with.
+        InvalidParameterError: The ideal run does not cover the time of ``run``.
+    """
+    antenna = Antenna.of(run) if antenna is None else antenna
+    if ideal is not None and command is not None:
+        raise InvalidParameterError(
+            "pointing_error", "command", "left out where an ideal run is given", command
+        )
+    if ideal is None and command is None:
+        command = _command_of(run)
+    looks = boresight(run, antenna)
+    time = np.asarray(looks["time"].values, dtype=float)
+    true = Rotation.from_quat(looks["attitude"].values)
+    axes: tuple[str, ...] = POINTING_AXES
+    estimate, versus = 0.0, "ideal run"
+    if ideal is not None:
+        wanted, estimate = _ideal_attitude(ideal, antenna, time)
+    elif command is not None:
+        wanted = _frame(command.direction, command.up)
+        axes = POINTING_AXES if command.up is not None else POINTING_AXES[1:]
+        versus = f"direction in {command.frame} axes"
+        if command.frame == "orbit":
+            wanted = _needed_orbit(run, orbit).axes(time) * wanted
+    else:
+        raise FileFormatError(
+            "run: there must be something to compare with, got neither an ideal run nor a commanded "
+            "direction; give an ideal run, or set pointing.commanded and pointing.direction"
+        )
+    relative = wanted.inv() * true
+    swing, half_cone = _swing(relative)
+    error = relative.as_rotvec() if len(axes) == 3 else swing
+    return xr.Dataset(
+        {
+            "error": (("time", "pointing_axis"), error, _about("rad", "pointing error about")),
+            "boresight_error": (("time", "cross_axis"), swing, _about("rad", "turn of the boresight about")),
+            "half_cone": (("time",), half_cone, _about("rad", "angle between both boresights")),
+        },
+        coords={
+            "time": ("time", time, _about("s", "time")),
+            "pointing_axis": list(axes),
+            "cross_axis": list(POINTING_AXES[1:]),
+        },
+        attrs={"body": antenna.body, "against": versus, "interpolation_error": estimate},
+    )
+
+
+def _swing(relative: Rotation) -> tuple[Array, Array]:
+    """Return the smallest turns of the first axis, about the other two, (n, 2), and their angles, (n,)."""
+    x, y, z, w = relative.as_quat().T
+    half_cone = 2.0 * np.arctan2(np.hypot(y, z), np.hypot(x, w))
+    # The first axis goes to (., 2 (x y + w z), 2 (x z - w y)); the turn's axis is square to both.
+    about = np.column_stack([2.0 * (w * y - x * z), 2.0 * (x * y + w * z)])
+    length = np.linalg.norm(about, axis=1)
+    scale = np.divide(half_cone, length, out=np.zeros_like(length), where=length > 0.0)
+    return about * scale[:, None], half_cone
+
+
+def _ideal_attitude(ideal: Run, antenna: Antenna, time: Array) -> tuple[Rotation, float]:
+    """Return the ideal attitude of the antenna's axes at given times, and an estimate of its error [rad]."""
+    body = _link(ideal, antenna)
+    poses = body_poses(ideal).sel(body=body)
+    knots = np.asarray(poses["time"].values, dtype=float)
+    slack = 1e-9 * (knots[-1] - knots[0])
+    if time[0] < knots[0] - slack or time[-1] > knots[-1] + slack:
+        raise InvalidParameterError(
+            "pointing_error",
+            "ideal",
+            f"a run that covers the time of the other, {time[0]:g} s to {time[-1]:g} s",
+            f"{knots[0]:g} s to {knots[-1]:g} s",
+        )
+    attitude = Rotation.from_quat(poses["attitude"].values)
+    omega = np.asarray(body_twists(ideal)["angular_velocity"].sel(body=body).values, dtype=float)
+    found = interpolate_attitude(time, knots, attitude, omega)
+    return found * antenna.axes, interpolation_error(knots, attitude, omega)
+
+
+def _frame(first: Vector3, second: Vector3 | None) -> Rotation:
+    """Return axes whose x is the first direction and whose z is the perpendicular part of the second."""
+    x = np.array(first, dtype=float) / np.linalg.norm(first)
+    up = np.array(
+        second if second is not None else (1, 0, 0) if abs(x[2]) > _ALONG else (0, 0, 1), dtype=float
+    )
+    y = np.cross(up, x)
+    y /= np.linalg.norm(y)
+    return Rotation.from_matrix(np.column_stack([x, y, np.cross(x, y)]))
+
+
+def _directions(direction: Array, prefix: str, where: str) -> dict[str, object]:
+    x, y, z = direction.T
+    azimuth, elevation = np.unwrap(np.arctan2(y, x)), np.arctan2(z, np.hypot(x, y))
+    return {
+        f"{prefix}direction": (("time", "axis"), direction, _about("1", f"boresight {where}")),
+        f"{prefix}azimuth": (("time",), azimuth, _about("rad", f"azimuth of the boresight {where}")),
+        f"{prefix}elevation": (("time",), elevation, _about("rad", f"elevation of the boresight {where}")),
+    }
+
+
+def _about(units: str, name: str) -> dict[str, str]:
+    return {"units": units, "long_name": name}
+
+
+def _link(run: Run, antenna: Antenna) -> str:
+    known = [link.name for link in mechanism_of(run).urdf.robot.links]
+    if antenna.body not in known:
+        raise UnknownNameError("Antenna", "link", antenna.body, known)
+    return antenna.body
+
+
+def _spec_of(run: Run) -> PointingSpec | None:
+    scenario = carried_scenario(run)
+    return None if scenario is None else scenario.pointing
+
+
+def _orbit_of(run: Run) -> Orbit | None:
+    spec = _spec_of(run)
+    return None if spec is None or spec.orbit is None else Orbit.from_spec(spec.orbit)
+
+
+def _needed_orbit(run: Run, orbit: Orbit | None) -> Orbit:
+    found = _orbit_of(run) if orbit is None else orbit
+    if found is None:
+        raise FileFormatError(
+            "run: a direction in orbit axes must come with an orbit, got none; give one or set pointing.orbit"
+        )
+    return found
+
+
+def _command_of(run: Run) -> Command | None:
+    spec = _spec_of(run)
+    if spec is None or spec.commanded == "ideal":
+        return None
+    assert spec.direction is not None
+    return Command(direction=spec.direction, up=spec.direction_up, frame=spec.commanded)

@@ -1,0 +1,115 @@
+"""Where the antenna looks, where it should look, and the orbit it flies: for analysis, not for the motion."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Literal, Self
+
+from pydantic import model_validator
+
+from antenna_pin.scenario._base import PositiveLength, PositiveTime, Quantity, Spec, Vector, Vector3, refuse
+from antenna_pin.units import shown
+
+__all__ = ["OrbitSpec", "PointingSpec"]
+
+Direction = Annotated[Vector3, Vector("1")]
+
+# Directions that are to be perpendicular, and parallel ones that may not be, are told apart to this angle.
+_ANGLE = 1e-6
+
+
+class OrbitSpec(Spec):
+    """A circular orbit, given by one of altitude, period and rate, and the world's axes in it.
+
+    Attributes:
+        altitude: Above the Earth's equatorial radius, 6378.137 km [m].
+        period: Of one revolution [s].
+        rate: Of the turn about the normal [rad/s].
+        normal: Orbit's normal, along the orbital angular momentum, in world axes, any length [-].
+        nadir: Direction to the Earth's centre at t = 0, in world axes, perpendicular to it, any length [-].
+    """
+
+    altitude: PositiveLength | None = None
+    period: PositiveTime | None = None
+    rate: Annotated[float, Quantity("rad/s", "positive")] | None = None
+    normal: Direction = (0.0, 1.0, 0.0)
+    nadir: Direction = (0.0, 0.0, -1.0)
+
+    @model_validator(mode="after")
+    def _check_orbit(self) -> Self:
+        given = [name for name in ("altitude", "period", "rate") if getattr(self, name) is not None]
+        if len(given) != 1:
+            refuse(f"must have one of altitude, period and rate, got {' and '.join(given) or 'none'}")
+        for name in ("normal", "nadir"):
+            _check_direction(getattr(self, name), name)
+        if abs(math.pi / 2 - _angle(self.normal, self.nadir)) > _ANGLE:
+            refuse(
+                f"must be perpendicular to normal = {shown(self.normal)}, got {shown(self.nadir)}",
+                "nadir",
+                value=self.nadir,
+            )
+        return self
+
+
+class PointingSpec(Spec):
+    """Where the antenna looks and where it should look.
+
+    Attributes:
+        body: Link that looks.
+        boresight: Axis it looks along, in the link's frame, any length [-].
+        up: Second axis in the link's frame, of which the part perpendicular to the boresight counts [-]; None
+            for the link's z axis, or its x axis where the boresight lies within 26 deg of z.
+        commanded: What the boresight is compared with: an ``ideal`` run, or a direction fixed in the
+            ``world`` or in the ``orbit``'s axes (z to nadir, y against the orbit's normal, x completes them).
+        direction: Commanded direction in those axes, any length [-].
+        direction_up: Commanded direction of ``up`` in those axes [-]; None where turns about the boresight
+            do not matter.
+        orbit: The orbit; None where none is of interest.
+    """
+
+    body: str
+    boresight: Direction
+    up: Direction | None = None
+    commanded: Literal["ideal", "world", "orbit"] = "ideal"
+    direction: Direction | None = None
+    direction_up: Direction | None = None
+    orbit: OrbitSpec | None = None
+
+    @model_validator(mode="after")
+    def _check_axes(self) -> Self:
+        _check_direction(self.boresight, "boresight")
+        _check_second(self.up, self.boresight, "up", "boresight")
+        if self.commanded == "ideal":
+            for name in ("direction", "direction_up"):
+                if getattr(self, name) is not None:
+                    text = 'must be left out where commanded is "ideal", got '
+                    refuse(f"{text}{shown(getattr(self, name))}", name, value=getattr(self, name))
+            return self
+        if self.direction is None:
+            refuse(f'is missing; give it where commanded is "{self.commanded}"', "direction")
+        _check_direction(self.direction, "direction")
+        _check_second(self.direction_up, self.direction, "direction_up", "direction")
+        if self.commanded == "orbit" and self.orbit is None:
+            refuse('is missing; give it where commanded is "orbit"', "orbit")
+        return self
+
+
+def _angle(a: Vector3, b: Vector3) -> float:
+    """Angle between two directions [rad]."""
+    cross = (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+    return math.atan2(math.hypot(*cross), sum(x * y for x, y in zip(a, b, strict=True)))
+
+
+def _check_direction(direction: Vector3, name: str) -> None:
+    if not any(direction):
+        refuse(f"must not be zero, got {shown(direction)}", name, value=direction)
+
+
+def _check_second(second: Vector3 | None, first: Vector3, name: str, other: str) -> None:
+    """Refuse a second axis that says nothing beside the first."""
+    if second is None:
+        return
+    _check_direction(second, name)
+    angle = _angle(second, first)
+    if min(angle, math.pi - angle) <= _ANGLE:
+        refuse(f"must not lie along {other} = {shown(first)}, got {shown(second)}", name, value=second)
