@@ -13,7 +13,7 @@ from typing import Annotated
 
 import typer
 
-from antenna_pin.cli import contact, info, run
+from antenna_pin.cli import contact, info, record, run
 from antenna_pin.cli._common import one_line_errors
 
 __all__ = ["app", "main"]
@@ -57,6 +57,7 @@ _COMMANDS: dict[str, Callable[..., None]] = {
     "run": run.run,
     "info": info.info,
     "plot": info.plot,
+    "record": record.record,
     "urdf": run.urdf,
 }
 for _name, _command in _COMMANDS.items():

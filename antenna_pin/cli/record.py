@@ -1,0 +1,107 @@
+"""``antenna-pin record``: a run as a 3D recording that plays in a browser."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from fractions import Fraction
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from antenna_pin.cli._common import load_result, not_interrupted, writable_file
+from antenna_pin.errors import InvalidParameterError
+
+
+class ViewName(StrEnum):
+    """What a recording shows."""
+
+    MECHANISM = "mechanism"
+    JOINT = "joint"
+
+
+def record(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="Result file of a run.")],
+    out: Annotated[Path, typer.Option(help="Page to write, NAME.html; it opens offline.")],
+    ideal: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Result with ideal joints, drawn as a ghost.")
+    ] = None,
+    view: Annotated[
+        ViewName, typer.Option(help="The whole mechanism, or a clearance joint close up.")
+    ] = ViewName.MECHANISM,
+    joint: Annotated[
+        str | None, typer.Option(help="Clearance joint to show; the first one if left out.")
+    ] = None,
+    magnify: Annotated[
+        float | None,
+        typer.Option(help="How many times wider the joint's play is drawn; 100 to 1000 by itself."),
+    ] = None,
+    body: Annotated[
+        str | None, typer.Option(help="Link whose boresight is drawn; the scenario's if left out.")
+    ] = None,
+    boresight: Annotated[
+        str | None, typer.Option(metavar="X,Y,Z", help="Direction of the boresight in the link's frame.")
+    ] = None,
+    fps: Annotated[
+        float, typer.Option(help="Key frames per second of the run, besides all impacts.")
+    ] = 500.0,
+    speed: Annotated[
+        str | None, typer.Option(help="Speed at first, such as 1 or 1/100; it can be changed while playing.")
+    ] = None,
+    start: Annotated[
+        str | None, typer.Option(help="First time, in seconds or with a unit ('20 ms').")
+    ] = None,
+    end: Annotated[str | None, typer.Option(help="Last time, in seconds or with a unit.")] = None,
+    size: Annotated[
+        float,
+        typer.Option(metavar="MB", help="Size that the page keeps below; key frames are thinned to it."),
+    ] = 20.0,
+) -> None:
+    """Record a run in 3D: one HTML page with a player, in which nothing is loaded from elsewhere."""
+    path = writable_file(out, ".html")
+    run = load_result(file)
+    reference = None if ideal is None else load_result(ideal)
+
+    from antenna_pin.record import record as make
+
+    recording = make(
+        run,
+        reference,
+        view=view.value,
+        joint=joint,
+        magnify=magnify,
+        body=body,
+        boresight=None if boresight is None else _direction(boresight),
+        fps=fps,
+        speed=None if speed is None else _ratio(speed),
+        start=_time(start, "--start"),
+        end=_time(end, "--end"),
+        max_megabytes=size,
+    )
+    with not_interrupted():
+        recording.save(path)
+    for warning in recording.data["warnings"]:
+        typer.echo(f"note: {warning}")
+    typer.echo(f"saved {path}")
+
+
+def _time(text: str | None, option: str) -> float | None:
+    from antenna_pin.units import quantity
+
+    return None if text is None else quantity(text, "s", option)
+
+
+def _direction(text: str) -> list[float]:
+    try:
+        return [float(part) for part in text.split(",")]
+    except ValueError:
+        raise InvalidParameterError("--boresight", "direction", "three numbers such as 1,0,0", text) from None
+
+
+def _ratio(text: str) -> float:
+    try:
+        return float(Fraction(text))
+    except (ValueError, ZeroDivisionError):
+        raise InvalidParameterError(
+            "--speed", "speed", "a number or a fraction such as 1/100", text
+        ) from None

@@ -1,0 +1,128 @@
+"""Which samples of a run a recording keeps: a regular rate, and every impact."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from antenna_pin.errors import InvalidParameterError
+
+__all__ = ["Impacts", "KeyFrames", "impacts_of", "key_frames"]
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.intp]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Impacts:
+    """Contact episodes within the span of a recording, by the time of their peak.
+
+    Attributes:
+        times: Of the largest force, (episodes,) [s].
+        peaks: Largest normal force, (episodes,) [N].
+        contacts: Index of the contact, (episodes,).
+        events: Onsets, peaks and releases of the episodes, (3, episodes) [s]; NaN where a contact lasts.
+    """
+
+    times: Array
+    peaks: Array
+    contacts: NDArray[np.int64]
+    events: Array
+
+    def only(self, chosen: Indices) -> Impacts:
+        """Return some of the episodes, by their indices, in order of time."""
+        kept = np.sort(chosen)
+        return Impacts(self.times[kept], self.peaks[kept], self.contacts[kept], self.events[:, kept])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class KeyFrames:
+    """The samples that a recording keeps.
+
+    Attributes:
+        indices: Of samples of the run, times strictly increasing, (frames,).
+        rate: Regular frames per second [Hz].
+        impacts: Those whose onset, peak and release are kept.
+        left_out: Impacts that were left out to keep to a limit, the weakest ones.
+    """
+
+    indices: Indices
+    rate: float
+    impacts: Impacts
+    left_out: int = 0
+
+
+def impacts_of(data: xr.Dataset, start: float, end: float) -> Impacts:
+    """Return the contact episodes with their peak in a span, in order of time.
+
+    Args:
+        data: Of a run.
+        start: Of the span [s].
+        end: Of the span [s].
+    """
+    if "peak_time" not in data or not data.sizes.get("episode"):
+        return Impacts(np.zeros(0), np.zeros(0), np.zeros(0, dtype=np.int64), np.zeros((3, 0)))
+    times = np.asarray(data["peak_time"].values, dtype=float)
+    order = np.argsort(times, kind="stable")
+    order = order[(times[order] >= start) & (times[order] <= end)]
+    onset, release = (np.asarray(data[name].values, dtype=float) for name in ("onset_time", "release_time"))
+    return Impacts(
+        times=times[order],
+        peaks=np.asarray(data["peak_force"].values, dtype=float)[order],
+        contacts=np.asarray(data["episode_contact"].values, dtype=np.int64)[order],
+        events=np.array([onset[order], times[order], release[order]]),
+    )
+
+
+def key_frames(
+    times: Array, impacts: Impacts, rate: float, start: float, end: float, most: int | None = None
+) -> KeyFrames:
+    """Choose the samples that a recording keeps.
+
+    They are the samples nearest to a regular rate, and those at every onset, peak and release of a contact.
+    Where that is more than ``most``, first the rate is lowered, down to a quarter of ``most``; then impacts
+    are left out, the weakest first.
+
+    Args:
+        times: Of the samples, not decreasing [s].
+        impacts: Contact episodes in the span.
+        rate: Regular frames per second [Hz].
+        start: First time kept [s].
+        end: Last time kept [s].
+        most: Largest number of frames; None for no limit.
+    """
+    if not rate > 0.0:
+        raise InvalidParameterError("recording", "fps", "positive [1/s]", rate)
+    distinct, first = np.unique(times, return_index=True)
+    inside = (distinct >= start) & (distinct <= end)
+    distinct, first = distinct[inside], first[inside]
+    events = _nearest(distinct, impacts.events)
+    kept = _choose(distinct, events, rate)
+    if most is None or len(kept) <= most:
+        return KeyFrames(first[kept], rate, impacts)
+    room = max(most - len(np.unique(events)), most // 4, 2)
+    rate = min(rate, (room - 1) / float(distinct[-1] - distinct[0]))
+    chosen = np.argsort(-impacts.peaks, kind="stable")
+    if len(np.unique(events)) + room > most:
+        chosen = chosen[: max(most - room, 0) // 3]
+    kept = _choose(distinct, events[:, chosen], rate)
+    return KeyFrames(first[kept], rate, impacts.only(chosen), len(impacts.times) - len(chosen))
+
+
+def _nearest(times: Array, wanted: Array) -> Indices:
+    """Return the index of the sample nearest to each time wanted; the last one's where that is NaN."""
+    upper = np.clip(np.searchsorted(times, wanted), 1, max(len(times) - 1, 1))
+    lower = upper - 1
+    upper = np.minimum(upper, len(times) - 1)
+    return np.where(np.abs(times[lower] - wanted) <= np.abs(times[upper] - wanted), lower, upper)
+
+
+def _choose(times: Array, events: Indices, rate: float) -> Indices:
+    count = int(np.ceil((times[-1] - times[0]) * rate)) + 1
+    if count >= len(times):
+        return np.arange(len(times))
+    regular = _nearest(times, np.linspace(times[0], times[-1], max(count, 2)))
+    return np.unique(np.concatenate([regular, events.ravel()]))

@@ -1,0 +1,255 @@
+r"""A clearance joint drawn so that every gap is shown a given number of times wider than it is.
+
+A play of a tenth of a millimetre cannot be seen beside a journal of ten. Here the parts keep their size, the
+play is drawn M times as wide, and the journal is moved so that at every candidate contact the gap between the
+drawn surfaces is M times the recorded one. So drawn surfaces touch when the real ones do, and overlap by M
+times the real depth. The price is that the drawn journal is sheared rather than turned, for M times its tilt
+is no small angle.
+
+Revolute and planar joints, in bearing axes, with the eccentricities :math:`e_\pm` of the journal's axis at
+the bore's two end circles (:math:`|e| = C_r - gap`, towards the contact):
+
+.. math::  R_{bore} = R_j + M C_r, \qquad
+           x(z) = M \left[\tfrac12 (e_+ + e_-) + (e_+ - e_-) z / L_i\right]
+
+and for the flanges, with the tilt's sine and direction :math:`t = (z_J)_{xy}` and the edge radius R that
+counts, drawn as R':
+
+.. math::  z_\pm(x) = \pm \tfrac12 L_i \pm M (gap_\pm + R |t|) - M \frac{R}{R'}\, t \cdot x
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["MagnifiedBall", "MagnifiedJournal", "default_magnification"]
+
+Array = NDArray[np.float64]
+
+
+def default_magnification(radius: float, clearance: float) -> float:
+    """Return a magnification from 100 to 1000 that draws the play about as wide as the journal's radius.
+
+    Args:
+        radius: Of the journal or ball [m].
+        clearance: Radial play [m].
+    """
+    wanted = radius / clearance
+    steps = np.array([100.0, 150.0, 200.0, 300.0, 500.0, 700.0, 1000.0])
+    return float(steps[int(np.argmin(np.abs(np.log(steps / wanted))))])
+
+
+def _directions(points: Array) -> Array:
+    """Return unit vectors (n, k) along points; zero where a point has no direction."""
+    norm = np.linalg.norm(points, axis=-1, keepdims=True)
+    return points / np.where(norm > 0.0, norm, 1.0)
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class MagnifiedJournal:
+    """The drawn parts of a revolute or planar joint and their motion, bearing axes.
+
+    Attributes:
+        factor: M [-].
+        journal_radius: R_j, drawn as it is [m].
+        bore_radius: Of the drawn bore [m].
+        length: Of bore and bearing, drawn as it is [m].
+        edge_radius: Of the edge at which flanges touch, as it is [m]; 0 without flanges.
+        drawn_edge: Of the same as drawn [m].
+        outer_radius: Of the drawn bearing [m].
+        flange_radius: Of the drawn flanges [m]; 0 without.
+        flange_gap: C_a as drawn, M times as wide as it is [m].
+    """
+
+    factor: float
+    journal_radius: float
+    bore_radius: float
+    length: float
+    edge_radius: float
+    drawn_edge: float
+    outer_radius: float
+    flange_radius: float
+    flange_gap: float
+
+    @classmethod
+    def of(cls, kind: str, dimensions: dict[str, Any], factor: float) -> MagnifiedJournal:
+        """Return the drawing of a joint.
+
+        Args:
+            kind: ``revolute`` or ``planar``.
+            dimensions: Of its shape, as the run carries them [m].
+            factor: M, positive [-].
+        """
+        journal = float(dimensions["journal_radius"])
+        play = factor * (float(dimensions["bearing_radius"]) - journal)
+        bore = journal + play
+        if kind == "planar":
+            return cls(
+                factor=factor,
+                journal_radius=journal,
+                bore_radius=bore,
+                length=1.6 * journal,
+                edge_radius=0.0,
+                drawn_edge=0.0,
+                outer_radius=1.16 * bore,
+                flange_radius=0.0,
+                flange_gap=0.0,
+            )
+        real_outer, real_flange = (float(dimensions[k]) for k in ("bearing_outer_radius", "flange_radius"))
+        length = float(dimensions["bearing_length"])
+        outer = max(real_outer + play, 1.16 * bore)
+        covers = real_flange >= real_outer
+        # A flange that covers the bearing's edge does so at every eccentricity, a smaller one at none.
+        flange = (
+            outer + (real_flange - real_outer) + 1.1 * play if covers else max(0.9 * outer - play, journal)
+        )
+        return cls(
+            factor=factor,
+            journal_radius=journal,
+            bore_radius=bore,
+            length=length,
+            edge_radius=min(real_outer, real_flange),
+            drawn_edge=outer if covers else flange,
+            outer_radius=outer,
+            flange_radius=flange,
+            flange_gap=factor * 0.5 * (float(dimensions["flange_distance"]) - length),
+        )
+
+    @property
+    def flanges(self) -> bool:
+        """Whether the journal has flanges."""
+        return self.flange_radius > 0.0
+
+    @property
+    def covered(self) -> bool:
+        """Whether the flanges cover the bearing's edge, so that this edge touches and not their own."""
+        return self.drawn_edge == self.outer_radius
+
+    @property
+    def flange_thickness(self) -> float:
+        """Of the drawn flanges [m]."""
+        return 0.12 * self.bore_radius
+
+    def eccentricity(self, gap: Array, point: Array) -> Array:
+        """Return the drawn centres of the journal at the radial contacts, (n, contacts, 2) [m].
+
+        Args:
+            gap: Of the radial contacts, as recorded, (n, contacts) [m].
+            point: Candidate contacts, bearing axes, (n, contacts, 3) [m].
+        """
+        play = (self.bore_radius - self.journal_radius) / self.factor
+        return self.factor * (play - gap)[..., None] * _directions(point[..., :2])
+
+    def barrel(self, centres: Array, shift: Array) -> Array:
+        """Return the placement of the drawn barrel, a shear, (n, 3, 4).
+
+        Args:
+            centres: What :meth:`eccentricity` returned: one column, or those of the +z and -z ends.
+            shift: Of the journal along the axis, as drawn, (n,) [m]; it shows at the barrel's ends only.
+        """
+        upper, lower = centres[:, 0], centres[:, -1]
+        result = np.zeros((len(centres), 3, 4))
+        result[:, [0, 1, 2], [0, 1, 2]] = 1.0
+        slope = (upper - lower) / self.length
+        result[:, :2, 2] = slope
+        result[:, :2, 3] = 0.5 * (upper + lower) + slope * shift[:, None]
+        result[:, 2, 3] = shift
+        return result
+
+    def flange(self, sign: float, gap: Array, tilt: Array, centres: Array) -> Array:
+        """Return the placement of a drawn flange, its inner face at z = 0 of its own axes, (n, 3, 4).
+
+        Args:
+            sign: +1 for the flange at +z, -1 for the other.
+            gap: Of this flange, as recorded, (n,) [m].
+            tilt: x and y of the journal's unit axis, (n, 2) [-].
+            centres: Drawn centres at the +z and -z ends, (n, 2, 2) [m].
+        """
+        upper, lower = centres[:, 0], centres[:, -1]
+        middle, slope = 0.5 * (upper + lower), (upper - lower) / self.length
+        sine = np.linalg.norm(tilt, axis=1)
+        face = sign * (0.5 * self.length + self.factor * (gap + self.edge_radius * sine))
+        fall = self.factor * (self.edge_radius / self.drawn_edge) * tilt
+        if self.covered:  # the face is laid over the bearing's edge, whose middle is the bearing's
+            z = (face - np.sum(fall * middle, axis=1)) / (1.0 + np.sum(fall * slope, axis=1))
+        else:  # the flange's own edge about its own middle
+            z = face
+        result = np.zeros((len(gap), 3, 4))
+        result[:, [0, 1, 2], [0, 1, 2]] = 1.0
+        result[:, 2, :2] = -fall
+        result[:, :2, 2] = slope
+        result[:, :2, 3] = middle + slope * z[:, None]
+        result[:, 2, 3] = z
+        return result
+
+    def radial_points(self, sign: float, point: Array) -> Array:
+        """Return drawn contacts in the bore, (n, 3) [m].
+
+        Args:
+            sign: +1 or -1 for the end circles, 0 for a joint in its plane.
+            point: As recorded, bearing axes, (n, 3) [m].
+        """
+        result = np.full(point.shape, 0.5 * sign * self.length)
+        result[:, :2] = self.bore_radius * _directions(point[:, :2])
+        return result
+
+    def axial_points(self, sign: float, point: Array, placement: Array) -> Array:
+        """Return drawn contacts at a flange, (n, 3) [m].
+
+        Args:
+            sign: +1 for the flange at +z, -1 for the other.
+            point: As recorded, bearing axes, (n, 3) [m].
+            placement: What :meth:`flange` returned.
+        """
+        result = np.full(point.shape, 0.5 * sign * self.length)
+        # With parallel axes a point load acts on the axis, so its place is neither rim.
+        out = point[:, :2] / self.edge_radius
+        result[:, :2] = self.drawn_edge * out / np.maximum(np.linalg.norm(out, axis=1, keepdims=True), 1.0)
+        if not self.covered:
+            result[:, :2] += placement[:, :2, 3]
+        return result
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class MagnifiedBall:
+    """The drawn parts of a ball joint and their motion, bearing axes.
+
+    Attributes:
+        factor: M [-].
+        ball_radius: Drawn as it is [m].
+        socket_radius: Of the drawn socket [m].
+    """
+
+    factor: float
+    ball_radius: float
+    socket_radius: float
+
+    @classmethod
+    def of(cls, dimensions: dict[str, Any], factor: float) -> MagnifiedBall:
+        """Return the drawing of a joint.
+
+        Args:
+            dimensions: Of its shape, as the run carries them [m].
+            factor: M, positive [-].
+        """
+        ball = float(dimensions["ball_radius"])
+        play = float(dimensions["socket_radius"]) - ball
+        return cls(factor=factor, ball_radius=ball, socket_radius=ball + factor * play)
+
+    def centre(self, gap: Array, position: Array) -> Array:
+        """Return the drawn centre of the ball, (n, 3) [m].
+
+        Args:
+            gap: As recorded, (n,) [m].
+            position: Of the ball's centre in the socket, (n, 3) [m].
+        """
+        play = (self.socket_radius - self.ball_radius) / self.factor
+        return self.factor * (play - gap)[:, None] * _directions(position)
+
+    def points(self, point: Array) -> Array:
+        """Return drawn contacts, (n, 3) [m], for those recorded, (n, 3) [m]."""
+        return self.socket_radius * _directions(point)

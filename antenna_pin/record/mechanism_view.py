@@ -1,0 +1,316 @@
+"""The whole mechanism in the world: bodies, contact forces, boresight and trace, an ideal run as a ghost."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import ArrayLike, NDArray
+from scipy.spatial.transform import Rotation
+
+from antenna_pin.analysis import body_poses, mechanism_of
+from antenna_pin.errors import InvalidParameterError, UnknownNameError
+from antenna_pin.record.key_frames import Impacts, KeyFrames
+from antenna_pin.record.scene import Scene, packed_doubles, packed_floats
+from antenna_pin.record.shapes import Cylinder, Shape, Sphere, corners, visual_shapes
+from antenna_pin.trajectory import Trajectory
+
+__all__ = ["Boresight", "camera", "mechanism_view", "nice", "placement_of"]
+
+Array = NDArray[np.float64]
+
+FORCE = "#D55E00"
+BORESIGHT = "#0072B2"
+GHOST = (0.25, 0.30, 0.38, 0.22)
+_TRAIL = 1500  # points of a trace
+_FRAMED = 300  # key frames looked at to frame the motion
+_DIRECTION = (1.0, -0.75, 0.55)  # from where the camera looks
+
+
+class Boresight:
+    """A line on a body that is drawn with its trace.
+
+    Args:
+        body: Name of the link.
+        axis: Direction in the link's frame, (3,) [-].
+        bodies: Names of the links there are.
+    """
+
+    def __init__(self, body: str, axis: ArrayLike, bodies: list[str]) -> None:
+        """Check the body and the axis."""
+        if body not in bodies:
+            raise UnknownNameError("recording", "body", body, bodies)
+        vector = np.asarray(axis, dtype=float)
+        if vector.shape != (3,) or not np.isfinite(vector).all() or not vector.any():
+            raise InvalidParameterError("recording", "boresight", "three numbers, not all zero", axis)
+        self.body = body
+        self.axis = vector / np.linalg.norm(vector)
+
+
+def mechanism_view(
+    run: Trajectory,
+    frames: KeyFrames,
+    impacts: Impacts,
+    places: dict[str, dict[str, Any]],
+    ideal: tuple[Trajectory, KeyFrames] | None = None,
+    boresight: tuple[str, ArrayLike] | None = None,
+) -> dict[str, Any]:
+    """Return the data of a recording that depend on the view (see :class:`Recording`).
+
+    Args:
+        run: The run.
+        frames: Its key frames.
+        impacts: Contact episodes in the span.
+        places: Where bearings are (``antenna_pin.simulation.places.clearance_places``).
+        ideal: A run to be drawn as a ghost, and its key frames.
+        boresight: Body and axis of the line to be drawn.
+    """
+    scene = Scene()
+    motion = _Body(run, frames, "run", scene)
+    line = None if boresight is None else Boresight(boresight[0], boresight[1], motion.names)
+    size = motion.size
+    reach = 0.55 * size
+    facts: list[dict[str, str]] = []
+    trails = []
+    extent = [motion.extent]
+    if line is not None:
+        facts.append({"text": f"boresight of {line.body} and its trace", "colour": BORESIGHT})
+        trails.append(motion.draw_boresight(line, reach, BORESIGHT, size))
+        extent.append(motion.tips[:: max(1, len(motion.tips) // _FRAMED)])
+    actors = [motion.actor()]
+    if ideal is not None:
+        ghost = _Body(*ideal, "ideal", scene, GHOST)
+        actors.append(ghost.actor())
+        facts.append({"text": f"ideal run ({_case(ideal[0])}), translucent", "colour": "#8A94A3"})
+        if line is not None and line.body in ghost.names:
+            trails.append(ghost.draw_boresight(line, reach, "#6B7684", size))
+        motion.warnings += [text for text in ghost.warnings if text not in motion.warnings]
+        extent.append(ghost.extent)
+    contacts, arrow_tips = _contacts(run.data, frames, impacts, places, motion, scene, size)
+    if contacts is not None:
+        extent.append(arrow_tips)
+        facts.insert(0, {"text": _force_scale(contacts, "on the journal"), "colour": FORCE})
+    return {
+        "commands": scene.packed(),
+        "actors": actors,
+        "contacts": contacts,
+        "trails": trails,
+        "camera": camera(np.concatenate(extent), _DIRECTION),
+        "facts": facts,
+        "warnings": motion.warnings,
+    }
+
+
+def _case(run: Trajectory) -> str:
+    return str(run.data.attrs.get("case") or run.data.attrs.get("title") or "ideal")
+
+
+class _Body:
+    """The bodies of a run: shapes put into a scene, poses at the key frames."""
+
+    def __init__(
+        self,
+        run: Trajectory,
+        frames: KeyFrames,
+        name: str,
+        scene: Scene,
+        ghost: tuple[float, float, float, float] | None = None,
+    ) -> None:
+        poses = body_poses(run, times=frames.indices)
+        self.run = name
+        self.scene = scene
+        self.ghost = ghost
+        self.times = np.asarray(poses["time"].values, dtype=float)
+        self.names = [str(body) for body in poses["body"].values]
+        self.position = np.asarray(poses["position"].values, dtype=float)
+        self.attitude = np.asarray(poses["attitude"].values, dtype=float)
+        self.shapes, self.warnings = visual_shapes(mechanism_of(run).urdf)
+        self.paths = {body: f"{name}/{k}" for k, body in enumerate(self.names)}
+        self.tips: Array = np.zeros((0, 3))
+        if not self.shapes:
+            self.warnings.append("the URDF has no shapes to draw; only frames' motion is recorded")
+        for k, shape in enumerate(self.shapes):
+            self._draw(k, shape)
+        self.extent = self._extent()
+        span = np.ptp(self.extent, axis=0)
+        self.size = float(np.linalg.norm(span)) or 1.0
+
+    def _draw(self, k: int, shape: Shape) -> None:
+        path = f"{self.paths[shape.body]}/{k}"
+        if self.ghost is None:
+            self.scene.add(path, shape.geometry, shape.colour, shape.placement)
+            return
+        # Pushed back a little, so that the ghost does not show where it coincides with the body itself.
+        self.scene.add(
+            path,
+            shape.geometry,
+            self.ghost,
+            shape.placement,
+            polygonOffset=True,
+            polygonOffsetFactor=1.0,
+            polygonOffsetUnits=1.0,
+        )
+
+    def _extent(self) -> Array:
+        """Return the corners of all shapes at some of the key frames, in the world, (n, 3) [m]."""
+        some = np.unique(np.linspace(0, len(self.times) - 1, min(_FRAMED, len(self.times))).astype(int))
+        found = []
+        for k, body in enumerate(self.names):
+            mine = [shape for shape in self.shapes if shape.body == body]
+            points = [
+                corners(shape.geometry) @ shape.placement[:3, :3].T + shape.placement[:3, 3] for shape in mine
+            ] or [np.zeros((1, 3))]
+            turn = Rotation.from_quat(self.attitude[some, k]).as_matrix()
+            local = np.concatenate(points)
+            found.append(
+                (np.einsum("tij,pj->tpi", turn, local) + self.position[some, k, None]).reshape(-1, 3)
+            )
+        return np.concatenate(found)
+
+    def actor(self) -> dict[str, Any]:
+        """Return the poses as the player takes them."""
+        return {
+            "name": self.run,
+            "times": packed_doubles(self.times),
+            "tracks": [
+                {
+                    "kind": "pose",
+                    "name": body if self.ghost is None else f"ideal {body}",
+                    "path": self.paths[body],
+                    "data": packed_floats(np.hstack([self.position[:, k], self.attitude[:, k]])),
+                }
+                for k, body in enumerate(self.names)
+            ],
+        }
+
+    def draw_boresight(self, line: Boresight, reach: float, colour: str, size: float) -> dict[str, Any]:
+        """Put the line and its tip onto its body; return the tip's trace."""
+        k = self.names.index(line.body)
+        path = self.paths[line.body]
+        rgb = tuple(int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5))
+        placement = np.eye(4)
+        placement[:3, :3] = Rotation.align_vectors([line.axis], [[0.0, 0.0, 1.0]])[0].as_matrix()
+        placement[:3, 3] = 0.5 * reach * line.axis
+        thin = 0.0016 * size
+        self.scene.add(f"{path}/line", Cylinder(thin, reach), rgb, placement, unlit=True)
+        placement[:3, 3] = reach * line.axis
+        self.scene.add(f"{path}/tip", Sphere(5.0 * thin), rgb, placement, unlit=True)
+        turn = Rotation.from_quat(self.attitude[:, k])
+        self.tips = self.position[:, k] + turn.apply(reach * line.axis)
+        some = np.unique(np.linspace(0, len(self.times) - 1, min(_TRAIL, len(self.times))).astype(int))
+        return {
+            "path": self.run,
+            "times": packed_doubles(self.times[some]),
+            "points": packed_floats(self.tips[some]),
+            "colour": colour,
+            "radius": 1.3 * thin,
+            "tail": None,
+        }
+
+
+def _contacts(
+    data: xr.Dataset,
+    frames: KeyFrames,
+    impacts: Impacts,
+    places: dict[str, dict[str, Any]],
+    motion: _Body,
+    scene: Scene,
+    size: float,
+) -> tuple[dict[str, Any] | None, Array]:
+    """Return the forces as the player takes them, and tips of their arrows, (n, 3) [m]."""
+    nothing = np.zeros((0, 3))
+    if "contact_force" not in data or not places:
+        return None, nothing
+    force = np.asarray(data["contact_force"].values, dtype=float)[frames.indices]
+    point = np.asarray(data["contact_point"].values, dtype=float)[frames.indices]
+    largest = max(float(np.linalg.norm(force, axis=2).max()), float(impacts.peaks.max(initial=0.0)))
+    if largest == 0.0:
+        return None, nothing
+    reference = nice(largest)
+    length = nice(0.3 * size * np.sqrt(reference / largest))
+    items, tips = [], []
+    for k, name in enumerate(map(str, data["contact"].values)):
+        joint = name.rpartition(".")[0]
+        place = places[joint]
+        path = f"{motion.paths[place['bearing_body']]}/bearing {joint}".replace("//", "/")
+        bearing = placement_of(place["bearing_placement"])
+        scene.place(path, bearing)
+        tips.append(
+            _arrow_tips(force[:, k], point[:, k], reference, length, bearing, motion, place["bearing_body"])
+        )
+        items.append(
+            {
+                "name": name,
+                "path": path,
+                "force": packed_floats(force[:, k]),
+                "point": packed_floats(point[:, k]),
+            }
+        )
+    contacts = {
+        "items": items,
+        "colour": FORCE,
+        "above": True,
+        "map": None,
+        "size": 0.004 * size,
+        "power": 0.5,
+        "reference": [reference, length],
+    }
+    return contacts, np.concatenate(tips)
+
+
+def _arrow_tips(
+    force: Array, point: Array, reference: float, length: float, bearing: Array, motion: _Body, body: str
+) -> Array:
+    """Return the tips of a contact's longest arrows in the world, (n, 3) [m]."""
+    size = np.linalg.norm(force, axis=1)
+    some = np.argsort(-size, kind="stable")[:_FRAMED]
+    some = some[size[some] > 0.0]
+    tips = point[some] + length * force[some] / np.sqrt(reference * size[some, None])
+    k = motion.names.index(body)
+    turn = Rotation.from_quat(motion.attitude[some, k]) if len(some) else Rotation.identity()
+    return np.asarray(turn.apply(tips @ bearing[:3, :3].T + bearing[:3, 3]) + motion.position[some, k])
+
+
+def _force_scale(contacts: dict[str, Any], where: str) -> str:
+    force, length = contacts["reference"]
+    return (
+        f"contact force {where}: {force:g} N drawn {length:g} m, {0.01 * force:g} N drawn {0.1 * length:g} m "
+        "(by its square root)"
+    )
+
+
+def placement_of(seven: ArrayLike) -> Array:
+    """Return a position and a quaternion xyzw, (7,) [m, -], as a placement, (4, 4)."""
+    numbers = np.asarray(seven, dtype=float)
+    result = np.eye(4)
+    result[:3, :3] = Rotation.from_quat(numbers[3:]).as_matrix()
+    result[:3, 3] = numbers[:3]
+    return result
+
+
+def nice(value: float) -> float:
+    """Return the largest 1, 2 or 5 times a power of ten that is not above a positive value."""
+    power = 10.0 ** np.floor(np.log10(value))
+    digit = max(step for step in (1.0, 2.0, 5.0) if step * power <= value * (1.0 + 1e-12))
+    return float(f"{digit * power:.1g}")
+
+
+def camera(points: Array, direction: ArrayLike) -> dict[str, Any]:
+    """Return what the player frames: the outermost of the points, their middle, and from where it looks.
+
+    Args:
+        points: (n, 3) [m].
+        direction: From the middle to the camera, (3,) [-].
+    """
+    k = np.arange(256)
+    z = 1.0 - (2.0 * k + 1.0) / len(k)
+    phi = np.pi * (3.0 - np.sqrt(5.0)) * k
+    sphere = np.stack([np.sqrt(1.0 - z * z) * np.cos(phi), np.sqrt(1.0 - z * z) * np.sin(phi), z], axis=1)
+    outermost = np.unique(np.argmax(points @ sphere.T, axis=0))
+    middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
+    return {
+        "points": packed_floats(points[outermost]),
+        "target": middle.tolist(),
+        "direction": np.asarray(direction, dtype=float).tolist(),
+    }

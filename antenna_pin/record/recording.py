@@ -1,0 +1,257 @@
+"""A run as a 3D recording that plays in a browser."""
+
+from __future__ import annotations
+
+import html
+import json
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from antenna_pin.assemble import build_system
+from antenna_pin.errors import InvalidParameterError, OutputError
+from antenna_pin.record import page
+from antenna_pin.record.joint_view import joint_view
+from antenna_pin.record.key_frames import KeyFrames, impacts_of, key_frames
+from antenna_pin.record.mechanism_view import mechanism_view
+from antenna_pin.record.scene import packed_doubles, packed_floats
+from antenna_pin.simulation.places import clearance_places
+from antenna_pin.trajectory import Trajectory, check_writable
+
+__all__ = ["Recording", "View", "record"]
+
+View = Literal["mechanism", "joint"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Recording:
+    """A 3D recording: its data, and the page that plays it without a network.
+
+    Attributes:
+        data: What the player takes, as JSON would hold it: texts (``title``, ``subtitle``, ``facts``,
+            ``warnings``), ``times`` of the key frames and the ``impacts`` marked on the slider, the viewer's
+            ``commands`` that build the scene, ``actors`` whose ``tracks`` move parts of it (poses of seven
+            numbers, or placements of twelve), ``contacts``, ``trails``, ``camera`` and ``speed``. Numbers in
+            bulk are base64 of little-endian floats, 64 bits for times and 32 for the rest.
+        frames: The samples of the run that became key frames.
+    """
+
+    data: dict[str, Any]
+    frames: KeyFrames
+
+    @property
+    def html(self) -> str:
+        """The whole page, self-contained."""
+        return page.page(self.data)
+
+    def embedded(self, identity: str, height: str = "26rem") -> str:
+        """Return the part for a page with several recordings; its head needs ``shared_head()`` once.
+
+        Args:
+            identity: Id of the element, unique in the page.
+            height: CSS height of the element.
+        """
+        return page.embedded(self.data, identity, height)
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Write the page; return its path.
+
+        Raises:
+            OutputError: It cannot be written there.
+        """
+        target = check_writable(path)
+        partial = target.with_name(f".{target.name}.{os.getpid()}.partial")
+        try:
+            partial.write_text(self.html, encoding="utf-8")
+            partial.replace(target)
+        except OSError as error:
+            raise OutputError(f"{target}: cannot be written: {error.strerror or error}") from error
+        finally:
+            partial.unlink(missing_ok=True)
+        return target
+
+    def _repr_html_(self) -> str:
+        """Show the recording in a notebook, in a frame of its own."""
+        source = html.escape(self.html, quote=True)
+        return f'<iframe srcdoc="{source}" style="width:100%;height:30rem;border:0" allowfullscreen></iframe>'
+
+
+def record(
+    run: Trajectory,
+    ideal: Trajectory | None = None,
+    *,
+    view: View = "mechanism",
+    joint: str | None = None,
+    magnify: float | None = None,
+    body: str | None = None,
+    boresight: ArrayLike | None = None,
+    fps: float = 500.0,
+    speed: float | None = None,
+    start: float | None = None,
+    end: float | None = None,
+    max_megabytes: float = 20.0,
+) -> Recording:
+    """Return a recording of a run.
+
+    Key frames are samples of the run at a regular rate, and at every onset, peak and release of a contact,
+    so that no impact is skipped; the player interpolates between them.
+
+    Args:
+        run: The run.
+        ideal: A run whose bodies are drawn as a ghost beside, usually with ideal joints.
+        view: ``mechanism``, all bodies in the world, or ``joint``, a clearance joint close up.
+        joint: Which clearance joint; the first one if left out. For the view of a joint.
+        magnify: How many times wider its gaps are drawn [-]; 100 to 1000 by its play if left out.
+        body: Link whose boresight is drawn; the scenario's pointing body if left out.
+        boresight: Its direction in the link's frame, (3,) [-]; the scenario's, or x, if left out.
+        fps: Regular key frames per second of the run [1/s].
+        speed: Seconds of the run per second at first [-]; if left out, real time or what lasts 10 s.
+        start: First time recorded [s]; the run's start if left out.
+        end: Last time recorded [s]; the run's end if left out.
+        max_megabytes: Size of the page that is not exceeded [MB]; key frames are thinned to keep to it.
+
+    Raises:
+        InvalidParameterError: Values that make no sense, or a joint's view of a run without clearance.
+        UnknownNameError: A body or joint that there is not.
+        FileFormatError: The run does not carry what its bodies were.
+    """
+    if view not in ("mechanism", "joint"):
+        raise InvalidParameterError("recording", "view", "mechanism or joint", view)
+    if view == "joint" and ideal is not None:
+        raise InvalidParameterError("recording", "ideal", "left out in the view of a joint", "a run")
+    first, last = _span(run, start, end)
+    line = _boresight(run, body, boresight)
+    places = _places(run)
+    impacts = impacts_of(run.data, first, last)
+    times = np.asarray(run.data["time"].values, dtype=float)
+    limit = 1e6 * max_megabytes
+    most: int | None = None
+    for _ in range(6):
+        frames = key_frames(times, impacts, fps, first, last, most)
+        if view == "joint":
+            seen = joint_view(run, frames, frames.impacts, places, joint, magnify)
+        else:
+            ghost = None if ideal is None else (ideal, _ghost_frames(ideal, frames, first, last, most))
+            seen = mechanism_view(run, frames, frames.impacts, places, ghost, line)
+        recording = Recording(_data(run, view, frames, seen, speed, first, last), frames)
+        size = len(recording.html.encode())
+        if size <= limit:
+            return recording
+        moving = _moving_bytes(recording.data)
+        fixed = size - moving
+        most = int(0.97 * (limit - fixed) / moving * len(frames.indices))
+        if most < 2:
+            break
+    raise InvalidParameterError(
+        "recording", "max_megabytes", f"above {1e-6 * fixed:.2f}, what viewer and shapes take", max_megabytes
+    )
+
+
+def _span(run: Trajectory, start: float | None, end: float | None) -> tuple[float, float]:
+    times = np.asarray(run.data["time"].values, dtype=float)
+    low, high = float(times[0]), float(times[-1])
+    first = low if start is None else float(start)
+    last = high if end is None else float(end)
+    for name, value in (("start", first), ("end", last)):
+        if not low <= value <= high:
+            raise InvalidParameterError("recording", name, f"within the run, {low:g} to {high:g} s", value)
+    if first > last or (first == last and low < high):
+        raise InvalidParameterError("recording", "end", f"after start = {first:g} s", last)
+    inside = (times >= first) & (times <= last)
+    if not inside.any():
+        raise InvalidParameterError(
+            "recording", "end", f"so far from start = {first:g} s that a sample lies between", last
+        )
+    return first, last
+
+
+def _ghost_frames(
+    ideal: Trajectory, frames: KeyFrames, first: float, last: float, most: int | None
+) -> KeyFrames:
+    times = np.asarray(ideal.data["time"].values, dtype=float)
+    nothing = impacts_of(ideal.data, np.inf, np.inf)
+    rate = min(frames.rate, 200.0)
+    if not ((times >= first) & (times <= last)).any():
+        raise InvalidParameterError(
+            "recording", "ideal", f"a run with samples between {first:g} and {last:g} s", f"{times[-1]:g} s"
+        )
+    return key_frames(times, nothing, rate, first, last, most)
+
+
+def _boresight(
+    run: Trajectory, body: str | None, boresight: ArrayLike | None
+) -> tuple[str, ArrayLike] | None:
+    pointing: Any = getattr(run.scenario, "pointing", None)
+    if body is not None:
+        same = pointing is not None and pointing.body == body
+        return body, boresight if boresight is not None else pointing.boresight if same else (1.0, 0.0, 0.0)
+    if pointing is not None:
+        return pointing.body, pointing.boresight if boresight is None else boresight
+    if boresight is not None:
+        raise InvalidParameterError(
+            "recording", "body", "given with boresight, as the scenario has no [pointing]", body
+        )
+    return None
+
+
+def _places(run: Trajectory) -> dict[str, dict[str, Any]]:
+    """Return shapes and places of the clearance joints; a file of format 1 has them from its scenario."""
+    if "clearance_geometry" in run.data.attrs:
+        found: dict[str, dict[str, Any]] = json.loads(run.data.attrs["clearance_geometry"])
+        return found
+    return {} if run.scenario is None else clearance_places(build_system(run.scenario))
+
+
+def _data(
+    run: Trajectory,
+    view: View,
+    frames: KeyFrames,
+    seen: dict[str, Any],
+    speed: float | None,
+    first: float,
+    last: float,
+) -> dict[str, Any]:
+    attributes = run.data.attrs
+    warnings = list(seen["warnings"])
+    if not run.completed:
+        warnings.append(f"the run ended before its time: {run.message}")
+    if frames.left_out:
+        number = frames.left_out + len(frames.impacts.times)
+        warnings.append(
+            f"the {frames.left_out} weakest of {number} impacts are left out to keep the file small"
+        )
+    if len(frames.indices) == 1:
+        warnings.append("the run has one sample in this span; there is no motion to play")
+    impacts = frames.impacts
+    if speed is None:
+        speed = 1.0 if view == "mechanism" else 0.1
+    elif not speed > 0.0:
+        raise InvalidParameterError("recording", "speed", "positive", speed)
+    title, case = str(attributes.get("title") or ""), str(attributes.get("case") or "")
+    name = run.scenario.name if run.scenario is not None and run.scenario.name else ""
+    return {
+        "version": 1,
+        "view": view,
+        "title": title or name or "run",
+        "subtitle": case,
+        "speed": float(speed),
+        "times": packed_doubles(np.asarray(run.data["time"].values, dtype=float)[frames.indices]),
+        "impacts": {"times": packed_doubles(impacts.times), "peaks": packed_floats(impacts.peaks)},
+        **seen,
+        "warnings": warnings,
+    }
+
+
+def _moving_bytes(data: dict[str, Any]) -> int:
+    """Return the bytes of a recording that grow with its key frames."""
+    texts = [data["times"], data["impacts"]["times"], data["impacts"]["peaks"]]
+    for actor in data["actors"]:
+        texts += [actor["times"], *(track["data"] for track in actor["tracks"])]
+    for item in data["contacts"]["items"] if data["contacts"] else ():
+        texts += [item["force"], item["point"]]
+    texts += [trail[name] for trail in data["trails"] for name in ("times", "points")]
+    return sum(map(len, texts))

@@ -1,0 +1,223 @@
+"""Shapes to draw: the visuals of a URDF, and bodies of revolution."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeAlias
+
+import numpy as np
+import trimesh
+from numpy.typing import ArrayLike, NDArray
+
+from antenna_pin.mechanism import Urdf
+
+__all__ = ["Box", "Cylinder", "Geometry", "Mesh", "Shape", "Sphere", "corners", "lathe", "visual_shapes"]
+
+Array = NDArray[np.float64]
+
+_GREY = (0.62, 0.65, 0.69, 1.0)
+_SMOOTH = np.radians(35.0)  # edges sharper than that stay edges
+
+
+@dataclass(frozen=True, slots=True)
+class Box:
+    """A box about its centre.
+
+    Attributes:
+        size: Lengths along x, y, z, (3,) [m].
+    """
+
+    size: tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Cylinder:
+    """A cylinder about its centre, along z.
+
+    Attributes:
+        radius: [m].
+        length: [m].
+    """
+
+    radius: float
+    length: float
+
+
+@dataclass(frozen=True, slots=True)
+class Sphere:
+    """A ball about its centre.
+
+    Attributes:
+        radius: [m].
+    """
+
+    radius: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Mesh:
+    """Triangles; vertices are shared where the surface is smooth.
+
+    Attributes:
+        vertices: (n, 3) [m].
+        faces: Indices of vertices, (m, 3).
+    """
+
+    vertices: Array
+    faces: NDArray[np.int64]
+
+
+Geometry: TypeAlias = Box | Cylinder | Sphere | Mesh
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Shape:
+    """One thing to draw on a body.
+
+    Attributes:
+        body: Name of the link.
+        geometry: What it is.
+        placement: In the link's frame, (4, 4) [-, m].
+        colour: Red, green, blue and opacity, (4,), 0 to 1 [-].
+    """
+
+    body: str
+    geometry: Geometry
+    placement: Array
+    colour: tuple[float, float, float, float]
+
+
+def visual_shapes(urdf: Urdf) -> tuple[list[Shape], list[str]]:
+    """Return the visual shapes of all links, and a line for each that cannot be drawn."""
+    colours = {
+        material.name: tuple(map(float, material.color.rgba))
+        for material in urdf.robot.materials
+        if material.color is not None
+    }
+    shapes: list[Shape] = []
+    warnings: list[str] = []
+    for link in urdf.robot.links:
+        for visual in link.visuals:
+            try:
+                geometry = _geometry(visual.geometry, urdf.folder)
+            except _NotDrawnError as error:
+                warnings.append(f"{link.name}: {error}; not drawn")
+                continue
+            placement = np.eye(4) if visual.origin is None else np.array(visual.origin, dtype=float)
+            shapes.append(Shape(link.name, geometry, placement, _colour(visual.material, colours)))
+    return shapes, warnings
+
+
+class _NotDrawnError(Exception):
+    """Why a shape cannot be drawn."""
+
+
+def _geometry(geometry: Any, folder: Path | None) -> Geometry:
+    if geometry.box is not None:
+        x, y, z = map(float, geometry.box.size)
+        return Box((x, y, z))
+    if geometry.cylinder is not None:
+        return Cylinder(float(geometry.cylinder.radius), float(geometry.cylinder.length))
+    if geometry.sphere is not None:
+        return Sphere(float(geometry.sphere.radius))
+    if geometry.mesh is None:
+        raise _NotDrawnError("a shape of an unknown kind")
+    scale = 1.0 if geometry.mesh.scale is None else np.asarray(geometry.mesh.scale, dtype=float)
+    mesh = _read_mesh(str(geometry.mesh.filename), folder)
+    return Mesh(mesh.vertices * scale, mesh.faces)
+
+
+def _read_mesh(name: str, folder: Path | None) -> Mesh:
+    path = Path(name.removeprefix("file://"))
+    if "://" in str(name) and not name.startswith("file://"):
+        raise _NotDrawnError(f"mesh {name!r} is not a file")
+    if not path.is_absolute() and folder is not None:
+        path = folder / path
+    if not path.is_file():
+        raise _NotDrawnError(f"mesh file {name!r} is missing")
+    try:
+        loaded: Any = trimesh.load(path, force="mesh", process=True)
+        smooth = trimesh.graph.smooth_shade(loaded, angle=_SMOOTH)
+    except Exception as error:  # trimesh lets through whatever its readers raise
+        raise _NotDrawnError(f"mesh file {name!r} cannot be read ({error})") from None
+    if not len(smooth.faces):
+        raise _NotDrawnError(f"mesh file {name!r} has no faces")
+    return Mesh(np.asarray(smooth.vertices, dtype=float), np.asarray(smooth.faces, dtype=np.int64))
+
+
+def _colour(material: Any, known: dict[str, tuple[float, ...]]) -> tuple[float, float, float, float]:
+    if material is None:
+        return _GREY
+    rgba = material.color.rgba if material.color is not None else known.get(material.name, _GREY)
+    red, green, blue, alpha = (float(np.clip(value, 0.0, 1.0)) for value in rgba)
+    return red, green, blue, alpha
+
+
+def corners(geometry: Geometry) -> Array:
+    """Return the corners of the box around a shape in its own frame, (8, 3) [m]."""
+    if isinstance(geometry, Mesh):
+        low, high = geometry.vertices.min(axis=0), geometry.vertices.max(axis=0)
+    else:
+        if isinstance(geometry, Box):
+            high = 0.5 * np.array(geometry.size)
+        elif isinstance(geometry, Cylinder):
+            high = np.array([geometry.radius, geometry.radius, 0.5 * geometry.length])
+        else:
+            high = np.full(3, geometry.radius)
+        low = -high
+    return np.array(
+        [[x, y, z] for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])]
+    )
+
+
+def lathe(
+    inner: ArrayLike, outer: ArrayLike, start: float = 0.0, end: float = 2.0 * np.pi, segments: int = 96
+) -> Mesh:
+    """Return a body of revolution about z, cut open if it is not turned fully, its cuts closed.
+
+    Args:
+        inner: Its inner surface from low to high: radius and z, (n, 2) [m]; smooth between its two ends.
+        outer: Its outer surface, likewise, (n, 2) [m].
+        start: Angle at which it begins [rad].
+        end: Angle at which it ends [rad].
+        segments: Steps of the turn.
+    """
+    inside, outside = np.asarray(inner, dtype=float), np.asarray(outer, dtype=float)
+    angles = np.linspace(start, end, segments + 1)
+    parts: list[Mesh] = [_turned(inside[::-1], angles), _turned(outside, angles)]
+    for k in (0, -1):  # the ends, where inner and outer surface do not meet there
+        if not np.allclose(inside[k], outside[k]):
+            rim = np.array([inside[k], outside[k]])
+            parts.append(_turned(rim if k == 0 else rim[::-1], angles))
+    if end - start < 2.0 * np.pi - 1e-9:
+        parts += [_cut(inside, outside, angle, first) for angle, first in ((start, True), (end, False))]
+    counts = np.cumsum([0, *(len(part.vertices) for part in parts)])
+    return Mesh(
+        np.concatenate([part.vertices for part in parts]),
+        np.concatenate([part.faces + count for part, count in zip(parts, counts, strict=False)]),
+    )
+
+
+def _turned(line: Array, angles: Array) -> Mesh:
+    """Return the surface that a line (n, 2) sweeps; it faces to the right of the line as seen with z up."""
+    n, m = len(line), len(angles)
+    x = np.cos(angles)[:, None] * line[:, 0]
+    y = np.sin(angles)[:, None] * line[:, 0]
+    vertices = np.stack([x, y, np.broadcast_to(line[:, 1], (m, n))], axis=2).reshape(-1, 3)
+    return Mesh(vertices, _grid(m, n))
+
+
+def _cut(inner: Array, outer: Array, angle: float, first: bool) -> Mesh:
+    lines = np.stack([inner, outer] if first else [outer, inner])
+    x, y = lines[..., 0] * np.cos(angle), lines[..., 0] * np.sin(angle)
+    vertices = np.stack([x, y, lines[..., 1]], axis=2).reshape(-1, 3)
+    return Mesh(vertices, _grid(2, lines.shape[1]))
+
+
+def _grid(rows: int, columns: int) -> NDArray[np.int64]:
+    """Return the triangles of a grid of vertices, row by row, (m, 3)."""
+    i, k = np.meshgrid(np.arange(rows - 1), np.arange(columns - 1), indexing="ij")
+    a = (i * columns + k).ravel()
+    b = a + columns
+    return np.concatenate([np.stack([a, b, b + 1], axis=1), np.stack([a, b + 1, a + 1], axis=1)])

@@ -1,0 +1,195 @@
+"""Recordings without a browser: what the page holds, that it is right, and what is refused."""
+
+import base64
+import dataclasses
+import html
+import json
+import re
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+
+from antenna_pin.analysis import body_poses
+from antenna_pin.errors import InvalidParameterError, OutputError, UnknownNameError
+from antenna_pin.record import record, shared_head
+from antenna_pin.trajectory import Outcome, Trajectory
+
+
+def doubles(text):
+    return np.frombuffer(base64.b64decode(text), dtype="<f8")
+
+
+def floats(text, width):
+    return np.frombuffer(base64.b64decode(text), dtype="<f4").reshape(-1, width)
+
+
+class Loads(HTMLParser):
+    """Collects what a page would load."""
+
+    def __init__(self):
+        super().__init__()
+        self.found = []
+
+    def handle_starttag(self, tag, attributes):
+        for name, value in attributes:
+            if name in ("src", "href", "srcset", "data", "poster", "action"):
+                self.found.append(value)
+
+
+def test_the_page_loads_nothing(clearance_run, ideal_run):
+    text = record(clearance_run, ideal_run, body="reflector").html
+    page = Loads()
+    page.feed(text)
+    assert [address for address in page.found if not address.startswith("data:")] == []
+    style = "".join(re.findall(r"<style>(.*?)</style>", text, re.DOTALL))
+    assert "@import" not in style and "url(" not in style
+    assert text.count("<script") == text.count("</script>")
+
+
+def test_key_frames_hold_all_impacts(clearance_run):
+    recording = record(clearance_run, fps=50.0)
+    times = doubles(recording.data["times"])
+    data = clearance_run.data
+    for name in ("onset_time", "peak_time", "release_time"):
+        events = data[name].values
+        assert np.isin(events[np.isfinite(events)], times).all(), name
+    assert len(recording.frames.impacts.times) == data.sizes["episode"] > 0
+    assert np.array_equal(doubles(recording.data["impacts"]["times"]), np.sort(data["peak_time"].values))
+
+
+def test_poses_at_key_frames_are_those_of_the_bodies(clearance_run, ideal_run):
+    recording = record(clearance_run, ideal_run)
+    for actor, run in zip(recording.data["actors"], (clearance_run, ideal_run), strict=True):
+        times = doubles(actor["times"])
+        chosen = np.unique(run.data["time"].values, return_index=True)[1]
+        chosen = chosen[np.isin(run.data["time"].values[chosen], times)]
+        poses = body_poses(run, times=chosen)
+        for k, track in enumerate(actor["tracks"]):
+            assert track["name"].endswith(str(poses["body"].values[k]))
+            both = np.hstack([poses["position"].values[:, k], poses["attitude"].values[:, k]])
+            assert np.array_equal(floats(track["data"], 7), both.astype("<f4"))
+
+
+def test_forces_of_key_frames_and_their_bearing(clearance_run):
+    recording = record(clearance_run)
+    contacts = recording.data["contacts"]
+    force = clearance_run.data["contact_force"].values[recording.frames.indices]
+    for k, item in enumerate(contacts["items"]):
+        assert np.array_equal(floats(item["force"], 3), force[:, k].astype("<f4"))
+        assert item["path"] == "run/1/bearing elevation"  # shaft1 is the second link
+    assert "N drawn" in recording.data["facts"][0]["text"]
+
+
+def test_joint_view_says_how_it_is_magnified(clearance_run, planar_run, ball_run):
+    texts = [
+        record(run, view="joint").data["facts"][0]["text"] for run in (clearance_run, planar_run, ball_run)
+    ]
+    assert texts == [
+        "elevation: play, eccentricity and tilt drawn 100 times as large",
+        "hinge: play, eccentricity and tilt drawn 100 times as large",
+        "upper: play and eccentricity drawn 150 times as large",
+    ]
+    text = record(clearance_run, view="joint", magnify=300).data["facts"]
+    assert "300 times" in text[0]["text"] and "200 µm drawn 60 mm" in text[2]["text"]
+    lower = record(ball_run, view="joint", joint="lower").data
+    assert "lower" in lower["facts"][0]["text"]
+    assert [item["name"] for item in lower["contacts"]["items"]] == ["lower.spherical"]
+
+
+def test_a_small_limit_thins_the_key_frames(clearance_run):
+    full = record(clearance_run, view="joint", fps=1e6)
+    limit = len(full.html.encode()) - 8000
+    small = record(clearance_run, view="joint", fps=1e6, max_megabytes=1e-6 * limit)
+    assert len(small.html.encode()) <= limit
+    assert 10 < len(small.frames.indices) < len(full.frames.indices)
+    with pytest.raises(InvalidParameterError, match="max_megabytes must be above"):
+        record(clearance_run, max_megabytes=0.5)
+
+
+def test_a_span(clearance_run):
+    times = doubles(record(clearance_run, start=0.01, end=0.02).data["times"])
+    assert times[0] >= 0.01 and times[-1] <= 0.02 and len(times) > 5
+    for start, end, what in ((0.02, 0.01, "end"), (-1.0, None, "start"), (0.0, 9.0, "end")):
+        with pytest.raises(InvalidParameterError, match=f"recording: {what} must be"):
+            record(clearance_run, start=start, end=end)
+
+
+def test_a_missing_mesh_is_named_and_the_rest_drawn(clearance_run):
+    attributes = clearance_run.data.attrs | {"urdf_folder": "/nowhere"}
+    moved = dataclasses.replace(clearance_run, data=clearance_run.data.assign_attrs(attributes))
+    data = record(moved).data
+    assert data["warnings"] == ["reflector: mesh file 'dish.obj' is missing; not drawn"]
+    assert len(data["commands"]) == len(record(clearance_run).data["commands"]) - 2  # object and transform
+
+
+def test_interrupted_one_sample_and_nothing_to_show(clearance_run, ideal_run):
+    stopped = dataclasses.replace(
+        clearance_run, outcome=Outcome.INTERRUPTED, message="stopped by the user; what was computed is kept"
+    )
+    assert record(stopped).data["warnings"] == [
+        "the run ended before its time: stopped by the user; what was computed is kept"
+    ]
+    single = dataclasses.replace(clearance_run, data=clearance_run.data.isel(time=slice(0, 1)))
+    for view in ("mechanism", "joint"):
+        data = record(single, view=view).data
+        assert len(doubles(data["times"])) == 1
+        assert "one sample" in data["warnings"][-1]
+    with pytest.raises(
+        InvalidParameterError, match="view must be mechanism for a run without a clearance joint"
+    ):
+        record(ideal_run, view="joint")
+
+
+def older(run):
+    """The run as a file of format 1 holds it."""
+    attributes = {
+        name: value
+        for name, value in run.data.attrs.items()
+        if name not in ("urdf", "urdf_folder", "mechanism", "clearance_geometry")
+    }
+    data = run.data.drop_vars("journal_attitude", errors="ignore")
+    data.attrs = attributes
+    return dataclasses.replace(run, data=data)
+
+
+@pytest.mark.parametrize("view", ["mechanism", "joint"])
+def test_a_file_of_format_1_gives_the_same_picture(clearance_run, view):
+    new, old = record(clearance_run, view=view).data, record(older(clearance_run), view=view).data
+    assert old["facts"] == new["facts"] and old["commands"] == new["commands"]
+    for a, b in zip(old["actors"][0]["tracks"], new["actors"][0]["tracks"], strict=True):
+        width = 7 if a["kind"] == "pose" else 12
+        # The tilt's direction comes from the contact point in place of the attitude: 32-bit floats.
+        assert floats(a["data"], width) == pytest.approx(floats(b["data"], width), rel=1e-5, abs=2e-7)
+
+
+def test_names_that_do_not_exist(clearance_run):
+    with pytest.raises(UnknownNameError, match="body 'reflectr' is unknown; did you mean reflector"):
+        record(clearance_run, body="reflectr")
+    with pytest.raises(UnknownNameError, match="joint with clearance 'azimuth' is unknown"):
+        record(clearance_run, view="joint", joint="azimuth")
+    with pytest.raises(InvalidParameterError, match="boresight must be three numbers"):
+        record(clearance_run, body="reflector", boresight=(0, 0, 0))
+    with pytest.raises(InvalidParameterError, match="view must be"):
+        record(clearance_run, view="side")
+
+
+def test_saved_shown_in_a_notebook_and_embedded(clearance_run, tmp_path):
+    recording = record(clearance_run)
+    path = recording.save(tmp_path / "run.html")
+    assert path.read_text(encoding="utf-8") == recording.html
+    assert list(tmp_path.iterdir()) == [path]
+    with pytest.raises(OutputError, match="does not exist"):
+        recording.save(tmp_path / "none" / "run.html")
+    frame = recording._repr_html_()
+    assert html.unescape(re.search(r'srcdoc="(.*?)"', frame, re.DOTALL)[1]) == recording.html
+    part = recording.embedded("case3")
+    assert len(part) < len(recording.html) - 800_000 < len(shared_head()) + len(part)
+    data = re.search(r'id="case3-data">(.*?)</script>', part)[1]
+    assert json.loads(data) == json.loads(json.dumps(recording.data))
+
+
+def test_the_same_run_gives_the_same_page(clearance_run, tmp_path):
+    """No clock, no name of the machine: a page can be compared and cached."""
+    path = clearance_run.save(tmp_path / "run.nc")
+    assert record(Trajectory.load(path)).html == record(clearance_run).html
