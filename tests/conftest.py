@@ -1,8 +1,9 @@
-"""What all tests share: repeatable examples, and a real browser."""
+"""What all tests share: repeatable examples, the command line, and a real browser."""
 
 from __future__ import annotations
 
 import base64
+import dataclasses
 import io
 import json
 import os
@@ -14,9 +15,38 @@ import numpy as np
 import pytest
 from hypothesis import settings
 
+from antenna_pin.cli import app
+
 # The same examples in every run, and no deadline, because a first example may compile kernels.
 settings.register_profile("repeatable", derandomize=True, deadline=None)
 settings.load_profile("repeatable")
+
+
+# --- the command line ---
+
+
+@dataclasses.dataclass(frozen=True)
+class Said:
+    """What a command said and how it ended."""
+
+    code: int
+    out: str
+    err: str
+
+
+@pytest.fixture
+def cli(capsys, tmp_path, monkeypatch):
+    """Run a command in an empty folder."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "200")  # tables are not folded
+
+    def run(*arguments):
+        capsys.readouterr()
+        with pytest.raises(SystemExit) as ended:
+            app([str(argument) for argument in arguments])
+        return Said(ended.value.code or 0, *capsys.readouterr())
+
+    return run
 
 
 # --- a real browser, offline ---

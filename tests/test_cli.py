@@ -17,30 +17,6 @@ from antenna_pin.trajectory import Outcome, Trajectory
 SHORT = ("--duration", "20 ms", "--geometry", "closed-form", "--no-progress")
 
 
-@dataclasses.dataclass(frozen=True)
-class Said:
-    """What a command said and how it ended."""
-
-    code: int
-    out: str
-    err: str
-
-
-@pytest.fixture
-def cli(capsys, tmp_path, monkeypatch):
-    """Run a command in an empty folder."""
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("COLUMNS", "200")  # tables are not folded
-
-    def run(*arguments):
-        capsys.readouterr()
-        with pytest.raises(SystemExit) as ended:
-            app([str(argument) for argument in arguments])
-        return Said(ended.value.code or 0, *capsys.readouterr())
-
-    return run
-
-
 @pytest.fixture(scope="module")
 def results(tmp_path_factory):
     """Two results in a folder: the ideal case and the one with clearance."""
@@ -68,7 +44,7 @@ def refused(said):
 def test_help_names_every_command(cli):
     said = cli("--help")
     assert said.code == 0
-    for command in ("list", "run", "info", "plot", "urdf"):
+    for command in ("list", "run", "info", "analyse", "impacts", "plot", "urdf"):
         assert f"\n  {command} " in said.out
 
 

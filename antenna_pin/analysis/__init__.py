@@ -5,7 +5,7 @@ from antenna_pin.analysis.base import base_motion
 from antenna_pin.analysis.bodies import body_poses, body_twists, joint_loads, mechanism_of
 from antenna_pin.analysis.deviation import Deviation, DeviationMeasures, deviation
 from antenna_pin.analysis.growth import Growth, growth_of
-from antenna_pin.analysis.impacts import impacts
+from antenna_pin.analysis.impacts import impact_statistics, impacts
 from antenna_pin.analysis.loads import load_statistics
 from antenna_pin.analysis.orbit import Orbit
 from antenna_pin.analysis.pointing import Antenna, Command, boresight, pointing_error
@@ -21,6 +21,7 @@ from antenna_pin.analysis.scenarios import (
 )
 from antenna_pin.analysis.settling import Settling, settling, touching_intervals
 from antenna_pin.analysis.shares import scenario_shares
+from antenna_pin.analysis.signals import RunSignal, signals
 from antenna_pin.analysis.spectrum import (
     UniformSignal,
     dominant_frequencies,
@@ -38,6 +39,7 @@ __all__ = [
     "Growth",
     "JournalPose",
     "Orbit",
+    "RunSignal",
     "ScenarioPair",
     "Settling",
     "TiltRange",
@@ -49,6 +51,7 @@ __all__ = [
     "deviation",
     "dominant_frequencies",
     "growth_of",
+    "impact_statistics",
     "impacts",
     "interpolate_attitude",
     "interpolation_error",
@@ -62,6 +65,7 @@ __all__ = [
     "scenario_rows",
     "scenario_shares",
     "settling",
+    "signals",
     "spectrogram",
     "spectrum",
     "time_mean",

@@ -34,8 +34,7 @@ def data_of(run: RunLike) -> xr.Dataset:
 
 def label_of(data: xr.Dataset) -> str:
     """Return what a run is called in a message."""
-    case = data.attrs.get("case")
-    return f"case {case!r}" if case else "a run without a case name"
+    return str(data.attrs.get("case") or "a run without a case name")
 
 
 def names(data: xr.Dataset, dimension: str) -> list[str]:

@@ -8,7 +8,7 @@ import xarray as xr
 from antenna_pin.analysis._run import Array, RunLike, choose, data_of, names, sample_times, variable
 from antenna_pin.errors import FileFormatError
 
-__all__ = ["impacts"]
+__all__ = ["impact_statistics", "impacts"]
 
 _UNITS = {
     "onset": ("s", "first touch"),
@@ -63,7 +63,7 @@ def impacts(run: RunLike, joint: str | None = None) -> xr.Dataset:
     onset, release = column["onset_time"], column["release_time"]
     ended = np.isfinite(release)
     rate = np.asarray(variable(data, "depth_rate", "impacts").values, dtype=float)
-    approach = rate[_sample_at(time, onset), index]
+    approach = rate[_sample_at(time, onset), index] + 0.0
     separation = np.full(onset.size, np.nan)
     separation[ended] = -rate[_sample_at(time, release[ended]), index[ended]]
     # The memory holds the larger of rate and floor; the two rates differ by round-off otherwise.
@@ -114,3 +114,51 @@ def _table(
         },
         attrs={"case": str(data.attrs.get("case", ""))},
     )
+
+
+def impact_statistics(table: xr.Dataset) -> xr.Dataset:
+    """Return what the impacts of each contact come to.
+
+    Args:
+        table: Of :func:`impacts`.
+
+    Returns:
+        Over ``contact``, those with impacts: ``impacts``, how many; ``floored`` and ``touching``, how many of
+        them met slower than the law's floor and have not ended; ``median_approach_speed``,
+        ``largest_approach_speed`` [m/s], ``median_restitution`` [-], ``peak_force`` [N], ``median_duration``
+        of those that ended [s], ``impulse`` [N s] and ``dissipated`` [J] in all.
+    """
+    labels = table["contact"].values
+    contacts = list(dict.fromkeys(str(name) for name in sorted(labels)))
+    rows = [table.isel(impact=np.flatnonzero(labels == name)) for name in contacts]
+    columns: dict[str, tuple[str, str, list[float]]] = {
+        "impacts": ("1", "number of impacts", [own.sizes["impact"] for own in rows]),
+        "floored": ("1", "impacts slower than the law's floor", [int(own["floored"].sum()) for own in rows]),
+        "touching": ("1", "impacts that have not ended", [int((~own["ended"]).sum()) for own in rows]),
+    }
+    for name, of, function in (
+        ("median_approach_speed", "approach_speed", _median),
+        ("largest_approach_speed", "approach_speed", np.max),
+        ("median_restitution", "restitution", _median),
+        ("median_duration", "duration", _median),
+        ("peak_force", "peak_force", np.max),
+        ("impulse", "impulse", np.sum),
+        ("dissipated", "dissipated", np.sum),
+    ):
+        counted = [own if of != "duration" else own.where(own["ended"]) for own in rows]
+        units, meaning = _UNITS[of]
+        columns[name] = (units, meaning, [float(function(own[of].values)) for own in counted])
+    return xr.Dataset(
+        {
+            name: ("contact", np.array(values), {"units": units, "long_name": meaning})
+            for name, (units, meaning, values) in columns.items()
+        },
+        coords={"contact": np.array(contacts, dtype=object) if contacts else np.zeros(0, dtype="<U1")},
+        attrs=table.attrs,
+    )
+
+
+def _median(values: Array) -> float:
+    """Return the median of what is known; NaN of nothing."""
+    known = values[np.isfinite(values)]
+    return float(np.median(known)) if known.size else float("nan")

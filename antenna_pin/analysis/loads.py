@@ -82,7 +82,8 @@ def load_statistics(
     ):
         for k, (name, (units, meaning)) in enumerate(columns.items()):
             attributes = {"units": units, "long_name": meaning}
-            variables[name] = ((dim,), np.array([row[0][k] for row in rows], dtype=float), attributes)
+            column = np.array([row[0][k] for row in rows], dtype=int if "episodes" in name else float)
+            variables[name] = ((dim,), column, attributes)
         variables[f"{prefix}force_percentile"] = (
             (dim, "percent"),
             np.array([row[1] for row in rows], dtype=float).reshape(len(rows), shares.size),

@@ -13,7 +13,7 @@ from typing import Annotated
 
 import typer
 
-from antenna_pin.cli import contact, info, record, run
+from antenna_pin.cli import analyse, contact, info, record, run
 from antenna_pin.cli._common import one_line_errors
 
 __all__ = ["app", "main"]
@@ -56,6 +56,8 @@ _COMMANDS: dict[str, Callable[..., None]] = {
     "list": run.list_scenarios,
     "run": run.run,
     "info": info.info,
+    "analyse": analyse.analyse,
+    "impacts": analyse.impacts,
     "plot": info.plot,
     "record": record.record,
     "urdf": run.urdf,

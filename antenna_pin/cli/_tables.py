@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Any
 
+import typer
+
 # How the entries of a summary are called in a table, and their units; others keep their own names.
 _ENTRIES = {
     "time": ("simulated time", "s"),
@@ -57,6 +59,29 @@ def print_summaries(summaries: Sequence[tuple[str, dict[str, Any]]]) -> None:
     console.print(table)
 
 
+def print_rows(
+    title: str, head: Sequence[str], rows: Sequence[Sequence[str]], justify: Any = "right"
+) -> None:
+    """Print a table, without blanks at the ends of its lines; a pipe has no width to keep to."""
+    from rich import box
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, title=title)
+    table.title_justify = "left"
+    for place, name in enumerate(head):
+        table.add_column(name, justify="left" if place == 0 else justify, overflow="fold")
+    for row in rows:
+        table.add_row(*row)
+    # Units stand in brackets, which are no markup.
+    console = Console(highlight=False, markup=False)
+    if not console.is_terminal:
+        console = Console(highlight=False, markup=False, width=300)
+    with console.capture() as printed:
+        console.print(table)
+    typer.echo("\n".join(line.rstrip() for line in printed.get().splitlines()))
+
+
 def _rows(summary: dict[str, Any], group: str = "") -> Iterator[tuple[str, str]]:
     """Yield name and text of every entry of a summary, those of a group after its name."""
     for key, value in summary.items():
@@ -64,15 +89,15 @@ def _rows(summary: dict[str, Any], group: str = "") -> Iterator[tuple[str, str]]
             yield from _rows(value, group if key in _PLAIN_GROUPS else f"{group}{key} ")
         elif not (key in ("title", "case") and not group):
             name, unit = _ENTRIES.get(key, (key.replace("_", " "), ""))
-            yield f"{group}{name}" + (f" [{unit}]" if unit else ""), _text(value)
+            yield f"{group}{name}" + (f" [{unit}]" if unit else ""), text_of(value)
 
 
-def _text(value: Any) -> str:
-    """Return an entry as it stands in a table."""
-    if value is None or value == "":
+def text_of(value: Any) -> str:
+    """Return an entry as it stands in a table: a dash where there is nothing, or no number."""
+    if value is None or value == "" or value != value:
         return "-"
     if isinstance(value, float):
         return f"{value:.6g}"
     if isinstance(value, (list, tuple)):
-        return ", ".join(map(_text, value))
+        return ", ".join(map(text_of, value))
     return str(value)

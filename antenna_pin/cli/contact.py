@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
+from antenna_pin.cli._tables import print_rows
 from antenna_pin.errors import InvalidParameterError, OutputError, UnknownNameError
 
 if TYPE_CHECKING:
@@ -70,7 +71,7 @@ def list_laws() -> None:
     }
     for title, laws in families.items():
         rows = [(name, _first_line(law), _parameters(law)) for name, law in laws.items()]
-        _print_rows(title, ("name", "what it is", "parameters"), rows, justify="left")
+        print_rows(title, ("name", "what it is", "parameters"), rows, justify="left")
     typer.echo("* follows from the joint's dimensions and materials where a scenario leaves it out")
 
 
@@ -155,7 +156,7 @@ def curve(
         (name, *map(_number, forces), _length(limits[name]) if math.isfinite(limits[name]) else "none")
         for name, forces in table.items()
     ]
-    _print_rows("force [N]", ("law", *(f"at {_length(d)}" for d in points), "depth limit"), rows)
+    print_rows("force [N]", ("law", *(f"at {_length(d)}" for d in points), "depth limit"), rows)
     for depth, forces in zip(points, zip(*table.values(), strict=True), strict=True):
         known = [force for force in forces if math.isfinite(force)]
         if len(known) > 1:
@@ -266,7 +267,7 @@ def restitution(
     if out is not None:
         _folder(out)
     rows = restitution_table(chosen, values, simulate=simulate, **impact)
-    _print_rows(
+    print_rows(
         "restitution [-] and peak depth",
         ("dissipation", "asked", "closed form", "wall", "free pair", "depth, closed form", "depth, wall"),
         [
@@ -349,7 +350,7 @@ def experiment(
     if out is not None:
         _folder(out)
     table = _Reproduction()
-    _print_rows(
+    print_rows(
         "Table 1 of Liu et al. 2013: loads [N], as printed and reproduced",
         (
             "row",
@@ -384,7 +385,7 @@ def experiment(
     }
     errors = [(fit.law, str(fit.contacts), list(fit.errors)) for fit in fits]
     errors += [(name, "", values) for name, values in printed.items()]
-    _print_rows(
+    print_rows(
         f"size of the errors [%], the displacement that of 1 contact or of 2 in series; pin radius"
         f" {_length(radius)}, length {_length(line)}",
         ("law", "contacts", *(f"play {1e3 * play:g} mm" for play in _plays()), "mean", "largest", "points"),
@@ -610,7 +611,7 @@ def scenarios(
     depth = quantity(_bare(penetration), "m", "--penetration")
     pairs = possible_scenarios(shape, depth)
     parts = f"parts that penetrate by up to {_length(depth)}" if depth > 0.0 else "rigid parts"
-    _print_rows(f"contact scenarios of {parts}", SCENARIO_COLUMNS, scenario_rows(pairs), justify="left")
+    print_rows(f"contact scenarios of {parts}", SCENARIO_COLUMNS, scenario_rows(pairs), justify="left")
     typer.echo(f"{sum(pair.possible for pair in pairs)} of {len(pairs)} are possible")
 
 
@@ -681,28 +682,6 @@ def _save(figures: Mapping[str, Figure], out: Path, suffixes: Sequence[str]) -> 
 
     for path in save_contact_figures(figures, out, suffixes):
         typer.echo(path)
-
-
-def _print_rows(
-    title: str, head: Sequence[str], rows: Sequence[Sequence[str]], justify: Any = "right"
-) -> None:
-    """Print a table, without blanks at the ends of its lines; a pipe has no width to keep to."""
-    from rich import box
-    from rich.console import Console
-    from rich.table import Table
-
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, title=title)
-    table.title_justify = "left"
-    for place, name in enumerate(head):
-        table.add_column(name, justify="left" if place == 0 else justify, overflow="fold")
-    for row in rows:
-        table.add_row(*row)
-    console = Console(highlight=False, markup=False)
-    if not console.is_terminal:
-        console = Console(highlight=False, markup=False, width=300)
-    with console.capture() as printed:
-        console.print(table)
-    typer.echo("\n".join(line.rstrip() for line in printed.get().splitlines()))
 
 
 def _number(value: float) -> str:

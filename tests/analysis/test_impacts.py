@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import brentq
 
 from antenna_pin import load_scenario, simulate
-from antenna_pin.analysis import impacts
+from antenna_pin.analysis import impact_statistics, impacts
 from antenna_pin.errors import FileFormatError, UnknownNameError
 
 
@@ -76,6 +76,21 @@ def test_a_pendulum_at_rest_is_one_touch_without_end():
     assert table["impulse"].item() == pytest.approx(
         float(run.data["normal_impulse"].values[-1].sum()), rel=1e-12
     )
+
+
+def test_statistics_are_of_each_contact(pair):
+    case, run = pair
+    table = impacts(run)
+    found = impact_statistics(table)
+    assert list(found["contact"].values) == sorted(set(table["contact"].values))
+    assert found["impacts"].sum() == table.sizes["impact"]
+    assert found["touching"].sum() == 0
+    assert found["median_restitution"].values == pytest.approx(delivered(0.7), rel=1e-7)
+    assert found["dissipated"].sum() == pytest.approx(float(table["dissipated"].sum()), rel=1e-12)
+    assert found["largest_approach_speed"].max() == table["approach_speed"].max()
+    none = impact_statistics(table.isel(impact=slice(0, 0)))
+    assert none.sizes["contact"] == 0
+    assert none["peak_force"].attrs["units"] == "N"
 
 
 def test_a_run_without_clearance_has_no_impacts():

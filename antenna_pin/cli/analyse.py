@@ -1,0 +1,301 @@
+"""``antenna-pin analyse`` and ``impacts``: what a run shows, in tables, and its impacts one by one."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from antenna_pin.cli._common import complain, label_of, load_result, refuse, writable_file
+from antenna_pin.cli._tables import print_rows, text_of
+from antenna_pin.errors import InvalidParameterError
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from antenna_pin.trajectory import Trajectory
+
+ResultArgument = Annotated[Path, typer.Argument(metavar="FILE", help="Result file of a run.")]
+JointOption = Annotated[str | None, typer.Option(help="Joint with clearance; all of them if left out.")]
+
+# Rows of the table of contacts: where each entry comes from, and what it is called.
+_ROWS = (
+    ("loads", "episodes", "impacts"),
+    ("impacts", "floored", "impacts below the law's floor of speed"),
+    ("impacts", "touching", "still touching at the end"),
+    ("impacts", "median_approach_speed", "median approach speed [m/s]"),
+    ("impacts", "largest_approach_speed", "largest approach speed [m/s]"),
+    ("impacts", "median_restitution", "median restitution delivered [-]"),
+    ("impacts", "median_duration", "median duration [s]"),
+    ("loads", "contact_share", "share of the time in contact [-]"),
+    ("loads", "peak_force", "peak force [N]"),
+    ("loads", "mean_force", "mean force [N]"),
+    ("loads", "mean_force_in_contact", "mean force in contact [N]"),
+    ("loads", "rms_force", "rms force [N]"),
+    ("loads", "impulse", "impulse [N s]"),
+    ("loads", "dissipated", "energy lost [J]"),
+)
+_PEAKS = 3
+
+
+def analyse(
+    file: ResultArgument,
+    ideal: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Result of the ideal joint, to compare with.")
+    ] = None,
+    longest_gap: Annotated[
+        str, typer.Option(help="Longest time apart that counts as lasting contact ('1 ms').")
+    ] = "1 ms",
+    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
+) -> None:
+    """Say what a run shows: deviation, impacts, loads, settling, dominant frequencies."""
+    from antenna_pin.units import quantity
+
+    try:
+        gap = float(longest_gap)  # a bare number is SI
+    except ValueError:
+        gap = quantity(longest_gap, "s", "--longest-gap")
+    run = load_result(file)
+    found: dict[str, Any] = {"file": str(file), "case": run.data.attrs.get("case", "")}
+    found["outcome"] = run.outcome.name
+    notes = [] if run.completed else [f"the run ended early: {run.message}"]
+    if run.data.sizes["time"] < 2:
+        notes.append("one sample: no deviation, no frequencies")
+    if ideal is not None and run.data.sizes["time"] > 1:
+        found["deviation"] = _deviation(run, ideal, notes)
+    if run.data.sizes.get("clearance_joint", 0):
+        found |= _contact(run, gap)
+    else:
+        notes.append("no joint with clearance: no impacts, loads and settling")
+    found["frequencies"] = _frequencies(run, notes)
+    if as_json:
+        typer.echo(json.dumps({**found, "notes": notes}))
+        return
+    _print(label_of(run, file), found)
+    for note in notes:
+        typer.echo(note)
+
+
+def _deviation(run: Trajectory, path: Path, notes: list[str]) -> list[dict[str, Any]]:
+    from antenna_pin.analysis import deviation
+
+    reference = load_result(path)
+    ends = [float(one.data["time"].values[-1]) for one in (run, reference)]
+    if ends[0] > ends[1]:
+        notes.append(f"compared with the ideal run up to its end at {ends[1]:g} s")
+    return [
+        {
+            "of": one.of,
+            "units": one.units,
+            "maximum": _number(one.maximum),
+            "time_of_maximum": one.time_of_maximum,
+            "rms": _number(one.rms),
+            "end": _number(one.end),
+            "growth": str(one.growth),
+        }
+        for one in deviation(run, reference).measures
+    ]
+
+
+def _contact(run: Trajectory, longest_gap: float) -> dict[str, Any]:
+    from antenna_pin.analysis import impact_statistics, impacts, load_statistics, settling
+
+    loads = load_statistics(run)
+    joints = loads.drop_dims("contact").rename(
+        {str(name): str(name).removeprefix("joint_") for name in loads if str(name).startswith("joint_")}
+    )
+    return {
+        "impacts": _records(impact_statistics(impacts(run)), "contact"),
+        "loads": _records(joints, "clearance_joint")
+        + _records(loads.drop_dims("clearance_joint"), "contact"),
+        "settling": [
+            {
+                "joint": one.joint,
+                "time": one.time,
+                "note": one.note,
+                "longest_gap": one.longest_gap,
+                "share_before": _number(one.share_before),
+                "share_after": _number(one.share_after),
+                "decay_rate": _number(one.decay_rate),
+                "decay_r2": _number(one.decay_r2),
+            }
+            for one in settling(run, longest_gap=longest_gap)
+        ],
+    }
+
+
+def _frequencies(run: Trajectory, notes: list[str]) -> list[dict[str, Any]]:
+    from antenna_pin.analysis import dominant_frequencies, signals
+
+    result: list[dict[str, Any]] = []
+    for name, one in signals(run).items():
+        try:
+            peaks = dominant_frequencies(one.time, one.values, _PEAKS)
+        except InvalidParameterError as error:
+            notes.append(f"no frequencies: {error}")
+            break
+        result.append(
+            {
+                "of": name,
+                "units": one.units,
+                "resolution": float(peaks.attrs["resolution"]),
+                "frequency": [float(x) for x in peaks["frequency"].values],
+                "amplitude": [float(x) for x in peaks["amplitude"].values],
+            }
+        )
+    return result
+
+
+def _records(table: xr.Dataset, dim: str) -> list[dict[str, Any]]:
+    """Return the rows of a table in plain numbers; None where there is none."""
+    return [
+        {"of": str(name)}
+        | {
+            str(column): _number(table[column].values[k])
+            if table[column].ndim == 1
+            else {
+                f"{p:g}": _number(x)
+                for p, x in zip(table["percent"].values, table[column].values[k], strict=True)
+            }
+            for column in table.data_vars
+        }
+        for k, name in enumerate(table[dim].values)
+    ]
+
+
+def _number(value: Any) -> float | int | None:
+    return None if math.isnan(value) else value.item() if hasattr(value, "item") else value
+
+
+def _print(label: str, found: dict[str, Any]) -> None:
+    """Print the tables of an analysis."""
+    if "deviation" in found:
+        rows = [
+            [
+                f"{one['of']} [{one['units']}]",
+                *(text_of(one[key]) for key in ("maximum", "time_of_maximum", "rms", "end")),
+                one["growth"],
+            ]
+            for one in found["deviation"]
+        ]
+        head = ("", "maximum", "at [s]", "rms", "at the end", "growth")
+        print_rows(f"{label}: deviation from the ideal run", head, rows)
+    if "loads" in found:
+        _print_contacts(label, found)
+        _print_settling(label, found["settling"])
+    rows = [
+        [
+            f"{one['of']} [{one['units']}]",
+            *(f"{f:.4g} ({a:.3g})" for f, a in zip(one["frequency"], one["amplitude"], strict=True)),
+            *["-"] * (_PEAKS - len(one["frequency"])),
+        ]
+        for one in found["frequencies"]
+    ]
+    if rows:
+        title = f"{label}: dominant frequencies [Hz] (amplitude), resolution"
+        title += f" {found['frequencies'][0]['resolution']:.3g} Hz"
+        print_rows(title, ("", "first", "second", "third"), rows)
+
+
+def _print_contacts(label: str, found: dict[str, Any]) -> None:
+    """Print impacts and loads, one column per joint and contact."""
+    columns = [str(one["of"]) for one in found["loads"]]
+    entries = {kind: {one["of"]: one for one in found[kind]} for kind in ("impacts", "loads")}
+    rows = [
+        [text, *(text_of(entries[kind].get(column, {}).get(name)) for column in columns)]
+        for kind, name, text in _ROWS
+    ]
+    for percent in found["loads"][0]["force_percentile"]:
+        forces = [entries["loads"][column]["force_percentile"][percent] for column in columns]
+        rows.append([f"force not exceeded for {percent} % of the time [N]", *map(text_of, forces)])
+    print_rows(f"{label}: impacts and load", ("", *columns), rows)
+
+
+def _print_settling(label: str, found: Sequence[dict[str, Any]]) -> None:
+    rows = [
+        [
+            f"apart for no more than {1e3 * found[0]['longest_gap']:g} ms from [s]",
+            *(text_of(one["time"]) if one["time"] is not None else "never" for one in found),
+        ]
+    ]
+    for name, text in (
+        ("share_before", "share of the time in contact before [-]"),
+        ("share_after", "share of the time in contact after [-]"),
+        ("decay_rate", "decay of approach speeds [1/s]"),
+        ("decay_r2", "R2 of an exponential decay [-]"),
+    ):
+        rows.append([text, *(text_of(one[name]) for one in found)])
+    print_rows(f"{label}: settling into lasting contact", ("", *(one["joint"] for one in found)), rows)
+    for one in found:
+        if one["time"] is None:
+            typer.echo(f"{one['joint']} does not settle: {one['note']}")
+
+
+_IMPACT = {
+    "onset": "onset [s]",
+    "duration": "duration [s]",
+    "approach_speed": "approach speed [m/s]",
+    "separation_speed": "separation speed [m/s]",
+    "restitution": "restitution [-]",
+    "peak_force": "peak force [N]",
+    "peak_time": "time of peak [s]",
+    "peak_depth": "peak depth [m]",
+    "impulse": "impulse [N s]",
+    "dissipated": "energy lost [J]",
+}
+_FLAGS = {"ended": "ended", "floored": "floored"}
+
+
+def impacts(
+    file: ResultArgument,
+    joint: JointOption = None,
+    strongest: Annotated[
+        int | None, typer.Option(metavar="N", min=1, help="List only the N impacts of largest force.")
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option("--csv", metavar="FILE", help="Write them to a CSV file instead.")
+    ] = None,
+) -> None:
+    """List the impacts of a run, or export them."""
+    target = None if out is None else writable_file(out, ".csv")
+    run = load_result(file)
+    if not run.data.sizes.get("clearance_joint", 0):
+        refuse(f"{file}: the run has no joint with clearance and so no impacts; take a case that has one")
+
+    import numpy as np
+
+    from antenna_pin.analysis import impacts as table_of
+
+    table = table_of(run, joint)
+    if strongest is not None:
+        order = np.argsort(-table["peak_force"].values, kind="stable")[:strongest]
+        table = table.isel(impact=np.sort(order))
+    columns = [table[name].values for name in _IMPACT]
+    flags = [table[name].values for name in _FLAGS]
+    head = ("contact", *_IMPACT.values())
+    if target is None:
+        rows = [
+            [str(contact), *(text_of(float(x)) for x in row), *("yes" if x else "no" for x in marks)]
+            for contact, row, marks in zip(
+                table["contact"].values, zip(*columns, strict=True), zip(*flags, strict=True), strict=True
+            )
+        ]
+        if not rows:
+            complain(f"{file}: no impacts")
+            return
+        narrow = [name.replace(" [", "\n[") for name in (*head, *_FLAGS.values())]
+        print_rows(f"{label_of(run, file)}: impacts", narrow, rows)
+        return
+    with target.open("w", newline="", encoding="utf-8") as stream:
+        writer = csv.writer(stream)
+        writer.writerow((*head, *_FLAGS.values()))
+        for k, contact in enumerate(table["contact"].values):
+            # Shortest text that reads back as the same number; nothing where there is none.
+            numbers = ["" if math.isnan(x[k]) else repr(float(x[k])) for x in columns]
+            writer.writerow([contact, *numbers, *(int(x[k]) for x in flags)])
+    typer.echo(f"saved {target}")
