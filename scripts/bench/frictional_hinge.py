@@ -119,9 +119,11 @@ class FrictionalHinge:
         components = 2 * self.manifold.nv + self.manifold.nx
         stepper = Stepper(self, METHODS["dormand-prince-853"], np.ones(components), 1e-10)
         stepper.restart(0.0, self.system.state(self.system.neutral(), np.zeros(self.system.model.nv)))
-        found = [0.0]
+        found = [stepper.start[self.slot.q].copy()]
         for size in np.diff(times):
             stepper.attempt(float(size))
             stepper.accept()
-            found.append(float(stepper.start[self.slot.q][0]))
-        return np.array(found)
+            found.append(stepper.start[self.slot.q].copy())
+        q = np.array(found)
+        # A continuous joint's coordinates are cosine and sine.
+        return np.unwrap(np.arctan2(q[:, 1], q[:, 0])) if self.slot.kind == "continuous" else q[:, 0]
