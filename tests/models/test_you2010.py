@@ -285,8 +285,8 @@ def test_the_first_impact_is_that_of_hertz_after_crossing_the_play(case, stiffne
     expected = first_impact(stiffness, force)
     hertz = stiffness**0.4 * (1.25 * mass * speed**2) ** 0.6
     assert expected == pytest.approx(damped_over_elastic(RESTITUTION) * hertz, rel=1e-12)
-    # The load goes on working over the depth, 1 and 2 % of the play. Friction at the bore's surface, 10 mm beside
-    # the centre, acts back on the normal motion by 0.4 %.
+    # The load goes on working over the depth, 1 and 2 % of the play. Friction at the bore's surface, 10 mm
+    # beside the centre, acts back on the normal motion by 0.4 %.
     expected *= (1.0 + float(first["peak_depth"]) / PLAY) ** 0.6
     assert float(first["peak_force"]) == pytest.approx(expected, rel=4e-3)
 
