@@ -9,6 +9,7 @@ from antenna_pin.analysis.impacts import impact_statistics, impacts
 from antenna_pin.analysis.loads import load_statistics
 from antenna_pin.analysis.orbit import Orbit
 from antenna_pin.analysis.pointing import Antenna, Command, boresight, pointing_error
+from antenna_pin.analysis.pointing_indices import error_components, pointing_indices
 from antenna_pin.analysis.sampled import resampled, time_mean, time_percentiles, time_rms
 from antenna_pin.analysis.scenarios import (
     SCENARIO_COLUMNS,
@@ -50,6 +51,7 @@ __all__ = [
     "boresight",
     "deviation",
     "dominant_frequencies",
+    "error_components",
     "growth_of",
     "impact_statistics",
     "impacts",
@@ -59,6 +61,7 @@ __all__ = [
     "load_statistics",
     "mechanism_of",
     "pointing_error",
+    "pointing_indices",
     "possible_scenarios",
     "resampled",
     "scenario_of",
