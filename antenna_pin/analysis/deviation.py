@@ -10,6 +10,7 @@ import xarray as xr
 from scipy.spatial.transform import Rotation
 
 from antenna_pin.analysis._run import Array, RunLike, choose, data_of, label_of, names, sample_times, variable
+from antenna_pin.analysis.attitude import interpolate_attitude
 from antenna_pin.analysis.base import base_motion
 from antenna_pin.analysis.growth import Growth, growth_of
 from antenna_pin.analysis.sampled import resampled, time_rms
@@ -164,7 +165,9 @@ def _base(run: xr.Dataset, ideal: xr.Dataset) -> dict[str, _Variable]:
             np.asarray(run[name].values - resampled(own, ideal[name].values, at, slope)),
             _attributes(run[name], f"deviation of the base's {name.replace('_', ' ')}, world axes"),
         )
-    attitude = Rotation.from_quat(_attitude(ideal, at))
+    turn = Rotation.from_quat(ideal["attitude"].values)
+    body_rate = turn.inv().apply(ideal["angular_velocity"].values)
+    attitude = interpolate_attitude(at, own, turn, body_rate)
     turned = (Rotation.from_quat(run["attitude"].values) * attitude.inv()).as_rotvec()
     words = {"units": "rad", "long_name": "rotation from the ideal to the run's attitude, world axes"}
     return {
@@ -172,18 +175,6 @@ def _base(run: xr.Dataset, ideal: xr.Dataset) -> dict[str, _Variable]:
         "base_attitude": (("time", "axis"), np.asarray(turned), words),
         **found,
     }
-
-
-def _attitude(ideal: xr.Dataset, at: Array) -> Array:
-    """Return the ideal base's quaternions at other times, by their own derivative q' = (0, w) q / 2."""
-    q, w = np.asarray(ideal["attitude"].values, dtype=float), ideal["angular_velocity"].values
-    # The sign of a quaternion is free: neighbours on one side.
-    flips = np.cumprod(np.sign(np.sum(q[1:] * q[:-1], axis=1)))
-    q = np.concatenate([q[:1], q[1:] * flips[:, None]])
-    vector = q[:, 3:] * w + np.cross(w, q[:, :3])
-    slope = 0.5 * np.column_stack([vector, -np.sum(w * q[:, :3], axis=1)])
-    found = resampled(ideal["time"].values, q, at, slope)
-    return np.asarray(found / np.linalg.norm(found, axis=1, keepdims=True))
 
 
 def _measures(of: str, units: str, time: Array, values: Array) -> DeviationMeasures:

@@ -6,8 +6,8 @@ of an oscillating deviation do not count. In its logarithm both laws are straigh
 .. math:: \ln E = \ln c + p \ln (t - t_0), \qquad \ln E = \ln c + \lambda (t - t_0),
 
 with :math:`t_0` the start of the run. They are fitted by least squares at 200 points evenly over the time of
-growth: from where E first passes a millionth of its final value to where it reaches that value. The rest of
-the run, where nothing grows, is left out.
+growth: from where E first passes a thousandth of its final value (less may be no more than two integrations
+differ by) to where it reaches that value. The rest of the run, where nothing grows, is left out.
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ __all__ = ["Growth", "growth_of"]
 _POINTS = 200
 _LEAST_RECORDS = 8
 _LEAST_GROWTH = 3.0
-_LEAST_SHARE = 0.1
-_LEAST_FIT = 0.8
+_LEAST_SHARE = 0.2
+_LEAST_FIT = 0.9
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -66,8 +66,8 @@ def growth_of(time: ArrayLike, deviation: ArrayLike) -> Growth:
     """Return how a deviation grows; the module's text says what is fitted.
 
     The fit means nothing, and ``kind`` is "none", if the envelope rises in fewer than 8 samples (one or two
-    jumps are not a law), by less than a factor of 3 (then it is level), for less than a tenth of the run
-    (then one early event made it), or if neither straight line explains four fifths of the variance of ln E.
+    jumps are not a law), by less than a factor of 3 (then it is level), for less than a fifth of the run
+    (then one early event made it), or if neither straight line explains nine tenths of the variance of ln E.
     A rate is that of this run over this time, not a Lyapunov exponent: play bounds a deviation, or friction
     drives it, long before.
 
@@ -80,14 +80,14 @@ def growth_of(time: ArrayLike, deviation: ArrayLike) -> Growth:
     if t.size < 2 or not envelope[-1] > 0.0:
         return _nothing("it does not deviate", t)
     # Time zero has no logarithm, and a deviation there would be no growth.
-    first = max(int(np.argmax(envelope > 1e-6 * envelope[-1])), int(np.argmax(t > t[0])))
+    first = max(int(np.argmax(envelope > 1e-3 * envelope[-1])), int(np.argmax(t > t[0])))
     last = int(np.argmax(envelope >= envelope[-1]))
     if np.count_nonzero(np.diff(envelope[first : last + 1])) + 1 < _LEAST_RECORDS:
         return _nothing("it rises in a few jumps only", t)
     if envelope[last] < _LEAST_GROWTH * envelope[first]:
         return _nothing("it is level", t)
     if t[last] - t[first] < _LEAST_SHARE * (t[-1] - t[0]):
-        return _nothing("it grows for less than a tenth of the run", t)
+        return _nothing("it grows for less than a fifth of the run", t)
     since = t - t[0]
     points = np.linspace(since[first], since[last], _POINTS)
     held = np.searchsorted(since, points, side="right") - 1

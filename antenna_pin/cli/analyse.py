@@ -195,7 +195,10 @@ def _print(label: str, found: dict[str, Any]) -> None:
             *["-"] * (_PEAKS - len(one["frequency"])),
         ]
         for one in found["frequencies"]
+        if one["frequency"]
     ]
+    if found["frequencies"] and not rows:
+        typer.echo("no frequency stands out")
     if rows:
         title = f"{label}: dominant frequencies [Hz] (amplitude), resolution"
         title += f" {found['frequencies'][0]['resolution']:.3g} Hz"

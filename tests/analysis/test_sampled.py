@@ -99,7 +99,7 @@ def test_growth_says_when_it_means_nothing():
     assert growth_of(t, np.zeros(500)).note == "it does not deviate"
     assert growth_of(t, np.where(t > 0.5, 1.0, 0.0)).note == "it rises in a few jumps only"
     assert growth_of(t, 1.0 + 0.5 * t).note == "it is level"
-    assert growth_of(t, np.where(t < 0.05, t, 0.0)).note == "it grows for less than a tenth of the run"
+    assert growth_of(t, np.where(t < 0.05, t, 0.0)).note == "it grows for less than a fifth of the run"
     steps = np.where(t < 0.5, 1.0 + 1e-3 * t, 1e3 + t)
     assert growth_of(t, np.where(t > 0.01, steps, 0.0)).kind == "none"
     assert growth_of(t[:1], [1.0]).kind == "none"

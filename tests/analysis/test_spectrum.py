@@ -35,6 +35,17 @@ def test_two_sines_in_noise():
     assert (found["contrast"].values[:2] > 20.0).all()
 
 
+def test_few_periods_are_enough_but_for_two():
+    """The sine's mirror image at negative frequency is 2 f T bins away: Hann side lobes of 8, 12, 20 bins."""
+    for periods, error in ((2, 0.04), (3, 1.5e-3), (5, 3e-4)):
+        t = np.arange(0.0, periods, 1e-3)
+        for phase in np.linspace(0.0, 6.0, 7):
+            found = dominant_frequencies(t, 3.0 + np.sin(2 * np.pi * t + phase), 1)
+            assert found["frequency"].item() == pytest.approx(1.0, rel=error)
+    ramp = dominant_frequencies(TIME, TIME + 0.01 * sines(TIME), detrend="linear")
+    assert ramp["frequency"].values[0] == pytest.approx(7.3217, abs=1e-3)
+
+
 def test_noise_has_no_dominant_frequency():
     """Five medians: chance 3e-8 a bin for Rayleigh-distributed magnitudes."""
     noise = np.random.default_rng(5).standard_normal(20_000)
