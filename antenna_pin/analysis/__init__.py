@@ -9,7 +9,7 @@ from antenna_pin.analysis.impacts import impact_statistics, impacts
 from antenna_pin.analysis.loads import load_statistics
 from antenna_pin.analysis.orbit import Orbit
 from antenna_pin.analysis.pointing import Antenna, Command, boresight, pointing_error
-from antenna_pin.analysis.pointing_indices import error_components, pointing_indices
+from antenna_pin.analysis.pointing_indices import INTERPRETATIONS, error_components, pointing_indices
 from antenna_pin.analysis.sampled import resampled, time_mean, time_percentiles, time_rms
 from antenna_pin.analysis.scenarios import (
     SCENARIO_COLUMNS,
@@ -32,6 +32,7 @@ from antenna_pin.analysis.spectrum import (
 )
 
 __all__ = [
+    "INTERPRETATIONS",
     "SCENARIO_COLUMNS",
     "Antenna",
     "Command",

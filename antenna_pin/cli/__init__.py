@@ -13,7 +13,7 @@ from typing import Annotated
 
 import typer
 
-from antenna_pin.cli import analyse, contact, info, record, run
+from antenna_pin.cli import analyse, contact, info, pointing, record, run
 from antenna_pin.cli._common import one_line_errors
 
 __all__ = ["app", "main"]
@@ -58,6 +58,7 @@ _COMMANDS: dict[str, Callable[..., None]] = {
     "info": info.info,
     "analyse": analyse.analyse,
     "impacts": analyse.impacts,
+    "pointing": pointing.pointing,
     "plot": info.plot,
     "record": record.record,
     "urdf": run.urdf,

@@ -1,0 +1,219 @@
+"""``antenna-pin pointing``: how far the boresight is from where it should be, in the indices of ECSS."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from antenna_pin.cli._common import FilesArgument, label_of, load_result
+from antenna_pin.cli._tables import print_rows
+from antenna_pin.errors import InvalidParameterError
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from antenna_pin.analysis import Antenna
+    from antenna_pin.trajectory import Trajectory
+
+_COMPONENTS = {
+    "boresight": "about the boresight (clocking)",
+    "cross": "about the axis square to boresight and up",
+    "up": "about the part of up that is square to the boresight",
+    "half-cone": "angle between the boresights; means and differences are taken of the vector that turns one "
+    "into the other",
+}
+
+# Up to which magnitude [rad] a row is told in which unit.
+_UNITS = ((1e-3, "µrad", 1e6), (0.1, "mrad", 1e3), (math.inf, "deg", 180.0 / math.pi))
+
+
+def pointing(
+    files: FilesArgument,
+    ideal: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Result of the run that points as it should.")
+    ] = None,
+    direction: Annotated[
+        str | None,
+        typer.Option(metavar="X,Y,Z", help="Commanded direction in world axes, instead of an ideal run."),
+    ] = None,
+    window: Annotated[
+        str | None,
+        typer.Option(metavar="TIME", help="Length of the windows for MPE, RPE, PDE and PRE ('0.5 s')."),
+    ] = None,
+    drift_spacing: Annotated[
+        str | None, typer.Option(metavar="TIME", help="From one window of the PDE to the other.")
+    ] = None,
+    period: Annotated[
+        str | None,
+        typer.Option(metavar="TIME", help="Length of the observation periods for PDE and PRE."),
+    ] = None,
+    confidence: Annotated[float, typer.Option(help="Of the levels, such as 0.997.")] = 0.997,
+    body: Annotated[
+        str | None, typer.Option(metavar="LINK", help="Link that looks; the scenario's if left out.")
+    ] = None,
+    boresight: Annotated[
+        str | None,
+        typer.Option(
+            metavar="X,Y,Z", help="Where it looks, in the link's frame; the scenario's if left out."
+        ),
+    ] = None,
+    up: Annotated[
+        str | None, typer.Option(metavar="X,Y,Z", help="Second axis, that clocking is measured by.")
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object, in radians.")] = False,
+) -> None:
+    """Say how far the boresight is from where it should be: error indices of ECSS-E-ST-60-10C.
+
+    Of several results, levels are told for each statistical interpretation.
+    """
+    windows = {
+        "window": _seconds(window, "--window"),
+        "drift_spacing": _seconds(drift_spacing, "--drift-spacing"),
+        "periods": _seconds(period, "--period"),
+    }
+    runs = [load_result(path) for path in files]
+    reference = None if ideal is None else load_result(ideal)
+
+    from antenna_pin.analysis import Command, error_components, pointing_error, pointing_indices
+
+    command = None if direction is None else Command(direction=_vector(direction, "--direction"))
+    errors, notes = [], []
+    for path, run in zip(files, runs, strict=True):
+        if not run.completed:
+            notes.append(f"{path}: the run ended early: {run.message}")
+        compared = run if reference is None else _covered(run, reference, path, notes)
+        antenna = _antenna(run, body, boresight, up)
+        errors.append(pointing_error(compared, reference, antenna=antenna, command=command))
+    found = pointing_indices(
+        [one["time"].values for one in errors],
+        [error_components(one) for one in errors],
+        window=windows["window"],
+        drift_spacing=windows["drift_spacing"],
+        periods=windows["periods"],
+        confidence=confidence,
+    )
+    between = max(one.attrs["interpolation_error"] for one in errors)
+    if between > 0.0:
+        notes.append(f"error of the ideal attitude between its samples: some {between:.1g} rad")
+    about = {
+        "files": [str(path) for path in files],
+        "body": errors[0].attrs["body"],
+        "against": errors[0].attrs["against"] if ideal is None else str(ideal),
+        "confidence": confidence,
+    } | windows
+    if as_json:
+        typer.echo(json.dumps({**about, "indices": _plain(found), "notes": notes}))
+        return
+    labels = dict.fromkeys(label_of(run, path) for path, run in zip(files, runs, strict=True))
+    title = f"{', '.join(labels)}: pointing error of {about['body']} against {about['against']}"
+    _print(title, found)
+    for note in notes:
+        typer.echo(note)
+
+
+def _covered(run: Trajectory, ideal: Trajectory, path: Path, notes: list[str]) -> Trajectory:
+    """Return the part of a run that the ideal run covers."""
+    end = float(ideal.data["time"].values[-1])
+    time = run.data["time"].values
+    inside = time <= end * (1.0 + 1e-9)
+    if inside.all():
+        return run
+    notes.append(f"{path}: compared up to the end of the ideal run at {end:g} s")
+    return dataclasses.replace(run, data=run.data.isel(time=inside))
+
+
+def _antenna(run: Trajectory, body: str | None, boresight: str | None, up: str | None) -> Antenna | None:
+    """Return the antenna that the options name, completed by the scenario's; None for that alone."""
+    from antenna_pin.analysis import Antenna
+
+    if body is None and boresight is None and up is None:
+        return None
+    if body is not None and boresight is not None:
+        return Antenna(
+            body=body, boresight=_vector(boresight, "--boresight"), up=_vector(up, "--up") if up else None
+        )
+    known = Antenna.of(run)
+    if body is not None and body != known.body:
+        raise InvalidParameterError(
+            "pointing", "--body", "given with --boresight, an axis of that link", body
+        )
+    axis = known.boresight if boresight is None else _vector(boresight, "--boresight")
+    second = known.up if boresight is None else None
+    return Antenna(body=known.body, boresight=axis, up=_vector(up, "--up") if up else second)
+
+
+def _seconds(text: str | None, option: str) -> float | None:
+    from antenna_pin.units import quantity
+
+    if text is None:
+        return None
+    try:
+        return float(text)  # a bare number is SI
+    except ValueError:
+        return quantity(text, "s", option)
+
+
+def _vector(text: str, option: str) -> tuple[float, float, float]:
+    try:
+        x, y, z = (float(part) for part in text.split(","))
+    except ValueError:
+        raise InvalidParameterError("pointing", option, "three numbers such as 1,0,0", text) from None
+    return x, y, z
+
+
+def _plain(found: xr.Dataset) -> dict[str, Any]:
+    """Return the indices in plain numbers; None where there is none."""
+
+    def row(values: xr.DataArray) -> dict[str, float | None]:
+        return {
+            str(name): None if math.isnan(value) else float(value)
+            for name, value in zip(found["component"].values, values.values, strict=True)
+        }
+
+    return {
+        str(kind): {name: row(found[name].sel(index=kind)) for name in ("extreme", "lowest", "highest")}
+        | {
+            "level": {
+                str(name): row(found["level"].sel(index=kind, interpretation=name))
+                for name in found["interpretation"].values
+            },
+            "definition": str(found["definition"].sel(index=kind).item()),
+        }
+        for kind in found["index"].values
+    }
+
+
+def _print(title: str, found: xr.Dataset) -> None:
+    """Print the table, and what its rows and columns are."""
+    from antenna_pin.analysis import INTERPRETATIONS
+
+    several = found.attrs["runs"] > 1
+    share = f"{100.0 * found.attrs['confidence']:g} %"
+    rows: list[list[str]] = []
+    for kind in found["index"].values:
+        one = found.sel(index=kind)
+        rows.append(_row(f"{kind} largest", one["extreme"]))
+        for name in found["interpretation"].values if several else ["temporal"]:
+            label = f"{kind} {share}, {name}" if several else f"{kind} {share}"
+            rows.append(_row(label, one["level"].sel(interpretation=name)))
+    names = [str(name) for name in found["component"].values]
+    print_rows(title, ("", *names), rows)
+    for kind in found["index"].values:
+        typer.echo(f"{kind}: {found['definition'].sel(index=kind).item()}")
+    for name in names:
+        typer.echo(f"{name}: {_COMPONENTS[name]}")
+    for name, text in INTERPRETATIONS.items() if several else [("temporal", "share of the time")]:
+        typer.echo(f"{share}{f', {name}' if several else ''}: not exceeded for that {text}")
+
+
+def _row(label: str, angles: xr.DataArray) -> list[str]:
+    """Return a row of angles [rad] in a unit that suits them."""
+    values = [float(angle) for angle in angles.values]
+    largest = max(map(abs, values))
+    unit, factor = next((unit, factor) for limit, unit, factor in _UNITS if largest < limit)
+    return [f"{label} [{unit}]", *(f"{factor * value:.4g}" for value in values)]
