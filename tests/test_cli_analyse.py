@@ -8,6 +8,7 @@ import pytest
 
 from antenna_pin import Trajectory, load_scenario, simulate
 from antenna_pin.analysis import deviation, impacts, load_statistics
+from antenna_pin.trajectory import Outcome
 
 
 @pytest.fixture(scope="module")
@@ -21,7 +22,7 @@ def results(tmp_path_factory):
     simulate(load_scenario("bai2020", case="case1"), duration=2.0).save(folder / "long.nc")
     play.save(folder / "case3.nc")
     start = play.data.isel(time=[0], episode=slice(0, 0))
-    one = Trajectory(start, play.outcome, "stopped by the user; what was computed is kept", play.counts)
+    one = Trajectory(start, Outcome.INTERRUPTED, Outcome.INTERRUPTED.value, play.counts)
     one.save(folder / "one.nc")
     return folder
 
@@ -77,6 +78,7 @@ def test_what_can_be_said_of_little(cli, results):
     assert float(row.split()[3]) == pytest.approx(1.0, abs=0.02)  # the drive's frequency [Hz]
     one = cli("analyse", results / "one.nc", "--ideal", results / "case1.nc")
     assert one.code == 0
+    assert "the run ended early: stopped by the user; what was computed is kept" in one.out
     assert "one sample: no deviation, no frequencies" in one.out
     assert "elevation does not settle: one sample is no time to settle in" in one.out
 

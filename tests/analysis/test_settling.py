@@ -100,6 +100,26 @@ def test_flanges_count_if_asked_for():
     assert settling(run, contacts="any")[0].contacts == ("a.radial", "a.axial+")
 
 
+@pytest.mark.parametrize(
+    ("rig", "case", "joints"), [("pendulum", "contact", 1), ("spherical_pendulum", "swing", 2)]
+)
+def test_rigs_settle_where_their_samples_say(rig, case, joints):
+    """From the settled time on every sample has a contact of the bore or socket, and just before it none."""
+    run = simulate(load_scenario(rig, case=case), duration=0.1)
+    every = settling(run, longest_gap=0.0)
+    assert len(every) == joints
+    for found in every:
+        assert found.time is not None
+        touching = run.data["touching"].sel(contact=list(found.contacts)).values.any(axis=1)
+        time = run.data["time"].values
+        assert touching[time >= found.time].all()
+        assert not touching[time < found.time][-1]
+        # Impacts become fewer and weaker.
+        speeds = found.curve["largest_approach_speed"].values
+        assert np.nanmax(speeds) == np.nanmax(speeds[: speeds.size // 4])
+        assert found.decay_rate > 0.0
+
+
 def test_a_pendulum_settles_and_a_drop_is_known():
     """Let go, the journal falls through the play c in sqrt(2 c / g) = 4.5 ms and bounces for a while."""
     run = simulate(load_scenario("pendulum", case="planar"), duration=0.2)
