@@ -38,7 +38,7 @@ def run(site, folder, *arguments):
     )
     assert done.returncode == 0, done.stderr
     where, *lines = done.stdout.splitlines()
-    assert where == str(site / "antenna_pin" / "cli.py")
+    assert where == str(site / "antenna_pin" / "cli" / "__init__.py")
     return lines
 
 
@@ -52,6 +52,12 @@ def test_a_shipped_scenario_runs(site, tmp_path):
     )
     assert lines == ["saved bai2020-case1.nc"]
     assert (tmp_path / "bai2020-case1.nc").is_file()
+
+
+def test_a_recording_is_made_from_what_is_installed(site, tmp_path):
+    run(site, tmp_path, *"run impact_pair --case contact --duration 0.001 --out a.nc -q".split())
+    assert run(site, tmp_path, *"record a.nc --out a.html".split())[-1] == "saved a.html"
+    assert "AntennaPin.mount" in (tmp_path / "a.html").read_text(encoding="utf-8")
 
 
 def test_type_information_and_licence_come_along(site):

@@ -202,6 +202,7 @@ class _Journal(_Picture):
         radial = 2 if shape.flanges else 1
         self.centres = shape.eccentricity(self.gap[:, :radial], self.point[:, :radial])
         half = 0.5 * shape.length
+        self.flange: list[Array] = []
         if shape.flanges:
             self.tilt = self._tilt()
             self.flange = [
@@ -218,7 +219,7 @@ class _Journal(_Picture):
             self.scene.add(f"run/rim {end:+.6f}", _ring(shape.bore_radius, end, 0.008 * self.radius), _RIM)
         # The shaft goes on behind one flange; the journal carries marks so that its spin is seen.
         self.reach = half + 2.0 * shape.flange_gap + shape.flange_thickness + 0.35 * shape.length
-        start = -self.reach if not shape.flanges else -half - 1.02 * shape.flange_gap
+        start = self.start = -self.reach if not shape.flanges else -half - 1.02 * shape.flange_gap
         self.scene.add(
             "run/barrel/spin/body", lathe(*_solid(shape.journal_radius, start, self.reach)), _JOURNAL
         )
@@ -235,7 +236,7 @@ class _Journal(_Picture):
         for k, sign in enumerate((1.0, -1.0) if shape.flanges else ()):
             low, high = sorted((0.0, sign * shape.flange_thickness))
             path = f"run/flange{k}/spin"
-            self.scene.add(f"{path}/body", lathe(*_solid(shape.flange_radius, low, high)), (*_JOURNAL, 0.55))
+            self.scene.add(f"{path}/body", lathe(*_solid(shape.flange_radius, low, high)), (*_JOURNAL, 0.42))
             self.scene.add(f"{path}/rim", _ring(shape.flange_radius, 0.0, 0.006 * self.radius), _MARK)
             for i in range(3):
                 angle = 2.0 * np.pi * i / 3.0
@@ -287,11 +288,16 @@ class _Journal(_Picture):
 
     def extent(self) -> Array:
         shape = self.shape
-        out = max(shape.outer_radius, shape.flange_radius)
-        along = 0.5 * shape.length + 2.0 * shape.flange_gap
+        half = 0.5 * shape.length
         angle = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)
-        circle = np.stack([out * np.cos(angle), out * np.sin(angle)], axis=1)
-        return np.concatenate([np.hstack([circle, np.full((24, 1), z)]) for z in (-along, along)])
+        circle = np.stack([np.cos(angle), np.sin(angle)])
+        bearing = [np.vstack([shape.outer_radius * circle, np.full((1, 24), end)]).T for end in (-half, half)]
+        some = np.unique(np.linspace(0, len(self.times) - 1, min(200, len(self.times))).astype(int))
+        rim = np.vstack([shape.flange_radius * circle, np.zeros((1, 24)), np.ones((1, 24))])
+        moving = [(placement[some] @ rim).transpose(0, 2, 1).reshape(-1, 3) for placement in self.flange]
+        ends = np.array([[0.0, 0.0, self.start, 1.0], [0.0, 0.0, 0.9 * self.reach, 1.0]]).T
+        moving.append((self.barrel[some] @ ends).transpose(0, 2, 1).reshape(-1, 3))
+        return np.concatenate([*bearing, *moving])
 
     def trails(self) -> list[dict[str, Any]]:
         """Return where the journal's axis went of late, in the planes of the bore's ends."""

@@ -27,10 +27,10 @@ def _json(data: dict[str, Any]) -> str:
 
 def shared_head() -> str:
     """Return style and scripts that recordings need, once per page, for its head."""
-    licences = viewer_licences().replace("--", "- -")
+    licences = viewer_licences().replace("</script", "<\\/script")
     return (
         f"<style>\n{_asset('player.css')}</style>\n"
-        f"<!-- The viewer in this page is meshcat's, under these licences:\n{licences}-->\n"
+        f'<script type="text/plain" class="ap-licences">\n{licences}\n</script>\n'
         f"{_script(viewer_script())}{_script(_asset('player.js'))}"
     )
 

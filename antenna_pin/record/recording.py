@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
+import xarray as xr
 from numpy.typing import ArrayLike
 
 from antenna_pin.assemble import build_system
@@ -19,8 +20,9 @@ from antenna_pin.record.joint_view import joint_view
 from antenna_pin.record.key_frames import KeyFrames, impacts_of, key_frames
 from antenna_pin.record.mechanism_view import mechanism_view
 from antenna_pin.record.scene import packed_doubles, packed_floats
+from antenna_pin.scenario import Scenario
 from antenna_pin.simulation.places import clearance_places
-from antenna_pin.trajectory import Trajectory, check_writable
+from antenna_pin.trajectory import Counts, Outcome, Trajectory, check_writable
 
 __all__ = ["Recording", "View", "record"]
 
@@ -81,8 +83,8 @@ class Recording:
 
 
 def record(
-    run: Trajectory,
-    ideal: Trajectory | None = None,
+    run: Trajectory | xr.Dataset,
+    ideal: Trajectory | xr.Dataset | None = None,
     *,
     view: View = "mechanism",
     joint: str | None = None,
@@ -101,7 +103,7 @@ def record(
     so that no impact is skipped; the player interpolates between them.
 
     Args:
-        run: The run.
+        run: The run, or its data.
         ideal: A run whose bodies are drawn as a ghost beside, usually with ideal joints.
         view: ``mechanism``, all bodies in the world, or ``joint``, a clearance joint close up.
         joint: Which clearance joint; the first one if left out. For the view of a joint.
@@ -109,7 +111,8 @@ def record(
         body: Link whose boresight is drawn; the scenario's pointing body if left out.
         boresight: Its direction in the link's frame, (3,) [-]; the scenario's, or x, if left out.
         fps: Regular key frames per second of the run [1/s].
-        speed: Seconds of the run per second at first [-]; if left out, real time or what lasts 10 s.
+        speed: Seconds of the run per second at first [-]; if left out, real time or, for a run below 4 s, so
+            slow that it takes that long; ten times slower for a joint.
         start: First time recorded [s]; the run's start if left out.
         end: Last time recorded [s]; the run's end if left out.
         max_megabytes: Size of the page that is not exceeded [MB]; key frames are thinned to keep to it.
@@ -123,6 +126,8 @@ def record(
         raise InvalidParameterError("recording", "view", "mechanism or joint", view)
     if view == "joint" and ideal is not None:
         raise InvalidParameterError("recording", "ideal", "left out in the view of a joint", "a run")
+    run = _trajectory(run)
+    ideal = None if ideal is None else _trajectory(ideal)
     first, last = _span(run, start, end)
     line = _boresight(run, body, boresight)
     places = _places(run)
@@ -148,6 +153,21 @@ def record(
             break
     raise InvalidParameterError(
         "recording", "max_megabytes", f"above {1e-6 * fixed:.2f}, what viewer and shapes take", max_megabytes
+    )
+
+
+def _trajectory(run: Trajectory | xr.Dataset) -> Trajectory:
+    """Return a run with what its data alone tell of how it ended and where it came from."""
+    if isinstance(run, Trajectory):
+        return run
+    outcome = Outcome[run.attrs.get("outcome", "COMPLETED")]
+    text = run.attrs.get("scenario")
+    return Trajectory(
+        data=run,
+        outcome=outcome,
+        message=str(run.attrs.get("outcome_message", outcome.value)),
+        counts=Counts(),
+        scenario=Scenario.model_validate_json(text) if text else None,
     )
 
 
@@ -228,7 +248,7 @@ def _data(
         warnings.append("the run has one sample in this span; there is no motion to play")
     impacts = frames.impacts
     if speed is None:
-        speed = 1.0 if view == "mechanism" else 0.1
+        speed = _speed(last - first) * (1.0 if view == "mechanism" else 0.1)
     elif not speed > 0.0:
         raise InvalidParameterError("recording", "speed", "positive", speed)
     title, case = str(attributes.get("title") or ""), str(attributes.get("case") or "")
@@ -244,6 +264,12 @@ def _data(
         **seen,
         "warnings": warnings,
     }
+
+
+def _speed(span: float) -> float:
+    """Return the greatest speed, real time or a power of ten below, at which a span takes 4 s or more [-]."""
+    steps = [step for k in range(7) for step in (10.0**-k, 0.5 * 10.0**-k)]
+    return next((step for step in steps if span >= 4.0 * step), 1.0)
 
 
 def _moving_bytes(data: dict[str, Any]) -> int:

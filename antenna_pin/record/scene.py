@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -50,8 +51,12 @@ def viewer_script() -> str:
 def viewer_licences() -> str:
     """Return the licences of meshcat's viewer and of what is in it; copies must carry them."""
     folder = _viewer_folder()
-    text = (folder / "LICENSE").read_text(encoding="utf-8")
-    return text + "\n" + (folder / "dist" / "main.min.js.LICENSE.txt").read_text(encoding="utf-8")
+    parts = json.loads(
+        (folder / "dist" / "main.min.js.THIRD_PARTY_LICENSES.json").read_text(encoding="utf-8")
+    )
+    texts = [("meshcat viewer", (folder / "LICENSE").read_text(encoding="utf-8"))]
+    texts += [(f"{part['name']} {part['version']}", part["licenseText"] or part["license"]) for part in parts]
+    return "\n\n".join(f"{name}\n{text.strip()}" for name, text in texts)
 
 
 class Scene:

@@ -9,6 +9,7 @@ from html.parser import HTMLParser
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from antenna_pin.analysis import body_poses
 from antenna_pin.errors import InvalidParameterError, OutputError, UnknownNameError
@@ -105,6 +106,30 @@ def test_a_small_limit_thins_the_key_frames(clearance_run):
     assert 10 < len(small.frames.indices) < len(full.frames.indices)
     with pytest.raises(InvalidParameterError, match="max_megabytes must be above"):
         record(clearance_run, max_megabytes=0.5)
+
+
+def test_speed_is_such_that_a_short_run_can_be_watched(clearance_run):
+    """50 ms take 4 s or more: 1/100 of real time; the joint close up is ten times slower."""
+    assert record(clearance_run).data["speed"] == pytest.approx(0.01)
+    assert record(clearance_run, view="joint").data["speed"] == pytest.approx(0.001)
+    assert record(clearance_run, speed=0.5).data["speed"] == 0.5
+
+
+def test_the_scenario_says_what_looks_where(clearance_run):
+    assert clearance_run.scenario.pointing.body == "reflector"
+    data = record(clearance_run).data
+    assert any(fact["text"] == "boresight of reflector and its trace" for fact in data["facts"])
+    (trail,) = data["trails"]
+    recording = record(clearance_run)
+    poses = body_poses(clearance_run, times=recording.frames.indices).sel(body="reflector")
+    axis = Rotation.from_quat(poses["attitude"].values).apply(clearance_run.scenario.pointing.boresight)
+    tips = floats(trail["points"], 3) - poses["position"].values
+    assert np.cross(tips, axis) == pytest.approx(0.0, abs=1e-6)  # 32-bit floats
+
+
+def test_data_alone_will_do(clearance_run, tmp_path):
+    data = Trajectory.load(clearance_run.save(tmp_path / "run.nc")).data
+    assert record(data).html == record(clearance_run).html
 
 
 def test_a_span(clearance_run):
