@@ -321,10 +321,11 @@ class _Journal(_Picture):
 
     def facts(self) -> list[str]:
         factor = self.shape.factor
-        lines = [
-            f"{self.name}: play, eccentricity and tilt drawn {factor:g} times as large",
-            "journal's radius, bearing's length and spin as they are",
-        ]
+        if self.shape.flanges:
+            what, true = "play, eccentricity and tilt", "journal's radius, bearing's length and spin"
+        else:
+            what, true = "play and eccentricity", "journal's radius and spin"
+        lines = [f"{self.name}: {what} drawn {factor:g} times as large", f"{true} as they are"]
         line = f"radial play {_length(self.clearance)} drawn {_length(factor * self.clearance)}"
         if self.shape.flanges:
             gap = self.shape.flange_gap

@@ -92,7 +92,7 @@ class MagnifiedJournal:
                 factor=factor,
                 journal_radius=journal,
                 bore_radius=bore,
-                length=1.6 * journal,
+                length=max(1.6 * journal, 0.5 * bore),  # it has none of its own
                 edge_radius=0.0,
                 drawn_edge=0.0,
                 outer_radius=1.16 * bore,

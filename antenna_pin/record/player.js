@@ -345,8 +345,8 @@
       root.classList.add("ap-recording");
       root.replaceChildren();
       root.tabIndex = 0;
+      const head = this.head = element("div", "ap-head", root); // over the stage, or above it where that is narrow
       this.stage = element("div", "ap-stage", root);
-      const head = this.head = element("div", "ap-head", this.stage);
       element("div", "ap-title", head).textContent = data.title;
       element("div", "ap-case", head).textContent = data.subtitle;
       const facts = element("ul", "ap-facts", head);
@@ -631,7 +631,8 @@
       const {direction, target} = this.data.camera;
       const {camera} = this.viewer;
       const w = Math.max(this.stage.clientWidth, 1), h = Math.max(this.stage.clientHeight, 1);
-      const top = Math.min(this.head.offsetTop + this.head.offsetHeight, 0.35 * h);
+      const over = this.head.getBoundingClientRect().bottom - this.stage.getBoundingClientRect().top;
+      const top = Math.min(Math.max(over, 0), 0.35 * h);
       camera.setViewOffset(w, h, 0, -0.5 * top, w, h);
       const norm = (v) => { const s = Math.hypot(...v); return v.map((x) => x / s); };
       const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];

@@ -88,7 +88,7 @@ def test_joint_view_says_how_it_is_magnified(clearance_run, planar_run, ball_run
     ]
     assert texts == [
         "elevation: play, eccentricity and tilt drawn 100 times as large",
-        "hinge: play, eccentricity and tilt drawn 100 times as large",
+        "hinge: play and eccentricity drawn 100 times as large",
         "upper: play and eccentricity drawn 150 times as large",
     ]
     text = record(clearance_run, view="joint", magnify=300).data["facts"]
