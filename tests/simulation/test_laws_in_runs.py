@@ -1,5 +1,7 @@
 """Laws of the literature and distributed load inside runs: ledgers, bristles, ranges."""
 
+import math
+
 import pytest
 
 from antenna_pin import Outcome, load_scenario, simulate
@@ -41,6 +43,8 @@ def test_a_whole_law_is_named_by_its_author(law):
 BRISTLES = {
     "dahl": "coefficient_of_friction=0.1, bristle_stiffness=1e5",
     "lugre": "dynamic=0.1, static=0.15, stribeck_speed=5e-3, bristle_stiffness=1e5, bristle_damping=50",
+    "gonthier-bristle": "dynamic=0.1, static=0.15, stribeck_speed=5e-3, bristle_stiffness=1e5,"
+    " bristle_damping=50, dwell_time=0.05",
 }
 
 
@@ -50,6 +54,48 @@ def test_bristles_are_part_of_the_state(law):
     run = antenna(f"clearance.elevation.friction={{law='{law}', {BRISTLES[law]}, replace=true}}")
     kept(run)
     assert run.data["friction_force"].values.max() > 0.0
+
+
+# A pendulum let go at 0.5 degrees in a bore of 10 mm: its journal of 9.9 mm rolls up the bore until the
+# contact point is above the mass centre, if friction holds it there.
+HANGING = {
+    "gonthier-bristle": "dynamic=0.1, static=0.15, stribeck_speed=1e-3, bristle_stiffness=1e5,"
+    " bristle_damping=300, dwell_time=0.05",
+    "velocity-based": "static=0.15, dynamic=0.1, static_speed='1 mm/s', dynamic_speed='10 mm/s'",
+}
+
+
+def hanging(law):
+    overrides = [
+        "clearance.hinge.geometry=closed-form",
+        f"clearance.hinge.friction={{law='{law}', {HANGING[law]}, replace=true}}",
+        "initial.joints.hinge.angle=0.5 deg",
+    ]
+    run = simulate(load_scenario("pendulum", case="planar-rest", overrides=overrides), duration=2.0)
+    assert run.completed, run.message
+    data = run.data
+    fallen = float(data["gravity_energy"].values[0] - data["gravity_energy"].values[-1])
+    assert abs(data["energy_error"].values).max() < 1e-9 * fallen  # of the steps; rtol is 1e-10
+    return data
+
+
+def test_a_bristle_holds_a_static_load():
+    """It comes to rest out of plumb, on more than its dynamic friction, and stays there."""
+    data = hanging("gonthier-bristle")
+    angle = float(data["motion_angle"].values[-1, 0])
+    ratio = float(data["friction_force"].values[-1, 0] / data["normal_force"].values[-1, 0])
+    assert angle > math.radians(0.4)
+    assert 0.1 < ratio < 0.15
+    # No moment about the contact point, which the depth of 0.2 um takes 2e-5 of its radius into the bore.
+    assert 0.2 * math.sin(angle) == pytest.approx(9.9e-3 * math.sin(math.atan(ratio)), rel=1e-4, abs=0.0)
+    # What is left of the creeping in the hinge's damper; the play divides the angle's rate by a hundred.
+    assert abs(float(data["motion_rate"].values[-1, 0])) < 1e-6
+    assert float(data["slip_speed"].values[-1, 0]) < 1e-8
+
+
+def test_without_bristles_the_same_load_creeps_away():
+    data = hanging("velocity-based")
+    assert abs(float(data["motion_angle"].values[-1, 0])) < math.radians(0.01)
 
 
 def test_distributed_load_keeps_the_ledgers():
