@@ -9,8 +9,7 @@ import sys
 import pytest
 
 from antenna_pin.cli import app
-from antenna_pin.cli.contact import _Reproduction
-from antenna_pin.contact import DISSIPATIONS, FRICTION_LAWS, LIU_2013, NORMAL_LAWS, is_elastic, law_parameters
+from antenna_pin.contact import DISSIPATIONS, FRICTION_LAWS, NORMAL_LAWS, is_elastic, law_parameters
 
 ELASTIC = [name for name in NORMAL_LAWS if is_elastic(name)]
 TAKING = [name for name, law in DISSIPATIONS.items() if "restitution" in law_parameters(law)]
@@ -122,18 +121,6 @@ def test_without_simulation_there_are_closed_forms_of_all_that_take_a_restitutio
 
 
 # --- experiment ---
-
-
-def test_the_paper_table_is_reproduced_to_its_rounding_but_for_what_is_named():
-    table = _Reproduction()
-    assert table.hertz_reproduced == [row != 5 for row in range(11)]
-    assert [k + 1 for k, good in enumerate(table.conformal_reproduced) if not good] == [5, 9, 10]
-    assert table.mended == pytest.approx(2.312e-5, abs=1e-12)
-    for k, point in enumerate(LIU_2013):
-        # Half a newton, and half a digit of the displacement (to first order, hence the hundredth).
-        rounding = 0.5 + 1.01 * 5e-9 / point.depth * point.hertz
-        assert table.hertz(k) == pytest.approx(point.hertz, abs=rounding)
-        assert table.conformal(k) == pytest.approx(point.conformal, rel=0.01)
 
 
 def test_experiment_prints_the_errors_of_the_paper_and_of_every_law():

@@ -9,7 +9,7 @@ import contextlib
 import errno
 import functools
 import signal
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, NoReturn, ParamSpec, TypeVar
@@ -19,6 +19,8 @@ import typer
 from antenna_pin.errors import AntennaPinError, OutputError, UnknownNameError
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from antenna_pin.scenario import Scenario
     from antenna_pin.trajectory import Trajectory
 
@@ -90,6 +92,13 @@ SetOption = Annotated[
 ]
 
 
+FigureOutOption = Annotated[
+    Path | None, typer.Option(metavar="DIR", help="Folder for figures, made if missing; none if left out.")
+]
+FigureFormatOption = Annotated[
+    str, typer.Option("--format", metavar="LIST", help="Any of png, pdf, svg, separated by commas.")
+]
+WidthOption = Annotated[Width, typer.Option(help="Width of the figures: 88 mm or 180 mm.")]
 FilesArgument = Annotated[list[Path], typer.Argument(metavar="FILES...", help="Result files of runs.")]
 
 
@@ -168,3 +177,11 @@ def figure_folder(out: Path) -> Path:
     if out.exists() and not out.is_dir():
         raise OutputError(f"--out {out}: this is a file; name a folder for the figures")
     return out
+
+
+def save_figures(figures: Mapping[str, Figure], out: Path, suffixes: Sequence[str]) -> None:
+    """Write figures of contact laws and say where."""
+    from antenna_pin.plot import save_contact_figures
+
+    for path in save_contact_figures(figures, out, suffixes):
+        typer.echo(path)

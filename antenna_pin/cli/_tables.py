@@ -1,7 +1,8 @@
-"""Tables of summaries for people."""
+"""Tables for people, and numbers as they stand in them."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from typing import Any
 
@@ -101,3 +102,39 @@ def text_of(value: Any) -> str:
     if isinstance(value, (list, tuple)):
         return ", ".join(map(text_of, value))
     return str(value)
+
+
+# --- numbers ---
+
+
+def number_text(value: float) -> str:
+    return f"{value:.4g}" if math.isfinite(value) and abs(value) < 1e4 else integer_text(value)
+
+
+def integer_text(value: float) -> str:
+    return f"{value:.0f}" if math.isfinite(value) else "-"
+
+
+def fixed_text(value: float) -> str:
+    return f"{value:.7f}" if math.isfinite(value) else "-"
+
+
+def percent_text(share: float) -> str:
+    return f"{share:.1f}" if math.isfinite(share) else "-"
+
+
+def length_text(value: float, digits: int = 4) -> str:
+    """Return a length with a unit that suits it."""
+    if not math.isfinite(value):
+        return "-"
+    size, unit = next(
+        ((size, unit) for size, unit in ((1.0, "m"), (1e-3, "mm")) if value >= 0.1 * size), (1e-6, "um")
+    )
+    return f"{value / size:.{digits}g} {unit}"
+
+
+def power_above(value: float) -> str:
+    """Return the power of ten that a size does not exceed."""
+    if not value > 0.0:
+        return "0"
+    return f"1e{math.ceil(math.log10(value))}"

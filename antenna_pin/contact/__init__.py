@@ -8,9 +8,15 @@ from antenna_pin.contact.certificates import (
     closed_form_restitution,
     impact_of_pair,
     impact_on_wall,
+    largest_errors,
     restitution_table,
 )
-from antenna_pin.contact.comparison import elastic_laws_of_joint, force_table
+from antenna_pin.contact.comparison import (
+    differing_factor,
+    elastic_laws_of_joint,
+    force_table,
+    laws_left_out,
+)
 from antenna_pin.contact.conformal import BaiZhaoElastic, LiuFoundation, Pereira, Persson
 from antenna_pin.contact.cylinder import (
     ESDU78035,
@@ -30,10 +36,14 @@ from antenna_pin.contact.damping import (
 )
 from antenna_pin.contact.experiment import (
     LIU_2013,
+    LIU_2013_PLAYS,
     ExperimentFit,
     ExperimentPoint,
     compare_with_experiment,
+    printed_columns,
+    ranked,
 )
+from antenna_pin.contact.findings import ExperimentFindings, LeastError, experiment_findings
 from antenna_pin.contact.friction import (
     Ambrosio,
     BengisuAkay,
@@ -117,6 +127,7 @@ from antenna_pin.contact.registry import (
     make_normal_law,
     normal_parameters,
 )
+from antenna_pin.contact.reproduction import ReproducedTable, reproduce_table
 from antenna_pin.contact.stiffness import effective_modulus, hertz_stiffness, internal_hertz_stiffness
 
 __all__ = [
@@ -124,6 +135,7 @@ __all__ = [
     "ESDU78035",
     "FRICTION_LAWS",
     "LIU_2013",
+    "LIU_2013_PLAYS",
     "MATERIALS",
     "MATERIAL_PAIRS",
     "NORMAL_LAWS",
@@ -148,6 +160,7 @@ __all__ = [
     "ElasticLaw",
     "ExactDamping",
     "ExactRestitution",
+    "ExperimentFindings",
     "ExperimentFit",
     "ExperimentPoint",
     "Flores",
@@ -177,6 +190,7 @@ __all__ = [
     "KuwabaraKonoDamping",
     "LankaraniNikravesh",
     "LankaraniNikraveshDamping",
+    "LeastError",
     "LeeWang",
     "LeeWangDamping",
     "LineLaw",
@@ -200,6 +214,7 @@ __all__ = [
     "Pereira",
     "Persson",
     "Radzimovsky",
+    "ReproducedTable",
     "RestitutionRow",
     "Stribeck",
     "Tanh",
@@ -215,18 +230,25 @@ __all__ = [
     "closed_form_restitution",
     "compare_with_experiment",
     "delivered_restitution",
+    "differing_factor",
     "effective_modulus",
     "elastic_laws_of_joint",
     "exact_hysteresis",
+    "experiment_findings",
     "force_table",
     "hertz_stiffness",
     "impact_of_pair",
     "impact_on_wall",
     "internal_hertz_stiffness",
     "is_elastic",
+    "largest_errors",
     "law_parameters",
+    "laws_left_out",
     "make_normal_law",
     "material_pairs",
     "normal_parameters",
+    "printed_columns",
+    "ranked",
+    "reproduce_table",
     "restitution_table",
 ]

@@ -35,6 +35,7 @@ __all__ = [
     "closed_form_restitution",
     "impact_of_pair",
     "impact_on_wall",
+    "largest_errors",
     "restitution_table",
 ]
 
@@ -354,3 +355,24 @@ def restitution_table(
                 )
             )
     return tuple(rows)
+
+
+def largest_errors(rows: Iterable[RestitutionRow]) -> tuple[float, float]:
+    """Return how far integrated impacts are from the closed forms at most.
+
+    Args:
+        rows: Of :func:`restitution_table`, with impacts integrated.
+
+    Returns:
+        In restitution, wall and free pair alike, and in peak depth relative to it [-]; NaN where no row has a
+        closed form.
+    """
+    restitution = depth = math.nan
+    for row in rows:
+        if math.isfinite(row.closed_form):
+            off = max(abs(row.on_wall - row.closed_form), abs(row.of_pair - row.closed_form))
+            restitution = off if math.isnan(restitution) else max(restitution, off)
+        if math.isfinite(row.closed_form_depth):
+            off = abs(row.depth_on_wall / row.closed_form_depth - 1.0)
+            depth = off if math.isnan(depth) else max(depth, off)
+    return restitution, depth

@@ -11,7 +11,7 @@ from antenna_pin.contact.registry import NORMAL_LAWS, is_elastic, law_parameters
 from antenna_pin.contact.stiffness import effective_modulus, internal_hertz_stiffness
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["elastic_laws_of_joint", "force_table"]
+__all__ = ["differing_factor", "elastic_laws_of_joint", "force_table", "laws_left_out"]
 
 
 def elastic_laws_of_joint(
@@ -19,7 +19,7 @@ def elastic_laws_of_joint(
 ) -> dict[str, ElasticLaw]:
     """Return every elastic law for a journal in a bore, by name.
 
-    Laws that do not hold for these dimensions are left out.
+    Laws that do not hold for these dimensions are left out; :func:`laws_left_out` says why.
 
     Args:
         bearing_radius: R_i [m].
@@ -28,6 +28,30 @@ def elastic_laws_of_joint(
         bearing: Material of the bearing.
         journal: Material of the journal.
     """
+    tried = _try_all(bearing_radius, journal_radius, length, bearing, journal)
+    return {name: law for name, law in tried.items() if not isinstance(law, InvalidParameterError)}
+
+
+def laws_left_out(
+    *, bearing_radius: float, journal_radius: float, length: float, bearing: Material, journal: Material
+) -> dict[str, InvalidParameterError]:
+    """Return why elastic laws do not hold for a journal in a bore, by name of the law.
+
+    Args:
+        bearing_radius: R_i [m].
+        journal_radius: R_j [m].
+        length: L, of the line of contact [m].
+        bearing: Material of the bearing.
+        journal: Material of the journal.
+    """
+    tried = _try_all(bearing_radius, journal_radius, length, bearing, journal)
+    return {name: law for name, law in tried.items() if isinstance(law, InvalidParameterError)}
+
+
+def _try_all(
+    bearing_radius: float, journal_radius: float, length: float, bearing: Material, journal: Material
+) -> dict[str, ElasticLaw | InvalidParameterError]:
+    """Return every elastic law by name, or what refuses it."""
     modulus = effective_modulus(bearing, journal)
     known = {
         "length": length,
@@ -36,18 +60,29 @@ def elastic_laws_of_joint(
         "modulus": modulus,
         "stiffness": internal_hertz_stiffness(bearing_radius, journal_radius, modulus),
     }
-    found: dict[str, ElasticLaw] = {}
+    found: dict[str, ElasticLaw | InvalidParameterError] = {}
     for name, cls in NORMAL_LAWS.items():
         if not is_elastic(name):
             continue
         parameters = {key: known[key] for key, p in law_parameters(cls).items() if p.from_joint}
         try:
             law: CompiledNormalLaw = make_normal_law(name, parameters)
-        except InvalidParameterError:
+        except InvalidParameterError as refusal:
+            found[name] = refusal
             continue
         assert isinstance(law, ElasticLaw)
         found[name] = law
     return found
+
+
+def differing_factor(forces: Iterable[float]) -> float | None:
+    """Return how many times the largest of forces is the smallest; None if fewer than two are known.
+
+    Args:
+        forces: Of several laws at one depth [N]; NaN where a law says nothing.
+    """
+    known = [force for force in forces if math.isfinite(force)]
+    return max(known) / min(known) if len(known) > 1 else None
 
 
 def force_table(laws: Mapping[str, NormalLaw], depths: Iterable[float]) -> dict[str, tuple[float, ...]]:

@@ -9,6 +9,8 @@ paper takes one millimetre, and its column of equation (14) has radii of 0.9 mm 
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,7 +18,15 @@ import numpy as np
 from antenna_pin.contact.comparison import elastic_laws_of_joint, force_within
 from antenna_pin.contact.materials import Material
 
-__all__ = ["LIU_2013", "ExperimentFit", "ExperimentPoint", "compare_with_experiment"]
+__all__ = [
+    "LIU_2013",
+    "LIU_2013_PLAYS",
+    "ExperimentFit",
+    "ExperimentPoint",
+    "compare_with_experiment",
+    "printed_columns",
+    "ranked",
+]
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,6 +71,9 @@ def _points() -> tuple[ExperimentPoint, ...]:
 #: Table 1 of Liu et al. 2013.
 LIU_2013 = _points()
 
+#: The radial plays of its joints [m].
+LIU_2013_PLAYS = tuple(sorted({point.clearance for point in LIU_2013}))
+
 #: Young's modulus of the paper; Poisson's ratio follows from its column of equation (6) to 0.07 %.
 LIU_2013_STEEL = Material(
     young=206e9, poisson=0.3, source="Liu et al. 2013; Poisson's ratio derived from its Table 1"
@@ -69,17 +82,18 @@ LIU_2013_STEEL = Material(
 
 @dataclass(frozen=True, slots=True)
 class ExperimentFit:
-    """One law against the measured loads.
+    """One law, or a printed column, against the measured loads.
 
     Attributes:
         law: Name of the law.
-        contacts: Over how many equal contacts in series the displacement is shared: 1 or 2.
+        contacts: Over how many equal contacts in series the displacement is shared: 1 or 2; None for a column
+            as printed.
         loads: By the law, one for each point [N]; NaN where the law says nothing at such a depth.
         errors: Of the loads over the measured ones, one for each point [-].
     """
 
     law: str
-    contacts: int
+    contacts: int | None
     loads: tuple[float, ...]
     errors: tuple[float, ...]
 
@@ -129,7 +143,7 @@ def compare_with_experiment(
             bearing=material,
             journal=material,
         )
-        for play in {point.clearance for point in LIU_2013}
+        for play in LIU_2013_PLAYS
     }
     names = [name for name in next(iter(by_play.values())) if all(name in laws for laws in by_play.values())]
     fits = []
@@ -138,6 +152,28 @@ def compare_with_experiment(
             loads = tuple(
                 force_within(by_play[point.clearance][name], point.depth / contacts) for point in LIU_2013
             )
-            errors = tuple(load / point.load - 1.0 for load, point in zip(loads, LIU_2013, strict=True))
-            fits.append(ExperimentFit(name, contacts, loads, errors))
+            fits.append(_fit(name, contacts, loads))
     return tuple(fits)
+
+
+def printed_columns() -> tuple[ExperimentFit, ExperimentFit]:
+    """Return the paper's own columns, of equations (6) and (14), against the measured loads."""
+    return (
+        _fit("printed: Hertz", None, tuple(point.hertz for point in LIU_2013)),
+        _fit("printed: conformal", None, tuple(point.conformal for point in LIU_2013)),
+    )
+
+
+def _fit(law: str, contacts: int | None, loads: tuple[float, ...]) -> ExperimentFit:
+    errors = tuple(load / point.load - 1.0 for load, point in zip(loads, LIU_2013, strict=True))
+    return ExperimentFit(law, contacts, loads, errors)
+
+
+def ranked(fits: Iterable[ExperimentFit]) -> list[ExperimentFit]:
+    """Return fits sorted: those that reach every point first, then by the mean error where they do."""
+
+    def rank(fit: ExperimentFit) -> tuple[int, float]:
+        known = [abs(error) for error in fit.errors if math.isfinite(error)]
+        return len(fit.errors) - len(known), sum(known) / max(len(known), 1)
+
+    return sorted(fits, key=rank)

@@ -1,25 +1,24 @@
-"""Contact laws, for papers: force over depth, restitution delivered over asked, the data of Liu et al."""
+"""Contact laws, for papers: force over depth, and the restitution delivered over the one asked for."""
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator, NullFormatter
+from matplotlib.ticker import NullFormatter
 
-from antenna_pin.contact import LIU_2013, LiuPinJoint, NormalLaw, RestitutionRow
+from antenna_pin.contact import NormalLaw, RestitutionRow
 from antenna_pin.contact.comparison import force_within
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.plot._style import (
     COLOURS,
     Array,
     Width,
-    legend_above,
     new_figure,
     panel_title,
     prefixed,
@@ -27,7 +26,7 @@ from antenna_pin.plot._style import (
 )
 from antenna_pin.plot.files import FORMATS, _made, _save
 
-_DASHES: tuple[Any, ...] = ("-", (0, (4, 1.2)), (0, (1, 1)), (0, (4, 1, 1, 1)))
+DASHES: tuple[Any, ...] = ("-", (0, (4, 1.2)), (0, (1, 1)), (0, (4, 1, 1, 1)))
 _LABEL_HEIGHT = 3.0  # of one line of text beside a panel [mm]
 _FAR = 0.1  # a dissipation further than this from what it is asked for has its place in the first panel [-]
 
@@ -80,7 +79,7 @@ def figure_force_curves(
     figure = new_figure(width, max(66.0, 30.0 + 4.0 * len(laws)))
     axes = figure.add_subplot()
     ends = []
-    for (label, force), (dash, colour) in zip(curves.items(), _looks(), strict=False):
+    for (label, force), (dash, colour) in zip(curves.items(), looks(), strict=False):
         known = np.isfinite(force)
         if not known.any():
             continue
@@ -133,12 +132,12 @@ def _coinciding(curves: Mapping[str, Array]) -> dict[str, Array]:
     return {",\n".join(names): curve for names, curve in groups}
 
 
-def _looks() -> Iterator[tuple[Any, str]]:
+def looks() -> Iterator[tuple[Any, str]]:
     """Yield dash and colour of one curve after the other; neighbours differ in both."""
     colours = (*COLOURS, "black")
     for k in itertools.count():
         row, place = divmod(k, len(colours))
-        yield _DASHES[(place + row) % len(_DASHES)], colours[place]
+        yield DASHES[(place + row) % len(DASHES)], colours[place]
 
 
 def _label_ends(figure: Figure, axes: Axes, ends: Sequence[tuple[str, str, float, float]]) -> None:
@@ -224,7 +223,7 @@ def figure_restitution(
     for place, (group, difference) in enumerate(groups):
         axes = figure.add_subplot(*shape, place + 1)
         curves = {name: _delivered(lines, name) for name in group}
-        for (label, curve), (dash, colour) in zip(_coinciding(curves).items(), _looks(), strict=False):
+        for (label, curve), (dash, colour) in zip(_coinciding(curves).items(), looks(), strict=False):
             name = label.split(",")[0]
             dots = np.array([(row.asked, row.on_wall) for row in points if row.dissipation == name])
             less = 1.0 if difference else 0.0
@@ -263,96 +262,3 @@ def figure_restitution(
 def _delivered(rows: Iterable[RestitutionRow], dissipation: str) -> Array:
     """Return the restitution asked for and the one delivered by the closed form, shape (points, 2)."""
     return np.array(sorted((row.asked, row.closed_form) for row in rows if row.dissipation == dissipation))
-
-
-# --- the experiment of Liu et al. 2013 ---
-
-
-@styled
-def figure_experiment(
-    laws: Mapping[str, Callable[[float, float], float]], *, width: Width = "page"
-) -> Figure:
-    """Return load over displacement of Liu et al. 2013's joint, measured and by laws: a panel for each play.
-
-    Args:
-        laws: By label, what gives the load [N] for a radial play [m] and a displacement [m]; NaN beyond its
-            range.
-        width: "column" (88 mm) or "page" (180 mm).
-    """
-    plays = sorted({point.clearance for point in LIU_2013})
-    columns = len(plays) if width == "page" else 1
-    figure = new_figure(width, 66.0 if width == "page" else 150.0)
-    deepest = 1.05 * max(point.depth for point in LIU_2013)
-    grid = np.linspace(0.0, deepest, 150)[1:]
-    top = 1.7 * max(point.load for point in LIU_2013)
-    first: Axes | None = None
-    for place, play in enumerate(plays):
-        axes = figure.add_subplot(len(plays) // columns, columns, place + 1, sharex=first, sharey=first)
-        first = first or axes
-        for (label, law), (dash, colour) in zip(laws.items(), _looks(), strict=False):
-            load = np.array([law(play, float(depth)) for depth in grid])
-            axes.plot(1e6 * grid, 1e-3 * load, color=colour, linestyle=dash, label=label)
-        measured = [point for point in LIU_2013 if point.clearance == play]
-        axes.plot(
-            [1e6 * point.depth for point in measured],
-            [1e-3 * point.load for point in measured],
-            "s",
-            color="black",
-            markersize=3.2,
-            label="measured",
-            zorder=4,
-        )
-        axes.set_ylim(0.0, 1e-3 * top)
-        axes.set_xlim(0.0, 1e6 * deepest)
-        axes.xaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
-        panel_title(axes, "abc"[place], f"radial play {1e3 * play:.3f} mm")
-        outer = place % columns == 0
-        axes.tick_params(labelleft=outer)
-        if outer:
-            axes.set_ylabel("load [kN]")
-        last_row = place + columns >= len(plays)
-        axes.tick_params(labelbottom=last_row)
-        if last_row:
-            axes.set_xlabel("displacement [µm]")
-    legend_above(figure, figure.axes[:1])
-    return figure
-
-
-@styled
-def figure_contact_width(law: LiuPinJoint, *, width: Width = "column") -> Figure:
-    """Return depth over half-width of the contact, by Liu et al.'s (24) and by (5) and (11) of Hertz's kind.
-
-    Both of the latter are a^2 = R depth with R = R_i R_j / (R_i - R_j): they let the contact grow wider than
-    the pin, which (24) does not.
-
-    Args:
-        law: The pin joint.
-        width: "column" (88 mm) or "page" (180 mm).
-    """
-    radius = law.bearing_radius * law.journal_radius / law.clearance
-    figure = new_figure(width, 62.0)
-    axes = figure.add_subplot()
-    depths = np.geomspace(1e-4 * law.depth_limit, law.depth_limit, 400)
-    share = np.array([law.half_width(float(depth)) for depth in depths]) / law.journal_radius
-    axes.plot(share, 1e3 * depths, color=COLOURS[0], label="(24), new model")
-    hertz = np.linspace(0.0, 1.0, 200)
-    axes.plot(
-        hertz,
-        1e3 * (hertz * law.journal_radius) ** 2 / radius,
-        color=COLOURS[1],
-        linestyle=_DASHES[1],
-        label="(5) and (11), $a^2 = R\\,\\delta$",
-    )
-    axes.axhspan(
-        0.0,
-        1e3 * max(point.depth for point in LIU_2013),
-        color="#E6E6E6",
-        zorder=1.0,
-        label="displacements measured",
-    )
-    axes.set_xlim(0.0, 1.02)
-    axes.set_ylim(0.0, 3e3 * law.journal_radius * law.clearance / law.bearing_radius)
-    axes.set_xlabel("half-width over radius of the pin [-]")
-    axes.set_ylabel("depth [mm]")
-    legend_above(figure, [axes])
-    return figure

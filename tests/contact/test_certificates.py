@@ -1,5 +1,6 @@
 """The instruments themselves: integrated impacts against what is known of them, and the table."""
 
+import dataclasses
 import math
 import re
 
@@ -19,6 +20,7 @@ from antenna_pin.contact import (
     closed_form_restitution,
     impact_of_pair,
     impact_on_wall,
+    largest_errors,
     restitution_table,
 )
 
@@ -110,6 +112,18 @@ def test_table_of_what_the_laws_deliver():
         assert row.depth_on_wall == pytest.approx(row.closed_form_depth, rel=1e-6)
         if row.dissipation == "exact-restitution":
             assert row.on_wall == pytest.approx(row.asked, abs=1e-9)
+
+
+def test_largest_errors_of_a_table():
+    """Of the worst row, whichever of wall and pair is further off; without closed forms there is nothing."""
+    rows = restitution_table(["flores"], (0.5, 0.9))
+    off, deeper = largest_errors(rows)
+    assert 0.0 < off < 1e-9 and 0.0 < deeper < 1e-9  # integration
+    worse = dataclasses.replace(rows[0], of_pair=rows[0].closed_form + 0.01)
+    deep = dataclasses.replace(rows[1], depth_on_wall=1.2 * rows[1].closed_form_depth)
+    assert largest_errors([worse, deep]) == pytest.approx((0.01, 0.2), rel=1e-12)
+    none = dataclasses.replace(rows[0], closed_form=math.nan, closed_form_depth=math.nan)
+    assert all(map(math.isnan, largest_errors([none])))
 
 
 def test_table_without_integration_is_quick_and_leaves_them_out():

@@ -12,6 +12,7 @@ from scipy.special import lambertw
 from antenna_pin.contact import (
     ESDU78035,
     MATERIALS,
+    NORMAL_LAWS,
     BaiZhao,
     BaiZhaoElastic,
     DubowskyFreudenstein,
@@ -23,9 +24,12 @@ from antenna_pin.contact import (
     Persson,
     Radzimovsky,
     _kernels,
+    differing_factor,
     effective_modulus,
     elastic_laws_of_joint,
     force_table,
+    is_elastic,
+    laws_left_out,
 )
 
 R_I, R_J, L = 0.010, 0.0098, 0.050
@@ -305,3 +309,17 @@ def test_laws_that_do_not_hold_for_a_joint_are_left_out():
         bearing_radius=0.1, journal_radius=0.08, length=L, bearing=STEEL, journal=STEEL
     )
     assert "pereira" not in laws and "johnson" in laws
+
+
+def test_what_is_left_out_says_why():
+    """A law holds or is refused, and every elastic law is one or the other."""
+    joint = {"bearing_radius": 0.1, "journal_radius": 0.08, "length": L, "bearing": STEEL, "journal": STEEL}
+    refused = laws_left_out(**joint)
+    assert set(refused) | set(elastic_laws_of_joint(**joint)) == set(filter(is_elastic, NORMAL_LAWS))
+    assert not set(refused) & set(elastic_laws_of_joint(**joint))
+    assert "for which the law was fitted" in str(refused["pereira"])
+
+
+def test_by_how_much_forces_differ_is_of_those_that_are_known():
+    assert differing_factor([2.0, math.nan, 8.0, 4.0]) == 4.0
+    assert differing_factor([2.0, math.nan]) is None
