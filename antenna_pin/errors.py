@@ -84,7 +84,7 @@ class OutputError(AntennaPinError, OSError):
 
 
 class MissingToolError(AntennaPinError, RuntimeError):
-    """A program or an optional package that this needs is not installed, or does not start."""
+    """A program or an optional package that this needs is not installed, or does not work."""
 
 
 def nearest(name: str, known: Iterable[str]) -> str | None:

@@ -79,7 +79,7 @@ class Page:
 
     def resize(self, width: int, height: int, mobile: bool = False) -> None:
         """Give the page another view, such as a phone's."""
-        self.browser.resize(width, height, mobile)
+        self.browser.resize(width, height, mobile=mobile)
 
     def run(self, code: str, *arguments: Any) -> Any:
         """Return what JavaScript returns: a function's body, which may ``await``; ``a`` are its arguments."""

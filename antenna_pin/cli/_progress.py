@@ -1,4 +1,4 @@
-"""The progress bar of a run."""
+"""The progress bars of runs and films."""
 
 from __future__ import annotations
 
@@ -44,6 +44,39 @@ def progress_bar(title: str, shown: bool) -> Iterator[Callable[[Progress], None]
             step=f"step {_seconds(now.step)}",
         )
         bar.start()  # with the first step: what is refused before leaves no bar behind
+
+    try:
+        yield report
+    finally:
+        if bar.live.is_started:
+            bar.stop()
+
+
+@contextlib.contextmanager
+def picture_bar(title: str, shown: bool) -> Iterator[Callable[[int, int], None] | None]:
+    """Yield what a film reports its progress to: pictures done, on the error stream."""
+    if not shown:
+        yield None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
+    from rich.progress import Progress as Bar
+
+    bar = Bar(
+        TextColumn("{task.description}"),
+        BarColumn(bar_width=None),
+        MofNCompleteColumn(),
+        TextColumn("pictures"),
+        TimeRemainingColumn(compact=True),
+        console=Console(stderr=True),
+        expand=True,
+        refresh_per_second=5,
+    )
+    task = bar.add_task(title, total=None)
+
+    def report(done: int, planned: int) -> None:
+        bar.update(task, completed=done, total=planned)
+        bar.start()
 
     try:
         yield report

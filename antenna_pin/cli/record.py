@@ -1,4 +1,4 @@
-"""``antenna-pin record``: a run as a 3D recording that plays in a browser."""
+"""``antenna-pin record``: a run as a 3D recording that plays in a browser, as pictures or as a video."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ from typing import Annotated
 
 import typer
 
-from antenna_pin.cli._common import load_result, not_interrupted, writable_file
+from antenna_pin.cli._common import load_result, not_interrupted
+from antenna_pin.cli._film import Kind, check_options, film, kind_of, size_of
 from antenna_pin.errors import InvalidParameterError
 
 
@@ -22,7 +23,13 @@ class ViewName(StrEnum):
 
 def record(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="Result file of a run.")],
-    out: Annotated[Path, typer.Option(help="Page to write, NAME.html; it opens offline.")],
+    out: Annotated[
+        Path,
+        typer.Option(
+            help="What to write: NAME.html, a page that opens offline; NAME.mp4 or NAME.gif, a video;"
+            " NAME.png, a picture; a name without suffix, a folder of frames."
+        ),
+    ],
     ideal: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Result with ideal joints, drawn as a ghost.")
     ] = None,
@@ -42,23 +49,37 @@ def record(
     boresight: Annotated[
         str | None, typer.Option(metavar="X,Y,Z", help="Direction of the boresight in the link's frame.")
     ] = None,
-    fps: Annotated[
-        float, typer.Option(help="Key frames per second of the run, besides all impacts.")
-    ] = 500.0,
     speed: Annotated[
-        str | None, typer.Option(help="Speed at first, such as 1 or 1/100; it can be changed while playing.")
+        str | None, typer.Option(help="Speed, such as 1 or 1/100; while a page plays it can be changed.")
     ] = None,
     start: Annotated[
         str | None, typer.Option(help="First time, in seconds or with a unit ('20 ms').")
     ] = None,
     end: Annotated[str | None, typer.Option(help="Last time, in seconds or with a unit.")] = None,
+    at: Annotated[str | None, typer.Option(help="Time of a picture; the start if left out.")] = None,
+    fps: Annotated[
+        float | None, typer.Option(help="Pictures per second of a video or folder; 30, or 20 for a GIF.")
+    ] = None,
     size: Annotated[
+        str | None,
+        typer.Option(metavar="WxH", help="Size of pictures in pixels; 1280x720, or 800x450 for a GIF."),
+    ] = None,
+    key_rate: Annotated[
+        float, typer.Option(help="Key frames per second of the run, besides all impacts.")
+    ] = 500.0,
+    max_size: Annotated[
         float,
-        typer.Option(metavar="MB", help="Size that the page keeps below; key frames are thinned to it."),
+        typer.Option(metavar="MB", help="Size that a page keeps below; key frames are thinned to it."),
     ] = 20.0,
+    progress: Annotated[bool, typer.Option(help="Show a progress bar while filming.")] = True,
 ) -> None:
-    """Record a run in 3D: one HTML page with a player, in which nothing is loaded from elsewhere."""
-    path = writable_file(out, ".html")
+    """Record a run in 3D: one HTML page with a player, in which nothing is loaded from elsewhere.
+
+    Pictures and videos are taken of that page by Chromium (the extra "video" of the package).
+    """
+    kind = kind_of(out)
+    check_options(out, kind, at=at, fps=fps, size=size)
+    time, pixels = _time(at, "--at"), size_of(size)
     run = load_result(file)
     reference = None if ideal is None else load_result(ideal)
 
@@ -72,17 +93,20 @@ def record(
         magnify=magnify,
         body=body,
         boresight=None if boresight is None else _direction(boresight),
-        fps=fps,
+        fps=key_rate,
         speed=None if speed is None else _ratio(speed),
         start=_time(start, "--start"),
         end=_time(end, "--end"),
-        max_megabytes=size,
+        max_megabytes=max_size,
     )
-    with not_interrupted():
-        recording.save(path)
     for warning in recording.data["warnings"]:
         typer.echo(f"note: {warning}")
-    typer.echo(f"saved {path}")
+    if kind is not Kind.PAGE:
+        film(recording, out, kind, at=time, fps=fps, size=pixels, progress=progress)
+        return
+    with not_interrupted():
+        recording.save(out)
+    typer.echo(f"saved {out}")
 
 
 def _time(text: str | None, option: str) -> float | None:

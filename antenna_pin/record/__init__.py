@@ -3,5 +3,19 @@
 from antenna_pin.record._browser import BrowserPrograms, find_browser
 from antenna_pin.record.page import shared_head
 from antenna_pin.record.recording import Recording, View, record
+from antenna_pin.record.video import Filmed, check_film, film_times, save_frames, save_picture, save_video
 
-__all__ = ["BrowserPrograms", "Recording", "View", "find_browser", "record", "shared_head"]
+__all__ = [
+    "BrowserPrograms",
+    "Filmed",
+    "Recording",
+    "View",
+    "check_film",
+    "film_times",
+    "find_browser",
+    "record",
+    "save_frames",
+    "save_picture",
+    "save_video",
+    "shared_head",
+]

@@ -15,9 +15,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from antenna_pin.errors import MissingToolError
+from antenna_pin.errors import AntennaPinError, MissingToolError
 
 if TYPE_CHECKING:
+    from selenium.common.exceptions import WebDriverException
     from selenium.webdriver import ChromeOptions
     from selenium.webdriver.remote.webdriver import WebDriver
 
@@ -113,6 +114,27 @@ def _program(what: str, names: tuple[str, ...], variable: str) -> str:
     )
 
 
+@contextlib.contextmanager
+def _answering() -> Iterator[None]:
+    """Turn what fails between us and the browser into one line."""
+    from selenium.common.exceptions import WebDriverException
+
+    try:
+        yield
+    except WebDriverException as error:
+        raise MissingToolError(f"the browser must do as it is told, got: {_reason(error)}") from error
+    except AntennaPinError:
+        raise
+    except Exception as error:  # of the layers below, when the browser or its driver has gone
+        raise MissingToolError(
+            f"the browser must stay until its work is done, got: {error!r:.300}"
+        ) from error
+
+
+def _reason(error: WebDriverException) -> str:
+    return " ".join((error.msg or "no reason given").split())[:300]
+
+
 class Browser:
     """A browser with one page, as :func:`open_browser` yields it.
 
@@ -126,7 +148,8 @@ class Browser:
 
     def open(self, url: str) -> None:
         """Load a page and return when it is there (``load`` event)."""
-        self._driver.get(url)
+        with _answering():
+            self._driver.get(url)
 
     def run(self, code: str, *arguments: Any) -> Any:
         """Return what JavaScript returns: the body of a function, which may ``await``.
@@ -135,21 +158,29 @@ class Browser:
             code: The body; its arguments are ``a[0]``, ``a[1]``, ...
             arguments: Numbers, text, and lists or dicts of them.
         """
-        return self._driver.execute_script(
-            f"const a = arguments; return (async () => {{ {code} }})();", *arguments
-        )
+        with _answering():
+            body = f"const a = arguments; return (async () => {{ {code} }})();"
+            return self._driver.execute_script(body, *arguments)
 
     def command(self, name: str, **parameters: Any) -> Any:
         """Send a command of the Chrome DevTools protocol and return its result."""
-        return self._driver.execute("executeCdpCommand", {"cmd": name, "params": parameters})["value"]
+        with _answering():
+            return self._driver.execute("executeCdpCommand", {"cmd": name, "params": parameters})["value"]
 
-    def resize(self, width: int, height: int, mobile: bool = False) -> None:
-        """Give the page another view [px], such as a phone's."""
+    def resize(self, width: int, height: int, *, scale: float = 1.0, mobile: bool = False) -> None:
+        """Give the page another view.
+
+        Args:
+            width: Of the view, in units of the page [px].
+            height: Likewise.
+            scale: Pixels of a picture per unit of the page [-].
+            mobile: Whether it is laid out as on a phone.
+        """
         self.command(
             "Emulation.setDeviceMetricsOverride",
             width=width,
             height=height,
-            deviceScaleFactor=1,
+            deviceScaleFactor=scale,
             mobile=mobile,
         )
 
@@ -207,10 +238,9 @@ def open_browser(
             connection = ChromeRemoteConnection(service.service_url, client_config=config)
             driver = Remote(command_executor=connection, options=_options(programs.browser, profile, logs))
         except WebDriverException as error:
-            reason = " ".join((error.msg or "no reason given").split())
             raise MissingToolError(
-                f"{programs.browser} must start with {programs.driver}, got: {reason[:300]}; {_INSTALL}, of "
-                "one version"
+                f"{programs.browser} must start with {programs.driver}, got: {_reason(error)}; {_INSTALL}, "
+                "of one version"
             ) from error
         ending.callback(_quit, driver)
         driver.set_page_load_timeout(timeout)

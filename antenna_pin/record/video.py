@@ -1,0 +1,286 @@
+"""Pictures and videos of recordings, taken by a real browser without a screen (the extra ``video``).
+
+Each picture is taken at its exact time, however long it takes to draw. In a video, an impact that falls
+between two pictures is not lost: the later one shows its largest force.
+"""
+
+from __future__ import annotations
+
+import base64
+import csv
+import math
+import os
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from antenna_pin.errors import InvalidParameterError, OutputError
+from antenna_pin.record._browser import find_browser
+from antenna_pin.record._camera import Camera, check_size, open_camera
+from antenna_pin.record._movie import check_writers, palette_of, write_gif, write_mp4
+from antenna_pin.simulation.loop import interruptible
+from antenna_pin.trajectory import check_writable
+
+if TYPE_CHECKING:
+    from antenna_pin.record.recording import Recording
+
+__all__ = ["Filmed", "check_film", "film_times", "save_frames", "save_picture", "save_video"]
+
+Progress = Callable[[int, int], None]
+
+_FPS = {".mp4": 30.0, ".gif": 20.0, "": 30.0}
+_SIZE = {".mp4": (1280, 720), ".gif": (800, 450), "": (1280, 720)}
+_MOST_FPS = {".mp4": 120.0, ".gif": 50.0, "": 1e6}  # faster GIFs are slowed down by browsers
+_MOST_GIF_PIXELS = 4e8  # all pictures of a GIF are in memory until it is written
+_PALETTE_PICTURES = 9
+
+
+@dataclass(frozen=True, slots=True)
+class Filmed:
+    """What came of a film.
+
+    Attributes:
+        path: The file, or the folder of frames.
+        frames: Pictures taken.
+        planned: Pictures that the whole film has.
+    """
+
+    path: Path
+    frames: int
+    planned: int
+
+    @property
+    def completed(self) -> bool:
+        """Whether it was not interrupted."""
+        return self.frames == self.planned
+
+
+def check_film(path: str | os.PathLike[str], suffix: str) -> Path:
+    """Return the path if a film can be made and written there; else raise before any work is done.
+
+    Args:
+        path: Of the file, or of the folder of frames.
+        suffix: ``.png``, ``.mp4``, ``.gif``, or nothing for a folder of frames.
+
+    Raises:
+        MissingToolError: Browser or packages are not installed.
+        OutputError: The file or folder cannot be written there, or the folder has something in it.
+    """
+    target = Path(path)
+    if suffix:
+        check_writable(target)
+    elif target.exists() and (not target.is_dir() or any(target.iterdir())):
+        raise OutputError(f"{target}: the folder for frames must be new or empty; name another")
+    else:
+        check_writable(target / "frame" if target.exists() else target)
+    find_browser()
+    if suffix in (".mp4", ".gif"):
+        check_writers(suffix)
+    return target
+
+
+def film_times(recording: Recording, fps: float) -> NDArray[np.float64]:
+    """Return the times of the run that the pictures of a film show [s], from its first to its last.
+
+    Args:
+        recording: It has span and speed.
+        fps: Pictures per second of the film [1/s].
+    """
+    start, end = _span(recording)
+    speed = float(recording.data["speed"])
+    count = math.ceil((end - start) * fps / speed - 1e-6)  # the last picture may come early: it is the end
+    return np.minimum(start + np.arange(count + 1, dtype=np.float64) * (speed / fps), end)
+
+
+def save_picture(
+    recording: Recording,
+    path: str | os.PathLike[str],
+    time: float | None = None,
+    *,
+    size: tuple[int, int] | None = None,
+) -> Path:
+    """Write a picture of a recording at a time, a PNG file; return its path.
+
+    Args:
+        recording: What is seen.
+        path: Of the file.
+        time: Of the run [s]; the recording's start if not given.
+        size: Width and height [px]; 1280 x 720 if not given.
+
+    Raises:
+        InvalidParameterError: The time is outside the recording, or the size makes no sense.
+        MissingToolError: Browser or packages are not installed.
+        OutputError: The file cannot be written there.
+    """
+    target = check_film(path, ".png")
+    start, end = _span(recording)
+    shown = start if time is None else float(time)
+    if not start <= shown <= end:
+        raise InvalidParameterError("picture", "time", f"within the recording, {start:g} to {end:g} s", shown)
+    with open_camera(recording, _SIZE[""] if size is None else size) as camera:
+        _write(target, camera.seek(shown))
+    return target
+
+
+def save_frames(
+    recording: Recording,
+    folder: str | os.PathLike[str],
+    *,
+    fps: float | None = None,
+    size: tuple[int, int] | None = None,
+    progress: Progress | None = None,
+) -> Filmed:
+    """Write the pictures of a film one by one, with a table of their times (``frames.csv``).
+
+    Ctrl-C ends it; the pictures done are kept.
+
+    Args:
+        recording: What is filmed, with its speed.
+        folder: New or empty; made if missing.
+        fps: Pictures per second of the film [1/s]; 30 if not given.
+        size: Width and height [px]; 1280 x 720 if not given.
+        progress: Called with the pictures done and planned.
+
+    Raises:
+        InvalidParameterError: Rate or size make no sense.
+        MissingToolError: Browser or packages are not installed.
+        OutputError: The folder has something in it, or cannot be written to.
+    """
+    target = check_film(folder, "")
+    rate, view = _settings("", fps, size)
+    times = film_times(recording, rate)
+    digits = len(str(len(times)))
+    names = [f"frame_{number + 1:0{digits}d}.png" for number in range(len(times))]
+    done = 0
+    with open_camera(recording, view) as camera:
+        target.mkdir(exist_ok=True)
+        for png in _pictures(camera, times, rate, progress):
+            _write(target / names[done], png)
+            done += 1
+    with (
+        _replacing(target / "frames.csv") as partial,
+        partial.open("w", newline="", encoding="utf-8") as file,
+    ):
+        rows = csv.writer(file, lineterminator="\n")
+        rows.writerow(["file", "time [s]"])
+        rows.writerows([names[k], f"{times[k]:.9g}"] for k in range(done))
+    return Filmed(target, done, len(times))
+
+
+def save_video(
+    recording: Recording,
+    path: str | os.PathLike[str],
+    *,
+    fps: float | None = None,
+    size: tuple[int, int] | None = None,
+    progress: Progress | None = None,
+) -> Filmed:
+    """Write a video of a recording: MP4 (H.264) or GIF, as the name ends.
+
+    Ctrl-C ends it; the file then has the pictures done.
+
+    Args:
+        recording: What is filmed, with its speed.
+        path: Of the file, ``.mp4`` or ``.gif``.
+        fps: Pictures per second of the film [1/s]; 30, or 20 for a GIF, if not given.
+        size: Width and height [px]; 1280 x 720, or 800 x 450 for a GIF, if not given.
+        progress: Called with the pictures done and planned.
+
+    Raises:
+        InvalidParameterError: Rate or size make no sense.
+        MissingToolError: Browser or packages are not installed.
+        OutputError: The file cannot be written there, or the film is too large for a GIF.
+    """
+    suffix = Path(path).suffix.lower()
+    if suffix not in (".mp4", ".gif"):
+        raise OutputError(f"{path}: a video's name must end in .mp4 or .gif")
+    target = check_film(path, suffix)
+    rate, view = _settings(suffix, fps, size)
+    times = film_times(recording, rate)
+    if suffix == ".gif" and len(times) * view[0] * view[1] > _MOST_GIF_PIXELS:
+        raise OutputError(
+            f"{target}: {len(times)} pictures of {view[0]}x{view[1]} are too many for a GIF; write an .mp4, "
+            "or lower fps, size or the span, or raise the speed"
+        )
+    done = 0
+
+    def count(number: int, planned: int) -> None:
+        nonlocal done
+        done = number
+        if progress is not None:
+            progress(number, planned)
+
+    with open_camera(recording, view) as camera, _replacing(target) as partial:
+        if suffix == ".gif":
+            palette = palette_of([camera.seek(t) for t in _typical(recording, times)])
+            write_gif(partial, _pictures(camera, times, rate, count), palette, rate)
+        else:
+            write_mp4(partial, _pictures(camera, times, rate, count), view, rate)
+    return Filmed(target, done, len(times))
+
+
+def _span(recording: Recording) -> tuple[float, float]:
+    """Return the times of the first and last key frame [s]."""
+    times = np.frombuffer(base64.b64decode(recording.data["times"]), dtype="<f8")
+    return float(times[0]), float(times[-1])
+
+
+def _settings(suffix: str, fps: float | None, size: tuple[int, int] | None) -> tuple[float, tuple[int, int]]:
+    """Return rate and size, checked."""
+    rate = _FPS[suffix] if fps is None else float(fps)
+    if not 0.0 < rate <= _MOST_FPS[suffix]:
+        raise InvalidParameterError(
+            "video", "fps", f"above 0 and at most {_MOST_FPS[suffix]:g} per second", rate
+        )
+    view = check_size(_SIZE[suffix] if size is None else size)
+    if suffix == ".mp4" and any(pixels % 2 for pixels in view):
+        raise InvalidParameterError("video", "size", "even each way, as H.264 halves its colours", view)
+    return rate, view
+
+
+def _pictures(
+    camera: Camera, times: NDArray[np.float64], fps: float, progress: Progress | None
+) -> Iterator[bytes]:
+    """Yield the pictures of a film until its end or Ctrl-C, one at least."""
+    with interruptible() as interrupted:
+        for number, time in enumerate(times):
+            if number and interrupted():
+                return
+            picture = camera.advance(float(time), 1.0 / fps) if number else camera.seek(float(time))
+            if progress is not None:
+                progress(number + 1, len(times))
+            yield picture
+
+
+def _typical(recording: Recording, times: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return times that show all colours of a film: spread over it, and its hardest impact."""
+    chosen = np.unique(np.linspace(0, len(times) - 1, _PALETTE_PICTURES).round().astype(int))
+    spread: NDArray[np.float64] = times[chosen]
+    impacts = recording.frames.impacts
+    if not len(impacts.peaks):
+        return spread
+    hardest = float(impacts.times[int(np.argmax(impacts.peaks))])
+    return np.concatenate([spread, [min(max(hardest, times[0]), times[-1])]])
+
+
+def _write(path: Path, content: bytes) -> None:
+    with _replacing(path) as partial:
+        partial.write_bytes(content)
+
+
+@contextmanager
+def _replacing(target: Path) -> Iterator[Path]:
+    """Yield a temporary name beside a file; it becomes the file if all goes well."""
+    partial = target.with_name(f".{target.name}.{os.getpid()}.partial")
+    try:
+        yield partial
+        partial.replace(target)
+    except OSError as error:
+        raise OutputError(f"{target}: cannot be written: {error.strerror or error}") from error
+    finally:
+        partial.unlink(missing_ok=True)
