@@ -71,18 +71,21 @@ def mechanism_view(
     line = None if boresight is None else Boresight(boresight[0], boresight[1], motion.names)
     size = motion.size
     reach = 0.55 * size
-    facts: list[dict[str, str]] = []
+    facts: list[dict[str, Any]] = []
     trails = []
     extent = [motion.extent]
     if line is not None:
-        facts.append({"text": f"boresight of {line.body} and its trace", "colour": BORESIGHT})
+        paths = [motion.trace, *(f"{motion.paths[line.body]}/{part}" for part in ("line", "tip"))]
+        text = f"boresight of {line.body} and its trace"
+        facts.append({"text": text, "colour": BORESIGHT, "paths": paths})
         trails.append(motion.draw_boresight(line, reach, BORESIGHT, size))
         extent.append(motion.tips[:: max(1, len(motion.tips) // _FRAMED)])
     actors = [motion.actor()]
     if ideal is not None:
         ghost = _Body(*ideal, "ideal", scene, GHOST)
         actors.append(ghost.actor())
-        facts.append({"text": f"ideal run ({_case(ideal[0])}), translucent", "colour": "#8A94A3"})
+        text = f"ideal run ({_case(ideal[0])}), translucent"
+        facts.append({"text": text, "colour": "#8A94A3", "paths": [ghost.run]})
         if line is not None and line.body in ghost.names:
             trails.append(ghost.draw_boresight(line, reach, "#6B7684", size))
         motion.warnings += [text for text in ghost.warnings if text not in motion.warnings]
@@ -90,7 +93,8 @@ def mechanism_view(
     contacts, arrow_tips = _contacts(run.data, frames, impacts, places, motion, scene, size)
     if contacts is not None:
         extent.append(arrow_tips)
-        facts.insert(0, {"text": _force_scale(contacts, "on the journal"), "colour": FORCE})
+        paths = sorted({item["path"] for item in contacts["items"]})
+        facts.insert(0, {"text": _force_scale(contacts), "colour": FORCE, "paths": paths})
     return {
         "commands": scene.packed(),
         "actors": actors,
@@ -119,6 +123,7 @@ class _Body:
     ) -> None:
         poses = body_poses(run, times=frames.indices)
         self.run = name
+        self.trace = f"{name}/trace"
         self.scene = scene
         self.ghost = ghost
         self.times = np.asarray(poses["time"].values, dtype=float)
@@ -200,7 +205,7 @@ class _Body:
         self.tips = self.position[:, k] + turn.apply(reach * line.axis)
         some = np.unique(np.linspace(0, len(self.times) - 1, min(_TRAIL, len(self.times))).astype(int))
         return {
-            "path": self.run,
+            "path": self.trace,
             "times": packed_doubles(self.times[some]),
             "points": packed_floats(self.tips[some]),
             "colour": colour,
@@ -272,12 +277,10 @@ def _arrow_tips(
     return np.asarray(turn.apply(tips @ bearing[:3, :3].T + bearing[:3, 3]) + motion.position[some, k])
 
 
-def _force_scale(contacts: dict[str, Any], where: str) -> str:
+def _force_scale(contacts: dict[str, Any]) -> str:
     force, length = contacts["reference"]
-    return (
-        f"contact force {where}: {force:g} N drawn {length:g} m, {0.01 * force:g} N drawn {0.1 * length:g} m "
-        "(by its square root)"
-    )
+    hundredth = f"{0.01 * force:g} N drawn {0.1 * length:g} m"
+    return f"contact force on the journal: {force:g} N drawn {length:g} m, {hundredth} (by its square root)"
 
 
 def placement_of(seven: ArrayLike) -> Array:

@@ -352,8 +352,12 @@
       const facts = element("ul", "ap-facts", head);
       for (const fact of data.facts) {
         const item = element("li", "", facts);
-        if (fact.colour) element("span", "ap-key", item).style.background = fact.colour;
-        item.append(fact.text);
+        const line = fact.paths ? element("button", "ap-fact", item, {type: "button", "aria-pressed": "true"}) : item;
+        if (fact.colour) element("span", "ap-key", line).style.background = fact.colour;
+        line.append(fact.text);
+        if (!fact.paths) continue;
+        line.title = "show or hide";
+        line.addEventListener("click", () => this.show(line, fact.paths));
       }
       this.clock = element("div", "ap-clock", this.stage);
       this.clockTime = element("div", "ap-time", this.clock);
@@ -599,6 +603,14 @@
       action();
     }
 
+    // Shows or hides what a line of the heading names.
+    show(line, paths) {
+      const visible = line.getAttribute("aria-pressed") !== "true";
+      line.setAttribute("aria-pressed", visible);
+      for (const path of paths) node(this.viewer, path).visible = visible;
+      this.dirty = true;
+    }
+
     fullscreen() {
       if (document.fullscreenElement) document.exitFullscreen();
       else if (document.fullscreenEnabled) this.root.requestFullscreen();
@@ -701,7 +713,12 @@
         if (entries.some((entry) => entry.isIntersecting)) start();
       }, {rootMargin: "200px"});
       watcher.observe(root);
-      window.addEventListener("beforeprint", () => start().render());
+      // On paper it does not stay at the start, where nothing has happened yet.
+      window.addEventListener("beforeprint", () => {
+        start();
+        if (player.time === player.start) player.seek(player.data.poster);
+        player.render();
+      });
     },
     mount(root, data, options) {
       const player = new Player(root, data, options);

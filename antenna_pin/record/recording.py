@@ -37,8 +37,9 @@ class Recording:
         data: What the player takes, as JSON would hold it: texts (``title``, ``subtitle``, ``facts``,
             ``warnings``), ``times`` of the key frames and the ``impacts`` marked on the slider, the viewer's
             ``commands`` that build the scene, ``actors`` whose ``tracks`` move parts of it (poses of seven
-            numbers, or placements of twelve), ``contacts``, ``trails``, ``camera`` and ``speed``. Numbers in
-            bulk are base64 of little-endian floats, 64 bits for times and 32 for the rest.
+            numbers, or placements of twelve), ``contacts``, ``trails``, ``camera``, ``speed``, and the time
+            of its ``poster`` for paper. Numbers in bulk are base64 of little-endian floats, 64 bits for times
+            and 32 for the rest.
         frames: The samples of the run that became key frames.
     """
 
@@ -261,6 +262,9 @@ def _data(
         "speed": float(speed),
         "times": packed_doubles(np.asarray(run.data["time"].values, dtype=float)[frames.indices]),
         "impacts": {"times": packed_doubles(impacts.times), "peaks": packed_floats(impacts.peaks)},
+        "poster": float(
+            impacts.times[np.argmax(impacts.peaks)] if len(impacts.times) else 0.5 * (first + last)
+        ),
         **seen,
         "warnings": warnings,
     }

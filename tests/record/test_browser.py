@@ -197,6 +197,20 @@ def test_many_in_one_page_and_one_in_a_notebook(page, tmp_path, clearance_run, i
     assert quiet(page)
 
 
+def test_what_the_heading_names_can_be_hidden(opened, clearance_run, ideal_run):
+    page = opened(record(clearance_run, ideal_run, body="reflector"))
+    page.run("recording.seek(recording.data.poster); recording.render();")
+    before = page.pixels().astype(int)
+    count = page.run("return document.querySelectorAll('.ap-fact').length;")
+    assert count == 3  # forces, boresight, ideal run
+    for k in range(count):
+        toggle = "document.querySelectorAll('.ap-fact')[a[0]].click(); recording.render();"
+        page.run(toggle, k)
+        assert np.abs(page.pixels() - before).max() > 30
+        page.run(toggle, k)
+        assert np.array_equal(page.pixels(), before)
+
+
 def test_notes_and_one_sample(opened, clearance_run):
     import dataclasses
 
