@@ -685,6 +685,16 @@ def test_a_byte_order_mark_is_no_harm(folder):
 
 # --- refusals: place, rule, value seen, way out ---
 
+
+@pytest.mark.parametrize("key", ["altitude", "period", "rate"])
+def test_an_orbit_is_given_by_the_last_word(folder, key):
+    """One of altitude, period and rate, set over the file, takes the place of the file's."""
+    for below in ({}, {"pointing.orbit": {"period": "2 h"}}, {"pointing.orbit": {"rate": 0.001}}):
+        orbit = folder.load(below, overrides={f"pointing.orbit.{key}": 3.0}).pointing.orbit
+        given = {name: getattr(orbit, name) for name in ("altitude", "period", "rate")}
+        assert given == {"altitude": None, "period": None, "rate": None} | {key: 3.0}
+
+
 H = "clearance.hinge."
 LN = "law lankarani-nikravesh takes stiffness, restitution, exponent"
 WHOLE = "law lankarani-nikravesh brings its own; elastic laws are " + ", ".join(
@@ -1086,7 +1096,7 @@ REFUSALS = [
         "pointing.orbit must have one of altitude, period and rate, got none",
     ),
     (
-        {"pointing.orbit.period": "90 min"},
+        {"pointing.orbit": {"altitude": 1, "period": "90 min"}},
         "pointing.orbit must have one of altitude, period and rate, got altitude and period",
     ),
     ({"pointing.orbit.altitude": "-1 m"}, "pointing.orbit.altitude must be positive, got '-1 m'"),

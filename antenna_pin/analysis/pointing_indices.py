@@ -60,7 +60,8 @@ DEFINITIONS = {
     "APE": "absolute error: the instantaneous error",
     "MPE": "mean error: its mean over a window",
     "RPE": "relative error: the instantaneous error less its mean over a window that contains that time",
-    "PDE": "drift error: difference of the means over two windows a given time apart, in one observation",
+    "PDE": "drift error: difference of the means over two windows a given time apart, in one observation "
+    "period",
     "PRE": "reproducibility error: difference of the means over two windows in different observation periods",
 }
 

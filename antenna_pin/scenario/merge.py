@@ -22,6 +22,10 @@ _ALTERNATIVES: dict[tuple[str, ...], tuple[tuple[frozenset[str], frozenset[str]]
         (frozenset({"axial_clearance"}), frozenset({"flange_distance"})),
     ),
     ("drives", "*"): ((frozenset({"file"}), frozenset({"time", "torque"})),),
+    ("pointing", "*"): (
+        (frozenset({"altitude"}), frozenset({"period", "rate"})),
+        (frozenset({"period"}), frozenset({"rate"})),
+    ),
 }
 
 

@@ -2,6 +2,8 @@
 
 import dataclasses
 import math
+import tomllib
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -310,6 +312,16 @@ def test_the_scenarios_command_is_taken(ideal):
     run = simulate(load_scenario("bai2020", case="case1", overrides=overrides), duration=0.3)
     found = pointing_error(run)
     assert found["half_cone"].values == pytest.approx(0.1 * run.data["time"].values, abs=1e-15)
+
+
+def test_the_example_of_the_docs_points_to_the_earth(ideal):
+    """Laid over the shipped scenario: the antenna looks along the orbit, so a right angle off nadir."""
+    path = Path(__file__).parents[2] / "scripts" / "examples" / "pointing.toml"
+    table = tomllib.loads(path.read_text())
+    run = simulate(load_scenario("bai2020", case="case1", overrides=table), duration=0.002)
+    found = pointing_error(run)
+    assert list(found["pointing_axis"].values) == ["boresight", "cross", "up"]
+    assert found["half_cone"].values == pytest.approx(math.pi / 2, abs=1e-5)
 
 
 def test_what_cannot_be_compared_is_refused_in_one_line(ideal):
