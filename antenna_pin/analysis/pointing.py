@@ -23,21 +23,19 @@ from typing import Literal
 
 import numpy as np
 import xarray as xr
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
+from antenna_pin.analysis._run import Array, RunLike
 from antenna_pin.analysis.attitude import interpolate_attitude, interpolation_error
 from antenna_pin.analysis.bodies import body_poses, body_twists, carried_scenario, mechanism_of
 from antenna_pin.analysis.orbit import Orbit
 from antenna_pin.errors import FileFormatError, InvalidParameterError, UnknownNameError
 from antenna_pin.scenario import PointingSpec
-from antenna_pin.trajectory import Trajectory
 
 __all__ = ["Antenna", "Command", "boresight", "pointing_error"]
 
-Array = NDArray[np.float64]
 Vector3 = tuple[float, float, float]
-Run = Trajectory | xr.Dataset
 
 POINTING_AXES = ("boresight", "cross", "up")
 
@@ -64,7 +62,7 @@ class Antenna:
         PointingSpec(body=self.body, boresight=self.boresight, up=self.up)
 
     @classmethod
-    def of(cls, run: Run) -> Antenna:
+    def of(cls, run: RunLike) -> Antenna:
         """Return the antenna that the run's scenario names.
 
         Raises:
@@ -108,7 +106,7 @@ class Command:
 
 
 def boresight(
-    run: Run, antenna: Antenna | None = None, orbit: Orbit | None = None, times: ArrayLike | None = None
+    run: RunLike, antenna: Antenna | None = None, orbit: Orbit | None = None, times: ArrayLike | None = None
 ) -> xr.Dataset:
     """Return where an antenna looks.
 
@@ -159,8 +157,8 @@ def boresight(
 
 
 def pointing_error(
-    run: Run,
-    ideal: Run | None = None,
+    run: RunLike,
+    ideal: RunLike | None = None,
     *,
     antenna: Antenna | None = None,
     command: Command | None = None,
@@ -244,7 +242,7 @@ def _swing(relative: Rotation) -> tuple[Array, Array]:
     return about * scale[:, None], half_cone
 
 
-def _ideal_attitude(ideal: Run, antenna: Antenna, time: Array) -> tuple[Rotation, float]:
+def _ideal_attitude(ideal: RunLike, antenna: Antenna, time: Array) -> tuple[Rotation, float]:
     """Return the ideal attitude of the antenna's axes at given times, and an estimate of its error [rad]."""
     body = _link(ideal, antenna)
     poses = body_poses(ideal).sel(body=body)
@@ -288,24 +286,24 @@ def _about(units: str, name: str) -> dict[str, str]:
     return {"units": units, "long_name": name}
 
 
-def _link(run: Run, antenna: Antenna) -> str:
+def _link(run: RunLike, antenna: Antenna) -> str:
     known = [link.name for link in mechanism_of(run).urdf.robot.links]
     if antenna.body not in known:
         raise UnknownNameError("Antenna", "link", antenna.body, known)
     return antenna.body
 
 
-def _spec_of(run: Run) -> PointingSpec | None:
+def _spec_of(run: RunLike) -> PointingSpec | None:
     scenario = carried_scenario(run)
     return None if scenario is None else scenario.pointing
 
 
-def _orbit_of(run: Run) -> Orbit | None:
+def _orbit_of(run: RunLike) -> Orbit | None:
     spec = _spec_of(run)
     return None if spec is None or spec.orbit is None else Orbit.from_spec(spec.orbit)
 
 
-def _needed_orbit(run: Run, orbit: Orbit | None) -> Orbit:
+def _needed_orbit(run: RunLike, orbit: Orbit | None) -> Orbit:
     found = _orbit_of(run) if orbit is None else orbit
     if found is None:
         raise FileFormatError(
@@ -314,7 +312,7 @@ def _needed_orbit(run: Run, orbit: Orbit | None) -> Orbit:
     return found
 
 
-def _command_of(run: Run) -> Command | None:
+def _command_of(run: RunLike) -> Command | None:
     spec = _spec_of(run)
     if spec is None or spec.commanded == "ideal":
         return None

@@ -105,6 +105,7 @@ def pointing(
         "body": errors[0].attrs["body"],
         "against": errors[0].attrs["against"] if ideal is None else str(ideal),
         "confidence": confidence,
+        "resolution": found.attrs["resolution"],
     } | windows
     if as_json:
         typer.echo(json.dumps({**about, "indices": _plain(found), "notes": notes}))
