@@ -326,5 +326,13 @@ def test_urdf_can_be_loaded_from_where_it_is(cli, tmp_path):
     assert yourdfpy.URDF.load(path, load_meshes=True).scene.geometry
 
 
+def test_urdf_copies_its_meshes_if_asked(cli, tmp_path):
+    said = cli("urdf", "bai2020", "--case", "case3", "--copy-meshes")
+    assert said.out == "saved bai2020-case3.urdf\nsaved dish.obj\n", said.err
+    assert 'filename="dish.obj"' in (tmp_path / "bai2020-case3.urdf").read_text()
+    (tmp_path / "dish.obj").write_text("another")
+    assert "dish.obj: differs from" in refused(cli("urdf", "bai2020", "--case", "case3", "--copy-meshes"))
+
+
 def test_urdf_refuses_a_place_it_cannot_write_to(cli):
     assert "nowhere" in refused(cli("urdf", "bai2020", "--out", "nowhere/x.urdf"))

@@ -76,16 +76,20 @@ def urdf(
     scenario: ScenarioArgument,
     case: CaseOption = None,
     out: Annotated[Path | None, typer.Option(help="URDF file; NAME-CASE.urdf here if left out.")] = None,
+    copy_meshes: Annotated[
+        bool,
+        typer.Option("--copy-meshes", help="Copy its mesh files beside it, so that the folder can be moved."),
+    ] = False,
     settings: SetOption = None,
 ) -> None:
     """Write the URDF that a case simulates.
 
-    Joints with clearance are free in it; other tools can load it.
+    Joints with clearance are free in it; other tools can load it. Mesh files are named relative to it.
     """
     chosen = load(scenario, case, settings)
     path = writable_file(out or Path(f"{stem(chosen)}.urdf"), ".urdf")
 
     from antenna_pin.assemble import urdf_variant
 
-    urdf_variant(chosen).write(path)
-    typer.echo(f"saved {path}")
+    for written in urdf_variant(chosen).write(path, copy_meshes=copy_meshes):
+        typer.echo(f"saved {written}")

@@ -20,7 +20,7 @@ import numpy.typing as npt
 import yourdfpy
 
 from antenna_pin.errors import MechanismError, OutputError, UnknownNameError
-from antenna_pin.mechanism import _checks, _edits, _xml
+from antenna_pin.mechanism import _checks, _edits, _meshes, _xml
 from antenna_pin.mechanism.changes import JOINT_VARIANTS, JointChange, JointVariant, LinkChange
 from antenna_pin.mechanism.frames import Vector3
 
@@ -188,37 +188,50 @@ class Urdf:
         """Return the XML; mesh file names are as they were written."""
         return self.text
 
-    def write(self, path: str | Path) -> None:
+    def write(self, path: str | Path, *, copy_meshes: bool = False) -> tuple[Path, ...]:
         """Write the XML to a file, complete or not at all.
 
-        A relative mesh file that exists is named by its absolute path where the file goes to another folder,
-        so that other tools find it.
+        Where the file goes to another folder, a mesh file that exists is named by its path relative to that
+        folder, so that other tools find it; or it is copied there, and the folder can be moved.
 
         Args:
             path: The file, replaced if it exists.
+            copy_meshes: Whether to copy the mesh files beside it, with the materials and images that
+                Wavefront files name. What stands there already must be the same.
+
+        Returns:
+            The files written: the URDF, then the copies.
         """
         path = Path(path)
+        text, copies = self._seen_from(path.parent, copy_meshes)
         temporary = path.parent / f".{path.name}.{os.getpid()}.tmp"
         try:
-            temporary.write_text(self._text_for(path.parent), encoding="utf-8")
+            temporary.write_text(text, encoding="utf-8")
+            _meshes.copy_all(copies)
             temporary.replace(path)
+        except OutputError:
+            raise
         except OSError as error:
+            raise OutputError(f"{path}: cannot be written: {error.strerror}") from error
+        finally:
             with contextlib.suppress(OSError):
                 temporary.unlink()
-            raise OutputError(f"{path}: cannot be written: {error.strerror}") from error
+        return path, *copies
 
-    def _text_for(self, folder: Path) -> str:
-        if self.folder is None or self.folder.resolve() == folder.resolve():
-            return self.text
+    def _seen_from(self, folder: Path, copy_meshes: bool) -> tuple[str, dict[Path, Path]]:
+        """Return the XML with meshes named as in ``folder``, and sources of copies by their targets."""
         start = self.folder
-
-        def resolve(filename: str) -> str:
-            mesh = start / filename
-            return str(mesh.resolve()) if "://" not in filename and mesh.is_file() else filename
-
+        copies: dict[Path, Path] = {}
         robot = _xml.read(self.text.encode(), self.where, "utf-8")
-        _edits.relocate_meshes(robot, resolve)
-        return _xml.write(robot)
+        if copy_meshes:
+            filenames = [mesh.get("filename") for mesh in robot.iter("mesh")]
+            names, copies = _meshes.planned_copies(folder, start, filenames, self.where)
+            _edits.relocate_meshes(robot, names.__getitem__)
+        elif start is None or start.resolve() == folder.resolve():
+            return self.text, copies
+        else:
+            _edits.relocate_meshes(robot, lambda filename: _meshes.name_from(folder, start, filename))
+        return _xml.write(robot), copies
 
     def _named(self, kind: str, elements: list[Any], name: str) -> Any:
         for element in elements:

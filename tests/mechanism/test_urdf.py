@@ -2,6 +2,7 @@
 
 import copy
 import re
+from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
@@ -501,13 +502,135 @@ def test_a_file_is_written_whole_or_not_at_all(crooked, tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_variant_written_elsewhere_still_finds_its_meshes(antenna, tmp_path):
-    """Both by yourdfpy and by Pinocchio, which have rules of their own for file names."""
-    path = tmp_path / "antenna_clearance.urdf"
-    antenna.variant(joints={"elevation": "free"}).write(path)
-    scene = yourdfpy.URDF.load(str(path)).scene
-    assert "dish" in scene.geometry
+def test_without_the_folder_no_copies_are_made(antenna, tmp_path):
+    with pytest.raises(OutputError, match="cannot be written: No such file or directory"):
+        antenna.write(tmp_path / "nowhere" / "u.urdf", copy_meshes=True)
+    assert list(tmp_path.iterdir()) == []
+
+
+def drawn(path):
+    """Names of the shapes that yourdfpy and Pinocchio draw; the latter is told where relative names start."""
     model = pin.buildModelFromUrdf(str(path), pin.JointModelFreeFlyer())
-    shapes = pin.buildGeomFromUrdf(model, str(path), pin.GeometryType.VISUAL)
-    assert "reflector_0" in [shape.name for shape in shapes.geometryObjects]
+    shapes = pin.buildGeomFromUrdf(model, str(path), pin.GeometryType.VISUAL, package_dirs=[str(path.parent)])
+    return set(yourdfpy.URDF.load(str(path)).scene.geometry), {s.name for s in shapes.geometryObjects}
+
+
+def mesh_names(path):
+    return re.findall(r'<mesh filename="(.*?)"', path.read_text())
+
+
+def test_a_variant_written_elsewhere_still_finds_its_meshes(antenna, tmp_path):
+    """By a relative path."""
+    path = tmp_path / "antenna_clearance.urdf"
+    assert antenna.variant(joints={"elevation": "free"}).write(path) == (path,)
+    for name in mesh_names(path):
+        assert not Path(name).is_absolute()
+        assert (tmp_path / name).resolve() == (antenna.folder / "dish.obj").resolve()
+    scene, shapes = drawn(path)
+    assert "dish" in scene and "reflector_0" in shapes
     assert 'filename="dish.obj"' in antenna.to_xml()
+
+
+def test_relative_names_survive_a_move_of_both(antenna, tmp_path):
+    (tmp_path / "one" / "models").mkdir(parents=True)
+    (tmp_path / "one" / "variants").mkdir()
+    antenna.write(tmp_path / "one" / "models" / "antenna.urdf", copy_meshes=True)
+    source = Urdf.load(tmp_path / "one" / "models" / "antenna.urdf")
+    source.write(tmp_path / "one" / "variants" / "v.urdf")
+    assert set(mesh_names(tmp_path / "one" / "variants" / "v.urdf")) == {"../models/dish.obj"}
+    (tmp_path / "one").rename(tmp_path / "two")
+    assert "dish" in drawn(tmp_path / "two" / "variants" / "v.urdf")[0]
+
+
+def test_a_written_file_read_again_finds_the_same_meshes(antenna, tmp_path):
+    """Also by way of a symbolic link, from whose target '..' leads."""
+    (tmp_path / "deep" / "er").mkdir(parents=True)
+    (tmp_path / "link").symlink_to(tmp_path / "deep" / "er")
+    antenna.write(tmp_path / "link" / "a.urdf")
+    assert (tmp_path / "link" / mesh_names(tmp_path / "link" / "a.urdf")[0]).is_file()
+    Urdf.load(tmp_path / "link" / "a.urdf").write(tmp_path / "b.urdf")
+    assert (tmp_path / mesh_names(tmp_path / "b.urdf")[0]).samefile(antenna.folder / "dish.obj")
+
+
+def test_meshes_are_copied_beside_the_file_once(antenna, tmp_path):
+    path = tmp_path / "a.urdf"
+    assert antenna.write(path, copy_meshes=True) == (path, tmp_path / "dish.obj")
+    assert (tmp_path / "dish.obj").read_bytes() == (antenna.folder / "dish.obj").read_bytes()
+    assert set(mesh_names(path)) == {"dish.obj"}
+    assert "dish" in drawn(path)[0]
+    assert sorted(found.name for found in tmp_path.iterdir()) == ["a.urdf", "dish.obj"]
+    # The second time there is nothing to copy.
+    assert antenna.write(path, copy_meshes=True) == (path,)
+
+
+MESH = '<visual><geometry><mesh filename="{}"/></geometry></visual>'
+
+
+def with_meshes(folder, *filenames):
+    """A pair of links with these meshes on top of the tree."""
+    shapes = "".join(MESH.format(filename) for filename in filenames)
+    text = pair(hinge())
+    assert "</link>" in text
+    return Urdf.from_text(text.replace("</link>", f"{shapes}</link>", 1), "u.urdf", folder=folder)
+
+
+def test_what_a_wavefront_mesh_names_is_copied_with_it(tmp_path):
+    source, target = tmp_path / "source", tmp_path / "target"
+    for file, text in {
+        "meshes/part.obj": "mtllib part.mtl missing.mtl\nv 0 0 0\n",
+        "meshes/part.mtl": "map_Kd -s 1 1 images/paint.png\nmap_Kd ../outside.png\nmap_Ks part.mtl\n",
+        "meshes/images/paint.png": "image",
+        "outside.png": "image",
+    }.items():
+        (source / file).parent.mkdir(parents=True, exist_ok=True)
+        (source / file).write_text(text)
+    target.mkdir()
+    written = with_meshes(source, "meshes/part.obj").write(target / "u.urdf", copy_meshes=True)
+    assert [path.relative_to(target).as_posix() for path in written] == [
+        "u.urdf",
+        "meshes/part.obj",
+        "meshes/part.mtl",
+        "meshes/images/paint.png",
+    ]
+    assert mesh_names(target / "u.urdf") == ["meshes/part.obj"]
+
+
+def test_meshes_from_elsewhere_are_copied_under_their_last_name(tmp_path):
+    for folder in ("models/own", "models/shared", "target"):
+        (tmp_path / folder).mkdir(parents=True)
+    (tmp_path / "models/shared/part.stl").write_text("solid part")
+    (tmp_path / "models/other.stl").write_text("solid other")
+    urdf = with_meshes(tmp_path / "models/own", "../shared/part.stl", tmp_path / "models/other.stl")
+    urdf.write(tmp_path / "target" / "u.urdf", copy_meshes=True)
+    assert mesh_names(tmp_path / "target" / "u.urdf") == ["part.stl", "other.stl"]
+    assert (tmp_path / "target" / "part.stl").read_text() == "solid part"
+
+
+def test_names_that_are_no_files_stay_as_they_are(tmp_path):
+    (tmp_path / "target").mkdir()
+    names = ["package://robot/part.stl", "missing.stl"]
+    with_meshes(tmp_path, *names).write(tmp_path / "target" / "u.urdf")
+    assert mesh_names(tmp_path / "target" / "u.urdf") == names
+
+
+def test_copies_that_cannot_be_right_are_refused_before_anything_is_written(tmp_path):
+    for folder in ("one", "two", "target"):
+        (tmp_path / folder).mkdir()
+    (tmp_path / "one" / "part.stl").write_text("solid one")
+    (tmp_path / "two" / "part.stl").write_text("solid two")
+    target = tmp_path / "target"
+    for names, error, says in (
+        (["missing.stl"], MechanismError, r"u\.urdf: mesh 'missing\.stl' must be a file to be copied"),
+        (["package://robot/part.stl"], MechanismError, "'package://robot/part.stl' must be a file"),
+        (["part.stl", "../two/part.stl"], OutputError, "would both be copied here; rename one"),
+    ):
+        with pytest.raises(error, match=says):
+            with_meshes(tmp_path / "one", *names).write(target / "u.urdf", copy_meshes=True)
+        assert list(target.iterdir()) == []
+    (target / "part.stl").write_text("somebody's own")
+    with pytest.raises(OutputError, match=r"part\.stl: differs from .*whose copy goes there"):
+        with_meshes(tmp_path / "one", "part.stl").write(target / "u.urdf", copy_meshes=True)
+    assert (target / "part.stl").read_text() == "somebody's own"
+    assert not (target / "u.urdf").exists()
+    with pytest.raises(MechanismError, match="must be a file to be copied"):
+        with_meshes(None, "part.stl").write(target / "u.urdf", copy_meshes=True)

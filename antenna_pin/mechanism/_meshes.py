@@ -1,0 +1,121 @@
+"""Mesh files of a URDF that is written to another folder: named as seen from there, or copied there."""
+
+from __future__ import annotations
+
+import contextlib
+import filecmp
+import os
+import shutil
+from collections.abc import Iterable
+from pathlib import Path, PurePosixPath
+
+from antenna_pin.errors import MechanismError, OutputError
+
+# What a Wavefront material file calls the images it uses.
+_IMAGE_KEYS = ("map_", "bump", "disp", "decal", "refl", "norm")
+
+
+def name_from(folder: Path, start: Path, filename: str) -> str:
+    """Return what a mesh is called in a file in ``folder``.
+
+    That is its relative path, or its absolute one where there is none (another drive). A URL and a file that
+    does not exist keep their name.
+
+    Args:
+        folder: Where the file goes.
+        start: Where relative names have started so far.
+        filename: The mesh as it is called now.
+    """
+    mesh = start / filename
+    if "://" in filename or not mesh.is_file():
+        return filename
+    source = mesh.resolve()
+    try:
+        return Path(os.path.relpath(source, folder.resolve())).as_posix()
+    except ValueError:
+        return source.as_posix()
+
+
+def planned_copies(
+    folder: Path, start: Path | None, filenames: Iterable[str], where: str
+) -> tuple[dict[str, str], dict[Path, Path]]:
+    """Return how meshes are called once they are copied to ``folder``, and what is to be copied there.
+
+    A name that leads down from ``start`` is kept; of any other the last part is. Materials and images that a
+    Wavefront mesh names go with it.
+
+    Args:
+        folder: Where the copies go.
+        start: Where relative names start; None if that is unknown.
+        filenames: The meshes as they are called now.
+        where: What messages call the URDF.
+
+    Returns:
+        New name of each mesh, and source of each copy, by its target.
+
+    Raises:
+        MechanismError: A mesh is not a file.
+        OutputError: Two files would become one, or would replace another file.
+    """
+    names: dict[str, str] = {}
+    copies: dict[Path, Path] = {}
+    for filename in dict.fromkeys(filenames):
+        source = (Path() if start is None else start) / filename
+        if "://" in filename or (start is None and not source.is_absolute()) or not source.is_file():
+            raise MechanismError(
+                f"{where}: mesh {filename!r} must be a file to be copied; put it there, or copy nothing"
+            )
+        names[filename] = name = _kept_name(filename)
+        for path, below in [(source, PurePosixPath(name)), *_companions(source, PurePosixPath(name).parent)]:
+            target = folder / below
+            before = copies.setdefault(target, path)
+            if not filecmp.cmp(before, path, shallow=False):
+                raise OutputError(f"{target}: {before} and {path} would both be copied here; rename one")
+            if target.exists() and not (target.is_file() and filecmp.cmp(target, path, shallow=False)):
+                raise OutputError(f"{target}: differs from {path}, whose copy goes there; write elsewhere")
+    return names, {target: path for target, path in copies.items() if not target.exists()}
+
+
+def copy_all(copies: dict[Path, Path]) -> None:
+    """Copy files, each complete or not at all.
+
+    Args:
+        copies: Source of each copy, by its target; folders are made.
+    """
+    for target, source in copies.items():
+        temporary = target.parent / f".{target.name}.{os.getpid()}.tmp"
+        try:
+            target.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(source, temporary)
+            temporary.replace(target)
+        except OSError as error:
+            with contextlib.suppress(OSError):
+                temporary.unlink()
+            raise OutputError(f"{target}: cannot be written: {error.strerror}") from error
+
+
+def _kept_name(filename: str) -> str:
+    path = PurePosixPath(filename)
+    return path.name if path.is_absolute() or ".." in path.parts else path.as_posix()
+
+
+def _companions(source: Path, below: PurePosixPath) -> list[tuple[Path, PurePosixPath]]:
+    """Return the files that a Wavefront mesh or material names beside or below itself, and theirs."""
+    suffix = source.suffix.lower()
+    if suffix not in (".obj", ".mtl"):
+        return []
+    found: dict[str, None] = {}
+    for line in source.read_text(encoding="utf-8", errors="replace").splitlines():
+        key, _, rest = line.strip().partition(" ")
+        if suffix == ".obj" and key == "mtllib":
+            found.update(dict.fromkeys((rest.strip(), *rest.split())))
+        elif suffix == ".mtl" and key.lower().startswith(_IMAGE_KEYS) and rest.split():
+            found.update(dict.fromkeys((rest.strip(), rest.split()[-1])))
+    files = []
+    for name in found:
+        path = PurePosixPath(name)
+        if name and _kept_name(name) == path.as_posix() and (source.parent / path).is_file():
+            files.append((source.parent / path, below / path))
+            if suffix == ".obj":
+                files += _companions(source.parent / path, (below / path).parent)
+    return files
