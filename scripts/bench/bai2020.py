@@ -27,6 +27,7 @@ VARIANTS = {
     "4: 300 um": ("case4",),
     "5: 400 um": ("case5",),
 }
+NO_FRICTION = (f"clearance.{JOINT}.friction={{replace = true, law = 'none'}}",)
 ROWS = (
     "largest deviation of the angle [rad]",
     "largest deviation of the rate [rad/s]",
@@ -101,6 +102,7 @@ def main() -> int:
     """Run the cases and print the tables."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--spread", action="store_true", help="print the least and the largest values too")
+    parser.add_argument("--no-friction", action="store_true", help="the same without friction")
     parser.add_argument("--quick", action="store_true", help="two runs of 0.2 s a case, to see that it works")
     arguments = parser.parse_args()
     count, duration = (2, 0.2) if arguments.quick else (5, 5.0)
@@ -108,8 +110,11 @@ def main() -> int:
     motion = ideal.data.sel(joint=JOINT)
     largest = [np.abs(motion[f"motion_{name}"].values).max() for name in ("angle", "rate", "acceleration")]
     print("ideal joint: angle {:.3g} rad, rate {:.3g} rad/s, acceleration {:.3g} rad/s2".format(*largest))
+    friction = NO_FRICTION if arguments.no_friction else ()
     seen = {
-        label: measure(case, ideal, count, duration, *overrides)
+        label: measure(
+            case, ideal, count, duration, *overrides, *(NO_FRICTION if arguments.no_friction else ())
+        )
         for label, (case, *overrides) in VARIANTS.items()
     }
     for title, statistic in (("median", np.median), ("least", np.min), ("largest", np.max)):
