@@ -112,9 +112,7 @@ def main() -> int:
     print("ideal joint: angle {:.3g} rad, rate {:.3g} rad/s, acceleration {:.3g} rad/s2".format(*largest))
     friction = NO_FRICTION if arguments.no_friction else ()
     seen = {
-        label: measure(
-            case, ideal, count, duration, *overrides, *(NO_FRICTION if arguments.no_friction else ())
-        )
+        label: measure(case, ideal, count, duration, *overrides, *friction)
         for label, (case, *overrides) in VARIANTS.items()
     }
     for title, statistic in (("median", np.median), ("least", np.min), ("largest", np.max)):
