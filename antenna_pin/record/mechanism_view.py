@@ -279,8 +279,8 @@ def _arrow_tips(
 
 def _force_scale(contacts: dict[str, Any]) -> str:
     force, length = contacts["reference"]
-    hundredth = f"{0.01 * force:g} N drawn {0.1 * length:g} m"
-    return f"contact force on the journal: {force:g} N drawn {length:g} m, {hundredth} (by its square root)"
+    hundredth = f"{0.01 * force:g} N {0.1 * length:g} m"
+    return f"contact force on the journal: {force:g} N drawn {length:g} m, {hundredth} (square root)"
 
 
 def placement_of(seven: ArrayLike) -> Array:
@@ -310,7 +310,7 @@ def camera(points: Array, direction: ArrayLike) -> dict[str, Any]:
     z = 1.0 - (2.0 * k + 1.0) / len(k)
     phi = np.pi * (3.0 - np.sqrt(5.0)) * k
     sphere = np.stack([np.sqrt(1.0 - z * z) * np.cos(phi), np.sqrt(1.0 - z * z) * np.sin(phi), z], axis=1)
-    outermost = np.unique(np.argmax(points @ sphere.T, axis=0))
+    outermost = np.unique([int(np.argmax(points @ direction)) for direction in sphere])
     middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
     return {
         "points": packed_floats(points[outermost]),

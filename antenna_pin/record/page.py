@@ -21,7 +21,7 @@ def _script(text: str) -> str:
     return "<script>\n" + text.replace("</script", r"<\/script").replace("<!--", r"<\!--") + "\n</script>\n"
 
 
-def _json(data: dict[str, Any]) -> str:
+def _json(data: Any) -> str:
     return json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", r"\u003c")
 
 
@@ -49,7 +49,7 @@ def embedded(data: dict[str, Any], identity: str, height: str = "26rem") -> str:
     return (
         f'<div class="ap-frame" id="{name}" style="height:{html.escape(height, quote=True)}"></div>\n'
         f'<script type="application/json" id="{name}-data">{_json(data)}</script>\n'
-        f"<script>AntennaPin.later({json.dumps(identity)});</script>\n"
+        f"<script>AntennaPin.later({_json(identity)});</script>\n"
     )
 
 

@@ -638,7 +638,8 @@
       this.dirty = true;
     }
 
-    // So near that all points of the motion just fit below the heading, whatever the shape of the stage.
+    // In the middle of all points of the motion and so near that they just fit below the heading, whatever the shape
+    // of the stage.
     resetCamera() {
       const {direction, target} = this.data.camera;
       const {camera} = this.viewer;
@@ -655,15 +656,25 @@
       const half = Math.tan(0.5 * camera.fov * Math.PI / 180) / MARGIN;
       const vertical = half * (h - top) / h;
       const horizontal = half * w / h;
+      const middle = target.slice();
       let distance = 0;
-      for (let i = 0; i < this.frame.length; i += 3) {
-        const point = [0, 1, 2].map((k) => this.frame[i + k] - target[k]);
-        const depth = dot(point, back);
-        distance = Math.max(
-          distance, depth + Math.abs(dot(point, right)) / horizontal, depth + Math.abs(dot(point, up)) / vertical
-        );
+      for (let pass = 0; pass < 4; pass++) {
+        const seen = [];
+        distance = 0;
+        for (let i = 0; i < this.frame.length; i += 3) {
+          const point = [0, 1, 2].map((k) => this.frame[i + k] - middle[k]);
+          const [x, y, depth] = [dot(point, right), dot(point, up), dot(point, back)];
+          seen.push([x, y, depth]);
+          distance = Math.max(distance, depth + Math.abs(x) / horizontal, depth + Math.abs(y) / vertical);
+        }
+        if (!(distance > 0)) distance = 1;
+        for (const [k, axis] of [[0, right], [1, up]]) {
+          const place = seen.map((point) => point[k] / (distance - point[2]));
+          const off = 0.5 * distance * (Math.min(...place) + Math.max(...place));
+          if (pass < 3) axis.forEach((value, i) => { middle[i] += off * value; });
+        }
       }
-      this.aim(target.map((x, k) => x + distance * back[k]), target);
+      this.aim(middle.map((x, k) => x + distance * back[k]), middle);
       this.moved = false;
     }
 

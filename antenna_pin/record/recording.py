@@ -143,7 +143,7 @@ def record(
         else:
             ghost = None if ideal is None else (ideal, _ghost_frames(ideal, frames, first, last, most))
             seen = mechanism_view(run, frames, frames.impacts, places, ghost, line)
-        recording = Recording(_data(run, view, frames, seen, speed, first, last), frames)
+        recording = Recording(_data(run, view, frames, seen, fps, speed, first, last), frames)
         size = len(recording.html.encode())
         if size <= limit:
             return recording
@@ -232,6 +232,7 @@ def _data(
     view: View,
     frames: KeyFrames,
     seen: dict[str, Any],
+    fps: float,
     speed: float | None,
     first: float,
     last: float,
@@ -240,11 +241,11 @@ def _data(
     warnings = list(seen["warnings"])
     if not run.completed:
         warnings.append(f"the run ended before its time: {run.message}")
+    if frames.rate < fps:
+        warnings.append(f"{frames.rate:.3g} key frames per second in place of {fps:g} keep the file small")
     if frames.left_out:
         number = frames.left_out + len(frames.impacts.times)
-        warnings.append(
-            f"the {frames.left_out} weakest of {number} impacts are left out to keep the file small"
-        )
+        warnings.append(f"so do the {frames.left_out} weakest of {number} impacts, which are left out")
     if len(frames.indices) == 1:
         warnings.append("the run has one sample in this span; there is no motion to play")
     impacts = frames.impacts
