@@ -9,16 +9,18 @@ import base64
 import contextlib
 import importlib.util
 import os
+import re
 import shutil
+import subprocess
 import tempfile
+import threading
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from antenna_pin.errors import AntennaPinError, MissingToolError
+from antenna_pin.errors import MissingToolError
 
 if TYPE_CHECKING:
-    from selenium.common.exceptions import WebDriverException
     from selenium.webdriver import ChromeOptions
     from selenium.webdriver.remote.webdriver import WebDriver
 
@@ -38,6 +40,9 @@ DRIVER_VARIABLE = "ANTENNA_PIN_CHROMEDRIVER"
 _BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 _DRIVERS = ("chromedriver",)
 _INSTALL = "install both (Debian, Ubuntu: apt-get install chromium chromium-driver)"
+
+_PORT = re.compile(r"success\w* on port (\d+)")
+_START = 60.0  # [s] that a driver may take to start
 
 #: Nothing that a browser does on its own: it opens one page of ours, offline, and draws it without a
 #: graphics card, so that pictures are the same on every machine.
@@ -123,16 +128,14 @@ def _answering() -> Iterator[None]:
         yield
     except WebDriverException as error:
         raise MissingToolError(f"the browser must do as it is told, got: {_reason(error)}") from error
-    except AntennaPinError:
-        raise
     except Exception as error:  # of the layers below, when the browser or its driver has gone
         raise MissingToolError(
-            f"the browser must stay until its work is done, got: {error!r:.300}"
+            f"the browser must stay until its work is done, got: {_reason(error)}"
         ) from error
 
 
-def _reason(error: WebDriverException) -> str:
-    return " ".join((error.msg or "no reason given").split())[:300]
+def _reason(error: Exception) -> str:
+    return " ".join(str(getattr(error, "msg", None) or repr(error)).split())[:300]
 
 
 class Browser:
@@ -217,27 +220,21 @@ def open_browser(
         MissingToolError: It is not installed or does not start.
     """
     programs = find_browser() if programs is None else programs
-    from selenium.common.exceptions import WebDriverException
     from selenium.webdriver import Remote
     from selenium.webdriver.chrome.remote_connection import ChromeRemoteConnection
-    from selenium.webdriver.chrome.service import Service
     from selenium.webdriver.common.proxy import Proxy, ProxyType
     from selenium.webdriver.remote.client_config import ClientConfig
 
-    # The driver gets a session of its own: Ctrl-C is for us, who then end it in good order.
-    service = Service(executable_path=programs.driver, popen_kw={"start_new_session": True})
     # The browser may write to its folder until the last of its processes has gone.
     folder = tempfile.TemporaryDirectory(prefix="antenna-pin-browser-", ignore_cleanup_errors=True)
-    with folder as profile, contextlib.ExitStack() as ending:
+    with folder as profile, _running_driver(programs.driver) as address, contextlib.ExitStack() as ending:
+        # The driver listens on this machine, so no proxy of the environment leads there.
+        direct = Proxy({"proxyType": ProxyType.DIRECT})
+        config = ClientConfig(address, proxy=direct, timeout=int(2 * timeout))
+        connection = ChromeRemoteConnection(address, client_config=config)
         try:
-            service.start()
-            ending.callback(service.stop)
-            # It listens on this machine, so no proxy of the environment leads there.
-            direct = Proxy({"proxyType": ProxyType.DIRECT})
-            config = ClientConfig(service.service_url, proxy=direct, timeout=int(2 * timeout))
-            connection = ChromeRemoteConnection(service.service_url, client_config=config)
             driver = Remote(command_executor=connection, options=_options(programs.browser, profile, logs))
-        except WebDriverException as error:
+        except Exception as error:
             raise MissingToolError(
                 f"{programs.browser} must start with {programs.driver}, got: {_reason(error)}; {_INSTALL}, "
                 "of one version"
@@ -246,6 +243,44 @@ def open_browser(
         driver.set_page_load_timeout(timeout)
         driver.set_script_timeout(timeout)
         yield Browser(driver)
+
+
+@contextlib.contextmanager
+def _running_driver(program: str) -> Iterator[str]:
+    """Start the browser's driver and yield its address; end it and what it has started afterwards.
+
+    They are a group of processes of their own: Ctrl-C is for us, who then end them in good order. A shell
+    leads the group and ends it when its input closes, so also when we are killed.
+    """
+    group = subprocess.Popen(
+        ["/bin/sh", "-c", '"$0" --port=0 <&- & exec >&-; read -r _; kill -s KILL 0', program],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        text=True,
+        start_new_session=True,
+    )
+    assert group.stdin is not None and group.stdout is not None
+    # Nor may a driver that hangs at its start make us hang.
+    late = threading.Timer(_START, group.stdin.close)
+    late.start()
+    try:
+        with group.stdout as told:
+            said = ""
+            for line in told:
+                said += line
+                port = _PORT.search(line)
+                if port is not None:
+                    late.cancel()
+                    yield f"http://localhost:{port.group(1)}"
+                    return
+        raise MissingToolError(
+            f"{program} must start and name its port, said: {' '.join(said.split())[:300]!r}; {_INSTALL}"
+        )
+    finally:
+        late.cancel()
+        group.stdin.close()
+        group.wait()
 
 
 def _options(browser: str, profile: str, logs: bool) -> ChromeOptions:

@@ -60,7 +60,6 @@ def write_mp4(path: Path, pictures: Iterable[bytes], size: tuple[int, int], fps:
         fps: Pictures per second [1/s].
     """
     import av
-    from av.video.reformatter import ColorRange, Colorspace
 
     rate = Fraction(fps).limit_denominator(1001)
     # The index goes to the front, so that a page can play the file while it loads.
@@ -72,7 +71,7 @@ def write_mp4(path: Path, pictures: Iterable[bytes], size: tuple[int, int], fps:
         codec.colorspace = codec.color_range = codec.color_primaries = codec.color_trc = _BT709
         for number, png in enumerate(pictures):
             frame = av.VideoFrame.from_ndarray(np.asarray(_image(png)), format="rgb24").reformat(
-                format="yuv420p", dst_colorspace=Colorspace.ITU709, dst_color_range=ColorRange.MPEG
+                format="yuv420p", dst_colorspace="ITU709", dst_color_range="MPEG"
             )
             frame.pts = number
             frame.time_base = 1 / rate

@@ -1,5 +1,11 @@
 """The browser that tests and videos use: offline, drawing WebGL in software, telling what a page did."""
 
+import contextlib
+import subprocess
+import sys
+import time
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -91,3 +97,49 @@ def test_a_proxy_of_the_environment_does_not_come_between(page, monkeypatch):
         monkeypatch.setenv(variable, "http://127.0.0.1:9")
     with _browser.open_browser() as browser:
         assert browser.run("return 1 + a[0];", 2) == 3
+
+
+def test_a_driver_that_does_not_answer_is_given_up(monkeypatch, tmp_path):
+    """Whether it ends without a word or hangs."""
+    monkeypatch.setattr(_browser, "_START", 0.3)
+    for number, command in enumerate(("echo no such port", "exec sleep 60")):
+        script = tmp_path / f"driver{number}"
+        script.write_text(f"#!/bin/sh\n{command}\n")
+        script.chmod(0o755)
+        programs = _browser.BrowserPrograms("/bin/true", str(script))
+        with pytest.raises(MissingToolError, match="must start and name its port"):
+            with _browser.open_browser(programs):
+                pass
+
+
+KILLED = """
+import sys, time
+from antenna_pin.record._browser import open_browser
+with open_browser() as browser:
+    print(browser.run("return 1;"), flush=True)
+    time.sleep(60)
+"""
+
+
+def test_the_browser_ends_with_us_even_if_we_are_killed(page, monkeypatch, tmp_path):
+    monkeypatch.setenv("TMPDIR", str(tmp_path))
+    ours = subprocess.Popen([sys.executable, "-c", KILLED], stdout=subprocess.PIPE, text=True)
+    with ours:
+        assert ours.stdout.readline() == "1\n"
+        assert any(tmp_path in Path(word).parents for word in profiles())
+        ours.kill()
+    for _ in range(100):
+        if not any(tmp_path in Path(word).parents for word in profiles()):
+            return
+        time.sleep(0.05)
+    pytest.fail("the browser still runs")
+
+
+def profiles():
+    """Return the profiles of all browsers that run now."""
+    found = []
+    for path in Path("/proc").glob("[0-9]*/cmdline"):
+        with contextlib.suppress(OSError):  # it has just ended
+            words = path.read_bytes().replace(b"\0", b" ").decode(errors="replace").split()
+            found += [word.partition("=")[2] for word in words if word.startswith("--user-data-dir=")]
+    return found
