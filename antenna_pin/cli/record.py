@@ -11,6 +11,7 @@ import typer
 
 from antenna_pin.cli._common import load_result, not_interrupted
 from antenna_pin.cli._film import Kind, check_options, film, kind_of, size_of
+from antenna_pin.cli._quantities import bare
 from antenna_pin.errors import InvalidParameterError
 
 
@@ -112,7 +113,7 @@ def record(
 def _time(text: str | None, option: str) -> float | None:
     from antenna_pin.units import quantity
 
-    return None if text is None else quantity(text, "s", option)
+    return None if text is None else quantity(bare(text), "s", option)
 
 
 def _direction(text: str) -> list[float]:

@@ -105,12 +105,13 @@ def record(
 
     Args:
         run: The run, or its data.
-        ideal: A run whose bodies are drawn as a ghost beside, usually with ideal joints.
+        ideal: A run whose bodies are drawn as a ghost beside, usually with ideal joints. For the mechanism.
         view: ``mechanism``, all bodies in the world, or ``joint``, a clearance joint close up.
-        joint: Which clearance joint; the first one if left out. For the view of a joint.
-        magnify: How many times wider its gaps are drawn [-]; 100 to 1000 by its play if left out.
-        body: Link whose boresight is drawn; the scenario's pointing body if left out.
-        boresight: Its direction in the link's frame, (3,) [-]; the scenario's, or x, if left out.
+        joint: Which clearance joint; the first one if left out. For a joint.
+        magnify: How many times wider gaps are drawn [-]; 100 to 1000 by its play if left out. For a joint.
+        body: Link whose boresight is drawn; the scenario's pointing body if left out. For the mechanism.
+        boresight: Its direction in the link's frame, (3,) [-]; the scenario's, or x, if left out. For the
+            mechanism.
         fps: Regular key frames per second of the run [1/s].
         speed: Seconds of the run per second at first [-]; if left out, real time or, for a run below 4 s, so
             slow that it takes that long; ten times slower for a joint.
@@ -125,8 +126,15 @@ def record(
     """
     if view not in ("mechanism", "joint"):
         raise InvalidParameterError("recording", "view", "mechanism or joint", view)
-    if view == "joint" and ideal is not None:
-        raise InvalidParameterError("recording", "ideal", "left out in the view of a joint", "a run")
+    foreign: dict[str, Any] = (
+        {"joint": joint, "magnify": magnify}
+        if view == "mechanism"
+        else {"ideal": ideal, "body": body, "boresight": boresight}
+    )
+    for name, value in foreign.items():
+        if value is not None:
+            shown = "a run" if name == "ideal" else value
+            raise InvalidParameterError("recording", name, f"left out in the view of a {view}", shown)
     run = _trajectory(run)
     ideal = None if ideal is None else _trajectory(ideal)
     first, last = _span(run, start, end)

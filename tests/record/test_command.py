@@ -1,0 +1,64 @@
+"""``antenna-pin record``: pages by the command, and what it refuses in one line."""
+
+import json
+import re
+
+import pytest
+from typer.testing import CliRunner
+
+from antenna_pin.cli import app
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory, clearance_run, ideal_run):
+    folder = tmp_path_factory.mktemp("runs")
+    return clearance_run.save(folder / "play.nc"), ideal_run.save(folder / "ideal.nc")
+
+
+def call(*arguments):
+    return CliRunner().invoke(app, ["record", *map(str, arguments)])
+
+
+def data_of(path):
+    text = path.read_text(encoding="utf-8")
+    return json.loads(re.search(r'id="recording-data">(.*?)</script>', text)[1])
+
+
+def test_pages_by_the_command(files, tmp_path):
+    out = tmp_path / "a.html"
+    done = call(files[0], "--ideal", files[1], "--out", out, "--speed", "1/8", "--boresight", "0,0,2")
+    assert done.exit_code == 0 and done.stdout == f"saved {out}\n"
+    data = data_of(out)
+    assert data["speed"] == 0.125 and [actor["name"] for actor in data["actors"]] == ["run", "ideal"]
+    done = call(
+        files[0], "--view", "joint", "--magnify", "250", "--out", out, "--start", "0.01", "--end", "20 ms"
+    )
+    assert done.exit_code == 0
+    assert "250 times" in data_of(out)["facts"][0]["text"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("--view", "joint", "--joint", "azimuth"), "joint with clearance 'azimuth' is unknown"),
+        (("--start", "1 s"), "recording: start must be within the run, 0 to 0.05 s, got 1.0"),
+        (("--end", "3 kg"), "--end must be a time"),
+        (("--speed", "fast"), "--speed: speed must be a number or a fraction such as 1/100, got 'fast'"),
+        (("--boresight", "1,x"), "--boresight: direction must be three numbers such as 1,0,0, got '1,x'"),
+        (("--max-size", "0.1"), "max_megabytes must be above"),
+        (("--view", "joint", "--magnify", "-1"), "magnify must be a positive number"),
+        (("--magnify", "200"), "magnify must be left out in the view of a mechanism, got 200.0"),
+        (("--view", "joint", "--body", "reflector"), "body must be left out in the view of a joint"),
+    ],
+)
+def test_refusals(files, tmp_path, arguments, message):
+    done = call(files[0], "--out", tmp_path / "a.html", *arguments)
+    assert done.exit_code == 2
+    assert message in done.stderr and done.stderr.count("\n") == 1
+    assert not (tmp_path / "a.html").exists()
+
+
+def test_a_run_of_ideal_joints_has_no_joint_close_up(files, tmp_path):
+    done = call(files[1], "--view", "joint", "--out", tmp_path / "a.html")
+    assert done.exit_code == 2
+    assert "view must be mechanism for a run without a clearance joint" in done.stderr
