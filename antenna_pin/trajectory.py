@@ -15,6 +15,7 @@ from typing import Any, Self
 import numpy as np
 import xarray as xr
 
+from antenna_pin.card import run_card
 from antenna_pin.errors import FileFormatError, OutputError
 from antenna_pin.scenario import Scenario
 
@@ -234,4 +235,5 @@ class Trajectory:
         return result
 
     def _repr_html_(self) -> str:
-        return str(self.data._repr_html_())
+        """Show the run in a notebook: how it ended, key numbers, a sketch of the motion, and all data."""
+        return run_card(self.data, self.summary(), self.completed)

@@ -11,7 +11,7 @@ from __future__ import annotations
 from antenna_pin.plot.audit import figure_energy, figure_momentum
 from antenna_pin.plot.contact import figure_force_curves, figure_restitution, save_contact_figures
 from antenna_pin.plot.experiment import figure_contact_width, figure_experiment, figures_of_experiment
-from antenna_pin.plot.files import FORMATS, save_figures
+from antenna_pin.plot.files import FORMATS, rendered, save_figures
 from antenna_pin.plot.forces import figure_contact_forces
 from antenna_pin.plot.motion import QUANTITIES, figure_motion
 
@@ -27,6 +27,7 @@ __all__ = [
     "figure_motion",
     "figure_restitution",
     "figures_of_experiment",
+    "rendered",
     "save_contact_figures",
     "save_figures",
 ]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import io
 import os
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
@@ -17,6 +18,9 @@ from antenna_pin.plot.forces import figure_contact_forces
 from antenna_pin.plot.motion import QUANTITIES, figure_motion
 
 FORMATS = ("png", "pdf", "svg")
+
+# Without dates and versions the same figure gives the same file.
+_LEFT_OUT = {"png": "Software", "pdf": "CreationDate", "svg": "Date"}
 
 
 def save_figures(
@@ -83,14 +87,28 @@ def _made(folder: Path) -> Path:
 def _save(figure: Figure, path: Path) -> Path:
     """Write a figure beside its place and move it there, so that no half figure is ever seen."""
     suffix = path.suffix[1:]
-    # Without dates and versions the same figure gives the same file.
-    left_out = {"png": "Software", "pdf": "CreationDate", "svg": "Date"}[suffix]
     temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
     try:
-        figure.savefig(temporary, format=suffix, metadata={left_out: None})
+        figure.savefig(temporary, format=suffix, metadata={_LEFT_OUT[suffix]: None})
         os.replace(temporary, path)
     except OSError as error:
         raise OutputError(f"{path}: cannot write this figure ({error.strerror})") from error
     finally:
         temporary.unlink(missing_ok=True)
     return path
+
+
+@styled
+def rendered(figure: Figure, suffix: str, dpi: float = 300.0) -> bytes:
+    """Return a figure as the bytes of a file.
+
+    Args:
+        figure: One that a function of this room drew.
+        suffix: "png", "pdf" or "svg".
+        dpi: Of "png", and of what is rasterised in the others [1/inch].
+    """
+    if suffix not in FORMATS:
+        raise UnknownNameError("figure", "format", suffix, FORMATS)
+    buffer = io.BytesIO()
+    figure.savefig(buffer, format=suffix, dpi=dpi, metadata={_LEFT_OUT[suffix]: None})
+    return buffer.getvalue()

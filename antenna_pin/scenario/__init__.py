@@ -20,6 +20,7 @@ from antenna_pin.scenario.mechanism import JointSpec, LinkSpec, MaterialSpec, Me
 from antenna_pin.scenario.pointing import OrbitSpec, PointingSpec
 from antenna_pin.scenario.scenario import Scenario
 from antenna_pin.scenario.shipped import CaseSummary, ScenarioSummary, list_scenarios, models_path
+from antenna_pin.scenario.write import scenario_toml
 
 __all__ = [
     "CaseSummary",
@@ -53,4 +54,5 @@ __all__ = [
     "list_scenarios",
     "load_scenario",
     "models_path",
+    "scenario_toml",
 ]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
+from datetime import UTC, datetime
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -90,6 +91,7 @@ def simulate(
         run.advance(progress, interrupted)
         began = time.perf_counter()
         data = dataset(run, title, case, library_versions())
+        data.attrs["finished"] = datetime.now(UTC).isoformat(timespec="seconds")
         run.wall += time.perf_counter() - began
     return Trajectory(
         data=data, outcome=run.outcome, message=run.message, counts=run.counts(), scenario=scenario

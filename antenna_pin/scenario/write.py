@@ -1,0 +1,35 @@
+"""A scenario as the text of a file."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from antenna_pin.scenario._base import dotted
+from antenna_pin.scenario.merge import toml_value
+from antenna_pin.scenario.scenario import Scenario
+
+__all__ = ["scenario_toml"]
+
+
+def scenario_toml(scenario: Scenario) -> str:
+    """Return a scenario as the text of a scenario file: its case and overrides laid in, numbers in SI units.
+
+    Everything that counts is written, defaults too; a drive's table with its numbers instead of its file. Put
+    beside the URDF that it names, it loads as the same scenario, without cases.
+    """
+    data = scenario.model_dump(mode="json", exclude_none=True, exclude=set(Scenario.carried))
+    for drive in data.get("drives", {}).values():
+        drive.pop("file", None)
+    return "\n".join(_lines(data, ())).strip() + "\n"
+
+
+def _lines(table: Mapping[str, Any], path: tuple[str, ...]) -> Iterator[str]:
+    plain = {key: value for key, value in table.items() if not isinstance(value, Mapping)}
+    if path and plain:
+        yield f"\n[{dotted(path)}]"
+    for key, value in plain.items():
+        yield f"{dotted((key,))} = {toml_value(value)}"
+    for key, value in table.items():
+        if isinstance(value, Mapping):
+            yield from _lines(value, (*path, key))
