@@ -42,6 +42,8 @@ def graph():
         ("typer", {"cli"}),
         ("rich", {"cli"}),
         ("pint", {"units"}),
+        ("jinja2", {"report"}),
+        ("markupsafe", {"report"}),
     ],
 )
 def test_a_library_is_known_to_its_rooms_only(graph, package, rooms):

@@ -13,7 +13,7 @@ from typing import Annotated
 
 import typer
 
-from antenna_pin.cli import analyse, contact, info, pointing, record, run
+from antenna_pin.cli import analyse, contact, info, pointing, record, report, run
 from antenna_pin.cli._common import one_line_errors
 
 __all__ = ["app", "main"]
@@ -61,6 +61,7 @@ _COMMANDS: dict[str, Callable[..., None]] = {
     "pointing": pointing.pointing,
     "plot": info.plot,
     "record": record.record,
+    "report": report.report,
     "urdf": run.urdf,
 }
 for _name, _command in _COMMANDS.items():

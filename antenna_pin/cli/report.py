@@ -1,0 +1,47 @@
+"""``antenna-pin report``: one file that tells of any number of runs."""
+
+from __future__ import annotations
+
+import shlex
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from antenna_pin.cli._common import FilesArgument, writable_file
+
+
+def report(
+    files: FilesArgument,
+    out: Annotated[Path, typer.Option(metavar="FILE", help="The report, an HTML file.")],
+    title: Annotated[str | None, typer.Option(help="Title; that of the runs if left out.")] = None,
+    figures: Annotated[bool, typer.Option(help="Draw figures.")] = True,
+    recordings: Annotated[bool, typer.Option(help="Embed 3D recordings, which play in a browser.")] = True,
+    window: Annotated[
+        str | None,
+        typer.Option(
+            help="Length of the windows of pointing indices ('0.5 s'); a tenth of the run if left out."
+        ),
+    ] = None,
+) -> None:
+    """Write a report that compares runs: one HTML file for screen, phone and paper."""
+    target = writable_file(out, ".html")
+    words = ["antenna-pin", "report", *map(str, files), "--out", str(out)]
+    words += [] if title is None else ["--title", title]
+    words += [] if figures else ["--no-figures"]
+    words += [] if recordings else ["--no-recordings"]
+    words += [] if window is None else ["--window", window]
+
+    from antenna_pin.report import report as make
+    from antenna_pin.units import quantity
+
+    length = None if window is None else quantity(window, "s", "--window")
+    made = make(
+        files,
+        title=title,
+        figures=figures,
+        recordings=recordings,
+        window=length,
+        command=shlex.join(words),
+    )
+    typer.echo(f"saved {made.save(target)}")

@@ -1,0 +1,6 @@
+"""One-file reports on any number of runs, to be read on a screen, a phone or paper."""
+
+from antenna_pin.report.document import Report, report
+from antenna_pin.report.provenance import report_command, run_command
+
+__all__ = ["Report", "report", "report_command", "run_command"]

@@ -1,0 +1,210 @@
+"""What a page is made of: sections of text, tables, pictures, recordings. Templates draw them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+
+from antenna_pin.readable import number, prefixed, readable
+
+__all__ = [
+    "Cell",
+    "Details",
+    "Embedded",
+    "Picture",
+    "Row",
+    "Section",
+    "Statement",
+    "Table",
+    "counts",
+    "quantities",
+    "quantity",
+    "shares_row",
+    "words",
+]
+
+
+_SHORT = 24
+
+
+@dataclass(frozen=True, slots=True)
+class Cell:
+    """One entry of a table.
+
+    Attributes:
+        text: As it is printed.
+        value: The number behind it, in SI units; None for words.
+    """
+
+    text: str
+    value: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """A row of a table; one without cells is a heading over the rows below it."""
+
+    name: str
+    cells: tuple[Cell, ...] = ()
+    unit: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Table:
+    """A table.
+
+    Attributes:
+        columns: Headings of the columns, the first of the rows' names among them.
+        rows: From top to bottom.
+        caption: What it shows.
+        key: Name by which it is found in the page.
+        dense: Whether it has so many rows that it is set small.
+    """
+
+    columns: tuple[str, ...]
+    rows: tuple[Row, ...]
+    caption: str = ""
+    key: str = ""
+    dense: bool = False
+    kind: str = field(default="table", init=False)
+
+    @property
+    def short(self) -> bool:
+        """Whether it is to stay on one page of paper."""
+        return len(self.rows) <= _SHORT
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Statement:
+    """One thing said of the runs.
+
+    Attributes:
+        label: What it is about.
+        texts: Names of runs, and what is said of them; no names if the same holds for all.
+        code: Whether it is to be typed, or the name of a file.
+    """
+
+    label: str
+    texts: tuple[tuple[tuple[str, ...], str], ...]
+    code: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Picture:
+    """A figure.
+
+    Attributes:
+        source: A ``data:`` address.
+        caption: What it shows, in words that also do for those who cannot see it.
+        wide: Whether it takes the whole width.
+        width: At which it was drawn [mm].
+        key: Name by which it is found in the page.
+    """
+
+    source: str
+    caption: str
+    wide: bool = False
+    width: float = 88.0
+    key: str = ""
+    kind: str = field(default="picture", init=False)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Embedded:
+    """A recording: a part of the page that the viewer's own room made.
+
+    Attributes:
+        html: Its markup, which is safe as it stands.
+        caption: What it shows.
+    """
+
+    html: str
+    caption: str
+    kind: str = field(default="recording", init=False)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Details:
+    """What is shown when asked for: tables, or text as it stands in a file.
+
+    Attributes:
+        title: What is in it.
+        tables: Tables, or nothing.
+        text: Text set as code, or nothing.
+        key: Name by which it is found in the page.
+    """
+
+    title: str
+    tables: tuple[Table, ...] = ()
+    text: str = ""
+    key: str = ""
+    kind: str = field(default="details", init=False)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Section:
+    """A part of the page under a heading.
+
+    Attributes:
+        key: Its address in the page.
+        title: Its heading.
+        lead: What is to be known before the rest, one paragraph each.
+        statements: Facts by label.
+        items: Tables, pictures, recordings and details, in order.
+        notes: What is missing and why, and what the numbers mean.
+    """
+
+    key: str
+    title: str
+    lead: tuple[str, ...] = ()
+    statements: tuple[Statement, ...] = ()
+    items: tuple[Table | Picture | Embedded | Details, ...] = ()
+    notes: tuple[str, ...] = ()
+
+    @property
+    def empty(self) -> bool:
+        """Whether there is nothing under the heading."""
+        return not (self.lead or self.statements or self.items or self.notes)
+
+
+def quantities(name: str, values: Sequence[float | None], unit: str = "1", digits: int = 4) -> Row:
+    """Return a row of numbers with one prefix for all; what is None or not finite is a dash.
+
+    Args:
+        name: Of the row.
+        values: One per column, in the SI unit.
+        unit: Their SI unit.
+        digits: Significant digits.
+    """
+    factor, printed = prefixed(unit, values)
+    return Row(name, tuple(_cell(value, factor, digits) for value in values), printed)
+
+
+def quantity(value: float | None, unit: str = "1", digits: int = 4) -> Cell:
+    """Return a cell with a number and its unit."""
+    if value is None or not math.isfinite(value):
+        return Cell(number(None))
+    return Cell(readable(value, unit, digits), value)
+
+
+def shares_row(name: str, shares: Sequence[float | None]) -> Row:
+    """Return a row of shares in per cent."""
+    cells = tuple(Cell(number(None if s is None else 100.0 * s, 3), s) for s in shares)
+    return Row(name, cells, "%")
+
+
+def counts(name: str, values: Iterable[int | None]) -> Row:
+    """Return a row of whole numbers."""
+    return Row(name, tuple(Cell(number(None)) if v is None else Cell(str(v), float(v)) for v in values))
+
+
+def words(name: str, texts: Iterable[str]) -> Row:
+    """Return a row of words."""
+    return Row(name, tuple(Cell(text or number(None)) for text in texts))
+
+
+def _cell(value: float | None, factor: float, digits: int) -> Cell:
+    if value is None or math.isnan(value):
+        return Cell(number(None))
+    return Cell(number(value * factor, digits), value)

@@ -1,0 +1,213 @@
+"""What the analyses find in the joints with play: impacts, loads, settling into lasting contact."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+
+import numpy as np
+import xarray as xr
+
+from antenna_pin.analysis import Settling, impacts, load_statistics, settling
+from antenna_pin.readable import number, readable
+from antenna_pin.report._parts import Details, Row, Section, Table, counts, quantities, shares_row, words
+from antenna_pin.report._runs import ReportedRun, labels_of
+
+__all__ = ["impact_tables", "loads", "settlings"]
+
+#: Rows of the tables of largest impacts.
+LARGEST = 8
+#: Rows of a whole table of impacts; the file holds the rest.
+MOST = 2000
+
+
+# --- impacts ---
+
+_COLUMNS = (
+    ("onset", "at", "s", 6),
+    ("approach_speed", "approach", "m/s", 3),
+    ("peak_force", "peak force", "N", 4),
+    ("peak_depth", "depth", "m", 3),
+    ("impulse", "impulse", "N s", 3),
+    ("duration", "duration", "s", 3),
+    ("restitution", "restitution", "1", 3),
+    ("dissipated", "energy lost", "J", 3),
+)
+
+
+def impact_tables(runs: Sequence[ReportedRun]) -> Section:
+    """Return the impacts of each run: a summary, the largest few, and all of them when asked for."""
+    touched = [run for run in runs if run.names("clearance_joint")]
+    tables = [impacts(run.data) for run in touched]
+    if not touched:
+        return Section(key="impacts", title="Impacts")
+    items: list[Table | Details] = [_impact_summary(touched, tables)]
+    for run, table in zip(touched, tables, strict=True):
+        if not table.sizes["impact"]:
+            continue
+        order = np.argsort(-table["peak_force"].values, kind="stable")[:LARGEST]
+        key = f"impacts-{run.label}"
+        items.append(
+            _impact_table(table.isel(impact=order), f"Hardest impacts of {run.label}", f"largest-{key}")
+        )
+    for run, table in zip(touched, tables, strict=True):
+        count = table.sizes["impact"]
+        if not count:
+            continue
+        shown = table.isel(impact=slice(0, MOST))
+        whole = _impact_table(shown, "", f"impacts-{run.label}", dense=True)
+        rest = f", the first {MOST}" if count > MOST else ""
+        items.append(Details(title=f"All {count} impacts of {run.label}{rest}", tables=(whole,)))
+    return Section(
+        key="impacts",
+        title="Impacts",
+        items=tuple(items),
+        notes=(
+            "One row per contact, from first touch to release. Restitution is the speed of separation over "
+            "that of approach, at these very instants; a dash where the contact had not ended, or closed "
+            "slower than the law's floor of speed. Values above 1 occur where two contacts push each other.",
+        ),
+    )
+
+
+def _impact_summary(runs: Sequence[ReportedRun], tables: Sequence[xr.Dataset]) -> Table:
+    def column(name: str, of: Callable[[np.ndarray], float]) -> list[float | None]:
+        found: list[float | None] = []
+        for table in tables:
+            values = table[name].values
+            values = values[np.isfinite(values)]
+            found.append(float(of(values)) if values.size else None)
+        return found
+
+    rows = [
+        counts("impacts", (table.sizes["impact"] for table in tables)),
+        counts("not ended", (int(np.count_nonzero(~table["ended"].values)) for table in tables)),
+        counts(
+            "slower than the law's floor",
+            (int(np.count_nonzero(table["floored"].values)) for table in tables),
+        ),
+    ]
+    for name, word, unit, _ in _COLUMNS[1:]:
+        for said, of in (("median", np.median), ("largest", np.max)):
+            if name != "restitution" or said == "median":
+                rows.append(quantities(f"{word}, {said}", column(name, of), unit))
+    return Table(
+        columns=("", *labels_of(runs)), rows=tuple(rows), caption="Impacts in numbers", key="impact-summary"
+    )
+
+
+def _impact_table(table: xr.Dataset, caption: str, key: str, dense: bool = False) -> Table:
+    columns = [
+        quantities(word, _floats(table[name].values), unit, digits) for name, word, unit, digits in _COLUMNS
+    ]
+    heads = (f"{c.name} [{c.unit}]" if c.unit else c.name for c in columns)
+    cells = zip(*(c.cells for c in columns), strict=True)
+    rows = tuple(Row(str(name), line) for name, line in zip(table["contact"].values, cells, strict=True))
+    return Table(columns=("contact", *heads), rows=rows, caption=caption, key=key, dense=dense)
+
+
+def _floats(values: np.ndarray) -> list[float | None]:
+    return [float(value) if np.isfinite(value) else None for value in values]
+
+
+# --- loads ---
+
+
+def loads(runs: Sequence[ReportedRun]) -> Section:
+    """Return statistics of the forces in clearance joints."""
+    touched = [run for run in runs if run.names("clearance_joint")]
+    found = [load_statistics(run.data) for run in touched]
+    if not touched:
+        return Section(key="loads", title="Loads")
+    columns = ("", *labels_of(touched))
+    joints = list(dict.fromkeys(name for run in touched for name in run.names("clearance_joint")))
+    contacts = list(dict.fromkeys(name for run in touched for name in run.names("contact")))
+    whole = Table(
+        columns=columns,
+        rows=tuple(row for name in joints for row in _load_rows(found, "clearance_joint", name)),
+        caption="Size of the whole contact force on the journal",
+        key="loads",
+    )
+    each = Table(
+        columns=columns,
+        rows=tuple(row for name in contacts for row in _load_rows(found, "contact", name)),
+        caption="Normal force of each contact",
+        key="loads-contacts",
+    )
+    return Section(
+        key="loads",
+        title="Loads",
+        items=(whole, Details(title="Load of each contact", tables=(each,))),
+        notes=(
+            "Percentiles of the time: a force that is not exceeded for so much of it. The force on the "
+            "journal may be far below those of its contacts, which press from opposite sides when the "
+            "journal is tilted.",
+        ),
+    )
+
+
+def _load_rows(found: Sequence[xr.Dataset], dimension: str, name: str) -> Iterator[Row]:
+    prefix = "joint_" if dimension == "clearance_joint" else ""
+    mine = [one.sel({dimension: name}) if name in one[dimension].values else None for one in found]
+
+    def column(key: str) -> list[float | None]:
+        values = (None if one is None else float(one[prefix + key]) for one in mine)
+        return [value if value is not None and np.isfinite(value) else None for value in values]
+
+    yield Row(name)
+    yield quantities("largest", column("peak_force"), "N")
+    yield quantities("mean", column("mean_force"), "N")
+    if not prefix:
+        yield quantities("mean while in contact", column("mean_force_in_contact"), "N")
+    yield quantities("root mean square", column("rms_force"), "N", 3)
+    percents = next(one for one in mine if one is not None)["percent"].values
+    for k, percent in enumerate(percents):
+        values = [None if one is None else float(one[f"{prefix}force_percentile"][k]) for one in mine]
+        yield quantities(f"{number(float(percent))} % of the time", values, "N", 3)
+    yield shares_row("share of time in contact", column("contact_share"))
+
+
+# --- settling ---
+
+
+def settlings(runs: Sequence[ReportedRun]) -> Section:
+    """Return when impacts turned into lasting contact."""
+    touched = [run for run in runs if run.names("clearance_joint")]
+    found = [settling(run.data) for run in touched]
+    joints = list(dict.fromkeys(one.joint for many in found for one in many))
+    rows: list[Row] = []
+    for joint in joints:
+        mine = [next((one for one in many if one.joint == joint), None) for many in found]
+        rows += _settling_rows(joint, mine)
+    if not rows:
+        return Section(key="settling", title="Settling")
+    table = Table(
+        columns=("", *labels_of(touched)),
+        rows=tuple(rows),
+        caption="When impacts turn into lasting contact in the bore",
+        key="settling",
+    )
+    gap = next(one.longest_gap for many in found for one in many)
+    note = (
+        "Settled: from this time on the bore's contacts are never all apart for longer than "
+        f"{readable(gap, 's')}. Rate of decay: of the straight line through the logarithm of the approach "
+        "speeds over time."
+    )
+    return Section(key="settling", title="Settling", items=(table,), notes=(note,))
+
+
+def _settling_rows(joint: str, found: Sequence[Settling | None]) -> Iterator[Row]:
+    def row(name: str, of: Callable[[Settling], float | None], unit: str) -> Row:
+        values = [None if one is None else of(one) for one in found]
+        return quantities(name, [v if v is not None and np.isfinite(v) else None for v in values], unit, 3)
+
+    yield Row(joint)
+    yield row("settled at", lambda one: one.time, "s")
+    if any(one is not None and one.note for one in found):
+        yield words("why it has not settled", ("" if one is None else one.note for one in found))
+    for word in ("before", "after"):
+        shares = [None if one is None else getattr(one, f"share_{word}") for one in found]
+        shares = [s if s is not None and np.isfinite(s) else None for s in shares]
+        yield shares_row(f"share of time in contact {word}", shares)
+    yield row("last time apart ends at", lambda one: one.last_gap, "s")
+    yield row("rate of decay of approach speeds", lambda one: one.decay_rate, "1/s")
+    yield row("how well it fits, R²", lambda one: one.decay_r2, "1")

@@ -1,0 +1,173 @@
+"""What the analyses find in the motion: deviation from the ideal run, and dominant frequencies."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+
+import numpy as np
+import xarray as xr
+
+from antenna_pin.analysis import (
+    Deviation,
+    DeviationMeasures,
+    Growth,
+    deviation,
+    dominant_frequencies,
+)
+from antenna_pin.errors import AntennaPinError
+from antenna_pin.readable import number, readable
+from antenna_pin.report._parts import Cell, Details, Row, Section, Table, quantity, words
+from antenna_pin.report._runs import ReportedRun, ideal_of, labels_of
+
+__all__ = ["deviations", "frequencies"]
+
+#: Frequencies named per signal and run.
+FREQUENCIES = 3
+
+
+# --- deviation ---
+
+
+def deviations(runs: Sequence[ReportedRun]) -> Section:
+    """Return how far each run is from the ideal one, if there is one among them."""
+    ideal = ideal_of(runs)
+    if ideal is None:
+        note = "No other run, without clearance, to deviate from; add one to see this."
+        return _section(notes=(note,))
+    found: list[tuple[ReportedRun, Deviation]] = []
+    notes = []
+    for run in runs:
+        if run is ideal:
+            continue
+        try:
+            found.append((run, deviation(run.data, ideal.data)))
+        except AntennaPinError as error:
+            notes.append(f"{run.label}: {error}.")
+    if not found:
+        return _section(notes=tuple(notes))
+    every = list(dict.fromkeys(m.of for _, one in found for m in one.measures))
+    joints = [of for of in every if not of.startswith("base ")]
+    bases = [of for of in every if of.startswith("base ")]
+    items: list[Table | Details] = []
+    if joints:
+        caption = f"Motion of the joints less that of {ideal.label}"
+        items.append(_deviation_table(found, joints, caption, "deviation"))
+    if bases:
+        caption = f"Motion of the base less that in {ideal.label}: lengths of vectors in world axes"
+        table = _deviation_table(found, bases, caption, "deviation-base")
+        items.append(Details(title="Deviation of the base", tables=(table,)))
+    notes.insert(
+        0,
+        f"Against {ideal.label}, which is interpolated to each run's own samples, while both last. Growth: "
+        "what explains the envelope best, a power of time or an exponential, with its coefficient of "
+        "determination.",
+    )
+    return _section(items=tuple(items), notes=tuple(notes))
+
+
+def _section(items: tuple[Table | Details, ...] = (), notes: tuple[str, ...] = ()) -> Section:
+    return Section(key="deviation", title="Deviation from the ideal run", items=items, notes=notes)
+
+
+def _deviation_table(
+    found: Sequence[tuple[ReportedRun, Deviation]], quantities: Sequence[str], caption: str, key: str
+) -> Table:
+    """Return a table with a row per quantity, or, of several runs, per quantity and run."""
+    rows: list[Row] = []
+    for of in quantities:
+        if len(found) > 1:
+            rows.append(Row(of))
+        for run, one in found:
+            if of in (m.of for m in one.measures):
+                rows.append(_measures(run.label if len(found) > 1 else of, one[of]))
+    columns = ("", "largest", "at", "root mean square", "at the end", "growth")
+    return Table(columns=columns, rows=tuple(rows), caption=caption, key=key)
+
+
+def _measures(name: str, of: DeviationMeasures) -> Row:
+    cells = (
+        quantity(of.maximum, of.units),
+        quantity(of.time_of_maximum, "s"),
+        quantity(of.rms, of.units),
+        quantity(of.end, of.units),
+        Cell(_growth(of.growth)),
+    )
+    return Row(name, cells)
+
+
+def _growth(growth: Growth) -> str:
+    if growth.kind == "power":
+        return f"like time to the {number(growth.exponent, 3)} ({number(growth.power_r2, 3)})"
+    if growth.kind == "exponential":
+        return f"like exp({number(growth.rate, 3)} t/s) ({number(growth.exponential_r2, 3)})"
+    return growth.note
+
+
+# --- frequencies ---
+
+
+def frequencies(runs: Sequence[ReportedRun]) -> Section:
+    """Return the strongest periodic parts of the joints' accelerations and the journals' forces."""
+    signals: dict[str, Callable[[ReportedRun], np.ndarray | None]] = {}
+    units: dict[str, str] = {}
+    for name in dict.fromkeys(name for run in runs for name in run.names("joint")):
+        label = f"acceleration of {name}"
+        signals[label], units[label] = _picker("motion_acceleration", "joint", name), "rad/s^2"
+    for name in dict.fromkeys(name for run in runs for name in run.names("clearance_joint")):
+        label = f"force on the journal of {name}"
+        signals[label], units[label] = _picker("joint_force", "clearance_joint", name), "N"
+    rows: list[Row] = []
+    notes: list[str] = []
+    for label, pick in signals.items():
+        found = []
+        for run in runs:
+            try:
+                values = pick(run)
+                time = run.data["time"].values
+                found.append(None if values is None else dominant_frequencies(time, values, FREQUENCIES))
+            except AntennaPinError as error:
+                found.append(None)
+                notes.append(f"{run.label}, {label}: {error}.")
+        if any(one is not None for one in found):
+            rows += _frequency_rows(label, found, units[label])
+    table = Table(
+        columns=("", *labels_of(runs)), rows=tuple(rows), caption="Strongest frequencies", key="frequencies"
+    )
+    if rows:
+        notes.insert(
+            0,
+            "Strongest first, with the amplitude of the sine; only what stands out five times above its "
+            "surroundings. An amplitude is a mean over the whole run.",
+        )
+    return Section(
+        key="frequencies",
+        title="Dominant frequencies",
+        items=(table,) if rows else (),
+        notes=tuple(dict.fromkeys(notes)),
+    )
+
+
+def _picker(variable: str, dimension: str, name: str) -> Callable[[ReportedRun], np.ndarray | None]:
+    def pick(run: ReportedRun) -> np.ndarray | None:
+        if name not in run.names(dimension):
+            return None
+        values = np.asarray(run.data[variable].sel({dimension: name}).values, dtype=float)
+        return np.linalg.norm(values, axis=1) if values.ndim == 2 else values
+
+    return pick
+
+
+def _frequency_rows(label: str, found: Sequence[xr.Dataset | None], unit: str) -> Iterator[Row]:
+    yield Row(label)
+    most = max(one.sizes["peak"] for one in found if one is not None)
+    if not most:
+        yield words("nothing stands out", ("" for _ in found))
+    for k in range(most):
+        cells = []
+        for one in found:
+            if one is None or k >= one.sizes["peak"]:
+                cells.append(Cell(number(None)))
+                continue
+            frequency, amplitude = float(one["frequency"][k]), float(one["amplitude"][k])
+            cells.append(Cell(f"{readable(frequency, 'Hz')}, {readable(amplitude, unit, 3)}", frequency))
+        yield Row(f"{k + 1}.", tuple(cells))

@@ -1,0 +1,125 @@
+"""Where the numbers come from: versions, scenarios in full, commands that repeat all of it."""
+
+from __future__ import annotations
+
+import json
+import shlex
+from collections.abc import Sequence
+from pathlib import Path
+
+from antenna_pin.report._parts import Details, Section, Statement, Table, words
+from antenna_pin.report._runs import ReportedRun, labels_of
+from antenna_pin.scenario import Scenario, list_scenarios, scenario_toml
+from antenna_pin.trajectory import library_versions
+
+__all__ = ["provenance", "report_command", "run_command"]
+
+
+def provenance(runs: Sequence[ReportedRun], command: str | None) -> Section:
+    """Return versions, dates, scenarios and commands.
+
+    Args:
+        runs: What is reported.
+        command: The command line that wrote the report; None for one made in Python.
+    """
+    statements = [
+        Statement(
+            label="repeat the runs",
+            texts=tuple(((run.label,), run_command(run) or _NO_COMMAND) for run in runs),
+            code=True,
+        )
+    ]
+    again = command or report_command(runs)
+    if again is not None:
+        statements.append(Statement(label="repeat this report", texts=(((), again),), code=True))
+    dates = tuple(
+        ((run.label,), str(run.data.attrs["finished"])) for run in runs if "finished" in run.data.attrs
+    )
+    if dates:
+        statements.append(Statement(label="runs finished (UTC)", texts=dates))
+    files = tuple(((run.label,), str(run.file)) for run in runs if run.file is not None)
+    if files:
+        statements.append(Statement(label="files", texts=files, code=True))
+    sources = dict.fromkeys(run.run.scenario.source for run in runs if run.run.scenario is not None)
+    if any(sources):
+        statements.append(
+            Statement(label="source of the numbers", texts=(((), "; ".join(filter(None, sources))),))
+        )
+    return Section(
+        key="provenance",
+        title="Provenance",
+        statements=tuple(statements),
+        items=(Details(title="Versions", tables=(_versions(runs),)), *_sources(runs)),
+    )
+
+
+_NO_COMMAND = "a system built in Python: run its script again"
+
+
+def _versions(runs: Sequence[ReportedRun]) -> Table:
+    found = [json.loads(run.data.attrs.get("versions", "{}")) for run in runs]
+    here = library_versions()
+    names = dict.fromkeys(name for one in (*found, here) for name in one)
+    return Table(
+        columns=("", *labels_of(runs), "this report"),
+        rows=tuple(words(name, (str(one.get(name, "")) for one in (*found, here))) for name in names),
+        caption="Versions of what made the runs and this report",
+        key="versions",
+    )
+
+
+def _sources(runs: Sequence[ReportedRun]) -> list[Details]:
+    """Return the scenarios and URDFs in full, each text once."""
+    scenarios: dict[str, list[str]] = {}
+    urdfs: dict[str, list[str]] = {}
+    for run in runs:
+        if run.run.scenario is not None:
+            scenarios.setdefault(scenario_toml(run.run.scenario), []).append(run.label)
+            urdfs.setdefault(run.run.scenario.urdf_text, []).append(run.label)
+        elif "urdf" in run.data.attrs:
+            urdfs.setdefault(str(run.data.attrs["urdf"]), []).append(run.label)
+    return [
+        Details(title=f"{what} of {', '.join(labels)}", text=text, key=what)
+        for what, texts in (("Scenario", scenarios), ("URDF", urdfs))
+        for text, labels in texts.items()
+    ]
+
+
+def run_command(run: ReportedRun) -> str | None:
+    """Return the command that repeats a run; None for a system built in Python."""
+    scenario = run.run.scenario
+    if scenario is None:
+        return None
+    parts = ["antenna-pin", "run", _place(scenario)]
+    if scenario.case is not None:
+        parts += ["--case", scenario.case]
+    changes = list(scenario.overrides)
+    if run.run.completed and abs(run.end - scenario.duration) > 1e-9 * scenario.duration:
+        changes.append(f"duration={run.end!r}")
+    for change in changes:
+        parts += ["--set", change]
+    return shlex.join([*parts, "--out", str(run.file or Path(f"{_file_name(run.label)}.nc"))])
+
+
+def _place(scenario: Scenario) -> str:
+    """Return the name of a shipped scenario, or the path of another."""
+    folder = scenario.folder
+    shipped = {one.name for one in list_scenarios()}
+    if (
+        scenario.name in shipped
+        and folder.name == scenario.name
+        and folder.parent.name in ("models", "_models")
+    ):
+        return scenario.name
+    return str(folder if folder.name == scenario.name else folder / f"{scenario.name}.toml")
+
+
+def _file_name(label: str) -> str:
+    return "".join(letter if letter.isalnum() or letter in "-_." else "-" for letter in label)
+
+
+def report_command(runs: Sequence[ReportedRun]) -> str | None:
+    """Return a command that writes a report of files; None where a run came from no file."""
+    if any(run.file is None for run in runs):
+        return None
+    return shlex.join(["antenna-pin", "report", *(str(run.file) for run in runs), "--out", "report.html"])

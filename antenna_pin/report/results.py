@@ -1,0 +1,260 @@
+"""How runs ended, what is to be warned of, and their key numbers side by side."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from antenna_pin.analysis import impacts, load_statistics
+from antenna_pin.readable import number, readable
+from antenna_pin.report._parts import Row, Section, Table, counts, quantities, shares_row, words
+from antenna_pin.report._runs import ReportedRun, ideal_of, labels_of
+from antenna_pin.trajectory import FORMAT
+
+__all__ = ["CONSERVED_WITHIN", "Status", "key_results", "conservation", "statuses", "warnings"]
+
+#: Relative errors of what must be conserved beyond which a run is not to be trusted.
+CONSERVED_WITHIN = 1e-6
+
+#: Largest difference of the gaps by coal and by the closed form that passes without a warning [m].
+GAPS_WITHIN = 1e-9
+
+
+@dataclass(frozen=True, slots=True)
+class Status:
+    """How a run ended.
+
+    Attributes:
+        label: Of the run.
+        completed: Whether it reached its end.
+        outcome: Its name: COMPLETED, INTERRUPTED, ...
+        text: In words, with the time that it reached.
+    """
+
+    label: str
+    completed: bool
+    outcome: str
+    text: str
+
+
+def statuses(runs: Sequence[ReportedRun]) -> list[Status]:
+    """Return how each run ended."""
+    return [_status(run) for run in runs]
+
+
+def _status(run: ReportedRun) -> Status:
+    reached = f"{readable(run.end, 's')} in {run.samples} sample{'s' if run.samples != 1 else ''}"
+    wanted = run.run.scenario.duration if run.run.scenario is not None else None
+    if not run.run.completed and wanted is not None:
+        reached += f", of {readable(wanted, 's')} asked for"
+    return Status(run.label, run.run.completed, run.run.outcome.name, f"{run.run.message} ({reached})")
+
+
+def warnings(runs: Sequence[ReportedRun]) -> list[str]:
+    """Return what a reader must know before believing the numbers, one sentence each."""
+    return [text for run in runs for text in _warnings(run)] + list(_differences(runs))
+
+
+def _warnings(run: ReportedRun) -> Iterator[str]:
+    data, name = run.data, run.label
+    if run.samples < 2:
+        yield f"{name}: one sample only, so nothing is drawn or analysed over time."
+    kept = _conserved(run)
+    for key, what in (
+        ("energy_error_relative", "the energy balance is off by"),
+        ("linear_momentum_drift_relative", "linear momentum drifts by"),
+        ("angular_momentum_drift_relative", "angular momentum drifts by"),
+    ):
+        value = kept.get(key)
+        if value is not None and not abs(value) <= CONSERVED_WITHIN:
+            yield (
+                f"{name}: {what} {number(value, 2)} of its scale, more than {number(CONSERVED_WITHIN)}; "
+                "tighten integrator.rtol."
+            )
+    gaps = float(data.attrs.get("gap_difference", 0.0))
+    if not gaps <= GAPS_WITHIN:
+        yield (
+            f"{name}: coal and the closed form differ by {readable(gaps, 'm', 2)} in the gaps, more than "
+            f"{readable(GAPS_WITHIN, 'm')}."
+        )
+    broken = [str(v) for v in ("q", "v", "a") if v in data and not np.isfinite(run.values(v)).all()]
+    if broken:
+        yield f"{name}: {', '.join(broken)} hold values that are not finite."
+    scenario = run.run.scenario
+    if scenario is not None and scenario.mechanism.allow_impossible_inertia:
+        bodies = ", ".join(scenario.mechanism.allow_impossible_inertia)
+        yield f"{name}: no real body has the inertia of {bodies}, which breaks the triangle rule."
+    written = str(data.attrs.get("format", FORMAT))
+    if written != FORMAT:
+        yield f"{name}: its file is of an older format ({written}) and lacks what that did not record."
+
+
+def _differences(runs: Sequence[ReportedRun]) -> Iterator[str]:
+    if len({round(run.end, 9) for run in runs}) > 1:
+        ends = ", ".join(f"{run.label} {readable(run.end, 's')}" for run in runs)
+        yield f"The runs are not equally long ({ends}): compare totals and largest values with care."
+    versions = {json.loads(run.data.attrs.get("versions", "{}")).get("antenna_pin") for run in runs}
+    if len(versions) > 1:
+        yield "The runs were made by different versions of antenna_pin; see Provenance."
+    scenarios = {run.run.scenario.name for run in runs if run.run.scenario is not None}
+    if len(scenarios) > 1:
+        yield f"The runs are of different scenarios: {', '.join(sorted(scenarios))}."
+
+
+def _conserved(run: ReportedRun) -> dict[str, Any]:
+    found: dict[str, Any] = json.loads(run.data.attrs.get("conservation", "{}"))
+    return found
+
+
+# --- key numbers ---
+
+
+def key_results(runs: Sequence[ReportedRun]) -> Section:
+    """Return the key numbers of all runs in one table, columns being runs."""
+    rows = [
+        words("outcome", (run.run.outcome.name.lower().replace("_", " ") for run in runs)),
+        quantities("simulated time", [run.end for run in runs], "s"),
+    ]
+    for joint in _every(runs, "joint"):
+        rows += _joint_rows(runs, joint)
+    for joint in _every(runs, "clearance_joint"):
+        rows += _clearance_rows(runs, joint)
+    if any("base_position" in run.data for run in runs):
+        rows += [
+            Row("base"),
+            quantities("farthest from its start", [_base(run, _displacement) for run in runs], "m"),
+            quantities("largest turn from its start", [_base(run, _turn) for run in runs], "rad"),
+        ]
+    table = Table(
+        columns=("", *labels_of(runs)), rows=tuple(rows), caption="Key numbers of the runs", key="key-results"
+    )
+    notes = []
+    if _every(runs, "clearance_joint"):
+        notes.append(
+            "Forces, depths and speeds of contacts are the largest of the integrator's dense output, not of "
+            "samples. Impulse is the integral of the normal forces over time; energy lost is that of "
+            "contacts, normal and friction."
+        )
+    return Section(key="results", title="Key results", items=(table,), notes=tuple(notes))
+
+
+def _every(runs: Sequence[ReportedRun], dimension: str) -> list[str]:
+    return list(dict.fromkeys(name for run in runs for name in run.names(dimension)))
+
+
+def _joint_rows(runs: Sequence[ReportedRun], joint: str) -> Iterator[Row]:
+    def column(pick: Callable[[ReportedRun, int], float]) -> list[float | None]:
+        return [
+            pick(run, run.names("joint").index(joint)) if joint in run.names("joint") else None
+            for run in runs
+        ]
+
+    yield Row(f"joint {joint}")
+    yield quantities("angle at the end", column(lambda run, k: _last(run, "motion_angle", k)), "rad", 5)
+    yield quantities("rate at the end", column(lambda run, k: _last(run, "motion_rate", k)), "rad/s", 5)
+    peaks = column(lambda run, k: _largest(run, "motion_acceleration", k))
+    yield quantities("largest acceleration", peaks, "rad/s^2")
+    ideal = ideal_of(runs)
+    if ideal is not None and joint in ideal.names("joint"):
+        own = peaks[list(runs).index(ideal)]
+        ratios = [peak / own if peak is not None and own else None for peak in peaks]
+        yield quantities("the same over the ideal joint's", ratios, "1", 3)
+
+
+def _clearance_rows(runs: Sequence[ReportedRun], joint: str) -> Iterator[Row]:
+    tables = [impacts(run.data, joint) if joint in run.names("clearance_joint") else None for run in runs]
+    loads = [
+        load_statistics(run.data, joint) if joint in run.names("clearance_joint") else None for run in runs
+    ]
+
+    def largest(name: str) -> list[float | None]:
+        return [None if t is None else float(t[name].max()) if t.sizes["impact"] else 0.0 for t in tables]
+
+    def total(name: str) -> list[float | None]:
+        return [None if found is None else float(found[f"joint_{name}"].values[0]) for found in loads]
+
+    yield Row(f"contact in {joint}")
+    yield counts("contacts", (None if t is None else t.sizes["impact"] for t in tables))
+    yield quantities("largest normal force", largest("peak_force"), "N")
+    yield quantities("greatest depth", largest("peak_depth"), "m")
+    yield quantities("fastest approach", largest("approach_speed"), "m/s")
+    yield quantities("impulse", total("impulse"), "N s")
+    yield quantities("energy lost", total("dissipated"), "J")
+    yield shares_row("share of time in contact", total("contact_share"))
+
+
+def _last(run: ReportedRun, name: str, k: int) -> float:
+    return float(run.values(name)[-1, k])
+
+
+def _largest(run: ReportedRun, name: str, k: int) -> float:
+    return float(np.abs(run.values(name)[:, k]).max())
+
+
+def _base(run: ReportedRun, of: Callable[[ReportedRun], float]) -> float | None:
+    return of(run) if "base_position" in run.data else None
+
+
+def _displacement(run: ReportedRun) -> float:
+    position = run.values("base_position")
+    return float(np.linalg.norm(position - position[0], axis=1).max())
+
+
+def _turn(run: ReportedRun) -> float:
+    attitude = run.values("base_attitude")
+    # Of q0* q the vector part is sin of half the angle; small angles keep their digits that way.
+    x0, q = attitude[0], attitude
+    scalar = q @ x0
+    vector = (
+        x0[3] * q[:, :3] - q[:, 3:] * x0[:3] - np.cross(np.broadcast_to(x0[:3], q[:, :3].shape), q[:, :3])
+    )
+    return float((2.0 * np.arctan2(np.linalg.norm(vector, axis=1), np.abs(scalar))).max())
+
+
+# --- conservation ---
+
+
+def conservation(runs: Sequence[ReportedRun]) -> Section:
+    """Return how well each run kept what must be kept."""
+    kept = [_conserved(run) for run in runs]
+
+    def row(name: str, key: str, unit: str = "1") -> Row:
+        return quantities(name, [found.get(key) for found in kept], unit, 3)
+
+    rows = [
+        Row("energy"),
+        row("error of the balance", "energy_error", "J"),
+        row("gross work of the drives", "gross_work", "J"),
+        row("error over gross work", "energy_error_relative"),
+        Row("linear momentum"),
+        row("drift", "linear_momentum_drift", "kg m/s"),
+        row("scale", "linear_momentum_scale", "kg m/s"),
+        row("drift over scale", "linear_momentum_drift_relative"),
+        Row("angular momentum, about the mass centre"),
+        row("drift", "angular_momentum_drift", "kg m^2/s"),
+        row("scale", "angular_momentum_scale", "kg m^2/s"),
+        row("drift over scale", "angular_momentum_drift_relative"),
+    ]
+    if any(run.names("contact") for run in runs):
+        gaps = [float(run.data.attrs["gap_difference"]) if run.names("contact") else None for run in runs]
+        rows += [Row("contact geometry"), quantities("gaps, coal against closed form", gaps, "m", 3)]
+    table = Table(
+        columns=("", *labels_of(runs)),
+        rows=tuple(rows),
+        caption="What must be conserved, and by how much it was not",
+        key="conservation",
+    )
+    return Section(
+        key="conservation",
+        title="Conservation",
+        items=(table,),
+        notes=(
+            "Energy balance: what is stored, less that at the start and the drives' work, plus all losses. A "
+            "momentum's scale is the largest sum of its magnitudes over the bodies without the base. A dash: "
+            "nothing to compare with, or not conserved here (a fixed base, gravity).",
+        ),
+    )

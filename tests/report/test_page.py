@@ -1,0 +1,121 @@
+"""The page as a file: safe, self-contained, of a sensible size; in a browser, on a phone, on paper."""
+
+import base64
+import dataclasses
+import re
+
+import pytest
+
+from antenna_pin.errors import OutputError
+from antenna_pin.record import shared_head
+from antenna_pin.report import report
+
+HOSTILE = "</title></script><script>window.bad = 1</script>\"'&"
+
+
+@pytest.fixture(scope="module")
+def saved(ideal, play, tmp_path_factory):
+    return report([ideal, play]).save(tmp_path_factory.mktemp("report") / "a report.html")
+
+
+def test_text_of_others_is_escaped(ideal, play, shown):
+    scenario = play.scenario.model_copy(update={"title": HOSTILE, "source": HOSTILE, "description": HOSTILE})
+    data = play.data.assign_attrs(title=HOSTILE, case=HOSTILE)
+    run = dataclasses.replace(play, data=data, scenario=scenario, message=HOSTILE)
+    made = report([ideal, run], title=HOSTILE)
+    assert "<script>window.bad" not in made.html
+    page = shown(made.html)
+    assert page.text("//h1") == HOSTILE and page.text("//title") == HOSTILE
+    assert HOSTILE in page.text("//section[@id='what-scenario']")
+
+
+def test_nothing_is_loaded_from_elsewhere(saved):
+    """Addresses that a page would load by itself; words in scripts and licences may name some."""
+    html = saved.read_text(encoding="utf-8")
+    loads = re.findall(
+        r"<(?:link|img|script|iframe|source|video|audio)\b[^>]*?(?:src|href)=[\"']([^\"']*)", html
+    )
+    assert loads and all(address.startswith("data:") for address in loads)
+    assert not re.search(r"@import|url\(\s*[\"']?(?!data:)\w+:", html[: html.index("</style>")])
+
+
+def test_the_viewer_is_there_once_and_only_with_recordings(saved, ideal, play):
+    html = saved.read_text(encoding="utf-8")
+    assert html.count('class="ap-frame"') == 2  # the mechanism and the joint
+    assert html.count(shared_head().strip()) == 1
+    plain = report([ideal, play], figures=False, recordings=False).html
+    assert "meshcat" not in plain and "<img" not in plain and 'class="ap-frame"' not in plain
+    assert len(html) < 4e6 and len(plain) < 2e5
+
+
+def test_saving_where_it_cannot_be(ideal, tmp_path):
+    made = report(ideal, figures=False, recordings=False)
+    with pytest.raises(OutputError, match="folder"):
+        made.save(tmp_path / "missing" / "report.html")
+    assert made.save(tmp_path / "report.html").read_text(encoding="utf-8") == made.html
+    assert [path.name for path in tmp_path.iterdir()] == ["report.html"]
+
+
+def test_a_notebook_shows_it_in_a_frame(ideal):
+    made = report(ideal, figures=False, recordings=False)
+    assert made._repr_html_().startswith('<iframe srcdoc="&lt;!DOCTYPE html&gt;')
+
+
+@pytest.mark.parametrize(("width", "height", "mobile"), [(380, 760, True), (1280, 900, False)])
+def test_no_page_is_wider_than_its_screen(page, saved, width, height, mobile):
+    page.open(saved, width, height)
+    page.resize(width, height, mobile)
+    # With all that is collapsed shown, too.
+    page.run("document.querySelectorAll('details').forEach((part) => { part.open = true; });")
+    wide, outside = page.run(
+        "const scrolled = (e) => e.closest('.scroll, .source, .ap-frame');"
+        "const out = [...document.querySelectorAll('main *')].filter((e) => !scrolled(e) && "
+        "e.getBoundingClientRect().right > innerWidth + 0.5);"
+        "return [document.documentElement.scrollWidth, out.map((e) => e.outerHTML.slice(0, 80))];"
+    )
+    assert outside == []
+    assert wide <= width
+    assert page.errors == [] and page.requests == []
+
+
+def test_recordings_start_when_they_are_scrolled_to(page, saved):
+    page.open(saved, 380, 760)
+    assert page.run("return AntennaPin.players.length;") == 0
+    page.run(
+        "for (const frame of document.querySelectorAll('.ap-frame')) {"
+        "  frame.scrollIntoView();"
+        "  const t = performance.now();"
+        "  while (!frame.querySelector('canvas') && performance.now() - t < 20000)"
+        "    await new Promise((done) => setTimeout(done, 20));"
+        "}"
+        "for (const player of AntennaPin.players) await player.ready;"
+    )
+    assert page.run("return AntennaPin.players.length;") == 2
+    assert page.errors == [] and page.requests == []
+
+
+def test_prints_on_a_few_pages(page, saved):
+    """A4, and no more pages than text and tables (ten) and figures (three) of this pair of runs take."""
+    page.open(saved, 1000, 800)
+    printed = page.browser.command("Page.printToPDF", preferCSSPageSize=True, printBackground=True)
+    pdf = base64.b64decode(printed["data"])
+    sizes = re.findall(rb"/MediaBox\s*\[0 0 ([\d.]+) ([\d.]+)\]", pdf)
+    assert 5 <= len(sizes) <= 13
+    # 210 x 297 mm in points of 1/72 inch, to a point.
+    assert {(round(float(w)), round(float(h))) for w, h in sizes} <= {
+        (595, 842),
+        (594, 842),
+        (596, 842),
+        (595, 841),
+    }
+    # On paper neither what moves nor what is not opened.
+    page.browser.command("Emulation.setEmulatedMedia", media="print")
+    try:
+        left = page.run(
+            "return [...document.querySelectorAll('.recording, nav, details')].filter((e) => "
+            "e.getBoundingClientRect().height > 0).length;"
+        )
+    finally:
+        page.browser.command("Emulation.setEmulatedMedia", media="")
+    assert left == 0
+    assert page.errors == [] and page.requests == []
