@@ -42,6 +42,7 @@ _DRIVERS = ("chromedriver",)
 _INSTALL = "install both (Debian, Ubuntu: apt-get install chromium chromium-driver)"
 
 _PORT = re.compile(r"success\w* on port (\d+)")
+_LONGEST_FOLDER = 36  # characters; what we and the browser append takes 70 more
 _START = 60.0  # [s] that a driver may take to start
 
 #: Nothing that a browser does on its own: it opens one page of ours, offline, and draws it without a
@@ -226,14 +227,16 @@ def open_browser(
     from selenium.webdriver.remote.client_config import ClientConfig
 
     # The browser may write to its folder until the last of its processes has gone.
-    folder = tempfile.TemporaryDirectory(prefix="antenna-pin-browser-", ignore_cleanup_errors=True)
-    with folder as profile, _running_driver(programs.driver) as address, contextlib.ExitStack() as ending:
+    folder = tempfile.TemporaryDirectory(
+        prefix="antenna-pin-", dir=_temporary_folder(), ignore_cleanup_errors=True
+    )
+    with folder as own, _running_driver(programs.driver, own) as address, contextlib.ExitStack() as ending:
         # The driver listens on this machine, so no proxy of the environment leads there.
         direct = Proxy({"proxyType": ProxyType.DIRECT})
         config = ClientConfig(address, proxy=direct, timeout=int(2 * timeout))
         connection = ChromeRemoteConnection(address, client_config=config)
         try:
-            driver = Remote(command_executor=connection, options=_options(programs.browser, profile, logs))
+            driver = Remote(command_executor=connection, options=_options(programs.browser, own, logs))
         except Exception as error:
             raise MissingToolError(
                 f"{programs.browser} must start with {programs.driver}, got: {_reason(error)}; {_INSTALL}, "
@@ -245,9 +248,19 @@ def open_browser(
         yield Browser(driver)
 
 
+def _temporary_folder() -> str:
+    """Return where temporary files go, or a shorter place: names of sockets have 107 characters at most."""
+    usual = tempfile.gettempdir()
+    return usual if len(usual) <= _LONGEST_FOLDER else "/tmp"
+
+
 @contextlib.contextmanager
-def _running_driver(program: str) -> Iterator[str]:
+def _running_driver(program: str, folder: str) -> Iterator[str]:
     """Start the browser's driver and yield its address; end it and what it has started afterwards.
+
+    Args:
+        program: The driver.
+        folder: For its temporary files.
 
     They are a group of processes of their own: Ctrl-C is for us, who then end them in good order. A shell
     leads the group and ends it when its input closes, so also when we are killed.
@@ -257,6 +270,7 @@ def _running_driver(program: str) -> Iterator[str]:
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         stderr=subprocess.DEVNULL,
+        env=os.environ | {"TMPDIR": folder},
         text=True,
         start_new_session=True,
     )
@@ -283,14 +297,14 @@ def _running_driver(program: str) -> Iterator[str]:
         group.wait()
 
 
-def _options(browser: str, profile: str, logs: bool) -> ChromeOptions:
+def _options(browser: str, folder: str, logs: bool) -> ChromeOptions:
     from selenium.webdriver import ChromeOptions
 
     options = ChromeOptions()
     options.binary_location = browser
     for flag in _FLAGS:
         options.add_argument(flag)
-    options.add_argument(f"--user-data-dir={profile}")
+    options.add_argument(f"--user-data-dir={folder}/profile")
     if hasattr(os, "geteuid") and os.geteuid() == 0:  # Chromium's sandbox refuses root
         options.add_argument("--no-sandbox")
     if logs:
