@@ -25,13 +25,14 @@ _SCALES = (4.0, 3.0, 2.0, 1.5, 1.0)
 _OPEN = """
 const player = window.recording;
 if (player.failed) return player.stage.textContent;
-document.head.insertAdjacentHTML("beforeend", "<style>.ap-bar { display: none !important; }</style>");
+document.head.insertAdjacentHTML("beforeend", `<style>${a[0]} { display: none !important; }</style>`);
 await player.ready;
 // The stage grows into the place of the controls with the next layout.
 await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
 player.pause();
 return "";
 """
+_CONTROLS, _SPEED = ".ap-bar", ".ap-rate"
 _SEEK = "window.recording.seek(a[0]); window.recording.render();"
 _ADVANCE = "window.recording.advance(a[0], a[1]); window.recording.render();"
 
@@ -85,13 +86,18 @@ class Camera:
 
 @contextlib.contextmanager
 def open_camera(
-    recording: Recording, size: tuple[int, int], programs: BrowserPrograms | None = None
+    recording: Recording,
+    size: tuple[int, int],
+    *,
+    still: bool = False,
+    programs: BrowserPrograms | None = None,
 ) -> Iterator[Camera]:
     """Show a recording in a browser, without its controls.
 
     Args:
         recording: What is filmed.
         size: Of the pictures, width and height [px].
+        still: Whether the speed is left out, as of a single picture.
         programs: Browser and driver; found if not given.
 
     Raises:
@@ -107,7 +113,7 @@ def open_camera(
         page = recording.save(Path(folder) / "recording.html")
         browser.resize(int(width / scale), int(height / scale), scale=scale)
         browser.open(page.as_uri())
-        complaint = browser.run(_OPEN)
+        complaint = browser.run(_OPEN, f"{_CONTROLS}, {_SPEED}" if still else _CONTROLS)
         if complaint:
             raise MissingToolError(
                 f"the browser must show 3D pictures without a graphics card, got: {complaint}"

@@ -122,7 +122,7 @@ def save_picture(
     shown = start if time is None else float(time)
     if not start <= shown <= end:
         raise InvalidParameterError("picture", "time", f"within the recording, {start:g} to {end:g} s", shown)
-    with open_camera(recording, _SIZE[""] if size is None else size) as camera:
+    with open_camera(recording, _SIZE[""] if size is None else size, still=True) as camera:
         _write(target, camera.seek(shown))
     return target
 

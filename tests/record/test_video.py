@@ -72,7 +72,9 @@ def test_an_mp4_decodes_to_the_pictures_planned(recording, tmp_path, browser):
     assert len(frames) == done.frames == 7
     first = picture(save_picture(recording, tmp_path / "first.png", size=SMALL))
     assert first.std() > 10  # not blank
-    assert difference(frames[0], first) < 2  # of 255: what compression leaves
+    assert (
+        difference(frames[0], first) < 3
+    )  # of 255: what compression leaves, and the speed, not on a picture
     assert np.abs(frames[0].astype(int) - frames[-1]).max() > 60  # it moves
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a run.mp4", "first.png"]
 
@@ -89,7 +91,9 @@ def test_a_gif_has_its_pictures_for_their_times(recording, tmp_path, browser):
             pictures.append(np.asarray(gif.convert("RGB")))
     assert shown[:-1] == [30, 40, 30, 30, 40, 30] and shown[-1] == 1000
     first = picture(save_picture(recording, tmp_path / "first.png", size=SMALL))
-    assert difference(pictures[0], first) < 3  # of 255: 256 colours in place of all
+    assert (
+        difference(pictures[0], first) < 5
+    )  # of 255: 256 colours for all, and the speed is not on a picture
     assert difference(pictures[0], pictures[-1]) > 0.1
     assert np.abs(pictures[0].astype(int) - pictures[-1]).max() > 60
 
@@ -140,7 +144,7 @@ def test_a_mark_in_a_picture_is_where_the_trajectory_has_it(clearance_run, tmp_p
     data = clearance_run.data.assign_attrs(urdf=head + link + MAGENTA + tail)
     marked = record(dataclasses.replace(clearance_run, data=data))
     times = clearance_run.data["time"].values[[0, -1]]
-    with open_camera(marked, (640, 480)) as camera:
+    with open_camera(marked, (640, 480), still=True) as camera:
         matrices = np.array(camera._browser.run(MATRICES)).reshape(2, 4, 4)  # by columns
         pictures = [picture(io.BytesIO(camera.seek(float(time)))) for time in times]
     saved = picture(save_picture(marked, tmp_path / "mark.png", float(times[1]), size=(640, 480)))
