@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 from antenna_pin import plot
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.report._parts import Picture, Section
-from antenna_pin.report._runs import ReportedRun
+from antenna_pin.report._runs import ReportedRun, ideal_of
 
 __all__ = ["drawn"]
 
@@ -18,50 +18,96 @@ __all__ = ["drawn"]
 LARGEST_VECTOR = 150_000
 #: Of those [1/inch].
 DPI = 250.0
+#: A figure of several runs that is taller is drawn in parts, so that each fits on a page of paper [mm].
+TALLEST = 215.0
+#: Longer names of runs are cut in figures.
+LONGEST_NAME = 20
+
+Pairs = list[tuple[str, Any]]
 
 
 class _Drawing(NamedTuple):
-    """A figure to be drawn: a name, what it shows, and what draws it."""
+    """A figure to be drawn: its name, what it shows, what draws it, and of what.
+
+    Attributes:
+        compares: Whether all runs stand in it beside the ideal one.
+        touching: Whether only runs with contact are in it.
+    """
 
     key: str
     caption: str
-    draw: Callable[[], Any]
+    draw: Callable[[Pairs], Any]
+    compares: bool = False
+    touching: bool = False
 
 
 def drawn(runs: Sequence[ReportedRun]) -> Section:
     """Return the figures that the runs allow; the reason for one that cannot be drawn is a note."""
     drawable = [run for run in runs if run.samples > 1]
+    names = _short_names(drawable)
+    ideal = ideal_of(drawable)
     pictures, notes = [], []
-    for key, caption, draw in _drawings(drawable) if drawable else ():
+    for drawing in _drawings(drawable) if drawable else ():
         try:
-            figure = draw()
+            wanted = [run for run in drawable if run.names("contact") or not drawing.touching]
+            parts = list(_parts(drawing, wanted, names, ideal))
         except AntennaPinError as error:
-            notes.append(f"{caption}: {error}.")
+            notes.append(f"{drawing.caption}: {error}.")
             continue
-        pictures.append(Picture(source=_address(figure), caption=caption, key=key))
+        for number, (figure, shown) in enumerate(parts, start=1):
+            whole = len(parts) == 1
+            pictures.append(
+                Picture(
+                    source=_address(figure),
+                    caption=drawing.caption if whole else f"{drawing.caption}: {', '.join(shown)}",
+                    key=drawing.key if whole else f"{drawing.key}-{number}",
+                )
+            )
     return Section(key="figures", title="Figures", items=tuple(pictures), notes=tuple(notes))
 
 
+def _short_names(runs: Sequence[ReportedRun]) -> dict[str, str]:
+    """Return names of runs that fit into figures, unlike one another."""
+    names: dict[str, str] = {}
+    for number, run in enumerate(runs, start=1):
+        fits = len(run.label) <= LONGEST_NAME
+        end = f"… {number}"
+        names[run.label] = run.label if fits else run.label[: LONGEST_NAME - len(end)].rstrip() + end
+    return names
+
+
+def _parts(
+    drawing: _Drawing, runs: Sequence[ReportedRun], names: dict[str, str], ideal: ReportedRun | None
+) -> Iterator[tuple[Any, list[str]]]:
+    """Yield the figure of all runs, or of some each where it would be too tall, and which runs it shows."""
+    figure = drawing.draw([(names[run.label], run.data) for run in runs])
+    others = [run for run in runs if run is not ideal or not drawing.compares]
+    if 25.4 * figure.get_figheight() <= TALLEST or len(others) < 2:
+        yield figure, [run.label for run in runs]
+        return
+    beside = [ideal] if ideal is not None and drawing.compares else []
+    half = len(others) // 2
+    for part in (others[:half], others[half:]):
+        yield from _parts(drawing, [*beside, *part], names, ideal)
+
+
 def _drawings(runs: Sequence[ReportedRun]) -> Iterator[_Drawing]:
-    pairs = [(run.label, run.data) for run in runs]
-    touched = [run for run in runs if run.names("contact")]
     joints = list(dict.fromkeys(name for run in runs for name in run.names("joint")))
-    own = list(dict.fromkeys(name for run in touched for name in run.names("clearance_joint")))
+    own = list(dict.fromkeys(name for run in runs for name in run.names("clearance_joint")))
     # The joint with play is what a report is about; the others have their numbers in the tables.
     for joint in [name for name in joints if name in own] or joints[:1]:
         for quantity in plot.QUANTITIES:
-            draw = functools.partial(plot.figure_motion, pairs, quantity, joint=joint, width="column")
-            yield _Drawing(f"motion-{quantity}-{joint}", f"{quantity.capitalize()} of {joint}", draw)
+            draw = functools.partial(plot.figure_motion, quantity=quantity, joint=joint, width="column")
+            yield _Drawing(
+                f"motion-{quantity}-{joint}", f"{quantity.capitalize()} of {joint}", draw, compares=True
+            )
     for joint in own:
-        draw = functools.partial(plot.figure_contact_forces, pairs, joint=joint, width="column")
-        yield _Drawing(f"contact-forces-{joint}", f"Contact forces in {joint}", draw)
-    yield _Drawing(
-        "energy",
-        "Energy: work, storage and losses",
-        functools.partial(plot.figure_energy, pairs, width="column"),
-    )
+        draw = functools.partial(plot.figure_contact_forces, joint=joint, width="column")
+        yield _Drawing(f"contact-forces-{joint}", f"Contact forces in {joint}", draw, touching=True)
+    draw = functools.partial(plot.figure_energy, width="column")
+    yield _Drawing("energy", "Energy: work, storage and losses", draw)
     if any("base_position" in run.data for run in runs):
-        draw = functools.partial(plot.figure_momentum, pairs, width="column")
+        draw = functools.partial(plot.figure_momentum, width="column")
         yield _Drawing("momentum", "Drift of momentum", draw)
 
 

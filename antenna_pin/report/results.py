@@ -56,13 +56,17 @@ def _status(run: ReportedRun) -> Status:
 
 def warnings(runs: Sequence[ReportedRun]) -> list[str]:
     """Return what a reader must know before believing the numbers, one sentence each."""
-    return [text for run in runs for text in _warnings(run)] + list(_differences(runs))
+    said: dict[str, list[str]] = {}
+    for run in runs:
+        for text in _warnings(run):
+            said.setdefault(text, []).append(run.label)
+    return [f"{', '.join(labels)}: {text}" for text, labels in said.items()] + list(_differences(runs))
 
 
 def _warnings(run: ReportedRun) -> Iterator[str]:
-    data, name = run.data, run.label
+    data = run.data
     if run.samples < 2:
-        yield f"{name}: one sample only, so nothing is drawn or analysed over time."
+        yield "one sample only, so nothing is drawn or analysed over time."
     kept = _conserved(run)
     for key, what in (
         ("energy_error_relative", "the energy balance is off by"),
@@ -72,25 +76,25 @@ def _warnings(run: ReportedRun) -> Iterator[str]:
         value = kept.get(key)
         if value is not None and not abs(value) <= CONSERVED_WITHIN:
             yield (
-                f"{name}: {what} {number(value, 2)} of its scale, more than {number(CONSERVED_WITHIN)}; "
+                f"{what} {number(value, 2)} of its scale, more than {number(CONSERVED_WITHIN)}; "
                 "tighten integrator.rtol."
             )
     gaps = float(data.attrs.get("gap_difference", 0.0))
     if not gaps <= GAPS_WITHIN:
         yield (
-            f"{name}: coal and the closed form differ by {readable(gaps, 'm', 2)} in the gaps, more than "
+            f"coal and the closed form differ by {readable(gaps, 'm', 2)} in the gaps, more than "
             f"{readable(GAPS_WITHIN, 'm')}."
         )
     broken = [str(v) for v in ("q", "v", "a") if v in data and not np.isfinite(run.values(v)).all()]
     if broken:
-        yield f"{name}: {', '.join(broken)} hold values that are not finite."
+        yield f"{', '.join(broken)} hold values that are not finite."
     scenario = run.run.scenario
     if scenario is not None and scenario.mechanism.allow_impossible_inertia:
         bodies = ", ".join(scenario.mechanism.allow_impossible_inertia)
-        yield f"{name}: no real body has the inertia of {bodies}, which breaks the triangle rule."
+        yield f"no real body has the inertia of {bodies}, which breaks the triangle rule."
     written = str(data.attrs.get("format", FORMAT))
     if written != FORMAT:
-        yield f"{name}: its file is of an older format ({written}) and lacks what that did not record."
+        yield f"a file of an older format ({written}) which lacks what that version did not record."
 
 
 def _differences(runs: Sequence[ReportedRun]) -> Iterator[str]:

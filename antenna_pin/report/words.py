@@ -93,7 +93,7 @@ def _merged(said: Sequence[Words], labels: Sequence[str]) -> Iterator[Statement]
 def _words(run: ReportedRun) -> Iterator[tuple[str, Words]]:
     scenario = run.run.scenario
     if scenario is not None:
-        yield "Scenario", dict(_scenario(scenario))
+        yield "Scenario", dict(_scenario(scenario, run.label))
     try:
         mechanism: Mechanism | None = mechanism_of(run.run)
     except AntennaPinError as error:
@@ -118,13 +118,15 @@ def _vector(values: Sequence[float] | np.ndarray, unit: str = "1", digits: int =
     return f"({text}) {printed_unit(unit)}".rstrip()
 
 
-def _scenario(scenario: Scenario) -> Iterator[tuple[str, str]]:
+def _scenario(scenario: Scenario, label: str) -> Iterator[tuple[str, str]]:
     yield (
         "scenario",
         f"{scenario.name}: {scenario.title}" if scenario.title else scenario.name or "without a name",
     )
     if scenario.case:
-        yield "case", f"{scenario.case}: {scenario.description}" if scenario.description else scenario.case
+        # The run's label says its case already, as a rule.
+        words = [] if scenario.case == label and scenario.description else [scenario.case]
+        yield "case", ": ".join([*words, *([scenario.description] if scenario.description else [])])
     yield "simulated time", readable(scenario.duration, "s", _GIVEN)
     if scenario.overrides:
         yield "set over the file", ", ".join(scenario.overrides)

@@ -268,7 +268,7 @@ def test_a_system_built_in_python(from_python, shown):
 
 def test_an_older_file_gives_the_part_that_is_possible(ideal, old, play, shown):
     page = shown(report([ideal, ("old", old)], figures=False, recordings=False).html)
-    assert "old: its file is of an older format" in page.text("//div[@class='warnings']")
+    assert "old: a file of an older format" in page.text("//div[@class='warnings']")
     new = shown(report([ideal, ("old", play)], figures=False, recordings=False).html)
     assert page.rows("key-results") == new.rows("key-results")
     assert page.rows("loads") == new.rows("loads")
