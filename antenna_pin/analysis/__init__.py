@@ -6,6 +6,7 @@ from antenna_pin.analysis.bodies import body_poses, body_twists, joint_loads, me
 from antenna_pin.analysis.deviation import Deviation, DeviationMeasures, deviation
 from antenna_pin.analysis.growth import Growth, growth_of
 from antenna_pin.analysis.impacts import impact_statistics, impacts
+from antenna_pin.analysis.journal import bore_load, clearance_shapes, journal_motion
 from antenna_pin.analysis.loads import load_statistics
 from antenna_pin.analysis.orbit import Orbit
 from antenna_pin.analysis.pointing import Antenna, Command, boresight, pointing_error
@@ -21,7 +22,7 @@ from antenna_pin.analysis.scenarios import (
     scenario_rows,
 )
 from antenna_pin.analysis.settling import Settling, settling, touching_intervals
-from antenna_pin.analysis.shares import scenario_shares
+from antenna_pin.analysis.shares import scenario_shares, scenario_spans
 from antenna_pin.analysis.signals import RunSignal, signals
 from antenna_pin.analysis.spectrum import (
     UniformSignal,
@@ -49,7 +50,9 @@ __all__ = [
     "base_motion",
     "body_poses",
     "body_twists",
+    "bore_load",
     "boresight",
+    "clearance_shapes",
     "deviation",
     "dominant_frequencies",
     "error_components",
@@ -59,6 +62,7 @@ __all__ = [
     "interpolate_attitude",
     "interpolation_error",
     "joint_loads",
+    "journal_motion",
     "load_statistics",
     "mechanism_of",
     "pointing_error",
@@ -68,6 +72,7 @@ __all__ = [
     "scenario_of",
     "scenario_rows",
     "scenario_shares",
+    "scenario_spans",
     "settling",
     "signals",
     "spectrogram",

@@ -1,16 +1,18 @@
-"""How long a run spent in each contact scenario."""
+"""When a run was in each contact scenario, and for how long."""
 
 from __future__ import annotations
+
+from typing import TypeAlias
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from antenna_pin.errors import FileFormatError
+from antenna_pin.errors import FileFormatError, InvalidParameterError, UnknownNameError
 from antenna_pin.geometry import AxialScenario, RadialScenario
 from antenna_pin.trajectory import Trajectory
 
-__all__ = ["scenario_shares"]
+__all__ = ["scenario_shares", "scenario_spans"]
 
 _NEEDED = ("radial_scenario", "axial_scenario", "touching")
 
@@ -35,10 +37,6 @@ def scenario_shares(run: Trajectory | xr.Dataset) -> xr.DataArray:
     data = run.data if isinstance(run, Trajectory) else run
     radial, axial = ([kind.name.lower() for kind in kinds] for kinds in (RadialScenario, AxialScenario))
     joints = [str(name) for name in data["clearance_joint"].values] if "clearance_joint" in data.sizes else []
-    if joints:
-        missing = [name for name in _NEEDED if name not in data]
-        if missing:
-            raise FileFormatError(f"run: no variable {missing[0]!r}; is it an antenna_pin result?")
     shares = np.zeros((len(joints), len(radial), len(axial)))
     for k, joint in enumerate(joints):
         shares[k] = _shares(data, joint)
@@ -51,9 +49,78 @@ def scenario_shares(run: Trajectory | xr.Dataset) -> xr.DataArray:
     )
 
 
+def scenario_spans(run: Trajectory | xr.Dataset, joint: str | None = None) -> xr.Dataset:
+    """Return the spans of time that a clearance joint spent in one pair of contact scenarios each.
+
+    The time between two samples is shared as in :func:`scenario_shares`, its first half to the scenario at
+    its start, and neighbours of the same pair are one span.
+
+    Args:
+        run: A run with a clearance joint, or its data.
+        joint: Name of the clearance joint; the first one if left out.
+
+    Returns:
+        Over ``span``: ``start`` and ``end`` [s], each span beginning where the one before ends, and the
+        scenarios ``radial`` and ``axial`` as numbers, their names in the attribute ``flag_meanings``.
+    """
+    data = run.data if isinstance(run, Trajectory) else run
+    known = [str(name) for name in data["clearance_joint"].values] if "clearance_joint" in data.sizes else []
+    if not known:
+        raise InvalidParameterError("scenario_spans", "run", "one with a clearance joint", "none")
+    joint = known[0] if joint is None else joint
+    if joint not in known:
+        raise UnknownNameError("scenario_spans", "clearance joint", joint, known)
+    time, ends = _scenarios(data, joint)
+    halves = [np.stack(pair, axis=1)[: max(time.size - 1, 1)].ravel() for pair in ends]
+    middles = np.stack([time[:-1], 0.5 * (time[:-1] + time[1:])], axis=1).ravel()
+    edges = np.concatenate([middles, time[-1:]]) if time.size > 1 else np.repeat(time, 3)
+    lasting = np.diff(edges) > 0.0
+    start, until = edges[:-1][lasting], edges[1:][lasting]
+    radial, axial = (half[lasting] for half in halves)
+    new = np.ones(start.size, dtype=bool)
+    new[1:] = (radial[1:] != radial[:-1]) | (axial[1:] != axial[:-1])
+    last = np.concatenate([np.flatnonzero(new)[1:] - 1, [start.size - 1]]) if start.size else np.zeros(0, int)
+
+    def flags(kinds: type[RadialScenario] | type[AxialScenario], name: str) -> dict[str, object]:
+        return {
+            "units": "1",
+            "long_name": f"contact scenario, {name}",
+            "flag_values": np.array([kind.value for kind in kinds], dtype=np.int8),
+            "flag_meanings": " ".join(kind.name.lower() for kind in kinds),
+        }
+
+    return xr.Dataset(
+        {
+            "start": ("span", start[new], {"units": "s", "long_name": "start of the span"}),
+            "end": ("span", until[last], {"units": "s", "long_name": "its end"}),
+            "radial": ("span", radial[new].astype(np.int8), flags(RadialScenario, "radial")),
+            "axial": ("span", axial[new].astype(np.int8), flags(AxialScenario, "axial")),
+        },
+        attrs={"joint": joint},
+    )
+
+
+_Ends: TypeAlias = "tuple[NDArray[np.int_], NDArray[np.int_]]"
+
+
 def _shares(data: xr.Dataset, joint: str) -> NDArray[np.float64]:
-    time = np.asarray(data["time"].values, dtype=float)
+    time, ends = _scenarios(data, joint)
     shares = np.zeros((len(RadialScenario), len(AxialScenario)))
+    if time.size < 2:
+        shares[ends[0][0][0], ends[1][0][0]] = 1.0
+        return shares
+    span = np.diff(time) / (time[-1] - time[0])
+    for side in range(2):
+        np.add.at(shares, (ends[0][side][: span.size], ends[1][side][: span.size]), 0.5 * span)
+    return shares
+
+
+def _scenarios(data: xr.Dataset, joint: str) -> tuple[NDArray[np.float64], list[_Ends]]:
+    """Return the sample times and, radial and axial, the scenarios at both ends of every interval."""
+    missing = [name for name in _NEEDED if name not in data]
+    if missing:
+        raise FileFormatError(f"run: no variable {missing[0]!r}; is it an antenna_pin result?")
+    time = np.asarray(data["time"].values, dtype=float)
     ends = []
     for kind in ("radial", "axial"):
         seen = np.asarray(data[f"{kind}_scenario"].sel(clearance_joint=joint).values, dtype=int)
@@ -64,16 +131,10 @@ def _shares(data: xr.Dataset, joint: str) -> NDArray[np.float64]:
             and str(name).rpartition(".")[2].startswith("axial") == (kind == "axial")
         ]
         ends.append(_ends(seen, np.asarray(data["touching"].sel(contact=names).values, dtype=int)))
-    if time.size < 2:
-        shares[ends[0][0][0], ends[1][0][0]] = 1.0
-        return shares
-    span = np.diff(time) / (time[-1] - time[0])
-    for side in range(2):
-        np.add.at(shares, (ends[0][side][: span.size], ends[1][side][: span.size]), 0.5 * span)
-    return shares
+    return time, ends
 
 
-def _ends(seen: NDArray[np.int_], touching: NDArray[np.int_]) -> tuple[NDArray[np.int_], NDArray[np.int_]]:
+def _ends(seen: NDArray[np.int_], touching: NDArray[np.int_]) -> _Ends:
     """Return the scenarios at the start and at the end of every interval between samples.
 
     Args:

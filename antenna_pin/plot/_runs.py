@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypeAlias, cast
+from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 import numpy as np
 import xarray as xr
 
 from antenna_pin.errors import FileFormatError, InvalidParameterError, UnknownNameError
-from antenna_pin.plot._style import Array
+from antenna_pin.plot._style import COLOURS, IDEAL, Array
 
 if TYPE_CHECKING:
     from antenna_pin.trajectory import Trajectory
@@ -39,7 +40,7 @@ class LabelledRun:
     @property
     def legend(self) -> str:
         """The label as legends print it."""
-        return f"{self.label} (ideal)" if self.ideal else self.label
+        return f"{self.label} (ideal)" if self.ideal and "ideal" not in self.label else self.label
 
     @property
     def time(self) -> Array:
@@ -106,6 +107,60 @@ def too_short(runs: Sequence[LabelledRun]) -> str:
     return f"not drawn, one sample only: {', '.join(names)}" if names else ""
 
 
+def long_enough(runs: Sequence[LabelledRun]) -> list[LabelledRun]:
+    """Return the runs that hold two samples or more."""
+    return [run for run in runs if run.time.size > 1]
+
+
+def with_reference(
+    runs: Iterable[Run] | Run, ideal: Run | None
+) -> tuple[list[LabelledRun], LabelledRun | None]:
+    """Return the runs and the one to compare with: the one given, else the first without contact.
+
+    A reference of a single sample is none.
+    """
+    every = labelled(runs)
+    reference = labelled([ideal])[0] if ideal is not None else next((r for r in every if r.ideal), None)
+    if reference is not None and ideal is not None:
+        same = next((run for run in every if run.data is reference.data), None)
+        if same is None:
+            every.insert(0, reference)
+        else:
+            reference = same
+    return every, reference if reference is not None and reference.time.size > 1 else None
+
+
+def styles(runs: Sequence[LabelledRun], reference: LabelledRun | None) -> list[dict[str, Any]]:
+    """Return how each run's line looks: the reference black and dashed, the others in the palette's order."""
+    palette = itertools.cycle(COLOURS)
+    return [IDEAL if run is reference else {"color": next(palette), "linewidth": 0.7} for run in runs]
+
+
+def choose_clearance_joint(runs: Sequence[LabelledRun], joint: str | None) -> str:
+    """Return the clearance joint to draw: the one asked for, or the first of a run of two samples or more.
+
+    Raises:
+        UnknownNameError: No run has a clearance joint of that name.
+        InvalidParameterError: No run has a clearance joint and two samples.
+    """
+    known = list(dict.fromkeys(name for run in runs for name in run.clearance_joints))
+    if joint is not None and known and joint not in known:
+        raise UnknownNameError("figure", "joint with clearance", joint, known)
+    for run in long_enough(runs):
+        for name in run.clearance_joints:
+            if joint in (None, name):
+                return name
+    raise InvalidParameterError(
+        "figure", "runs", "at least one run with contact in a joint", ", ".join(run.label for run in runs)
+    )
+
+
+def left_out(runs: Sequence[LabelledRun], drawn: Sequence[LabelledRun], why: str) -> str:
+    """Return a note naming the runs that a figure leaves out for a reason, or nothing."""
+    names = [run.label for run in runs if run not in drawn and run.time.size > 1]
+    return f"not drawn, {why}: {', '.join(names)}" if names else ""
+
+
 def choose_joint(runs: Sequence[LabelledRun], joint: str | None) -> str:
     """Return the joint to draw: the one asked for, or the first with clearance, or the first."""
     known = list(dict.fromkeys(name for run in runs for name in run.joints))
@@ -114,7 +169,7 @@ def choose_joint(runs: Sequence[LabelledRun], joint: str | None) -> str:
             raise UnknownNameError("figure", "joint", joint, known)
         return joint
     for run in runs:
-        for name in (*run.clearance_joints, *_clearances_of_scenario(run.data)):
+        for name in clearance_names(run):
             if name in known:
                 return name
     if not known:
@@ -122,12 +177,13 @@ def choose_joint(runs: Sequence[LabelledRun], joint: str | None) -> str:
     return known[0]
 
 
-def _clearances_of_scenario(data: xr.Dataset) -> list[str]:
-    """Return the joints that the scenario describes a clearance for, though this case may have it ideal."""
+def clearance_names(run: LabelledRun) -> list[str]:
+    """Return the joints with clearance, and those that the scenario describes one for, though ideal here."""
     try:
-        return list(json.loads(data.attrs["scenario"])["clearance"])
+        described = list(json.loads(run.data.attrs["scenario"])["clearance"])
     except (KeyError, TypeError, ValueError):
-        return []
+        described = []
+    return list(dict.fromkeys([*run.clearance_joints, *described]))
 
 
 def _names(data: xr.Dataset, dimension: str) -> list[str]:

@@ -8,9 +8,11 @@ the ideal joint is always black and dashed.
 from __future__ import annotations
 
 import functools
+import io
 import itertools
 import math
 import string
+import textwrap
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any, Literal, ParamSpec, TypeVar
 
@@ -19,6 +21,7 @@ import numpy as np
 import numpy.typing as npt
 from cycler import cycler
 from matplotlib.axes import Axes
+from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullLocator
 
@@ -34,6 +37,13 @@ COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 IDEAL: dict[str, Any] = {"color": "black", "linestyle": (0, (4, 1.5)), "linewidth": 0.9, "zorder": 5}
 SHADE = "#E6E6E6"
 PEAK = "#D55E00"
+#: Dark to light, monotone in grey as well; its lightest tenth is left out, which is lost on white paper.
+SEQUENTIAL = LinearSegmentedColormap.from_list(
+    "antenna_pin", matplotlib.colormaps["cividis"](np.linspace(0.0, 0.9, 64))
+)
+
+# More samples than this are drawn as pixels in a vector file: the file stays small, and prints alike.
+MANY = 50_000
 
 RC: Any = {  # Any: the stubs want one literal type for every setting
     "font.size": 7.5,
@@ -88,11 +98,25 @@ def styled(function: Callable[P, R]) -> Callable[P, R]:
     return wrapper
 
 
-def new_figure(width: str, height: float) -> Figure:
+class Picture(Figure):
+    """A figure that shows itself in a notebook, with or without a backend of Matplotlib's."""
+
+    def _repr_png_(self) -> bytes:
+        return self._drawn("png")
+
+    def _drawn(self, suffix: str) -> bytes:
+        # Figures of pyplot show themselves only where a backend for notebooks has been loaded.
+        buffer = io.BytesIO()
+        with matplotlib.rc_context(RC):
+            self.savefig(buffer, format=suffix, dpi=RC["figure.dpi"])
+        return buffer.getvalue()
+
+
+def new_figure(width: str, height: float) -> Picture:
     """Return an empty figure of a named width and a height [mm]."""
     if width not in WIDTHS:
         raise UnknownNameError("figure", "width", width, WIDTHS)
-    figure = Figure(figsize=(WIDTHS[width], height * _MILLIMETRE), layout="constrained")
+    figure = Picture(figsize=(WIDTHS[width], height * _MILLIMETRE), layout="constrained")
     # Neighbours' outermost tick labels must not run into each other.
     figure.set_layout_engine("constrained", w_pad=1.4 * _MILLIMETRE, h_pad=1.0 * _MILLIMETRE, wspace=0.02)
     return figure
@@ -144,7 +168,7 @@ def legend_above(figure: Figure, panels: Iterable[Axes]) -> None:
             entries.setdefault(label, handle)
     if not entries:
         return
-    entries = dict(sorted(entries.items(), key=lambda entry: not entry[0].endswith("(ideal)")))
+    entries = dict(sorted(entries.items(), key=lambda entry: "ideal" not in entry[0]))
     # A column takes its line (some 9 mm with the gaps) and at most 1.4 mm a letter.
     room = figure.get_figwidth() / _MILLIMETRE
     columns = max(1, int(room / (9.0 + 1.4 * max(map(len, entries)))))
@@ -155,6 +179,16 @@ def legend_above(figure: Figure, panels: Iterable[Axes]) -> None:
         loc="outside upper center",
         ncols=-(-len(entries) // rows),  # rows of equal length
     )
+
+
+def footnote(figure: Figure, *parts: str) -> None:
+    """Say below the panels what is not drawn, or how to read what is; empty parts say nothing."""
+    text = "; ".join(part for part in parts if part)
+    if text:
+        # A line takes 1.25 mm a letter.
+        letters_a_line = int(figure.get_figwidth() / _MILLIMETRE / 1.25)
+        lines = textwrap.fill(text, letters_a_line)
+        figure.supxlabel(lines, fontsize=6.5, x=0.99, ha="right", multialignment="right")
 
 
 def panel_title(axes: Axes, letter: str, text: str) -> None:
@@ -227,7 +261,7 @@ def linear_then_log(axes: Sequence[Axes], core: float, largest: float) -> float 
     limit = _nice_above(1.2 * core)
     top = 10.0 ** math.ceil(math.log10(largest))
     decades = math.log10(top / limit)
-    first = math.ceil(math.log10(3.0 * limit))
+    first = math.ceil(math.log10((3.0 if decades <= 3.0 else 12.0) * limit))
     powers = range(first, round(math.log10(top)) + 1, 1 if decades <= 3.5 else 2)
     beyond = [10.0**k for k in powers]
     ticks = [-t for t in reversed(beyond)] + [-limit, 0.0, limit] + beyond

@@ -15,10 +15,12 @@ from antenna_pin.plot._runs import LabelledRun, Run, labelled, too_short
 from antenna_pin.plot._style import (
     COLOURS,
     IDEAL,
+    MANY,
     Array,
     Width,
     blocks,
     few_ticks,
+    footnote,
     legend_above,
     new_figure,
     panel_title,
@@ -90,7 +92,7 @@ def figure_energy(runs: Iterable[Run] | Run, *, width: Width = "page") -> Figure
             panel_title(axes, letter[axes], f"{run.label}, {title}")
     figure.align_ylabels()
     legend_above(figure, figure.axes)
-    _note(figure, every)
+    footnote(figure, too_short(every))
     return figure
 
 
@@ -129,7 +131,11 @@ def figure_momentum(runs: Iterable[Run] | Run, *, width: Width = "page") -> Figu
     _share_decades(list(panels))
     legend_above(figure, figure.axes)
     fixed = [run.label for run in every if "base_position" not in run.data]
-    _note(figure, every, f"fixed base, momentum not conserved: {', '.join(fixed)}" if fixed else "")
+    footnote(
+        figure,
+        too_short(every),
+        f"fixed base, momentum not conserved: {', '.join(fixed)}" if fixed else "",
+    )
     return figure
 
 
@@ -144,7 +150,7 @@ def _total(run: LabelledRun, name: str) -> Array:
 def _log_line(axes: Axes, run: LabelledRun, value: Array, colour: str, label: str) -> None:
     """Draw the largest of the values so far on a logarithmic scale; exact zeros lie on its floor."""
     style: dict[str, Any] = IDEAL if colour == "black" else {"linewidth": 0.7, "color": colour}
-    many = value.size > 50_000
+    many = value.size > MANY
     so_far = np.fmax.accumulate(np.maximum(value, _FLOOR))
     axes.plot(run.time, so_far, label=label or None, rasterized=many, **style)
     axes.set_yscale("log")
@@ -168,10 +174,3 @@ def _colours(runs: list[LabelledRun]) -> list[str]:
     """Return black for ideal runs and the palette for the others."""
     palette = iter(COLOURS * (1 + len(runs) // len(COLOURS)))
     return ["black" if run.ideal else next(palette) for run in runs]
-
-
-def _note(figure: Figure, runs: list[LabelledRun], more: str = "") -> None:
-    """Say below the panels what is not drawn."""
-    text = "; ".join(part for part in (too_short(runs), more) if part)
-    if text:
-        figure.supxlabel(text, fontsize=6.5, x=0.99, ha="right")

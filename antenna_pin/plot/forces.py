@@ -8,15 +8,23 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from antenna_pin.errors import InvalidParameterError, UnknownNameError
-from antenna_pin.plot._runs import LabelledRun, Run, labelled
+from antenna_pin.plot._runs import (
+    LabelledRun,
+    Run,
+    choose_clearance_joint,
+    labelled,
+    long_enough,
+    too_short,
+)
 from antenna_pin.plot._style import (
     COLOURS,
+    MANY,
     PEAK,
     Array,
     Width,
     blocks,
     few_ticks,
+    footnote,
     legend_above,
     panel_title,
     prefixed,
@@ -45,16 +53,8 @@ def figure_contact_forces(
         width: "column" (88 mm) or "page" (180 mm).
     """
     every = labelled(runs)
-    known = list(dict.fromkeys(name for run in every for name in run.clearance_joints))
-    if joint is None and known:
-        joint = next(name for run in every if not run.ideal for name in run.clearance_joints)
-    elif joint is not None and joint not in known:
-        raise UnknownNameError("figure", "joint with clearance", joint, known)
-    drawn = [r for r in every if not r.ideal and joint in r.clearance_joints and r.time.size > 1]
-    if joint is None or not drawn:
-        raise InvalidParameterError(
-            "figure", "runs", "at least one run with contact in a joint", ", ".join(r.label for r in every)
-        )
+    joint = choose_clearance_joint(every, joint)
+    drawn = [run for run in long_enough(every) if joint in run.clearance_joints]
     resultants = [dict(zip(_KINDS, _resultant(run, joint), strict=True)) for run in drawn]
     peaks = [{kind: _peaks(run, joint, kind) for kind in _KINDS} for run in drawn]
     sizes = {
@@ -76,7 +76,7 @@ def figure_contact_forces(
                 linewidth=0.6,
                 label=_SAMPLED,
                 zorder=3,
-                rasterized=run.time.size > 50_000,
+                rasterized=run.time.size > MANY,
             )
             _stems(axes, *peaks[column][kind], factor)
             few_ticks(axes, 5)
@@ -100,6 +100,7 @@ def figure_contact_forces(
             axes.axhline(0.0, color="#999999", linewidth=0.5, zorder=1.5)
     figure.align_ylabels()
     legend_above(figure, figure.axes)
+    footnote(figure, too_short(every))
     return figure
 
 

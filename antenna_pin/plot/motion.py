@@ -16,14 +16,16 @@ from matplotlib.figure import Figure
 
 from antenna_pin.analysis import resampled
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
-from antenna_pin.plot._runs import LabelledRun, Run, choose_joint, labelled, too_short
+from antenna_pin.plot._runs import LabelledRun, Run, choose_joint, long_enough, too_short, with_reference
 from antenna_pin.plot._style import (
     COLOURS,
     IDEAL,
+    MANY,
     SHADE,
     Array,
     Width,
     few_ticks,
+    footnote,
     legend_above,
     letters,
     linear_then_log,
@@ -81,14 +83,9 @@ def figure_motion(
     """
     if quantity not in QUANTITIES:
         raise UnknownNameError("figure", "quantity", quantity, QUANTITIES)
-    every = labelled(runs)
-    reference = labelled([ideal])[0] if ideal is not None else next((r for r in every if r.ideal), None)
-    if reference is not None and ideal is not None and all(r.data is not reference.data for r in every):
-        every.insert(0, reference)
+    every, reference = with_reference(runs, ideal)
     name = choose_joint(every, joint)
-    drawn = [run for run in every if run.time.size > 1]
-    if reference is not None and reference.time.size < 2:
-        reference = None
+    drawn = long_enough(every)
     curves = _curves(drawn, reference, name, quantity)
     given = None if zoom is None else _check_zoom(zoom)
     unit = drawn[0].unit(f"motion_{quantity}", _UNITS[quantity])
@@ -98,9 +95,7 @@ def figure_motion(
         figure = _strips(curves, windows, label, unit, width)
     else:
         figure = _panels(curves, given or _zoom(curves, quantity), label, unit, width)
-    note = too_short(every)
-    if note:
-        figure.supxlabel(note, fontsize=6.5, x=0.99, ha="right")
+    footnote(figure, too_short(every))
     return figure
 
 
@@ -114,7 +109,7 @@ def _curves(
         if joint not in run.joints:
             continue
         time, value = run.time, run.values(f"motion_{quantity}", joint=joint)
-        is_ideal = reference is not None and run.data is reference.data
+        is_ideal = run is reference
         deviation = None
         if reference is not None and not is_ideal and joint in reference.joints:
             deviation = value - _resampled(reference, joint, quantity, time)
@@ -126,7 +121,12 @@ def _curves(
 def _resampled(run: LabelledRun, joint: str, quantity: Quantity, time: Array) -> Array:
     """Return a smooth run's motion at other times; NaN outside its span."""
     derivative = _DERIVATIVE.get(quantity)
+<<<<<<< HEAD
     slope = run.values(derivative, joint=joint) if derivative and derivative in run.data else None
+=======
+    known = derivative is not None and derivative in run.data
+    slope = run.values(str(derivative), joint=joint) if known else None
+>>>>>>> cefa75e (plot: orbit, load around the bore, eccentricity, contact scenarios, base, joints, joint load; analysis: journal in its bearing)
     return resampled(run.time, run.values(f"motion_{quantity}", joint=joint), time, slope)
 
 
@@ -190,7 +190,7 @@ def _draw(axes: Axes, curve: _Curve, values: Array, span: _Span | None = None, t
         last = int(np.searchsorted(time, span[1], side="right")) + 1
         time, values = time[first:last], values[first:last]
     style = IDEAL if curve.is_ideal else {"color": curve.colour, "linewidth": 0.6 if thin else 1.0}
-    axes.plot(time, values, label=curve.label, rasterized=time.size > 50_000, **style)
+    axes.plot(time, values, label=curve.label, rasterized=time.size > MANY, **style)
 
 
 def _panels(curves: Sequence[_Curve], window: _Span | None, label: str, unit: str, width: Width) -> Figure:

@@ -1,0 +1,201 @@
+r"""How the journal moves in its bearing, and where it loads it.
+
+At a place on the bearing's axis the journal's axis pierces the bearing's cross section in the point
+
+.. math:: \mathbf{e} = \mathbf{p} + \frac{s - p_z}{z_z} \mathbf{z}, \qquad s = \pm L_i / 2,
+
+with the journal's centre p and axis z in bearing axes: the eccentricity there. The circle of radius
+:math:`C_r = R_i - R_j` is what rigid parts leave it. The gap at that end of the bore is C_r less the
+eccentricity but for terms of :math:`R_i \theta^2 / 2` in the tilt (0.3 um of 200 at the largest tilt of the
+antenna's joint).
+"""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from scipy.spatial.transform import Rotation
+
+from antenna_pin.analysis._run import Array, RunLike, choose, contacts_of, data_of, label_of, names, variable
+from antenna_pin.analysis.bodies import body_poses, carried_scenario
+from antenna_pin.assemble import build_system
+from antenna_pin.errors import FileFormatError, InvalidParameterError
+from antenna_pin.simulation.places import clearance_places
+
+__all__ = ["bore_load", "clearance_shapes", "journal_motion"]
+
+_AXES = ["x", "y", "z"]
+
+
+def clearance_shapes(run: RunLike) -> dict[str, dict[str, Any]]:
+    """Return kind, dimensions and places of every clearance joint of a run.
+
+    They are those that the run carries; of a file of an older format, those of its scenario.
+
+    Args:
+        run: A run, or its data.
+
+    Returns:
+        By joint: ``kind`` (revolute, planar or spherical), ``dimensions`` [m], ``bearing_body``,
+        ``journal_body``, and ``bearing_placement`` and ``journal_placement``, position [m] and quaternion
+        (xyzw) in that link's frame. Empty if no joint has clearance.
+    """
+    data = data_of(run)
+    if not names(data, "clearance_joint"):
+        return {}
+    if "clearance_geometry" in data.attrs:
+        return dict(json.loads(data.attrs["clearance_geometry"]))
+    scenario = carried_scenario(run)
+    if scenario is None:
+        raise FileFormatError(
+            "run: it must carry its joints' dimensions, got a file of format 1 without a scenario; run it "
+            "again with this version"
+        )
+    return clearance_places(build_system(scenario))
+
+
+def journal_motion(run: RunLike, joint: str | None = None) -> xr.Dataset:
+    """Return how the journal (or ball) moves in its bearing (or socket), in bearing axes.
+
+    Args:
+        run: A run with a clearance joint, or its data.
+        joint: Name of the clearance joint; the first one if left out.
+
+    Returns:
+        Over time: ``offset`` (time, place, axis) [m], where the journal's axis pierces the cross section at
+        each end of the bore ("+" and "-"); of a planar or spherical joint at its "centre", of a ball the
+        offset of its centre. ``eccentricity`` (time, place) [m] and ``eccentricity_ratio`` [-], over the
+        radial clearance; ``tilt`` [rad] and ``axial`` (time), the journal's centre along the axis [m].
+        Attributes: ``joint``, ``kind``, ``radial_clearance`` [m], and of a revolute joint (else NaN)
+        ``axial_clearance`` [m] and ``bore_tilt`` [rad], the tilt at which a centred journal touches the bore.
+    """
+    data = data_of(run)
+    known = names(data, "clearance_joint")
+    if not known:
+        raise InvalidParameterError("journal_motion", "run", "one with a clearance joint", label_of(data))
+    joint = choose("journal_motion", "clearance joint", joint or known[0], known)[0]
+    shape = clearance_shapes(run)[joint]
+    size = shape["dimensions"]
+    centre = variable(data, "journal_position", "journal_motion").sel(clearance_joint=joint)
+    p = np.asarray(centre.values, dtype=float)
+    places, offset, axial_clearance, bore_tilt = ["centre"], p[:, None, :].copy(), np.nan, np.nan
+    if shape["kind"] == "spherical":
+        clearance = size["socket_radius"] - size["ball_radius"]
+        eccentricity = np.linalg.norm(offset, axis=2)
+    else:
+        clearance = size["bearing_radius"] - size["journal_radius"]
+        if shape["kind"] == "revolute":
+            places = ["+", "-"]
+            z = Rotation.from_quat(_attitude(run, joint, shape)).apply([0.0, 0.0, 1.0])
+            ends = np.array([0.5, -0.5]) * size["bearing_length"]
+            along = (ends - p[:, 2:]) / z[:, 2:]
+            offset = p[:, None, :] + along[:, :, None] * z[:, None, :]
+            axial_clearance = 0.5 * (size["flange_distance"] - size["bearing_length"])
+            # A centred journal touches both ends: R_i cos - L_i / 2 sin = R_j.
+            half = 0.5 * size["bearing_length"]
+            root = np.sqrt(half**2 + (size["bearing_radius"] + size["journal_radius"]) * clearance)
+            bore_tilt = 2.0 * np.arctan2(clearance, half + root)
+        eccentricity = np.hypot(offset[..., 0], offset[..., 1])
+    tilt = np.asarray(variable(data, "journal_tilt", "journal_motion").sel(clearance_joint=joint).values)
+    return xr.Dataset(
+        {
+            "offset": (
+                ("time", "place", "axis"),
+                offset,
+                {"units": "m", "long_name": "journal's axis from the bearing's, bearing axes"},
+            ),
+            "eccentricity": (
+                ("time", "place"),
+                eccentricity,
+                {"units": "m", "long_name": "its distance from the bearing's axis or centre"},
+            ),
+            "eccentricity_ratio": (
+                ("time", "place"),
+                eccentricity / clearance,
+                {"units": "1", "long_name": "eccentricity over radial clearance"},
+            ),
+            "tilt": ("time", tilt, {"units": "rad", "long_name": "angle between the axes"}),
+            "axial": ("time", p[:, 2], {"units": "m", "long_name": "journal's centre along the axis"}),
+        },
+        coords={"time": data["time"], "place": places, "axis": _AXES},
+        attrs={
+            "joint": joint,
+            "kind": shape["kind"],
+            "radial_clearance": clearance,
+            "axial_clearance": axial_clearance,
+            "bore_tilt": bore_tilt,
+        },
+    )
+
+
+def _attitude(run: RunLike, joint: str, shape: dict[str, Any]) -> Array:
+    """Return the journal's attitude in the bearing: recorded, or from the bodies' poses in an older file."""
+    data = data_of(run)
+    if "journal_attitude" in data:
+        return np.asarray(data["journal_attitude"].sel(clearance_joint=joint).values, dtype=float)
+    attitude = body_poses(run)["attitude"]
+    bearing, journal = (
+        Rotation.from_quat(attitude.sel(body=shape[f"{part}_body"]).values)
+        * Rotation.from_quat(shape[f"{part}_placement"][3:])
+        for part in ("bearing", "journal")
+    )
+    return np.asarray((bearing.inv() * journal).as_quat())
+
+
+def bore_load(run: RunLike, joint: str | None = None, sectors: int = 36) -> xr.Dataset:
+    """Return how much load each sector of the bore took: the integral of the normal force over time.
+
+    Between two samples the impulse of a contact belongs to the direction of its contact point, the mean of
+    both samples' weighted by their normal forces. Impacts shorter than the output step are in it whole, for a
+    run samples their begin, their end and their largest force, and records the impulse itself.
+
+    Args:
+        run: A run with a clearance joint, or its data.
+        joint: Name of the clearance joint; the first one if left out.
+        sectors: Number of equal sectors around the bearing's axis.
+
+    Returns:
+        ``impulse`` (contact, sector) [N s] of the contacts in the bore; ``angle`` (sector), the sector's
+        middle from the bearing's x towards its y [rad], of the bearing's surface as seen from its centre. A
+        socket's sectors are counted about its z.
+    """
+    if sectors < 1:
+        raise InvalidParameterError("bore_load", "sectors", "at least 1", sectors)
+    data = data_of(run)
+    known = names(data, "clearance_joint")
+    if not known:
+        raise InvalidParameterError("bore_load", "run", "one with a clearance joint", label_of(data))
+    joint = choose("bore_load", "clearance joint", joint or known[0], known)[0]
+    contacts = [name for name in contacts_of(data, joint) if not name.rpartition(".")[2].startswith("axial")]
+    picked = data.sel(contact=contacts)
+    point, force, impulse = (
+        np.asarray(variable(picked, name, "bore_load").values, dtype=float)
+        for name in ("contact_point", "normal_force", "normal_impulse")
+    )
+    direction = point[..., 0] + 1j * point[..., 1]
+    direction = direction / np.where(direction == 0.0, 1.0, np.abs(direction))
+    loaded = force[:-1] + force[1:] > 0.0
+    first, second = (np.where(loaded, weight, 1.0) for weight in (force[:-1], force[1:]))
+    angle = np.angle(first * direction[:-1] + second * direction[1:])
+    width = 2.0 * np.pi / sectors
+    sector = np.floor(np.mod(angle, 2.0 * np.pi) / width).astype(int) % sectors
+    taken = np.zeros((len(contacts), sectors))
+    for row, (where, gained) in enumerate(zip(sector.T, np.diff(impulse, axis=0).T, strict=True)):
+        np.add.at(taken[row], where, gained)
+    return xr.Dataset(
+        {
+            "impulse": (
+                ("contact", "sector"),
+                taken,
+                {"units": "N s", "long_name": "integral of normal force"},
+            )
+        },
+        coords={
+            "contact": contacts,
+            "angle": ("sector", width * (np.arange(sectors) + 0.5), {"units": "rad"}),
+        },
+        attrs={"joint": joint},
+    )

@@ -1,0 +1,128 @@
+"""Several components of a vector, or several joints, each in its own panel, runs against the ideal one."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from antenna_pin.plot._style import (
+    MANY,
+    Array,
+    few_ticks,
+    legend_above,
+    letters,
+    linear_then_log,
+    new_figure,
+    panel_title,
+    prefixed,
+)
+
+# What is below this share of the largest is round-off.
+ROUND_OFF = 1e-9
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Curve:
+    """One line of a panel.
+
+    Attributes:
+        label: Name in the legend.
+        time: [s], (n,).
+        value: (n,).
+        style: How it is drawn.
+        smooth: Whether it is the ideal run's: its size is what must stay legible beside spikes.
+    """
+
+    label: str
+    time: Array
+    value: Array
+    style: dict[str, Any]
+    smooth: bool = False
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Panel:
+    """One panel: its title, its value axis, its lines, the ideal run's last.
+
+    Attributes:
+        title: What it shows.
+        label: Of the value axis, without a unit.
+        unit: Of the values, SI.
+        curves: Its lines.
+        apart: Whether it shows a deviation, with a scale of its own.
+    """
+
+    title: str
+    label: str
+    unit: str
+    curves: Sequence[Curve]
+    apart: bool = False
+
+    @property
+    def largest(self) -> float:
+        """Largest size of all values."""
+        return max((_largest(curve) for curve in self.curves), default=0.0)
+
+    @property
+    def core(self) -> float:
+        """Size of the smooth lines; without one, what nine tenths of the samples stay below."""
+        smooth = max((_largest(curve) for curve in self.curves if curve.smooth), default=0.0)
+        if smooth > ROUND_OFF * self.largest:
+            return smooth
+        sizes = [np.abs(curve.value[np.isfinite(curve.value)]) for curve in self.curves]
+        held = np.concatenate(sizes) if sizes else np.empty(0)
+        return float(np.quantile(held, 0.9)) if held.size else 0.0
+
+
+def _largest(curve: Curve) -> float:
+    return float(np.nanmax(np.abs(curve.value), initial=0.0))
+
+
+def panels_figure(panels: Sequence[Panel], width: str, columns: int, *, spikes: bool = False) -> Figure:
+    """Return a figure of the panels, row by row.
+
+    Args:
+        panels: What to draw.
+        width: Named width.
+        columns: Panels in a row of a page; a column of print has one.
+        spikes: Whether scales are linear as far as the smooth lines reach, and logarithmic beyond.
+    """
+    columns = columns if width == "page" else 1
+    rows = -(-len(panels) // columns)
+    figure = new_figure(width, 12.0 + 42.0 * rows)
+    grid = figure.add_gridspec(rows, columns)
+    overall = max((panel.largest for panel in panels if not panel.apart), default=0.0)
+    drawn: list[Axes] = []
+    for number, (letter, panel) in enumerate(zip(letters(), panels, strict=False)):
+        axes = figure.add_subplot(grid[number // columns, number % columns])
+        drawn.append(axes)
+        _draw(axes, panel, overall, spikes)
+        panel_title(axes, letter if len(panels) > 1 else "", panel.title)
+        if number + columns >= len(panels):
+            axes.set_xlabel("time [s]")
+    figure.align_ylabels()
+    legend_above(figure, drawn)
+    return figure
+
+
+def _draw(axes: Axes, panel: Panel, overall: float, spikes: bool) -> None:
+    """Draw a panel; those of one vector share their unit where their sizes are comparable."""
+    alone = panel.apart or panel.largest < 1e-2 * overall
+    factor, printed = prefixed(panel.unit, panel.largest if alone else overall)
+    for curve in panel.curves:
+        many = curve.time.size > MANY
+        axes.plot(curve.time, factor * curve.value, label=curve.label, rasterized=many, **curve.style)
+    label = textwrap.fill(f"{panel.label} [{printed}]", 22)  # as long as a panel is high
+    limit = linear_then_log([axes], factor * panel.core, factor * panel.largest) if spikes else None
+    if limit is not None:
+        label += f"\nlinear to ±{limit:g}"
+        if all(np.nanmin(curve.value, initial=0.0) >= 0.0 for curve in panel.curves):
+            axes.set_ylim(bottom=0.0)
+    axes.set_ylabel(label)
+    few_ticks(axes, 6)

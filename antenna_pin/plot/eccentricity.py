@@ -1,0 +1,134 @@
+"""How far the journal is from the bearing's centre, how deep it is pressed in, how much it tilts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from antenna_pin.analysis import journal_motion
+from antenna_pin.plot._runs import (
+    LabelledRun,
+    Run,
+    choose_clearance_joint,
+    labelled,
+    left_out,
+    long_enough,
+    too_short,
+)
+from antenna_pin.plot._style import (
+    COLOURS,
+    MANY,
+    PEAK,
+    Array,
+    Width,
+    blocks,
+    few_ticks,
+    footnote,
+    legend_above,
+    panel_title,
+    prefixed,
+    styled,
+)
+
+_NAMES = {"+": "end +", "-": "end \N{MINUS SIGN}", "centre": "centre"}
+_LOOKS = {"+": (COLOURS[0], "-"), "-": (COLOURS[4], "-"), "centre": (COLOURS[0], "-")}
+_LIMIT: dict[str, Any] = {"color": "#666666", "linewidth": 0.6, "linestyle": ":", "zorder": 1.5}
+
+
+@styled
+def figure_eccentricity(
+    runs: Iterable[Run] | Run, *, joint: str | None = None, width: Width = "page"
+) -> Figure:
+    """Return eccentricity, penetration depth, tilt and axial place of the journal over time, a column a run.
+
+    The eccentricity is over the radial clearance: 1 where the surfaces touch. The depth's dots are the
+    largest of every contact episode in the bore. Tilt and axial place are of joints that can move so; dotted
+    lines say how far rigid parts could.
+
+    Args:
+        runs: Trajectories, or pairs of a label and a dataset.
+        joint: Name of the joint with clearance; the first one if left out.
+        width: "column" (88 mm) or "page" (180 mm).
+    """
+    every = labelled(runs)
+    joint = choose_clearance_joint(every, joint)
+    drawn = [run for run in long_enough(every) if joint in run.clearance_joints]
+    motions = [journal_motion(run.data, joint) for run in drawn]
+    free = any(motion.attrs["kind"] == "revolute" for motion in motions)
+    figure, grid, letter = blocks(len(drawn), [True, True, *[True] * (2 * free)], width, 32.0)
+    depths = [_depths(run, joint) for run in drawn]
+    deepest = max(float(part.max(initial=0.0)) for sampled, _, peaks in depths for part in (sampled, peaks))
+    tilt, tilt_unit = prefixed("rad", max(float(np.nanmax(m["tilt"].values)) for m in motions))
+    axial, axial_unit = prefixed("m", max(float(np.nanmax(np.abs(m["axial"].values))) for m in motions))
+    depth, depth_unit = prefixed("m", deepest)
+    labels = ["eccentricity /\nclearance [-]", f"depth [{depth_unit}]"]
+    labels += [f"tilt [{tilt_unit}]", f"axial place [{axial_unit}]"] * free
+    titles = ("eccentricity", "penetration", "tilt", "axial place")
+    for column, (run, motion) in enumerate(zip(drawn, motions, strict=True)):
+        many = run.time.size > MANY
+        panels = [row[column] for row in grid]
+        for number, place in enumerate(motion["place"].values):
+            colour, line = _LOOKS[str(place)]
+            ratio = motion["eccentricity_ratio"].values[:, number]
+            panels[0].plot(
+                run.time, ratio, line, color=colour, linewidth=0.5, label=_NAMES[str(place)], rasterized=many
+            )
+        panels[0].axhline(1.0, **_LIMIT)
+        sampled, peak_time, peaks = depths[column]
+        panels[1].plot(run.time, depth * sampled, color=COLOURS[0], linewidth=0.5, rasterized=many)
+        panels[1].plot(
+            peak_time,
+            depth * peaks,
+            ".",
+            color=PEAK,
+            markersize=2.4,
+            markeredgewidth=0.0,
+            label="largest of each contact episode",
+            rasterized=peaks.size > MANY // 20,
+        )
+        if motion.attrs["kind"] == "revolute":
+            for axes, values, limits in (
+                (panels[2], tilt * motion["tilt"].values, [tilt * motion.attrs["bore_tilt"]]),
+                (
+                    panels[3],
+                    axial * motion["axial"].values,
+                    [side * axial * motion.attrs["axial_clearance"] for side in (-1.0, 1.0)],
+                ),
+            ):
+                axes.plot(run.time, values, color=COLOURS[0], linewidth=0.5, rasterized=many)
+                for limit in limits:
+                    axes.axhline(limit, **_LIMIT)
+        for axes in panels[2:] if motion.attrs["kind"] != "revolute" else ():
+            axes.text(0.5, 0.6, "none in this joint", transform=axes.transAxes, ha="center")
+        for axes, title in zip(panels, titles, strict=False):
+            panel_title(axes, letter[axes], f"{run.label}, {title}")
+            axes.set_xlim(run.time[0], run.time[-1])
+            few_ticks(axes, 5, 4)
+        panels[-1].set_xlabel("time [s]")
+    for row, label in zip(grid, labels, strict=True):
+        for axes in row:
+            if axes.get_subplotspec().is_first_col():  # type: ignore[union-attr]
+                axes.set_ylabel(label)
+    figure.align_ylabels()
+    legend_above(figure, figure.axes)
+    footnote(
+        figure,
+        "dotted: what rigid parts allow",
+        too_short(every),
+        left_out(every, drawn, "no clearance in this joint"),
+    )
+    return figure
+
+
+def _depths(run: LabelledRun, joint: str) -> tuple[Array, Array, Array]:
+    """Return the largest depth in the bore at every sample [m], and times [s] and depths [m] of the peaks."""
+    names = [name for name in run.contacts if name.rpartition(".")[0] == joint and ".axial" not in name]
+    sampled = np.stack([run.values("depth", contact=name) for name in names], axis=1).max(axis=1)
+    if run.data.sizes.get("episode", 0) == 0:
+        return sampled, np.empty(0), np.empty(0)
+    index = run.values("episode_contact").astype(int)
+    mine = np.isin(index, [run.contacts.index(name) for name in names])
+    return sampled, run.values("peak_time")[mine], run.values("peak_depth")[mine]

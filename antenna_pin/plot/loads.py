@@ -1,0 +1,130 @@
+"""What a joint carries, with clearance and without."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+
+from antenna_pin.analysis import joint_loads
+from antenna_pin.errors import InvalidParameterError, UnknownNameError
+from antenna_pin.plot._runs import (
+    LabelledRun,
+    Run,
+    clearance_names,
+    long_enough,
+    styles,
+    too_short,
+    with_reference,
+)
+from antenna_pin.plot._style import (
+    MANY,
+    SHADE,
+    Array,
+    Width,
+    few_ticks,
+    footnote,
+    legend_above,
+    new_figure,
+    panel_title,
+    prefixed,
+    styled,
+)
+
+_DECADES = 5
+
+
+@styled
+def figure_joint_load(
+    runs: Iterable[Run] | Run,
+    *,
+    joint: str | None = None,
+    ideal: Run | None = None,
+    zoom: tuple[float, float] | None = None,
+    width: Width = "page",
+) -> Figure:
+    """Return the size of the force through a joint in all runs, on a logarithmic scale.
+
+    The force is that of inverse dynamics of the recorded motion, so that an ideal joint has one as well. A
+    run with clearance is sampled at the largest force of every contact, so its peaks are there. In free
+    flight the force is zero and the line leaves the panel. The close view lies around the largest force.
+
+    Args:
+        runs: Trajectories, or pairs of a label and a dataset.
+        joint: Name of the joint; the first one with clearance if left out.
+        ideal: The run to compare with; the first run without any contact if left out.
+        zoom: Start and end of the close view [s].
+        width: "column" (88 mm) or "page" (180 mm).
+    """
+    every, reference = with_reference(runs, ideal)
+    loads = {run.label: joint_loads(run.data)["force"] for run in long_enough(every)}
+    joint = _choose(every, loads, joint)
+    drawn = [run for run in long_enough(every) if joint in loads[run.label]["moving_joint"]]
+    drawn.sort(key=lambda run: run is reference)
+    forces = [
+        np.linalg.norm(np.asarray(loads[run.label].sel(moving_joint=joint).values, dtype=float), axis=1)
+        for run in drawn
+    ]
+    largest = [float(np.nanmax(force, initial=0.0)) for force in forces]
+    overall = max(largest)
+    if not overall > 0.0:
+        raise InvalidParameterError("figure", "runs", f"at least one with force through {joint}", "none")
+    factor, printed = prefixed("N", overall)
+    page = width == "page"
+    figure = new_figure(width, 66.0 if page else 110.0)
+    whole, near = figure.subplots(1 if page else 2, 2 if page else 1, squeeze=False).ravel()
+    hardest = int(np.argmax(largest))
+    window = zoom or _around(drawn[hardest].time, forces[hardest])
+    for run, force, style in zip(drawn, forces, styles(drawn, reference), strict=True):
+        for axes in (whole, near):
+            many = run.time.size > MANY
+            axes.plot(run.time, factor * force, label=run.legend, rasterized=many, **style)
+    whole.set_xlim(min(run.time[0] for run in drawn), max(run.time[-1] for run in drawn))
+    near.set_xlim(window)
+    whole.axvspan(*window, facecolor=SHADE, edgecolor="#888888", linewidth=0.5, zorder=0.5)
+    for letter, axes, title in zip(
+        "ab", (whole, near), ("whole span", "close view of the shaded span"), strict=True
+    ):
+        axes.set_yscale("log", nonpositive="clip")
+        top = 10.0 ** np.ceil(np.log10(1.05 * factor * overall))
+        axes.set_ylim(top / 10.0**_DECADES, top)
+        few_ticks(axes, 5)
+        panel_title(axes, letter, title)
+        axes.set_xlabel("time [s]")
+        axes.set_ylabel(f"force through {joint.replace('_', ' ')} [{printed}]")
+    legend_above(figure, [whole])
+    footnote(figure, _ratios(drawn, largest, reference), too_short(every))
+    return figure
+
+
+def _choose(runs: list[LabelledRun], loads: dict[str, xr.DataArray], joint: str | None) -> str:
+    """Return the joint asked for, or the first with clearance, or the first that moves."""
+    known = list(dict.fromkeys(str(name) for load in loads.values() for name in load["moving_joint"].values))
+    if joint is not None:
+        if joint not in known:
+            raise UnknownNameError("figure", "joint", joint, known)
+        return joint
+    return next((name for run in runs for name in clearance_names(run) if name in known), known[0])
+
+
+def _around(time: Array, force: Array) -> tuple[float, float]:
+    """Return the hundredth of the run around the largest force."""
+    start, end = float(time[0]), float(time[-1])
+    half = 0.005 * (end - start)
+    centre = min(max(float(time[int(np.nanargmax(force))]), start + half), end - half)
+    return centre - half, centre + half
+
+
+def _ratios(runs: list[LabelledRun], largest: list[float], reference: LabelledRun | None) -> str:
+    """Return how many times the ideal joint's largest force each run reaches."""
+    if reference is None or reference not in runs:
+        return ""
+    base = largest[runs.index(reference)]
+    parts = [
+        f"{run.label} {size / base:.3g}"
+        for run, size in zip(runs, largest, strict=True)
+        if run is not reference and base > 0.0
+    ]
+    return f"largest force over that of {reference.label}: {', '.join(parts)}" if parts else ""

@@ -1,0 +1,275 @@
+"""The journal in its bearing: its orbit inside the clearance circle, and the load around the bore."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any, Literal
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.collections import LineCollection
+from matplotlib.colors import Colormap, LogNorm, Normalize
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Circle
+from matplotlib.projections.polar import PolarAxes
+from matplotlib.ticker import MaxNLocator
+
+from antenna_pin.analysis import bore_load, journal_motion
+from antenna_pin.errors import UnknownNameError
+from antenna_pin.plot._runs import (
+    LabelledRun,
+    Run,
+    choose_clearance_joint,
+    labelled,
+    left_out,
+    long_enough,
+    too_short,
+)
+from antenna_pin.plot._style import (
+    COLOURS,
+    MANY,
+    SEQUENTIAL,
+    WIDTHS,
+    Array,
+    Width,
+    few_ticks,
+    footnote,
+    legend_above,
+    letters,
+    new_figure,
+    panel_title,
+    prefixed,
+    styled,
+)
+
+Shade = Literal["time", "load"]
+_FREE = "#B8B8B8"
+# Across, up: which axes of the bearing a panel shows.
+_ACROSS = ((0, 1),)
+_PROJECTIONS = ((0, 1), (0, 2), (1, 2))
+_MM = 25.4
+_PLACES = {"+": "end +", "-": "end \N{MINUS SIGN}", "centre": "centre"}
+
+
+@styled
+def figure_orbit(
+    runs: Iterable[Run] | Run, *, joint: str | None = None, shade: Shade = "time", width: Width = "page"
+) -> Figure:
+    """Return the orbit of the journal inside the clearance circle, in the bearing's plane.
+
+    A revolute joint has two panels: where the journal's axis passes through the plane of each end of the
+    bore. Outside the circle the surfaces are pressed into each other, by a hundredth of the clearance or so.
+    A ball joint has the three projections of its ball's centre.
+
+    Args:
+        runs: Trajectories, or pairs of a label and a dataset.
+        joint: Name of the joint with clearance; the first one if left out.
+        shade: "time", or "load": the size of the contact force, flight in grey.
+        width: "column" (88 mm) or "page" (180 mm).
+    """
+    if shade not in ("time", "load"):
+        raise UnknownNameError("figure", "shade", shade, ("time", "load"))
+    every = labelled(runs)
+    joint = choose_clearance_joint(every, joint)
+    drawn = [run for run in long_enough(every) if joint in run.clearance_joints]
+    motions = [journal_motion(run.data, joint) for run in drawn]
+    planes = [_PROJECTIONS if motion.attrs["kind"] == "spherical" else _ACROSS for motion in motions]
+    count = sum(motion.sizes["place"] * len(plane) for motion, plane in zip(motions, planes, strict=True))
+    note = left_out(every, drawn, "no clearance in this joint")
+    figure, panels = _square_panels(width, count, 23.0 if note or too_short(every) else 18.0)
+    largest = max(float(np.nanmax(motion["eccentricity"].values)) for motion in motions)
+    factor, printed = prefixed("m", largest)
+    loads = [_bore_forces(run, joint) for run in drawn]
+    norm = _norm(shade, drawn, loads)
+    letter = letters()
+    panel = iter(panels)
+    for run, motion, plane, load in zip(drawn, motions, planes, loads, strict=True):
+        clearance = factor * motion.attrs["radial_clearance"]
+        for number, place in enumerate(motion["place"].values):
+            offset = factor * motion["offset"].values[:, number]
+            for across, up in plane:
+                axes = next(panel)
+                if shade == "time":
+                    _line(axes, offset[:, across], offset[:, up], run.time, norm)
+                else:
+                    _loaded_line(axes, offset[:, across], offset[:, up], load[:, number], norm)
+                axes.add_patch(
+                    Circle((0.0, 0.0), clearance, fill=False, edgecolor="black", linewidth=0.6, zorder=1.6)
+                )
+                reach = 1.1 * factor * largest
+                axes.set(xlim=(-reach, reach), ylim=(-reach, reach))
+                axes.set_aspect("equal")
+                few_ticks(axes, 4, 4)
+                axes.set_xlabel(f"{'xyz'[across]} [{printed}]")
+                axes.set_ylabel(f"{'xyz'[up]} [{printed}]")
+                seen = "ball" if len(plane) > 1 else _PLACES[str(place)]
+                panel_title(axes, next(letter) if count > 1 else "", f"{run.label}, {seen}")
+    words = "normal force [N]" if shade == "load" else "time [s]"
+    where: dict[str, Any] = {"location": "bottom", "shrink": 0.6, "aspect": 40.0, "pad": 0.02}
+    bar = figure.colorbar(ScalarMappable(norm, _colours(shade)), ax=panels, label=words, **where)
+    bar.outline.set_linewidth(0.4)
+    handles = [Line2D([], [], color="black", linewidth=0.7)]
+    names = ["clearance circle"]
+    if shade == "load":
+        handles.append(Line2D([], [], color=_FREE, linewidth=0.7))
+        names.append("no contact")
+    figure.legend(handles, names, loc="outside upper center", ncols=2)
+    footnote(figure, too_short(every), note)
+    return figure
+
+
+def _norm(shade: Shade, runs: list[LabelledRun], loads: list[Array]) -> Normalize:
+    if shade == "time":
+        return Normalize(min(run.time[0] for run in runs), max(run.time[-1] for run in runs))
+    largest = max(float(np.nanmax(load, initial=0.0)) for load in loads) or 1.0
+    return LogNorm(1e-4 * largest, largest)
+
+
+def _colours(shade: Shade) -> Colormap:
+    """Return late times light, large loads dark."""
+    return SEQUENTIAL.reversed() if shade == "load" else SEQUENTIAL
+
+
+def _bore_forces(run: LabelledRun, joint: str) -> Array:
+    """Return the normal forces of the contacts in the bore or socket, (n, places) [N]."""
+    names = [name for name in run.contacts if name.rpartition(".")[0] == joint and ".axial" not in name]
+    return np.stack([run.values("normal_force", contact=name) for name in names], axis=1)
+
+
+def _line(axes: Axes, x: Array, y: Array, value: Array, norm: Normalize) -> None:
+    """Draw a line whose colour is the mean value of each piece's ends."""
+    points = np.stack([x, y], axis=1)
+    pieces = np.stack([points[:-1], points[1:]], axis=1)
+    axes.add_collection(
+        LineCollection(
+            list(pieces),
+            array=0.5 * (value[:-1] + value[1:]),
+            cmap=SEQUENTIAL,
+            norm=norm,
+            linewidth=0.5,
+            capstyle="round",
+            zorder=2,
+            # Thousands of single pieces: as pixels they make a small file.
+            rasterized=x.size > MANY // 20,
+        )
+    )
+
+
+def _loaded_line(axes: Axes, x: Array, y: Array, load: Array, norm: Normalize) -> None:
+    """Draw flight in grey, and the pieces with load above it, the hardest last."""
+    many = x.size > MANY // 20
+    axes.plot(x, y, color=_FREE, linewidth=0.4, zorder=1.5, rasterized=many)
+    points = np.stack([x, y], axis=1)
+    pieces = np.stack([points[:-1], points[1:]], axis=1)
+    value = np.maximum(load[:-1], load[1:])
+    order = np.argsort(value)
+    order = order[
+        value[order] > float(norm.vmin or 0.0)
+    ]  # at a touch's first instant there is round-off only
+    axes.add_collection(
+        LineCollection(
+            list(pieces[order]),
+            array=value[order],
+            cmap=_colours("load"),
+            norm=norm,
+            linewidth=0.9,
+            capstyle="round",
+            zorder=2,
+            rasterized=many,
+        )
+    )
+
+
+def _square_panels(width: Width, count: int, more: float, **how: Any) -> tuple[Figure, list[Axes]]:
+    """Return a figure of square panels in rows, and the panels.
+
+    Args:
+        width: Named width.
+        count: Number of panels.
+        more: Height beside the panels, of legend and colour bar [mm].
+        how: What ``add_subplot`` is to know.
+    """
+    most = 4 if width == "page" else 2
+    columns = min(count, most)
+    if count > columns:  # rows of equal length where that is possible
+        columns = next((n for n in range(most, most // 2, -1) if count % n == 0), most)
+    rows = -(-count // columns)
+    # A single panel does not fill the width. Labels take some 14 mm across, and 18 mm with the title along.
+    room = WIDTHS.get(width, WIDTHS["page"]) * _MM
+    figure = new_figure(width, more + rows * (room / max(columns, 2.4 if width == "page" else 1.2) + 1.0))
+    grid = figure.add_gridspec(rows, columns)
+    return figure, [figure.add_subplot(grid[i // columns, i % columns], **how) for i in range(count)]
+
+
+@styled
+def figure_bore_load(
+    runs: Iterable[Run] | Run, *, joint: str | None = None, sectors: int = 36, width: Width = "page"
+) -> Figure:
+    """Return the load around the bore: the impulse of the normal force that each sector took.
+
+    Bars of the two ends of a bore stand on one another. The angle is that of the bearing's surface, from the
+    bearing's x axis towards its y axis.
+
+    Args:
+        runs: Trajectories, or pairs of a label and a dataset.
+        joint: Name of the joint with clearance; the first one if left out.
+        sectors: Number of equal sectors.
+        width: "column" (88 mm) or "page" (180 mm).
+    """
+    every = labelled(runs)
+    joint = choose_clearance_joint(every, joint)
+    drawn = [run for run in long_enough(every) if joint in run.clearance_joints]
+    loads = [bore_load(run.data, joint, sectors) for run in drawn]
+    figure, panels = _square_panels(width, len(drawn), 14.0, projection="polar")
+    # Dark and light: told apart in grey as well.
+    looks = {
+        "radial+": ("end +", COLOURS[0]),
+        "radial-": ("end \N{MINUS SIGN}", COLOURS[4]),
+        "radial": ("bore", COLOURS[5]),
+        "spherical": ("socket", COLOURS[5]),
+    }
+    for letter, axes, run, load in zip(letters(), panels, drawn, loads, strict=False):
+        assert isinstance(axes, PolarAxes)
+        impulse = load["impulse"].values
+        angle, turn = load["angle"].values, 2.0 * np.pi / sectors
+        factor, printed = prefixed("N s", float(impulse.sum(axis=0).max(initial=0.0)))
+        below = np.zeros(sectors)
+        for contact, taken in zip(load["contact"].values, factor * impulse, strict=True):
+            kind = str(contact).rpartition(".")[2]
+            name, colour = looks.get(kind, (kind, COLOURS[2]))
+            bars: dict[str, Any] = {"width": turn, "color": colour, "edgecolor": "white", "linewidth": 0.25}
+            axes.bar(angle, taken, label=name, bottom=below, **bars)
+            below = below + taken
+        if below.any():
+            axes.set_ylim(0.0, 1.05 * below.max())
+            # Numbers of the rings stand where the load is least.
+            quiet = int(np.argmin(np.convolve(np.tile(below, 3), np.ones(5), "same")[sectors : 2 * sectors]))
+            ticks = MaxNLocator(3, steps=[1, 2, 5, 10]).tick_values(0.0, below.max())
+            rings = [float(tick) for tick in ticks if 0.0 < tick <= below.max()]
+            axes.set_rgrids(rings, angle=np.degrees(angle[quiet]), fontsize=6.5)
+        else:
+            axes.text(0.5, 0.6, "no contact", transform=axes.transAxes, ha="center")
+            axes.set_yticks([])
+        names = ["x", "45°", "y", "135°", "180°", "225°", "270°", "315°"]
+        axes.set_thetagrids(np.arange(0, 360, 45), names, fontsize=6.5)
+        axes.tick_params(axis="x", pad=-1.0)
+        total, unit = prefixed("N s", float(impulse.sum()))
+        words = (
+            f"{run.label}\nin all {_three_digits(total * float(impulse.sum()))} {unit}; rings in {printed}"
+        )
+        panel_title(axes, letter if len(drawn) > 1 else "", words)
+    legend_above(figure, panels)
+    footnote(
+        figure,
+        f"impulse of the normal force per sector of {360 / sectors:.3g}°",
+        too_short(every),
+        left_out(every, drawn, "no clearance in this joint"),
+    )
+    return figure
+
+
+def _three_digits(value: float) -> str:
+    """Return a number with three digits, all of those before the point."""
+    return f"{value:.0f}" if abs(value) >= 100.0 else f"{value:.3g}"
