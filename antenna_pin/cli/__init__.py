@@ -13,7 +13,7 @@ from typing import Annotated
 
 import typer
 
-from antenna_pin.cli import analyse, contact, info, pointing, record, report, run
+from antenna_pin.cli import analyse, contact, figures, info, pointing, record, report, run
 from antenna_pin.cli._common import one_line_errors
 
 __all__ = ["app", "main"]
@@ -60,6 +60,7 @@ _COMMANDS: dict[str, Callable[..., None]] = {
     "impacts": analyse.impacts,
     "pointing": pointing.pointing,
     "plot": info.plot,
+    "figures": figures.figures,
     "record": record.record,
     "report": report.report,
     "urdf": run.urdf,

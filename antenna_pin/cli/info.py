@@ -11,6 +11,7 @@ import typer
 from antenna_pin.cli._common import (
     FilesArgument,
     Width,
+    complain,
     figure_folder,
     figure_formats,
     label_of,
@@ -65,7 +66,7 @@ def plot(
     ] = None,
     width: Annotated[Width, typer.Option(help="Width of the figures: 88 mm or 180 mm.")] = Width.PAGE,
 ) -> None:
-    """Draw motion, contact forces, energy, momentum."""
+    """Draw the standard figures that the results allow."""
     suffixes = figure_formats(formats)
     figure_folder(out)
     runs = [(path, load_result(path)) for path in files]
@@ -76,5 +77,9 @@ def plot(
     from antenna_pin.plot import save_figures
 
     pairs = [(label, trajectory.data) for label, (_, trajectory) in zip(labels, runs, strict=True)]
-    for figure in save_figures(pairs, out, suffixes, joint=joint, width=width.value):
+
+    def left_out(name: str, reason: str) -> None:
+        complain(f"{name} is not drawn: {reason}")
+
+    for figure in save_figures(pairs, out, suffixes, joint=joint, width=width.value, on_left_out=left_out):
         typer.echo(figure)

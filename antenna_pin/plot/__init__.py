@@ -1,33 +1,60 @@
 """Figures for papers: of runs, and of contact laws.
 
-Of runs: motion against the ideal joint, contact forces, energy and momentum audits. Every such function takes
-runs (trajectories, or pairs of a label and a dataset); :func:`save_figures` writes the whole set. Of contact
-laws: force over depth, restitution, and the experiment of Liu et al. 2013. Every function returns a
-:class:`matplotlib.figure.Figure` that belongs to no window.
+Of runs: motion of joints, base and boresight against the ideal run, forces, the journal in its bearing,
+contact scenarios, spectra, energy and momentum audits. Every such function takes runs (trajectories, or pairs
+of a label and a dataset); :func:`save_figures` writes the standard set, :func:`paper_figures` lists the
+figures of a paper that a shipped model repeats. Of contact laws: force over depth, restitution, and the
+experiment of Liu et al. 2013. Every function returns a :class:`matplotlib.figure.Figure` that belongs to no
+window and shows itself in a notebook.
 """
 
 from __future__ import annotations
 
 from antenna_pin.plot.audit import figure_energy, figure_momentum
+from antenna_pin.plot.base import BASE_QUANTITIES, figure_base, figure_joints
 from antenna_pin.plot.contact import figure_force_curves, figure_restitution, save_contact_figures
+from antenna_pin.plot.eccentricity import figure_eccentricity
 from antenna_pin.plot.experiment import figure_contact_width, figure_experiment, figures_of_experiment
-from antenna_pin.plot.files import FORMATS, rendered, save_figures
+from antenna_pin.plot.files import FORMATS, folder_for_figures, rendered, save_figure, save_figures
 from antenna_pin.plot.forces import figure_contact_forces
+from antenna_pin.plot.loads import figure_joint_load
 from antenna_pin.plot.motion import QUANTITIES, figure_motion
+from antenna_pin.plot.orbit import figure_bore_load, figure_orbit
+from antenna_pin.plot.papers import PAPERS, PaperFigure, paper_figures
+from antenna_pin.plot.pointing import figure_pointing
+from antenna_pin.plot.scenarios import figure_scenarios
+from antenna_pin.plot.spectra import SIGNALS, figure_spectra, figure_spectrogram
 
 __all__ = [
+    "BASE_QUANTITIES",
     "FORMATS",
+    "PAPERS",
     "QUANTITIES",
+    "SIGNALS",
+    "PaperFigure",
+    "figure_base",
+    "figure_bore_load",
     "figure_contact_forces",
     "figure_contact_width",
+    "figure_eccentricity",
     "figure_energy",
     "figure_experiment",
     "figure_force_curves",
+    "figure_joint_load",
+    "figure_joints",
     "figure_momentum",
     "figure_motion",
+    "figure_orbit",
+    "figure_pointing",
     "figure_restitution",
     "figures_of_experiment",
     "rendered",
+    "figure_scenarios",
+    "figure_spectra",
+    "figure_spectrogram",
+    "folder_for_figures",
+    "paper_figures",
     "save_contact_figures",
+    "save_figure",
     "save_figures",
 ]

@@ -100,7 +100,9 @@ def panels_figure(panels: Sequence[Panel], width: str, columns: int, *, spikes: 
     overall = max((panel.largest for panel in panels if not panel.apart), default=0.0)
     drawn: list[Axes] = []
     for number, (letter, panel) in enumerate(zip(letters(), panels, strict=False)):
-        axes = figure.add_subplot(grid[number // columns, number % columns])
+        # The last of an odd number has its row to itself.
+        alone = number == len(panels) - 1 and number % columns == 0
+        axes = figure.add_subplot(grid[number // columns, :] if alone else grid[divmod(number, columns)])
         drawn.append(axes)
         _draw(axes, panel, overall, spikes)
         panel_title(axes, letter if len(panels) > 1 else "", panel.title)

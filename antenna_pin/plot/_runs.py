@@ -26,11 +26,13 @@ class LabelledRun:
 
     Attributes:
         label: Name in legends.
-        data: The samples.
+        data: The samples, with the scenario among their attributes if it is known.
+        source: The dataset that was given.
     """
 
     label: str
     data: xr.Dataset
+    source: xr.Dataset
 
     @property
     def ideal(self) -> bool:
@@ -86,9 +88,12 @@ def labelled(runs: Iterable[Run] | Run) -> list[LabelledRun]:
     for number, run in enumerate(every, start=1):
         label, data = run if isinstance(run, tuple) else (str(run.data.attrs.get("case") or ""), run.data)
         label = label or f"run {number}"
+        source, scenario = data, getattr(run, "scenario", None)
+        if scenario is not None and "scenario" not in data.attrs:  # a file has it there
+            data = data.assign_attrs(scenario=scenario.model_dump_json())
         taken = [other.label for other in result]
         copies = sum(name == label or name.startswith(f"{label} (") for name in taken)
-        result.append(LabelledRun(f"{label} ({copies + 1})" if copies else label, data))
+        result.append(LabelledRun(f"{label} ({copies + 1})" if copies else label, data, source))
     if not result:
         raise InvalidParameterError("figure", "runs", "at least one run", "none")
     if all(run.time.size < 2 for run in result):
@@ -122,7 +127,7 @@ def with_reference(
     every = labelled(runs)
     reference = labelled([ideal])[0] if ideal is not None else next((r for r in every if r.ideal), None)
     if reference is not None and ideal is not None:
-        same = next((run for run in every if run.data is reference.data), None)
+        same = next((run for run in every if run.source is reference.source), None)
         if same is None:
             every.insert(0, reference)
         else:
@@ -153,6 +158,19 @@ def choose_clearance_joint(runs: Sequence[LabelledRun], joint: str | None) -> st
     raise InvalidParameterError(
         "figure", "runs", "at least one run with contact in a joint", ", ".join(run.label for run in runs)
     )
+
+
+def choose_moving_joint(runs: Sequence[LabelledRun], joint: str | None) -> str:
+    """Return the joint to draw of all that move, turning or not: see :func:`choose_joint`."""
+    known = list(dict.fromkeys(name for run in runs for name in (*run.joints, *clearance_names(run))))
+    if joint is not None:
+        if joint not in known:
+            raise UnknownNameError("figure", "joint", joint, known)
+        return joint
+    for run in runs:
+        for name in clearance_names(run):
+            return name
+    return choose_joint(runs, None)
 
 
 def left_out(runs: Sequence[LabelledRun], drawn: Sequence[LabelledRun], why: str) -> str:

@@ -226,6 +226,11 @@ def prefixed(unit: str, largest: float) -> tuple[float, str]:
     return 1.0, printed
 
 
+def three_digits(value: float) -> str:
+    """Return a number with three digits, and all of those before the point."""
+    return f"{value:.0f}" if 100.0 <= abs(value) < 1e6 else f"{value:.3g}"
+
+
 # --- scales ---
 
 
@@ -261,8 +266,9 @@ def linear_then_log(axes: Sequence[Axes], core: float, largest: float) -> float 
     limit = _nice_above(1.2 * core)
     top = 10.0 ** math.ceil(math.log10(largest))
     decades = math.log10(top / limit)
-    first = math.ceil(math.log10((3.0 if decades <= 3.0 else 12.0) * limit))
-    powers = range(first, round(math.log10(top)) + 1, 1 if decades <= 3.5 else 2)
+    # Ticks keep their distance in a panel of some 28 mm, where a decade takes 8 / decades mm.
+    first = math.ceil(math.log10(limit) + max(math.log10(3.0), 0.4 * decades) - 1e-9)
+    powers = range(first, round(math.log10(top)) + 1, 1 if decades <= 2.6 else 2)
     beyond = [10.0**k for k in powers]
     ticks = [-t for t in reversed(beyond)] + [-limit, 0.0, limit] + beyond
     for panel in axes:

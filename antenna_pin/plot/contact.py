@@ -14,7 +14,7 @@ from matplotlib.ticker import NullFormatter
 
 from antenna_pin.contact import NormalLaw, RestitutionRow
 from antenna_pin.contact.comparison import force_within
-from antenna_pin.errors import InvalidParameterError, UnknownNameError
+from antenna_pin.errors import InvalidParameterError
 from antenna_pin.plot._style import (
     COLOURS,
     Array,
@@ -24,7 +24,7 @@ from antenna_pin.plot._style import (
     prefixed,
     styled,
 )
-from antenna_pin.plot.files import FORMATS, _made, _save
+from antenna_pin.plot.files import check_formats, folder_for_figures, save_figure
 
 DASHES: tuple[Any, ...] = ("-", (0, (4, 1.2)), (0, (1, 1)), (0, (4, 1, 1, 1)))
 _LABEL_HEIGHT = 3.0  # of one line of text beside a panel [mm]
@@ -41,13 +41,9 @@ def save_contact_figures(
         folder: Where to write; made if it is missing.
         formats: Any of "png", "pdf" and "svg".
     """
-    for suffix in formats:
-        if suffix not in FORMATS:
-            raise UnknownNameError("figure", "format", suffix, FORMATS)
-    target = _made(Path(folder))
-    return [
-        _save(figure, target / f"{name}.{suffix}") for name, figure in figures.items() for suffix in formats
-    ]
+    check_formats(formats)
+    target = folder_for_figures(folder)
+    return [path for name, figure in figures.items() for path in save_figure(figure, target / name, formats)]
 
 
 # --- force over depth ---

@@ -31,7 +31,7 @@ from antenna_pin.plot._style import (
     styled,
 )
 
-_KINDS = ("radial", "axial")
+_WORDS = {"radial": "radial", "axial": "axial", "spherical": "contact"}
 _SAMPLED = "resultant on the journal, as sampled"
 _PEAKS = "peak normal force of each contact episode"
 
@@ -55,18 +55,19 @@ def figure_contact_forces(
     every = labelled(runs)
     joint = choose_clearance_joint(every, joint)
     drawn = [run for run in long_enough(every) if joint in run.clearance_joints]
-    resultants = [dict(zip(_KINDS, _resultant(run, joint), strict=True)) for run in drawn]
-    peaks = [{kind: _peaks(run, joint, kind) for kind in _KINDS} for run in drawn]
+    kinds = _kinds(drawn, joint)
+    resultants = [_resultant(run, joint, kinds) for run in drawn]
+    peaks = [{kind: _peaks(run, joint, kind) for kind in kinds} for run in drawn]
     sizes = {
         kind: [
             max(float(np.nanmax(np.abs(part), initial=0.0)) for part in (resultant[kind], peak[kind][1]))
             for resultant, peak in zip(resultants, peaks, strict=True)
         ]
-        for kind in _KINDS
+        for kind in kinds
     }
-    figure, grid, letter = blocks(len(drawn), [_comparable(sizes[kind]) for kind in _KINDS], width, 42.0)
+    figure, grid, letter = blocks(len(drawn), [_comparable(sizes[kind]) for kind in kinds], width, 42.0)
     unit = drawn[0].unit("joint_force", "N")
-    for row, kind in enumerate(_KINDS):
+    for row, kind in enumerate(kinds):
         factor, printed = prefixed(unit, max(sizes[kind]))
         for column, (axes, run) in enumerate(zip(grid[row], drawn, strict=True)):
             axes.plot(
@@ -92,11 +93,12 @@ def figure_contact_forces(
                     va="center",
                     bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8},
                 )
-            panel_title(axes, letter[axes], f"{run.label}, {kind}")
-            if row == 1:
+            title = f"{run.label}, {_WORDS[kind]}"
+            panel_title(axes, letter[axes] if len(letter) > 1 else "", title)
+            if row == len(kinds) - 1:
                 axes.set_xlabel("time [s]")
             if axes.get_subplotspec().is_first_col():  # type: ignore[union-attr]
-                axes.set_ylabel(f"{kind} force [{printed}]")
+                axes.set_ylabel(f"{_WORDS[kind]} force [{printed}]")
             axes.axhline(0.0, color="#999999", linewidth=0.5, zorder=1.5)
     figure.align_ylabels()
     legend_above(figure, figure.axes)
@@ -110,10 +112,23 @@ def _comparable(sizes: list[float]) -> bool:
     return not touched or min(touched) > 0.15 * max(touched)
 
 
-def _resultant(run: LabelledRun, joint: str) -> tuple[Array, Array]:
-    """Return the force on the journal: its size across the bearing's axis, its component along it [N]."""
+def _kinds(runs: list[LabelledRun], joint: str) -> tuple[str, ...]:
+    """Return the kinds of contact that the joint has in any run: in a bore, at flanges; in a socket."""
+    ends = {name.rpartition(".")[2] for run in runs for name in _contacts_of(run, joint)}
+    if "spherical" in ends:
+        return ("spherical",)
+    return ("radial", "axial") if any(end.startswith("axial") for end in ends) else ("radial",)
+
+
+def _resultant(run: LabelledRun, joint: str, kinds: tuple[str, ...]) -> dict[str, Array]:
+    """Return the force on the journal: its size across the bearing's axis, its component along it [N].
+
+    Of a ball, the size of the whole.
+    """
     force = run.values("joint_force", clearance_joint=joint)
-    return np.hypot(force[:, 0], force[:, 1]), force[:, 2]
+    if kinds == ("spherical",):
+        return {"spherical": np.linalg.norm(force, axis=1)}
+    return {"radial": np.hypot(force[:, 0], force[:, 1]), "axial": force[:, 2]}
 
 
 def _contacts_of(run: LabelledRun, joint: str) -> list[str]:

@@ -5,15 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 import numpy as np
-import xarray as xr
 from matplotlib.figure import Figure
 
 from antenna_pin.analysis import joint_loads
-from antenna_pin.errors import InvalidParameterError, UnknownNameError
+from antenna_pin.errors import InvalidParameterError
 from antenna_pin.plot._runs import (
     LabelledRun,
     Run,
-    clearance_names,
+    choose_moving_joint,
     long_enough,
     styles,
     too_short,
@@ -60,7 +59,7 @@ def figure_joint_load(
     """
     every, reference = with_reference(runs, ideal)
     loads = {run.label: joint_loads(run.data)["force"] for run in long_enough(every)}
-    joint = _choose(every, loads, joint)
+    joint = choose_moving_joint(every, joint)
     drawn = [run for run in long_enough(every) if joint in loads[run.label]["moving_joint"]]
     drawn.sort(key=lambda run: run is reference)
     forces = [
@@ -99,16 +98,6 @@ def figure_joint_load(
     return figure
 
 
-def _choose(runs: list[LabelledRun], loads: dict[str, xr.DataArray], joint: str | None) -> str:
-    """Return the joint asked for, or the first with clearance, or the first that moves."""
-    known = list(dict.fromkeys(str(name) for load in loads.values() for name in load["moving_joint"].values))
-    if joint is not None:
-        if joint not in known:
-            raise UnknownNameError("figure", "joint", joint, known)
-        return joint
-    return next((name for run in runs for name in clearance_names(run) if name in known), known[0])
-
-
 def _around(time: Array, force: Array) -> tuple[float, float]:
     """Return the hundredth of the run around the largest force."""
     start, end = float(time[0]), float(time[-1])
@@ -127,4 +116,5 @@ def _ratios(runs: list[LabelledRun], largest: list[float], reference: LabelledRu
         for run, size in zip(runs, largest, strict=True)
         if run is not reference and base > 0.0
     ]
-    return f"largest force over that of {reference.label}: {', '.join(parts)}" if parts else ""
+    words = f"largest force of the whole run over that of {reference.label}"
+    return f"{words}: {', '.join(parts)}" if parts else ""

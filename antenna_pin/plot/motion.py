@@ -55,6 +55,7 @@ class _Curve:
     deviation: Array | None
     is_ideal: bool
     colour: str
+    linewidth: float = 1.0
 
 
 @styled
@@ -121,12 +122,7 @@ def _curves(
 def _resampled(run: LabelledRun, joint: str, quantity: Quantity, time: Array) -> Array:
     """Return a smooth run's motion at other times; NaN outside its span."""
     derivative = _DERIVATIVE.get(quantity)
-<<<<<<< HEAD
     slope = run.values(derivative, joint=joint) if derivative and derivative in run.data else None
-=======
-    known = derivative is not None and derivative in run.data
-    slope = run.values(str(derivative), joint=joint) if known else None
->>>>>>> cefa75e (plot: orbit, load around the bore, eccentricity, contact scenarios, base, joints, joint load; analysis: journal in its bearing)
     return resampled(run.time, run.values(f"motion_{quantity}", joint=joint), time, slope)
 
 
@@ -189,14 +185,24 @@ def _draw(axes: Axes, curve: _Curve, values: Array, span: _Span | None = None, t
         first = max(int(np.searchsorted(time, span[0])) - 1, 0)
         last = int(np.searchsorted(time, span[1], side="right")) + 1
         time, values = time[first:last], values[first:last]
-    style = IDEAL if curve.is_ideal else {"color": curve.colour, "linewidth": 0.6 if thin else 1.0}
+    style = (
+        IDEAL if curve.is_ideal else {"color": curve.colour, "linewidth": 0.6 if thin else curve.linewidth}
+    )
     axes.plot(time, values, label=curve.label, rasterized=time.size > MANY, **style)
+
+
+def _widened(curves: Sequence[_Curve]) -> list[_Curve]:
+    """Return the curves, the ones below wider: of runs that nearly coincide, all are seen."""
+    others = sum(not curve.is_ideal for curve in curves)
+    return [
+        curve if curve.is_ideal else dataclasses.replace(curve, linewidth=0.9 + 0.5 * (others - 1 - k))
+        for k, curve in enumerate(curves)
+    ]
 
 
 def _panels(curves: Sequence[_Curve], window: _Span | None, label: str, unit: str, width: Width) -> Figure:
     """Draw the whole span, the close view and the deviation."""
-    deviating = [curve for curve in curves if curve.deviation is not None]
-    count = 1 + (window is not None) + bool(deviating)
+    count = 1 + (window is not None) + any(curve.deviation is not None for curve in curves)
     if width == "page" and count > 1:
         figure = new_figure(width, 108.0)
         grid = figure.add_gridspec(2, 2)
@@ -211,6 +217,8 @@ def _panels(curves: Sequence[_Curve], window: _Span | None, label: str, unit: st
         whole, *rest = figure.subplots(count, 1, squeeze=False)[:, 0]
     largest = max((float(np.nanmax(np.abs(c.value), initial=0.0)) for c in curves), default=0.0)
     factor, printed = prefixed(unit, largest)
+    curves = _widened(curves)
+    deviating = [curve for curve in curves if curve.deviation is not None]
     for curve in curves:
         _draw(whole, curve, factor * curve.value)
     panel_title(whole, "a" if rest else "", "whole span")
@@ -232,7 +240,7 @@ def _panels(curves: Sequence[_Curve], window: _Span | None, label: str, unit: st
         factor, printed = prefixed(unit, largest)
         for curve in deviating:
             assert curve.deviation is not None
-            _draw(apart, curve, factor * curve.deviation, thin=True)
+            _draw(apart, curve, factor * curve.deviation, thin=len(deviating) < 2)
         apart.axhline(0.0, **{**IDEAL, "linewidth": 0.6})
         panel_title(apart, "c" if window is not None else "b", "deviation from the ideal joint")
         apart.set_ylabel(f"deviation [{printed}]")

@@ -42,6 +42,7 @@ from antenna_pin.plot._style import (
     panel_title,
     prefixed,
     styled,
+    three_digits,
 )
 
 Shade = Literal["time", "load"]
@@ -256,9 +257,7 @@ def figure_bore_load(
         axes.set_thetagrids(np.arange(0, 360, 45), names, fontsize=6.5)
         axes.tick_params(axis="x", pad=-1.0)
         total, unit = prefixed("N s", float(impulse.sum()))
-        words = (
-            f"{run.label}\nin all {_three_digits(total * float(impulse.sum()))} {unit}; rings in {printed}"
-        )
+        words = f"{run.label}\nin all {three_digits(total * float(impulse.sum()))} {unit}; rings in {printed}"
         panel_title(axes, letter if len(drawn) > 1 else "", words)
     legend_above(figure, panels)
     footnote(
@@ -268,8 +267,3 @@ def figure_bore_load(
         left_out(every, drawn, "no clearance in this joint"),
     )
     return figure
-
-
-def _three_digits(value: float) -> str:
-    """Return a number with three digits, all of those before the point."""
-    return f"{value:.0f}" if abs(value) >= 100.0 else f"{value:.3g}"

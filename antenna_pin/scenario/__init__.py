@@ -19,7 +19,13 @@ from antenna_pin.scenario.load import load_scenario
 from antenna_pin.scenario.mechanism import JointSpec, LinkSpec, MaterialSpec, MechanismSpec, ShapeSpec
 from antenna_pin.scenario.pointing import OrbitSpec, PointingSpec
 from antenna_pin.scenario.scenario import Scenario
-from antenna_pin.scenario.shipped import CaseSummary, ScenarioSummary, list_scenarios, models_path
+from antenna_pin.scenario.shipped import (
+    CaseSummary,
+    ScenarioSummary,
+    list_scenarios,
+    models_path,
+    scenario_cases,
+)
 from antenna_pin.scenario.write import scenario_toml
 
 __all__ = [
@@ -54,5 +60,6 @@ __all__ = [
     "list_scenarios",
     "load_scenario",
     "models_path",
+    "scenario_cases",
     "scenario_toml",
 ]

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 from antenna_pin.errors import ScenarioError, UnknownNameError
 
-__all__ = ["CaseSummary", "ScenarioSummary", "list_scenarios", "models_path"]
+__all__ = ["CaseSummary", "ScenarioSummary", "list_scenarios", "models_path", "scenario_cases"]
 
 FILE_NAME = "scenario.toml"
 
@@ -69,6 +69,18 @@ def list_scenarios() -> list[ScenarioSummary]:
             )
         )
     return summaries
+
+
+def scenario_cases(name_or_path: str | os.PathLike[str]) -> tuple[CaseSummary, ...]:
+    """Return the cases of a scenario, shipped or at a path, in the file's order; none if it has no cases."""
+    found = find_scenario(name_or_path)
+    cases = read_toml(found.path, found.label).get("cases", {})
+    # What is no table is refused when the scenario is loaded.
+    tables = cases if isinstance(cases, Mapping) else {}
+    return tuple(
+        CaseSummary(case, str(table.get("description", "")) if isinstance(table, Mapping) else "")
+        for case, table in tables.items()
+    )
 
 
 def find_scenario(name_or_path: str | os.PathLike[str]) -> ScenarioFile:

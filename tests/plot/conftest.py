@@ -1,11 +1,15 @@
 """Made-up runs in the format of a trajectory: smooth motion, and impacts shorter than the output step."""
 
+import itertools
 import json
 from collections.abc import Callable
 
 import numpy as np
 import pytest
 import xarray as xr
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+from antenna_pin import load_scenario, simulate
 
 CONTACTS = ["elevation.radial+", "elevation.radial-", "elevation.axial+", "elevation.axial-"]
 INERTIA = 0.689  # of the reflector about the elevation axis [kg m^2]
@@ -111,6 +115,62 @@ def make_run(
             "scenario": json.dumps({"clearance": {"elevation": {"model": contact or "ideal"}}}),
         },
     )
+
+
+def check_texts(figure) -> None:
+    """Assert that no two texts of a figure overlap, and that none is cut off at its edge."""
+    FigureCanvasAgg(figure).draw()
+    renderer = figure.canvas.get_renderer()
+    boxes = []
+    for axes in figure.axes:
+        texts = [
+            axes.title,
+            axes._left_title,
+            axes._right_title,
+            axes.xaxis.label,
+            axes.yaxis.label,
+            *axes.texts,
+        ]
+        for axis in (axes.xaxis, axes.yaxis):
+            low, high = sorted(axis.get_view_interval())
+            ticks = [tick for tick in axis.get_major_ticks() if low <= tick.get_loc() <= high]
+            texts += [tick.label1 for tick in ticks if tick.label1.get_visible()]
+        boxes += [text for text in texts if text.get_text()]
+    for legend in figure.legends:
+        boxes += legend.get_texts()
+    boxes += [text for text in (figure._supxlabel, figure._supylabel) if text is not None]
+    extents = [(text.get_text(), text.get_window_extent(renderer)) for text in boxes]
+    page = figure.bbox.padded(1.0)
+    for text, box in extents:
+        assert page.x0 <= box.x0 and box.x1 <= page.x1 and page.y0 <= box.y0 and box.y1 <= page.y1, text
+    for (one, a), (other, b) in itertools.combinations(extents, 2):
+        across = min(a.x1, b.x1) - max(a.x0, b.x0)
+        along = min(a.y1, b.y1) - max(a.y0, b.y0)
+        assert across <= 0.5 or along <= 0.5, f"{one!r} overlaps {other!r}"
+
+
+@pytest.fixture(scope="session")
+def readable() -> Callable:
+    """Asserts that all texts of a figure can be read."""
+    return check_texts
+
+
+@pytest.fixture(scope="session")
+def real_runs() -> dict:
+    """Short runs of shipped models by case: ideal, planar, in space; ball joints are "floating"."""
+    runs = {}
+    for model, case, duration in (
+        ("bai2020", "case1", 0.12),
+        ("bai2020", "case2-planar", 0.12),
+        ("bai2020", "case3", 0.08),
+        ("spherical_pendulum", "floating", 0.02),
+    ):
+        changes = [f"duration={duration}"]
+        if case in ("case2-planar", "case3"):
+            changes.append("clearance.elevation.geometry=closed-form")
+        scenario = load_scenario(model, case=case, overrides=changes)
+        runs[case] = simulate(scenario).data.assign_attrs(scenario=scenario.model_dump_json())
+    return runs
 
 
 @pytest.fixture(scope="session")

@@ -1,7 +1,6 @@
 """Figures: what they show of a run, and that they can always be read."""
 
 import dataclasses
-import itertools
 import subprocess
 import sys
 
@@ -9,7 +8,6 @@ import matplotlib
 import numpy as np
 import pytest
 import xarray as xr
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from antenna_pin.errors import AntennaPinError, FileFormatError, OutputError, UnknownNameError
 from antenna_pin.plot import (
@@ -269,36 +267,9 @@ FIGURES = {
 
 @pytest.mark.parametrize("width", ["column", "page"])
 @pytest.mark.parametrize("name", FIGURES)
-def test_no_two_labels_overlap_and_none_is_cut_off(runs, stillborn, name, width):
+def test_no_two_labels_overlap_and_none_is_cut_off(runs, stillborn, readable, name, width):
     figure = FIGURES[name]([*runs, stillborn], width=width)
-    FigureCanvasAgg(figure).draw()
-    renderer = figure.canvas.get_renderer()
-    boxes = []
-    for axes in figure.axes:
-        texts = [
-            axes.title,
-            axes._left_title,
-            axes._right_title,
-            axes.xaxis.label,
-            axes.yaxis.label,
-            *axes.texts,
-        ]
-        for axis in (axes.xaxis, axes.yaxis):
-            low, high = sorted(axis.get_view_interval())
-            ticks = [tick for tick in axis.get_major_ticks() if low <= tick.get_loc() <= high]
-            texts += [tick.label1 for tick in ticks if tick.label1.get_visible()]
-        boxes += [text for text in texts if text.get_text()]
-    for legend in figure.legends:
-        boxes += legend.get_texts()
-    boxes += [text for text in (figure._supxlabel, figure._supylabel) if text is not None]
-    extents = [(text.get_text(), text.get_window_extent(renderer)) for text in boxes]
-    page = figure.bbox.padded(1.0)
-    for text, box in extents:
-        assert page.x0 <= box.x0 and box.x1 <= page.x1 and page.y0 <= box.y0 and box.y1 <= page.y1, text
-    for (one, a), (other, b) in itertools.combinations(extents, 2):
-        across = min(a.x1, b.x1) - max(a.x0, b.x0)
-        along = min(a.y1, b.y1) - max(a.y0, b.y0)
-        assert across <= 0.5 or along <= 0.5, f"{one!r} overlaps {other!r}"
+    readable(figure)
 
 
 def test_settings_of_the_caller_are_left_alone(runs):

@@ -1,0 +1,29 @@
+"""The figures of papers that shipped models repeat: which cases each takes, and how it is drawn.
+
+Nothing is simulated here: give the runs of the cases, or let ``antenna-pin figures`` make them.
+"""
+
+from __future__ import annotations
+
+from antenna_pin.errors import UnknownNameError
+from antenna_pin.plot.papers import bai2020, you2010
+from antenna_pin.plot.papers._figure import PaperFigure
+
+__all__ = ["PAPERS", "PaperFigure", "paper_figures"]
+
+#: The figures of each paper, by the name of the shipped model that repeats them.
+PAPERS: dict[str, tuple[PaperFigure, ...]] = {"bai2020": bai2020.FIGURES, "you2010": you2010.FIGURES}
+
+
+def paper_figures(model: str) -> tuple[PaperFigure, ...]:
+    """Return the figures of the paper that a shipped model repeats, in the paper's order.
+
+    Args:
+        model: Name of the model, such as "bai2020".
+
+    Raises:
+        UnknownNameError: No paper's figures belong to it.
+    """
+    if model not in PAPERS:
+        raise UnknownNameError("figures", "paper's model", model, PAPERS)
+    return PAPERS[model]

@@ -1,0 +1,132 @@
+"""Sentences of numbers about runs, for the index of a paper's figures."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+
+from antenna_pin.analysis import (
+    base_motion,
+    deviation,
+    impacts,
+    joint_loads,
+    journal_motion,
+    load_statistics,
+    settling,
+)
+from antenna_pin.errors import AntennaPinError
+from antenna_pin.plot._style import prefixed, three_digits
+from antenna_pin.plot.papers._figure import Cases
+
+
+def with_unit(value: float, unit: str) -> str:
+    """Return a value with three digits and its unit."""
+    factor, printed = prefixed(unit, abs(value))
+    return f"{three_digits(factor * value)} {printed}"
+
+
+def deviations(cases: Cases, of: str) -> str:
+    """Return the largest deviation of each case from the first, the ideal one, as of "elevation angle"."""
+    (_, ideal), *others = cases.items()
+    parts = []
+    for case, data in others:
+        try:
+            found = deviation(data, ideal)[of]
+        except AntennaPinError as error:
+            parts.append(f"{case}: {error}")
+            continue
+        parts.append(f"{case} {with_unit(found.maximum, found.units)} at {found.time_of_maximum:.3g} s")
+    return f"largest deviation of the {of} from the ideal joint: {'; '.join(parts)}"
+
+
+def of_base(cases: Cases, quantity: str) -> str:
+    """Return the largest deviation of the base from the ideal run, and the ideal run's own largest size."""
+    ideal = base_motion(next(iter(cases.values())))
+    name = "rotation" if quantity == "attitude" else quantity
+    values = ideal[name].values - (ideal[name].values[0] if quantity == "position" else 0.0)
+    largest = float(np.linalg.norm(values, axis=1).max())
+    words = deviations(cases, f"base {quantity.replace('_', ' ')}")
+    return f"{words}; the ideal run's own is up to {with_unit(largest, str(ideal[name].attrs['units']))}"
+
+
+def of_joints(cases: Cases, quantity: str) -> str:
+    """Return the largest deviation of every joint from the ideal run."""
+    names = [str(name) for name in next(iter(cases.values()))["joint"].values]
+    return ". ".join(deviations(cases, f"{name} {quantity}") for name in names)
+
+
+def peak_accelerations(cases: Cases, joint: str) -> str:
+    """Return the largest acceleration of a joint in each case."""
+    peaks = {
+        case: float(np.nanmax(np.abs(data["motion_acceleration"].sel(joint=joint).values)))
+        for case, data in cases.items()
+    }
+    return f"largest {joint} acceleration: " + "; ".join(
+        f"{case} {with_unit(peak, 'rad/s^2')}" for case, peak in peaks.items()
+    )
+
+
+def contact_peaks(cases: Cases) -> str:
+    """Return the largest and the mean force of the contacts of each case, radial and axial."""
+    parts = []
+    for case, data in cases.items():
+        loads = load_statistics(data)
+        for kind in ("radial", "axial"):
+            mine = [name for name in loads["contact"].values if f".{kind}" in str(name)]
+            if mine:
+                of_kind = loads.sel(contact=mine)
+                peak, mean = float(of_kind["peak_force"].max()), float(of_kind["mean_force"].sum())
+                parts.append(
+                    f"{case} {kind} up to {with_unit(peak, 'N')}, mean {with_unit(mean, 'N')}, "
+                    f"{int(of_kind['episodes'].sum())} contacts"
+                )
+    return "; ".join(parts)
+
+
+def penetration(cases: Cases) -> str:
+    """Return how deep and how long the journal was pressed in, and when the last impact was."""
+    parts = []
+    for case, data in cases.items():
+        motion, rows = journal_motion(data), impacts(data)
+        if not rows.sizes["impact"]:
+            parts.append(f"{case}: no contact")
+            continue
+        deepest = int(np.argmax(rows["peak_depth"].values))
+        parts.append(
+            f"{case}: {rows.sizes['impact']} contacts, {_settled(data)}; "
+            f"deepest {with_unit(float(rows['peak_depth'][deepest]), 'm')} at "
+            f"{float(rows['peak_time'][deepest]):.3g} s, with a clearance of "
+            f"{with_unit(motion.attrs['radial_clearance'], 'm')}"
+        )
+    return "; ".join(parts)
+
+
+def _settled(data: xr.Dataset) -> str:
+    """Return from when on the journal stays in contact."""
+    found = settling(data)[0]
+    return f"lasting contact from {found.time:.3g} s on" if found.time is not None else "no lasting contact"
+
+
+def force_ratio(cases: Cases, joint: str) -> str:
+    """Return the largest joint force over that of the first, ideal case: of impacts, and of the whole."""
+    (ideal, base), *others = cases.items()
+    parts = []
+    for case, data in others:
+        settled = next((each.time for each in settling(data) if each.joint == joint), None)
+        for until, words in ((settled, "while impacts last, up to"), (None, "in all, up to")):
+            if until is None and words.startswith("while"):
+                continue
+            end = float(data["time"][-1]) if until is None else until
+            ours, theirs = _largest_force(data, joint, end), _largest_force(base, joint, end)
+            parts.append(
+                f"{words} {end:.3g} s: {case} {with_unit(ours, 'N')}, {ideal} {with_unit(theirs, 'N')}, "
+                f"{three_digits(ours / theirs)} times"
+            )
+    return f"largest force through {joint}: {'; '.join(parts)}"
+
+
+def _largest_force(data: xr.Dataset, joint: str, until: float) -> float:
+    """Return the largest force through a joint up to a time [N]."""
+    force = joint_loads(data)["force"].sel(moving_joint=joint)
+    held = force.values[np.asarray(force["time"].values) <= until]
+    return float(np.linalg.norm(held, axis=1).max())

@@ -1,0 +1,106 @@
+"""Where the antenna looks, and by how much it misses."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from antenna_pin.analysis import boresight, pointing_error
+from antenna_pin.errors import AntennaPinError, InvalidParameterError
+from antenna_pin.plot._compared import Curve, Panel, panels_figure
+from antenna_pin.plot._runs import LabelledRun, Run, left_out, long_enough, styles, too_short, with_reference
+from antenna_pin.plot._style import Width, footnote, styled
+
+_CROSS = ("cross", "up")
+
+
+@styled
+def figure_pointing(runs: Iterable[Run] | Run, *, ideal: Run | None = None, width: Width = "page") -> Figure:
+    """Return the boresight's azimuth and elevation, and the pointing error, over time.
+
+    The error is that against the ideal run, or against the commanded direction where the scenario names one
+    and no ideal run is among them: turns of the boresight about the antenna's ``cross`` and ``up`` axes, and
+    the half-cone angle between both boresights.
+
+    Args:
+        runs: Trajectories, or pairs of a label and a dataset, whose scenario has a table ``[pointing]``.
+        ideal: The run to compare with; the first run without any contact if left out.
+        width: "column" (88 mm) or "page" (180 mm).
+    """
+    every, reference = with_reference(runs, ideal)
+    long = sorted(long_enough(every), key=lambda run: run is reference)
+    looks = dict(zip([run.label for run in long], styles(long, reference), strict=True))
+    directions, errors = {}, {}
+    drawn: list[LabelledRun] = []
+    for run in long:
+        try:
+            directions[run.label] = boresight(run.data)
+        except AntennaPinError:  # its scenario does not say what looks where
+            continue
+        drawn.append(run)
+        if run is not reference:
+            try:
+                errors[run.label] = pointing_error(run.data, None if reference is None else reference.data)
+            except AntennaPinError:  # nothing to compare with
+                continue
+    if not drawn:
+        raise InvalidParameterError(
+            "figure",
+            "runs",
+            "at least one whose scenario has a table [pointing]",
+            ", ".join(run.label for run in every),
+        )
+    panels = [
+        Panel(
+            f"{name} of the boresight in the world",
+            name,
+            "rad",
+            [
+                Curve(
+                    run.legend,
+                    run.time,
+                    np.asarray(directions[run.label][name].values, dtype=float),
+                    looks[run.label],
+                    run is reference,
+                )
+                for run in drawn
+            ],
+        )
+        for name in ("azimuth", "elevation")
+    ]
+    missed = [run for run in drawn if run.label in errors]
+    for axis in _CROSS if missed else ():
+        panels.append(
+            Panel(
+                f"turn of the boresight about {axis}",
+                "error",
+                "rad",
+                [
+                    Curve(
+                        run.label,
+                        run.time,
+                        np.asarray(errors[run.label]["boresight_error"].sel(cross_axis=axis).values),
+                        looks[run.label],
+                    )
+                    for run in missed
+                ],
+                True,
+            )
+        )
+    if missed:
+        cones = [
+            Curve(run.label, run.time, np.asarray(errors[run.label]["half_cone"].values), looks[run.label])
+            for run in missed
+        ]
+        panels.append(Panel("half-cone error", "error", "rad", cones, True))
+    figure = panels_figure(panels, width, 2)
+    against = dict.fromkeys(str(errors[run.label].attrs["against"]) for run in missed)
+    footnote(
+        figure,
+        f"error against the {', '.join(against)}" if against else "",
+        too_short(every),
+        left_out(every, drawn, "scenario without pointing"),
+    )
+    return figure

@@ -1,0 +1,450 @@
+"""Figures of real, short runs: what they show equals what the run holds, and all of it can be read."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from matplotlib.collections import LineCollection
+from scipy.spatial.transform import Rotation
+
+from antenna_pin.analysis import (
+    base_motion,
+    bore_load,
+    deviation,
+    joint_loads,
+    pointing_error,
+    scenario_shares,
+    spectrum,
+)
+from antenna_pin.errors import AntennaPinError, InvalidParameterError, UnknownNameError
+from antenna_pin.plot import (
+    BASE_QUANTITIES,
+    PAPERS,
+    QUANTITIES,
+    SIGNALS,
+    figure_base,
+    figure_bore_load,
+    figure_contact_forces,
+    figure_eccentricity,
+    figure_joint_load,
+    figure_joints,
+    figure_orbit,
+    figure_pointing,
+    figure_scenarios,
+    figure_spectra,
+    figure_spectrogram,
+    paper_figures,
+    save_figures,
+)
+
+
+@pytest.fixture(scope="module")
+def runs(real_runs):
+    """Ideal, planar clearance, full clearance."""
+    return [(case, real_runs[case]) for case in ("case1", "case2-planar", "case3")]
+
+
+def lines_of(axes):
+    return {line.get_label(): line for line in axes.lines}
+
+
+def title_of(axes):
+    """Title of a panel without its letter."""
+    return axes.get_title("left").rpartition("$ ")[2]
+
+
+def note_of(figure):
+    """What stands below the panels, in one line."""
+    return " ".join(figure.get_supxlabel().split())
+
+
+def factor_of(label, unit):
+    """What values in SI were multiplied with, from the prefix that an axis names."""
+    text = label[label.rindex("[") + 1 : label.rindex("]")]
+    return 1.0 / {"": 1.0, "m": 1e-3, "µ": 1e-6, "n": 1e-9, "k": 1e3}[text.removesuffix(unit)]
+
+
+# --- the journal in its bearing ---
+
+
+def test_orbit_stays_inside_the_clearance_circle_but_for_the_depth(real_runs):
+    """Gap = C_r - e but for R_i tilt^2 / 2, 0.32 um at the largest tilt of 8 mrad."""
+    data = real_runs["case3"]
+    figure = figure_orbit(("case3", data))
+    ends = [axes for axes in figure.axes if axes.patches]
+    assert [axes.get_title("left").rpartition(" ")[2] for axes in ends] == ["+", "\N{MINUS SIGN}"]
+    for axes, contact in zip(ends, ("elevation.radial+", "elevation.radial-"), strict=True):
+        factor = factor_of(axes.get_xlabel(), "m")
+        (orbit,) = (each for each in axes.collections if isinstance(each, LineCollection))
+        points = np.array([piece[0] for piece in orbit.get_segments()] + [orbit.get_segments()[-1][1]])
+        radius = np.hypot(*points.T) / factor
+        clearance = axes.patches[0].radius / factor
+        assert clearance == pytest.approx(2e-4, rel=1e-9, abs=0.0)
+        depth = -data["gap"].sel(contact=contact).values
+        np.testing.assert_allclose(radius - clearance, depth, rtol=0.0, atol=0.33e-6)
+        assert np.any(radius > clearance)
+
+
+def test_orbit_of_a_planar_joint_is_its_centre(real_runs):
+    data = real_runs["case2-planar"]
+    axes = figure_orbit(("planar", data), width="column").axes[0]
+    (orbit,) = (each for each in axes.collections if isinstance(each, LineCollection))
+    starts = np.array([piece[0] for piece in orbit.get_segments()]) / factor_of(axes.get_xlabel(), "m")
+    # A path keeps what it is given; the factor costs a rounding.
+    expected = data["journal_position"].values[:-1, 0, :2]
+    np.testing.assert_allclose(starts, expected, rtol=1e-12, atol=1e-18)
+
+
+def test_orbit_of_a_ball_has_three_projections(real_runs):
+    labels = {
+        (axes.get_xlabel()[0], axes.get_ylabel()[0])
+        for axes in figure_orbit(("balls", real_runs["floating"])).axes
+        if axes.patches
+    }
+    assert labels == {("x", "y"), ("x", "z"), ("y", "z")}
+
+
+def test_orbit_shaded_by_load_leaves_flight_grey(real_runs):
+    data = real_runs["case2-planar"]
+    axes = figure_orbit(("planar", data), shade="load").axes[0]
+    (loaded,) = (each for each in axes.collections if isinstance(each, LineCollection))
+    force = data["normal_force"].values[:, 0]
+    pressed = np.maximum(force[1:], force[:-1]) > 1e-4 * force.max()
+    assert len(loaded.get_segments()) == pressed.sum() < force.size
+    assert len(axes.lines[0].get_xdata()) == force.size
+    with pytest.raises(UnknownNameError, match="shade"):
+        figure_orbit(("planar", data), shade="laod")
+
+
+def test_bars_around_the_bore_sum_to_the_impulse(real_runs):
+    data = real_runs["case3"]
+    figure = figure_bore_load(("case3", data), sectors=24)
+    axes = figure.axes[0]
+    contacts = ["elevation.radial+", "elevation.radial-"]
+    impulse = data["normal_impulse"].sel(contact=contacts).isel(time=-1).values
+    for bars, contact, expected in zip(axes.containers, contacts, impulse, strict=True):
+        assert len(bars) == 24, contact
+        size = factor_of("[" + axes.get_title("left").rpartition("rings in ")[2] + "]", "N s")
+        assert sum(bar.get_height() for bar in bars) / size == pytest.approx(expected, rel=1e-12, abs=0.0)
+    assert "per sector of 15°" in note_of(figure)
+
+
+def test_load_lies_where_the_bore_was_touched(real_runs):
+    """The first impact of the planar joint: its contact point's direction takes all."""
+    data = real_runs["case2-planar"]
+    release = float(data["release_time"].values[0])
+    first = data.sel(time=slice(None, release))
+    load = bore_load(first, sectors=36)["impulse"].values[0]
+    at = int(np.argmax(first["normal_force"].values[:, 0]))
+    x, y, _ = first["contact_point"].values[at, 0]
+    assert int(np.argmax(load)) == int(np.mod(np.arctan2(y, x), 2 * np.pi) // np.radians(10))
+    assert load.max() == pytest.approx(load.sum(), rel=1e-12, abs=0.0)
+
+
+def test_eccentricity_is_drawn_over_the_clearance(real_runs):
+    data = real_runs["case2-planar"]
+    ratio, depth = figure_eccentricity(("planar", data)).axes
+    centre = np.hypot(*data["journal_position"].values[:, 0, :2].T)
+    np.testing.assert_allclose(lines_of(ratio)["centre"].get_ydata(), centre / 2e-4, rtol=1e-9)
+    peaks = lines_of(depth)["largest of each contact episode"]
+    size = factor_of(depth.get_ylabel(), "m")
+    np.testing.assert_allclose(peaks.get_ydata(), size * data["peak_depth"].values, rtol=1e-12)
+    np.testing.assert_array_equal(peaks.get_xdata(), data["peak_time"].values)
+
+
+def test_tilt_and_axial_place_are_of_joints_that_can_move_so(runs):
+    figure = figure_eccentricity(runs)
+    titles = {title_of(axes): axes for axes in figure.axes}
+    tilt = next(axes for title, axes in titles.items() if title.endswith("case3, tilt"))
+    size = factor_of(tilt.get_ylabel() or figure.axes[4].get_ylabel(), "rad")
+    np.testing.assert_allclose(tilt.lines[0].get_ydata(), size * runs[2][1]["journal_tilt"].values[:, 0])
+    planar = next(axes for title, axes in titles.items() if title.endswith("case2-planar, tilt"))
+    assert [text.get_text() for text in planar.texts] == ["none in this joint"]
+
+
+def test_scenarios_fill_the_time_they_lasted(real_runs):
+    data = real_runs["case3"]
+    shares = scenario_shares(data).values[0]
+    span = float(data["time"][-1])
+    whole = figure_scenarios(("case3", data)).axes[::2]
+    for axes, expected in zip(whole, (shares.sum(1), shares.sum(0)), strict=True):
+        filled = []
+        for bars in axes.collections:
+            ends = np.array([path.vertices[:, 0] for path in bars.get_paths()])
+            filled.append((ends.max(axis=1) - ends.min(axis=1)).sum() / span if len(ends) else 0.0)
+        np.testing.assert_allclose(filled, expected, atol=1e-12)
+
+
+# --- loads ---
+
+
+def test_force_through_a_joint_is_that_of_ideal_and_clearance_joint(runs):
+    figure = figure_joint_load(runs)
+    whole = figure.axes[0]
+    size = factor_of(whole.get_ylabel(), "N")
+    for case, data in runs:
+        label = f"{case} (ideal)" if case == "case1" else case
+        force = joint_loads(data)["force"].sel(moving_joint="elevation").values
+        np.testing.assert_allclose(
+            lines_of(whole)[label].get_ydata(), size * np.linalg.norm(force, axis=1), rtol=1e-12
+        )
+    # With clearance it is the contact force: its peaks are among the samples.
+    contact = np.linalg.norm(runs[1][1]["joint_force"].values[:, 0], axis=1).max()
+    assert lines_of(whole)["case2-planar"].get_ydata().max() == pytest.approx(size * contact, rel=1e-6)
+    ratio = contact / np.linalg.norm(joint_loads(runs[0][1])["force"].values[:, 1], axis=1).max()
+    assert f"case2-planar {ratio:.3g}" in note_of(figure)
+
+
+def test_contact_forces_of_a_ball_are_the_whole_force(real_runs):
+    data = real_runs["floating"]
+    (axes,) = figure_contact_forces(("balls", data)).axes
+    size = factor_of(axes.get_ylabel(), "N")
+    force = np.linalg.norm(data["joint_force"].sel(clearance_joint="upper").values, axis=1)
+    np.testing.assert_allclose(axes.lines[0].get_ydata(), size * force)
+    peaks = next(line for line in axes.lines if line.get_marker() == ".")
+    upper = data["episode_contact"].values == 0
+    np.testing.assert_array_equal(peaks.get_xdata(), data["peak_time"].values[upper])
+
+
+# --- base, joints, boresight ---
+
+
+@pytest.mark.parametrize("quantity", BASE_QUANTITIES)
+def test_base_is_drawn_with_its_deviation(runs, quantity):
+    figure = figure_base(runs, quantity)
+    case, data = runs[2]
+    motion = base_motion(data)
+    if quantity == "attitude":
+        turn = Rotation.from_quat(motion["attitude"].values)
+        expected = (turn[0].inv() * turn).as_euler("ZYX")[:, ::-1]
+    else:
+        expected = motion[quantity].values - (motion[quantity].values[0] if quantity == "position" else 0.0)
+    *components, apart = figure.axes
+    unit = {"position": "m", "velocity": "m/s", "acceleration": "m/s²", "attitude": "rad"}.get(
+        quantity, "rad/s" if quantity == "angular_velocity" else "rad/s²"
+    )
+    for k, axes in enumerate(components):
+        drawn = lines_of(axes)[case].get_ydata() / factor_of(axes.get_ylabel(), unit)
+        np.testing.assert_allclose(drawn, expected[:, k], rtol=1e-9, atol=1e-18)
+        assert lines_of(axes)["case1 (ideal)"].get_color() == "black"
+    away = np.linalg.norm(deviation(data, runs[0][1]).data[f"base_{quantity}"].values, axis=1)
+    drawn = lines_of(apart)[case].get_ydata() / factor_of(apart.get_ylabel(), unit)
+    np.testing.assert_allclose(drawn, away, rtol=1e-9, atol=1e-24)
+
+
+def test_components_that_are_round_off_are_named_and_left_out(runs):
+    flat = runs[0][1].copy()
+    flat["q"] = flat["q"].copy()
+    for name in ("v", "a"):
+        values = flat[name].values.copy()
+        values[:, [2, 3, 4]] = 0.0
+        flat[name] = (flat[name].dims, values)
+    level = np.tile([0.0, 0.0, 0.0, 1.0], (flat.sizes["time"], 1))
+    flat["base_attitude"] = (flat["base_attitude"].dims, level)
+    figure = figure_base(("flat", flat), "angular_velocity")
+    assert len(figure.axes) == 1
+    assert "zero to round-off: x, y" in note_of(figure)
+
+
+@pytest.mark.parametrize("quantity", QUANTITIES)
+def test_all_joints_are_drawn_beside_their_deviation(runs, quantity):
+    figure = figure_joints(runs, quantity)
+    assert len(figure.axes) == 4
+    case, data = runs[1]
+    azimuth, apart = figure.axes[:2]
+    unit = {"angle": "rad", "rate": "rad/s", "acceleration": "rad/s²"}[quantity]
+    away = deviation(data, runs[0][1]).data[quantity].sel(joint="azimuth").values
+    drawn = lines_of(apart)[case].get_ydata() / factor_of(apart.get_ylabel(), unit)
+    np.testing.assert_allclose(drawn, away, rtol=1e-9, atol=1e-24)
+    expected = data[f"motion_{quantity}"].sel(joint="azimuth").values
+    drawn = lines_of(azimuth)[case].get_ydata() / factor_of(azimuth.get_ylabel(), unit)
+    np.testing.assert_allclose(drawn, expected, rtol=1e-9, atol=1e-24)
+
+
+def test_pointing_error_is_against_the_ideal_run(runs):
+    figure = figure_pointing(runs)
+    cone = figure.axes[-1]
+    expected = pointing_error(runs[2][1], runs[0][1])["half_cone"].values
+    drawn = lines_of(cone)["case3"].get_ydata() / factor_of(cone.get_ylabel(), "rad")
+    np.testing.assert_allclose(drawn, expected, rtol=1e-9, atol=1e-24)
+    assert "against the ideal run" in note_of(figure)
+    assert len(figure_pointing(runs[2:]).axes) == 2  # alone there is nothing to miss
+
+
+# --- spectra ---
+
+
+def test_spectra_are_those_of_the_analysis(runs):
+    figure = figure_spectra(runs)
+    assert len(figure.axes) == len(SIGNALS)
+    case, data = runs[1]
+    values = data["motion_acceleration"].sel(joint="elevation").values
+    expected = spectrum(data["time"].values, values, segment=0.5 * float(data["time"][-1]))
+    line = lines_of(figure.axes[0])[case]
+    np.testing.assert_allclose(line.get_ydata(), expected["density"].values[1:], rtol=1e-9)
+    np.testing.assert_allclose(line.get_xdata(), expected["frequency"].values[1:])
+
+
+def test_spectrogram_has_a_panel_per_run_with_contact(runs):
+    figure = figure_spectrogram(runs, "force")
+    titles = [axes.get_title("left") for axes in figure.axes if axes.get_title("left")]
+    assert [title.rpartition("$ ")[2] for title in titles] == [
+        f"{case}, force through elevation" for case in ("case2-planar", "case3")
+    ]
+    with pytest.raises(UnknownNameError, match="signal"):
+        figure_spectrogram(runs, "jerk")
+
+
+# --- all of them ---
+
+FIGURES = {
+    "orbit": figure_orbit,
+    "bore": figure_bore_load,
+    "eccentricity": figure_eccentricity,
+    "scenarios": figure_scenarios,
+    "load": figure_joint_load,
+    "position": figure_base,
+    "base acceleration": lambda runs, width: figure_base(runs, "acceleration", width=width),
+    "attitude": lambda runs, width: figure_base(runs, "attitude", width=width),
+    "joints": figure_joints,
+    "pointing": figure_pointing,
+    "spectra": figure_spectra,
+    "spectrogram": figure_spectrogram,
+}
+
+
+@pytest.mark.parametrize("width", ["column", "page"])
+@pytest.mark.parametrize("name", FIGURES)
+def test_no_two_labels_overlap_and_none_is_cut_off(runs, readable, name, width):
+    short = runs[2][1].isel(time=slice(0, 1))
+    figure = FIGURES[name]([*runs, ("short", short)], width=width)
+    assert figure.get_figwidth() * 25.4 == pytest.approx({"column": 88.0, "page": 180.0}[width])
+    assert "one sample only: short" in note_of(figure)
+    readable(figure)
+
+
+@pytest.mark.parametrize("name", ["orbit", "bore", "eccentricity", "scenarios"])
+def test_runs_without_clearance_are_refused_or_named(runs, name):
+    with pytest.raises(InvalidParameterError, match="at least one run with contact"):
+        FIGURES[name](runs[:1], width="page")
+    note = note_of(FIGURES[name](runs[:2], width="page"))
+    assert "not drawn, no clearance in this joint: case1" in note
+
+
+def test_a_figure_shows_itself_in_a_notebook(runs):
+    assert figure_base(runs[:1])._repr_png_().startswith(b"\x89PNG")
+
+
+def test_colours_are_told_apart_in_grey_where_they_stand_on_one_another(real_runs):
+    """Bars of both ends differ by a fifth of the grey scale."""
+    axes = figure_bore_load(("case3", real_runs["case3"])).axes[0]
+    one, other = (np.dot(bars[0].get_facecolor()[:3], [0.299, 0.587, 0.114]) for bars in axes.containers)
+    assert abs(one - other) > 0.2
+
+
+# --- files ---
+
+
+def test_the_standard_set_of_real_runs(runs, tmp_path, monkeypatch):
+    monkeypatch.setattr("antenna_pin.plot.files._save", lambda figure, path: path)  # drawing takes the time
+    said = []
+    written = save_figures(runs[::2], tmp_path, ("svg",), on_left_out=lambda *words: said.append(words))
+    names = ["motion_angle", "motion_rate", "motion_acceleration", "contact_forces", "joint_load"]
+    names += ["journal_orbit", "eccentricity", "bore_load", "contact_scenarios"]
+    names += [f"base_{quantity}" for quantity in BASE_QUANTITIES]
+    names += ["pointing", "spectra", "spectrogram", "energy", "momentum"]
+    assert [path.stem for path in written] == names
+    assert said == []
+
+
+def test_what_the_data_do_not_allow_is_left_out_with_the_reason(real_runs, tmp_path, monkeypatch):
+    """A foreign tool has dropped a variable; the other figures are drawn all the same."""
+    monkeypatch.setattr("antenna_pin.plot.files._save", lambda figure, path: path)
+    said = []
+    data = real_runs["case2-planar"].drop_vars("journal_tilt").isel(time=slice(0, 12))
+    written = save_figures([("cut", data)], tmp_path, ("svg",), on_left_out=lambda *words: said.append(words))
+    reasons = dict(said)
+    assert "no variable 'journal_tilt'" in reasons["eccentricity"]
+    assert "16 samples" in reasons["spectra"]
+    assert "contact_forces" in [path.stem for path in written]
+
+
+def test_a_file_of_the_older_format_is_drawn_from_its_scenario(real_runs):
+    """It has no attitude of the journal: the bodies' poses give it to round-off, over 25 mm below 1e-15 m."""
+    new = real_runs["case3"]
+    old = new.drop_vars("journal_attitude")
+    old.attrs = {"case": "case3", "scenario": new.attrs["scenario"]}
+    ends = (figure_orbit((name, data)).axes[:2] for name, data in (("new", new), ("old", old)))
+    for axes, other in zip(*ends, strict=True):
+        one, two = (
+            np.array(next(e for e in each.collections if isinstance(e, LineCollection)).get_segments())
+            for each in (axes, other)
+        )
+        np.testing.assert_allclose(one, two, atol=1e-9)  # [mm]
+
+
+# --- figures of papers ---
+
+
+def test_numbers_are_those_of_the_papers():
+    assert [figure.number for figure in paper_figures("bai2020")] == list(range(7, 14))
+    assert [figure.number for figure in paper_figures("you2010")] == list(range(6, 17))
+    with pytest.raises(UnknownNameError, match="bai2021.*did you mean bai2020"):
+        paper_figures("bai2021")
+
+
+def test_figures_of_bai_name_cases_that_exist():
+    from antenna_pin.scenario import scenario_cases
+
+    for model, figures in PAPERS.items():
+        known = {case.name for case in scenario_cases(model)}
+        for figure in figures:
+            assert set(figure.cases) <= known
+            assert figure.shows.endswith(".")
+
+
+@pytest.mark.parametrize("number", [7, 8, 9, 10])
+def test_figures_of_bai_are_drawn_from_their_cases(runs, number):
+    figure = next(each for each in paper_figures("bai2020") if each.number == number)
+    drawn = figure.draw(runs, width="column")
+    text = " ".join(text.get_text() for legend in drawn.legends for text in legend.get_texts())
+    text += " ".join(axes.get_title("left") for axes in drawn.axes)
+    assert all(case in text for case in figure.cases)
+    found = figure.describe(runs)
+    assert all(case in found for case in figure.cases[1:])
+    with pytest.raises(InvalidParameterError, match=f"figure {number}: runs must be with .*case3"):
+        figure.draw(runs[:2])
+
+
+def test_figures_of_you_are_drawn_from_their_cases(runs):
+    """Bai's runs under the names of You's cases: the same figures but for the joint."""
+    two = [
+        (name, data.assign_attrs(case=name).assign_coords(joint=["joint1", "joint2"]))
+        for name, (_, data) in zip(("ideal", "planar"), runs, strict=False)
+    ]
+    for figure in paper_figures("you2010"):
+        if figure.number in (6, 7):  # these know the clearance joint's name
+            continue
+        drawn = figure.draw(two)
+        assert drawn.axes
+        assert "planar" in figure.describe(two)
+
+
+def test_findings_are_the_analysis_own_numbers(runs):
+    figure = paper_figures("bai2020")[0]
+    expected = deviation(runs[2][1], runs[0][1])["elevation angle"].maximum
+    assert f"case3 {1e6 * expected:.3g} µrad" in figure.describe(runs)
+
+
+def test_runs_may_be_trajectories(runs):
+    @dataclasses.dataclass
+    class Trajectory:
+        data: object
+
+    figure = paper_figures("bai2020")[0]
+    assert figure.draw([Trajectory(data) for _, data in runs]).axes
+
+
+def test_refusals_are_the_packages_own():
+    with pytest.raises(AntennaPinError, match="at least one run"):
+        figure_base([])
