@@ -70,8 +70,9 @@ def figure_spectra(
 ) -> Figure:
     """Return the amplitude densities of the joint's and the base's acceleration and of the joint's force.
 
-    Of a vector, the root of the sum over its components. The mean over three windows, half of the run each.
-    Above a fifth of the sample rate, shaded, samples do not resolve impacts.
+    Of a vector, the root of the sum over its components. The mean over three windows, half of the run each;
+    of a run of fewer than 32 samples one, all of it. Above a fifth of the sample rate, shaded, samples do not
+    resolve impacts.
 
     Args:
         runs: Trajectories, or pairs of a label and a dataset.
@@ -191,6 +192,14 @@ def figure_spectrogram(
     return figure
 
 
+def _spectrum(run: LabelledRun, values: Array) -> xr.Dataset:
+    """Return the spectrum of a signal, of a short run in one window."""
+    try:
+        return spectrum(run.time, values, segment=0.5 * float(run.time[-1] - run.time[0]))
+    except AntennaPinError:
+        return spectrum(run.time, values)
+
+
 def _spectrogram(run: LabelledRun, values: Array) -> xr.Dataset:
     """Return the spectrogram of a signal, of a short run with fewer windows."""
     try:
@@ -234,7 +243,7 @@ def _densities(runs: Sequence[LabelledRun], kind: Signal, joint: str) -> list[_D
         if values is None or not np.any(values):
             continue
         try:
-            found = spectrum(run.time, values, segment=0.5 * float(run.time[-1] - run.time[0]))
+            found = _spectrum(run, values)
         except AntennaPinError:  # too few samples
             continue
         frequency = np.asarray(found["frequency"].values, dtype=float)

@@ -1,0 +1,132 @@
+"""The journal in its bearing: its orbit, the load around the bore, and its contact scenarios as spans."""
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from antenna_pin import load_scenario, simulate
+from antenna_pin.analysis import (
+    bore_load,
+    clearance_shapes,
+    journal_motion,
+    scenario_shares,
+    scenario_spans,
+)
+from antenna_pin.errors import FileFormatError, InvalidParameterError, UnknownNameError
+from antenna_pin.trajectory import Trajectory
+
+
+@pytest.fixture(scope="module")
+def space():
+    """The joint of the antenna in space, through its first impacts."""
+    changes = ["duration=0.06", "clearance.elevation.geometry=closed-form"]
+    return simulate(load_scenario("bai2020", case="case3", overrides=changes))
+
+
+@pytest.fixture(scope="module")
+def balls():
+    return simulate(load_scenario("spherical_pendulum", case="floating", overrides=["duration=0.02"]))
+
+
+def test_offsets_at_the_ends_lie_on_the_journals_axis(space):
+    motion = journal_motion(space)
+    data = space.data
+    z = Rotation.from_quat(data["journal_attitude"].values[:, 0]).apply([0.0, 0.0, 1.0])
+    for place, end in (("+", 0.025), ("-", -0.025)):
+        offset = motion["offset"].sel(place=place).values
+        np.testing.assert_allclose(offset[:, 2], end, rtol=1e-15)
+        # Round-off of lengths of 25 mm.
+        apart = np.cross(offset - data["journal_position"].values[:, 0], z)
+        assert np.abs(apart).max() < 1e-17
+    assert motion.attrs["kind"] == "revolute"
+    assert motion.attrs["axial_clearance"] == pytest.approx(2e-4, rel=1e-12, abs=0.0)
+
+
+def test_gap_at_an_end_is_the_clearance_less_the_eccentricity(space):
+    """But for R_i (1 - cos tilt), 0.32 um at 8 mrad: the minimum over a circle that is seen as an ellipse."""
+    motion = journal_motion(space)
+    for place in ("+", "-"):
+        gap = space.data["gap"].sel(contact=f"elevation.radial{place}").values
+        apart = motion.attrs["radial_clearance"] - motion["eccentricity"].sel(place=place).values - gap
+        bound = 0.01 * (1.0 - np.cos(motion["tilt"].values))
+        assert np.all((apart >= -1e-12) & (apart <= bound + 1e-12))
+
+
+def test_tilt_that_the_bore_allows_lets_a_centred_journal_touch_it(space):
+    from antenna_pin.geometry import RevoluteClearance
+
+    dimensions = clearance_shapes(space)["elevation"]["dimensions"]
+    tilt = journal_motion(space).attrs["bore_tilt"]
+    axis = (np.sin(tilt), 0.0, np.cos(tilt))
+    touching = RevoluteClearance(**dimensions).contacts((0.0, 0.0, 0.0), axis)
+    # Round-off of radii of 10 mm.
+    assert touching[0].depth == pytest.approx(0.0, abs=1e-17)
+
+
+def test_a_balls_eccentricity_is_in_space(balls):
+    motion = journal_motion(balls, "lower")
+    expected = np.linalg.norm(balls.data["journal_position"].sel(clearance_joint="lower").values, axis=1)
+    np.testing.assert_array_equal(motion["eccentricity"].values[:, 0], expected)
+    gap = balls.data["gap"].sel(contact="lower.spherical").values
+    np.testing.assert_allclose(motion.attrs["radial_clearance"] - expected, gap, atol=1e-17)
+
+
+@pytest.mark.parametrize("sectors", [1, 7, 36])
+def test_sectors_take_the_whole_impulse(space, sectors):
+    load = bore_load(space, sectors=sectors)
+    whole = space.data["normal_impulse"].sel(contact=load["contact"]).isel(time=-1).values
+    np.testing.assert_allclose(load["impulse"].sum("sector").values, whole, rtol=1e-12)
+    assert load["impulse"].values.min() >= 0.0
+
+
+def test_a_load_that_turns_is_shared_evenly(space):
+    """A made-up steady load that goes round once: each sector takes its share to one sample's worth."""
+    data = space.data.isel(time=slice(0, 40)).copy(deep=True)
+    turn = np.linspace(0.0, 2.0 * np.pi, 40)
+    point = np.zeros((40, 4, 3))
+    point[:, :, 0], point[:, :, 1] = np.cos(turn)[:, None], np.sin(turn)[:, None]
+    data["contact_point"] = (data["contact_point"].dims, point)
+    data["normal_force"] = (data["normal_force"].dims, np.ones((40, 4)))
+    data["normal_impulse"] = (data["normal_impulse"].dims, np.linspace(0.0, 39.0, 40)[:, None] * np.ones(4))
+    taken = bore_load(data, sectors=13)["impulse"].values
+    np.testing.assert_array_equal(taken, 3.0)
+
+
+def test_spans_are_the_shares_laid_out_in_time(space):
+    spans = scenario_spans(space)
+    shares = np.zeros((4, 4))
+    length = (spans["end"] - spans["start"]).values
+    np.add.at(shares, (spans["radial"].values, spans["axial"].values), length / 0.06)
+    np.testing.assert_allclose(shares, scenario_shares(space).values[0], atol=1e-14)
+    np.testing.assert_array_equal(spans["start"].values[1:], spans["end"].values[:-1])
+    assert spans["start"].values[0] == 0.0
+    pairs = list(zip(spans["radial"].values, spans["axial"].values, strict=True))
+    assert all(one != other for one, other in zip(pairs[:-1], pairs[1:], strict=True))
+
+
+def test_a_single_sample_has_no_span(space):
+    assert scenario_spans(space.data.isel(time=slice(0, 1))).sizes["span"] == 0
+
+
+def test_what_a_run_does_not_have_is_refused(space):
+    ideal = simulate(load_scenario("bai2020", case="case1", overrides=["duration=0.002"]))
+    for function in (journal_motion, bore_load, scenario_spans):
+        with pytest.raises(InvalidParameterError, match="with a clearance joint"):
+            function(ideal)
+        with pytest.raises(UnknownNameError, match="elevatoin"):
+            function(space, "elevatoin")
+    with pytest.raises(InvalidParameterError, match="sectors must be at least 1"):
+        bore_load(space, sectors=0)
+
+
+def test_an_older_file_has_its_dimensions_from_the_scenario(space):
+    data = space.data.drop_vars("journal_attitude")
+    data.attrs = {"case": "case3"}
+    with pytest.raises(FileFormatError, match="dimensions"):
+        journal_motion(data)
+    old = Trajectory(data, space.outcome, space.message, space.counts, space.scenario)
+    assert clearance_shapes(old) == clearance_shapes(space)
+    # The bodies' poses are good to the round-off of metres, here over 25 mm.
+    np.testing.assert_allclose(
+        journal_motion(old)["offset"].values, journal_motion(space)["offset"].values, atol=1e-16
+    )
