@@ -167,26 +167,38 @@ def test_keys_and_the_size_of_a_phone(opened, clearance_run):
     assert quiet(page)
 
 
-def test_many_in_one_page_and_one_in_a_notebook(page, tmp_path, clearance_run, ideal_run):
-    parts = [
-        record(clearance_run).embedded("a"),
-        record(ideal_run).embedded("b"),
-        "<p style='height:3000px'></p>",
-    ]
-    parts.append(record(clearance_run, view="joint").embedded("c"))
+STILLS = """return Array.from(document.querySelectorAll(".ap-still")).map((still) => {
+  const {data} = still.getContext("2d").getImageData(0, 0, still.width, still.height);
+  return new Set(new Uint32Array(data.buffer)).size;  // colours
+});"""
+
+
+def colours(page, selector):
+    return len(np.unique(page.pixels(selector).reshape(-1, 3), axis=0))
+
+
+def test_many_in_one_page(page, tmp_path, clearance_run, ideal_run):
+    """They share the scripts, begin when they come into view, and never hold too many graphics contexts."""
+    names = [f"r{k}" for k in range(10)]
+    runs = [record(clearance_run), record(ideal_run), record(clearance_run, view="joint")]
+    parts = "".join(runs[k % 3].embedded(name, "20rem") for k, name in enumerate(names))
     path = tmp_path / "many.html"
-    path.write_text(f"<!doctype html><title>many</title>{shared_head()}{''.join(parts)}", encoding="utf-8")
-    page.open(path, *SIZE)
-    page.run("await new Promise((done) => setTimeout(done, 200));" + READY)
-    assert page.run("return AntennaPin.players.length;") == 2  # the third is out of sight
-    page.run(
-        "document.getElementById('c').scrollIntoView(); await new Promise((done) => setTimeout(done, 300));"
-    )
-    page.run(READY)
-    assert page.run("return AntennaPin.players.length;") == 3
-    assert len(np.unique(page.pixels("#c canvas").reshape(-1, 3), axis=0)) > 100
+    path.write_text(f"<!doctype html><title>many</title>{shared_head()}{parts}", encoding="utf-8")
+    page.open(path, 640, 300)
+    for name in (*names[::3], names[0]):
+        page.run("document.getElementById(a[0]).scrollIntoView();", name)
+        page.run(f"await new Promise((done) => setTimeout(done, 100)); {READY}")
+        assert page.run("return AntennaPin.players.length;") <= 8
+    page.run("window.dispatchEvent(new Event('beforeprint'));")
+    stills = page.run(STILLS)
+    assert len(stills) == len(names) and min(stills) > 100
+    page.run(f"window.dispatchEvent(new Event('afterprint')); {READY}")
+    assert page.run("return document.querySelectorAll('.ap-still').length;") == 0
+    assert colours(page, "#r0 canvas") > 100
     assert quiet(page)
 
+
+def test_one_in_a_notebook(page, tmp_path, ideal_run):
     notebook = tmp_path / "notebook.html"
     notebook.write_text(
         f"<!doctype html><title>cell</title>{record(ideal_run)._repr_html_()}", encoding="utf-8"
