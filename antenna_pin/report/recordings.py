@@ -32,7 +32,9 @@ def recordings(runs: Sequence[ReportedRun]) -> Section:
     for run in runs:
         if run.samples < 2 or (run is ideal and any(other.samples > 1 for other in runs if other is not run)):
             continue
-        wanted.append((run, "mechanism", None, ideal if ideal is not run else None))
+        # The ghost of another mechanism would say nothing.
+        same = ideal is not None and ideal is not run and run.names("joint") == ideal.names("joint")
+        wanted.append((run, "mechanism", None, ideal if same else None))
         wanted += [(run, "joint", joint, None) for joint in run.names("clearance_joint")]
     if not wanted:
         return Section(key="recordings", title="Recordings")

@@ -85,9 +85,6 @@ def _warnings(run: ReportedRun) -> Iterator[str]:
             f"coal and the closed form differ by {readable(gaps, 'm', 2)} in the gaps, more than "
             f"{readable(GAPS_WITHIN, 'm')}."
         )
-    broken = [str(v) for v in ("q", "v", "a") if v in data and not np.isfinite(run.values(v)).all()]
-    if broken:
-        yield f"{', '.join(broken)} hold values that are not finite."
     scenario = run.run.scenario
     if scenario is not None and scenario.mechanism.allow_impossible_inertia:
         bodies = ", ".join(scenario.mechanism.allow_impossible_inertia)

@@ -2,13 +2,17 @@
 
 import base64
 import dataclasses
+import io
 import re
 
 import pytest
+from PIL import Image
 
 from antenna_pin.errors import OutputError
 from antenna_pin.record import shared_head
 from antenna_pin.report import report
+from antenna_pin.report._runs import reported
+from antenna_pin.report.figures import drawn
 
 HOSTILE = "</title></script><script>window.bad = 1</script>\"'&"
 
@@ -76,6 +80,40 @@ def test_no_page_is_wider_than_its_screen(page, saved, width, height, mobile):
     assert outside == []
     assert wide <= width
     assert page.errors == [] and page.requests == []
+
+
+def test_figures_are_pictures_within_the_page(page, saved):
+    page.open(saved, 1280, 900)
+    sizes = page.run(
+        "const all = [...document.querySelectorAll('.picture img')];"
+        "for (const one of all) { one.loading = 'eager'; await one.decode(); }"
+        "return all.map((one) => [one.naturalWidth, one.naturalHeight, one.alt]);"
+    )
+    assert len(sizes) >= 6
+    for width, height, caption in sizes:
+        assert width > 300 and height > 200 and caption
+
+
+def test_tall_figures_are_drawn_in_parts_that_fit_on_a_page(ideal, play):
+    """Energy has three panels for each run: of four runs it would be half a metre tall."""
+    others = [(f"run {k}", dataclasses.replace(play)) for k in range(3)]
+    pictures = {item.key: item for item in drawn(reported([ideal, *others])).items}
+    parts = [key for key in pictures if key.startswith("energy-")]
+    assert len(parts) > 1 and "energy" not in pictures
+    assert "run 2" in pictures[parts[-1]].caption
+    for key in parts:
+        assert height(pictures[key].source) <= 215.0
+
+
+def height(source):
+    """Return the height of a picture in a data address [mm]."""
+    kind, _, data = source.partition(";base64,")
+    content = base64.b64decode(data)
+    if kind == "data:image/svg+xml":
+        return float(re.search(rb'<svg [^>]*?height="([\d.]+)pt"', content)[1]) / 72.0 * 25.4
+    assert kind == "data:image/png"
+    with Image.open(io.BytesIO(content)) as image:
+        return image.height / 250.0 * 25.4
 
 
 def test_recordings_start_when_they_are_scrolled_to(page, saved):
