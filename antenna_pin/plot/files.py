@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import TypeAlias
 
+import matplotlib
 from matplotlib.figure import Figure
 
 from antenna_pin.errors import AntennaPinError, OutputError, UnknownNameError
@@ -170,7 +171,7 @@ def _save(figure: Figure, path: Path) -> Path:
 
 @styled
 def rendered(figure: Figure, suffix: str, dpi: float = 300.0) -> bytes:
-    """Return a figure as the bytes of a file.
+    """Return a figure as the bytes of a file; letters of an SVG are outlines, which need no font.
 
     Args:
         figure: One that a function of this room drew.
@@ -180,5 +181,6 @@ def rendered(figure: Figure, suffix: str, dpi: float = 300.0) -> bytes:
     if suffix not in FORMATS:
         raise UnknownNameError("figure", "format", suffix, FORMATS)
     buffer = io.BytesIO()
-    figure.savefig(buffer, format=suffix, dpi=dpi, metadata={_LEFT_OUT[suffix]: None})
+    with matplotlib.rc_context({"svg.fonttype": "path"}):
+        figure.savefig(buffer, format=suffix, dpi=dpi, metadata={_LEFT_OUT[suffix]: None})
     return buffer.getvalue()

@@ -94,21 +94,39 @@ def _parts(
 def _drawings(runs: Sequence[ReportedRun]) -> Iterator[_Drawing]:
     joints = list(dict.fromkeys(name for run in runs for name in run.names("joint")))
     own = list(dict.fromkeys(name for run in runs for name in run.names("clearance_joint")))
+
+    def drawing(caption: str, draw: Callable[..., Any], *, touching: bool = False, **given: Any) -> _Drawing:
+        key = "-".join(caption.lower().split())
+        return _Drawing(
+            key, caption, functools.partial(draw, width="column", **given), not touching, touching
+        )
+
     # The joint with play is what a report is about; the others have their numbers in the tables.
     for joint in [name for name in joints if name in own] or joints[:1]:
         for quantity in plot.QUANTITIES:
-            draw = functools.partial(plot.figure_motion, quantity=quantity, joint=joint, width="column")
-            yield _Drawing(
-                f"motion-{quantity}-{joint}", f"{quantity.capitalize()} of {joint}", draw, compares=True
-            )
+            caption = f"{quantity.capitalize()} of {joint}"
+            yield drawing(caption, plot.figure_motion, quantity=quantity, joint=joint)
     for joint in own:
-        draw = functools.partial(plot.figure_contact_forces, joint=joint, width="column")
-        yield _Drawing(f"contact-forces-{joint}", f"Contact forces in {joint}", draw, touching=True)
-    draw = functools.partial(plot.figure_energy, width="column")
-    yield _Drawing("energy", "Energy: work, storage and losses", draw)
-    if any("base_position" in run.data for run in runs):
-        draw = functools.partial(plot.figure_momentum, width="column")
-        yield _Drawing("momentum", "Drift of momentum", draw)
+        for caption, draw in (
+            ("Contact forces in", plot.figure_contact_forces),
+            ("Orbit of the journal in", plot.figure_orbit),
+            ("Eccentricity and tilt in", plot.figure_eccentricity),
+            ("Load around the bore of", plot.figure_bore_load),
+            ("Contact scenarios of", plot.figure_scenarios),
+        ):
+            yield drawing(f"{caption} {joint}", draw, touching=True, joint=joint)
+    for joint in own or joints[:1]:
+        yield drawing(f"Force through {joint}", plot.figure_joint_load, joint=joint)
+        yield drawing(f"Spectra, {joint}", plot.figure_spectra, joint=joint)
+    floating = any("base_position" in run.data for run in runs)
+    if floating:
+        yield drawing("Position of the base", plot.figure_base, quantity="position")
+        yield drawing("Attitude of the base", plot.figure_base, quantity="attitude")
+    if any(run.run.scenario is not None and run.run.scenario.pointing is not None for run in runs):
+        yield drawing("Boresight and pointing error", plot.figure_pointing)
+    yield drawing("Energy: work, storage and losses", plot.figure_energy)._replace(compares=False)
+    if floating:
+        yield drawing("Drift of momentum", plot.figure_momentum)
 
 
 def _address(figure: Any) -> str:

@@ -2,17 +2,14 @@
 
 import base64
 import dataclasses
-import io
 import re
 
 import pytest
-from PIL import Image
 
 from antenna_pin.errors import OutputError
 from antenna_pin.record import shared_head
-from antenna_pin.report import report
-from antenna_pin.report._runs import reported
-from antenna_pin.report.figures import drawn
+from antenna_pin.report import figures, report
+from antenna_pin.report._runs import ideal_of, reported
 
 HOSTILE = "</title></script><script>window.bad = 1</script>\"'&"
 
@@ -26,7 +23,7 @@ def test_text_of_others_is_escaped(ideal, play, shown):
     scenario = play.scenario.model_copy(update={"title": HOSTILE, "source": HOSTILE, "description": HOSTILE})
     data = play.data.assign_attrs(title=HOSTILE, case=HOSTILE)
     run = dataclasses.replace(play, data=data, scenario=scenario, message=HOSTILE)
-    made = report([ideal, run], title=HOSTILE)
+    made = report([ideal, run], title=HOSTILE, figures=False)
     assert "<script>window.bad" not in made.html
     page = shown(made.html)
     assert page.text("//h1") == HOSTILE and page.text("//title") == HOSTILE
@@ -89,31 +86,28 @@ def test_figures_are_pictures_within_the_page(page, saved):
         "for (const one of all) { one.loading = 'eager'; await one.decode(); }"
         "return all.map((one) => [one.naturalWidth, one.naturalHeight, one.alt]);"
     )
-    assert len(sizes) >= 6
+    assert len(sizes) >= 15
     for width, height, caption in sizes:
         assert width > 300 and height > 200 and caption
 
 
 def test_tall_figures_are_drawn_in_parts_that_fit_on_a_page(ideal, play):
     """Energy has three panels for each run: of four runs it would be half a metre tall."""
-    others = [(f"run {k}", dataclasses.replace(play)) for k in range(3)]
-    pictures = {item.key: item for item in drawn(reported([ideal, *others])).items}
-    parts = [key for key in pictures if key.startswith("energy-")]
-    assert len(parts) > 1 and "energy" not in pictures
-    assert "run 2" in pictures[parts[-1]].caption
-    for key in parts:
-        assert height(pictures[key].source) <= 215.0
+    runs = reported([ideal, *((f"run {k}", play) for k in range(3))])
+    energy = next(one for one in figures._drawings(runs) if one.key.startswith("energy"))
+    parts = list(figures._parts(energy, runs, figures._short_names(runs), ideal_of(runs)))
+    assert [name for _, names in parts for name in names] == ["case1", "run 0", "run 1", "run 2"]
+    assert len(parts) > 1
+    assert all(25.4 * figure.get_figheight() <= 215.0 for figure, _ in parts)
+    assert 25.4 * energy.draw([(run.label, run.data) for run in runs]).get_figheight() > 215.0
 
 
-def height(source):
-    """Return the height of a picture in a data address [mm]."""
-    kind, _, data = source.partition(";base64,")
-    content = base64.b64decode(data)
-    if kind == "data:image/svg+xml":
-        return float(re.search(rb'<svg [^>]*?height="([\d.]+)pt"', content)[1]) / 72.0 * 25.4
-    assert kind == "data:image/png"
-    with Image.open(io.BytesIO(content)) as image:
-        return image.height / 250.0 * 25.4
+def test_long_names_of_runs_are_cut_in_figures_and_stay_apart(play):
+    runs = reported(
+        [("the same long beginning of a name, one", play), ("the same long beginning of a name", play)]
+    )
+    names = figures._short_names(runs)
+    assert len(set(names.values())) == 2 and max(map(len, names.values())) <= 20
 
 
 def test_recordings_start_when_they_are_scrolled_to(page, saved):
