@@ -23,6 +23,7 @@ from antenna_pin.scenario import (
     ContactClearance,
     DriveSpec,
     PlanarClearance,
+    PointingSpec,
     Scenario,
     SineDrive,
     SphericalClearance,
@@ -128,8 +129,17 @@ def _scenario(scenario: Scenario, label: str) -> Iterator[tuple[str, str]]:
         words = [] if scenario.case == label and scenario.description else [scenario.case]
         yield "case", ": ".join([*words, *([scenario.description] if scenario.description else [])])
     yield "simulated time", readable(scenario.duration, "s", _GIVEN)
+    if scenario.pointing is not None:
+        yield "pointing", _looks(scenario.pointing)
     if scenario.overrides:
         yield "set over the file", ", ".join(scenario.overrides)
+
+
+def _looks(pointing: PointingSpec) -> str:
+    text = f"{pointing.body} looks along {_vector(pointing.boresight)} in its own axes"
+    if pointing.direction is None:
+        return f"{text}, and should as in the ideal run"
+    return f"{text}, and should along {_vector(pointing.direction)} in {pointing.commanded} axes"
 
 
 # --- mechanism ---

@@ -203,7 +203,9 @@ def test_the_scenario_is_told_in_words(both):
         "\N{NO-BREAK SPACE}", " "
     )
     assert "relative tolerance 1×10⁻⁸" in both.said("what-computation")["integrator"]
-    assert both.said("what-scenario")["set over the file"] == "duration=0.1"
+    scenario = both.said("what-scenario")
+    assert scenario["set over the file"] == "duration=0.1"
+    assert scenario["pointing"].startswith("reflector looks along (1, 0, 0) in its own axes")
 
 
 @pytest.mark.parametrize("count", [1, 2, 5])
