@@ -58,6 +58,8 @@ def test_a_recording_is_made_from_what_is_installed(site, tmp_path):
     run(site, tmp_path, *"run impact_pair --case contact --duration 0.001 --out a.nc -q".split())
     assert run(site, tmp_path, *"record a.nc --out a.html".split())[-1] == "saved a.html"
     assert "AntennaPin.mount" in (tmp_path / "a.html").read_text(encoding="utf-8")
+    # So is a report: its templates come along.
+    assert run(site, tmp_path, *"report a.nc --out b.html --no-figures".split())[-1] == "saved b.html"
 
 
 def test_type_information_and_licence_come_along(site):

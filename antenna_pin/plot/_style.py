@@ -26,6 +26,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullLocator
 
 from antenna_pin.errors import UnknownNameError
+from antenna_pin.readable import printed_unit
 
 Width = Literal["column", "page"]
 Array = npt.NDArray[np.float64]
@@ -199,24 +200,11 @@ def panel_title(axes: Axes, letter: str, text: str) -> None:
 # --- units ---
 
 _PREFIXES = ((1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"), (1e-12, "p"))
-_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-
-
-def unit_text(unit: str) -> str:
-    """Return a unit as it is printed: ``rad/s**2`` and ``rad/s^2`` become rad/s²."""
-    text = unit.replace("**", "^").replace("*", " ")
-    head, *powers = text.split("^")
-    for power in powers:
-        digits = 1 if power[:1] != "-" else 2
-        while digits < len(power) and power[digits].isdigit():
-            digits += 1
-        head += power[:digits].translate(_SUPERSCRIPTS) + power[digits:]
-    return head
 
 
 def prefixed(unit: str, largest: float) -> tuple[float, str]:
     """Return the factor and the unit that bring values up to ``largest`` [unit] into a readable range."""
-    printed = unit_text(unit)
+    printed = printed_unit(unit)
     if not (math.isfinite(largest) and largest > 0.0) or printed in ("", "-"):
         return 1.0, printed
     for size, prefix in _PREFIXES:

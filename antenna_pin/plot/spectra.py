@@ -37,8 +37,8 @@ from antenna_pin.plot._style import (
     new_figure,
     panel_title,
     styled,
-    unit_text,
 )
+from antenna_pin.readable import printed_unit
 
 Signal = Literal["acceleration", "base acceleration", "force"]
 SIGNALS: tuple[Signal, ...] = ("acceleration", "base acceleration", "force")
@@ -209,7 +209,7 @@ def _spectrogram(run: LabelledRun, values: Array) -> xr.Dataset:
 
 
 def _label(kind: Signal) -> str:
-    unit = unit_text(_UNITS[kind])
+    unit = printed_unit(_UNITS[kind])
     return f"density [({unit})/√Hz]" if "/" in unit else f"density [{unit}/√Hz]"
 
 

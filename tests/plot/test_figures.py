@@ -19,7 +19,8 @@ from antenna_pin.plot import (
     save_figure,
     save_figures,
 )
-from antenna_pin.plot._style import prefixed, unit_text
+from antenna_pin.plot._style import prefixed
+from antenna_pin.readable import printed_unit
 
 
 @pytest.fixture(scope="module")
@@ -351,7 +352,7 @@ def test_trajectories_are_taken_as_they_are(runs):
     ],
 )
 def test_units_are_printed_as_in_a_paper(unit, printed):
-    assert unit_text(unit) == printed
+    assert printed_unit(unit) == printed
 
 
 @pytest.mark.parametrize(
