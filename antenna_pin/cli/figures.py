@@ -134,11 +134,12 @@ def _command(
 
 
 def _draw_paper(
-    numbered: Iterable[PaperFigure], store: _Store, index: _Index, suffixes: Sequence[str], width: Width
+    numbered: Sequence[PaperFigure], store: _Store, index: _Index, suffixes: Sequence[str], width: Width
 ) -> None:
     """Draw figure after figure, each as soon as the runs it takes are there."""
     from antenna_pin.plot import save_figure
 
+    index.expected = [f"Figure {each.number}" for each in numbered]
     for each in numbered:
         runs = [store.run_of(case) for case in each.cases]
         title = f"Figure {each.number}"
@@ -268,6 +269,7 @@ class _Index:
         title: Of the scenario.
         source: Of the scenario.
         command: That makes the figures.
+        expected: Titles of a paper's figures.
         entries: Title, files, what the paper shows, what is found here.
     """
 
@@ -275,6 +277,7 @@ class _Index:
     title: str
     source: str
     command: str
+    expected: list[str] = field(default_factory=list)
     entries: list[tuple[str, list[str], str, str]] = field(default_factory=list)
 
     @property
@@ -286,7 +289,7 @@ class _Index:
 
     def write(self, store: _Store) -> None:
         """Write the page, in Markdown."""
-        numbered = any(shows for _, _, shows, _ in self.entries)
+        numbered = bool(self.expected)
         text = [f"# {self.title or 'Figures'}", ""]
         text += [f"Source: {self.source}.", ""] if self.source else []
         text += ["Made by", "", f"    {self.command}", ""]
@@ -297,7 +300,11 @@ class _Index:
             text.append(f"| {case or store.name} | {_cell(what)} | [{file}]({file}) | {_cell(run.message)} |")
         waiting = [case or store.name for case in store.cases if case not in store.runs]
         text += ["", f"Not run: {', '.join(waiting)}."] if waiting else []
-        if numbered:
+        missing = [title for title in self.expected if title not in [entry[0] for entry in self.entries]]
+        text += ["", f"Not drawn: {', '.join(missing)}."] if missing else []
+        if not self.entries:
+            pass
+        elif numbered:
             text += ["", "| figure | the paper shows | here |", "|---|---|---|"]
         else:
             text += ["", "| figure | files |", "|---|---|"]

@@ -103,13 +103,9 @@ class Picture(Figure):
     """A figure that shows itself in a notebook, with or without a backend of Matplotlib's."""
 
     def _repr_png_(self) -> bytes:
-        return self._drawn("png")
-
-    def _drawn(self, suffix: str) -> bytes:
-        # Figures of pyplot show themselves only where a backend for notebooks has been loaded.
         buffer = io.BytesIO()
         with matplotlib.rc_context(RC):
-            self.savefig(buffer, format=suffix, dpi=RC["figure.dpi"])
+            self.savefig(buffer, format="png", dpi=RC["figure.dpi"])
         return buffer.getvalue()
 
 

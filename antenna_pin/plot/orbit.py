@@ -80,7 +80,11 @@ def figure_orbit(
     count = sum(motion.sizes["place"] * len(plane) for motion, plane in zip(motions, planes, strict=True))
     note = left_out(every, drawn, "no clearance in this joint")
     figure, panels = _square_panels(width, count, 23.0 if note or too_short(every) else 18.0)
-    largest = max(float(np.nanmax(motion["eccentricity"].values)) for motion in motions)
+    # The whole circle is in view, however little the journal has moved.
+    largest = max(
+        float(max(np.nanmax(motion["eccentricity"].values), motion.attrs["radial_clearance"]))
+        for motion in motions
+    )
     factor, printed = prefixed("m", largest)
     loads = [_bore_forces(run, joint) for run in drawn]
     norm = _norm(shade, drawn, loads)

@@ -104,6 +104,11 @@ def test_orbit_of_a_ball_has_three_projections(real_runs):
     assert labels == {("x", "y"), ("x", "z"), ("y", "z")}
 
 
+def test_the_whole_circle_is_in_view_before_the_journal_has_moved(real_runs):
+    axes = figure_orbit(("case3", real_runs["case3"].isel(time=slice(0, 2)))).axes[0]
+    assert axes.get_xlim()[1] > axes.patches[0].radius > 0.5 * axes.get_xlim()[1]
+
+
 def test_orbit_shaded_by_load_leaves_flight_grey(real_runs):
     data = real_runs["case2-planar"]
     axes = figure_orbit(("planar", data), shade="load").axes[0]
