@@ -195,7 +195,17 @@ def panel_title(axes: Axes, letter: str, text: str) -> None:
 
 # --- units ---
 
-_PREFIXES = ((1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"), (1e-12, "p"))
+_PREFIXES = (
+    (1e6, "M"),
+    (1e3, "k"),
+    (1.0, ""),
+    (1e-3, "m"),
+    (1e-6, "µ"),
+    (1e-9, "n"),
+    (1e-12, "p"),
+    (1e-15, "f"),
+    (1e-18, "a"),
+)
 
 
 def prefixed(unit: str, largest: float) -> tuple[float, str]:
@@ -247,7 +257,7 @@ def linear_then_log(axes: Sequence[Axes], core: float, largest: float) -> float 
     """
     if not (core > 0.0 and math.isfinite(largest)) or largest < 10.0 * core:
         return None
-    limit = _nice_above(1.2 * core)
+    limit = _nice_above(1.2 * max(core, 1e-5 * largest))  # five decades are as many as can be told apart
     top = 10.0 ** math.ceil(math.log10(largest))
     decades = math.log10(top / limit)
     # Ticks keep their distance in a panel of some 28 mm, where a decade takes 8 / decades mm.

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
+import xarray as xr
 from matplotlib.figure import Figure
 
 from antenna_pin.analysis import journal_motion
@@ -61,8 +62,8 @@ def figure_eccentricity(
     figure, grid, letter = blocks(len(drawn), [True, True, *[True] * (2 * free)], width, 32.0)
     depths = [_depths(run, joint) for run in drawn]
     deepest = max(float(part.max(initial=0.0)) for sampled, _, peaks in depths for part in (sampled, peaks))
-    tilt, tilt_unit = prefixed("rad", max(float(np.nanmax(m["tilt"].values)) for m in motions))
-    axial, axial_unit = prefixed("m", max(float(np.nanmax(np.abs(m["axial"].values))) for m in motions))
+    tilt, tilt_unit = prefixed("rad", _largest(motions, "tilt", "bore_tilt"))
+    axial, axial_unit = prefixed("m", _largest(motions, "axial", "axial_clearance"))
     depth, depth_unit = prefixed("m", deepest)
     labels = ["eccentricity /\nclearance [-]", f"depth [{depth_unit}]"]
     labels += [f"tilt [{tilt_unit}]", f"axial place [{axial_unit}]"] * free
@@ -121,6 +122,12 @@ def figure_eccentricity(
         left_out(every, drawn, "no clearance in this joint"),
     )
     return figure
+
+
+def _largest(motions: list[xr.Dataset], name: str, limit: str) -> float:
+    """Return the largest size of a variable and of the limits drawn with it."""
+    sizes = [np.append(np.abs(motion[name].values), motion.attrs[limit]) for motion in motions]
+    return float(np.nanmax(np.concatenate(sizes)))
 
 
 def _depths(run: LabelledRun, joint: str) -> tuple[Array, Array, Array]:

@@ -31,7 +31,6 @@ from antenna_pin.plot._style import (
     styled,
 )
 
-_WORDS = {"radial": "radial", "axial": "axial", "spherical": "contact"}
 _SAMPLED = "resultant on the journal, as sampled"
 _PEAKS = "peak normal force of each contact episode"
 
@@ -81,7 +80,7 @@ def figure_contact_forces(
             )
             _stems(axes, *peaks[column][kind], factor)
             few_ticks(axes, 5)
-            if not any(f".{kind}" in name for name in _contacts_of(run, joint)):
+            if kind == "axial" and not any(".axial" in name for name in _contacts_of(run, joint)):
                 if axes.get_shared_y_axes().get_siblings(axes) == [axes]:
                     axes.set_yticks([0.0])
                 axes.text(
@@ -93,12 +92,12 @@ def figure_contact_forces(
                     va="center",
                     bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8},
                 )
-            title = f"{run.label}, {_WORDS[kind]}"
+            title = f"{run.label}, {kind}"
             panel_title(axes, letter[axes] if len(letter) > 1 else "", title)
             if row == len(kinds) - 1:
                 axes.set_xlabel("time [s]")
             if axes.get_subplotspec().is_first_col():  # type: ignore[union-attr]
-                axes.set_ylabel(f"{_WORDS[kind]} force [{printed}]")
+                axes.set_ylabel(f"{kind} force [{printed}]")
             axes.axhline(0.0, color="#999999", linewidth=0.5, zorder=1.5)
     figure.align_ylabels()
     legend_above(figure, figure.axes)
@@ -115,19 +114,19 @@ def _comparable(sizes: list[float]) -> bool:
 def _kinds(runs: list[LabelledRun], joint: str) -> tuple[str, ...]:
     """Return the kinds of contact that the joint has in any run: in a bore, at flanges; in a socket."""
     ends = {name.rpartition(".")[2] for run in runs for name in _contacts_of(run, joint)}
-    if "spherical" in ends:
-        return ("spherical",)
+    if "spherical" in ends:  # a ball has no axis
+        return ("contact",)
     return ("radial", "axial") if any(end.startswith("axial") for end in ends) else ("radial",)
 
 
 def _resultant(run: LabelledRun, joint: str, kinds: tuple[str, ...]) -> dict[str, Array]:
     """Return the force on the journal: its size across the bearing's axis, its component along it [N].
 
-    Of a ball, the size of the whole.
+    With a ball among the runs, the size of the whole.
     """
     force = run.values("joint_force", clearance_joint=joint)
-    if kinds == ("spherical",):
-        return {"spherical": np.linalg.norm(force, axis=1)}
+    if kinds == ("contact",):
+        return {"contact": np.linalg.norm(force, axis=1)}
     return {"radial": np.hypot(force[:, 0], force[:, 1]), "axial": force[:, 2]}
 
 
@@ -141,7 +140,7 @@ def _peaks(run: LabelledRun, joint: str, kind: str) -> tuple[Array, Array]:
         return np.empty(0), np.empty(0)
     names = run.contacts
     index = run.values("episode_contact").astype(int)
-    prefix = f"{joint}.{kind}"
+    prefix = f"{joint}." if kind == "contact" else f"{joint}.{kind}"
     of_kind = np.array([0 <= i < len(names) and names[i].startswith(prefix) for i in index])
     # The bearing pushes the journal along its axis at the + end, against it at the - end.
     negative = np.array([kind == "axial" and names[i].endswith("-") for i in index[of_kind]], dtype=bool)

@@ -11,7 +11,7 @@ import xarray as xr
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator, NullLocator
+from matplotlib.ticker import LogLocator, NullFormatter, NullLocator
 
 from antenna_pin.analysis import base_motion, joint_loads, spectrogram, spectrum
 from antenna_pin.errors import AntennaPinError, InvalidParameterError, UnknownNameError
@@ -105,6 +105,7 @@ def figure_spectra(
         axes.set_ylim(top / 10.0**_SPECTRUM_DECADES, top)
         axes.yaxis.set_major_locator(LogLocator(numticks=6))
         axes.yaxis.set_minor_locator(NullLocator())
+        axes.xaxis.set_minor_formatter(NullFormatter())
         axes.axvspan(_RESOLVED * rate, 0.5 * rate, facecolor=SHADE, zorder=0.5)
         panel_title(axes, letter if len(kinds) > 1 else "", _words(kind, joint))
         axes.set_ylabel(_label(kind))

@@ -133,7 +133,9 @@ def check_texts(figure) -> None:
         ]
         for axis in (axes.xaxis, axes.yaxis):
             low, high = sorted(axis.get_view_interval())
-            ticks = [tick for tick in axis.get_major_ticks() if low <= tick.get_loc() <= high]
+            ticks = [*axis.get_major_ticks(), *axis.get_minor_ticks()]
+            ticks = [tick for tick in ticks if low <= tick.get_loc() <= high]
+            texts.append(axis.get_offset_text())
             texts += [tick.label1 for tick in ticks if tick.label1.get_visible()]
         boxes += [text for text in texts if text.get_text()]
     for legend in figure.legends:

@@ -7,6 +7,7 @@ import pytest
 from matplotlib.collections import LineCollection
 from scipy.spatial.transform import Rotation
 
+from antenna_pin import load_scenario, simulate
 from antenna_pin.analysis import (
     base_motion,
     bore_load,
@@ -42,6 +43,17 @@ from antenna_pin.plot import (
 def runs(real_runs):
     """Ideal, planar clearance, full clearance."""
     return [(case, real_runs[case]) for case in ("case1", "case2-planar", "case3")]
+
+
+@pytest.fixture(scope="module")
+def rigs():
+    """The impact pair with each kind of joint."""
+    runs = []
+    for case in ("planar", "contact", "flange", "spherical"):
+        scenario = load_scenario("impact_pair", case=case, overrides=["duration=0.01"])
+        run = simulate(scenario)
+        runs.append((case, run.data.assign_attrs(scenario=scenario.model_dump_json())))
+    return runs
 
 
 def lines_of(axes):
@@ -326,6 +338,12 @@ def test_no_two_labels_overlap_and_none_is_cut_off(runs, readable, name, width):
     assert figure.get_figwidth() * 25.4 == pytest.approx({"column": 88.0, "page": 180.0}[width])
     assert "one sample only: short" in note_of(figure)
     readable(figure)
+
+
+@pytest.mark.parametrize("name", [name for name in FIGURES if name != "pointing"])
+def test_rigs_of_all_kinds_of_joints_can_be_read(rigs, readable, name):
+    """Impacts of single bodies: components that are zero, steps, spectra of few decades."""
+    readable(FIGURES[name](rigs, width="page"))
 
 
 @pytest.mark.parametrize("name", ["orbit", "bore", "eccentricity", "scenarios"])
