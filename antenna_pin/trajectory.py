@@ -28,6 +28,14 @@ FORMAT = "antenna_pin trajectory 2"
 #: Without ``journal_attitude`` and the mechanism among the attributes.
 _OLDER = ("antenna_pin trajectory 1",)
 
+# What every run holds, and what it does if it has what the dimension names.
+_EVERY_RUN = ("time", "q", "v", "a", "kinetic_energy", "energy_error", "motion_angle", "motion_rate")
+_BY_DIMENSION = {
+    "contact": ("gap", "depth", "normal_force", "contact_force", "contact_point", "touching"),
+    "clearance_joint": ("journal_position", "journal_tilt", "joint_force", "joint_torque"),
+    "episode": ("episode_contact", "onset_time", "release_time", "approach_speed", "peak_force", "impulse"),
+}
+
 _LIBRARIES = ("antenna_pin", "pin", "coal", "numpy", "scipy", "numba", "xarray", "h5netcdf")
 
 
@@ -171,7 +179,7 @@ class Trajectory:
         try:
             with xr.open_dataset(source, engine="h5netcdf") as opened:
                 data = opened.load()
-        except (OSError, ValueError) as error:
+        except (OSError, ValueError, RuntimeError, KeyError) as error:  # HDF5 raises any of them if damaged
             raise FileFormatError(
                 f"{source}: must be a NetCDF file written by antenna-pin, got: {error}"
             ) from None
@@ -181,13 +189,21 @@ class Trajectory:
                 f"{source}: the format must be {FORMAT!r}, got {found!r}; "
                 "run the scenario again with this version"
             )
-        text = data.attrs["scenario"]
-        return cls(
-            data=data,
-            outcome=Outcome[data.attrs["outcome"]],
-            message=data.attrs["outcome_message"],
-            counts=Counts(**json.loads(data.attrs["counts"])),
-            scenario=Scenario.model_validate_json(text) if text else None,
+        broken = _broken_part(data)
+        try:
+            if broken is None:
+                text = data.attrs["scenario"]
+                return cls(
+                    data=data,
+                    outcome=Outcome[data.attrs["outcome"]],
+                    message=data.attrs["outcome_message"],
+                    counts=Counts(**json.loads(data.attrs["counts"])),
+                    scenario=Scenario.model_validate_json(text) if text else None,
+                )
+        except (KeyError, TypeError, ValueError):
+            broken = "attributes that cannot be read"
+        raise FileFormatError(
+            f"{source}: must be a whole result of antenna-pin, got {broken}; run the scenario again"
         )
 
     def summary(self) -> dict[str, Any]:
@@ -237,3 +253,26 @@ class Trajectory:
     def _repr_html_(self) -> str:
         """Show the run in a notebook: how it ended, key numbers, a sketch of the motion, and all data."""
         return run_card(self.data, self.summary(), self.completed)
+
+
+def _broken_part(data: xr.Dataset) -> str | None:
+    """Return what a run cannot be read without but the file lacks or has spoiled, in words; None if whole."""
+    wanted = [*_EVERY_RUN]
+    for dimension, names in _BY_DIMENSION.items():
+        wanted += names if dimension in data.sizes else ()
+    missing = [name for name in wanted if name not in data.variables]
+    if missing:
+        return f"no variable {missing[0]!r}"
+    if data.sizes.get("time", 0) == 0:
+        return "no samples"
+    if not np.isfinite(data["time"].values).all() or (np.diff(data["time"].values) < 0.0).any():
+        return "times that are not finite or go back"
+    spoiled = [name for name in ("q", "v") if not np.isfinite(data[name].values).all()]
+    if spoiled:
+        return f"numbers in {spoiled[0]!r} that are not finite"
+    for name in ("clearance_geometry", "conservation"):
+        try:
+            json.loads(data.attrs.get(name, "{}") or "{}")
+        except (TypeError, ValueError):
+            return f"an attribute {name!r} that cannot be read"
+    return None

@@ -1,0 +1,68 @@
+"""Result files that are damaged, cut off or not ours: one line each, never a traceback."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from antenna_pin import Trajectory, load_scenario, simulate
+from antenna_pin.errors import FileFormatError
+
+
+@pytest.fixture(scope="module")
+def result(tmp_path_factory):
+    path = tmp_path_factory.mktemp("results") / "run.nc"
+    return simulate(load_scenario("impact_pair", case="contact"), duration=2e-3).save(path)
+
+
+def _spoiled(data: xr.Dataset, name: str) -> xr.Dataset:
+    values = data[name].values.copy()
+    values.flat[0] = np.nan
+    return data.assign({name: (data[name].dims, values)})
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda data: data.isel(time=slice(0, 0), episode=slice(0, 0)), "got no samples"),
+        (lambda data: data.drop_vars("contact_force"), "got no variable 'contact_force'"),
+        (lambda data: data.drop_vars("q"), "got no variable 'q'"),
+        (lambda data: _spoiled(data, "q"), "numbers in 'q' that are not finite"),
+        (lambda data: data.isel(time=slice(None, None, -1)), "times that are not finite or go back"),
+        (lambda data: data.assign_attrs(clearance_geometry="{"), "'clearance_geometry' that cannot be read"),
+        (lambda data: data.assign_attrs(counts="[]"), "attributes that cannot be read"),
+        (lambda data: data.assign_attrs(outcome="PERHAPS"), "attributes that cannot be read"),
+        (lambda data: data.assign_attrs(scenario="{}"), "attributes that cannot be read"),
+    ],
+)
+def test_a_result_that_is_not_whole_is_refused(result, tmp_path, cli, change, words):
+    path = tmp_path / "changed.nc"
+    change(xr.load_dataset(result)).to_netcdf(path, engine="h5netcdf")
+    with pytest.raises(FileFormatError, match=words):
+        Trajectory.load(path)
+    said = cli("info", path)
+    assert (said.code, said.out) == (2, "")
+    assert len(said.err.splitlines()) == 1
+    assert said.err.rstrip().endswith("run the scenario again")
+
+
+@pytest.mark.parametrize("place", [0.02, 0.2, 0.5, 0.8])
+def test_a_damaged_file_is_refused_or_read(result, tmp_path, place):
+    # A flipped bit hits data (then decompression fails), HDF5's own tables (then HDF5 does), or nothing.
+    content = bytearray(result.read_bytes())
+    start = int(place * len(content))
+    content[start : start + 512] = bytes(byte ^ 0xFF for byte in content[start : start + 512])
+    path = tmp_path / "damaged.nc"
+    path.write_bytes(content)
+    try:
+        Trajectory.load(path)
+    except FileFormatError as error:
+        assert "\n" not in str(error)
+
+
+@pytest.mark.parametrize("share", [0.0, 0.001, 0.5, 0.999])
+def test_a_truncated_file_is_refused(result, tmp_path, share):
+    content = result.read_bytes()
+    path = tmp_path / "cut.nc"
+    path.write_bytes(content[: int(share * len(content))])
+    with pytest.raises(FileFormatError, match="must be a NetCDF file written by antenna-pin"):
+        Trajectory.load(path)
