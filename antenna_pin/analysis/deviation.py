@@ -97,8 +97,12 @@ def deviation(run: RunLike, ideal: RunLike, joint: str | None = None) -> Deviati
     """
     data, reference = data_of(run), data_of(ideal)
     if reference.sizes.get("contact", 0):
+        touching = ", ".join(names(reference, "clearance_joint"))
         raise InvalidParameterError(
-            "deviation", "ideal", "a run without contacts (a case with an ideal joint)", label_of(reference)
+            "deviation",
+            "ideal",
+            "a run without contacts (a case whose joints are all ideal)",
+            f"{label_of(reference)} with play in {touching}",
         )
     time, own = sample_times(data, "deviation"), sample_times(reference, "deviation")
     if own.size < 2:

@@ -8,6 +8,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
+from urllib.parse import quote
 
 import typer
 
@@ -221,6 +222,7 @@ class _Store:
     def _made(self, scenario: Scenario) -> Trajectory:
         """Run a scenario and save the result; what Ctrl-C cuts short is saved, too, and ends the command."""
         from antenna_pin.simulation import simulate
+        from antenna_pin.trajectory import Trajectory
 
         path = self._free(scenario)
         complain(f"{stem(scenario)}: running {scenario.duration:g} s")
@@ -235,7 +237,7 @@ class _Store:
         if not run.completed:
             self.early = True
             complain(f"{stem(scenario)}: {run.message} (the result up to there is in {path} and is drawn)")
-        return run
+        return Trajectory.load(path)  # as it is next time: what the file adds decides which figures there are
 
     def _free(self, scenario: Scenario) -> Path:
         """Return where a result may be written: not over a file of another scenario."""
@@ -296,8 +298,9 @@ class _Index:
         text += ["| case | what it is | result | how it ended |", "|---|---|---|---|"]
         for case, run in store.runs.items():
             what = store.scenarios[case].description or store.scenarios[case].title
-            file = os.path.relpath(store.files[case], self.folder)
-            text.append(f"| {case or store.name} | {_cell(what)} | [{file}]({file}) | {_cell(run.message)} |")
+            file = Path(os.path.relpath(store.files[case], self.folder)).as_posix()
+            link = f"[{_cell(file)}]({quote(file)})"
+            text.append(f"| {_cell(case or store.name)} | {_cell(what)} | {link} | {_cell(run.message)} |")
         waiting = [case or store.name for case in store.cases if case not in store.runs]
         text += ["", f"Not run: {', '.join(waiting)}."] if waiting else []
         missing = [title for title in self.expected if title not in [entry[0] for entry in self.entries]]

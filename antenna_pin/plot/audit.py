@@ -34,7 +34,7 @@ _FLOOR = 1e-18
 _STORED = (
     ("drive_work", "work of the drives", "black"),
     ("kinetic_energy", "kinetic energy", COLOURS[0]),
-    ("gravity_energy", "gravity", COLOURS[2]),
+    ("gravity_energy", "gravity, from the start", COLOURS[2]),
     ("spring_energy", "joint springs", COLOURS[4]),
     ("contact_energy", "elastic energy of the contacts", COLOURS[5]),
 )
@@ -49,7 +49,8 @@ _LOST = (
 def figure_energy(runs: Iterable[Run] | Run, *, width: Width = "page") -> Figure:
     """Return the energy ledger of each run: work and stored energy, losses, and the error of their balance.
 
-    Drawn is the largest error so far, relative to the drives' gross work over the run, the integral of the
+    Gravity's energy is drawn from its start, since its zero is a matter of choice. Of the error, the largest
+    so far is drawn, relative to the drives' gross work over the run, the integral of the
     absolute power.
 
     Args:
@@ -62,6 +63,9 @@ def figure_energy(runs: Iterable[Run] | Run, *, width: Width = "page") -> Figure
     titles = ("energy", "losses", "largest error so far")
     for row, parts in enumerate((_STORED, _LOST)):
         books = [{entry[0]: _total(run, entry[0]) for entry in parts} for run in drawn]
+        for book in books:
+            if "gravity_energy" in book:
+                book["gravity_energy"] = book["gravity_energy"] - book["gravity_energy"][0]
         largest = max(float(np.nanmax(np.abs(v), initial=0.0)) for book in books for v in book.values())
         factor, printed = prefixed("J", largest)
         for axes, run, book in zip(grid[row], drawn, books, strict=True):

@@ -53,7 +53,7 @@ def save_figures(
     - ``base_position``, ``base_velocity``, ``base_acceleration``, ``base_attitude``,
       ``base_angular_velocity``, ``base_angular_acceleration`` and ``momentum`` where a run has a free base;
     - ``pointing`` where a scenario says what looks where;
-    - ``spectra`` and ``spectrogram`` where a run has 16 samples or more;
+    - ``spectra`` where a run has 16 samples or more, ``spectrogram`` where it has 64;
     - ``energy``.
 
     Args:
@@ -110,7 +110,9 @@ def _standard(pairs: list[Run], every: list[LabelledRun], joint: str | None, wid
         drawings["pointing"] = plain(figure_pointing, pairs)
     if known and (turning or touching):
         drawings["spectra"] = of_joint(figure_spectra, pairs)
-        drawings["spectrogram"] = of_joint(figure_spectrogram, pairs, "acceleration" if turning else "force")
+        chosen = choose_moving_joint(every, joint)
+        turns = any(chosen in run.joints for run in every)  # a ball joint does not, about an axis
+        drawings["spectrogram"] = of_joint(figure_spectrogram, pairs, "acceleration" if turns else "force")
     drawings["energy"] = plain(figure_energy, pairs)
     if floating:
         drawings["momentum"] = plain(figure_momentum, pairs)

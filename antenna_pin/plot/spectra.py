@@ -157,7 +157,7 @@ def figure_spectrogram(
             power = sum(np.asarray(part["power"].values) for part in parts)
             maps.append((parts[0]["time"].values, parts[0]["frequency"].values, np.sqrt(power)))
     if not drawn:
-        rule = f"at least one of 16 samples or more with {_words(signal, joint)}"
+        rule = f"at least one of 64 samples or more with {_words(signal, joint)}"
         raise InvalidParameterError("figure", "runs", rule, ", ".join(run.label for run in every))
     columns = min(len(drawn), 3 if width == "page" else 1)
     rows = -(-len(drawn) // columns)
@@ -189,7 +189,7 @@ def figure_spectrogram(
         pad=0.02,
     )
     bar.outline.set_linewidth(0.4)
-    footnote(figure, too_short(every), left_out(candidates, drawn, "no such signal or fewer than 16 samples"))
+    footnote(figure, too_short(every), left_out(candidates, drawn, "no such signal or fewer than 64 samples"))
     return figure
 
 
