@@ -98,7 +98,10 @@ def run_command(run: ReportedRun) -> str | None:
         changes.append(f"duration={run.end!r}")
     for change in changes:
         parts += ["--set", change]
-    return shlex.join([*parts, "--out", str(run.file or Path(f"{_file_name(run.label)}.nc"))])
+    command = shlex.join([*parts, "--out", str(run.file or Path(f"{_file_name(run.label)}.nc"))])
+    if "start" in run.data.attrs:
+        return f"{command}  # but from q and v given in Python; they are the first sample"
+    return command
 
 
 def _place(scenario: Scenario) -> str:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 import time
 from collections.abc import Callable
 from datetime import UTC, datetime
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -53,7 +55,8 @@ def simulate(
 
     Args:
         model: What to run.
-        duration: Time span [s]; the scenario's if not given.
+        duration: Time span [s]; the scenario's if not given. This and ``settings`` enter the result's
+            scenario as overrides.
         q: Initial configuration, (nq,); the scenario's, or neutral.
         v: Initial velocity, (nv,); the scenario's, or zero.
         settings: Integration and sampling; the scenario's, or the defaults.
@@ -85,17 +88,34 @@ def simulate(
     start_v = first_v if v is None else np.asarray(v, dtype=float)
     check_start(system, system.state(start_q, start_v), span)
     run = Run(system, start_q, start_v, float(span), used)
+    if scenario is not None:
+        scenario = _as_run(scenario, float(span), used)
     title = scenario.title if scenario is not None else system.mechanism.name
     case = (scenario.case or "") if scenario is not None else ""
     with interruptible() as interrupted:
         run.advance(progress, interrupted)
         began = time.perf_counter()
         data = dataset(run, title, case, library_versions())
+        if scenario is not None and (q is not None or v is not None):
+            data.attrs["start"] = "given in Python: the first sample"
         data.attrs["finished"] = datetime.now(UTC).isoformat(timespec="seconds")
         run.wall += time.perf_counter() - began
     return Trajectory(
         data=data, outcome=run.outcome, message=run.message, counts=run.counts(), scenario=scenario
     )
+
+
+def _as_run(scenario: Scenario, duration: float, settings: RunSettings) -> Scenario:
+    """Return the scenario with what was given beside it, so that the result tells how to repeat it."""
+    changes: dict[str, Any] = {} if duration == scenario.duration else {"duration": duration}
+    planned = settings_of(scenario)
+    for name, place in (("", "integrator"), ("scales", "integrator.scales")):
+        used, told = (getattr(one, name) if name else one for one in (settings, planned))
+        for field in dataclasses.fields(used):
+            value = getattr(used, field.name)
+            if field.name != "scales" and value is not None and value != getattr(told, field.name):
+                changes["output.rate" if field.name == "output_rate" else f"{place}.{field.name}"] = value
+    return scenario.with_overrides(changes) if changes else scenario
 
 
 def check_start(system: System, y: np.ndarray, duration: float) -> None:

@@ -9,6 +9,7 @@ import pytest
 
 from antenna_pin import (
     AntennaPinError,
+    ErrorScales,
     Outcome,
     RunSettings,
     System,
@@ -174,3 +175,30 @@ def test_a_system_needs_a_duration_and_a_finite_state():
         simulate(system, duration=1.0, q=np.full(system.model.nq, np.nan))
     with pytest.raises(AntennaPinError, match="duration"):
         simulate(system, duration=-1.0)
+
+
+def test_what_is_given_beside_a_scenario_enters_the_result():
+    """The scenario of a result repeats the run, whatever came from Python."""
+    scenario = load_scenario("bai2020", case="case1")
+    settings = RunSettings(rtol=1e-6, output_rate=500.0, scales=ErrorScales(angle=2e-3))
+    run = simulate(scenario, duration=0.02, settings=settings)
+    told = run.scenario
+    assert (told.duration, told.integrator.rtol, told.output.rate) == (0.02, 1e-6, 500.0)
+    assert told.integrator.scales.angle == 2e-3
+    assert told.overrides == (
+        "duration=0.02",
+        "integrator.rtol=1e-06",
+        "output.rate=500.0",
+        "integrator.scales.angle=0.002",
+    )
+    again = simulate(told)
+    assert np.array_equal(again.data["q"], run.data["q"])
+    assert simulate(told).scenario == told
+    assert "start" not in run.data.attrs
+
+
+def test_a_start_given_beside_a_scenario_is_said():
+    scenario = load_scenario("bai2020", case="case1")
+    start = build_system(scenario).neutral()
+    run = simulate(scenario, duration=0.002, q=start)
+    assert run.data.attrs["start"] == "given in Python: the first sample"
