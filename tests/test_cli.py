@@ -291,7 +291,7 @@ def test_plot_writes_the_figures_and_names_them(cli, results, tmp_path, drawn_qu
     names += ["base_position", "base_velocity", "base_acceleration"]
     names += ["base_attitude", "base_angular_velocity", "base_angular_acceleration"]
     names += ["pointing", "spectra", "energy", "momentum"]
-    assert "spectrogram is not drawn: figure: runs must be at least one of 16 samples" in said.err  # 20 ms
+    assert "spectrogram is not drawn: figure: runs must be at least one of 64 samples" in said.err  # 20 ms
     expected = [f"new/figures/{name}.{suffix}" for name in names for suffix in ("png", "svg")]
     assert said.out.splitlines() == expected
     assert all((tmp_path / path).is_file() for path in expected)
