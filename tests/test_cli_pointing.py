@@ -130,4 +130,4 @@ def test_refusals_take_one_line(cli, results, options, message):
 
 def test_a_run_whose_scenario_names_no_antenna(cli, results):
     line = refused(cli("pointing", results / "bare.nc", "--direction", "1,0,0"))
-    assert line.startswith("run: its scenario must have a table [pointing]")
+    assert line.startswith("case4: its scenario must have a table [pointing]")

@@ -132,3 +132,10 @@ def test_a_run_with_contacts_is_no_ideal_one(drawn, cli):
     said = cli("analyse", result, "--ideal", result)
     assert said.code == 2
     assert "'with play with play in Kugel, Bolzen.2 β'" in said.err
+
+
+def test_a_report_takes_a_window_with_and_without_a_unit(drawn, cli):
+    (result,) = (drawn / "runs").glob("*.nc")
+    for window in ("0.01", "10 ms"):
+        said = cli("report", result, "--out", "r.html", "--no-figures", "--no-recordings", "--window", window)
+        assert (said.code, said.err) == (0, "")

@@ -26,7 +26,7 @@ import xarray as xr
 from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
-from antenna_pin.analysis._run import Array, RunLike
+from antenna_pin.analysis._run import Array, RunLike, data_of, label_of
 from antenna_pin.analysis.attitude import interpolate_attitude, interpolation_error
 from antenna_pin.analysis.bodies import body_poses, body_twists, carried_scenario, mechanism_of
 from antenna_pin.analysis.orbit import Orbit
@@ -71,8 +71,8 @@ class Antenna:
         spec = _spec_of(run)
         if spec is None:
             raise FileFormatError(
-                "run: its scenario must have a table [pointing] that says what looks where, got none; "
-                "add it and run again, or name the body and its boresight"
+                f"{label_of(data_of(run))}: its scenario must have a table [pointing] that says what looks "
+                "where, got none; add it and run again, or name the body and its boresight"
             )
         return cls(body=spec.body, boresight=spec.boresight, up=spec.up)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from enum import StrEnum
 from fractions import Fraction
 from pathlib import Path
@@ -81,6 +82,9 @@ def record(
     kind = kind_of(out)
     check_options(out, kind, at=at, fps=fps, size=size)
     time, pixels = _time(at, "--at"), size_of(size)
+    for option, value in (("--key-rate", key_rate), ("--max-size", max_size)):
+        if not (value > 0.0 and math.isfinite(value)):
+            raise InvalidParameterError("record", option, "positive", value)
     run = load_result(file)
     reference = None if ideal is None else load_result(ideal)
 

@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from antenna_pin.cli._common import FilesArgument, writable_file
+from antenna_pin.cli._quantities import bare
 
 
 def report(
@@ -35,7 +36,7 @@ def report(
     from antenna_pin.report import report as make
     from antenna_pin.units import quantity
 
-    length = None if window is None else quantity(window, "s", "--window")
+    length = None if window is None else quantity(bare(window), "s", "--window")
     made = make(
         files,
         title=title,

@@ -83,6 +83,10 @@ def mechanism_view(
     actors = [motion.actor()]
     if ideal is not None:
         ghost = _Body(*ideal, "ideal", scene, GHOST)
+        if not (set(ghost.names) <= set(motion.names) or set(motion.names) <= set(ghost.names)):
+            raise InvalidParameterError(
+                "recording", "ideal", "a run of the same mechanism", f"one of {', '.join(ghost.names)}"
+            )
         actors.append(ghost.actor())
         text = f"ideal run ({_case(ideal[0])}), translucent"
         facts.append({"text": text, "colour": "#8A94A3", "paths": [ghost.run]})

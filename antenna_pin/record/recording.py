@@ -135,6 +135,8 @@ def record(
         if value is not None:
             shown = "a run" if name == "ideal" else value
             raise InvalidParameterError("recording", name, f"left out in the view of a {view}", shown)
+    if not max_megabytes > 0.0:  # NaN fails too
+        raise InvalidParameterError("recording", "max_megabytes", "positive", max_megabytes)
     run = _trajectory(run)
     ideal = None if ideal is None else _trajectory(ideal)
     first, last = _span(run, start, end)

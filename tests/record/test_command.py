@@ -6,6 +6,7 @@ import re
 import pytest
 from typer.testing import CliRunner
 
+from antenna_pin import load_scenario, simulate
 from antenna_pin.cli import app
 
 
@@ -46,6 +47,8 @@ def test_pages_by_the_command(files, tmp_path):
         (("--speed", "fast"), "--speed: speed must be a number or a fraction such as 1/100, got 'fast'"),
         (("--boresight", "1,x"), "--boresight: direction must be three numbers such as 1,0,0, got '1,x'"),
         (("--max-size", "0.1"), "max_megabytes must be above"),
+        (("--max-size", "nan"), "record: --max-size must be positive, got nan"),
+        (("--key-rate", "nan"), "record: --key-rate must be positive, got nan"),
         (("--view", "joint", "--magnify", "-1"), "magnify must be a positive number"),
         (("--magnify", "200"), "magnify must be left out in the view of a mechanism, got 200.0"),
         (("--view", "joint", "--body", "reflector"), "body must be left out in the view of a joint"),
@@ -62,3 +65,10 @@ def test_a_run_of_ideal_joints_has_no_joint_close_up(files, tmp_path):
     done = call(files[1], "--view", "joint", "--out", tmp_path / "a.html")
     assert done.exit_code == 2
     assert "view must be mechanism for a run without a clearance joint" in done.stderr
+
+
+def test_a_run_of_another_mechanism_is_no_ideal_one(files, tmp_path):
+    other = simulate(load_scenario("pendulum", case="ideal"), duration=0.01).save(tmp_path / "other.nc")
+    done = call(files[0], "--ideal", other, "--out", tmp_path / "a.html")
+    assert done.exit_code == 2
+    assert "recording: ideal must be a run of the same mechanism, got" in done.stderr
