@@ -67,6 +67,7 @@ normal = { law = "hunt-crossley", restitution = 0.8 }
 body = "dish"
 boresight = [1, 1, 0]
 [cases."with play"]
+[cases."a/b"]
 """
 
 
@@ -85,7 +86,19 @@ def drawn(crane, tmp_path_factory):
 
     out = tmp_path_factory.mktemp("drawn")
     with pytest.raises(SystemExit) as ended:
-        app(["figures", str(crane), "--out", str(out), "--format", "png", "--no-progress"])
+        app(
+            [
+                "figures",
+                str(crane),
+                "--case",
+                "with play",
+                "--out",
+                str(out),
+                "--format",
+                "png",
+                "--no-progress",
+            ]
+        )
     assert not ended.value.code
     return out
 
@@ -93,7 +106,7 @@ def drawn(crane, tmp_path_factory):
 def test_figures_are_the_same_set_from_a_fresh_run_and_from_its_file(drawn, crane, cli):
     first = {path.name for path in drawn.glob("*.png")}
     assert {"pointing.png", "spectrogram.png", "contact_forces.png", "energy.png"} <= first
-    said = cli("figures", crane, "--out", drawn, "--format", "png", "--no-progress")
+    said = cli("figures", crane, "--case", "with play", "--out", drawn, "--format", "png", "--no-progress")
     assert "using" in said.err and "is not drawn" not in said.err
     assert {path.name for path in drawn.glob("*.png")} == first
 
@@ -139,3 +152,8 @@ def test_a_report_takes_a_window_with_and_without_a_unit(drawn, cli):
     for window in ("0.01", "10 ms"):
         said = cli("report", result, "--out", "r.html", "--no-figures", "--no-recordings", "--window", window)
         assert (said.code, said.err) == (0, "")
+
+
+def test_a_case_named_like_a_folder_gets_a_file_of_its_own(crane, cli, tmp_path):
+    assert cli("run", crane, "--case", "a/b", "--duration", "1 ms", "-q").code == 0
+    assert [path.name for path in tmp_path.glob("*.nc")] == [f"{crane.name}-a-b.nc"]

@@ -123,8 +123,9 @@ def load(
 
 
 def stem(scenario: Scenario) -> str:
-    """Return NAME-CASE, or NAME where a scenario has no cases."""
-    return f"{scenario.name}-{scenario.case}" if scenario.case else str(scenario.name)
+    """Return NAME-CASE, or NAME where a scenario has no cases, as a file can be called."""
+    name = f"{scenario.name}-{scenario.case}" if scenario.case else str(scenario.name)
+    return name.replace("/", "-").replace("\\", "-")
 
 
 def writable_file(path: Path, suffix: str) -> Path:
