@@ -18,6 +18,7 @@ from antenna_pin.plot._style import (
     legend_above,
     letters,
     linear_then_log,
+    literal,
     new_figure,
     panel_title,
     prefixed,
@@ -120,7 +121,7 @@ def _draw(axes: Axes, panel: Panel, overall: float, spikes: bool) -> None:
     for curve in panel.curves:
         many = curve.time.size > MANY
         axes.plot(curve.time, factor * curve.value, label=curve.label, rasterized=many, **curve.style)
-    label = textwrap.fill(f"{panel.label} [{printed}]", 22)  # as long as a panel is high
+    label = literal(textwrap.fill(f"{panel.label} [{printed}]", 22))  # as long as a panel is high
     limit = linear_then_log([axes], factor * panel.core, factor * panel.largest) if spikes else None
     if limit is not None:
         label += f"\nlinear to ±{limit:g}"

@@ -7,12 +7,14 @@ the ideal joint is always black and dashed.
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import io
 import itertools
 import math
 import string
 import textwrap
+import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any, Literal, ParamSpec, TypeVar
 
@@ -93,10 +95,23 @@ def styled(function: Callable[P, R]) -> Callable[P, R]:
 
     @functools.wraps(function)
     def wrapper(*args: P.args, **kwargs: P.kwargs) -> R:
-        with matplotlib.rc_context(RC):
+        with matplotlib.rc_context(RC), _any_script():
             return function(*args, **kwargs)
 
     return wrapper
+
+
+@contextlib.contextmanager
+def _any_script() -> Iterator[None]:
+    """Keep quiet about letters that the font lacks, as in a case with a Chinese name: they become boxes."""
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message=r"Glyph .* missing from font", category=UserWarning)
+        yield
+
+
+def literal(text: str) -> str:
+    """Return a text that people chose, such as a case's name, so that its dollars start no formula."""
+    return text.replace("$", r"\$")
 
 
 class Picture(Figure):
@@ -104,7 +119,7 @@ class Picture(Figure):
 
     def _repr_png_(self) -> bytes:
         buffer = io.BytesIO()
-        with matplotlib.rc_context(RC):
+        with matplotlib.rc_context(RC), _any_script():
             self.savefig(buffer, format="png", dpi=RC["figure.dpi"])
         return buffer.getvalue()
 
@@ -157,8 +172,14 @@ def letters() -> Iterator[str]:
         yield from ("".join(parts) for parts in itertools.product(string.ascii_lowercase, repeat=size))
 
 
-def legend_above(figure: Figure, panels: Iterable[Axes]) -> None:
-    """Put one legend for the given panels above the figure, each entry once, the ideal joint first."""
+def legend_above(figure: Figure, panels: Iterable[Axes], formulas: bool = False) -> None:
+    """Put one legend for the given panels above the figure, each entry once, the ideal joint first.
+
+    Args:
+        figure: The figure.
+        panels: Its panels whose lines have names.
+        formulas: Whether dollars in the names enclose formulas.
+    """
     entries: dict[str, Any] = {}
     for axes in panels:
         for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
@@ -172,7 +193,7 @@ def legend_above(figure: Figure, panels: Iterable[Axes]) -> None:
     rows = -(-len(entries) // columns)
     figure.legend(
         list(entries.values()),
-        list(entries),
+        list(entries) if formulas else [literal(label) for label in entries],
         loc="outside upper center",
         ncols=-(-len(entries) // rows),  # rows of equal length
     )
@@ -185,12 +206,13 @@ def footnote(figure: Figure, *parts: str) -> None:
         # A line takes 1.25 mm a letter.
         letters_a_line = int(figure.get_figwidth() / _MILLIMETRE / 1.25)
         lines = textwrap.fill(text, letters_a_line)
-        figure.supxlabel(lines, fontsize=6.5, x=0.99, ha="right", multialignment="right")
+        figure.supxlabel(literal(lines), fontsize=6.5, x=0.99, ha="right", multialignment="right")
 
 
 def panel_title(axes: Axes, letter: str, text: str) -> None:
     """Head a panel with its letter and what it shows."""
-    axes.set_title(rf"$\bf{{({letter})}}$ {text}" if letter else text)
+    plain = literal(text)
+    axes.set_title(rf"$\bf{{({letter})}}$ {plain}" if letter else plain)
 
 
 # --- units ---

@@ -155,5 +155,5 @@ def figure_contact_width(law: LiuPinJoint, *, width: Width = "column") -> Figure
     axes.set_ylim(0.0, 3e3 * law.journal_radius * law.clearance / law.bearing_radius)
     axes.set_xlabel("half-width over radius of the pin [-]")
     axes.set_ylabel("depth [mm]")
-    legend_above(figure, [axes])
+    legend_above(figure, [axes], formulas=True)
     return figure

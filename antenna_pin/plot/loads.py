@@ -26,6 +26,7 @@ from antenna_pin.plot._style import (
     few_ticks,
     footnote,
     legend_above,
+    literal,
     new_figure,
     panel_title,
     prefixed,
@@ -92,7 +93,7 @@ def figure_joint_load(
         few_ticks(axes, 5)
         panel_title(axes, letter, title)
         axes.set_xlabel("time [s]")
-        axes.set_ylabel(f"force through {joint.replace('_', ' ')} [{printed}]")
+        axes.set_ylabel(f"force through {literal(joint.replace('_', ' '))} [{printed}]")
     legend_above(figure, [whole])
     footnote(figure, _ratios(drawn, largest, reference), too_short(every))
     return figure

@@ -29,6 +29,7 @@ from antenna_pin.plot._style import (
     legend_above,
     letters,
     linear_then_log,
+    literal,
     new_figure,
     panel_title,
     prefixed,
@@ -90,7 +91,7 @@ def figure_motion(
     curves = _curves(drawn, reference, name, quantity)
     given = None if zoom is None else _check_zoom(zoom)
     unit = drawn[0].unit(f"motion_{quantity}", _UNITS[quantity])
-    label = f"{name.replace('_', ' ')} {quantity}"
+    label = f"{literal(name.replace('_', ' '))} {quantity}"
     if quantity == "acceleration" and any(not c.is_ideal for c in curves):
         windows = [given or _zoom([_from_rest(c)], quantity) for c in curves if not c.is_ideal]
         figure = _strips(curves, windows, label, unit, width)
