@@ -164,3 +164,10 @@ def test_a_report_takes_a_window_with_and_without_a_unit(drawn, cli):
 def test_a_case_named_like_a_folder_gets_a_file_of_its_own(crane, cli, tmp_path):
     assert cli("run", crane, "--case", "a/b", "--duration", "1 ms", "-q").code == 0
     assert [path.name for path in tmp_path.glob("*.nc")] == [f"{crane.name}-a-b.nc"]
+
+
+def test_letters_that_the_font_lacks_are_no_noise(drawn, cli, tmp_path, caplog):
+    (result,) = (drawn / "runs").glob("*.nc")
+    said = cli("plot", result, "--out", tmp_path)
+    assert (said.code, said.err) == (0, "")
+    assert not caplog.records

@@ -11,6 +11,7 @@ import contextlib
 import functools
 import io
 import itertools
+import logging
 import math
 import string
 import textwrap
@@ -104,9 +105,15 @@ def styled(function: Callable[P, R]) -> Callable[P, R]:
 @contextlib.contextmanager
 def _any_script() -> Iterator[None]:
     """Keep quiet about letters that the font lacks, as in a case with a Chinese name: they become boxes."""
-    with warnings.catch_warnings():
-        warnings.filterwarnings("ignore", message=r"Glyph .* missing from font", category=UserWarning)
-        yield
+    formulas = logging.getLogger("matplotlib.mathtext")  # titles with a bold letter go through it
+    before = formulas.level
+    formulas.setLevel(logging.ERROR)
+    try:
+        with warnings.catch_warnings():
+            warnings.filterwarnings("ignore", message=r"Glyph .* missing from font", category=UserWarning)
+            yield
+    finally:
+        formulas.setLevel(before)
 
 
 def literal(text: str) -> str:
