@@ -232,6 +232,17 @@ class Trajectory:
             },
             "contacts": {},
         }
+        if "slide_position" in data:
+            result["slides"] = {
+                str(name): {
+                    "position": float(data["slide_position"].sel(sliding_joint=name).values[-1]),
+                    "slide_rate": float(data["slide_rate"].sel(sliding_joint=name).values[-1]),
+                    "peak_slide_acceleration": float(
+                        np.abs(data["slide_acceleration"].sel(sliding_joint=name).values).max()
+                    ),
+                }
+                for name in data["sliding_joint"].values
+            }
         if "contact" not in data.sizes:
             return result
         index = data["episode_contact"].values

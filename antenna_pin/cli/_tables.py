@@ -28,6 +28,9 @@ _ENTRIES = {
     "angle": ("angle at the end", "rad"),
     "rate": ("rate at the end", "rad/s"),
     "peak_acceleration": ("peak acceleration", "rad/s²"),
+    "position": ("position at the end", "m"),
+    "slide_rate": ("rate at the end", "m/s"),
+    "peak_slide_acceleration": ("peak acceleration", "m/s²"),
     "peak_force": ("peak force", "N"),
     "peak_depth": ("peak depth", "m"),
     "largest_approach_speed": ("largest approach speed", "m/s"),
@@ -35,7 +38,7 @@ _ENTRIES = {
     "dissipated": ("energy lost", "J"),
 }
 # Groups of a summary whose name says nothing that their entries do not say.
-_PLAIN_GROUPS = ("counts", "conservation", "motion", "contacts")
+_PLAIN_GROUPS = ("counts", "conservation", "motion", "slides", "contacts")
 
 
 def print_summaries(summaries: Sequence[tuple[str, dict[str, Any]]]) -> None:
@@ -52,7 +55,9 @@ def print_summaries(summaries: Sequence[tuple[str, dict[str, Any]]]) -> None:
     for label, _ in summaries:
         table.add_column(label, justify="right", overflow="fold")
     for row in dict.fromkeys(name for column in columns for name in column):
-        table.add_row(row, *(column.get(row, "-") for column in columns))
+        texts = [column.get(row, "-") for column in columns]
+        if any(text != "-" for text in texts):  # a fixed base keeps no momentum, to take one
+            table.add_row(row, *texts)
     # Units stand in brackets, which are no markup. A pipe has no width to keep to.
     console = Console(highlight=False, markup=False)
     if not console.is_terminal:

@@ -212,6 +212,7 @@ def dataset(run: Run, title: str, case: str, versions: dict[str, str]) -> xr.Dat
         strict=True,
     ):
         table.add(name, ("time", "joint"), values, units, meaning)
+    _add_slides(table, coords, seen)
     _add_episodes(table, run)
     attributes = {
         "title": title,
@@ -222,6 +223,20 @@ def dataset(run: Run, title: str, case: str, versions: dict[str, str]) -> xr.Dat
         **mechanism_attributes(run.system),
     }
     return xr.Dataset(table.variables, coords=coords, attrs=attributes)
+
+
+def _add_slides(table: _Table, coords: dict[str, Any], seen: _Observer) -> None:
+    """Add the motion of joints that slide, if there are any."""
+    system = seen.system
+    slots = [slot for slot in system.mechanism.joints.values() if slot.kind == "prismatic"]
+    if not slots:
+        return
+    coords["sliding_joint"] = ("sliding_joint", np.array([slot.name for slot in slots], dtype=object))
+    along_q, along_v = [slot.q.start for slot in slots], np.array([slot.v.start for slot in slots])
+    dims = ("time", "sliding_joint")
+    table.add("slide_position", dims, seen.states[:, along_q], "m", "way along the joint's axis")
+    table.add("slide_rate", dims, seen.states[:, system.model.nq + along_v], "m/s", "its rate")
+    table.add("slide_acceleration", dims, seen.a[:, along_v], "m/s^2", "its acceleration")
 
 
 def _coordinates(seen: _Observer) -> dict[str, Any]:
