@@ -1,7 +1,7 @@
 """From a URDF and its variants to a Pinocchio model."""
 
 from antenna_pin.mechanism.changes import JOINT_VARIANTS, JointChange, JointVariant, LinkChange, ShapeChange
-from antenna_pin.mechanism.frames import frame_aligning_z, roll_pitch_yaw
+from antenna_pin.mechanism.frames import frame_aligning_z, quaternions, roll_pitch_yaw
 from antenna_pin.mechanism.kinematics import link_poses, link_twists
 from antenna_pin.mechanism.model import Base, JointKind, JointSlot, Mechanism, build_mechanism
 from antenna_pin.mechanism.urdf import Urdf
@@ -21,5 +21,6 @@ __all__ = [
     "frame_aligning_z",
     "link_poses",
     "link_twists",
+    "quaternions",
     "roll_pitch_yaw",
 ]

@@ -7,10 +7,11 @@ from typing import TypeAlias
 
 import numpy as np
 import numpy.typing as npt
+from scipy.spatial.transform import Rotation
 
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["Matrix3", "Vector3", "frame_aligning_z", "roll_pitch_yaw"]
+__all__ = ["Matrix3", "Vector3", "frame_aligning_z", "quaternions", "roll_pitch_yaw"]
 
 Vector3: TypeAlias = npt.NDArray[np.float64]
 """Shape (3,)."""
@@ -72,3 +73,19 @@ def roll_pitch_yaw(rotation: Matrix3) -> tuple[float, float, float]:
     pitch = math.atan2(-r[2, 0], c * r[0, 0] + s * r[1, 0])
     roll = math.atan2(s * r[0, 2] - c * r[1, 2], c * r[1, 1] - s * r[0, 1])
     return roll + 0.0, pitch + 0.0, yaw + 0.0
+
+
+def quaternions(rotations: npt.ArrayLike) -> npt.NDArray[np.float64]:
+    """Return rotations over time as quaternions xyzw that do not jump in sign from one to the next.
+
+    Args:
+        rotations: Rotation matrices, (n, ..., 3, 3) [-].
+
+    Returns:
+        (n, ..., 4) [-].
+    """
+    matrices = np.asarray(rotations, dtype=np.float64)
+    found = Rotation.from_matrix(matrices.reshape(-1, 3, 3)).as_quat().reshape(*matrices.shape[:-2], 4)
+    jumps = np.sum(found[1:] * found[:-1], axis=-1) < 0.0
+    found[1:] *= np.where(np.cumsum(jumps, axis=0) % 2 == 1, -1.0, 1.0)[..., None]
+    return np.asarray(found)

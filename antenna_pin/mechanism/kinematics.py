@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
-from scipy.spatial.transform import Rotation
 
 from antenna_pin.errors import InvalidParameterError
+from antenna_pin.mechanism.frames import quaternions
 from antenna_pin.mechanism.model import Mechanism
 
 __all__ = ["link_poses", "link_twists"]
@@ -40,11 +40,7 @@ def link_poses(mechanism: Mechanism, q: ArrayLike) -> tuple[Array, Array]:
     parents = [frame.parentJoint for frame in frames]
     fixed = np.array([frame.placement.homogeneous for frame in frames]).reshape(-1, 4, 4)
     poses = joints[:, parents] @ fixed
-    attitude = Rotation.from_matrix(poses[..., :3, :3].reshape(-1, 3, 3)).as_quat()
-    quaternions = attitude.reshape(n, len(names), 4)
-    jumps = np.sum(quaternions[1:] * quaternions[:-1], axis=2) < 0.0
-    quaternions[1:] *= np.where(np.cumsum(jumps, axis=0) % 2 == 1, -1.0, 1.0)[..., None]
-    return poses[..., :3, 3].copy(), quaternions
+    return poses[..., :3, 3].copy(), quaternions(poses[..., :3, :3])
 
 
 def link_twists(mechanism: Mechanism, q: ArrayLike, v: ArrayLike) -> Array:

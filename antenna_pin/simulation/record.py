@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from antenna_pin.dynamics import System, audit
 from antenna_pin.dynamics import _kernels as _dynamics
@@ -17,7 +16,7 @@ from antenna_pin.geometry import AxialScenario, RadialScenario, RevoluteClearanc
 from antenna_pin.geometry import _kernels as _geometry
 from antenna_pin.geometry.shapes import TABLE_WIDTH
 from antenna_pin.joints import _kernels as _joint
-from antenna_pin.mechanism import frame_aligning_z
+from antenna_pin.mechanism import frame_aligning_z, quaternions
 from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.places import mechanism_attributes
 
@@ -349,10 +348,7 @@ def _attitudes(system: System, poses: Array) -> Array:
     for k, joint in enumerate(system.clearances):
         of_child = poses[:, k, 6:15].reshape(samples, 3, 3)
         axes = np.eye(3) if joint.planar else frame_aligning_z(system.mechanism.joint(joint.name).axis)
-        quaternions = Rotation.from_matrix(of_child @ axes).as_quat()
-        jumps = np.sum(quaternions[1:] * quaternions[:-1], axis=1) < 0.0
-        quaternions[1:] *= np.where(np.cumsum(jumps) % 2 == 1, -1.0, 1.0)[:, None]
-        result[:, k] = quaternions
+        result[:, k] = quaternions(of_child @ axes)
     return result
 
 
