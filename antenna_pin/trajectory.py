@@ -6,7 +6,7 @@ import importlib.metadata
 import json
 import os
 import platform
-import tempfile
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from enum import Enum
 from pathlib import Path
@@ -16,10 +16,11 @@ import numpy as np
 import xarray as xr
 
 from antenna_pin.card import run_card
-from antenna_pin.errors import FileFormatError, OutputError
+from antenna_pin.errors import FileFormatError
+from antenna_pin.files import check_writable, replacing
 from antenna_pin.scenario import Scenario
 
-__all__ = ["FORMAT", "Counts", "Outcome", "Trajectory", "check_writable", "library_versions"]
+__all__ = ["FORMAT", "Counts", "Outcome", "Trajectory", "library_versions"]
 
 #: Identifies the file format. Readers also take the older ones below, with what those hold; others they
 #: refuse.
@@ -87,31 +88,6 @@ def library_versions() -> dict[str, str]:
     return found
 
 
-def check_writable(path: str | os.PathLike[str]) -> Path:
-    """Return the path if a file can be written there; else raise before any work is done.
-
-    Raises:
-        OutputError: The folder is missing or not writable, or the path is a folder.
-    """
-    target = Path(path)
-    folder = target.parent
-    if target.is_dir():
-        raise OutputError(f"{target}: the output must be a file, got a folder; name a file in it")
-    if not folder.is_dir():
-        raise OutputError(
-            f"{target}: the output's folder {str(folder)!r} does not exist; make it or name another"
-        )
-    try:
-        # Trying is the only test that holds for every user and file system.
-        with tempfile.TemporaryFile(dir=folder):
-            pass
-    except OSError as error:
-        raise OutputError(
-            f"{target}: the output's folder must be writable, got: {error.strerror}; name another folder"
-        ) from error
-    return target
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class Trajectory:
     """One run, sampled.
@@ -142,7 +118,6 @@ class Trajectory:
             OutputError: It cannot be written there.
         """
         target = check_writable(path)
-        partial = target.with_name(f".{target.name}.{os.getpid()}.partial")
         data = self.data.assign_attrs(
             format=FORMAT,
             outcome=self.outcome.name,
@@ -155,13 +130,8 @@ class Trajectory:
             for name, variable in data.variables.items()
             if variable.dtype.kind in "fi" and variable.ndim > 0 and variable.size > 64
         }
-        try:
+        with replacing(target) as partial:
             data.to_netcdf(partial, engine="h5netcdf", encoding=encoding)
-            partial.replace(target)
-        except OSError as error:
-            raise OutputError(f"{target}: cannot be written: {error.strerror or error}") from error
-        finally:
-            partial.unlink(missing_ok=True)
         return target
 
     @classmethod
@@ -220,29 +190,11 @@ class Trajectory:
             "counts": asdict(self.counts),
             "conservation": json.loads(data.attrs["conservation"]),
             "gap_difference": float(data.attrs["gap_difference"]),
-            "motion": {
-                str(name): {
-                    "angle": float(data["motion_angle"].sel(joint=name).values[-1]),
-                    "rate": float(data["motion_rate"].sel(joint=name).values[-1]),
-                    "peak_acceleration": float(
-                        np.abs(data["motion_acceleration"].sel(joint=name).values).max()
-                    ),
-                }
-                for name in data["joint"].values
-            },
+            "motion": _last_and_peak(data, "joint", _MOTION),
             "contacts": {},
         }
         if "slide_position" in data:
-            result["slides"] = {
-                str(name): {
-                    "position": float(data["slide_position"].sel(sliding_joint=name).values[-1]),
-                    "slide_rate": float(data["slide_rate"].sel(sliding_joint=name).values[-1]),
-                    "peak_slide_acceleration": float(
-                        np.abs(data["slide_acceleration"].sel(sliding_joint=name).values).max()
-                    ),
-                }
-                for name in data["sliding_joint"].values
-            }
+            result["slides"] = _last_and_peak(data, "sliding_joint", _SLIDES)
         if "contact" not in data.sizes:
             return result
         index = data["episode_contact"].values
@@ -287,3 +239,24 @@ def _broken_part(data: xr.Dataset) -> str | None:
         except (TypeError, ValueError):
             return f"an attribute {name!r} that cannot be read"
     return None
+
+
+# Entries of a summary by their variables: position and rate at the end, the acceleration's peak.
+_MOTION = {"angle": "motion_angle", "rate": "motion_rate", "peak_acceleration": "motion_acceleration"}
+_SLIDES = {
+    "position": "slide_position",
+    "slide_rate": "slide_rate",
+    "peak_slide_acceleration": "slide_acceleration",
+}
+
+
+def _last_and_peak(data: xr.Dataset, dim: str, entries: Mapping[str, str]) -> dict[str, dict[str, float]]:
+    """Return, by joint, the last value of each variable, of a peak entry the largest size."""
+    return {
+        str(name): {
+            entry: float(np.abs(values[:, k]).max() if entry.startswith("peak") else values[-1, k])
+            for entry, variable in entries.items()
+            for values in [data[variable].transpose("time", dim).values]
+        }
+        for k, name in enumerate(data[dim].values)
+    }

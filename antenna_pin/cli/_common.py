@@ -133,7 +133,7 @@ def writable_file(path: Path, suffix: str) -> Path:
 
     Asked before a run, so that hours of work do not end in a missing folder.
     """
-    from antenna_pin.trajectory import check_writable
+    from antenna_pin.files import check_writable
 
     if path.suffix != suffix and not path.is_dir():
         raise OutputError(f"{path}: the output's name must end in {suffix}; try {path.with_suffix(suffix)}")

@@ -46,8 +46,8 @@ def check_options(
     out: Path, kind: Kind, *, at: str | None = None, fps: float | None = None, size: str | None = None
 ) -> None:
     """Refuse, before any work, what cannot be written, and options that the output does not know."""
+    from antenna_pin.files import check_writable
     from antenna_pin.record import check_film
-    from antenna_pin.trajectory import check_writable
 
     for option, given, kinds in (
         ("--at", at, (Kind.PICTURE,)),

@@ -14,6 +14,7 @@ import typer
 from antenna_pin.cli._common import complain, label_of, load_result, refuse, writable_file
 from antenna_pin.cli._tables import print_rows, text_of
 from antenna_pin.errors import InvalidParameterError
+from antenna_pin.files import replacing
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -294,7 +295,7 @@ def impacts(
         narrow = [name.replace(" [", "\n[") for name in (*head, *_FLAGS.values())]
         print_rows(f"{label_of(run, file)}: impacts", narrow, rows)
         return
-    with target.open("w", newline="", encoding="utf-8") as stream:
+    with replacing(target) as partial, partial.open("w", newline="", encoding="utf-8") as stream:
         writer = csv.writer(stream)
         writer.writerow((*head, *_FLAGS.values()))
         for k, contact in enumerate(table["contact"].values):

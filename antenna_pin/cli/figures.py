@@ -27,6 +27,7 @@ from antenna_pin.cli._common import (
 )
 from antenna_pin.cli._progress import progress_bar
 from antenna_pin.errors import AntennaPinError, FileFormatError
+from antenna_pin.files import replacing
 
 if TYPE_CHECKING:
     from antenna_pin.plot import PaperFigure
@@ -318,7 +319,8 @@ class _Index:
         for title, files, _, _ in self.entries:
             picture = next((file for file in files if not file.endswith(".pdf")), None)
             text += ["", f"![{title}]({picture})"] if picture else []
-        self.path.write_text("\n".join(text) + "\n", encoding="utf-8")
+        with replacing(self.path) as partial:
+            partial.write_text("\n".join(text) + "\n", encoding="utf-8")
 
 
 def _cell(text: str) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import filecmp
 import os
 import shutil
@@ -10,6 +9,7 @@ from collections.abc import Iterable
 from pathlib import Path, PurePosixPath
 
 from antenna_pin.errors import MechanismError, OutputError
+from antenna_pin.files import replacing
 
 # What a Wavefront material file calls the images it uses.
 _IMAGE_KEYS = ("map_", "bump", "disp", "decal", "refl", "norm")
@@ -83,15 +83,9 @@ def copy_all(copies: dict[Path, Path]) -> None:
         copies: Source of each copy, by its target; folders are made.
     """
     for target, source in copies.items():
-        temporary = target.parent / f".{target.name}.{os.getpid()}.tmp"
-        try:
+        with replacing(target) as partial:
             target.parent.mkdir(parents=True, exist_ok=True)
-            shutil.copyfile(source, temporary)
-            temporary.replace(target)
-        except OSError as error:
-            with contextlib.suppress(OSError):
-                temporary.unlink()
-            raise OutputError(f"{target}: cannot be written: {error.strerror}") from error
+            shutil.copyfile(source, partial)
 
 
 def _kept_name(filename: str) -> str:

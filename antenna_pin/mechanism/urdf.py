@@ -7,9 +7,7 @@ transmission tags and parts of joints; each variant is then read and checked aga
 
 from __future__ import annotations
 
-import contextlib
 import io
-import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -19,7 +17,8 @@ import numpy as np
 import numpy.typing as npt
 import yourdfpy
 
-from antenna_pin.errors import MechanismError, OutputError, UnknownNameError
+from antenna_pin.errors import MechanismError, UnknownNameError
+from antenna_pin.files import replacing
 from antenna_pin.mechanism import _checks, _edits, _meshes, _xml
 from antenna_pin.mechanism.changes import JOINT_VARIANTS, JointChange, JointVariant, LinkChange
 from antenna_pin.mechanism.frames import Vector3
@@ -204,18 +203,9 @@ class Urdf:
         """
         path = Path(path)
         text, copies = self._seen_from(path.parent, copy_meshes)
-        temporary = path.parent / f".{path.name}.{os.getpid()}.tmp"
-        try:
-            temporary.write_text(text, encoding="utf-8")
+        with replacing(path) as partial:
+            partial.write_text(text, encoding="utf-8")
             _meshes.copy_all(copies)
-            temporary.replace(path)
-        except OutputError:
-            raise
-        except OSError as error:
-            raise OutputError(f"{path}: cannot be written: {error.strerror}") from error
-        finally:
-            with contextlib.suppress(OSError):
-                temporary.unlink()
         return path, *copies
 
     def _seen_from(self, folder: Path, copy_meshes: bool) -> tuple[str, dict[Path, Path]]:

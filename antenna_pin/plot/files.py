@@ -5,7 +5,6 @@ from __future__ import annotations
 import functools
 import io
 import json
-import os
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import TypeAlias
@@ -14,6 +13,7 @@ import matplotlib
 from matplotlib.figure import Figure
 
 from antenna_pin.errors import AntennaPinError, OutputError, UnknownNameError
+from antenna_pin.files import replacing
 from antenna_pin.plot._runs import LabelledRun, Run, choose_moving_joint, labelled, long_enough
 from antenna_pin.plot._style import Width, styled
 from antenna_pin.plot.audit import figure_energy, figure_momentum
@@ -160,14 +160,8 @@ def folder_for_figures(folder: str | Path) -> Path:
 def _save(figure: Figure, path: Path) -> Path:
     """Write a figure beside its place and move it there, so that no half figure is ever seen."""
     suffix = path.suffix[1:]
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
-    try:
-        figure.savefig(temporary, format=suffix, metadata={_LEFT_OUT[suffix]: None})
-        os.replace(temporary, path)
-    except OSError as error:
-        raise OutputError(f"{path}: cannot write this figure ({error.strerror})") from error
-    finally:
-        temporary.unlink(missing_ok=True)
+    with replacing(path) as partial:
+        figure.savefig(partial, format=suffix, metadata={_LEFT_OUT[suffix]: None})
     return path
 
 

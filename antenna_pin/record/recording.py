@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import html
 import json
 import os
 from dataclasses import dataclass
@@ -14,7 +13,9 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from antenna_pin.assemble import build_system
-from antenna_pin.errors import InvalidParameterError, OutputError
+from antenna_pin.card import in_frame
+from antenna_pin.errors import InvalidParameterError
+from antenna_pin.files import check_writable, replacing
 from antenna_pin.record import page
 from antenna_pin.record.joint_view import joint_view
 from antenna_pin.record.key_frames import KeyFrames, impacts_of, key_frames
@@ -22,7 +23,7 @@ from antenna_pin.record.mechanism_view import mechanism_view
 from antenna_pin.record.scene import packed_doubles, packed_floats
 from antenna_pin.scenario import Scenario
 from antenna_pin.simulation.places import clearance_places
-from antenna_pin.trajectory import Counts, Outcome, Trajectory, check_writable
+from antenna_pin.trajectory import Counts, Outcome, Trajectory
 
 __all__ = ["Recording", "View", "record"]
 
@@ -67,20 +68,13 @@ class Recording:
             OutputError: It cannot be written there.
         """
         target = check_writable(path)
-        partial = target.with_name(f".{target.name}.{os.getpid()}.partial")
-        try:
+        with replacing(target) as partial:
             partial.write_text(self.html, encoding="utf-8")
-            partial.replace(target)
-        except OSError as error:
-            raise OutputError(f"{target}: cannot be written: {error.strerror or error}") from error
-        finally:
-            partial.unlink(missing_ok=True)
         return target
 
     def _repr_html_(self) -> str:
         """Show the recording in a notebook, in a frame of its own."""
-        source = html.escape(self.html, quote=True)
-        return f'<iframe srcdoc="{source}" style="width:100%;height:30rem;border:0" allowfullscreen></iframe>'
+        return in_frame(self.html, "30rem")
 
 
 def record(

@@ -11,7 +11,6 @@ import csv
 import math
 import os
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -20,11 +19,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.errors import InvalidParameterError, OutputError
+from antenna_pin.files import check_writable, replacing
 from antenna_pin.record._browser import find_browser
 from antenna_pin.record._camera import Camera, check_size, open_camera
 from antenna_pin.record._movie import check_writers, palette_of, write_gif, write_mp4
 from antenna_pin.simulation.loop import interruptible
-from antenna_pin.trajectory import check_writable
 
 if TYPE_CHECKING:
     from antenna_pin.record.recording import Recording
@@ -163,7 +162,7 @@ def save_frames(
             _write(target / names[done], png)
             done += 1
     with (
-        _replacing(target / "frames.csv") as partial,
+        replacing(target / "frames.csv") as partial,
         partial.open("w", newline="", encoding="utf-8") as file,
     ):
         rows = csv.writer(file, lineterminator="\n")
@@ -215,7 +214,7 @@ def save_video(
         if progress is not None:
             progress(number, planned)
 
-    with open_camera(recording, view) as camera, _replacing(target) as partial:
+    with open_camera(recording, view) as camera, replacing(target) as partial:
         if suffix == ".gif":
             palette = palette_of([camera.seek(t) for t in _typical(recording, times)])
             write_gif(partial, _pictures(camera, times, rate, count), palette, rate)
@@ -269,18 +268,5 @@ def _typical(recording: Recording, times: NDArray[np.float64]) -> NDArray[np.flo
 
 
 def _write(path: Path, content: bytes) -> None:
-    with _replacing(path) as partial:
+    with replacing(path) as partial:
         partial.write_bytes(content)
-
-
-@contextmanager
-def _replacing(target: Path) -> Iterator[Path]:
-    """Yield a temporary name beside a file; it becomes the file if all goes well."""
-    partial = target.with_name(f".{target.name}.{os.getpid()}.partial")
-    try:
-        yield partial
-        partial.replace(target)
-    except OSError as error:
-        raise OutputError(f"{target}: cannot be written: {error.strerror or error}") from error
-    finally:
-        partial.unlink(missing_ok=True)

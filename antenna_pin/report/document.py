@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import html
 import itertools
 import os
 from collections.abc import Iterable
@@ -15,11 +14,11 @@ from typing import Any
 import jinja2
 from markupsafe import Markup
 
-from antenna_pin.errors import OutputError
+from antenna_pin.card import in_frame
+from antenna_pin.files import check_writable, replacing
 from antenna_pin.report import contacts, motion, pointing, provenance, results, words
 from antenna_pin.report._parts import Embedded, Section
 from antenna_pin.report._runs import ReportedRun, Run, reported
-from antenna_pin.trajectory import check_writable
 
 __all__ = ["Report", "report"]
 
@@ -45,20 +44,13 @@ class Report:
             OutputError: It cannot be written there.
         """
         target = check_writable(path)
-        partial = target.with_name(f".{target.name}.{os.getpid()}.partial")
-        try:
+        with replacing(target) as partial:
             partial.write_text(self.html, encoding="utf-8")
-            partial.replace(target)
-        except OSError as error:
-            raise OutputError(f"{target}: cannot be written: {error.strerror or error}") from error
-        finally:
-            partial.unlink(missing_ok=True)
         return target
 
     def _repr_html_(self) -> str:
         """Show the report in a notebook, in a frame of its own."""
-        source = html.escape(self.html, quote=True)
-        return f'<iframe srcdoc="{source}" style="width:100%;height:40rem;border:0" allowfullscreen></iframe>'
+        return in_frame(self.html, "40rem")
 
 
 def report(
