@@ -41,6 +41,7 @@ ROOT_DEPTH = 4.0  # c
 SECANT = 5.0  # alpha, m
 SECANT_LOADING = 6.0  # 2 xi, m
 STEP = 7.0  # D, depth of full damping
+HYSTERETIC_LOADING = 8.0  # chi, in the approach only
 
 # Gauss-Legendre with 8 points, on [-1, 1].
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(8)
@@ -257,6 +258,8 @@ def damped_force(law: Any, elastic: float, depth: float, rate: float, approach_s
         force = elastic
     elif kind == PROPORTIONAL:
         force = elastic * (1.0 + law[10] * rate)
+    elif kind == HYSTERETIC_LOADING:
+        force = elastic * (1.0 + float(law[10] * max(rate, 0.0) / approach_speed))
     else:
         return _additive_force(kind, law[10], law[11], elastic, depth, rate)
     if depth > 0.0 and force < 0.0:

@@ -5,10 +5,11 @@ restitution c that solves :math:`\chi (1 + c) = \ln[(1 + \chi) / (1 - \chi c)]` 
 
 .. math:: U(\delta_{max}) = m v_0^2 \left[\frac1\chi - \frac{\ln(1 + \chi)}{\chi^2}\right]
 
-with the energy U of its elastic part, whatever that is. A damper :math:`\alpha \sqrt{m f_e / \delta}` beside
-a power law is a linear oscillator in disguise (:mod:`antenna_pin.contact.damping`): with :math:`g = \zeta
-\arccos\zeta / \sqrt{1 - \zeta^2}` it separates with :math:`e^{-2g}` where it is cut off at zero, with
-:math:`e^{-g}` where it acts in the approach only.
+with the energy U of its elastic part, whatever that is; a law that damps in the approach only goes as deep
+and gives all of U back. A damper :math:`\alpha \sqrt{m f_e / \delta}` beside a power law is a linear
+oscillator in disguise (:mod:`antenna_pin.contact.damping`): with :math:`g = \zeta \arccos\zeta / \sqrt{1 -
+\zeta^2}` it separates with :math:`e^{-2g}` where it is cut off at zero, with :math:`e^{-g}` where it acts in
+the approach only.
 
 Impacts are integrated in SciPy's DOP853, with the compiled law: of a mass on a wall, and of two free bodies.
 """
@@ -94,7 +95,7 @@ def _hysteresis(code: NDArray[np.float64], speed: float) -> float | None:
     kind, parameter = code[_kernels.DISSIPATION], float(code[_kernels.DISSIPATION_PARAMETERS])
     if kind == _kernels.CONSERVATIVE:
         return 0.0
-    if kind == _kernels.HYSTERETIC:
+    if kind in (_kernels.HYSTERETIC, _kernels.HYSTERETIC_LOADING):
         return parameter
     return parameter * speed if kind == _kernels.PROPORTIONAL else None
 
@@ -134,7 +135,8 @@ def closed_form_restitution(law: CompiledNormalLaw, *, mass: float, speed: float
     code = law.code()
     chi = _hysteresis(code, speed)
     if chi is not None:
-        return hysteresis.delivered_restitution(chi)
+        approach_only = code[_kernels.DISSIPATION] == _kernels.HYSTERETIC_LOADING
+        return hysteresis.delivered_restitution(chi, approach_only=bool(approach_only))
     zeta = _damping_ratio(code, mass)
     if zeta is None:
         return None
@@ -154,11 +156,7 @@ def closed_form_peak_depth(law: CompiledNormalLaw, *, mass: float, speed: float)
     code = law.code()
     chi = _hysteresis(code, speed)
     if chi is not None:
-        if chi < 0.05:
-            part = sum((-chi) ** k / (k + 2.0) for k in range(14))
-        else:
-            part = 1.0 / chi - math.log1p(chi) / chi**2
-        return _depth_of_energy(law, mass * speed**2 * part)
+        return _depth_of_energy(law, mass * speed**2 * hysteresis.stored_share(chi))
     zeta = _damping_ratio(code, mass)
     if zeta is None:
         return None

@@ -21,6 +21,7 @@ from antenna_pin.contact import (
     LankaraniNikravesh,
     LiuFoundation,
     MarhefkaOrinDamping,
+    PantWijeyewickremaDamping,
     Persson,
     closed_form_peak_depth,
     closed_form_restitution,
@@ -30,7 +31,7 @@ from antenna_pin.contact import (
     impact_on_wall,
     law_parameters,
 )
-from antenna_pin.contact.hysteresis import HysteresisDamping
+from antenna_pin.contact.hysteresis import HysteresisDamping, stored_share
 
 from .conftest import DIMENSIONS
 
@@ -51,6 +52,12 @@ AT_SIX_TENTHS = {
     "carvalho-martins": 1.5 * 0.4 * 10.4 / 6.4,
     "pant-wijeyewickrema": 1.5 * 0.64 / 0.36,
 }
+
+
+def delivery(cls, asked):
+    """What an impact makes of a law of this form."""
+    chi = cls(restitution=asked).hysteresis
+    return delivered_restitution(chi, approach_only=cls.approach_only)
 
 
 def test_every_factor_is_checked_below():
@@ -119,13 +126,11 @@ def test_what_docstrings_say_each_law_delivers():
     for cls in FACTORS.values():
         text = " ".join((cls.__doc__ or "").split()).replace("it delivers ", "")
         for asked, delivered in re.findall(r"[Aa]sked (0\.\d+),? (0\.\d+)", text):
-            got = delivered_restitution(cls(restitution=float(asked)).hysteresis)
+            got = delivery(cls, float(asked))
             assert got == pytest.approx(float(delivered), abs=0.51 * 10.0 ** -(len(delivered) - 2)), cls
             said += 1
         for least in re.findall(r"never less than (0\.\d+)", text):
-            assert delivered_restitution(cls(restitution=0.0).hysteresis) == pytest.approx(
-                float(least), abs=5.1e-4
-            )
+            assert delivery(cls, 0.0) == pytest.approx(float(least), abs=5.1e-4)
             said += 1
     assert said > 25
 
@@ -178,6 +183,46 @@ def test_the_closed_form_holds_for_any_elastic_law(elastic):
         assert impact.restitution == pytest.approx(asked, abs=1e-9)
         depth = closed_form_peak_depth(law, mass=0.4, speed=0.1)
         assert impact.peak_depth == pytest.approx(depth, rel=1e-9, abs=0.0)
+
+
+@pytest.mark.parametrize(
+    ("asked", "expected"), [(0.9, 0.90213), (0.7, 0.71368), (0.5, 0.52543), (0.3, 0.32813), (1.0, 1.0)]
+)
+def test_pant_and_wijeyewickrema_damp_in_the_approach_only(asked, expected):
+    """Their spring gives back all that it has stored: c^2 / 2 is the share of m v^2 stored."""
+    for elastic in (Hertz(stiffness=1e7, exponent=1.0), Johnson(**DIMENSIONS)):
+        law = DampedContact(elastic=elastic, dissipation=PantWijeyewickremaDamping(restitution=asked))
+        assert closed_form_restitution(law, mass=0.4, speed=0.1) == pytest.approx(expected, abs=6e-6)
+        wall = impact_on_wall(law, mass=0.4, speed=0.1)
+        assert wall.restitution == pytest.approx(expected, abs=6e-6)
+        share = elastic.elastic_energy(wall.peak_depth) / (0.4 * 0.1**2)
+        assert wall.restitution == pytest.approx(math.sqrt(2.0 * share), rel=1e-9, abs=0.0)
+
+
+def test_each_dissipation_acts_in_the_phases_of_its_publication():
+    """Two are published for the approach only; of all others the way back is weaker than the spring."""
+    more = {"restitution": 0.6, "effective_mass": 0.7, "damping": 30.0, "full_damping_depth": 2e-6}
+    more |= {"slope": 0.5}
+    for name, cls in DISSIPATIONS.items():
+        dissipation = cls(**{key: more[key] for key in law_parameters(cls)})
+        law = DampedContact(elastic=Hertz(stiffness=3.7e9), dissipation=dissipation)
+        elastic = law.elastic_force(3e-6)
+        inward, outward = (law.force(3e-6, rate, 0.1) for rate in (0.05, -0.01))
+        assert (inward > elastic) == (name != "none"), name
+        assert (outward < elastic) == (name not in ("none", "jankowski", "pant-wijeyewickrema")), name
+
+
+@settings(deadline=None, derandomize=True)
+@given(st.floats(1e-9, 1e3))
+def test_share_that_is_stored_is_the_integral_over_the_approach(chi):
+    """U / (m v0^2) is that of x / (1 + chi x) over x from 0 to 1."""
+    nodes, weights = np.polynomial.legendre.leggauss(20)
+    # In y = ln(1 + chi x), where it is a difference of exponentials.
+    top = math.log1p(chi)
+    y = 0.5 * top * (1.0 + nodes)
+    integral = 0.5 * top * (weights * np.expm1(y)).sum() / chi**2
+    assert stored_share(chi) == pytest.approx(integral, rel=1e-13, abs=0.0)  # round-off
+    assert delivered_restitution(chi, approach_only=True) == math.sqrt(2.0 * stored_share(chi))
 
 
 def test_marhefka_and_orin_lose_with_the_speed():
