@@ -50,7 +50,7 @@ from antenna_pin.scenario import clearance as _clearance
 from antenna_pin.scenario import drives as _drives
 from antenna_pin.scenario.laws import LawSpec
 
-__all__ = ["build_system", "effective_mass", "initial_state", "urdf_variant"]
+__all__ = ["build_system", "initial_state", "urdf_variant"]
 
 Array = NDArray[np.float64]
 
@@ -149,7 +149,7 @@ def build_system(scenario: Scenario) -> System:
     return System(
         mechanism,
         clearances=[
-            clearance_joint(scenario, name, spec, mechanism)
+            clearance_joint(scenario, name, spec)
             for name, spec in scenario.clearance.items()
             if not isinstance(spec, _clearance.IdealClearance)
         ],
@@ -198,7 +198,6 @@ def clearance_joint(
     scenario: Scenario,
     name: str,
     spec: _clearance.PlanarClearance | _clearance.ContactClearance | _clearance.SphericalClearance,
-    mechanism: Mechanism,
 ) -> ClearanceJoint:
     """Return the clearance joint of one table of a scenario.
 
@@ -206,7 +205,7 @@ def clearance_joint(
     bore (assumed: no source gives one for an edge on a plane), also where the bore has a law along a line.
     """
     journal = spec.bearing_radius - spec.radial_play
-    radial = _normal_law(scenario, name, spec, spec.radial_law, None, mechanism)
+    radial = _normal_law(scenario, name, spec, spec.radial_law, None)
     geometry: PlanarClearance | RevoluteClearance | SphericalClearance
     axial = None
     if isinstance(spec, _clearance.PlanarClearance):
@@ -222,7 +221,7 @@ def clearance_joint(
             bearing_outer_radius=spec.bearing_outer_radius,
             flange_radius=spec.flange_radius,
         )
-        axial = _normal_law(scenario, name, spec, spec.axial_law, radial, mechanism)
+        axial = _normal_law(scenario, name, spec, spec.axial_law, radial)
     return ClearanceJoint(
         name=name,
         geometry=geometry,
@@ -245,13 +244,12 @@ def _normal_law(
     spec: Any,
     law: LawSpec,
     radial: CompiledNormalLaw | None,
-    mechanism: Mechanism,
 ) -> CompiledNormalLaw:
     """Return the normal law of the bore or, with the bore's law given, that of the flanges.
 
-    What it is not given it takes from the joint. A law along a line means nothing at a flange: the common law
-    of both kinds of contact, if it is one, gives way there to another, with the same dissipation
-    (``_flange_law``).
+    What it is not given it takes from the joint, but for an effective mass, which it then takes from each
+    contact. A law along a line means nothing at a flange: the common law of both kinds of contact, if it is
+    one, gives way there to another, with the same dissipation (``_flange_law``).
     """
     place = _where(scenario, "clearance", name, "normal" if radial is None else "axial")
     declared = normal_parameters(law.law, law.dissipation)
@@ -260,9 +258,7 @@ def _normal_law(
         parameters["stiffness"] = _stiffness(
             scenario, spec, declared, parameters, radial, f"{place}.stiffness"
         )
-    if "effective_mass" in declared and "effective_mass" not in parameters:
-        parameters["effective_mass"] = effective_mass(scenario, mechanism, name, axial=radial is not None)
-    for key in [key for key, p in declared.items() if p.from_joint and key not in parameters]:
+    for key in [key for key, p in declared.items() if p.required and p.from_joint and key not in parameters]:
         parameters[key] = _from_joint(scenario, spec, key, f"{place}.{key}")
     try:
         made = make_normal_law(law.law, parameters, law.dissipation)
@@ -332,37 +328,6 @@ def _stiffness(
         return internal_hertz_stiffness(bore.bearing_radius, bore.journal_radius, bore.modulus)
     modulus = _from_joint(scenario, spec, "modulus", place)
     return internal_hertz_stiffness(spec.bearing_radius, spec.bearing_radius - spec.radial_play, modulus)
-
-
-def effective_mass(scenario: Scenario, mechanism: Mechanism, name: str, *, axial: bool = False) -> float:
-    """Return ``(n^T M^-1 n)^-1`` of a clearance joint: the mass that a contact at its centre sees [kg].
-
-    M is the mass matrix in the initial configuration, and n a direction of the journal's centre relative to
-    the bearing: the bearing's axis, or across it the mean of ``n^T M^-1 n`` over all directions (in a ball
-    joint over those of space). The mass that an impact off the centre sees is smaller, by the turn that it
-    causes.
-
-    Args:
-        scenario: It gives the initial configuration and the bearing's offset.
-        mechanism: Its variant with the joint freed.
-        name: The joint.
-        axial: Along the axis rather than across it.
-    """
-    slot = mechanism.joint(name)
-    q, _ = _initial_state(scenario, mechanism)
-    data = mechanism.model.createData()
-    upper = np.triu(pin.computeMinverse(mechanism.model, data, q))
-    inverse = upper + np.triu(upper, 1).T
-    if slot.kind == "planar":
-        block = inverse[slot.v, slot.v][:2, :2]
-        return float(2.0 / np.trace(block))
-    centre = scenario.clearance[name].offset * slot.axis
-    jacobian = np.hstack([np.eye(3), -pin.skew(centre)])
-    block = jacobian @ inverse[slot.v, slot.v] @ jacobian.T
-    if isinstance(scenario.clearance[name], _clearance.SphericalClearance):
-        return float(3.0 / np.trace(block))
-    along = float(slot.axis @ block @ slot.axis)
-    return 1.0 / along if axial else float(2.0 / (np.trace(block) - along))
 
 
 def _from_joint(scenario: Scenario, spec: Any, key: str, place: str) -> float:

@@ -56,7 +56,9 @@ def list_laws() -> None:
     for title, laws in families.items():
         rows = [(name, _first_line(law), _parameters(law)) for name, law in laws.items()]
         print_rows(title, ("name", "what it is", "parameters"), rows, justify="left")
-    typer.echo("* follows from the joint's dimensions and materials where a scenario leaves it out")
+    typer.echo(
+        "* follows from the joint where a scenario leaves it out: dimensions, materials, effective mass"
+    )
 
 
 def _parameters(law: type[Any]) -> str:

@@ -38,8 +38,8 @@ HYSTERETIC = 1.0  # chi
 PROPORTIONAL = 2.0  # chi over the approach speed
 VISCOUS = 3.0  # D
 ROOT_DEPTH = 4.0  # c
-SECANT = 5.0  # alpha, m
-SECANT_LOADING = 6.0  # 2 xi, m
+SECANT = 5.0  # alpha, m; a mass of 0 stands for that of the contact
+SECANT_LOADING = 6.0  # 2 xi, m likewise
 STEP = 7.0  # D, depth of full damping
 HYSTERETIC_LOADING = 8.0  # chi, in the approach only
 
@@ -233,7 +233,9 @@ def elastic_energy(law: Any, depth: float) -> float:
 
 
 @kernel
-def _additive_force(kind: float, a: float, b: float, elastic: float, depth: float, rate: float) -> float:
+def _additive_force(
+    kind: float, a: float, b: float, elastic: float, depth: float, rate: float, mass: float
+) -> float:
     """Elastic force and a damping that is no multiple of it [N], cut off at zero."""
     damping = 0.0
     if kind == VISCOUS:
@@ -241,7 +243,8 @@ def _additive_force(kind: float, a: float, b: float, elastic: float, depth: floa
     elif kind == ROOT_DEPTH:
         damping = a * math.sqrt(max(depth, 0.0))
     elif kind == SECANT or (kind == SECANT_LOADING and rate > 0.0):
-        damping = a * math.sqrt(b * max(elastic / depth, 0.0)) if depth != 0.0 else 0.0
+        m = b if b > 0.0 else mass
+        damping = a * math.sqrt(m * max(elastic / depth, 0.0)) if depth != 0.0 else 0.0
     elif kind == STEP:
         x = min(max(depth / b, 0.0), 1.0)
         damping = a * x * x * (3.0 - 2.0 * x)
@@ -249,8 +252,13 @@ def _additive_force(kind: float, a: float, b: float, elastic: float, depth: floa
 
 
 @inlined
-def damped_force(law: Any, elastic: float, depth: float, rate: float, approach_speed: float) -> float:
-    """Normal force on the journal [N], from its elastic part; never adhesive at positive depth."""
+def damped_force(
+    law: Any, elastic: float, depth: float, rate: float, approach_speed: float, mass: float
+) -> float:
+    """Normal force on the journal [N], from its elastic part; never adhesive at positive depth.
+
+    ``mass`` [kg], that of the contact, is for laws that depend on one and have none of their own.
+    """
     kind = law[DISSIPATION]
     if kind == HYSTERETIC:
         force = elastic * (1.0 + float(law[10] * rate / approach_speed))
@@ -261,13 +269,20 @@ def damped_force(law: Any, elastic: float, depth: float, rate: float, approach_s
     elif kind == HYSTERETIC_LOADING:
         force = elastic * (1.0 + float(law[10] * max(rate, 0.0) / approach_speed))
     else:
-        return _additive_force(kind, law[10], law[11], elastic, depth, rate)
+        return _additive_force(kind, law[10], law[11], elastic, depth, rate, mass)
     if depth > 0.0 and force < 0.0:
         return 0.0
     return force
 
 
 @kernel
-def normal_force(law: Any, depth: float, rate: float, approach_speed: float) -> float:
+def normal_force(law: Any, depth: float, rate: float, approach_speed: float, mass: float) -> float:
     """Normal force on the journal [N]; never adhesive at positive depth, continued below zero depth."""
-    return damped_force(law, elastic_force(law, depth), depth, rate, approach_speed)
+    return damped_force(law, elastic_force(law, depth), depth, rate, approach_speed, mass)
+
+
+@kernel
+def takes_mass_of_contact(law: Any) -> bool:
+    """Whether the force depends on a mass that the law does not have itself."""
+    kind = law[DISSIPATION]
+    return bool((kind == SECANT or kind == SECANT_LOADING) and law[11] == 0.0)

@@ -12,6 +12,7 @@ oscillator in disguise (:mod:`antenna_pin.contact.damping`): with :math:`g = \ze
 the approach only.
 
 Impacts are integrated in SciPy's DOP853, with the compiled law: of a mass on a wall, and of two free bodies.
+A law that leaves its effective mass to the contact takes that of the impact.
 """
 
 from __future__ import annotations
@@ -108,7 +109,8 @@ def _damping_ratio(code: NDArray[np.float64], mass: float) -> float | None:
     kind = code[_kernels.DISSIPATION]
     first, second = code[_kernels.DISSIPATION_PARAMETERS : _kernels.DISSIPATION_PARAMETERS + 2].tolist()
     if kind in (_kernels.SECANT, _kernels.SECANT_LOADING):
-        return float(first * math.sqrt(second / mass) / math.sqrt(2.0 * (exponent + 1.0)))
+        share = second / mass if second > 0.0 else 1.0  # without its own mass it takes that of the impact
+        return float(first * math.sqrt(share) / math.sqrt(2.0 * (exponent + 1.0)))
     if kind == _kernels.VISCOUS and exponent == 1.0:
         return float(first / (2.0 * math.sqrt(stiffness * mass)))
     return None
@@ -214,10 +216,10 @@ def impact_of_pair(
     return _impact(law, masses, speeds, rtol)
 
 
-def _force(law: NormalLaw) -> Callable[[float, float, float], float]:
+def _force(law: NormalLaw, mass: float) -> Callable[[float, float, float], float]:
     if isinstance(law, CompiledNormalLaw):
         code = law.code()
-        return lambda depth, rate, first: float(_kernels.normal_force(code, depth, rate, first))
+        return lambda depth, rate, first: float(_kernels.normal_force(code, depth, rate, first, mass))
     return lambda depth, rate, first: law.force(depth, rate, first) if depth > 0.0 else 0.0
 
 
@@ -230,7 +232,7 @@ def _impact(law: NormalLaw, masses: tuple[float, float], speeds: tuple[float, fl
     length = min(_depth_of_energy(law, energy), getattr(law, "depth_limit", math.inf))
     scale = length / approach  # of time; the state is in units of length and approach speed
     shares = (mass / masses[0], mass / masses[1])
-    force = _force(law)
+    force = _force(law, mass)
 
     def pressing(z: Any) -> float:
         depth, rate = (z[0] - z[2]) * length, (z[1] - z[3]) * approach
@@ -322,10 +324,9 @@ def restitution_table(
                 "restitution_table", "dissipations", f"of {', '.join(taking)}, which take a restitution", name
             )
         cls = DISSIPATIONS[name]
-        more = {"effective_mass": mass} if "effective_mass" in law_parameters(cls) else {}
         for value in asked:
             try:
-                dissipation = cls(restitution=value, **more)
+                dissipation = cls(restitution=value)
             except InvalidParameterError:
                 if value == 0.0:
                     continue

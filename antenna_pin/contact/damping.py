@@ -9,6 +9,9 @@ Three of them are linear in disguise. For :math:`f_e = K \delta^n` and :math:`c 
 \delta}` the substitution :math:`w = \delta^{(n+1)/2},\; d\tau = \delta^{(n-1)/2} dt` turns an impact into a
 damped linear oscillator of damping ratio :math:`\zeta = \alpha / \sqrt{2 (n + 1)}`. So their restitution is
 known in closed form and depends on neither speed nor stiffness (:mod:`antenna_pin.contact.certificates`).
+
+The mass m is that of the contact, which the law takes at each onset if it is given none: of two free bodies
+:math:`1/m = 1/m_1 + 1/m_2`, of a mechanism :math:`m = (n^T M^{-1} n)^{-1}` along the contact's normal.
 """
 
 from __future__ import annotations
@@ -32,7 +35,7 @@ __all__ = [
 
 EFFECTIVE_MASS = {
     "unit": "kg",
-    "doc": "m, of the two bodies at the contact: 1/m = 1/m_1 + 1/m_2; of a joint (n^T M^-1 n)^-1",
+    "doc": "m of the contact; left out: (n^T M^-1 n)^-1 at the onset of each contact, along its normal",
     "from_joint": True,
 }
 DAMPING = {"unit": "N*s/m", "doc": "D"}
@@ -62,7 +65,7 @@ def _check_impact(law: Any) -> None:
         raise InvalidParameterError(
             law, "restitution", "in (0, 1] (no finite damping of this form stops a body dead)"
         )
-    if not 0.0 < law.effective_mass < math.inf:
+    if law.effective_mass is not None and not 0.0 < law.effective_mass < math.inf:
         raise InvalidParameterError(law, "effective_mass", "positive and finite [kg]")
 
 
@@ -151,7 +154,8 @@ class TsujiDamping(Dissipation):
 
     Attributes:
         restitution: c_r, in (0, 1] [-].
-        effective_mass: m [kg]; with another mass the contact delivers another restitution.
+        effective_mass: m [kg]; None for that of the contact, taken at its onset. With another mass the
+            contact delivers another restitution.
 
     References:
         Tsuji, Tanaka and Ishida (1992), Powder Technol. 71, 239-250, who give alpha as a graph; its closed
@@ -161,7 +165,7 @@ class TsujiDamping(Dissipation):
     adds_force: ClassVar[bool] = True
 
     restitution: float = field(metadata=RESTITUTION)
-    effective_mass: float = field(metadata=EFFECTIVE_MASS)
+    effective_mass: float | None = field(default=None, metadata=EFFECTIVE_MASS)
 
     def __post_init__(self) -> None:
         """Check the parameters."""
@@ -176,7 +180,7 @@ class TsujiDamping(Dissipation):
         """Return its kind, alpha and the mass."""
         exponent = getattr(elastic, "exponent", 1.5)
         alpha = math.sqrt(2.0 * (exponent + 1.0)) * damping_ratio(self.restitution)
-        return (_kernels.SECANT, alpha, self.effective_mass)
+        return (_kernels.SECANT, alpha, self.effective_mass or 0.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -198,7 +202,8 @@ class JankowskiDamping(Dissipation):
 
     Attributes:
         restitution: c_r, in (0, 1] [-].
-        effective_mass: m [kg]; with another mass the contact delivers another restitution.
+        effective_mass: m [kg]; None for that of the contact, taken at its onset. With another mass the
+            contact delivers another restitution.
 
     References:
         Jankowski (2005), Earthq. Eng. Struct. Dyn. 34, 595-611, and (2006) 35, 517-524 for xi. Recalled, not
@@ -208,7 +213,7 @@ class JankowskiDamping(Dissipation):
     adds_force: ClassVar[bool] = True
 
     restitution: float = field(metadata=RESTITUTION)
-    effective_mass: float = field(metadata=EFFECTIVE_MASS)
+    effective_mass: float | None = field(default=None, metadata=EFFECTIVE_MASS)
 
     def __post_init__(self) -> None:
         """Check the parameters."""
@@ -227,7 +232,7 @@ class JankowskiDamping(Dissipation):
 
     def code(self, elastic: ElasticLaw) -> tuple[float, ...]:
         """Return its kind, 2 xi and the mass."""
-        return (_kernels.SECANT_LOADING, 2.0 * self.damping_ratio, self.effective_mass)
+        return (_kernels.SECANT_LOADING, 2.0 * self.damping_ratio, self.effective_mass or 0.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -84,10 +84,18 @@ class CompiledNormalLaw:
             depth: Penetration depth [m]; zero or less is free flight.
             rate: Penetration rate [m/s], positive while closing.
             approach_speed: Rate at first touch of this contact [m/s], positive.
+
+        Raises:
+            InvalidParameterError: The law leaves its effective mass to the contact, and here is none.
         """
+        code = _code_of(self)
+        if _kernels.takes_mass_of_contact(code):
+            raise InvalidParameterError(
+                self, "effective_mass", "given for a force apart from a joint, whose contacts have one"
+            )
         if depth <= 0.0:
             return 0.0
-        return float(_kernels.normal_force(_code_of(self), depth, rate, approach_speed))
+        return float(_kernels.normal_force(code, depth, rate, approach_speed, 0.0))
 
     def elastic_force(self, depth: float) -> float:
         """Return the part of the force that derives from a potential [N]."""

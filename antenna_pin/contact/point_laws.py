@@ -279,14 +279,14 @@ class Tsuji(PowerLaw):
         stiffness: K [N/m^n].
         exponent: n [-].
         restitution: c_r, the coefficient of restitution asked for [-].
-        effective_mass: m of the two bodies at the contact [kg].
+        effective_mass: m [kg]; None for that of the contact, taken at its onset.
     """
 
     dissipation: ClassVar[type[Dissipation]] = _damping.TsujiDamping
 
     stiffness: float = field(metadata=STIFFNESS)
     restitution: float = field(metadata=RESTITUTION)
-    effective_mass: float = field(metadata=_damping.EFFECTIVE_MASS)
+    effective_mass: float | None = field(default=None, metadata=_damping.EFFECTIVE_MASS)
     exponent: float = field(default=1.5, metadata=EXPONENT)
 
 
@@ -298,14 +298,14 @@ class Jankowski(PowerLaw):
         stiffness: K [N/m^n].
         exponent: n [-].
         restitution: c_r, the coefficient of restitution asked for [-].
-        effective_mass: m of the two bodies at the contact [kg].
+        effective_mass: m [kg]; None for that of the contact, taken at its onset.
     """
 
     dissipation: ClassVar[type[Dissipation]] = _damping.JankowskiDamping
 
     stiffness: float = field(metadata=STIFFNESS)
     restitution: float = field(metadata=RESTITUTION)
-    effective_mass: float = field(metadata=_damping.EFFECTIVE_MASS)
+    effective_mass: float | None = field(default=None, metadata=_damping.EFFECTIVE_MASS)
     exponent: float = field(default=1.5, metadata=EXPONENT)
 
 

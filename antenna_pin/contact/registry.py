@@ -39,10 +39,10 @@ class Parameter:
     Attributes:
         unit: Its unit, "1" for a pure number; ``N/m**exponent`` depends on the law's own exponent.
         required: Whether the law has no default for it.
-        default: The default, or None.
+        default: The default; None if there is none, or if the law then takes it from the contact.
         doc: What it is.
-        from_joint: Whether a scenario may leave it out, as it follows from the joint's dimensions and
-            materials.
+        from_joint: Whether a scenario may leave it out, as it follows from the joint: its dimensions and
+            materials, or the mass at each contact.
     """
 
     unit: str
@@ -151,7 +151,7 @@ def law_parameters(law: type[Any]) -> dict[str, Parameter]:
         found[item.name] = Parameter(
             unit=item.metadata["unit"],
             required=required,
-            default=None if required else float(item.default),  # type: ignore[arg-type]
+            default=None if required or item.default is None else float(item.default),  # type: ignore[arg-type]
             doc=item.metadata["doc"],
             from_joint=bool(item.metadata.get("from_joint", False)),
         )

@@ -251,7 +251,8 @@ def _row_forces(p: Any, law: int, approach: float, table: Any, r: int) -> None:
     friction = p[law + NORMAL_SIZE : law + LAW_SIZE]
     depth = -table[r, 0]
     elastic = elastic_force(normal, depth)
-    force = damped_force(normal, elastic, depth, table[r, RATE], approach)
+    contact_mass = 0.0  # placeholder for that at the onset, which is to come from the contact's memory
+    force = damped_force(normal, elastic, depth, table[r, RATE], approach, contact_mass)
     table[r, FORCE] = force
     table[r, ELASTIC] = elastic
     fx, fy, fz = friction_force(friction, force, table[r, SLIP], table[r, SLIP + 1], table[r, SLIP + 2])

@@ -256,17 +256,14 @@ def check_values(law: LawSpec, family: Family) -> tuple[str, str] | None:
 
     known = laws(family)
     declared = declared_parameters(law.law, known, law.dissipation)
-    stand_ins = (
-        {"effective_mass": 1.0}
-        | _STAND_INS
-        | {"journal_radius": _STAND_INS["bearing_radius"] - _STAND_IN_PLAY}
-    )
+    stand_ins = _STAND_INS | {"journal_radius": _STAND_INS["bearing_radius"] - _STAND_IN_PLAY}
     if "journal_radius" in law.parameters:
         stand_ins["bearing_radius"] = law.parameters["journal_radius"] + _STAND_IN_PLAY
     elif "bearing_radius" in law.parameters:
         radius = law.parameters["bearing_radius"]
         stand_ins["journal_radius"] = radius - min(_STAND_IN_PLAY, 0.5 * radius)
-    parameters = {name: stand_ins[name] for name, p in declared.items() if p.from_joint} | law.parameters
+    left = [name for name, p in declared.items() if p.from_joint and p.required]
+    parameters = {name: stand_ins[name] for name in left} | law.parameters
     try:
         if family == "normal":
             contact.make_normal_law(law.law, parameters, law.dissipation)

@@ -20,6 +20,7 @@ from antenna_pin.contact import (
     KuwabaraKonoDamping,
     Tsuji,
     TsujiDamping,
+    _kernels,
     closed_form_peak_depth,
     closed_form_restitution,
     exact_hysteresis,
@@ -85,6 +86,32 @@ def test_another_mass_makes_another_restitution():
     law = Tsuji(stiffness=1e9, restitution=0.8, effective_mass=1.0)
     light, right, heavy = (agree(law, mass, 0.1, 1e-7) for mass in (0.25, 1.0, 4.0))
     assert light < right < heavy
+
+
+@pytest.mark.parametrize("cls", [Tsuji, Jankowski])
+@pytest.mark.parametrize("mass", MASSES)
+def test_a_law_without_a_mass_takes_that_of_the_contact(cls, mass):
+    """In the kernel, in integrated impacts and in closed form it is the law that is given this mass."""
+    free = cls(stiffness=1e9, restitution=0.6)
+    given = cls(stiffness=1e9, restitution=0.6, effective_mass=mass)
+    for rate in (-0.05, 0.0, 0.1):
+        force = _kernels.normal_force(free.code(), 2e-6, rate, 0.1, mass)
+        assert force == given.force(2e-6, rate, 0.1)
+        # A mass of the law's own goes before that of the contact.
+        assert _kernels.normal_force(given.code(), 2e-6, rate, 0.1, 3.0 * mass) == force
+    assert agree(free, mass, 0.1, 1e-7) == agree(given, mass, 0.1, 1e-7)
+
+
+def test_a_law_without_a_mass_has_no_force_apart_from_a_contact():
+    rule = "effective_mass must be given for a force apart from a joint, whose contacts have one, got None"
+    for law in (
+        Jankowski(stiffness=1e9, restitution=0.6),
+        DampedContact(elastic=Johnson(**DIMENSIONS), dissipation=TsujiDamping(restitution=0.6)),
+    ):
+        for depth in (1e-6, 0.0):
+            with pytest.raises(ValueError, match=f"^{type(law).__name__}: {rule}$"):
+                law.force(depth, 0.1, 0.1)
+        assert law.elastic_force(1e-6) > 0.0 and law.elastic_energy(1e-6) > 0.0
 
 
 def test_jankowskis_damping_has_the_right_slope_at_full_restitution():

@@ -43,7 +43,9 @@ def test_normal_kernels_equal_their_python(normal_law, request):
     def evaluate():
         return [
             [
-                float(getattr(_kernels, name)(code, *point[: 3 if name == "normal_force" else 1]))
+                float(
+                    getattr(_kernels, name)(code, *((*point, 0.7) if name == "normal_force" else point[:1]))
+                )
                 for name in names
             ]
             for point in points
@@ -134,13 +136,13 @@ def test_persson_continues_analytically():
 def test_a_damper_does_not_pull_below_zero_depth_either():
     """Its force has ended before the contact does: there is nothing to continue."""
     law = KelvinVoigt(stiffness=1e6, damping=100.0)
-    assert _kernels.normal_force(law.code(), -1e-6, -0.1, 0.1) == 0.0
+    assert _kernels.normal_force(law.code(), -1e-6, -0.1, 0.1, 1.0) == 0.0
 
 
 def test_the_continuation_stays_below_the_surface_of_a_law():
     """The class, unlike the kernel, speaks of free flight: no force there."""
     law = Hertz(stiffness=1e9, exponent=1.0)
-    assert _kernels.normal_force(law.code(), -1e-6, 0.0, 1.0) == pytest.approx(
+    assert _kernels.normal_force(law.code(), -1e-6, 0.0, 1.0, 1.0) == pytest.approx(
         -1e3, rel=1e-15, abs=0.0
     )  # round-off
     assert law.force(-1e-6, 0.0, 1.0) == 0.0

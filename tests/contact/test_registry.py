@@ -101,7 +101,8 @@ def test_every_parameter_has_unit_and_meaning(name):
     assert set(parameters) == {f.name for f in dataclasses.fields(EVERYTHING[name])}
     for parameter in parameters.values():
         assert parameter.unit and parameter.doc
-        assert parameter.required == (parameter.default is None)
+        # An effective mass has no default, but may be left out: each contact has one.
+        assert parameter.required == (parameter.default is None and parameter.unit != "kg")
 
 
 @pytest.mark.parametrize("name", EVERYTHING)
@@ -130,6 +131,11 @@ def test_what_follows_from_the_joint_is_marked():
     assert not law_parameters(Hertz)["exponent"].from_joint
     assert all(parameter.from_joint for parameter in law_parameters(Johnson).values())
     assert not normal_parameters("johnson", "flores")["restitution"].from_joint
+    for name in ("tsuji", "jankowski"):
+        mass = law_parameters(NORMAL_LAWS[name])["effective_mass"]
+        assert mass.from_joint and not mass.required and mass.default is None
+        made = make_normal_law("johnson", {**DIMENSIONS, "restitution": 0.8}, name)
+        assert made.dissipation.effective_mass is None
 
 
 def test_laws_are_made_from_names_and_numbers():
