@@ -17,6 +17,7 @@ from antenna_pin.contact import (
     Hertz,
     LineLaw,
     Parameter,
+    annular_punch_factor,
     effective_modulus,
     internal_hertz_stiffness,
     make_normal_law,
@@ -286,15 +287,15 @@ def _flange_law(spec: _clearance.ContactClearance, bore: LineLaw) -> Hertz:
 
     Under point load it is Hertz's with the stiffness of a point contact in the bore (assumed: no source gives
     one for an edge on a plane). Under distributed load it is a sector's share of an elastic foundation, whose
-    modulus, if not given, is that of the compression of a rigid annular punch, 0.87 x 2 E* R_io over its
-    area.
+    modulus, if not given, is that of the compression of a rigid annular punch
+    (:func:`antenna_pin.contact.annular_punch_factor`) over its area.
     """
     if spec.load == "point":
         return Hertz(
             stiffness=internal_hertz_stiffness(bore.bearing_radius, bore.journal_radius, bore.modulus)
         )
     outer = min(spec.bearing_outer_radius, spec.flange_radius)
-    punch = 0.87 * 2.0 * bore.modulus * outer
+    punch = annular_punch_factor(spec.bearing_radius / outer) * 2.0 * bore.modulus * outer
     if spec.flange_modulus is not None:
         punch = spec.flange_modulus * math.pi * (outer**2 - spec.bearing_radius**2)
     return Hertz(stiffness=punch / spec.sectors, exponent=1.0)

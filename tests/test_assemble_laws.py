@@ -16,6 +16,7 @@ from antenna_pin.contact import (
     Johnson,
     LiuFoundation,
     ZhiyingQishaoDamping,
+    annular_punch_factor,
     effective_modulus,
     hertz_stiffness,
 )
@@ -96,14 +97,18 @@ def test_the_flanges_may_have_a_law_and_a_dissipation_of_their_own():
 
 
 def test_flanges_under_distributed_load_beside_a_line_law_are_a_foundation():
-    """Of the modulus given, over a sector of the annulus; or of a rigid annular punch."""
+    """Of the modulus given, over a sector of the annulus; or of a rigid annular punch, 10 mm in 12 mm."""
     line_law, load = NORMAL % "law='liu-foundation'", "clearance.elevation.load=distributed"
     given = joint(line_law, load, "clearance.elevation.flange_modulus='2e13 N/m**3'").axial.parts.elastic
     area = math.pi * (0.012**2 - 0.01**2)
     assert given.exponent == 1.0
     assert given.stiffness == pytest.approx(2e13 * area / 16, rel=1e-12)
     punch = joint(line_law, load).axial.parts.elastic
-    assert punch.stiffness * 16 == pytest.approx(0.87 * 2.0 * MODULUS * 0.012, rel=1e-12)
+    assert punch.stiffness * 16 == pytest.approx(0.8776439 * 2.0 * MODULUS * 0.012, rel=1e-7)
+    narrow = joint(line_law, load, "clearance.elevation.flange_radius='10.5 mm'").axial.parts.elastic
+    factor = annular_punch_factor(10.0 / 10.5)
+    assert 0.7 < factor < 0.75
+    assert narrow.stiffness * 16 == pytest.approx(factor * 2.0 * MODULUS * 0.0105, rel=1e-12)
 
 
 def test_limits_of_depth_name_what_rules():

@@ -117,6 +117,7 @@ from antenna_pin.contact.point_laws import (
     Ye,
     ZhiyingQishao,
 )
+from antenna_pin.contact.punch import annular_punch_factor
 from antenna_pin.contact.registry import (
     DISSIPATIONS,
     FRICTION_LAWS,
@@ -226,6 +227,7 @@ __all__ = [
     "YeDamping",
     "ZhiyingQishao",
     "ZhiyingQishaoDamping",
+    "annular_punch_factor",
     "closed_form_peak_depth",
     "closed_form_restitution",
     "compare_with_experiment",
