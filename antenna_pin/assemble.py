@@ -283,12 +283,12 @@ def _normal_law(
 
 
 def _flange_law(spec: _clearance.ContactClearance, bore: LineLaw) -> Hertz:
-    """Return the elastic law of the flanges beside a law along a line in the bore.
+    """Return the elastic law of one flange beside a law along a line in the bore.
 
     Under point load it is Hertz's with the stiffness of a point contact in the bore (assumed: no source gives
-    one for an edge on a plane). Under distributed load it is a sector's share of an elastic foundation, whose
-    modulus, if not given, is that of the compression of a rigid annular punch
-    (:func:`antenna_pin.contact.annular_punch_factor`) over its area.
+    one for an edge on a plane). Under distributed load it is that of an elastic foundation over the whole
+    annulus, of which each sector has its share; the foundation's modulus, if not given, is that of the
+    compression of a rigid annular punch (:func:`antenna_pin.contact.annular_punch_factor`) over its area.
     """
     if spec.load == "point":
         return Hertz(
@@ -298,7 +298,7 @@ def _flange_law(spec: _clearance.ContactClearance, bore: LineLaw) -> Hertz:
     punch = annular_punch_factor(spec.bearing_radius / outer) * 2.0 * bore.modulus * outer
     if spec.flange_modulus is not None:
         punch = spec.flange_modulus * math.pi * (outer**2 - spec.bearing_radius**2)
-    return Hertz(stiffness=punch / spec.sectors, exponent=1.0)
+    return Hertz(stiffness=punch, exponent=1.0)
 
 
 def _stiffness(
@@ -340,10 +340,9 @@ def _from_joint(scenario: Scenario, spec: Any, key: str, place: str) -> float:
     if key == "length":
         if spec.bearing_length is None:
             raise ScenarioError(f"{place}: is missing; give it or the joint's bearing_length")
-        # Of a line along the bearing each contact carries its part: under point load the two ends, under
-        # distributed load the strips, and in a planar joint the one contact the whole.
-        parts = spec.strips if spec.load == "distributed" else 2
-        return float(spec.bearing_length / (1 if isinstance(spec, _clearance.PlanarClearance) else parts))
+        # Of a line along the bearing each end has half, which under distributed load its strips share out; in
+        # a planar joint the one contact has the whole.
+        return float(spec.bearing_length / (1 if isinstance(spec, _clearance.PlanarClearance) else 2))
     for material in ("bearing_material", "journal_material"):
         if getattr(spec, material) is None:
             raise ScenarioError(f"{place}: is missing; give it or the joint's {material}")
