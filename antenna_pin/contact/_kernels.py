@@ -30,7 +30,7 @@ POWER = 1.0  # K, n
 LOGARITHMIC = 2.0  # F_0, d_0: d = d_0 s ln(1/s), F = F_0 s
 FOUNDATION = 3.0  # (pi/2) E* L / sqrt 2, dR
 BAI_ZHAO = 4.0  # (pi/8) E* L sqrt 2, dR, n
-PERSSON = 5.0  # 2 pi E* L dR, dR, largest tan^2(eps/2)
+PERSSON = 5.0  # 2 pi E* L dR, dR, largest tan^2(eps/2), that of an infinite load
 PIN_JOINT = 6.0  # (pi/2) E* L, R_j, R_i, dR, the share of the depth that shapes the contact
 # Dissipation kinds and their parameters, from DISSIPATION_PARAMETERS on.
 CONSERVATIVE = 0.0
@@ -43,8 +43,9 @@ SECANT_LOADING = 6.0  # 2 xi, m likewise
 STEP = 7.0  # D, depth of full damping
 HYSTERETIC_LOADING = 8.0  # chi, in the approach only
 
-# Gauss-Legendre with 8 points, on [-1, 1].
+# Gauss-Legendre with 8 and with 24 points, on [-1, 1].
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(8)
+MANY_NODES, MANY_WEIGHTS = np.polynomial.legendre.leggauss(24)
 
 
 @inlined
@@ -190,6 +191,28 @@ def _logarithmic_energy(force_0: float, depth_0: float, depth: float) -> float:
 
 
 @kernel
+def _persson_energy(factor: float, clearance: float, largest: float, root: float, depth: float) -> float:
+    """Energy of Persson's law [J], over s = tan^2(eps/2): depth = 2 dR s / (1 - s).
+
+    The force has a pole at ``root``, just beyond the range: it is taken out, r / (s - root), and integrated
+    in closed form. At small depth that would cancel, and the pole is far enough for the nodes alone.
+    """
+    end = min(depth / (2.0 * clearance + depth), largest)
+    residue = 0.0
+    if end > 0.25:
+        residue = -root * (1.0 + root) / ((1.0 - root) ** 2 * (1.0 / (1.0 + root) + 4.0 * root))
+    total = residue * math.log1p(-end / root)
+    for k in range(MANY_NODES.shape[0]):
+        s = 0.5 * end * (1.0 + MANY_NODES[k])
+        load = s * (1.0 + s) / (2.0 - math.log1p(s) - 2.0 * s * s)
+        total += 0.5 * end * MANY_WEIGHTS[k] * (load / (1.0 - s) ** 2 - residue / (s - root))
+    # Beyond the range the force stays as it is there.
+    beyond = depth - 2.0 * clearance * end / (1.0 - end) if end == largest else 0.0
+    held = end * (1.0 + end) / (2.0 - math.log1p(end) - 2.0 * end * end)
+    return factor * (2.0 * clearance * total + max(beyond, 0.0) * held)
+
+
+@kernel
 def _quadrature(kind: float, a: float, b: float, c: float, d: float, e: float, depth: float) -> float:
     """Integral of the elastic force from 0 to ``depth`` [J], where it has no closed form.
 
@@ -215,6 +238,8 @@ def _cylinder_energy(kind: float, a: float, b: float, c: float, d: float, e: flo
         return _foundation_energy(a, b, depth)
     if kind == LOGARITHMIC:
         return _logarithmic_energy(a, b, depth)
+    if kind == PERSSON:
+        return _persson_energy(a, b, c, d, depth)
     if kind == BAI_ZHAO and c == 1.0:
         # K_n L is the slope of Liu's force F, whose factor is twice K_n's: F d - integral of F.
         force = 2.0 * a * depth * math.sqrt(depth / (b + depth))

@@ -123,7 +123,8 @@ class Persson(LineLaw):
     def code(self) -> NDArray[np.float64]:
         """Return the law as flat numbers, shape (16,)."""
         factor = 2.0 * math.pi * self.modulus * self.length * self.clearance
-        return elastic_code(_kernels.PERSSON, factor, self.clearance, 0.99 * _largest_square())
+        root = _largest_square()
+        return elastic_code(_kernels.PERSSON, factor, self.clearance, 0.99 * root, root)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

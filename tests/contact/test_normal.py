@@ -21,6 +21,7 @@ from antenna_pin.contact import (
     NoDissipation,
     NormalLaw,
     Pereira,
+    Persson,
     _kernels,
 )
 
@@ -123,17 +124,35 @@ def test_elastic_force_is_smooth_within_its_range(elastic_law):
 
 
 def test_energy_is_the_integral_of_the_elastic_force(elastic_law):
-    for depth in (1e-8, 3e-6, 5e-5):
+    """Over the whole range of the law, also where its force has a pole just beyond."""
+    limit = elastic_law.depth_limit
+    shares = [limit * share for share in (1e-3, 0.1, 0.25, 0.5, 0.9, 0.98, 1.0) if math.isfinite(limit)]
+    for depth in (1e-8, 3e-6, 5e-5, *(shares or (2e-4, 1e-2))):
         # In -ln(depth), in which every law is smooth at depth zero; quad is then exact to round-off.
-        work, _ = quad(
-            lambda u, d=depth: d * math.exp(-u) * elastic_law.elastic_force(d * math.exp(-u)),
-            0.0,
-            45.0,
-            epsabs=0.0,
-            epsrel=1e-13,
-            limit=200,
-        )
+        work = 0.0
+        for ends in ((0.0, 1e-3), (1e-3, 0.05), (0.05, 1.0), (1.0, 45.0)):
+            part, _ = quad(
+                lambda u, d=depth: d * math.exp(-u) * elastic_law.elastic_force(d * math.exp(-u)),
+                *ends,
+                epsabs=1e-14 * work,
+                epsrel=1e-13,
+                limit=200,
+            )
+            work += part
         assert elastic_law.elastic_energy(depth) == pytest.approx(work, rel=1e-12, abs=0.0)
+
+
+@pytest.mark.parametrize(
+    "law", [Persson(**DIMENSIONS), Johnson(**DIMENSIONS)], ids=lambda x: type(x).__name__
+)
+def test_energy_in_the_kernel_goes_on_as_the_force_does_beyond_the_range(law):
+    """There the force is held; a trial step may get there."""
+    code, limit = law.code(), law.depth_limit
+    more = _kernels.elastic_energy(code, 1.5 * limit) - _kernels.elastic_energy(code, limit)
+    assert more == pytest.approx(0.5 * limit * _kernels.elastic_force(code, limit), rel=1e-12, abs=0.0)
+    assert _kernels.elastic_force(code, 1.5 * limit) == pytest.approx(
+        _kernels.elastic_force(code, limit), rel=1e-7
+    )
 
 
 def test_energy_grows_by_the_force(elastic_law):
