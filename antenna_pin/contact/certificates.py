@@ -229,7 +229,8 @@ def _impact(law: NormalLaw, masses: tuple[float, float], speeds: tuple[float, fl
     approach = speeds[0] - speeds[1]
     mass = 1.0 / (1.0 / masses[0] + 1.0 / masses[1])
     energy = 0.5 * mass * approach**2
-    length = min(_depth_of_energy(law, energy), getattr(law, "depth_limit", math.inf))
+    limit = getattr(law, "depth_limit", math.inf)
+    length = min(_depth_of_energy(law, energy), limit)
     scale = length / approach  # of time; the state is in units of length and approach speed
     shares = (mass / masses[0], mass / masses[1])
     force = _force(law, mass)
@@ -270,9 +271,14 @@ def _impact(law: NormalLaw, masses: tuple[float, float], speeds: tuple[float, fl
     top = float(run.t_events[0][0])
     peak = _largest(lambda t: pressing(run.sol(t)), 0.0, min(2.0 * top, end))
     restitution = float(last[3] - last[1])
+    peak_depth = float(run.y_events[0][0][0] - run.y_events[0][0][2]) * length
+    if peak_depth > limit * (1.0 + 1e-9):  # of the integration
+        raise InvalidParameterError(
+            "impact", "speed", f"lower, for the law ends at depth_limit = {limit:g} m", approach
+        )
     return Impact(
         restitution=restitution,
-        peak_depth=float(run.y_events[0][0][0] - run.y_events[0][0][2]) * length,
+        peak_depth=peak_depth,
         peak_force=peak * mass * approach / scale,
         duration=end * scale,
         dissipated=energy * (1.0 - restitution**2),

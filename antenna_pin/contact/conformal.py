@@ -105,7 +105,7 @@ class Persson(LineLaw):
     materials it is an approximation. In the plane the depth has no absolute value (it depends on
     where the bodies are held), so that it is taken from the overlap, as in Liu's law. The arc cannot pass
     :math:`2\varepsilon = 169` degrees: the load grows beyond bounds, at 10.1 times the play;
-    ``depth_limit`` lies 1 % of :math:`b^2` before it. Linear at small depth:
+    ``depth_limit`` lies 1 % of :math:`b^2` before it, and beyond that it refuses. Linear at small depth:
     :math:`f = \tfrac\pi2 E^* \delta`, and smooth through zero.
 
     References:

@@ -10,7 +10,8 @@ load per length :math:`f = F / L`, the play :math:`\Delta R = R_i - R_j` and
 They give the depth over the force; the force over the depth is the branch that begins at zero. It ends
 where the depth turns over, at :math:`\ln(\beta / f) = 1` and :math:`\delta = \alpha \beta / e`: that is
 ``depth_limit``. The stiffness grows without bound as the depth comes near it, and beyond it the law says
-nothing (the kernel holds the force). Well before, the contact patch is no longer small against the radii.
+nothing: it refuses (the kernels hold the force, for the trial steps of an integrator). Well before, the
+contact patch is no longer small against the radii.
 
 Near zero depth the force is a little less than proportional to the depth: its slope falls to zero, but as
 slowly as :math:`1 / \ln(1 / \delta)`.

@@ -86,9 +86,10 @@ class CompiledNormalLaw:
             approach_speed: Rate at first touch of this contact [m/s], positive.
 
         Raises:
-            InvalidParameterError: The law leaves its effective mass to the contact, and here is none.
+            InvalidParameterError: The depth is beyond ``depth_limit``, or the law leaves its effective mass
+                to the contact and here is none.
         """
-        code = _code_of(self)
+        code = _code_within(self, depth)
         if _kernels.takes_mass_of_contact(code):
             raise InvalidParameterError(
                 self, "effective_mass", "given for a force apart from a joint, whose contacts have one"
@@ -98,18 +99,32 @@ class CompiledNormalLaw:
         return float(_kernels.normal_force(code, depth, rate, approach_speed, 0.0))
 
     def elastic_force(self, depth: float) -> float:
-        """Return the part of the force that derives from a potential [N]."""
-        return float(_kernels.elastic_force(_code_of(self), depth)) if depth > 0.0 else 0.0
+        """Return the part of the force that derives from a potential [N], up to ``depth_limit``."""
+        code = _code_within(self, depth)
+        return float(_kernels.elastic_force(code, depth)) if depth > 0.0 else 0.0
 
     def elastic_energy(self, depth: float) -> float:
-        """Return the energy stored at ``depth`` [J]: the integral of the elastic force from 0."""
-        return float(_kernels.elastic_energy(_code_of(self), depth))
+        """Return the energy stored [J]: the integral of the elastic force from 0, up to ``depth_limit``."""
+        return float(_kernels.elastic_energy(_code_within(self, depth), depth))
 
 
 @lru_cache(maxsize=256)
-def _code_of(law: CompiledNormalLaw) -> NDArray[np.float64]:
-    """Return a law's code, composed once: a law is frozen."""
-    return law.code()
+def _code_and_limit(law: CompiledNormalLaw) -> tuple[NDArray[np.float64], float]:
+    """Return a law's code and its limit of depth, composed once: a law is frozen."""
+    return law.code(), law.depth_limit
+
+
+def _code_within(law: CompiledNormalLaw, depth: float) -> NDArray[np.float64]:
+    check_depth(law, depth)
+    return _code_and_limit(law)[0]
+
+
+def check_depth(law: CompiledNormalLaw, depth: float) -> None:
+    """Refuse a depth [m] of which the law says nothing; the kernels hold the force there."""
+    limit = _code_and_limit(law)[1]
+    if depth > limit:
+        rule = f"at most depth_limit = {limit:g} m"
+        raise InvalidParameterError(type(law.parts.elastic).__name__, "depth", rule, depth)
 
 
 class ElasticLaw(CompiledNormalLaw):

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from antenna_pin.contact import _kernels
 from antenna_pin.contact.cylinder import LineLaw
-from antenna_pin.contact.normal import elastic_code
+from antenna_pin.contact.normal import check_depth, elastic_code
 
 __all__ = ["LiuConformal", "LiuHertz", "LiuPinJoint", "LiuPinJointCorrected"]
 
@@ -91,7 +91,8 @@ class _PinJoint(LineLaw):
         return (math.sqrt(sum_of_radii * self.clearance) - self.clearance) / self._share
 
     def half_width(self, depth: float) -> float:
-        """Return the half-width a of the contact, (24), at a depth [m]."""
+        """Return the half-width a of the contact, (24), at a depth up to ``depth_limit`` [m]."""
+        check_depth(self, depth)
         s = self.clearance + self._share * depth
         sum_of_radii = self.bearing_radius + self.journal_radius
         x = 0.5 * (sum_of_radii * self.clearance / s + s)

@@ -99,6 +99,18 @@ def test_no_depth_beyond_the_range_of_a_law():
     assert closed_form_peak_depth(law, mass=1.0, speed=math.sqrt(1.98 * limit)) < law.depth_limit
 
 
+def test_an_impact_beyond_the_range_of_a_law_is_refused():
+    """It would go on with a force held; with damping the same speed stays within."""
+    law = Johnson(**DIMENSIONS)
+    speed = math.sqrt(2.2 * law.elastic_energy(law.depth_limit))
+    with pytest.raises(ValueError, match=r"^impact: speed must be lower, for the law ends at depth_limit = "):
+        impact_on_wall(law, mass=1.0, speed=speed)
+    damped = DampedContact(elastic=law, dissipation=ExactDamping(restitution=0.5))
+    impact = impact_on_wall(damped, mass=1.0, speed=speed)
+    assert impact.restitution == pytest.approx(0.5, abs=1e-9)
+    assert 0.5 * law.depth_limit < impact.peak_depth < law.depth_limit
+
+
 def test_table_of_what_the_laws_deliver():
     """Closed form against both integrations, for every dissipation that takes a restitution: to 1e-6."""
     asked = (0.05, 0.3, 0.9, 1.0)

@@ -81,11 +81,11 @@ def test_a_contact_never_pulls(depth, rate, approach_speed, restitution, exponen
         LiuFoundation(**DIMENSIONS),
     ):
         law = DampedContact(elastic=elastic, dissipation=damping)
-        assert law.force(depth, rate, approach_speed) >= 0.0
+        assert law.force(min(depth, law.depth_limit), rate, approach_speed) >= 0.0
 
 
 def test_never_adhesive(normal_law):
-    for depth in (*DEPTHS, 1e-3, 1e-1):
+    for depth in (*DEPTHS, min(1e-3, normal_law.depth_limit), min(1e-1, normal_law.depth_limit)):
         for rate in (-1e3, -1.0, -0.1, 0.0, 0.1):
             force = normal_law.force(depth, rate, 0.1)
             assert math.isfinite(force) and force >= 0.0
@@ -153,6 +153,27 @@ def test_energy_in_the_kernel_goes_on_as_the_force_does_beyond_the_range(law):
     assert _kernels.elastic_force(code, 1.5 * limit) == pytest.approx(
         _kernels.elastic_force(code, limit), rel=1e-7
     )
+
+
+def test_a_law_refuses_a_depth_beyond_its_range(any_normal_law):
+    """Up to the limit itself it speaks, beyond it says so; the kernels go on for trial steps."""
+    limit = any_normal_law.depth_limit
+    if math.isinf(limit):
+        limit = 0.5
+        assert any_normal_law.elastic_force(2.0 * limit) > any_normal_law.elastic_force(limit) > 0.0
+        return
+    name = type(any_normal_law.parts.elastic).__name__
+    beyond = math.nextafter(limit, 1.0)
+    message = f"^{name}: depth must be at most depth_limit = {re.escape(f'{limit:g}')} m, got {beyond!r}$"
+    for law in (any_normal_law, DampedContact(elastic=any_normal_law, dissipation=NoDissipation())):
+        assert law.force(limit, 0.0, 0.1) == law.elastic_force(limit) > 0.0
+        assert law.elastic_energy(limit) > 0.0
+        for call in (lambda law=law: law.force(beyond, 0.0, 0.1), lambda law=law: law.elastic_force(beyond)):
+            with pytest.raises(ValueError, match=message):
+                call()
+        with pytest.raises(ValueError, match=message):
+            law.elastic_energy(beyond)
+    assert _kernels.elastic_force(any_normal_law.code(), beyond) > 0.0
 
 
 def test_energy_grows_by_the_force(elastic_law):

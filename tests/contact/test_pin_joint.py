@@ -113,6 +113,8 @@ def test_the_contact_is_as_wide_as_the_pin_at_the_limit(cls):
     law = cls(length=0.02, modulus=MODULUS, journal_radius=5e-3, bearing_radius=5.094e-3)
     assert law.half_width(law.depth_limit) == pytest.approx(5e-3, rel=1e-12)
     assert law.half_width(0.5 * law.depth_limit) < 5e-3
+    with pytest.raises(ValueError, match="depth must be at most depth_limit"):
+        law.half_width(1.01 * law.depth_limit)
 
 
 def test_half_the_depth_makes_the_contact_narrower_and_the_joint_softer():
