@@ -65,8 +65,9 @@ class BaiZhaoElastic(LineLaw):
         exponent: n, 1 or 1.5 [-].
 
     References:
-        Bai and Zhao (2013), J. Mech. 29(1) and Int. J. Non-Linear Mech. 48, 27-36. Formula recalled, not
-        checked against the papers; that K_n is Liu's tangent stiffness is checked in the tests.
+        Bai and Zhao (2012), Int. J. Mech. Sci. 54, 190-205, and (2013), Int. J. Non-Linear Mech. 48, 15-36.
+        Formula recalled, not checked against the papers; that K_n is Liu's tangent stiffness is checked in
+        the tests.
     """
 
     exponent: float = field(default=1.0, metadata=BAI_ZHAO_EXPONENT)

@@ -386,8 +386,7 @@ class BengisuAkay(CompiledFrictionLaw):
         decay: xi, how fast friction falls [s/m].
 
     References:
-        Bengisu and Akay (1994), J. Vib. Acoust. 116, 1-10, and (1999), J. Acoust. Soc. Am. 105, 194-205.
-        Recalled, not checked against the papers.
+        Bengisu and Akay (1994), J. Sound Vib. 171(4), 557-570. Recalled, not checked against the paper.
     """
 
     static: float = field(metadata={"unit": "1", "doc": "mu_s, at static_speed; at least dynamic"})

@@ -343,7 +343,7 @@ class GharibHurmuzluDamping(HysteresisDamping):
     It delivers 0.594 where 1 is asked for, 0.282 where 0.3; at 0.2 and below it is within 0.003.
 
     References:
-        Gharib and Hurmuzlu (2012), J. Appl. Mech. 79(3), 031008. Recalled, not checked against the paper; it
+        Gharib and Hurmuzlu (2012), J. Appl. Mech. 79(6), 064506. Recalled, not checked against the paper; it
         is the limit of the exact relation for c_r -> 0.
     """
 
@@ -363,8 +363,8 @@ class HuGuoDamping(HysteresisDamping):
     it.
 
     References:
-        Hu and Guo (2015), Int. J. Solids Struct. 56-57, 61-67 and Mech. Mach. Theory. Recalled, not checked
-        against the paper; it has the slope of the exact relation at c_r = 1.
+        Hu and Guo (2015), Multibody Syst. Dyn. 35, 131-151. Recalled, not checked against the paper; it has
+        the slope of the exact relation at c_r = 1.
     """
 
     positive_restitution: ClassVar[bool] = True
@@ -383,8 +383,8 @@ class CarvalhoMartinsDamping(HysteresisDamping):
     it delivers 0.061.
 
     References:
-        Carvalho and Martins (2019), Mech. Mach. Theory 137; the formula as a public multibody code (Exudyn)
-        has it.
+        Carvalho and Martins (2019), Mech. Mach. Theory 139, 174-194; the formula as a public multibody code
+        (Exudyn) has it.
     """
 
     @property

@@ -347,8 +347,8 @@ class BaiZhao(CompiledNormalLaw):
         exponent: n, 1 or 1.5 [-].
 
     References:
-        Bai and Zhao (2013), J. Mech. 29(1) and Int. J. Non-Linear Mech. 48, 27-36. Recalled, not checked
-        against the papers.
+        Bai and Zhao (2012), Int. J. Mech. Sci. 54, 190-205, and (2013), Int. J. Non-Linear Mech. 48, 15-36.
+        Recalled, not checked against the papers.
     """
 
     length: float = field(metadata=_cylinder.LENGTH)
