@@ -32,7 +32,14 @@ from typer.testing import CliRunner
 
 from antenna_pin import load_scenario, simulate
 from antenna_pin.cli import app
-from antenna_pin.contact import FRICTION_LAWS, NORMAL_LAWS, law_parameters
+from antenna_pin.contact import (
+    DISSIPATIONS,
+    FRICTION_LAWS,
+    NORMAL_LAWS,
+    Parameter,
+    is_elastic,
+    law_parameters,
+)
 from antenna_pin.scenario import (
     ClearanceSpec,
     ConstantDrive,
@@ -306,15 +313,38 @@ def section(title: str, lines: list[str], note: str = "") -> str:
     return "\n".join([f"**{title}**{note}", "", *head, *lines, ""])
 
 
-def law_section(title: str, laws: Any, note: str) -> str:
-    lines = []
+def law_default(name: str, parameters: dict[str, Parameter]) -> str:
+    """Return the default of a law's parameter, or where it comes from if a file leaves it out."""
+    parameter = parameters[name]
+    if parameter.default is not None:
+        return f"{parameter.default:g}"
+    if not parameter.from_joint:
+        return "required"
+    if name == "stiffness":
+        given = "from materials and radii"
+        return given if parameters["exponent"].default == 1.5 else f"required; {given} if exponent is 1.5"
+    return {"modulus": "from materials", "effective_mass": "from the contact"}.get(name, "from the joint")
+
+
+def normal_law_keys() -> list[str]:
+    """Return the rows of the keys that a normal law has beside its parameters."""
+    names = ", ".join(f"`{name}`" for name in DISSIPATIONS)
+    elastic = ", ".join(f"`{name}`" for name in NORMAL_LAWS if is_elastic(name))
+    return [
+        "| any | `law` | a name below | required | Name of the law |",
+        f"| {elastic} | `dissipation` | {names} | `none` | What dissipates beside an elastic law. Its"
+        " parameters stand in the same table; they are those of the law of its name below, but for stiffness"
+        " and exponent |",
+    ]
+
+
+def law_section(title: str, laws: Any, note: str, keys: list[str]) -> str:
+    lines = list(keys)
     for law, cls in laws.items():
         parameters = law_parameters(cls)
         for name, parameter in parameters.items():
-            default = f"{parameter.default:g}" if parameter.default is not None else "required"
-            if name == "stiffness":
-                default = "from materials and radii"
             unit = "-" if parameter.unit == "1" else parameter.unit.replace("**", "^")
+            default = law_default(name, parameters)
             lines.append(f"| `{law}` | `{name}` | {unit} | {default} | {parameter.doc} |")
         if not parameters:
             lines.append(f"| `{law}` | | | | |")
@@ -398,9 +428,15 @@ def scenario_table() -> str:
             "[clearance.JOINT.normal]",
             NORMAL_LAWS,
             ": the law of all its contacts; `[clearance.JOINT.radial]` and `[clearance.JOINT.axial]` change"
-            " `law` or parameters for the bore or the flanges",
+            " `law`, `dissipation` or parameters for the bore or the flanges",
+            normal_law_keys(),
         ),
-        law_section("[clearance.JOINT.friction]", FRICTION_LAWS, ": `none` if left out"),
+        law_section(
+            "[clearance.JOINT.friction]",
+            FRICTION_LAWS,
+            ": `none` if left out",
+            ["| any | `law` | a name below | required | Name of the law |"],
+        ),
         section("[drives.NAME]", drives),
         section("[springs.NAME]", springs),
         section("[initial.joints.JOINT]", joints, ": zero where nothing is said"),
@@ -424,6 +460,17 @@ def scenario_table() -> str:
         ),
     ]
     return "\n".join(parts)
+
+
+def test_what_the_table_calls_required_cannot_be_left_out():
+    """And what it says comes from elsewhere can: of every law, in a joint that has all else."""
+    from antenna_pin.scenario.laws import law_spec, laws, missing_parameters
+
+    for family, registry in (("normal", NORMAL_LAWS), ("friction", FRICTION_LAWS)):
+        for law, cls in registry.items():
+            parameters = law_parameters(cls)
+            required = [name for name in parameters if law_default(name, parameters) == "required"]
+            assert missing_parameters(law_spec(law, {}), laws(family)) == required, law
 
 
 def test_the_table_misses_no_part_of_a_scenario():

@@ -42,8 +42,7 @@ class LawSpec(Spec):
     Attributes:
         law: Name in ``contact.NORMAL_LAWS`` or ``contact.FRICTION_LAWS``.
         dissipation: Name in ``contact.DISSIPATIONS``, of an elastic normal law.
-        parameters: The parameters given, in SI units; what follows from the joint's dimensions and materials
-            may be missing.
+        parameters: The parameters given, in SI units; what follows from the joint may be missing.
     """
 
     law: str
