@@ -160,7 +160,7 @@ def chart_rate(layout: Any, u: Any, ru: int, y: Any, ry: int, out: Any, r: int) 
 # Rows of the work array behind the stages' rates.
 U = 0  # chart coordinates of the state being evaluated
 START = 1  # the state at the start of the step
-TOTAL = 2  # scratch
+TOTAL = 2  # scratch; the components' magnitudes at the end of a step
 STATE = 3  # the state being evaluated
 RATES = 4  # its derivative
 EXTRA_ROWS = 5
@@ -208,16 +208,55 @@ def stage(i: int, h: float, weights: Any, layout: Any, work: Any, keep: bool) ->
     retract(layout, work, stages + START, work, total, work, stages + STATE)
 
 
+@inlined
+def _length(rows: Any, r: int, k: int, n: int) -> float:
+    """Length of the n numbers of row r from k on."""
+    if n == 1:
+        return abs(float(rows[r, k]))
+    square = 0.0
+    for i in range(k, k + n):
+        square += rows[r, i] * rows[r, i]
+    return math.sqrt(square)
+
+
+@kernel
+def magnitudes(layout: Any, stages: int, work: Any) -> None:
+    """Write into TOTAL the size of each component of [u, v, x] that its error is measured against.
+
+    Of a translation in space or in a plane that is the length of the vector: an error weighs the same
+    whichever way the axes lie. Of u it is that of the step, of v and x the larger of its two ends'.
+    """
+    nq, nv, nx = layout[0], layout[1], layout[2]
+    total = stages + TOTAL
+    for b in range(4, 4 + 4 * layout[3], 4):
+        kind = layout[b]
+        j = layout[b + 2]
+        linear = 3 if kind == RIGID else 2 if kind == PLANE else 0
+        k = j
+        while k < j + layout[b + 3]:
+            n = linear if k == j and linear > 0 else 1
+            position = _length(work, stages + U, k, n)
+            velocity = max(_length(work, stages + START, nq + k, n), _length(work, stages + STATE, nq + k, n))
+            for i in range(k, k + n):
+                work[total, i] = position
+                work[total, nv + i] = velocity
+            k += n
+    for k in range(nv + nv, nv + nv + nx):
+        i = nq - nv + k
+        work[total, k] = max(abs(work[stages + START, i]), abs(work[stages + STATE, i]))
+
+
 @kernel
 def finish(i: int, h: float, errors: Any, layout: Any, work: Any, scales: Any, rtol: float) -> float:
     """Store the derivative of the last stage i; return the scaled error of the step (1 is the tolerance).
 
     ``errors`` holds one row of weights, or two (Dormand-Prince 8(5,3), combined after Hairer). The error of a
-    component counts against rtol (scale + |value|); components of infinite scale do not count.
+    component counts against rtol (scale + magnitude); components of infinite scale do not count.
     """
-    nq, nv, nx = layout[0], layout[1], layout[2]
+    nv, nx = layout[1], layout[2]
     stages = errors.shape[1]
     store(i, stages, layout, work)
+    magnitudes(layout, stages, work)
     sum_first = 0.0
     sum_second = 0.0
     count = 0
@@ -225,11 +264,7 @@ def finish(i: int, h: float, errors: Any, layout: Any, work: Any, scales: Any, r
         scale = scales[k]
         if scale == math.inf:
             continue
-        if k < nv:
-            value = abs(work[stages + U, k])
-        else:
-            value = max(abs(work[stages + START, nq - nv + k]), abs(work[stages + STATE, nq - nv + k]))
-        bound = rtol * (scale + value)
+        bound = rtol * (scale + work[stages + TOTAL, k])
         first = 0.0
         for j in range(i + 1):
             first += errors[0, j] * work[j, k]
