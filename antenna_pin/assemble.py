@@ -51,7 +51,7 @@ from antenna_pin.scenario import clearance as _clearance
 from antenna_pin.scenario import drives as _drives
 from antenna_pin.scenario.laws import LawSpec
 
-__all__ = ["build_system", "initial_state", "urdf_variant"]
+__all__ = ["build_system", "initial_angles", "initial_state", "urdf_variant"]
 
 Array = NDArray[np.float64]
 
@@ -157,7 +157,11 @@ def build_system(scenario: Scenario) -> System:
         drives={name: _drive(spec) for name, spec in scenario.drives.items()},
         springs={
             name: JointSpring(
-                joint=spec.joint, stiffness=spec.stiffness, damping=spec.damping, rest_angle=spec.rest_angle
+                joint=spec.joint,
+                stiffness=spec.stiffness,
+                damping=spec.damping,
+                rest_angle=spec.rest_angle,
+                shorter_way=spec.shorter_way,
             )
             for name, spec in scenario.springs.items()
         },
@@ -356,6 +360,18 @@ def initial_state(scenario: Scenario, system: System) -> tuple[Array, Array]:
     return _initial_state(scenario, system.mechanism)
 
 
+def initial_angles(scenario: Scenario, system: System) -> dict[str, float]:
+    """Return the initial angles of the joints that turn without end, with their whole turns [rad]."""
+    known = {name: _angle(spec) for name, spec in scenario.initial.joints.items()}
+    return {name: known.get(name, 0.0) for name in system.turn_x}
+
+
+def _angle(spec: Any) -> float:
+    """Return the angle or position of a joint's initial state, by whichever of its names [rad] or [m]."""
+    given = spec.angle if spec.angle is not None else spec.position
+    return float(given or 0.0)
+
+
 def _initial_state(scenario: Scenario, mechanism: Mechanism) -> tuple[Array, Array]:
     q, v = pin.neutral(mechanism.model), np.zeros(mechanism.model.nv)
     initial = scenario.initial
@@ -378,7 +394,7 @@ def _initial_state(scenario: Scenario, mechanism: Mechanism) -> tuple[Array, Arr
                     f"{_where(scenario, 'initial.joints', name, key)}: must be zero or left out at a joint "
                     f"without play, got {given}"
                 )
-        angle = spec.position if spec.position is not None else spec.angle or 0.0
+        angle = _angle(spec)
         rate = spec.velocity if spec.velocity is not None else spec.rate or 0.0
         q[slot.q] = (np.cos(angle), np.sin(angle)) if slot.kind == "continuous" else angle
         v[slot.v] = rate
@@ -389,7 +405,7 @@ def _place_journal(
     scenario: Scenario, mechanism: Mechanism, slot: JointSlot, spec: Any, q: Array, v: Array
 ) -> None:
     """Write the pose and twist of a journal in its bearing, given in bearing axes, into q and v."""
-    angle = spec.angle if spec.angle is not None else spec.position or 0.0
+    angle = _angle(spec)
     rate = spec.rate if spec.rate is not None else spec.velocity or 0.0
     position = np.array(spec.journal_position or (0.0, 0.0, 0.0))
     tilt = np.array(spec.journal_tilt or (0.0, 0.0, 0.0))

@@ -48,6 +48,12 @@ class Outcome(Enum):
     STEP_TOO_SMALL = (
         "the step fell below its floor; soften the contact, loosen rtol or lower integrator.min_step"
     )
+    NO_PROGRESS = (
+        "the run makes no way; a force that jumps, a law or a drive far too stiff, or a start deep in contact "
+        "does that: look at the last samples, loosen rtol, or raise integrator.max_expected_steps"
+    )
+    STEP_LIMIT = "made as many steps as integrator.max_steps allows; what was computed is kept"
+    TIME_LIMIT = "took as long as integrator.max_wall_time allows; what was computed is kept"
     NOT_FINITE = "the state stopped being finite; look at the drives and stiffnesses, or tighten the step"
     OUT_OF_LAW_RANGE = (
         "a contact left the range of its law; choose a law that reaches deeper, or lower the load"

@@ -105,7 +105,7 @@ def test_initial_state_of_a_journal_is_what_was_asked_in_bearing_axes():
     assert pose[3:6] == pytest.approx(tilt[:, 2], abs=1e-15)
     assert pose[15:18] == pytest.approx([1e-3, 2e-3, -3e-3], abs=1e-16)
     assert pose[18:21] == pytest.approx([0.01, -0.02, 0.3], abs=1e-15)
-    angle, _, _ = joint_kernels.motion_angle(system.program, block, q)
+    angle, _, _ = joint_kernels.wrapped_angle(system.program, block, q)
     # Swing-twist: the tilt about a transverse axis adds no twist to a turn about the axis.
     assert angle == pytest.approx(0.7, abs=1e-12)
 

@@ -81,8 +81,13 @@ def _value(column: int, theta: float, c: int, context: Any) -> float:
 
 
 @kernel
-def _root(column: int, c: int, low: float, high: float, f_low: float, f_high: float, context: Any) -> float:
-    """Root of a column between two fractions of opposite signs: bisection with regula falsi (Illinois)."""
+def _root(
+    column: int, c: int, low: float, high: float, f_low: float, f_high: float, level: float, context: Any
+) -> float:
+    """Where a column is at a level, between two fractions: bisection with regula falsi (Illinois).
+
+    ``f_low`` and ``f_high`` are the column less the level there, of opposite signs.
+    """
     side = 0
     a, b, fa, fb = low, high, f_low, f_high
     for _ in range(100):
@@ -93,7 +98,7 @@ def _root(column: int, c: int, low: float, high: float, f_low: float, f_high: fl
             m = 0.5 * (a + b)
             if not a < m < b:
                 break
-        fm = _value(column, m, c, context)
+        fm = _value(column, m, c, context) - level
         if fm == 0.0:
             return m
         if (fm > 0.0) == (fb > 0.0):
@@ -110,28 +115,31 @@ def _root(column: int, c: int, low: float, high: float, f_low: float, f_high: fl
 
 
 @kernel
-def _crossing(c: int, sign: float, nodes: Any, context: Any) -> float:
-    """First fraction at which contact c changes, or 2. sign = 1: touching, -1: apart.
+def _crossing(c: int, sign: float, level: float, nodes: Any, context: Any) -> float:
+    """First fraction at which the gap of contact c passes a level, or 2. sign = 1: upwards, -1: downwards.
 
-    f = sign * gap is negative (or zero, at the start) while nothing changes; f' has the sign of -sign * depth
-    rate.
+    f = sign * (gap - level) is negative (or zero, at the start) before; f' has the sign of -sign * depth rate.
     """
     for k in range(NODES):
         a = k / NODES
         b = (k + 1) / NODES
-        fa = sign * nodes[0, k, c]
-        fb = sign * nodes[0, k + 1, c]
-        da = -sign * nodes[1, k, c]
-        db = -sign * nodes[1, k + 1, c]
+        ga = nodes[0, k, c] - level
+        gb = nodes[0, k + 1, c] - level
+        ra = nodes[1, k, c]
+        rb = nodes[1, k + 1, c]
+        fa = sign * ga
+        fb = sign * gb
+        da = -sign * ra
+        db = -sign * rb
         if fb > 0.0:
             if fa < 0.0:
-                return _root(0, c, a, b, nodes[0, k, c], nodes[0, k + 1, c], context)
+                return _root(0, c, a, b, ga, gb, level, context)
             # At the start, on the surface to round-off: does it dip to the right side first?
             if da < 0.0 < db:
-                m = _root(joint.RATE, c, a, b, nodes[1, k, c], nodes[1, k + 1, c], context)
-                gap = _value(0, m, c, context)
+                m = _root(joint.RATE, c, a, b, ra, rb, 0.0, context)
+                gap = _value(0, m, c, context) - level
                 if sign * gap < 0.0:
-                    return _root(0, c, m, b, gap, nodes[0, k + 1, c], context)
+                    return _root(0, c, m, b, gap, gb, level, context)
             return a
         if da > 0.0 > db:
             # It may rise above zero in between; below the crossing of its end tangents it cannot be.
@@ -142,10 +150,10 @@ def _crossing(c: int, sign: float, nodes: Any, context: Any) -> float:
             s = (fb - fa - db * w) / (da - db)
             if fa + 2.0 * da * s <= 0.0:  # twice the rise of the tangent: room for a changing curvature
                 continue
-            m = _root(joint.RATE, c, a, b, nodes[1, k, c], nodes[1, k + 1, c], context)
-            gap = _value(0, m, c, context)
+            m = _root(joint.RATE, c, a, b, ra, rb, 0.0, context)
+            gap = _value(0, m, c, context) - level
             if sign * gap > 0.0:
-                return _root(0, c, a, m, nodes[0, k, c], gap, context)
+                return _root(0, c, a, m, ga, gap, level, context)
     return 2.0
 
 
@@ -209,7 +217,14 @@ def track_peaks(t: float, nodes: Any, record: Any, context: Any) -> None:
         for k in range(NODES):
             if nodes[1, k, c] > 0.0 > nodes[1, k + 1, c]:
                 m = _root(
-                    joint.RATE, c, k / NODES, (k + 1) / NODES, nodes[1, k, c], nodes[1, k + 1, c], context
+                    joint.RATE,
+                    c,
+                    k / NODES,
+                    (k + 1) / NODES,
+                    nodes[1, k, c],
+                    nodes[1, k + 1, c],
+                    0.0,
+                    context,
                 )
                 depth = -_value(0, m, c, context)
                 if depth > record[c, PEAK_DEPTH]:
@@ -219,11 +234,11 @@ def track_peaks(t: float, nodes: Any, record: Any, context: Any) -> None:
 @kernel
 def inspect_step(
     t: float, nodes: Any, ignore: Any, limits: Any, record: Any, context: Any
-) -> tuple[int, float, int]:
-    """Return the contact that changes first within the step and the fraction of the step, or -1 and 2.
+) -> tuple[int, float, bool]:
+    """Return what happens first within the step: which contact, at what fraction, and whether it is too deep.
 
-    Where none changes the step will be accepted: then the peaks are tracked too, and the third value is the
-    contact that ends deeper than its limit, or -1.
+    Else than too deep, past its limit, it changes: touches or parts. Where nothing happens, -1 and 2, the step
+    will be accepted: then the peaks are tracked too.
 
     A contact marked 2 in ``ignore`` has changed twice at the start already: a third change there is not
     believed.
@@ -232,14 +247,20 @@ def inspect_step(
     memory = context[5]
     first = -1
     when = 2.0
-    deep = -1
+    deep = False
     for c in range(memory.shape[0]):
-        theta = _crossing(c, 1.0 if memory[c, 0] != 0.0 else -1.0, nodes, context)
+        touching = memory[c, 0] != 0.0
+        theta = _crossing(c, 1.0 if touching else -1.0, 0.0, nodes, context)
         if theta < when and not (ignore[c] == 2 and theta == 0.0):
             first = c
             when = theta
-        if -nodes[0, NODES, c] > limits[c]:
-            deep = c
+            deep = False
+        if touching:
+            theta = _crossing(c, -1.0, -limits[c], nodes, context)
+            if theta < when:
+                first = c
+                when = theta
+                deep = True
     if first < 0:
         track_peaks(t, nodes, record, context)
     return first, when, deep

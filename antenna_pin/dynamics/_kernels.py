@@ -5,7 +5,11 @@ contacts, 0]. A block is a clearance joint (layout in :mod:`antenna_pin.joints._
 spring. Drives and springs::
 
     [kind, length, joint kind, start in q, start in v, start in x, block of the clearance joint or -1,
-     acts about the journal's axis (0 or 1), parameters...]
+     acts about the journal's axis (0 or 1), place of the turned angle in x or -1, parameters...]
+
+A configuration knows an angle only but for whole turns. Joints that turn without end (continuous ones and
+those with play) have their *turned angle*, with all its turns, in x: the angle at the last accepted state, to
+which every angle of the step from there is the nearest (:func:`antenna_pin.joints._kernels.unwrapped`).
 """
 
 from __future__ import annotations
@@ -20,9 +24,12 @@ from antenna_pin.joints import _kernels as joint
 from antenna_pin.joints._kernels import (
     DISTRIBUTED,
     LAST_KIND,
+    MEMORY_WIDTH,
     PLANAR,
     clearance_joint,
     motion_angle,
+    unwrapped,
+    wrapped_angle,
 )
 
 HEADER = 4
@@ -43,7 +50,8 @@ START_V = 4
 START_X = 5
 CLEARANCE_BLOCK = 6
 ABOUT_JOURNAL = 7
-PARAMETERS = 8
+TURN = 8
+PARAMETERS = 9
 
 
 @inlined
@@ -78,10 +86,11 @@ def joint_motion(p: Any, b: int, y: Any, nq: int) -> tuple[float, float, float, 
     kind = p[b + JOINT_KIND]
     if kind == ONE_DOF:
         return y[i], y[j], 0.0, 0.0
+    x0 = nq + int(p[1])
     if kind == CIRCLE:
-        return math.atan2(y[i + 1], y[i]), y[j], 0.0, 0.0
+        return unwrapped(math.atan2(y[i + 1], y[i]), y[x0 + int(p[b + TURN])]), y[j], 0.0, 0.0
     c = int(p[b + CLEARANCE_BLOCK])
-    angle, gx, gy = motion_angle(p, c, y)
+    angle, gx, gy = motion_angle(p, c, y, x0)
     if p[c] == PLANAR:
         return angle, y[j + 2], 0.0, 0.0
     a = c + joint.AXES
@@ -133,11 +142,11 @@ def _drive(p: Any, b: int, t: float, y: Any, nq: int, nv: int, tau: Any, rates: 
 
 @kernel
 def spring_deflection(p: Any, b: int, angle: float) -> float:
-    """Angle of a spring block's joint from rest; on a circle the shorter way round."""
-    if p[b + JOINT_KIND] == ONE_DOF:
-        return float(angle - p[b + PARAMETERS + 2])
-    turned = angle - p[b + PARAMETERS + 2]
-    return math.atan2(math.sin(turned), math.cos(turned))
+    """Angle of a spring block's joint from rest; the shorter way round if it asks for that."""
+    turned = float(angle - p[b + PARAMETERS + 2])
+    if p[b + PARAMETERS + 3] != 0.0:
+        return unwrapped(turned, 0.0)
+    return turned
 
 
 @kernel
@@ -163,8 +172,8 @@ def _spring(p: Any, b: int, y: Any, nq: int, nv: int, tau: Any, rates: Any) -> N
 def evaluate(t: float, y: Any, program: Any, work: Any, rates: Any) -> None:
     """Write the generalized force of all elements into work, and the rates of x behind rates[nv].
 
-    ``work`` is [generalized force (nv), pose, memory (contacts x 2), table (contacts x TABLE_WIDTH)] in one
-    array, because each argument costs a part of what is computed.
+    ``work`` is [generalized force (nv), pose, memory (contacts x MEMORY_WIDTH), table (rows x TABLE_WIDTH)] in
+    one array, because each argument costs a part of what is computed.
     """
     nq = int(program[0])
     nv = int(program[1])
@@ -172,8 +181,8 @@ def evaluate(t: float, y: Any, program: Any, work: Any, rates: Any) -> None:
     tau = work[:nv]
     first = nv + joint.POSE_BUFFER
     pose = work[nv:first]
-    second = first + 2 * contacts
-    memory = work[first:second].reshape(contacts, 2)
+    second = first + MEMORY_WIDTH * contacts
+    memory = work[first:second].reshape(contacts, MEMORY_WIDTH)
     rows = int(program[3])
     table = work[second : second + rows * TABLE_WIDTH].reshape(rows, TABLE_WIDTH)
     for k in range(nv):
@@ -217,3 +226,31 @@ def stored_energy(y: Any, program: Any, memory: Any, table: Any) -> tuple[float,
             springs += 0.5 * program[b + PARAMETERS] * turned * turned
         b += int(program[b + 1])
     return contacts, springs
+
+
+@kernel
+def turn_on(program: Any, turns: Any, y: Any) -> float:
+    """Bring the turned angles in a state's x up to its configuration; return the fastest turning rate [rad/s].
+
+    ``turns`` has a row per angle: place in x, block of the joint with play or -1, start in q, start in v.
+    """
+    nq = int(program[0])
+    x0 = nq + int(program[1])
+    fastest = 0.0
+    for k in range(turns.shape[0]):
+        at = x0 + turns[k, 0]
+        block = turns[k, 1]
+        j = nq + turns[k, 3]
+        if block < 0:
+            i = turns[k, 2]
+            angle = math.atan2(y[i + 1], y[i])
+            rate = abs(y[j])
+        else:
+            angle, _, _ = wrapped_angle(program, block, y)
+            if program[block] == PLANAR:
+                rate = abs(y[j + 2])
+            else:
+                rate = math.sqrt(y[j + 3] * y[j + 3] + y[j + 4] * y[j + 4] + y[j + 5] * y[j + 5])
+        y[at] = unwrapped(angle, y[at])
+        fastest = max(fastest, rate)
+    return fastest

@@ -10,6 +10,8 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from antenna_pin.contact import CompiledNormalLaw
+from antenna_pin.contact._kernels import elastic_energy
 from antenna_pin.dynamics import _kernels
 from antenna_pin.dynamics.system import System
 from antenna_pin.joints import _kernels as _joint
@@ -71,7 +73,10 @@ def audit(system: System, y: Array, data: Any) -> Audit:
             for k, law in enumerate(joint.normal_laws):
                 depth = -float(system.table[row + k, 0])
                 if system.memory[row + k, 0] != 0.0 and depth > 0.0:
-                    contacts += law.elastic_energy(depth)
+                    if isinstance(law, CompiledNormalLaw):
+                        contacts += elastic_energy(law.code(), depth)
+                    else:
+                        contacts += law.elastic_energy(min(depth, joint.depth_limits[k]))
     linear_scale = angular_scale = 0.0
     cx, cy, cz = data.com[0].tolist()
     first = 2 if system.mechanism.base == "free" else 1

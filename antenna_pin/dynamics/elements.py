@@ -131,7 +131,7 @@ class CallableDrive:
     Attributes:
         joint: The URDF joint it drives; its reaction acts on the joint's parent.
         torque: ``(t [s], angle [rad], rate [rad/s]) -> [N m]``; of a clearance joint the motion angle and its
-            rate.
+            rate. The angle counts whole turns.
         axis: At a clearance joint: the axis of the torque, the bearing's or the journal's.
     """
 
@@ -156,20 +156,23 @@ class JointSpring:
     r"""A linear spring and damper at a joint: :math:`\tau = -k (\phi - \phi_0) - c \dot\phi`.
 
     At a clearance joint phi is the motion angle and the generalized force is its exact gradient, so the
-    spring conserves energy under tilt too. At joints that turn without end the deflection is taken the
-    shorter way round.
+    spring conserves energy under tilt too. The angle counts whole turns: a spring wound by 200 degrees, or by
+    three turns, unwinds.
 
     Attributes:
         joint: The URDF joint.
         stiffness: k, at least 0 [N m/rad], or [N/m] at a prismatic joint.
         damping: c, at least 0 [N m s/rad], or [N s/m].
         rest_angle: phi_0 [rad], or [m].
+        shorter_way: Whether the deflection is taken the shorter way round instead, within half a turn, as of a
+            magnet; it jumps from one side to the other at half a turn. Only of turning joints.
     """
 
     joint: str
     stiffness: float = 0.0
     damping: float = 0.0
     rest_angle: float = 0.0
+    shorter_way: bool = False
 
     def __post_init__(self) -> None:
         """Check the values."""

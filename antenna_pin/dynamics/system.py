@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from typing import Any
 
@@ -13,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from antenna_pin.dynamics import _inspect, _kernels
 from antenna_pin.dynamics.elements import CallableDrive, Drive, JointSpring
 from antenna_pin.dynamics.hinge import Hinge, constrained_acceleration
-from antenna_pin.errors import InvalidParameterError, MechanismError
+from antenna_pin.errors import InvalidParameterError, MechanismError, UnknownNameError
 from antenna_pin.geometry import SphericalClearance
 from antenna_pin.geometry.shapes import TABLE_WIDTH
 from antenna_pin.integrate import Manifold
@@ -31,6 +32,10 @@ _SPACES = {
     "JointModelSpherical": "rotation",
     "JointModelPlanar": "plane",
 }
+
+
+# How far from 1 the length of a quaternion may be and still be taken for round-off.
+_UNIT_TOLERANCE = 1e-6
 
 
 def _spaces(model: Any) -> tuple[str, ...]:
@@ -55,12 +60,13 @@ def _spaces(model: Any) -> tuple[str, ...]:
 class System:
     """A mechanism with its force elements: the derivative that an integrator asks for.
 
-    The state is ``y = [q, v, x]``: Pinocchio's configuration and velocity, and what the elements integrate
-    (per contact impulse, work lost in normal direction and to friction, bristles; per drive work and gross
-    work; per spring the work lost in its damper).
+    The state is ``y = [q, v, x]``: Pinocchio's configuration and velocity, and in x the turned angles of
+    joints that turn without end (see :meth:`turn_on`) and what the elements integrate (per contact impulse,
+    work lost in normal direction and to friction, bristles; per drive work and gross work; per spring the work
+    lost in its damper).
 
-    ``memory`` is the contacts' discrete state, one row each: [touching, approach speed]. It is not part of
-    ``y``; whoever advances the system changes it, at located events only.
+    ``memory`` is the contacts' discrete state, one row each: [touching, approach speed, effective mass]. It is
+    not part of ``y``; whoever advances the system changes it, at located events only.
 
     Args:
         mechanism: Its joints named by clearance joints and hinges must be floating (planar for a planar
@@ -107,13 +113,17 @@ class System:
         self.contact_names = tuple(name for joint in self.clearances for name in joint.contact_names)
         nq = self.model.nq
         blocks: list[Array] = [np.array([nq, self.model.nv, 0.0, 0.0])]
-        size, row, x = _kernels.HEADER, 0, 0
+        size, row = _kernels.HEADER, 0
+        #: Place in x of the turned angle of each joint that has one, by name.
+        self.turn_x = self._turning()
+        x = len(self.turn_x)
         self.clearance_blocks: dict[str, int] = {}
         first_x, strides = [], []
         for joint in self.clearances:
             slot = mechanism_slot(self.mechanism, joint)
             axes = np.eye(3) if joint.planar else frame_aligning_z(slot.axis)
-            block = joint.block(axes, axes[:, 2], slot.q.start, slot.v.start, row, x)
+            turn = self.turn_x.get(joint.name, -1)
+            block = joint.block(axes, axes[:, 2], slot.q.start, slot.v.start, row, x, turn)
             self.clearance_blocks[joint.name] = size
             blocks.append(block)
             first_x += [x + k * joint.stride for k in range(joint.contacts)]
@@ -125,7 +135,8 @@ class System:
             # A block without contacts: what a drive or spring needs to know of the joint's axis.
             slot = self.mechanism.joint(hinge.joint)
             block = np.zeros(_joint.LAWS)
-            block[:9] = [_joint.REVOLUTE, _joint.LAWS, 0, slot.q.start, slot.v.start, row, 0, x, 0]
+            head = [_joint.REVOLUTE, _joint.LAWS, 0, slot.q.start, slot.v.start, row, 0, x, 0]
+            block[:10] = [*head, self.turn_x[hinge.joint]]
             block[_joint.AXES : _joint.AXES + 9] = frame_aligning_z(slot.axis).ravel()
             self.clearance_blocks[hinge.joint] = size
             blocks.append(block)
@@ -142,10 +153,10 @@ class System:
         rows = row
         for joint in self.clearances:
             rows += joint.place_strips(blocks[1 + self.clearances.index(joint)], rows)
-        self._work = np.zeros(nv + _joint.POSE_BUFFER + 2 * row + rows * TABLE_WIDTH)
+        table = nv + _joint.POSE_BUFFER + _joint.MEMORY_WIDTH * row
+        self._work = np.zeros(table + rows * TABLE_WIDTH)
         self.tau = self._work[:nv]
-        table = nv + _joint.POSE_BUFFER + 2 * row
-        self.memory = self._work[nv + _joint.POSE_BUFFER : table].reshape(row, 2)
+        self.memory = self._work[nv + _joint.POSE_BUFFER : table].reshape(row, _joint.MEMORY_WIDTH)
         self.table = self._work[table:].reshape(rows, TABLE_WIDTH)
         blocks[0][2:4] = row, rows
         work_x, self.drive_blocks = [], {}
@@ -166,7 +177,11 @@ class System:
         damper_x, self.spring_blocks = [], {}
         for name, spring in self.springs.items():
             self.spring_blocks[name] = size
-            values = (spring.stiffness, spring.damping, spring.rest_angle)
+            if spring.shorter_way and self.mechanism.joint(spring.joint).kind == "prismatic":
+                raise InvalidParameterError(
+                    f"spring {name!r}", "shorter_way", f"false: joint {spring.joint!r} slides", True
+                )
+            values = (spring.stiffness, spring.damping, spring.rest_angle, float(spring.shorter_way))
             block = self._element(f"spring {name!r}", spring.joint, _kernels.SPRING, x, 0.0, values)
             blocks.append(block)
             size += len(block)
@@ -174,6 +189,15 @@ class System:
             x += 1
         self.damper_x = np.array(damper_x, dtype=int)
         self.program = np.concatenate(blocks)
+        slots = {name: self.mechanism.joint(name) for name in self.turn_x}
+        #: What :func:`_kernels.turn_on` needs to know of the turned angles.
+        self.turns = np.array(
+            [
+                [x, self.clearance_blocks.get(name, -1), slots[name].q.start, slots[name].v.start]
+                for name, x in self.turn_x.items()
+            ],
+            dtype=np.int64,
+        ).reshape(-1, 4)
         self.manifold = Manifold(_spaces(self.model), x)
         self._slow = bool(self._callables)
         self._paths: list[PythonPath] = []
@@ -183,6 +207,17 @@ class System:
                 end = start + int(self.program[start + 1])
                 self._paths.append(PythonPath(joint, self.program[start:end], nq))
                 self._slow = True
+
+    def _turning(self) -> dict[str, int]:
+        """Return the joints whose configuration knows their angle only but for whole turns, numbered."""
+        about_axis = {hinge.joint for hinge in self.hinges}
+        about_axis |= {j.name for j in self.clearances if not isinstance(j.geometry, SphericalClearance)}
+        names = [
+            slot.name
+            for slot in self.mechanism.joints.values()
+            if slot.kind == "continuous" or slot.name in about_axis
+        ]
+        return {name: k for k, name in enumerate(names)}
 
     def _element(
         self, place: str, joint: str, kind: float, x: int, about: float, parameters: Sequence[float]
@@ -205,7 +240,8 @@ class System:
                 "use a revolute, continuous, prismatic or clearance joint"
             )
         head = [kind, _kernels.PARAMETERS + len(parameters), joint_kind, slot.q.start, slot.v.start, x]
-        return np.array([*head, clearance, about, *parameters], dtype=float)
+        turn = self.turn_x.get(joint, -1)
+        return np.array([*head, clearance, about, turn, *parameters], dtype=float)
 
     # --- the equations of motion ----------------------------------------------------------------------------
 
@@ -279,14 +315,91 @@ class System:
         self.derivative(t, y, rates)
         return rates[: self.model.nv].copy()
 
-    def state(self, q: ArrayLike, v: ArrayLike) -> Array:
-        """Return the state [q, v, 0] with nothing integrated yet, (nq + nv + nx,)."""
-        configuration, velocity = np.asarray(q, dtype=float), np.asarray(v, dtype=float)
+    def state(self, q: ArrayLike, v: ArrayLike, angles: Mapping[str, float] | None = None) -> Array:
+        """Return the state [q, v, x] with nothing integrated yet, (nq + nv + nx,).
+
+        Args:
+            q: Configuration, (nq,). Its quaternions, and the cosine and sine of continuous and planar joints,
+                are made unit where they are so to 1e-6, and refused where they are not.
+            v: Velocity, (nv,).
+            angles: Angles of joints that turn without end [rad]: of one of these q gives what is left of it
+                without whole turns, here are the turns. Others, and all if not given, are in (-pi, pi].
+        """
+        configuration, velocity = np.array(q, dtype=float), np.asarray(v, dtype=float)
         if configuration.shape != (self.model.nq,) or not np.isfinite(configuration).all():
             raise InvalidParameterError("System", "q", f"{self.model.nq} finite numbers", q)
         if velocity.shape != (self.model.nv,) or not np.isfinite(velocity).all():
             raise InvalidParameterError("System", "v", f"{self.model.nv} finite numbers", v)
-        return np.concatenate([configuration, velocity, np.zeros(self.manifold.nx)])
+        for name, place in self._unit_parts():
+            length = float(np.linalg.norm(configuration[place]))
+            if not abs(length - 1.0) <= _UNIT_TOLERANCE:
+                what = "quaternion" if place.stop - place.start == 4 else "cosine and sine"
+                raise InvalidParameterError(
+                    f"q[{place.start}:{place.stop}]",
+                    f"{what} of {name}",
+                    f"of length 1 to {_UNIT_TOLERANCE:g}; divide it by its length",
+                    length,
+                )
+            configuration[place] /= length
+        y = np.concatenate([configuration, velocity, np.zeros(self.manifold.nx)])
+        x = y[self.model.nq + self.model.nv :]
+        for name, angle in (angles or {}).items():
+            if name not in self.turn_x:
+                raise UnknownNameError(
+                    "System.state: angles", "joint that turns without end", name, self.turn_x
+                )
+            if not math.isfinite(angle):
+                raise InvalidParameterError("System", f"angles[{name!r}]", "finite [rad]", angle)
+            x[self.turn_x[name]] = angle
+        _kernels.turn_on(self.program, self.turns, y)
+        return y
+
+    def _unit_parts(self) -> Iterator[tuple[str, slice]]:
+        """Yield what of q must be of length one: name of the joint, place in q."""
+        if self.mechanism.base == "free":
+            yield "the base", slice(3, 7)
+        inside = {
+            "floating": slice(3, 7),
+            "planar": slice(2, 4),
+            "continuous": slice(0, 2),
+            "spherical": slice(0, 4),
+        }
+        for slot in self.mechanism.joints.values():
+            if slot.kind in inside:
+                part, start = inside[slot.kind], slot.q.start
+                yield f"joint {slot.name!r}", slice(start + part.start, start + part.stop)
+
+    def turn_on(self, y: Array) -> float:
+        """Bring the turned angles in y, in place, up to its configuration; return the fastest rate [rad/s].
+
+        To be called where a step is accepted: an angle is unique as long as no joint turns by half a turn
+        from there.
+        """
+        return float(_kernels.turn_on(self.program, self.turns, y))
+
+    def effective_mass(self, y: Array, contact: int) -> float:
+        """Return the mass that an impact along a contact's normal sees there and then [kg].
+
+        With the normal's direction n in the space of generalized velocities, of the material points at the
+        contact, it is ``(n^T M^-1 n)^-1``: the acceleration along n under a unit force gives it, constraints
+        included.
+
+        Args:
+            y: State [q, v, x].
+            contact: Number of the contact.
+        """
+        nq, nv = self.model.nq, self.model.nv
+        pose, table = np.zeros(_joint.POSE_BUFFER), np.zeros_like(self.table)
+        _inspect.contacts_in(y, self.program, pose, table)
+        for joint in self.clearances:
+            block = self.clearance_blocks[joint.name]
+            if 0 <= contact - int(self.program[block + _joint.FIRST_CONTACT]) < joint.contacts:
+                break
+        _joint.journal_state(self.program, block, y, nq, pose)
+        direction, rest = np.zeros(nv), np.zeros(nv)
+        _joint.unit_normal_force(self.program, block, pose, table, contact, direction)
+        free = np.array(self._acceleration(y[:nq], rest, rest))
+        return float(1.0 / (direction @ (self._acceleration(y[:nq], rest, direction) - free)))
 
     def neutral(self) -> Array:
         """Return the configuration with every joint at zero and journals centred, (nq,)."""

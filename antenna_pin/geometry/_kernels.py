@@ -5,9 +5,9 @@ journal is its centre ``o`` and its unit axis ``z``. A candidate contact is one 
 
     [gap, normal (3), contact point (3), ...]
 
-gap positive apart; normal from the bearing into the journal; point from the bearing's centre. Later columns
-of a row belong to the joint (rates and forces). Rows of a revolute joint: bore at s = +1, bore at s = -1,
-flange at s = +1, flange at s = -1.
+gap positive apart; normal from the bearing into the journal; point, the deepest, from the bearing's
+centre. Later columns of a row belong to the joint (rates and forces), but for ``SHARE``. Rows of a revolute
+joint: bore at s = +1, bore at s = -1, flange at s = +1, flange at s = -1.
 
 A revolute geometry travels as ``REVOLUTE_SIZE`` floats ``[R_i, L_i / 2, R_io, R_j, R_f, L_j / 2]``.
 """
@@ -24,6 +24,7 @@ PLANAR_SIZE = 2
 GAP = 0
 NORMAL = 1
 POINT = 4
+SHARE = 18  # of a strip or sector: its part of its patch's law
 _MAX_ITERATIONS = 60
 
 
@@ -90,7 +91,8 @@ def bore_contact(
 
     gap = min over Q on the circle of dist(Q, journal axis) - R_j. Seen along the journal axis the circle is
     an ellipse with semi-axes R_i and R_i cos(tilt), and the journal axis is a point: the nearest point of an
-    ellipse.
+    ellipse. An axis that passes outside the circle counts by minus its distance: the pose is one that the
+    parts cannot have, and the deeper in the wall the farther out.
     """
     radius = shape[0]
     # Unit vectors: a along the line of nodes, b0 square to it in the bearing plane, b its projection square
@@ -107,7 +109,7 @@ def bore_contact(
         b0x = -b0x
         b0y = -b0y
     lean = b0x * zx + b0y * zy  # b0 . z = -+ sine
-    shrink = abs(zz)
+    shrink = min(abs(zz), 1.0)  # the axis may be longer than 1 by round-off
     # d = O_s - O_j; its parts along a and b, the offset of the ellipse's centre from the journal axis.
     dx = -ox
     dy = -oy
@@ -122,6 +124,9 @@ def bore_contact(
     qa = ea + da
     qb = eb + db
     distance = math.sqrt(qa * qa + qb * qb)
+    side_of_wall = 1.0
+    if da * da * shrink * shrink + db * db > radius * radius * shrink * shrink:
+        side_of_wall = -1.0
     ca = ea
     cb = eb / shrink if shrink > 0.0 else 0.0
     bx = b0x - lean * zx
@@ -131,11 +136,12 @@ def bore_contact(
         bx /= shrink
         by /= shrink
         bz /= shrink
-    table[row, 0] = distance - shape[3]
+    table[row, 0] = side_of_wall * distance - shape[3]
     if distance > 0.0:
-        table[row, 1] = -(qa * ax + qb * bx) / distance
-        table[row, 2] = -(qa * ay + qb * by) / distance
-        table[row, 3] = -qb * bz / distance
+        inverse = -side_of_wall / distance
+        table[row, 1] = (qa * ax + qb * bx) * inverse
+        table[row, 2] = (qa * ay + qb * by) * inverse
+        table[row, 3] = qb * bz * inverse
     else:
         table[row, 1] = 0.0
         table[row, 2] = 0.0
@@ -163,8 +169,8 @@ def flange_contact(
 
     Where the flange covers the bearing's outer edge (R_f >= R_io) that edge meets the plane of the flange:
     gap = L_j/2 - max over Q on the edge of side (Q - O_j) . z. A smaller flange meets the plane of the end
-    face with its own rim: gap = min over P on the rim of side P_z - L_i/2. With exactly parallel axes the
-    contact is a whole annulus and its force acts on the axis.
+    face with its own rim: gap = min over P on the rim of side P_z - L_i/2. The point is the deepest; of
+    exactly parallel axes, where all of the rim is equally deep, that on the axis.
     """
     half = shape[1]
     outer = shape[2]
@@ -279,7 +285,8 @@ def strip_contacts(
     The strips stand from ``first`` on, from the -z to the +z end; a strip is the circle at its middle. The
     gap is concave along the bearing (the distance between two straight axes is convex), so in each half it is
     least at the outermost or the innermost strip, and from those two the loaded strips are found; the others
-    are marked as apart. A half's row is that of its least gap.
+    are marked as apart. A half's row is that of its least gap. Each strip has 2 / strips of the law of its
+    half.
     """
     sine = math.sqrt(zx * zx + zy * zy)
     half = strips // 2
@@ -298,6 +305,7 @@ def strip_contacts(
                     break
                 side = (2.0 * k + 1.0) / strips - 1.0
                 bore_contact(shape, side, ox, oy, oz, zx, zy, zz, sine, table, first + k)
+                table[first + k, SHARE] = 2.0 / strips
                 if table[first + k, 0] < table[first + least, 0]:
                     least = k
                 if table[first + k, 0] >= 0.0:
@@ -310,7 +318,7 @@ def strip_contacts(
 @kernel
 def sector_contacts(
     shape: Any,
-    sectors: Any,
+    nodes: Any,
     count: int,
     radius: float,
     ox: float,
@@ -323,34 +331,56 @@ def sector_contacts(
     row: int,
     first: int,
 ) -> None:
-    """Fill the flanges' sectors, from ``first`` on, and the two flanges' own rows, ``row`` and the next.
+    r"""Fill the flanges' sectors, from ``first`` on, and the two flanges' own rows, ``row`` and the next.
 
-    A sector is the point of the bearing's end face at ``radius`` in its middle direction, against the plane
-    of the flange. ``sectors`` holds cosine and sine of each direction. Those of the +z flange come first. A
-    flange's row is that of its least gap.
+    The annulus is a ring of ``radius``; its depth at the angle phi from its deepest point is
+    d - 2 a sin^2(phi/2), a = radius sin(tilt), and the loaded arc ends at sin(phi/2) = sigma,
+    sigma^2 = d / (2 a), or is the whole ring (sigma = 1). The sectors divide the loaded arc: with
+    sin(phi/2) = sigma sin(t)
+
+        1/(2 pi) integral of f dphi = 1/pi integral over t of f sigma cos(t) / sqrt(1 - sigma^2 sin^2(t)) dt
+
+    by the midpoint rule. The integrand is periodic in t, as d cos^2(t) is the depth of a partly loaded ring,
+    so that the sum converges quickly, passes smoothly from the part to the whole, where the sectors stand
+    evenly, and is the same for all directions of the tilt. ``nodes`` holds sin(t_k) and cos(t_k) / count.
+    Those of the +z flange come first. A flange's row is that of its deepest point, with sigma in ``SHARE``.
     """
+    sine = math.sqrt(zx * zx + zy * zy)
+    a = radius * sine
     for h in range(2):
         side = 1.0 - 2.0 * h
-        base = shape[5] - side * (-ox * zx - oy * zy + (side * shape[1] - oz) * zz)
         start = first + h * count
-        least = start
+        depth = side * (-ox * zx - oy * zy + (side * shape[1] - oz) * zz) - shape[5] + a
+        ux = side * zx / sine if sine > 0.0 else 1.0
+        uy = side * zy / sine if sine > 0.0 else 0.0
+        r = row + h
+        table[r, 0] = -depth
+        table[r, 1] = side * zx
+        table[r, 2] = side * zy
+        table[r, 3] = side * zz
+        table[r, 4] = radius * ux
+        table[r, 5] = radius * uy
+        table[r, 6] = side * shape[1]
+        sigma = math.sqrt(depth / (2.0 * a)) if 0.0 < depth < 2.0 * a else 1.0
+        table[r, SHARE] = sigma
+        if depth <= 0.0:
+            for k in range(count):
+                table[start + k, 0] = APART
+            continue
         for k in range(count):
+            s = sigma * nodes[2 * k]
+            root = math.sqrt(1.0 - s * s)
+            c = 1.0 - 2.0 * s * s
+            d = 2.0 * s * root
             r = start + k
-            px = radius * sectors[2 * k]
-            py = radius * sectors[2 * k + 1]
-            gap = base - side * (px * zx + py * zy)
-            table[r, 0] = gap
-            if gap < 0.0 or gap < table[least, 0] or k == 0:
-                table[r, 1] = side * zx
-                table[r, 2] = side * zy
-                table[r, 3] = side * zz
-                table[r, 4] = px
-                table[r, 5] = py
-                table[r, 6] = side * shape[1]
-                if gap < table[least, 0]:
-                    least = r
-        for i in range(7):
-            table[row + h, i] = table[least, i]
+            table[r, 0] = 2.0 * a * s * s - depth
+            table[r, 1] = side * zx
+            table[r, 2] = side * zy
+            table[r, 3] = side * zz
+            table[r, 4] = radius * (c * ux - d * uy)
+            table[r, 5] = radius * (d * ux + c * uy)
+            table[r, 6] = side * shape[1]
+            table[r, SHARE] = sigma * nodes[2 * k + 1] / root
 
 
 # --- what the coal backend needs around its queries --------------------------------------------------------
@@ -363,8 +393,9 @@ def coal_place(
     """Place the bearing in the journal frame and start the search on both end circles.
 
     ``work`` (52 floats): [0:9] rotation of H in J (row-major), [9:12] origin of H in J, then for side +1 and
-    -1 a record of 20 floats: [0:3] Q in J (read by coal), [3] angle, [5:8] Q in H, [8:11] normal in H, [11]
-    gap. The journal frame J used here has its z axis along the journal and an arbitrary rotation about it.
+    -1 a record of 20 floats: [0:3] Q in J (read by coal), [3] angle, [4] whether the journal axis passes
+    through the circle, [5:8] Q in H, [8:11] normal in H, [11] gap. The journal frame J used here has its z
+    axis along the journal and an arbitrary rotation about it.
     """
     # Smallest rotation taking the z axis to z: R = I + [k] + [k]^2 / (1 + zz), k = e_z x z.
     f = 1.0 / (1.0 + zz) if zz > -0.5 else 0.0
@@ -416,6 +447,8 @@ def coal_start(
     cx = ox + lift * zx
     cy = oy + lift * zy
     work[base + 3] = math.atan2(cy, cx) if (cx != 0.0 or cy != 0.0) else 0.0
+    inside = zz != 0.0 and cx * cx + cy * cy <= shape[0] * shape[0]
+    work[base + 4] = 1.0 if inside else 0.0
     _coal_point(shape, side, work, base)
 
 
@@ -489,10 +522,20 @@ def coal_collect(
     """Turn coal's answers into the four rows of the table, in H.
 
     The bore's stand in ``work``; ``gaps`` (2,), ``normals`` (2, 3) and ``points`` (2, 3) are those of the
-    flanges: coal's distances, normals from the bearing to the journal, and nearest points, in J.
+    flanges: coal's distances, normals from the bearing to the journal, and nearest points, in J. Of a
+    cylinder exactly parallel to the normal, up to a tilt of some 1e-12, coal takes the middle of the end face
+    for the nearest point, 1e-10 of half its length too far out: that is put right. Where the axis of the
+    journal passes outside an end circle, which parts cannot do, the closed form's gap stands.
     """
+    zx, zy, zz = work[6], work[7], work[8]
+    ox = -(work[0] * work[9] + work[3] * work[10] + work[6] * work[11])
+    oy = -(work[1] * work[9] + work[4] * work[10] + work[7] * work[11])
+    oz = -(work[2] * work[9] + work[5] * work[10] + work[8] * work[11])
     for k in range(2):
         base = 12 + 20 * k
+        if work[base + 4] == 0.0:
+            bore_contact(shape, 1.0 - 2.0 * k, ox, oy, oz, zx, zy, zz, sine, table, row + k)
+            continue
         table[row + k, 0] = work[base + 11]
         for i in range(3):
             table[row + k, 1 + i] = work[base + 8 + i]
@@ -503,16 +546,22 @@ def coal_collect(
         nx, ny, nz = normals[k, 0], normals[k, 1], normals[k, 2]
         for i in range(3):
             table[r, 1 + i] = work[i] * nx + work[3 + i] * ny + work[6 + i] * nz
-        if sine > 0.0 or shape[4] < shape[2]:
-            px = points[k, 0] - work[9]
-            py = points[k, 1] - work[10]
-            pz = points[k, 2] - work[11]
-            for i in range(3):
-                table[r, 4 + i] = work[i] * px + work[3 + i] * py + work[6 + i] * pz
-        else:
-            table[r, 4] = 0.0
-            table[r, 5] = 0.0
-            table[r, 6] = (1.0 if k == 0 else -1.0) * shape[1]
+        if sine < 1e-11:
+            # Is the nearest point on the axis of the cylinder asked, or at its rim?
+            px, py = points[k, 0], points[k, 1]
+            if shape[4] >= shape[2]:
+                px -= work[9]
+                py -= work[10]
+            edge = min(shape[2], shape[4])
+            if px * px + py * py < 0.25 * edge * edge:
+                flange_contact(shape, 1.0 - 2.0 * k, ox, oy, oz, zx, zy, zz, sine, table, r)
+                table[r, 0] = gaps[k] + 1e-10 * shape[1] - edge * sine
+                continue
+        px = points[k, 0] - work[9]
+        py = points[k, 1] - work[10]
+        pz = points[k, 2] - work[11]
+        for i in range(3):
+            table[r, 4 + i] = work[i] * px + work[3 + i] * py + work[6 + i] * pz
 
 
 # --- contact scenario

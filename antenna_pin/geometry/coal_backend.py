@@ -109,7 +109,7 @@ class CoalRevolute:
         normals = self._normals
         turn = _kernels.coal_turn
         for k, (side, start, point) in enumerate(self._ends):
-            if wanted is not None and not wanted[k]:
+            if (wanted is not None and not wanted[k]) or self.work[start + 4] == 0.0:
                 continue
             for _ in range(_MAX_QUERIES):
                 at_point.setTranslation(point)
@@ -135,7 +135,7 @@ class CoalRevolute:
         self,
         pose: NDArray[np.float64],
         strips: int,
-        sectors: NDArray[np.float64],
+        nodes: NDArray[np.float64],
         radius: float,
         table: NDArray[np.float64],
         row: int,
@@ -143,13 +143,13 @@ class CoalRevolute:
     ) -> None:
         """Fill the strips of the bore and the sectors of the flanges, and the four patches' rows.
 
-        The strips are those that the closed form loads and their neighbours on the surface; each is asked of
-        coal.
+        The strips are those that the closed form loads and their neighbours on the surface, the sectors those
+        of flanges that press; each is asked of coal.
 
         Args:
             pose: Journal's centre and axis in bearing axes, (6,) or longer.
             strips: Number of strips.
-            sectors: Cosine and sine of each sector's direction, (2 sectors,).
+            nodes: Of the sectors (see :func:`_kernels.sector_contacts`), (2 sectors,).
             radius: Of the sectors' circle [m].
             table: Contact table.
             row: Row of the first patch.
@@ -159,7 +159,7 @@ class CoalRevolute:
             float(pose[0]), float(pose[1]), float(pose[2]),
             float(pose[3]), float(pose[4]), float(pose[5]),
         )  # fmt: skip
-        count = len(sectors) // 2
+        count = len(nodes) // 2
         _kernels.coal_place(self._shape, *at, self.work)
         _kernels.strip_contacts(self._shape, strips, *at, table, row, first)
         start, point = _RECORD, self._ends[0][2]
@@ -168,6 +168,8 @@ class CoalRevolute:
                 continue
             side = (2.0 * k + 1.0) / strips - 1.0
             _kernels.coal_start(self._shape, side, *at, self.work, start)
+            if self.work[start + 4] == 0.0:
+                continue
             for _ in range(_MAX_QUERIES):
                 self._at_point.setTranslation(point)
                 self._result.clear()
@@ -181,21 +183,17 @@ class CoalRevolute:
         for patch, begin in enumerate((first + half, first)):
             least = begin + int(np.argmin(table[begin : begin + half, 0]))
             table[row + patch, :7] = table[least, :7]
-        _kernels.sector_contacts(self._shape, sectors, count, radius, *at, table, row + 2, first + strips)
+        _kernels.sector_contacts(self._shape, nodes, count, radius, *at, table, row + 2, first + strips)
         rotation, origin = self._rotation, self._origin
-        for patch, (functor, side) in enumerate(zip(self._sector_functors, (1.0, -1.0), strict=True)):
+        for patch, functor in enumerate(self._sector_functors):
             begin = first + strips + patch * count
-            for r in range(begin, begin + count):
-                k = r - begin
-                place = np.array(
-                    [radius * sectors[2 * k], radius * sectors[2 * k + 1], side * self._shape[1]]
-                )
-                self._at_point.setTranslation(rotation @ place + origin)
+            for r in (row + 2 + patch, *range(begin, begin + count)):
+                if table[r, 0] == _kernels.APART:
+                    continue
+                self._at_point.setTranslation(rotation @ table[r, 4:7] + origin)
                 self._result.clear()
                 table[r, 0] = functor(self._at_point, self._identity, self._request, self._result)
                 table[r, 1:4] = rotation.T @ self._result.normal
-            least = begin + int(np.argmin(table[begin : begin + count, 0]))
-            table[row + 2 + patch, :4] = table[least, :4]
 
     def _query_small_flanges(self, wanted: Sequence[float] | None) -> None:
         # Solid discs behind each flange face, asked against the half-spaces inside the bearing's end faces.

@@ -2,10 +2,11 @@
 
 A joint is a block of floats in a larger program::
 
-    [kind, length, mode, start in q, start in v, first contact, contacts, start in x, stride in x,
-     A (9, row-major; its columns are the bearing frame's axes in the joint frame), c (3, bearing centre in
-     the joint frame), shape (6), then per contact: normal law (16), friction law (12); with distributed load
-     then: strips, sectors, first of their rows, sectors' radius, cosine and sine of each sector]
+    [kind, length, mode, start in q, start in v, first contact, contacts, start in x, stride in x, place of
+     the turned angle in x, A (9, row-major; its columns are the bearing frame's axes in the joint frame),
+     c (3, bearing centre in the joint frame), shape (6), then per contact: normal law (16), friction law
+     (12); with distributed load then: strips, sectors, first of their rows, sectors' radius, two numbers of
+     each sector]
 
 and its contacts are rows of a table of ``TABLE_WIDTH`` columns::
 
@@ -13,8 +14,12 @@ and its contacts are rows of a table of ``TABLE_WIDTH`` columns::
 
 all in bearing axes. Under distributed load the four contacts are patches (two halves of the bore, two
 flanges) whose rows sum up those of their strips and sectors, which follow behind the contacts of all joints.
-``memory`` has a row per contact: [touching, approach speed]. What a contact integrates lies in x from its own
-start on: [impulse, work lost to normal contact, work lost to friction, bristle...].
+``memory`` has a row per contact: [touching, approach speed, effective mass at the onset]. What a contact
+integrates lies in x from its own start on: [impulse, work lost to normal contact, work lost to friction,
+bristle...].
+
+A point load at a flange acts at the deepest point of the rim, or nearer to the axis where the whole annulus
+presses (:func:`lever`); its depth, and so its force and the energy stored, stay those of the deepest point.
 """
 
 from __future__ import annotations
@@ -26,6 +31,7 @@ from antenna_pin._compile import inlined, kernel
 from antenna_pin.contact._friction_kernels import FRICTION_SIZE, bristle_force, friction_force
 from antenna_pin.contact._kernels import NORMAL_SIZE, damped_force, elastic_energy, elastic_force
 from antenna_pin.geometry._kernels import (
+    SHARE,
     bore_contact,
     coal_place,
     flange_contact,
@@ -50,10 +56,11 @@ FIRST_CONTACT = 5
 CONTACTS = 6
 START_X = 7
 STRIDE_X = 8
-AXES = 9
-CENTRE = 18
-SHAPE = 21
-LAWS = 27
+TURN = 9
+AXES = 10
+CENTRE = 19
+SHAPE = 22
+LAWS = 28
 LAW_SIZE = NORMAL_SIZE + FRICTION_SIZE
 
 RATE = 7
@@ -66,13 +73,16 @@ ELASTIC = 15
 PATCH_LOST_NORMAL = 16
 PATCH_LOST_FRICTION = 17
 
-# Behind the laws of a joint with distributed load: strips, sectors, first of their rows, radius, (cos,
-# sin)...
+# Of a flange under point load (3): from the force's point to the deepest point.
+ARM = 19
+
+# Behind the laws of a joint with distributed load: strips, sectors, first of their rows, radius, (sin t,
+# cos t / sectors)...
 STRIPS = 0
 SECTORS = 1
 FIRST_STRIP = 2
 SECTOR_RADIUS = 3
-DIRECTIONS = 4
+SECTOR_NODES = 4
 DISTRIBUTED_TAIL = LAWS + 4 * LAW_SIZE
 
 IMPULSE = 0
@@ -82,6 +92,8 @@ BRISTLE_START = 3
 
 TOUCHING = 0
 APPROACH = 1
+MASS = 2
+MEMORY_WIDTH = 3
 
 # Pose and twist of a journal: centre (3), axis (3), rotation child -> H (9, row-major), velocity of the
 # centre (3) and angular velocity (3), all in H.
@@ -164,11 +176,9 @@ def _distributed_geometry(p: Any, b: int, pose: Any, table: Any, row: int, bore:
     if bore:
         strip_contacts(shape, strips, ox, oy, oz, zx, zy, zz, table, row, first)
     if flanges:
-        directions = p[tail + DIRECTIONS : tail + DIRECTIONS + 2 * count]
+        nodes = p[tail + SECTOR_NODES : tail + SECTOR_NODES + 2 * count]
         radius = p[tail + SECTOR_RADIUS]
-        sector_contacts(
-            shape, directions, count, radius, ox, oy, oz, zx, zy, zz, table, row + 2, first + strips
-        )
+        sector_contacts(shape, nodes, count, radius, ox, oy, oz, zx, zy, zz, table, row + 2, first + strips)
 
 
 @kernel
@@ -231,11 +241,68 @@ def _row_rates(pose: Any, table: Any, r: int) -> None:
     table[r, SLIP + 2] = vz - opening * nz
 
 
+@kernel
+def lever(depth: float, whole: float) -> float:
+    """Return where a flange's point load acts: 0 on the axis, 1 at the deepest point of the rim.
+
+    With the far edge of the annulus free (``whole``, the difference in depth across it, above the depth) it
+    acts at the rim. Else both edges press: the force's point moves from the rim to the axis as the tilt goes
+    to zero, by g(s) = s^3 (10 - 15 s + 6 s^2) of s = whole / depth, which has two derivatives of zero at both
+    ends: smooth at the rim, and so flat at the axis that a tilt of round-off size does nothing at all.
+
+    No potential belongs to that. One whose force is F(depth) at the rim and on the axis, with the lever in
+    between, would need the lever of the rim all the way to the axis. So the work of tilting a flange that
+    presses flat differs from what its spring stores, by at most F depth / 4 from flat to its edge; it is
+    counted with the losses in normal direction, and may be negative. (A load that is ``distributed`` has a
+    potential.)
+    """
+    if whole >= depth:
+        return 1.0
+    s = whole / depth
+    return s * s * s * (10.0 - s * (15.0 - 6.0 * s))
+
+
+@kernel
+def _place_flange_force(p: Any, b: int, pose: Any, table: Any, r: int, side: float) -> None:
+    """Move a flange row's point, the deepest of the rim, to where the force acts, and take the rates there.
+
+    The depth stays the deepest point's. Its own rate jumps where the deepest point goes from one side of the
+    rim to the other; that of the force's point does not.
+    """
+    for i in range(3):
+        table[r, ARM + i] = 0.0
+    outer, flange = p[b + SHAPE + 2], p[b + SHAPE + 4]
+    whole = 2.0 * min(outer, flange) * math.hypot(pose[3], pose[4])
+    if whole >= -table[r, 0]:
+        return
+    rest = 1.0 - lever(-table[r, 0], whole)
+    # The middle of the annulus: of the bearing's end face, or of the smaller flange.
+    if flange >= outer:
+        mx, my, mz = 0.0, 0.0, side * p[b + SHAPE + 1]
+    else:
+        reach = side * p[b + SHAPE + 5]
+        mx = pose[0] + reach * pose[3]
+        my = pose[1] + reach * pose[4]
+        mz = pose[2] + reach * pose[5]
+    table[r, ARM] = rest * (table[r, 4] - mx)
+    table[r, ARM + 1] = rest * (table[r, 5] - my)
+    table[r, ARM + 2] = rest * (table[r, 6] - mz)
+    for i in range(3):
+        table[r, 4 + i] -= table[r, ARM + i]
+    _row_rates(pose, table, r)
+
+
 @inlined
 def contact_rates(p: Any, b: int, pose: Any, table: Any, row: int) -> None:
-    """Fill depth rate and slip of a joint's contacts; with distributed load of its loaded strips too."""
+    """Fill depth rate and slip of a joint's contacts; with distributed load of its loaded strips too.
+
+    A point load at a flange that presses flat is moved to where it acts.
+    """
     for r in range(row, row + int(p[b + CONTACTS])):
         _row_rates(pose, table, r)
+    if p[b] == REVOLUTE and p[b + CONTACTS] > 0.0:
+        for k in range(2):
+            _place_flange_force(p, b, pose, table, row + 2 + k, 1.0 - 2.0 * k)
     if p[b] == DISTRIBUTED:
         tail = b + DISTRIBUTED_TAIL
         first = int(p[tail + FIRST_STRIP])
@@ -245,14 +312,13 @@ def contact_rates(p: Any, b: int, pose: Any, table: Any, row: int) -> None:
 
 
 @kernel
-def _row_forces(p: Any, law: int, approach: float, table: Any, r: int) -> None:
+def _row_forces(p: Any, law: int, approach: float, mass: float, table: Any, r: int) -> None:
     """Fill the forces of a row from the laws at p[law:]; friction with bristles comes after."""
     normal = p[law : law + NORMAL_SIZE]
     friction = p[law + NORMAL_SIZE : law + LAW_SIZE]
     depth = -table[r, 0]
     elastic = elastic_force(normal, depth)
-    contact_mass = 0.0  # placeholder for that at the onset, which is to come from the contact's memory
-    force = damped_force(normal, elastic, depth, table[r, RATE], approach, contact_mass)
+    force = damped_force(normal, elastic, depth, table[r, RATE], approach, mass)
     table[r, FORCE] = force
     table[r, ELASTIC] = elastic
     fx, fy, fz = friction_force(friction, force, table[r, SLIP], table[r, SLIP + 1], table[r, SLIP + 2])
@@ -314,13 +380,67 @@ def patch_rows(p: Any, b: int, k: int) -> tuple[int, int]:
 
 
 @kernel
-def _patch_forces(p: Any, b: int, k: int, law: int, approach: float, table: Any, r: int) -> None:
-    """Fill the forces of the loaded strips or sectors of patch k, and their sums in the patch's row r."""
+def _tune_sectors(p: Any, b: int, normal: Any, table: Any, r: int, first: int) -> tuple[float, float]:
+    r"""Return alpha and gamma: the forces of a flange's sectors times 1 + alpha + gamma x^2 have a potential.
+
+    The sectors of a partly loaded ring move with the ends of its loaded arc, so that the forces that they
+    sample are not quite the derivatives of the energy that they sample,
+
+        V(d, a) = sum_k W_k(sigma) U(d (1 - x_k^2)),   sigma^2 = d / (2 a),
+
+    with the depth d of the deepest point and the part 2 a that the depth falls over the ring. Asked of the
+    factor are V's two derivatives, dV/dd = sum F_k and dV/da = -2 sigma^2 sum F_k x_k^2; with F_k = W_k f_k,
+    b_n = sum F_k x_k^n and W' = W / (sigma (1 - sigma^2 x^2)) both ask for the same
+
+        alpha b_0 + gamma b_2 = alpha b_2 + gamma b_4 = sum W_k U_k / (2 d (1 - sigma^2 x_k^2)) - b_2,
+
+    which is zero but for the error of the sums.
+    """
+    nodes = b + DISTRIBUTED_TAIL + SECTOR_NODES
+    depth = -table[r, 0]
+    square = table[r, SHARE] * table[r, SHARE]
+    b0 = 0.0
+    b2 = 0.0
+    b4 = 0.0
+    asked = 0.0
+    for k in range(int(p[b + DISTRIBUTED_TAIL + SECTORS])):
+        x = p[nodes + 2 * k] * p[nodes + 2 * k]
+        d = -table[first + k, 0]
+        weight = table[first + k, SHARE]
+        force = weight * elastic_force(normal, d)
+        b0 += force
+        b2 += force * x
+        b4 += force * x * x
+        asked += weight * elastic_energy(normal, d) / (1.0 - square * x)
+    asked = 0.5 * asked / depth - b2
+    determinant = b0 * b4 - b2 * b2
+    if determinant <= 0.0:
+        return 0.0, 0.0
+    return asked * (b4 - b2) / determinant, asked * (b0 - b2) / determinant
+
+
+@kernel
+def _patch_forces(p: Any, b: int, k: int, law: int, approach: float, mass: float, table: Any, r: int) -> None:
+    """Fill the forces of the loaded strips or sectors of patch k, and their sums in the patch's row r.
+
+    The law is the patch's; at its own depth, rate and slip each strip or sector has its share of it.
+    """
     first, last = patch_rows(p, b, k)
+    alpha = 0.0
+    gamma = 0.0
+    if k >= 2 and table[r, SHARE] < 1.0 and table[r, 0] < 0.0:
+        alpha, gamma = _tune_sectors(p, b, p[law : law + NORMAL_SIZE], table, r, first)
+    nodes = b + DISTRIBUTED_TAIL + SECTOR_NODES
     for s in range(first, last):
         if table[s, 0] >= 0.0:
             continue
-        _row_forces(p, law, approach, table, s)
+        _row_forces(p, law, approach, mass, table, s)
+        share = table[s, SHARE]
+        if k >= 2:
+            x = p[nodes + 2 * (s - first)]
+            share *= 1.0 + alpha + gamma * x * x
+        for column in range(FORCE, ELASTIC + 1):
+            table[s, column] *= share
         table[r, FORCE] += table[s, FORCE]
         table[r, ELASTIC] += table[s, ELASTIC]
         power = 0.0
@@ -339,7 +459,8 @@ def patch_energy(p: Any, b: int, k: int, table: Any) -> float:
     normal = p[law : law + NORMAL_SIZE]
     energy = 0.0
     for s in range(first, last):
-        energy += elastic_energy(normal, -table[s, 0])
+        if table[s, 0] < 0.0:
+            energy += table[s, SHARE] * elastic_energy(normal, -table[s, 0])
     return energy
 
 
@@ -364,9 +485,9 @@ def contact_forces(
         if distributed:
             for column in range(FORCE, PATCH_LOST_FRICTION + 1):
                 table[r, column] = 0.0
-            _patch_forces(p, b, k, law, memory[first + k, APPROACH], table, r)
+            _patch_forces(p, b, k, law, memory[first + k, APPROACH], memory[first + k, MASS], table, r)
         else:
-            _row_forces(p, law, memory[first + k, APPROACH], table, r)
+            _row_forces(p, law, memory[first + k, APPROACH], memory[first + k, MASS], table, r)
     if p[b + STRIDE_X] > BRISTLE_START:
         _bristles(p, b, y, x0, memory, first, table, row, rates, r0)
 
@@ -405,6 +526,38 @@ def _patch_wrench(p: Any, b: int, pose: Any, table: Any, out: Any, at: int) -> N
 
 
 @inlined
+def _onto_joint(
+    p: Any,
+    b: int,
+    pose: Any,
+    fx: float,
+    fy: float,
+    fz: float,
+    mx: float,
+    my: float,
+    mz: float,
+    tau: Any,
+) -> None:
+    """Add a force and a torque about the journal's centre, in bearing axes, to tau, in the child's own."""
+    j = int(p[b + 4])
+    if p[b] == PLANAR:
+        tau[j] += pose[6] * fx + pose[9] * fy
+        tau[j + 1] += pose[7] * fx + pose[10] * fy
+        tau[j + 2] += mz
+        return
+    cx, cy, cz = p[b + CENTRE], p[b + CENTRE + 1], p[b + CENTRE + 2]
+    ux = pose[6] * fx + pose[9] * fy + pose[12] * fz
+    uy = pose[7] * fx + pose[10] * fy + pose[13] * fz
+    uz = pose[8] * fx + pose[11] * fy + pose[14] * fz
+    tau[j] += ux
+    tau[j + 1] += uy
+    tau[j + 2] += uz
+    tau[j + 3] += pose[6] * mx + pose[9] * my + pose[12] * mz + cy * uz - cz * uy
+    tau[j + 4] += pose[7] * mx + pose[10] * my + pose[13] * mz + cz * ux - cx * uz
+    tau[j + 5] += pose[8] * mx + pose[11] * my + pose[14] * mz + cx * uy - cy * ux
+
+
+@inlined
 def contact_wrench(p: Any, b: int, pose: Any, table: Any, row: int, tau: Any, rates: Any, r0: int) -> None:
     """Add the forces of a joint's rows to tau (in the child's own axes) and write what they integrate."""
     fx = 0.0
@@ -429,6 +582,14 @@ def contact_wrench(p: Any, b: int, pose: Any, table: Any, row: int, tau: Any, ra
         rates[own + IMPULSE] = force
         # Where a law without adhesion is cut off at zero, what the spring gives back is lost too.
         rates[own + LOST_NORMAL] = (force - elastic) * table[r, RATE]
+        if k >= 2 and not distributed:
+            # The spring is pressed at the deepest point, not at the force's.
+            ax, ay, az = table[r, ARM], table[r, ARM + 1], table[r, ARM + 2]
+            vx = pose[19] * az - pose[20] * ay
+            vy = pose[20] * ax - pose[18] * az
+            vz = pose[18] * ay - pose[19] * ax
+            opening = vx * table[r, 1] + vy * table[r, 2] + vz * table[r, 3]
+            rates[own + LOST_NORMAL] += elastic * opening
         rates[own + LOST_FRICTION] = 0.0
         if force == 0.0 or distributed:
             continue
@@ -452,22 +613,17 @@ def contact_wrench(p: Any, b: int, pose: Any, table: Any, row: int, tau: Any, ra
         _patch_wrench(p, b, pose, table, pose, POSE_SIZE)
         fx, fy, fz = pose[POSE_SIZE], pose[POSE_SIZE + 1], pose[POSE_SIZE + 2]
         mx, my, mz = pose[POSE_SIZE + 3], pose[POSE_SIZE + 4], pose[POSE_SIZE + 5]
-    j = int(p[b + 4])
-    if p[b] == PLANAR:
-        tau[j] += pose[6] * fx + pose[9] * fy
-        tau[j + 1] += pose[7] * fx + pose[10] * fy
-        tau[j + 2] += mz
-        return
-    cx, cy, cz = p[b + CENTRE], p[b + CENTRE + 1], p[b + CENTRE + 2]
-    ux = pose[6] * fx + pose[9] * fy + pose[12] * fz
-    uy = pose[7] * fx + pose[10] * fy + pose[13] * fz
-    uz = pose[8] * fx + pose[11] * fy + pose[14] * fz
-    tau[j] += ux
-    tau[j + 1] += uy
-    tau[j + 2] += uz
-    tau[j + 3] += pose[6] * mx + pose[9] * my + pose[12] * mz + cy * uz - cz * uy
-    tau[j + 4] += pose[7] * mx + pose[10] * my + pose[13] * mz + cz * ux - cx * uz
-    tau[j + 5] += pose[8] * mx + pose[11] * my + pose[14] * mz + cx * uy - cy * ux
+    _onto_joint(p, b, pose, fx, fy, fz, mx, my, mz, tau)
+
+
+@kernel
+def unit_normal_force(p: Any, b: int, pose: Any, table: Any, r: int, tau: Any) -> None:
+    """Add to tau the generalized force of one newton along the normal of row r."""
+    nx, ny, nz = table[r, 1], table[r, 2], table[r, 3]
+    rx = table[r, 4] - pose[0]
+    ry = table[r, 5] - pose[1]
+    rz = table[r, 6] - pose[2]
+    _onto_joint(p, b, pose, nx, ny, nz, ry * nz - rz * ny, rz * nx - rx * nz, rx * ny - ry * nx, tau)
 
 
 @kernel
@@ -518,7 +674,7 @@ def place_for_coal(p: Any, b: int, y: Any, nq: int, shape: Any, pose: Any, work:
 
 
 @kernel
-def motion_angle(p: Any, b: int, y: Any) -> tuple[float, float, float]:
+def wrapped_angle(p: Any, b: int, y: Any) -> tuple[float, float, float]:
     """Rotation of the journal about the bearing axis (swing-twist) and where its rate comes from.
 
     Returns the angle [rad] in (-pi, pi] and gx, gy: its rate is gx wx + gy wy + wz for the angular velocity w
@@ -541,3 +697,16 @@ def motion_angle(p: Any, b: int, y: Any) -> tuple[float, float, float]:
     if square == 0.0:
         return angle, 0.0, 0.0
     return angle, (hz * hx - qw * hy) / square, (qw * hx + hz * hy) / square
+
+
+@inlined
+def unwrapped(angle: float, near: float) -> float:
+    """Return the angle that is ``angle`` but for whole turns and within half a turn of ``near`` [rad]."""
+    return angle + 2.0 * math.pi * math.floor((near - angle) / (2.0 * math.pi) + 0.5)
+
+
+@kernel
+def motion_angle(p: Any, b: int, y: Any, x0: int) -> tuple[float, float, float]:
+    """Return :func:`wrapped_angle` with its whole turns, from the turned angle in the state's x at y[x0:]."""
+    angle, gx, gy = wrapped_angle(p, b, y)
+    return unwrapped(angle, y[x0 + int(p[b + TURN])]), gx, gy

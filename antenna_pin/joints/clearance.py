@@ -13,9 +13,9 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from antenna_pin.contact import FrictionLaw, NoFriction, NormalLaw
+from antenna_pin.contact import CompiledNormalLaw, FrictionLaw, NoFriction, NormalLaw
 from antenna_pin.contact._friction_kernels import friction_force
-from antenna_pin.contact._kernels import NORMAL_SIZE
+from antenna_pin.contact._kernels import NORMAL_SIZE, elastic_force, normal_force
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.geometry import (
     CoalPlanar,
@@ -40,8 +40,9 @@ class JointContacts:
     Attributes:
         gap: (contacts,) [m].
         normal: From the bearing into the journal, (contacts, 3).
-        point: From the bearing's centre, (contacts, 3) [m].
-        rate: Penetration rate, (contacts,) [m/s].
+        point: Where the force acts, from the bearing's centre, (contacts, 3) [m]: the deepest point, but of a
+            flange that presses flat under point load.
+        rate: Penetration rate at the contact's point, (contacts,) [m/s].
         slip: Tangential velocity of the journal over the bearing, (contacts, 3) [m/s].
         normal_force: (contacts,) [N].
         friction_force: On the journal, (contacts, 3) [N].
@@ -87,6 +88,11 @@ class ClearanceJoint:
         approach_speed_floor: Least approach speed that a contact remembers [m/s].
         maximum_depth: Depth at which a run ends, because rigid bodies with contact stiffness no longer
             describe it [m]; a hundredth of the bearing radius if not given.
+        load: "point": each law acts as one force at its contact; "distributed": it is shared out evenly over
+            the patch whose law it is, ``radial`` over each half of the bore, ``axial`` over each flange, and
+            each share acts at its own depth, rate and slip.
+        strips: Of the whole bore under distributed load, even: each has 2 / strips of ``radial`` [-].
+        sectors: Of the loaded arc of a flange under distributed load, 3 or more [-].
     """
 
     name: str
@@ -202,7 +208,14 @@ class ClearanceJoint:
         return 3 + int(getattr(self.friction, "states", 0))
 
     def block(
-        self, axes: ArrayLike, axis: ArrayLike, q: int, v: int, first_contact: int, start_x: int
+        self,
+        axes: ArrayLike,
+        axis: ArrayLike,
+        q: int,
+        v: int,
+        first_contact: int,
+        start_x: int,
+        turn: int = 0,
     ) -> Array:
         """Return the joint as flat numbers for the fused kernel.
 
@@ -213,6 +226,7 @@ class ClearanceJoint:
             v: Start of its velocity in v.
             first_contact: Row of its first contact.
             start_x: Where its integrated numbers start in x.
+            turn: Where its turned angle stands in x; without meaning for a ball joint.
         """
         size = _kernels.LAWS + self.contacts * _kernels.LAW_SIZE
         block = np.zeros(size)
@@ -228,9 +242,9 @@ class ClearanceJoint:
             kind = _kernels.SPHERICAL
         elif self.load == "distributed":
             kind = _kernels.DISTRIBUTED
-            size += _kernels.DIRECTIONS + 2 * self.sectors
+            size += _kernels.SECTOR_NODES + 2 * self.sectors
             block = np.zeros(size)
-        block[:9] = [kind, size, mode, q, v, first_contact, self.contacts, start_x, self.stride]
+        block[:10] = [kind, size, mode, q, v, first_contact, self.contacts, start_x, self.stride, turn]
         block[_kernels.AXES : _kernels.AXES + 9] = np.asarray(axes, dtype=float).ravel()
         block[_kernels.CENTRE : _kernels.CENTRE + 3] = self.offset * np.asarray(axis, dtype=float)
         shape = self.geometry.shape()
@@ -256,8 +270,9 @@ class ClearanceJoint:
         radius = math.sqrt(0.5 * (outer**2 + self.geometry.bearing_radius**2))
         tail = block[_kernels.DISTRIBUTED_TAIL :]
         tail[:4] = self.strips, self.sectors, first, radius
-        angles = 2.0 * math.pi * (np.arange(self.sectors) + 0.5) / self.sectors
-        tail[4::2], tail[5::2] = np.cos(angles), np.sin(angles)
+        t = math.pi * ((np.arange(self.sectors) + 0.5) / self.sectors - 0.5)
+        nodes = tail[_kernels.SECTOR_NODES :]
+        nodes[::2], nodes[1::2] = np.sin(t), np.cos(t) / self.sectors
         return self.strips + 2 * self.sectors
 
     def stored_energy(self, q: ArrayLike) -> float:
@@ -276,11 +291,10 @@ class ClearanceJoint:
         _kernels.contact_geometry(block, 0, pose, table, 0)
         energy = 0.0
         for k, law in enumerate(self.normal_laws):
-            rows = table[k : k + 1]
             if self.load == "distributed":
-                first, last = _kernels.patch_rows(block, 0, k)
-                rows = table[first:last]
-            energy += sum(law.elastic_energy(-float(row[0])) for row in rows if row[0] < 0.0)
+                energy += _kernels.patch_energy(block, 0, k, table)
+            elif table[k, 0] < 0.0:
+                energy += law.elastic_energy(-float(table[k, 0]))
         return energy
 
     def evaluate(
@@ -290,6 +304,7 @@ class ClearanceJoint:
         *,
         touching: ArrayLike | None = None,
         approach_speed: ArrayLike | None = None,
+        effective_mass: ArrayLike | None = None,
         axis: ArrayLike = (0.0, 0.0, 1.0),
         axes: ArrayLike | None = None,
     ) -> JointContacts:
@@ -301,6 +316,7 @@ class ClearanceJoint:
             v: Twist of the journal in its own axes, linear first, (6,) or (3,) [m/s, rad/s].
             touching: Whether each contact touches; those with a gap <= 0 if not given.
             approach_speed: Of each contact [m/s]; the floor if not given.
+            effective_mass: Of each contact [kg]; for laws that take it from there.
             axis: The joint's axis in the joint frame.
             axes: Bearing axes in the joint frame as columns; needed for an axis other than z.
         """
@@ -313,14 +329,15 @@ class ClearanceJoint:
         block = self.block(frame, axis, 0, 0, 0, 0)
         rows = self.contacts + self.place_strips(block, self.contacts)
         table = np.zeros((rows, TABLE_WIDTH))
-        memory = np.zeros((self.contacts, 2))
+        memory = np.zeros((self.contacts, _kernels.MEMORY_WIDTH))
         pose = np.zeros(_kernels.POSE_BUFFER)
         _kernels.journal_state(block, 0, y, nq, pose)
         _kernels.contact_geometry(block, 0, pose, table, 0)
         inside = table[: self.contacts, 0] <= 0.0
         memory[:, 0] = inside if touching is None else np.asarray(touching, dtype=float)
         speed = self.approach_speed_floor if approach_speed is None else approach_speed
-        memory[:, 1] = np.maximum(np.asarray(speed, dtype=float), self.approach_speed_floor)
+        memory[:, _kernels.APPROACH] = np.maximum(np.asarray(speed, dtype=float), self.approach_speed_floor)
+        memory[:, _kernels.MASS] = 0.0 if effective_mass is None else np.asarray(effective_mass, dtype=float)
         tau = np.zeros(nv)
         rates = np.zeros(nv + x.size)
         if block[_kernels.MODE] != 0.0:
@@ -399,9 +416,9 @@ class PythonPath:
         _kernels.journal_state(self._block, 0, y, self._nq, self._pose)
         tail = self._block[_kernels.DISTRIBUTED_TAIL :]
         strips, _, first = (int(number) for number in tail[:3])
-        directions = tail[_kernels.DIRECTIONS :]
+        nodes = tail[_kernels.SECTOR_NODES :]
         backend.query_strips(
-            self._pose, strips, directions, float(tail[_kernels.SECTOR_RADIUS]), table, self._row, first
+            self._pose, strips, nodes, float(tail[_kernels.SECTOR_RADIUS]), table, self._row, first
         )
 
     def _apply_laws(self, memory: Array, table: Array) -> None:
@@ -413,11 +430,19 @@ class PythonPath:
             depth = -table[r, 0]
             if memory[r, _kernels.TOUCHING] == 0.0 or depth <= 0.0:
                 continue
-            force = max(0.0, law.force(depth, table[r, _kernels.RATE], memory[r, _kernels.APPROACH]))
+            rate, approach, mass = table[r, _kernels.RATE], *memory[r, _kernels.APPROACH :].tolist()
+            if isinstance(law, CompiledNormalLaw):
+                # Its arithmetic, without the checks: a trial step may go deeper than the law reaches.
+                numbers = law.code()
+                elastic = float(elastic_force(numbers, depth))
+                force = float(normal_force(numbers, depth, rate, approach, mass))
+            else:
+                within = min(depth, _range_of(law))  # for the same reason
+                elastic, force = law.elastic_force(within), max(0.0, law.force(within, rate, approach))
             slip = table[r, _kernels.SLIP : _kernels.SLIP + 3]
             speed = float(np.linalg.norm(slip))
             table[r, _kernels.FORCE] = force
-            table[r, _kernels.ELASTIC] = law.elastic_force(depth)
+            table[r, _kernels.ELASTIC] = elastic
             if code is not None:
                 table[r, _kernels.FRICTION : _kernels.FRICTION + 3] = friction_force(
                     code, force, *slip.tolist()

@@ -24,12 +24,15 @@ class SpringSpec(JointTable):
         stiffness: [N*m/rad] ([N/m]).
         damping: [N*m*s/rad] ([N*s/m]).
         rest_angle: Where the spring is at rest [rad] ([m]).
+        shorter_way: Whether the deflection of a turning joint is taken the shorter way round, within half a
+            turn, rather than with all its turns.
     """
 
     joint: str
     stiffness: Annotated[float, Quantity(("N*m/rad", "N/m"), "zero or more")] = 0.0
     damping: Annotated[float, Quantity(("N*m*s/rad", "N*s/m"), "zero or more")] = 0.0
     rest_angle: Annotated[float, Quantity(("rad", "m"))] = 0.0
+    shorter_way: bool = False
 
     @model_validator(mode="after")
     def _check_use(self) -> Self:

@@ -44,6 +44,10 @@ class IntegratorSpec(Spec):
         max_step: [s].
         min_step: A run whose step falls below this ends [s].
         first_step: None to choose it [s].
+        max_steps: Trial steps in all after which a run ends; None for no limit [-].
+        max_wall_time: Wall time after which a run ends [s]; None for no limit.
+        max_expected_steps: A run that at its present pace would need more trial steps than this to its end
+            makes no way, and ends [-].
         scales: What the tolerance is relative to.
     """
 
@@ -55,6 +59,9 @@ class IntegratorSpec(Spec):
     max_step: PositiveTime = 1e-2
     min_step: PositiveTime = 1e-14
     first_step: PositiveTime | None = None
+    max_steps: Annotated[int, Field(ge=1)] | None = None
+    max_wall_time: PositiveTime | None = None
+    max_expected_steps: Annotated[float, Quantity("1", "positive")] = 1e9
     scales: ScalesSpec = Field(default_factory=ScalesSpec)
 
     @model_validator(mode="after")

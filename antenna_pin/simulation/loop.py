@@ -40,6 +40,9 @@ _GROW = 6.0
 _ON_SURFACE = 1e-15  # [m]: a starting gap this small is a gap of zero
 _RELOCATIONS = 5
 _REPORT_INTERVAL = 0.1  # [s] of wall time between progress reports
+_LARGEST_TURN = 2.0  # [rad] of a joint in one step: an angle's whole turns are counted from step to step
+_PACE_STEPS = 50_000  # trial steps from one look at the pace to the next: a burst of impacts takes fewer
+_REJECTED_IN_A_ROW = 1000
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,6 +77,7 @@ class Episode:
     peak_depth: float = 0.0
     impulse: float = 0.0
     dissipated: float = 0.0
+    effective_mass: float = math.nan
 
 
 @dataclass(slots=True)
@@ -136,13 +140,12 @@ class Run:
 
     Args:
         system: The system; its contact memory is set from the initial state.
-        q: Initial configuration, (nq,).
-        v: Initial velocity, (nv,).
+        start: Initial state [q, v, x] (:meth:`System.state`).
         duration: Time span [s].
         settings: How to integrate and sample.
     """
 
-    def __init__(self, system: System, q: Array, v: Array, duration: float, settings: RunSettings) -> None:
+    def __init__(self, system: System, start: Array, duration: float, settings: RunSettings) -> None:
         """Prepare the stepper, the buffers of the inspection, and the contacts that touch at the start."""
         self.system = system
         self.settings = settings
@@ -196,13 +199,15 @@ class Run:
             {
                 t
                 for drive in system.drives.values()
-                if isinstance(drive, TableDrive) and drive.interpolation == "linear"
+                if isinstance(drive, TableDrive)  # linear: kinks; cubic: jumps of the second derivative
                 for t in drive.times
                 if 0.0 < t < duration
             }
         )
         self._patterns: dict[bytes, float] = {}
-        self._start(system.state(q, v))
+        self._spin = 0.0
+        self._paced = (0, 0.0)
+        self._start(start)
 
     # --- start ----------------------------------------------------------------------------------------------
 
@@ -210,6 +215,7 @@ class Run:
         system = self.system
         system.memory[:] = 0.0
         self.stepper.restart(0.0, y)
+        self._spin = system.turn_on(self.stepper.start)
         self._closed_form(y)
         for c in range(len(self._open)):
             row = self._table[c]
@@ -227,8 +233,10 @@ class Run:
     def _touch(self, c: int, rate: float) -> None:
         speed = max(rate, self._floors[c])
         self.system.memory[c, _joint.TOUCHING] = 1.0
+        mass = self.system.effective_mass(self.stepper.start[: self.system.manifold.size], c)
         self.system.memory[c, _joint.APPROACH] = speed
-        episode = Episode(contact=c, onset=self.stepper.t, approach_speed=speed)
+        self.system.memory[c, _joint.MASS] = mass
+        episode = Episode(contact=c, onset=self.stepper.t, approach_speed=speed, effective_mass=mass)
         self._record[c] = (0.0, self.stepper.t, 0.0)
         x = self.stepper.start[self.system.model.nq + self.system.model.nv :]
         # What the contact has integrated before; taken off at its end.
@@ -288,6 +296,8 @@ class Run:
             if interrupted():
                 self._stop(Outcome.INTERRUPTED)
                 break
+            if not self._may_go_on(began):
+                break
             if progress is not None:
                 now = time.perf_counter()
                 if now - reported > _REPORT_INTERVAL:
@@ -300,6 +310,24 @@ class Run:
         self.wall = time.perf_counter() - began
         if progress is not None:
             progress(self._progress(h, self.wall))
+
+    @property
+    def _trials(self) -> int:
+        return self.accepted + self.rejected + self.relocated
+
+    def _may_go_on(self, began: float) -> bool:
+        """Look whether a limit is reached, or the run makes so little way that it would never end."""
+        limit, longest = self.settings.max_steps, self.settings.max_wall_time
+        if limit is not None and self._trials >= limit:
+            self._stop(Outcome.STEP_LIMIT)
+        elif longest is not None and time.perf_counter() - began >= longest:
+            self._stop(Outcome.TIME_LIMIT)
+        elif self._trials - self._paced[0] >= _PACE_STEPS:
+            trials, way = self._trials - self._paced[0], self.stepper.t - self._paced[1]
+            self._paced = (self._trials, self.stepper.t)
+            if trials * (self.duration - self.stepper.t) > self.settings.max_expected_steps * way:
+                self._stop(Outcome.NO_PROGRESS)
+        return self.outcome is Outcome.COMPLETED
 
     def counts(self) -> Counts:
         """Return what the run took so far."""
@@ -320,6 +348,8 @@ class Run:
         """Cut a step to the longest allowed, to the next kink of a torque table, and to the end."""
         t = self.stepper.t
         h = min(h, self.settings.max_step)
+        if h * self._spin > _LARGEST_TURN:
+            h = _LARGEST_TURN / self._spin
         while self._breaks and self._breaks[0] <= t:
             self._breaks.pop(0)
         end = self._breaks[0] if self._breaks else self.duration
@@ -336,19 +366,18 @@ class Run:
         rejected = self.rejected
         while True:
             tried = self._limit(h)
+            if stepper.t + tried == stepper.t:
+                self._stop(Outcome.STEP_TOO_SMALL)
+                return h
             error = stepper.attempt(tried)
             if error <= 1.0:
                 break
             self.rejected += 1
-            if not math.isfinite(error):
-                if tried * _SHRINK < settings.min_step or not self.method.adaptive:
-                    self._stop(Outcome.NOT_FINITE)
-                    return h
-                h = tried * _SHRINK
-                continue
-            h = tried * max(_SHRINK, _SAFETY * error ** (-1.0 / self._power))
-            if h < settings.min_step:
-                self._stop(Outcome.STEP_TOO_SMALL)
+            if self.rejected - rejected >= _REJECTED_IN_A_ROW:
+                self._stop(Outcome.NO_PROGRESS)
+                return h
+            h = self._shortened(tried, error)
+            if self.outcome is not Outcome.COMPLETED:
                 return h
         following = settings.step
         if self.method.adaptive:
@@ -378,12 +407,15 @@ class Run:
         c, theta, deep = _inspect.inspect_step(
             stepper.t, self._nodes, self._ignore, self._depths, self._record, context
         )
+        if deep:
+            if theta > 0.0:
+                shorter = self._relocate(c, theta * h, h, -float(self._depths[c]))
+                if shorter is not None:
+                    return shorter
+            of_joint = self._reasons[c] == "maximum_depth"
+            self._stop(Outcome.TOO_DEEP if of_joint else Outcome.OUT_OF_LAW_RANGE, c)
+            return following
         if c < 0:
-            if deep >= 0:
-                self._accept()
-                of_joint = self._reasons[deep] == "maximum_depth"
-                self._stop(Outcome.TOO_DEEP if of_joint else Outcome.OUT_OF_LAW_RANGE, deep)
-                return following
             self._track_python_laws(context)
             self._keep_peaks()
             self._ignore[:] = 0
@@ -391,7 +423,9 @@ class Run:
             return following
         self._patterns[self._pattern()] = following
         if theta > 0.0:
-            self._relocate(c, theta * h, h)
+            shorter = self._relocate(c, theta * h, h)
+            if shorter is not None:
+                return shorter
         elif self._ignore[c] != 0:
             # It has just changed here and would change back at once: a graze. Let it touch, and go on.
             self._ignore[c] = 2
@@ -409,14 +443,20 @@ class Run:
     def _pattern(self) -> bytes:
         return self.system.memory[:, _joint.TOUCHING].tobytes()
 
-    def _relocate(self, c: int, size: float, longest: float) -> None:
-        """Make the step again so that it ends where contact c changes, and accept it."""
+    def _relocate(self, c: int, size: float, longest: float, target: float = 0.0) -> float | None:
+        """Make the step again so that it ends where the gap of contact c is the target's [m], and accept it.
+
+        The error of the step that went on past that point says nothing of the one up to it. Where that one's
+        is too large nothing is accepted: a shorter step to try is returned [s].
+        """
         stepper = self.stepper
         for _ in range(_RELOCATIONS):
-            stepper.attempt(size)
+            error = stepper.attempt(size)
             self.relocated += 1
+            if not error <= 1.0:
+                return self._shortened(size, error)
             self._closed_form(stepper.y)
-            gap, rate = float(self._table[c, 0]), float(self._table[c, _joint.RATE])
+            gap, rate = float(self._table[c, 0]) - target, float(self._table[c, _joint.RATE])
             if abs(gap) <= self._gap_tolerances[c] or rate == 0.0:
                 break
             better = size + gap / rate
@@ -433,6 +473,16 @@ class Run:
         self._keep_peaks()
         self._ignore[:] = 0
         self._accept()
+        return None
+
+    def _shortened(self, tried: float, error: float) -> float:
+        """Return the step to try after one of size ``tried`` had too large an error; end a run that cannot [s]."""
+        h = tried * _SHRINK
+        if math.isfinite(error):
+            h = tried * max(_SHRINK, _SAFETY * error ** (-1.0 / self._power))
+        if h < self.settings.min_step or not self.method.adaptive:
+            self._stop(Outcome.STEP_TOO_SMALL if math.isfinite(error) else Outcome.NOT_FINITE)
+        return h
 
     def _keep_peaks(self) -> None:
         """Keep the state at the largest force so far of each touching contact, to sample it at the end."""
@@ -457,7 +507,7 @@ class Run:
 
             def lack(theta: float, c: int = c, law: NormalLaw = law, speed: float = speed) -> float:
                 _inspect.contacts_at(theta, *context[:-1])
-                depth = -float(self._table[c, 0])
+                depth = min(-float(self._table[c, 0]), float(self._depths[c]))
                 return -law.force(depth, float(self._table[c, _joint.RATE]), speed) if depth > 0.0 else 0.0
 
             points = [k / _inspect.NODES for k in range(_inspect.NODES + 1)]
@@ -494,6 +544,8 @@ class Run:
                     stepper.interpolate(theta, state)
                 self._sample(min(k / rate, self.duration), state)
         stepper.accept()
+        if self.system.turn_x:
+            self._spin = self.system.turn_on(stepper.start)
         if stepper.t > self.duration - 1e-15 * self.duration:
             stepper.t = self.duration
         self.accepted += 1
@@ -514,7 +566,8 @@ class Run:
         where = f"at t = {self.stepper.t:.9g} s"
         if contact >= 0:
             limit = self._depths[contact]
-            depth = -self._nodes[0, -1, contact]
+            self._closed_form(self.stepper.start)
+            depth = -float(self._table[contact, 0])
             where += f", contact {self.system.contact_names[contact]} ({depth:.3g} m, limit {limit:.3g} m: "
             where += f"{self._reasons[contact]})"
         self.outcome = outcome

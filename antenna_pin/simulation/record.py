@@ -124,7 +124,7 @@ class _Observer:
         system.memory[:] = memory
 
     def motion(self) -> tuple[list[str], Array, Array, Array]:
-        """Return names, angles (unwrapped), rates and accelerations of the joints that turn about an axis."""
+        """Return names, angles (with their whole turns), rates and accelerations of the joints that turn about an axis."""
         system = self.system
         nq, nv = system.model.nq, system.model.nv
         names, angles, rates, accelerations = [], [], [], []
@@ -137,7 +137,11 @@ class _Observer:
                 angle, rate, acceleration = self._clearance_motion(block, slot.v.start, slot.kind == "planar")
             elif slot.kind in ("revolute", "continuous"):
                 q = self.states[:, slot.q]
-                angle = q[:, 0] if slot.kind == "revolute" else np.unwrap(np.arctan2(q[:, 1], q[:, 0]))
+                angle = q[:, 0]
+                if slot.kind == "continuous":
+                    turned = self.states[:, nq + nv + system.turn_x[slot.name]]
+                    angle = np.arctan2(q[:, 1], q[:, 0])
+                    angle += 2.0 * np.pi * np.floor((turned - angle) / (2.0 * np.pi) + 0.5)
                 rate = velocities[:, slot.v.start]
                 acceleration = self.a[:, slot.v.start]
             else:
@@ -157,7 +161,7 @@ class _Observer:
         axes = program[block + _joint.AXES : block + _joint.AXES + 9].reshape(3, 3)
         angle, rate, acceleration = np.zeros(self.n), np.zeros(self.n), np.zeros(self.n)
         for i, y in enumerate(self.states):
-            angle[i], gx, gy = _joint.motion_angle(program, block, y)
+            angle[i], gx, gy = _joint.motion_angle(program, block, y, nq + self.system.model.nv)
             if planar:
                 rate[i], acceleration[i] = y[nq + start + 2], self.a[i, start + 2]
                 continue
@@ -168,7 +172,7 @@ class _Observer:
             # definition.
             dg = _tilt_rate(program, block, y, w)
             acceleration[i] = gx * alpha[0] + gy * alpha[1] + alpha[2] + dg[0] * w[0] + dg[1] * w[1]
-        return np.unwrap(angle), rate, acceleration
+        return angle, rate, acceleration
 
 
 def _tilt_rate(program: Array, block: int, y: Array, w: Array) -> tuple[float, float]:
@@ -432,6 +436,12 @@ def _add_episodes(table: _Table, run: Run) -> None:
         ("peak_depth", [e.peak_depth for e in episodes], "m", "largest depth, of the dense output"),
         ("impulse", [e.impulse for e in episodes], "N s", "integral of the normal force"),
         ("dissipated", [e.dissipated for e in episodes], "J", "energy lost, normal and friction"),
+        (
+            "effective_mass",
+            [e.effective_mass for e in episodes],
+            "kg",
+            "(n^T M^-1 n)^-1 at onset, along the normal",
+        ),
     ):
         table.add(name, ("episode",), np.array(values, dtype=float), units, meaning)
     index = np.array([e.contact for e in episodes], dtype=np.int64)

@@ -5,14 +5,14 @@ from __future__ import annotations
 import dataclasses
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from datetime import UTC, datetime
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from antenna_pin.assemble import build_system, initial_state
+from antenna_pin.assemble import build_system, initial_angles, initial_state
 from antenna_pin.dynamics import System, TableDrive, _inspect
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.joints import _kernels as _joint
@@ -36,6 +36,9 @@ def settings_of(scenario: Scenario) -> RunSettings:
         max_step=spec.max_step,
         min_step=spec.min_step,
         first_step=spec.first_step,
+        max_steps=spec.max_steps,
+        max_wall_time=spec.max_wall_time,
+        max_expected_steps=spec.max_expected_steps,
         output_rate=scenario.output.rate,
     )
 
@@ -46,6 +49,7 @@ def simulate(
     duration: float | None = None,
     q: ArrayLike | None = None,
     v: ArrayLike | None = None,
+    angles: Mapping[str, float] | None = None,
     settings: RunSettings | None = None,
     progress: Callable[[Progress], None] | None = None,
 ) -> Trajectory:
@@ -57,8 +61,11 @@ def simulate(
         model: What to run.
         duration: Time span [s]; the scenario's if not given. This and ``settings`` enter the result's
             scenario as overrides.
-        q: Initial configuration, (nq,); the scenario's, or neutral.
+        q: Initial configuration, (nq,); the scenario's, or neutral. Its quaternions must be of length 1 to
+            1e-6 and are made so exactly.
         v: Initial velocity, (nv,); the scenario's, or zero.
+        angles: Beside q, angles of joints that turn without end, by name [rad]: their whole turns, which q
+            does not hold. Those not given are in (-pi, pi].
         settings: Integration and sampling; the scenario's, or the defaults.
         progress: Called about ten times a second.
 
@@ -69,6 +76,8 @@ def simulate(
     if scenario is not None:
         system = build_system(scenario)
         first_q, first_v = initial_state(scenario, system)
+        if q is None:
+            angles = {**initial_angles(scenario, system), **(angles or {})}
         span = scenario.duration if duration is None else duration
         used = settings or settings_of(scenario)
     elif isinstance(model, System):
@@ -86,8 +95,9 @@ def simulate(
         raise InvalidParameterError("simulate", "duration", "positive and finite [s]", span)
     start_q = first_q if q is None else np.asarray(q, dtype=float)
     start_v = first_v if v is None else np.asarray(v, dtype=float)
-    check_start(system, system.state(start_q, start_v), span)
-    run = Run(system, start_q, start_v, float(span), used)
+    start = system.state(start_q, start_v, angles)
+    check_start(system, start, span)
+    run = Run(system, start, float(span), used)
     if scenario is not None:
         scenario = _as_run(scenario, float(span), used)
     title = scenario.title if scenario is not None else system.mechanism.name
@@ -119,16 +129,18 @@ def _as_run(scenario: Scenario, duration: float, settings: RunSettings) -> Scena
 
 
 def check_start(system: System, y: np.ndarray, duration: float) -> None:
-    """Refuse an initial pose in deep penetration, and a torque table that does not cover the run."""
+    """Refuse an initial pose that the parts cannot have, and a torque table that does not cover the run."""
     table = np.zeros_like(system.table)
     _inspect.contacts_in(y, system.program, np.zeros(_joint.POSE_BUFFER), table)
-    limits = [joint.maximum_depth for joint in system.clearances for _ in joint.contact_names]
-    for name, row, limit in zip(system.contact_names, table, limits, strict=False):
-        if -row[0] > limit:
+    limits = [limit for joint in system.clearances for limit in joint.depth_limits]
+    reasons = [reason for joint in system.clearances for reason in joint.limit_reasons]
+    for name, row, limit, reason in zip(system.contact_names, table, limits, reasons, strict=False):
+        if not -row[0] <= limit:
+            rule = f"maximum_depth = {limit:g} m" if reason == "maximum_depth" else f"{limit:g} m ({reason})"
             raise InvalidParameterError(
                 "initial pose",
                 f"penetration of {name}",
-                f"at most maximum_depth = {limit:g} m; start with the journal inside its clearance",
+                f"at most {rule}; start with the journal inside its clearance",
                 float(f"{-row[0]:.6g}"),
             )
     for name, drive in system.drives.items():

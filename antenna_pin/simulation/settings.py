@@ -112,6 +112,10 @@ class RunSettings:
         max_step: Longest step [s].
         min_step: A step below this ends the run [s].
         first_step: First trial step [s]; a small one that the control enlarges, if not given.
+        max_steps: Trial steps in all after which a run ends [-]; None for no limit.
+        max_wall_time: Wall time after which a run ends [s]; None for no limit.
+        max_expected_steps: A run that at its present pace would need more trial steps than this to its end
+            makes no way, and ends [-].
         output_rate: Samples per second besides those at events [Hz].
     """
 
@@ -122,11 +126,15 @@ class RunSettings:
     max_step: float = 1e-2
     min_step: float = 1e-14
     first_step: float | None = None
+    max_steps: int | None = None
+    max_wall_time: float | None = None
+    max_expected_steps: float = 1e9
     output_rate: float = 1000.0
 
     def __post_init__(self) -> None:
         """Check the settings."""
         method_named(self.method)
-        _positive(self, "rtol", "step", "max_step", "min_step", "output_rate")
-        if self.first_step is not None:
-            _positive(self, "first_step")
+        _positive(self, "rtol", "step", "max_step", "min_step", "max_expected_steps", "output_rate")
+        for name in ("first_step", "max_steps", "max_wall_time"):
+            if getattr(self, name) is not None:
+                _positive(self, name)

@@ -30,7 +30,8 @@ def states_of_run(count: int) -> dict[int, list[tuple[Array, Array, Array]]]:
     for contacts in np.unique(touching.sum(axis=1)):
         indices = np.flatnonzero(touching.sum(axis=1) == contacts)
         chosen = indices[np.linspace(0, len(indices) - 1, min(count, len(indices))).astype(int)]
-        memories = [np.column_stack([touching[i], 0.01 * touching[i]]).astype(float) for i in chosen]
+        # Touching, approach speed [m/s], effective mass [kg].
+        memories = [touching[i][:, None] * [1.0, 0.01, 1.0] for i in chosen]
         found[int(contacts)] = [
             (data["q"].values[i], data["v"].values[i], memory)
             for i, memory in zip(chosen, memories, strict=True)

@@ -19,7 +19,7 @@ from antenna_pin.dynamics import (
     _kernels,
     audit,
 )
-from antenna_pin.errors import MechanismError, UnknownNameError
+from antenna_pin.errors import InvalidParameterError, MechanismError, UnknownNameError
 from antenna_pin.geometry import PlanarClearance, RevoluteClearance
 from antenna_pin.joints import ClearanceJoint
 from antenna_pin.mechanism import Urdf, build_mechanism, frame_aligning_z
@@ -106,7 +106,7 @@ def velocity(system, y, joint=None):
 def effort(drive, t):
     """Torque of a drive at a time, as the fused kernel computes it."""
     kind, parameters = drive.code()
-    block = [kind, _kernels.PARAMETERS + len(parameters), 0, 0, 0, 0, -1, 0, *parameters]
+    block = [kind, _kernels.PARAMETERS + len(parameters), 0, 0, 0, 0, -1, 0, -1, *parameters]
     return _kernels.drive_effort(np.array(block, dtype=float), 0, t)
 
 
@@ -349,15 +349,38 @@ def test_spring_and_damper_at_a_joint_without_play(joint):
     assert audit(system, y, data).springs == pytest.approx(0.5 * 5.0 * 0.7**2, rel=1e-14, abs=0.0)
 
 
-def test_spring_of_a_joint_that_turns_without_end_goes_the_shorter_way():
-    """At 3 rad a spring that rests at -3 rad is 0.28 rad away, not 6; a revolute joint counts turns."""
-    way = 6.0 - 2.0 * math.pi
-    for joint, expected in (("wheel", way), ("turn", 6.0)):
-        system = make_system(springs={"coil": JointSpring(joint=joint, stiffness=2.0, rest_angle=-3.0)})
-        slot, q = system.mechanism.joint(joint), system.neutral()
-        q[slot.q] = [math.cos(3.0), math.sin(3.0)] if slot.kind == "continuous" else 3.0
-        tau, _ = forces(system, 0.0, system.state(q, np.zeros(system.model.nv)))
-        assert tau[slot.v] == pytest.approx(-2.0 * expected, rel=1e-14, abs=0.0)  # round-off
+@pytest.mark.parametrize(
+    ("kind", "joint"), [("ideal", "turn"), ("ideal", "wheel"), ("free", "turn"), ("planar", "turn")]
+)
+def test_spring_counts_turns_unless_it_is_asked_to_go_the_shorter_way(kind, joint):
+    """At 3 rad a spring that rests at -3 rad is 6 rad away, the shorter way 0.28; three turns on, 25 rad."""
+    for turns, shorter, expected in (
+        (0, False, 6.0),
+        (3, False, 6.0 + 6.0 * math.pi),
+        (0, True, 6.0 - 2.0 * math.pi),
+        (3, True, 6.0 - 2.0 * math.pi),
+    ):
+        coil = JointSpring(joint=joint, stiffness=2.0, rest_angle=-3.0, shorter_way=shorter)
+        system = make_system(kind, springs={"coil": coil})
+        slot, q, angle = system.mechanism.joint(joint), system.neutral(), 3.0 + 2.0 * math.pi * turns
+        if slot.kind == "floating":
+            q[slot.q] = [0.0, 0.0, 0.0, *(math.sin(angle / 2) * AXIS), math.cos(angle / 2)]
+        elif slot.kind == "planar":
+            q[slot.q] = [0.0, 0.0, math.cos(angle), math.sin(angle)]
+        else:
+            q[slot.q] = [math.cos(angle), math.sin(angle)] if slot.kind == "continuous" else angle
+        angles = {joint: angle} if joint in system.turn_x else {}
+        y = system.state(q, np.zeros(system.model.nv), angles)
+        tau, _ = forces(system, 0.0, y)
+        torque = tau[slot.v][-3:] @ AXIS if slot.kind == "floating" else tau[slot.v][-1]
+        assert torque == pytest.approx(-2.0 * expected, rel=1e-13, abs=0.0)  # round-off
+        stored = audit(system, y, system.model.createData()).springs
+        assert stored == pytest.approx(expected**2, rel=1e-13, abs=0.0)
+
+
+def test_a_sliding_joint_has_no_shorter_way():
+    with pytest.raises(InvalidParameterError, match="spring 'coil': shorter_way must be false"):
+        make_system(springs={"coil": JointSpring(joint="slide", stiffness=1.0, shorter_way=True)})
 
 
 @pytest.mark.parametrize(
