@@ -153,7 +153,8 @@ def _judge(row: Row, scenario: Scenario, run: Trajectory) -> None:
     if not row.energy <= ENERGY:
         share = f"{row.energy:.3g} of {row.to_spend:.3g} J"
         row.failures.append(f"energy error {row.energy_error:.3g} J is {share}, limit {ENERGY:g}")
-    row.failures += [f"not finite: {name}" for name in not_finite(run)]
+    if names := not_finite(run):
+        row.failures.append(f"not finite: {', '.join(names)}")
     if row.outcome == "INTERRUPTED" or not row.message:
         row.failures.append(f"ended with {row.outcome} and message {row.message!r}")
 

@@ -4,11 +4,8 @@ A scenario follows from a seed and its number alone, however many others are mad
 of joint, loads, backends) is dealt from shuffled decks over the numbers, so that a few hundred scenarios hold
 all of it about evenly; what is a number is drawn at random.
 
-A draw is then brought to the speeds of impacts. Rates are multiplied by a factor and forces by its square,
-which leaves the shape of the first motion as it was and only changes how fast it is, so that journals meet
-bearings at a drawn speed of millimetres to decimetres per second. The speed stays below that which by its
-energy would press a contact near the depth where its law, or a run, ends. A draw that is too slow to have
-impacts within the time is dropped, and another made.
+A draw is then brought to the speeds of impacts (``scenario_pace.py``). One that is too slow to have impacts
+within the time is dropped, and another made.
 """
 
 from __future__ import annotations
@@ -20,8 +17,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import NDArray
+from scenario_pace import DURATIONS, SPEEDS, at_speed, inverse_mass, numbers
 
 from antenna_pin import Scenario, System, build_system, initial_state
 from antenna_pin.assemble import effective_mass
@@ -38,8 +35,6 @@ from antenna_pin.contact import (
     law_parameters,
     normal_parameters,
 )
-from antenna_pin.geometry import RevoluteClearance
-from antenna_pin.joints import ClearanceJoint
 
 __all__ = ["draw_scenario"]
 
@@ -48,9 +43,6 @@ Random = np.random.Generator
 Table = dict[str, Any]
 
 ATTEMPTS = 60
-SPEEDS = (3e-3, 0.3)  # [m/s]
-DURATIONS = (0.02, 0.06)  # [s]
-DEPTH_SHARE = 0.2  # of the depth at which a run ends
 
 _KINDS = (*["point"] * 4, *["distributed"] * 3, *["planar"] * 2, *["spherical"] * 2)
 _BRISTLES = ("dahl", "lugre", "gonthier-bristle")
@@ -97,10 +89,6 @@ def direction(rng: Random) -> Array:
 
 def _sign(rng: Random) -> float:
     return 1.0 if rng.random() < 0.5 else -1.0
-
-
-def _numbers(values: Any) -> list[float]:
-    return [float(value) for value in values]
 
 
 # --- the mechanism -----------------------------------------------------------------------------------------
@@ -199,7 +187,7 @@ def _attempt(seed: int, number: int, rng: Random) -> Scenario | None:
     moments = _own_inertias(draft, system)
     table["drives"] = _drives(seed, number, rng, tree, moments)
     table["springs"] = _springs(seed, number, rng, tree, moments, table["initial"]["joints"])
-    return _at_speed(table, speed, rng)
+    return at_speed(table, speed, rng)
 
 
 def _frame(seed: int, number: int, rng: Random, tree: _Tree) -> Table:
@@ -210,15 +198,15 @@ def _frame(seed: int, number: int, rng: Random, tree: _Tree) -> Table:
         "base",
         number,
     )
-    gravity = _numbers(rng.uniform(1.0, 9.81) * direction(rng)) if heavy else [0.0, 0.0, 0.0]
+    gravity = numbers(rng.uniform(1.0, 9.81) * direction(rng)) if heavy else [0.0, 0.0, 0.0]
     initial: Table = {"joints": {}}
     if base == "free":
         attitude = rng.normal(size=4)
         initial["base"] = {
-            "position": _numbers(rng.uniform(-1.0, 1.0, 3)),
-            "attitude": _numbers(attitude / np.linalg.norm(attitude)),
-            "velocity": _numbers(dealt((0.0, 0.1), seed, "base velocity", number) * direction(rng)),
-            "angular_velocity": _numbers(rng.uniform(0.0, 0.2) * direction(rng)),
+            "position": numbers(rng.uniform(-1.0, 1.0, 3)),
+            "attitude": numbers(attitude / np.linalg.norm(attitude)),
+            "velocity": numbers(dealt((0.0, 0.1), seed, "base velocity", number) * direction(rng)),
+            "angular_velocity": numbers(rng.uniform(0.0, 0.2) * direction(rng)),
         }
     for name, kind in tree.kinds.items():
         if name not in tree.play:
@@ -276,17 +264,17 @@ def _initial_journal(rng: Random, joint: Mapping[str, Any]) -> Table:
     if rng.random() < 0.15:
         return state
     if model == "spherical":
-        state["journal_position"] = _numbers(play * rng.uniform(0.0, 0.9) * direction(rng))
-        state["journal_tilt"] = _numbers(rng.uniform(0.0, 0.3) * direction(rng))
-        state["journal_velocity"] = _numbers(rng.uniform(0.0, 0.05) * direction(rng))
-        state["journal_angular_velocity"] = _numbers(rng.uniform(0.0, 1.0) * direction(rng))
+        state["journal_position"] = numbers(play * rng.uniform(0.0, 0.9) * direction(rng))
+        state["journal_tilt"] = numbers(rng.uniform(0.0, 0.3) * direction(rng))
+        state["journal_velocity"] = numbers(rng.uniform(0.0, 0.05) * direction(rng))
+        state["journal_angular_velocity"] = numbers(rng.uniform(0.0, 1.0) * direction(rng))
         return state
     way = rng.uniform(0.0, 2.0 * math.pi)
     across = np.array([math.cos(way), math.sin(way), 0.0])
     speed = rng.uniform(0.0, 0.05) * np.array([*direction(rng)[:2], 0.0])
     if model == "planar":
-        state["journal_position"] = _numbers(play * rng.uniform(0.0, 0.9) * across)
-        state["journal_velocity"] = _numbers(speed)
+        state["journal_position"] = numbers(play * rng.uniform(0.0, 0.9) * across)
+        state["journal_velocity"] = numbers(speed)
         return state
     axial, half = joint["axial_clearance"], 0.5 * joint["bearing_length"]
     outer = max(joint["bearing_outer_radius"], joint["flange_radius"])
@@ -295,13 +283,13 @@ def _initial_journal(rng: Random, joint: Mapping[str, Any]) -> Table:
     position = rng.uniform(0.0, 0.5) * play * across
     position[2] = rng.uniform(-0.5, 0.5) * axial
     turn = rng.uniform(0.0, 2.0 * math.pi)
-    state["journal_position"] = _numbers(position)
-    state["journal_tilt"] = _numbers((tilt * math.cos(turn), tilt * math.sin(turn), 0.0))
+    state["journal_position"] = numbers(position)
+    state["journal_tilt"] = numbers((tilt * math.cos(turn), tilt * math.sin(turn), 0.0))
     if axial > 0.0:
         speed[2] = rng.uniform(-0.02, 0.02)
         spin = rng.uniform(0.0, 0.02) / max(half, outer)
-        state["journal_angular_velocity"] = _numbers(spin * direction(rng) * [1.0, 1.0, 0.0])
-    state["journal_velocity"] = _numbers(speed)
+        state["journal_angular_velocity"] = numbers(spin * direction(rng) * [1.0, 1.0, 0.0])
+    state["journal_velocity"] = numbers(speed)
     return state
 
 
@@ -405,7 +393,7 @@ def _law_tables(seed: int, k: str, number: int, laws: _Laws, kind: str) -> Table
 def _own_inertias(draft: Scenario, system: System) -> dict[str, float]:
     """Return the inertia about (mass along) each joint's axis, all others free [kg m^2] ([kg])."""
     q, _ = initial_state(draft, system)
-    inverse = _inverse_mass(system, q)
+    inverse = inverse_mass(system, q)
     found = {}
     for name, slot in system.mechanism.joints.items():
         block = inverse[slot.v, slot.v]
@@ -416,13 +404,6 @@ def _own_inertias(draft: Scenario, system: System) -> dict[str, float]:
             axis = np.array([0.0, 0.0, 1.0])
         found[name] = 1.0 / float(axis @ block @ axis)
     return found
-
-
-def _inverse_mass(system: System, q: Array) -> Array:
-    """Return the inverse of the mass matrix, (nv, nv)."""
-    upper = np.triu(pin.computeMinverse(system.model, system.model.createData(), q))
-    inverse: Array = upper + np.triu(upper, 1).T
-    return inverse
 
 
 def _acted_on(rng: Random, tree: _Tree, share: float) -> list[str]:
@@ -450,7 +431,7 @@ def _drives(seed: int, number: int, rng: Random, tree: _Tree, moments: Mapping[s
         else:
             knots = int(rng.integers(2, 8))
             drive["time"] = [DURATIONS[1] * i / (knots - 1) for i in range(knots)]
-            drive["torque"] = _numbers(effort * rng.uniform(-1.0, 1.0, knots))
+            drive["torque"] = numbers(effort * rng.uniform(-1.0, 1.0, knots))
             drive["interpolation"] = str(rng.choice(["linear", "cubic"]))
         drives[f"drive_{name}"] = drive
     return drives
@@ -472,108 +453,3 @@ def _springs(
             "rest_angle": start + rng.uniform(-0.02, 0.02),
         }
     return springs
-
-
-# --- bringing a draw to the speeds of impacts --------------------------------------------------------------
-
-
-def _at_speed(table: Table, speed: float, rng: Random) -> Scenario | None:
-    """Return the scenario with its fastest impact near a speed [m/s], or None if that takes too long."""
-    scenario = Scenario.model_validate(table)
-    system = build_system(scenario)
-    fastest = _approach_speeds(scenario, system)
-    factor = speed / max(fastest.values())
-    if any(scenario.mechanism.gravity):
-        factor = min(factor, 1.0)
-    loads = _loads(scenario, system)
-    for joint in system.clearances:
-        mass = max(
-            effective_mass(scenario, system.mechanism, joint.name, axial=axial)
-            for axial in (False, joint.axial is not None)
-        )
-        speed_limit, load_limit = _limits(joint, mass)
-        factor = min(factor, speed_limit / fastest[joint.name], math.sqrt(load_limit / loads[joint.name]))
-    times = [2.0 * j.geometry.radial_clearance / (factor * fastest[j.name]) for j in system.clearances]
-    if factor * max(fastest.values()) < SPEEDS[0] or 5.0 * min(times) > DURATIONS[1]:
-        return None
-    duration = min(times) * rng.uniform(4.0, 12.0)
-    table["duration"] = float(np.clip(duration, *DURATIONS))
-    _multiply(table, factor)
-    return Scenario.model_validate(table)
-
-
-def _approach_speeds(scenario: Scenario, system: System) -> dict[str, float]:
-    """Return about how fast each journal meets its bearing: what it has, and what it gains over the play."""
-    q, v = initial_state(scenario, system)
-    a = system.acceleration(0.0, q, v)
-    found = {}
-    for joint in system.clearances:
-        slot = system.mechanism.joint(joint.name)
-        play = 2.0 * max(joint.geometry.radial_clearance, getattr(joint.geometry, "axial_clearance", 0.0))
-        reach = 0.5 * float(getattr(joint.geometry, "bearing_length", 0.0))
-        speed, gain = (_of_surface(slot, one[slot.v], joint.offset, reach) for one in (v, a))
-        found[joint.name] = speed + math.sqrt(2.0 * play * gain)
-    return found
-
-
-def _of_surface(slot: Any, twist: Array, offset: float, reach: float) -> float:
-    """Return the size of a twist's motion at the journal's surface, the turn about its own axis left out."""
-    if slot.kind == "planar":
-        return float(np.linalg.norm(twist[:2]))
-    centre = twist[:3] + np.cross(twist[3:], offset * slot.axis)
-    tilting = np.linalg.norm(twist[3:] - (twist[3:] @ slot.axis) * slot.axis)
-    return float(np.linalg.norm(centre) + reach * tilting)
-
-
-def _loads(scenario: Scenario, system: System) -> dict[str, float]:
-    """Return about what each joint with play would carry if it were locked: force, and moment over its lever.
-
-    A light link between heavy ones carries far more than it takes to move it.
-    """
-    q, v = initial_state(scenario, system)
-    slots = [system.mechanism.joint(joint.name) for joint in system.clearances]
-    freed = np.concatenate([np.arange(slot.v.start, slot.v.stop) for slot in slots])
-    inverse = _inverse_mass(system, q)[np.ix_(freed, freed)]
-    held = np.zeros(system.model.nv)
-    held[freed] = np.linalg.solve(inverse, system.acceleration(0.0, q, v)[freed])
-    found = {}
-    for joint, slot in zip(system.clearances, slots, strict=True):
-        wrench = held[slot.v]
-        load = float(np.linalg.norm(wrench[:2] if slot.kind == "planar" else wrench[:3]))
-        if isinstance(joint.geometry, RevoluteClearance):
-            moment = wrench[3:] - np.cross(joint.offset * slot.axis, wrench[:3])
-            across = float(np.linalg.norm(moment - (moment @ slot.axis) * slot.axis))
-            load += across / max(joint.geometry.bearing_length, joint.geometry.bearing_outer_radius)
-        found[joint.name] = max(load, 1e-9)
-    return found
-
-
-def _limits(joint: ClearanceJoint, mass: float) -> tuple[float, float]:
-    """Return speed and load that press a contact to a share of the depth at which a run ends [m/s, N]."""
-    depths = [DEPTH_SHARE * limit for limit in joint.depth_limits]
-    laws = list(zip(joint.normal_laws, depths, strict=True))
-    energy = min(law.elastic_energy(depth) for law, depth in laws)
-    return math.sqrt(2.0 * energy / mass), min(law.elastic_force(depth) for law, depth in laws)
-
-
-def _multiply(table: Table, factor: float) -> None:
-    """Multiply rates by a factor, forces by its square and dampers by itself."""
-    square = factor * factor
-    table["mechanism"]["gravity"] = _numbers(square * np.array(table["mechanism"]["gravity"]))
-    rates = ("velocity", "rate", "journal_velocity", "journal_angular_velocity", "angular_velocity")
-    for state in (*table["initial"]["joints"].values(), table["initial"].get("base", {})):
-        for name in rates:
-            if name in state:
-                values = state[name]
-                state[name] = (
-                    factor * values if isinstance(values, float) else _numbers(factor * np.array(values))
-                )
-    for drive in table["drives"].values():
-        for name in ("value", "amplitude"):
-            if name in drive:
-                drive[name] *= square
-        if "torque" in drive:
-            drive["torque"] = _numbers(square * np.array(drive["torque"]))
-    for spring in table["springs"].values():
-        spring["stiffness"] *= square
-        spring["damping"] *= factor

@@ -83,7 +83,7 @@ def loss(run):
     run.data.attrs["conservation"] = json.dumps(kept | {"energy_error": 1.0})
 
 
-def gap(run):
+def hole(run):
     run.data["v"].values[-1, 0] = np.nan
 
 
@@ -100,7 +100,7 @@ def fault(run):
     [
         (drift, "linear momentum drifts by 2e-09"),
         (loss, "energy error 1 J"),
-        (gap, "not finite: v"),
+        (hole, "not finite: v"),
         (noise, "warning RuntimeWarning: overflow"),
         (fault, "ZeroDivisionError: by zero"),
     ],
