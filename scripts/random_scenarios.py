@@ -29,6 +29,7 @@ Exit code 1 on any failure.
 from __future__ import annotations
 
 import argparse
+import contextlib
 import csv
 import dataclasses
 import itertools
@@ -210,17 +211,18 @@ def classes_of(scenario: Scenario) -> dict[str, tuple[str, ...]]:
 
 def _work(pipe: Connection, seed: int) -> None:
     """Run the numbers that come through a pipe, and send back where they are and what became of them."""
-    pipe.send("ready")
-    while (number := pipe.recv()) is not None:
-        last = time.perf_counter()
+    last = time.perf_counter()
 
-        def report(seen: Progress) -> None:
-            nonlocal last
-            if time.perf_counter() - last > _REPORT_INTERVAL:
-                last = time.perf_counter()
-                pipe.send(seen)
+    def report(seen: Progress) -> None:
+        nonlocal last
+        if time.perf_counter() - last > _REPORT_INTERVAL:
+            last = time.perf_counter()
+            pipe.send(seen)
 
-        pipe.send(run_number(seed, number, report))
+    with contextlib.suppress(EOFError, OSError):  # nobody listens any more
+        pipe.send("ready")
+        while True:
+            pipe.send(run_number(seed, pipe.recv(), report))
 
 
 class _Worker:
