@@ -49,8 +49,8 @@ class Outcome(Enum):
         "the step fell below its floor; soften the contact, loosen rtol or lower integrator.min_step"
     )
     NO_PROGRESS = (
-        "the run makes no way; a force that jumps, a law or a drive far too stiff, or a start deep in contact "
-        "does that: look at the last samples, loosen rtol, or raise integrator.max_expected_steps"
+        "the run makes no way; a force that jumps, or a law or a drive far too stiff does that: look at the "
+        "last samples, loosen rtol, or raise integrator.max_expected_steps"
     )
     STEP_LIMIT = "made as many steps as integrator.max_steps allows; what was computed is kept"
     TIME_LIMIT = "took as long as integrator.max_wall_time allows; what was computed is kept"

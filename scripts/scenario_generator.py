@@ -18,10 +18,9 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scenario_pace import DURATIONS, SPEEDS, at_speed, inverse_mass, numbers
+from scenario_pace import DURATIONS, SPEEDS, at_speed, effective_mass, inverse_mass, numbers
 
 from antenna_pin import Scenario, System, build_system, initial_state
-from antenna_pin.assemble import effective_mass
 from antenna_pin.contact import (
     DISSIPATIONS,
     FRICTION_LAWS,
@@ -179,7 +178,7 @@ def _attempt(seed: int, number: int, rng: Random) -> Scenario | None:
     system = build_system(draft)
     speed = log_uniform(rng, *SPEEDS)
     for k, name in enumerate(tree.play):
-        mass = effective_mass(draft, system.mechanism, name)
+        mass = effective_mass(draft, system, name)
         pair = [Material(**table["materials"][f"{part}_{name}"]) for part in ("journal", "bearing")]
         laws = _Laws.of(rng, clearances[name], effective_modulus(*pair), mass, speed)
         clearances[name] |= _law_tables(seed, f"{k}", number, laws, tree.play[name])

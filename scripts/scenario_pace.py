@@ -16,10 +16,9 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from antenna_pin import ClearanceJoint, Scenario, System, build_system, initial_state
-from antenna_pin.assemble import effective_mass
 from antenna_pin.geometry import RevoluteClearance
 
-__all__ = ["DURATIONS", "SPEEDS", "at_speed", "inverse_mass", "numbers"]
+__all__ = ["DURATIONS", "SPEEDS", "at_speed", "effective_mass", "inverse_mass", "numbers"]
 
 Array = NDArray[np.float64]
 Random = np.random.Generator
@@ -43,6 +42,13 @@ def inverse_mass(system: System, q: Array) -> Array:
     return inverse
 
 
+def effective_mass(scenario: Scenario, system: System, joint: str) -> float:
+    """Return the largest mass that a contact of a joint with play sees at the start [kg]."""
+    y = system.state(*initial_state(scenario, system))
+    contacts = [k for k, name in enumerate(system.contact_names) if name.rpartition(".")[0] == joint]
+    return max(system.effective_mass(y, contact) for contact in contacts)
+
+
 def at_speed(table: Table, speed: float, rng: Random) -> Scenario | None:
     """Return the scenario with its fastest impact near a speed [m/s], or None if that takes too long."""
     scenario = Scenario.model_validate(table)
@@ -52,10 +58,7 @@ def at_speed(table: Table, speed: float, rng: Random) -> Scenario | None:
     factor = min(speed / max(fastest.values()), largest)
     loads = _loads(scenario, system)
     for joint in system.clearances:
-        mass = max(
-            effective_mass(scenario, system.mechanism, joint.name, axial=axial)
-            for axial in (False, joint.axial is not None)
-        )
+        mass = effective_mass(scenario, system, joint.name)
         speed_limit, load_limit = _limits(joint, mass)
         factor = min(factor, speed_limit / fastest[joint.name], math.sqrt(load_limit / loads[joint.name]))
     times = [2.0 * j.geometry.radial_clearance / (factor * fastest[j.name]) for j in system.clearances]

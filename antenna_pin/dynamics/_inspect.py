@@ -118,7 +118,8 @@ def _root(
 def _crossing(c: int, sign: float, level: float, nodes: Any, context: Any) -> float:
     """First fraction at which the gap of contact c passes a level, or 2. sign = 1: upwards, -1: downwards.
 
-    f = sign * (gap - level) is negative (or zero, at the start) before; f' has the sign of -sign * depth rate.
+    f = sign * (gap - level) is negative (or zero, at the start) before; f' has the sign of -sign * depth
+    rate.
     """
     for k in range(NODES):
         a = k / NODES
@@ -237,8 +238,8 @@ def inspect_step(
 ) -> tuple[int, float, bool]:
     """Return what happens first within the step: which contact, at what fraction, and whether it is too deep.
 
-    Else than too deep, past its limit, it changes: touches or parts. Where nothing happens, -1 and 2, the step
-    will be accepted: then the peaks are tracked too.
+    If it is not too deep, past its limit, it changes: touches or parts. Where nothing happens, -1 and 2, the
+    step will be accepted: then the peaks are tracked too.
 
     A contact marked 2 in ``ignore`` has changed twice at the start already: a third change there is not
     believed.

@@ -172,8 +172,8 @@ def _spring(p: Any, b: int, y: Any, nq: int, nv: int, tau: Any, rates: Any) -> N
 def evaluate(t: float, y: Any, program: Any, work: Any, rates: Any) -> None:
     """Write the generalized force of all elements into work, and the rates of x behind rates[nv].
 
-    ``work`` is [generalized force (nv), pose, memory (contacts x MEMORY_WIDTH), table (rows x TABLE_WIDTH)] in
-    one array, because each argument costs a part of what is computed.
+    ``work`` is [generalized force (nv), pose, memory (contacts x MEMORY_WIDTH), table (rows x TABLE_WIDTH)]
+    in one array, because each argument costs a part of what is computed.
     """
     nq = int(program[0])
     nv = int(program[1])
@@ -230,7 +230,7 @@ def stored_energy(y: Any, program: Any, memory: Any, table: Any) -> tuple[float,
 
 @kernel
 def turn_on(program: Any, turns: Any, y: Any) -> float:
-    """Bring the turned angles in a state's x up to its configuration; return the fastest turning rate [rad/s].
+    """Bring the turned angles in a state's x up to its configuration; return the fastest rate [rad/s].
 
     ``turns`` has a row per angle: place in x, block of the joint with play or -1, start in q, start in v.
     """

@@ -164,8 +164,8 @@ class JointSpring:
         stiffness: k, at least 0 [N m/rad], or [N/m] at a prismatic joint.
         damping: c, at least 0 [N m s/rad], or [N s/m].
         rest_angle: phi_0 [rad], or [m].
-        shorter_way: Whether the deflection is taken the shorter way round instead, within half a turn, as of a
-            magnet; it jumps from one side to the other at half a turn. Only of turning joints.
+        shorter_way: Whether the deflection is taken the shorter way round instead, within half a turn, as of
+            a magnet; it jumps from one side to the other at half a turn. Only of turning joints.
     """
 
     joint: str

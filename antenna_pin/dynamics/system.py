@@ -62,11 +62,11 @@ class System:
 
     The state is ``y = [q, v, x]``: Pinocchio's configuration and velocity, and in x the turned angles of
     joints that turn without end (see :meth:`turn_on`) and what the elements integrate (per contact impulse,
-    work lost in normal direction and to friction, bristles; per drive work and gross work; per spring the work
-    lost in its damper).
+    work lost in normal direction and to friction, bristles; per drive work and gross work; per spring the
+    work lost in its damper).
 
-    ``memory`` is the contacts' discrete state, one row each: [touching, approach speed, effective mass]. It is
-    not part of ``y``; whoever advances the system changes it, at located events only.
+    ``memory`` is the contacts' discrete state, one row each: [touching, approach speed, effective mass]. It
+    is not part of ``y``; whoever advances the system changes it, at located events only.
 
     Args:
         mechanism: Its joints named by clearance joints and hinges must be floating (planar for a planar

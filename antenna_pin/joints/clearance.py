@@ -430,12 +430,12 @@ class PythonPath:
             depth = -table[r, 0]
             if memory[r, _kernels.TOUCHING] == 0.0 or depth <= 0.0:
                 continue
-            rate, approach, mass = table[r, _kernels.RATE], *memory[r, _kernels.APPROACH :].tolist()
+            rate, approach = float(table[r, _kernels.RATE]), float(memory[r, _kernels.APPROACH])
             if isinstance(law, CompiledNormalLaw):
                 # Its arithmetic, without the checks: a trial step may go deeper than the law reaches.
                 numbers = law.code()
                 elastic = float(elastic_force(numbers, depth))
-                force = float(normal_force(numbers, depth, rate, approach, mass))
+                force = float(normal_force(numbers, depth, rate, approach, memory[r, _kernels.MASS]))
             else:
                 within = min(depth, _range_of(law))  # for the same reason
                 elastic, force = law.elastic_force(within), max(0.0, law.force(within, rate, approach))

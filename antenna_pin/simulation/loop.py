@@ -476,7 +476,7 @@ class Run:
         return None
 
     def _shortened(self, tried: float, error: float) -> float:
-        """Return the step to try after one of size ``tried`` had too large an error; end a run that cannot [s]."""
+        """Return the step to try after one with too large an error [s]; end a run that has none."""
         h = tried * _SHRINK
         if math.isfinite(error):
             h = tried * max(_SHRINK, _SAFETY * error ** (-1.0 / self._power))

@@ -124,7 +124,7 @@ class _Observer:
         system.memory[:] = memory
 
     def motion(self) -> tuple[list[str], Array, Array, Array]:
-        """Return names, angles (with their whole turns), rates and accelerations of the joints that turn about an axis."""
+        """Return names, angles, rates and accelerations of the joints that turn; angles with whole turns."""
         system = self.system
         nq, nv = system.model.nq, system.model.nv
         names, angles, rates, accelerations = [], [], [], []

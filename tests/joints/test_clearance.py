@@ -89,8 +89,8 @@ def test_depth_rate_is_the_rate_of_the_gap(joint, states):
         gap = [joint.evaluate(moved(joint, q, v, k * h), v).gap for k in (-2, -1, 1, 2)]
         numerical = (gap[0] - 8.0 * gap[1] + 8.0 * gap[2] - gap[3]) / (12.0 * h)
         # Truncation, h^4 / 30 times the fifth derivative: each brings speed over offset, 0.03 / 2e-4
-        # and more; and round-off, 3e-17 m over h. A flange that presses flat has the rate of its force's point,
-        # which is not the deepest.
+        # and more; and round-off, 3e-17 m over h. A flange that presses flat has the rate of its force's
+        # point, which is not the deepest.
         deepest = ~flat(joint, q, state)
         assert deepest[:2].all() and deepest.any()
         assert numerical[deepest] == pytest.approx(-rate[deepest], rel=1e-7, abs=1e-10)

@@ -120,7 +120,7 @@ VISCOUS = BrownMcPhee(static=0.2, dynamic=0.1, transition_speed=0.01, viscous=5.
 @pytest.mark.parametrize("backend", ["closed-form", "coal"])
 def test_parallel_axes_bear_the_point_load_whatever_the_number_of_shares(law, friction, backend):
     """At zero tilt all strips and sectors are as deep as the ends and the rim are."""
-    # Both flanges' and the bore's contacts in turn; sliding along and about the axis where that is tangential.
+    # Pressed into the bore, sliding along it; then on a flange, sliding across.
     for q, v in (
         (pose(x=2.01e-4), [0.01, 0.0, 0.02, 0.0, 0.0, 0.0]),
         (pose(z=-2.01e-4), [0.02, 0.0, -0.01, 0.0, 0.0, 0.0]),

@@ -109,7 +109,7 @@ def pressed(one, tilt, direction, depth):
 @pytest.mark.parametrize("backend", ["closed-form", "coal"])
 @pytest.mark.parametrize("flange", [0.014, 0.011], ids=["wide flange", "small flange"])
 def test_the_force_moves_from_the_axis_to_the_rim_and_stays_there(backend, flange):
-    """On the axis at zero tilt, continuous in it, at the rim once the far edge is free; its size is the law's."""
+    """On the axis at zero tilt, then on to the rim, where the far edge is free; its size is the law's."""
     shape = dataclasses.replace(SHAPE, flange_radius=flange)
     one, edge, depth = joint(backend, shape), min(0.012, flange), 5e-6
     whole = np.linspace(0.0, 2.0, 81)  # the difference in depth across the annulus, over the depth

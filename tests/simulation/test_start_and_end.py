@@ -44,7 +44,7 @@ def test_a_pose_that_the_parts_cannot_have_is_no_start(tilt, geometry):
 
 
 def test_the_gap_falls_all_the_way_to_a_pin_across_the_bore():
-    """The deeper in the wall, the smaller the gap, past the pose whose axis meets the end circle; coal too."""
+    """The deeper in the wall, the smaller the gap, also past the pose whose axis meets the end circle."""
     shape = RevoluteClearance.from_clearances(
         bearing_radius=5e-3,
         radial_clearance=5e-5,
@@ -214,11 +214,11 @@ def test_limits_are_a_scenarios_too():
 
 
 def test_each_contact_has_the_effective_mass_of_its_own_pose_and_normal():
-    """(n^T M^-1 n)^-1 with the point's own Jacobian, from Pinocchio's inverse of M, at every onset of a run."""
+    """(n^T M^-1 n)^-1 with the point's own Jacobian and Pinocchio's inverse of M, at every onset."""
     asked = load_scenario("bai2020", case="case3", overrides=["clearance.elevation.geometry=closed-form"])
     run = simulate(asked, duration=0.1)
     system = build_system(asked)
-    model, slot = system.model, system.mechanism.joint("elevation")
+    model, slot, shape = system.model, system.mechanism.joint("elevation"), system.clearances[0].geometry
     data = model.createData()
     masses, onsets = run.data["effective_mass"].values, run.data["onset_time"].values
     assert len(masses) > 20 and np.ptp(masses) > 0.1 * masses.mean()
@@ -229,23 +229,11 @@ def test_each_contact_has_the_effective_mass_of_its_own_pose_and_normal():
         inverse = (upper + np.triu(upper, 1).T)[slot.v, slot.v]
         frame, bearing = pin.Quaternion(q[slot.q][3:]).matrix(), frame_aligning_z(slot.axis)
         point = bearing @ at["contact_point"].values[contact] - q[slot.q][:3]  # from the child's origin
-        normal = bearing @ _normal(at, contact, asked)
+        attitude = pin.Quaternion(at["journal_attitude"].values[0]).matrix()
+        candidates = shape.contacts(at["journal_position"].values[0], attitude[:, 2])
+        normal = bearing @ candidates[contact].normal
         row = np.concatenate([frame.T @ normal, frame.T @ np.cross(point, normal)])
         assert mass == pytest.approx(1.0 / (row @ inverse @ row), rel=1e-9, abs=0.0)
-
-
-def _normal(at, contact, asked):
-    joint = asked.clearance["elevation"]
-    shape = RevoluteClearance.from_clearances(
-        bearing_radius=joint.bearing_radius,
-        radial_clearance=joint.radial_play,
-        bearing_length=joint.bearing_length,
-        axial_clearance=joint.axial_play,
-        bearing_outer_radius=joint.bearing_outer_radius,
-        flange_radius=joint.flange_radius,
-    )
-    attitude = pin.Quaternion(at["journal_attitude"].values[0]).matrix()
-    return shape.contacts(at["journal_position"].values[0], attitude[:, 2])[contact].normal
 
 
 @pytest.mark.parametrize("law", ["tsuji", "jankowski"])

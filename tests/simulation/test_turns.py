@@ -29,7 +29,7 @@ TIGHT = RunSettings(rtol=1e-12, output_rate=200.0)
 
 
 def wheel(kind, **elements):
-    """A balanced wheel on a joint of each kind; in those with play it turns about its middle, touching nothing."""
+    """A balanced wheel on a joint of each kind; in those with play it touches nothing."""
     written = kind if kind == "revolute" else "continuous"
     variant = {"constraint": "free", "contact": "free", "planar": "planar"}.get(kind, "ideal")
     urdf = Urdf.from_text(WHEEL.format(kind=written), "wheel.urdf").variant(joints={"axle": variant})
