@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Literal
 
 import numpy as np
@@ -20,6 +21,22 @@ Array = NDArray[np.float64]
 DriveAxis = Literal["bearing", "journal"]
 
 
+class _Drive:
+    """What an integrator asks of every drive."""
+
+    __slots__ = ()
+
+    @property
+    def instants(self) -> tuple[float, ...]:
+        """Times at which steps must end, for the effort is not smooth there, or too curved between [s]."""
+        return ()
+
+    @property
+    def longest_step(self) -> float:
+        """Step that still resolves the effort, its work between the step's ends included [s]."""
+        return math.inf
+
+
 def _finite(element: object, *names: str) -> None:
     for name in names:
         if not math.isfinite(getattr(element, name)):
@@ -32,7 +49,7 @@ def _check_axis(element: object, axis: str) -> None:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ConstantDrive:
+class ConstantDrive(_Drive):
     """A constant torque (a force at a prismatic joint).
 
     Attributes:
@@ -56,7 +73,7 @@ class ConstantDrive:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class SineDrive:
+class SineDrive(_Drive):
     r"""A torque :math:`A \sin(2 \pi f t + \varphi)`.
 
     Attributes:
@@ -82,9 +99,14 @@ class SineDrive:
         """Return kind and parameters for the fused kernel."""
         return _kernels.SINE, (self.amplitude, 2.0 * math.pi * self.frequency, self.phase)
 
+    @property
+    def longest_step(self) -> float:
+        """An eighth of the period [s]."""
+        return 0.125 / abs(self.frequency) if self.frequency != 0.0 else math.inf
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class TableDrive:
+class TableDrive(_Drive):
     """A torque from a table over time.
 
     Attributes:
@@ -112,6 +134,14 @@ class TableDrive:
             raise InvalidParameterError(self, "interpolation", "linear or cubic")
         _check_axis(self, self.axis)
 
+    @property
+    def instants(self) -> tuple[float, ...]:
+        """Its points; of cubics, whose work is of eighth degree, the middles between them too [s]."""
+        if self.interpolation == "linear":
+            return self.times
+        middles = (0.5 * (a + b) for a, b in pairwise(self.times))
+        return tuple(sorted((*self.times, *middles)))
+
     def code(self) -> tuple[float, Sequence[float]]:
         """Return kind and parameters for the fused kernel: knots and cubic coefficients."""
         t, y = np.asarray(self.times, dtype=float), np.asarray(self.values, dtype=float)
@@ -125,7 +155,7 @@ class TableDrive:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class CallableDrive:
+class CallableDrive(_Drive):
     """A torque from a Python function of time and motion, such as a controller; slower than the others.
 
     Attributes:

@@ -251,16 +251,29 @@ def finish(i: int, h: float, errors: Any, layout: Any, work: Any, scales: Any, r
     """Store the derivative of the last stage i; return the scaled error of the step (1 is the tolerance).
 
     ``errors`` holds one row of weights, or two (Dormand-Prince 8(5,3), combined after Hairer). The error of a
-    component counts against rtol (scale + magnitude); components of infinite scale do not count.
+    component counts against rtol (scale + magnitude); components of infinite scale do not count. The larger
+    counts of the root mean square over u and v and that over x: integrals on which nothing depends do not
+    thin out the errors of what moves.
     """
     nv, nx = layout[1], layout[2]
     stages = errors.shape[1]
     store(i, stages, layout, work)
     magnitudes(layout, stages, work)
+    motion = _norm(0, nv + nv, i, h, errors, stages, work, scales, rtol)
+    plain = _norm(nv + nv, nv + nv + nx, i, h, errors, stages, work, scales, rtol)
+    # Whichever is not finite is the larger.
+    return motion if motion != motion or motion >= plain else plain
+
+
+@inlined
+def _norm(
+    begin: int, end: int, i: int, h: float, errors: Any, stages: int, work: Any, scales: Any, rtol: float
+) -> float:
+    """Scaled error of the components from ``begin`` to ``end``."""
     sum_first = 0.0
     sum_second = 0.0
     count = 0
-    for k in range(nv + nv + nx):
+    for k in range(begin, end):
         scale = scales[k]
         if scale == math.inf:
             continue

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
 from antenna_pin.contact import NormalLaw
-from antenna_pin.dynamics import System, TableDrive, _inspect
+from antenna_pin.dynamics import System, _inspect
 from antenna_pin.integrate import Stepper, method_named
 from antenna_pin.joints import _kernels as _joint
 from antenna_pin.simulation.settings import RunSettings
@@ -195,15 +195,11 @@ class Run:
                 block = system.clearance_blocks[joint.name]
                 row = int(system.program[block + _joint.FIRST_CONTACT])
                 self._python_laws += [(row + k, law) for k, law in enumerate(joint.normal_laws)]
-        self._breaks = sorted(
-            {
-                t
-                for drive in system.drives.values()
-                if isinstance(drive, TableDrive)  # linear: kinks; cubic: jumps of the second derivative
-                for t in drive.times
-                if 0.0 < t < duration
-            }
-        )
+        instants = {t for drive in system.drives.values() for t in drive.instants}
+        self._breaks = sorted(t for t in instants if 0.0 < t < duration)
+        self._longest = settings.max_step
+        if self.method.adaptive:
+            self._longest = min([self._longest, *(drive.longest_step for drive in system.drives.values())])
         self._patterns: dict[bytes, float] = {}
         self._spin = 0.0
         self._paced = (0, 0.0)
@@ -345,9 +341,9 @@ class Run:
         return min(1e-6, settings.max_step, self.duration)
 
     def _limit(self, h: float) -> float:
-        """Cut a step to the longest allowed, to the next kink of a torque table, and to the end."""
+        """Cut a step to the longest allowed, to the next instant of a torque table, and to the end."""
         t = self.stepper.t
-        h = min(h, self.settings.max_step)
+        h = min(h, self._longest)
         if h * self._spin > _LARGEST_TURN:
             h = _LARGEST_TURN / self._spin
         while self._breaks and self._breaks[0] <= t:
@@ -514,10 +510,10 @@ class Run:
             values = [lack(theta) for theta in points]
             best = int(np.argmin(values))
             theta, value = points[best], values[best]
-            if 0 < best < _inspect.NODES and -value > 0.95 * self._record[c, _inspect.PEAK_FORCE]:
+            if -value > 0.95 * self._record[c, _inspect.PEAK_FORCE]:
                 found = minimize_scalar(
                     lack,
-                    bounds=(points[best - 1], points[best + 1]),
+                    bounds=(points[max(best - 1, 0)], points[min(best + 1, _inspect.NODES)]),
                     method="bounded",
                     options={"xatol": 1e-6},
                 )
