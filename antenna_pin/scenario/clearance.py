@@ -71,7 +71,7 @@ class _Clearance(Spec):
         load: How contact is spread: one force per contact, or over strips of the bore and sectors of the
             flanges.
         strips: Of the bore under distributed load, even [-].
-        sectors: Of each flange under distributed load [-].
+        sectors: Of the loaded arc of each flange under distributed load [-].
         flange_modulus: Of the flanges' elastic foundation under distributed load, pressure over depth
             [N/m^3]; None for the one that gives the compression stiffness of a rigid annular punch.
         approach_speed_floor: Least approach speed that a law sees [m/s].
