@@ -21,7 +21,6 @@ class ScalesSpec(Spec):
         angular_velocity: [rad/s].
         clearance: Position scale of a joint with play, in multiples of its own clearance [-].
         clearance_velocity: Velocity scale of a joint with play [m/s].
-        energy: Of works and losses [J].
         base: Factor on the scales of a free base [-]; None for the mass of the other bodies over the whole
             mass.
     """
@@ -32,7 +31,6 @@ class ScalesSpec(Spec):
     angular_velocity: Annotated[float, Quantity("rad/s", "positive")] = 1.0
     clearance: Annotated[float, Quantity("1", "positive")] = 1.0
     clearance_velocity: PositiveSpeed = 0.01
-    energy: Annotated[float, Quantity("J", "positive")] = 0.01
     base: Annotated[float, Quantity("1", "positive")] | None = None
 
 

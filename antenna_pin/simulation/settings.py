@@ -38,7 +38,6 @@ class ErrorScales:
         clearance: Position of a journal in its bearing, in multiples of the radial clearance [-]; the tilt's
             scale is that over half the bearing's length.
         clearance_velocity: Of a journal in its bearing [m/s]; over half the length for the tilt's rate.
-        energy: Of works and losses [J].
         base: Factor on the scales of a free base [-], or None.
     """
 
@@ -48,18 +47,20 @@ class ErrorScales:
     angular_velocity: float = 1.0
     clearance: float = 1.0
     clearance_velocity: float = 0.01
-    energy: float = 0.01
     base: float | None = None
 
     def __post_init__(self) -> None:
         """Check the scales."""
         _positive(self, "position", "angle", "velocity", "angular_velocity")
-        _positive(self, "clearance", "clearance_velocity", "energy")
+        _positive(self, "clearance", "clearance_velocity")
         if self.base is not None and not 0.0 < self.base < math.inf:
             raise InvalidParameterError(self, "base", "positive and finite, or left out")
 
     def of(self, system: System) -> NDArray[np.float64]:
-        """Return the scale of each component of [u, v, x], (2 nv + nx,); of x energies and bristles."""
+        """Return the scale of each component of [u, v, x], (2 nv + nx,); of x energies and bristles.
+
+        That of works and losses is what the moving bodies have at a velocity of one unit of tolerance.
+        """
         model = system.model
         position = np.full(model.nv, self.angle)
         velocity = np.full(model.nv, self.angular_velocity)
@@ -93,7 +94,9 @@ class ErrorScales:
                 )
         x = np.full(system.manifold.nx, math.inf)
         energies = (system.lost_normal_x, system.lost_friction_x, system.work_x, system.damper_x)
-        x[np.concatenate(energies)] = self.energy
+        moving = sum(i.mass for i in list(model.inertias)[2 if system.mechanism.base == "free" else 1 :])
+        slow = self.clearance_velocity if system.clearances else self.velocity
+        x[np.concatenate(energies)] = moving * slow**2
         x[system.bristle_x] = [
             scale
             for joint in system.clearances
