@@ -408,6 +408,7 @@ def main() -> int:
     add(
         "--wall", type=float, default=WALL, metavar="S", help="longest time of a run in seconds (%(default)s)"
     )
+    add("--brief", action="store_true", help="without the table of classes")
     add("--save", type=Path, metavar="FILE.csv", help="write a row for each scenario")
     given = parser.parse_args()
     if given.count < 1 or given.jobs < 1 or given.first < 0:
@@ -423,7 +424,8 @@ def main() -> int:
     if given.save is not None:
         save(rows, given.seed, given.save)
     failures = failure_lines(rows, given.seed)
-    print("\n".join(["", *class_table(rows), "", *summary_lines(rows), ""]))
+    table = [] if given.brief else ["", *class_table(rows), ""]
+    print("\n".join([*table, *summary_lines(rows), ""]))
     share = sum(completed_with_contacts(row) for row in rows) / len(rows)
     if given.only is None and share < COMPLETED:
         failures.append(f"only {100 * share:.3g} % were completed with contacts, least {100 * COMPLETED:g} %")

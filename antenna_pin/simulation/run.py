@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 from antenna_pin.assemble import build_system, initial_angles, initial_state
 from antenna_pin.dynamics import System, TableDrive, _inspect
 from antenna_pin.errors import InvalidParameterError
+from antenna_pin.geometry import RevoluteClearance
 from antenna_pin.joints import _kernels as _joint
 from antenna_pin.scenario import Scenario
 from antenna_pin.simulation.loop import Progress, Run, interruptible
@@ -132,6 +133,20 @@ def check_start(system: System, y: np.ndarray, duration: float) -> None:
     """Refuse an initial pose that the parts cannot have, and a torque table that does not cover the run."""
     table = np.zeros_like(system.table)
     _inspect.contacts_in(y, system.program, np.zeros(_joint.POSE_BUFFER), table)
+    for joint in system.clearances:
+        if isinstance(joint.geometry, RevoluteClearance):
+            pose = np.zeros(_joint.POSE_BUFFER)
+            _joint.journal_state(
+                system.program, system.clearance_blocks[joint.name], y, system.model.nq, pose
+            )
+            if pose[5] < 0.0:
+                raise InvalidParameterError(
+                    "initial pose",
+                    f"tilt of {joint.name}",
+                    "below 90 deg; turn the joint's axis round in the URDF for a journal put in from the other "
+                    "side",
+                    f"{np.degrees(np.arctan2(np.hypot(*pose[3:5]), pose[5])):.6g} deg",
+                )
     limits = [limit for joint in system.clearances for limit in joint.depth_limits]
     reasons = [reason for joint in system.clearances for reason in joint.limit_reasons]
     for name, row, limit, reason in zip(system.contact_names, table, limits, reasons, strict=False):

@@ -91,7 +91,7 @@ def distributed_over_point(repeats: int, number: int) -> float:
         )
         system = build_system(asked)
         q, v = initial_state(asked, system)
-        memory = np.array([[1.0, 1e-3], [1.0, 1e-3], [0.0, 0.0], [0.0, 0.0]])
+        memory = np.array([[1.0, 1e-3, 1.0], [1.0, 1e-3, 1.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
         over, _ = ratios(system, [(q, v, memory)], repeats, number)
         times.append(float(np.median(over)))
     return times[1] / times[0]
