@@ -75,6 +75,11 @@ class Page:
         self._requests.clear()
         self.resize(width, height)
         self.browser.open(path.resolve().as_uri())
+        # On a busy machine the driver was seen to return while a large page was still being read.
+        self.run(
+            "if (document.readyState !== 'complete')"
+            " await new Promise((done) => addEventListener('load', done, { once: true }));"
+        )
         return self
 
     def resize(self, width: int, height: int, mobile: bool = False) -> None:

@@ -143,8 +143,7 @@ def check_start(system: System, y: np.ndarray, duration: float) -> None:
                 raise InvalidParameterError(
                     "initial pose",
                     f"tilt of {joint.name}",
-                    "below 90 deg; turn the joint's axis round in the URDF for a journal put in from the other "
-                    "side",
+                    "below 90 deg; for a journal put in the other way round turn the axis in the URDF",
                     f"{np.degrees(np.arctan2(np.hypot(*pose[3:5]), pose[5])):.6g} deg",
                 )
     limits = [limit for joint in system.clearances for limit in joint.depth_limits]
