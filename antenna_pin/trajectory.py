@@ -19,6 +19,7 @@ from antenna_pin.card import run_card
 from antenna_pin.errors import FileFormatError
 from antenna_pin.files import check_writable, replacing
 from antenna_pin.scenario import Scenario
+from antenna_pin.state import State
 
 __all__ = ["FORMAT", "Counts", "Outcome", "Trajectory", "library_versions"]
 
@@ -104,6 +105,7 @@ class Trajectory:
         message: The outcome in words, with the place and what to try.
         counts: Steps, evaluations, wall time.
         scenario: What it came from, enough to repeat it; None for a system built in Python.
+        end: The state that it left, to go on from: ``simulate(scenario, start=run.end)``.
     """
 
     data: xr.Dataset
@@ -111,6 +113,7 @@ class Trajectory:
     message: str
     counts: Counts
     scenario: Scenario | None = None
+    end: State | None = None
 
     @property
     def completed(self) -> bool:
@@ -130,6 +133,7 @@ class Trajectory:
             outcome_message=self.message,
             counts=json.dumps(asdict(self.counts)),
             scenario="" if self.scenario is None else self.scenario.model_dump_json(),
+            end="" if self.end is None else self.end.to_json(),
         )
         encoding = {
             str(name): {"zlib": True, "complevel": 1, "shuffle": True}
@@ -168,13 +172,14 @@ class Trajectory:
         broken = _broken_part(data)
         try:
             if broken is None:
-                text = data.attrs["scenario"]
+                text, end = data.attrs["scenario"], data.attrs.get("end", "")
                 return cls(
                     data=data,
                     outcome=Outcome[data.attrs["outcome"]],
                     message=data.attrs["outcome_message"],
                     counts=Counts(**json.loads(data.attrs["counts"])),
                     scenario=Scenario.model_validate_json(text) if text else None,
+                    end=State.from_json(end) if end else None,
                 )
         except (KeyError, TypeError, ValueError):
             broken = "attributes that cannot be read"

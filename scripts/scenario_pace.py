@@ -16,6 +16,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from antenna_pin import ClearanceJoint, Scenario, System, build_system, initial_state
+from antenna_pin.dynamics import Workspace
 from antenna_pin.geometry import RevoluteClearance
 
 __all__ = ["DURATIONS", "SPEEDS", "at_speed", "effective_mass", "inverse_mass", "numbers"]
@@ -46,7 +47,8 @@ def effective_mass(scenario: Scenario, system: System, joint: str) -> float:
     """Return the largest mass that a contact of a joint with play sees at the start [kg]."""
     y = system.state(*initial_state(scenario, system))
     contacts = [k for k, name in enumerate(system.contact_names) if name.rpartition(".")[0] == joint]
-    return max(system.effective_mass(y, contact) for contact in contacts)
+    workspace = Workspace(system)
+    return max(workspace.effective_mass(y, contact) for contact in contacts)
 
 
 def at_speed(table: Table, speed: float, rng: Random) -> Scenario | None:

@@ -12,6 +12,7 @@ from antenna_pin.dynamics.elements import (
 from antenna_pin.dynamics.hinge import Hinge
 from antenna_pin.dynamics.loads import transmitted_wrenches
 from antenna_pin.dynamics.system import System
+from antenna_pin.dynamics.workspace import Workspace
 
 __all__ = [
     "Audit",
@@ -23,6 +24,7 @@ __all__ = [
     "SineDrive",
     "System",
     "TableDrive",
+    "Workspace",
     "audit",
     "transmitted_wrenches",
 ]

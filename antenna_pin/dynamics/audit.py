@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -13,7 +12,7 @@ from numpy.typing import NDArray
 from antenna_pin.contact import CompiledNormalLaw
 from antenna_pin.contact._kernels import elastic_energy
 from antenna_pin.dynamics import _kernels
-from antenna_pin.dynamics.system import System
+from antenna_pin.dynamics.workspace import Workspace
 from antenna_pin.joints import _kernels as _joint
 
 __all__ = ["Audit", "audit"]
@@ -51,28 +50,26 @@ class Audit:
         return self.kinetic + self.gravity + self.contacts + self.springs
 
 
-def audit(system: System, y: Array, data: Any) -> Audit:
+def audit(workspace: Workspace, y: Array) -> Audit:
     """Return energies and momenta of a state.
 
-    The system's contact table must belong to this state and its memory (as after ``system.derivative``).
-
     Args:
-        system: The system.
+        workspace: Its contact table and memory must be those of this state, as after ``measure(y)``.
         y: State [q, v, x].
-        data: ``pin.Data`` of one's own to work on.
     """
-    model = system.model
+    system, model, data = workspace.system, workspace.model, workspace.data
+    memory, table = workspace.memory, workspace.table
     q, v = y[: model.nq], y[model.nq : model.nq + model.nv]
     pin.computeCentroidalMomentum(model, data, q, v)
     kinetic = pin.computeKineticEnergy(model, data)
     gravity = pin.computePotentialEnergy(model, data, q)
-    contacts, springs = _kernels.stored_energy(y, system.program, system.memory, system.table)
+    contacts, springs = _kernels.stored_energy(y, workspace.program, memory, table)
     for joint in system.clearances:
         if not joint.compiled:
             row = int(system.program[system.clearance_blocks[joint.name] + _joint.FIRST_CONTACT])
             for k, law in enumerate(joint.normal_laws):
-                depth = -float(system.table[row + k, 0])
-                if system.memory[row + k, 0] != 0.0 and depth > 0.0:
+                depth = -float(table[row + k, 0])
+                if memory[row + k, _joint.TOUCHING] != 0.0 and depth > 0.0:
                     if isinstance(law, CompiledNormalLaw):
                         contacts += elastic_energy(law.code(), depth)
                     else:

@@ -17,9 +17,9 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from antenna_pin.errors import InvalidParameterError, MechanismError
-from antenna_pin.mechanism import Mechanism
+from antenna_pin.mechanism import JointSlot, Mechanism
 
-__all__ = ["Hinge", "constrained_acceleration"]
+__all__ = ["Hinge", "constrained_acceleration", "hinge_slot"]
 
 Array = NDArray[np.float64]
 
@@ -54,6 +54,16 @@ class Hinge:
             raise InvalidParameterError(self, "stabilisation", "zero or more, and finite")
 
 
+def hinge_slot(mechanism: Mechanism, hinge: Hinge) -> JointSlot:
+    """Return the slot of a hinge's joint, checked to be free."""
+    slot = mechanism.joint(hinge.joint)
+    if slot.kind != "floating":
+        raise MechanismError(
+            f"hinge {hinge.joint!r}: the joint must be floating to be held by constraint, got {slot.kind}"
+        )
+    return slot
+
+
 def constrained_acceleration(
     mechanism: Mechanism, data: Any, hinges: Sequence[Hinge]
 ) -> Callable[[Array, Array, Array], Array]:
@@ -67,11 +77,7 @@ def constrained_acceleration(
     model = mechanism.model
     models = pin.StdVec_RigidConstraintModel()
     for hinge in hinges:
-        slot = mechanism.joint(hinge.joint)
-        if slot.kind != "floating":
-            raise MechanismError(
-                f"hinge {hinge.joint!r}: the joint must be floating to be held by constraint, got {slot.kind}"
-            )
+        slot = hinge_slot(mechanism, hinge)
         parent = int(model.parents[slot.joint_id])
         placement = model.jointPlacements[slot.joint_id]
         for sign in (1.0, -1.0):

@@ -3,24 +3,22 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from functools import partial
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
-from antenna_pin.dynamics import _inspect, _kernels
+from antenna_pin.dynamics import _kernels
 from antenna_pin.dynamics.elements import CallableDrive, Drive, JointSpring
-from antenna_pin.dynamics.hinge import Hinge, constrained_acceleration
+from antenna_pin.dynamics.hinge import Hinge, hinge_slot
+from antenna_pin.dynamics.workspace import Workspace
 from antenna_pin.errors import InvalidParameterError, MechanismError, UnknownNameError
 from antenna_pin.geometry import SphericalClearance
-from antenna_pin.geometry.shapes import TABLE_WIDTH
 from antenna_pin.integrate import Manifold
 from antenna_pin.joints import ClearanceJoint
 from antenna_pin.joints import _kernels as _joint
-from antenna_pin.joints.clearance import PythonPath
 from antenna_pin.mechanism import JointSlot, Mechanism, frame_aligning_z
 
 __all__ = ["System"]
@@ -58,15 +56,19 @@ def _spaces(model: Any) -> tuple[str, ...]:
 
 
 class System:
-    """A mechanism with its force elements: the derivative that an integrator asks for.
+    """A mechanism with its force elements, as data: what a state is, and all numbers that its motion needs.
+
+    Nothing in it changes once it is made: runs share it, in threads too, and it can be pickled (with drives
+    in Python as far as those can). What a run works on is its :class:`antenna_pin.dynamics.Workspace`.
 
     The state is ``y = [q, v, x]``: Pinocchio's configuration and velocity, and in x the turned angles of
     joints that turn without end (see :meth:`turn_on`) and what the elements integrate (per contact impulse,
     work lost in normal direction and to friction, bristles; per drive work and gross work; per spring the
     work lost in its damper).
 
-    ``memory`` is the contacts' discrete state, one row each: [touching, approach speed, effective mass]. It
-    is not part of ``y``; whoever advances the system changes it, at located events only.
+    Beside it stands the contact memory, the contacts' discrete state, one row each: [touching, approach
+    speed, effective mass]. It is not part of ``y``; whoever advances the system changes it, at located events
+    only.
 
     Args:
         mechanism: Its joints named by clearance joints and hinges must be floating (planar for a planar
@@ -89,20 +91,11 @@ class System:
         """Lay out the state and compose the program of force elements."""
         self.mechanism = mechanism
         self.model = mechanism.model
-        self.data = mechanism.model.createData()
         self.clearances = tuple(clearances)
         self.drives = dict(drives or {})
         self.springs = dict(springs or {})
         self.hinges = tuple(hinges)
         self._compose()
-        self._acceleration: Callable[[Array, Array, Array], Array] = (
-            constrained_acceleration(mechanism, self.data, self.hinges)
-            if self.hinges
-            else partial(pin.aba, self.model, self.data)
-        )
-        #: ``derivative(t, y, rates)`` writes [acceleration (nv), rate of x (nx)] at time t [s] and state y
-        # into : rates; fastest when the two arrays are the same in each call.
-        self.derivative = self._derivative()
 
     # --- layout ---------------------------------------------------------------------------------------------
 
@@ -111,6 +104,10 @@ class System:
         if len(set(names)) != len(names):
             raise InvalidParameterError("System", "clearances", "of different joints", names)
         self.contact_names = tuple(name for joint in self.clearances for name in joint.contact_names)
+        #: Least approach speed of each contact [m/s].
+        self.approach_speed_floors = tuple(
+            joint.approach_speed_floor for joint in self.clearances for _ in joint.contact_names
+        )
         nq = self.model.nq
         blocks: list[Array] = [np.array([nq, self.model.nv, 0.0, 0.0])]
         size, row = _kernels.HEADER, 0
@@ -133,7 +130,7 @@ class System:
             x += joint.contacts * joint.stride
         for hinge in self.hinges:
             # A block without contacts: what a drive or spring needs to know of the joint's axis.
-            slot = self.mechanism.joint(hinge.joint)
+            slot = hinge_slot(self.mechanism, hinge)
             block = np.zeros(_joint.LAWS)
             head = [_joint.REVOLUTE, _joint.LAWS, 0, slot.q.start, slot.v.start, row, 0, x, 0]
             block[:10] = [*head, self.turn_x[hinge.joint]]
@@ -141,6 +138,10 @@ class System:
             self.clearance_blocks[hinge.joint] = size
             blocks.append(block)
             size += len(block)
+        #: Where in the program the joint of each contact stands.
+        self.block_of_contact = tuple(
+            self.clearance_blocks[joint.name] for joint in self.clearances for _ in joint.contact_names
+        )
         self.impulse_x = np.array(first_x, dtype=int) + _joint.IMPULSE
         self.lost_normal_x = np.array(first_x, dtype=int) + _joint.LOST_NORMAL
         self.lost_friction_x = np.array(first_x, dtype=int) + _joint.LOST_FRICTION
@@ -148,26 +149,23 @@ class System:
             [first + k for first, stride in zip(first_x, strides, strict=True) for k in range(3, stride)],
             dtype=int,
         )
-        nv = self.model.nv
         # Strips and sectors of joints with distributed load have their rows behind those of all contacts.
         rows = row
         for joint in self.clearances:
             rows += joint.place_strips(blocks[1 + self.clearances.index(joint)], rows)
-        table = nv + _joint.POSE_BUFFER + _joint.MEMORY_WIDTH * row
-        self._work = np.zeros(table + rows * TABLE_WIDTH)
-        self.tau = self._work[:nv]
-        self.memory = self._work[nv + _joint.POSE_BUFFER : table].reshape(row, _joint.MEMORY_WIDTH)
-        self.table = self._work[table:].reshape(rows, TABLE_WIDTH)
+        #: Rows of a contact table: those of the contacts, then those of strips and sectors.
+        self.rows = rows
         blocks[0][2:4] = row, rows
         work_x, self.drive_blocks = [], {}
-        self._callables: list[tuple[int, int, CallableDrive]] = []
+        #: Drives in Python: their block, and where in the program their value goes.
+        self.callables: list[tuple[int, int, CallableDrive]] = []
         for name, drive in self.drives.items():
             kind, parameters = drive.code()
             self.drive_blocks[name] = size
             about = 1.0 if drive.axis == "journal" else 0.0
             block = self._element(f"drive {name!r}", drive.joint, kind, x, about, parameters)
             if isinstance(drive, CallableDrive):
-                self._callables.append((size, size + _kernels.PARAMETERS, drive))
+                self.callables.append((size, size + _kernels.PARAMETERS, drive))
             blocks.append(block)
             size += len(block)
             work_x.append(x)
@@ -199,14 +197,6 @@ class System:
             dtype=np.int64,
         ).reshape(-1, 4)
         self.manifold = Manifold(_spaces(self.model), x)
-        self._slow = bool(self._callables)
-        self._paths: list[PythonPath] = []
-        for joint in self.clearances:
-            start = self.clearance_blocks[joint.name]
-            if self.program[start + _joint.MODE] != 0.0:
-                end = start + int(self.program[start + 1])
-                self._paths.append(PythonPath(joint, self.program[start:end], nq))
-                self._slow = True
 
     def _turning(self) -> dict[str, int]:
         """Return the joints whose configuration knows their angle only but for whole turns, numbered."""
@@ -243,77 +233,7 @@ class System:
         turn = self.turn_x.get(joint, -1)
         return np.array([*head, clearance, about, turn, *parameters], dtype=float)
 
-    # --- the equations of motion ----------------------------------------------------------------------------
-
-    def measure(self, y: Array) -> None:
-        """Bring all rows of ``table`` up to date for a state: gap, normal, point, rates of every contact.
-
-        The derivative itself updates the touching contacts only. Coal's gaps are asked for where it is the
-        backend.
-        """
-        pose = self._work[self.model.nv : self.model.nv + _joint.POSE_BUFFER]
-        _inspect.contacts_in(y, self.program, pose, self.table)
-        for path in self._paths:
-            path.prepare(y, self.memory, self.table, everything=True)
-
-    def apply_elements(self, t: float, y: Array, rates: Array) -> None:
-        """Evaluate the elements: ``tau``, the contacts' ``table``, and x rates behind rates[nv]."""
-        for path in self._paths:
-            path.prepare(y, self.memory, self.table)
-        for block, slot, drive in self._callables:
-            angle, rate, _, _ = _kernels.joint_motion(self.program, block, y, self.model.nq)
-            self.program[slot] = drive.torque(t, angle, rate)
-        _kernels.evaluate(t, y, self.program, self._work, rates)
-
-    def bind(self, y: Array, rates: Array) -> Callable[[float], None]:
-        """Return the derivative of a state held in an array, as a function of time alone.
-
-        What an integrator calls: the arrays are looked at once, and no attribute is looked up (which would
-        cost a tenth of an ABA).
-
-        Args:
-            y: State [q, v, x], contiguous; read at each call.
-            rates: Output [acceleration (nv), rate of x (nx)], written at each call.
-        """
-        nq, nv = self.model.nq, self.model.nv
-        q, v, out = y[:nq], y[nq : nq + nv], rates[:nv]
-        program, work, tau = self.program, self._work, self.tau
-        evaluate, model, data, aba = _kernels.evaluate, self.model, self.data, pin.aba
-        if self._slow or self.hinges:
-            elements, acceleration = self.apply_elements, self._acceleration
-
-            def general(t: float) -> None:
-                elements(t, y, rates)
-                out[:] = acceleration(q, v, tau)
-
-            return general
-
-        def fused(t: float) -> None:
-            evaluate(t, y, program, work, rates)
-            out[:] = aba(model, data, q, v, tau)
-
-        return fused
-
-    def _derivative(self) -> Callable[[float, Array, Array], None]:
-        """Return :meth:`derivative` as a closure that binds new arrays only when it is given new ones."""
-        known = np.zeros(self.manifold.size)
-        output = np.zeros(self.model.nv + self.manifold.nx)
-        bound = self.bind(known, output)
-
-        def derivative(t: float, y: Array, rates: Array) -> None:
-            nonlocal known, output, bound
-            if y is not known or rates is not output:
-                known, output, bound = y, rates, self.bind(y, rates)
-            bound(t)
-
-        return derivative
-
-    def acceleration(self, t: float, q: ArrayLike, v: ArrayLike) -> Array:
-        """Return the generalized acceleration in a state, with the contact memory as it is, (nv,)."""
-        y = self.state(q, v)
-        rates = np.zeros(self.model.nv + self.manifold.nx)
-        self.derivative(t, y, rates)
-        return rates[: self.model.nv].copy()
+    # --- states ---------------------------------------------------------------------------------------------
 
     def state(self, q: ArrayLike, v: ArrayLike, angles: Mapping[str, float] | None = None) -> Array:
         """Return the state [q, v, x] with nothing integrated yet, (nq + nv + nx,).
@@ -377,29 +297,29 @@ class System:
         """
         return float(_kernels.turn_on(self.program, self.turns, y))
 
-    def effective_mass(self, y: Array, contact: int) -> float:
-        """Return the mass that an impact along a contact's normal sees there and then [kg].
+    def contact_memory(self, y: Array) -> Array:
+        """Return the contact memory of a state that comes without one, (contacts, 3).
 
-        With the normal's direction n in the space of generalized velocities, of the material points at the
-        contact, it is ``(n^T M^-1 n)^-1``: the acceleration along n under a unit force gives it, constraints
-        included.
+        Contacts with a gap of zero or less touch, as if for the first time: with the depth rate there and
+        then as approach speed, at least the floor, and with the effective mass there and then.
+        """
+        return Workspace(self).first_memory(y)
+
+    def acceleration(self, t: float, q: ArrayLike, v: ArrayLike, memory: ArrayLike | None = None) -> Array:
+        """Return the generalized acceleration in a state, (nv,).
 
         Args:
-            y: State [q, v, x].
-            contact: Number of the contact.
+            t: Time [s].
+            q: Configuration, (nq,).
+            v: Velocity, (nv,).
+            memory: Of the contacts, (contacts, 3); by the rule of :meth:`contact_memory` if not given.
         """
-        nq, nv = self.model.nq, self.model.nv
-        pose, table = np.zeros(_joint.POSE_BUFFER), np.zeros_like(self.table)
-        _inspect.contacts_in(y, self.program, pose, table)
-        for joint in self.clearances:
-            block = self.clearance_blocks[joint.name]
-            if 0 <= contact - int(self.program[block + _joint.FIRST_CONTACT]) < joint.contacts:
-                break
-        _joint.journal_state(self.program, block, y, nq, pose)
-        direction, rest = np.zeros(nv), np.zeros(nv)
-        _joint.unit_normal_force(self.program, block, pose, table, contact, direction)
-        free = np.array(self._acceleration(y[:nq], rest, rest))
-        return float(1.0 / (direction @ (self._acceleration(y[:nq], rest, direction) - free)))
+        y = self.state(q, v)
+        workspace = Workspace(self)
+        workspace.memory[:] = workspace.first_memory(y) if memory is None else np.asarray(memory, dtype=float)
+        rates = np.zeros(self.model.nv + self.manifold.nx)
+        workspace.bind(y, rates)(t)
+        return rates[: self.model.nv].copy()
 
     def neutral(self) -> Array:
         """Return the configuration with every joint at zero and journals centred, (nq,)."""

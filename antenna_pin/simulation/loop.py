@@ -9,6 +9,7 @@ step.
 from __future__ import annotations
 
 import bisect
+import dataclasses
 import math
 import signal
 import threading
@@ -24,10 +25,11 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
 from antenna_pin.contact import NormalLaw
-from antenna_pin.dynamics import System, _inspect
+from antenna_pin.dynamics import System, Workspace, _inspect
 from antenna_pin.integrate import Stepper, method_named
 from antenna_pin.joints import _kernels as _joint
 from antenna_pin.simulation.settings import RunSettings
+from antenna_pin.state import OpenContact, State
 from antenna_pin.trajectory import Counts, Outcome
 
 __all__ = ["Episode", "Progress", "Run", "Samples", "interruptible"]
@@ -140,18 +142,22 @@ class Run:
 
     Args:
         system: The system; its contact memory is set from the initial state.
-        start: Initial state [q, v, x] (:meth:`System.state`).
-        duration: Time span [s].
+        start: Where from: a state that a run left, or the first one as [q, v, x] (:meth:`System.state`), at
+            time zero, whose contacts touch by the rule of :meth:`System.contact_memory`.
+        end: Time at which the run ends [s].
         settings: How to integrate and sample.
     """
 
-    def __init__(self, system: System, start: Array, duration: float, settings: RunSettings) -> None:
+    def __init__(self, system: System, start: Array | State, end: float, settings: RunSettings) -> None:
         """Prepare the stepper, the buffers of the inspection, and the contacts that touch at the start."""
         self.system = system
         self.settings = settings
-        self.duration = duration
+        self.workspace = Workspace(system)
+        self.duration = end
+        #: From when on it records [s].
+        self.begin = start.reached if isinstance(start, State) else 0.0
         self.method = method_named(settings.method)
-        self.stepper = Stepper(system, self.method, settings.scales.of(system), settings.rtol)
+        self.stepper = Stepper(self.workspace, self.method, settings.scales.of(system), settings.rtol)
         self.samples = Samples()
         self.episodes: list[Episode] = []
         self.gap_difference = 0.0
@@ -165,9 +171,9 @@ class Run:
         self._peaks: list[tuple[float, Array, Array] | None] = [None] * contacts
         self._ignore = np.zeros(contacts, dtype=np.int64)
         self._nodes = np.zeros((3, _inspect.NODES + 1, contacts))
-        self._table = np.zeros_like(system.table)
+        self._table = np.zeros_like(self.workspace.table)
         self._pose = np.zeros(_joint.POSE_BUFFER)
-        self._floors = [j.approach_speed_floor for j in system.clearances for _ in j.contact_names]
+        self._floors = system.approach_speed_floors
         self._depths = np.array([limit for j in system.clearances for limit in j.depth_limits])
         self._reasons = [reason for j in system.clearances for reason in j.limit_reasons]
         self._bristles = [j.stride - _joint.BRISTLE_START for j in system.clearances for _ in j.contact_names]
@@ -181,8 +187,8 @@ class Run:
             self.stepper.dense,
             self.stepper.work,
             self.stepper.start_row,
-            system.program,
-            system.memory,
+            self.workspace.program,
+            self.workspace.memory,
             np.zeros((2, manifold.size)),
             self._pose,
             self._table,
@@ -196,22 +202,25 @@ class Run:
                 row = int(system.program[block + _joint.FIRST_CONTACT])
                 self._python_laws += [(row + k, law) for k, law in enumerate(joint.normal_laws)]
         instants = {t for drive in system.drives.values() for t in drive.instants}
-        self._breaks = sorted(t for t in instants if 0.0 < t < duration)
+        self._breaks = sorted(t for t in instants if 0.0 < t < end)
         self._longest = settings.max_step
         if self.method.adaptive:
             self._longest = min([self._longest, *(drive.longest_step for drive in system.drives.values())])
         self._patterns: dict[bytes, float] = {}
         self._spin = 0.0
-        self._paced = (0, 0.0)
-        self._start(start)
+        self._paced = (0, self.begin)
+        self._next = 0.0
+        self._left: State | None = None
+        if isinstance(start, State):
+            self._go_on(start)
+        else:
+            self._start(start)
 
     # --- start ----------------------------------------------------------------------------------------------
 
     def _start(self, y: Array) -> None:
-        system = self.system
-        system.memory[:] = 0.0
         self.stepper.restart(0.0, y)
-        self._spin = system.turn_on(self.stepper.start)
+        self._spin = self.system.turn_on(self.stepper.start)
         self._closed_form(y)
         for c in range(len(self._open)):
             row = self._table[c]
@@ -219,6 +228,71 @@ class Run:
                 self._touch(c, max(float(row[_joint.RATE]), 0.0))
         self.stepper.refresh()
         self._sample(0.0, y.copy())
+        self._next = self._first_step()
+
+    def _go_on(self, state: State) -> None:
+        """Take up a run where another left it."""
+        self.workspace.memory[:] = state.memory
+        self.stepper.restart(state.time, state.y)
+        self._spin = self.system.turn_on(self.stepper.start)
+        for one in state.contacts:
+            episode = Episode(
+                contact=one.contact,
+                onset=one.onset,
+                approach_speed=one.approach_speed,
+                effective_mass=one.effective_mass,
+                impulse=one.impulse,
+                dissipated=one.dissipated,
+            )
+            self._open[one.contact] = episode
+            self.episodes.append(episode)
+            self._record[one.contact] = one.peak
+            if one.peak_state.size:
+                self._peaks[one.contact] = (one.peak[1], one.peak_state.copy(), one.peak_memory.copy())
+        self._patterns = {bytes.fromhex(name): size for name, size in state.sizes}
+        self._ignore[:] = state.changed
+        self._next = state.step
+        if state.time == state.reached:
+            self._sample(state.time, state.y)
+
+    @property
+    def state(self) -> State:
+        """The state that the run leaves: one to go on from."""
+        return self._left if self._left is not None else self._state()
+
+    def _state(self) -> State:
+        nq, nv = self.system.model.nq, self.system.model.nv
+        y = self.stepper.start[: self.system.manifold.size]
+        contacts = []
+        for c, episode in enumerate(self._open):
+            if episode is None:
+                continue
+            kept = self._peaks[c]
+            contacts.append(
+                OpenContact(
+                    contact=c,
+                    onset=episode.onset,
+                    approach_speed=episode.approach_speed,
+                    effective_mass=episode.effective_mass,
+                    impulse=episode.impulse,
+                    dissipated=episode.dissipated,
+                    peak=tuple(self._record[c].tolist()),
+                    peak_state=np.zeros(0) if kept is None else kept[1].copy(),
+                    peak_memory=np.zeros((0, 3)) if kept is None else kept[2].copy(),
+                )
+            )
+        return State(
+            time=self.stepper.t,
+            reached=self.stepper.t,
+            q=y[:nq].copy(),
+            v=y[nq : nq + nv].copy(),
+            x=y[nq + nv :].copy(),
+            memory=self.workspace.memory.copy(),
+            contacts=tuple(contacts),
+            step=self._next,
+            sizes=tuple((pattern.hex(), size) for pattern, size in self._patterns.items()),
+            changed=tuple(self._ignore.tolist()),
+        )
 
     def _closed_form(self, y: Array) -> None:
         """Fill the run's own contact table for a state, in closed form."""
@@ -228,10 +302,10 @@ class Run:
 
     def _touch(self, c: int, rate: float) -> None:
         speed = max(rate, self._floors[c])
-        self.system.memory[c, _joint.TOUCHING] = 1.0
-        mass = self.system.effective_mass(self.stepper.start[: self.system.manifold.size], c)
-        self.system.memory[c, _joint.APPROACH] = speed
-        self.system.memory[c, _joint.MASS] = mass
+        self.workspace.memory[c, _joint.TOUCHING] = 1.0
+        mass = self.workspace.effective_mass(self.stepper.start[: self.system.manifold.size], c)
+        self.workspace.memory[c, _joint.APPROACH] = speed
+        self.workspace.memory[c, _joint.MASS] = mass
         episode = Episode(contact=c, onset=self.stepper.t, approach_speed=speed, effective_mass=mass)
         self._record[c] = (0.0, self.stepper.t, 0.0)
         x = self.stepper.start[self.system.model.nq + self.system.model.nv :]
@@ -245,11 +319,13 @@ class Run:
         self.stepper.start[first : first + self._bristles[c]] = 0.0
 
     def _release(self, c: int) -> None:
-        self.system.memory[c] = 0.0
+        self.workspace.memory[c] = 0.0
         self._close(c)
         episode = self._open[c]
         if episode is not None:
             episode.release = self.stepper.t
+            if episode.release < self.begin:  # it is the run's that was before
+                self.episodes.remove(episode)
         self._open[c] = None
 
     def _close(self, c: int) -> None:
@@ -259,7 +335,7 @@ class Run:
         x = self.stepper.start[self.system.model.nq + self.system.model.nv :]
         episode.peak_force, episode.peak_time, episode.peak_depth = self._record[c].tolist()
         peak = self._peaks[c]
-        if peak is not None:
+        if peak is not None and peak[0] >= self.begin:
             self.samples.insert(*peak)
             self._peaks[c] = None
         episode.impulse += float(x[self.system.impulse_x[c]])
@@ -269,7 +345,7 @@ class Run:
         return float(x[self.system.lost_normal_x[c]] + x[self.system.lost_friction_x[c]])
 
     def _flip(self, c: int, rate: float) -> None:
-        if self.system.memory[c, _joint.TOUCHING] != 0.0:
+        if self.workspace.memory[c, _joint.TOUCHING] != 0.0:
             self._release(c)
         else:
             self._touch(c, rate)
@@ -284,8 +360,9 @@ class Run:
         """Run to the end, or to what ends it earlier; ``interrupted`` is asked between steps."""
         began = time.perf_counter()
         reported = began
-        h = self._first_step()
+        h = self._next
         while self.stepper.t < self.duration:
+            self._next = h
             h = self._step(h)
             if self.outcome is not Outcome.COMPLETED:
                 break
@@ -299,9 +376,12 @@ class Run:
                 if now - reported > _REPORT_INTERVAL:
                     reported = now
                     progress(self._progress(h, now - began))
+        self._next = h
+        reached = self.stepper.t
+        self._left = dataclasses.replace(self.state, reached=reached)
         for c in range(len(self._open)):
             self._close(c)
-        if self.samples.times[-1] < self.stepper.t:
+        if not self.samples.times or self.samples.times[-1] < self.stepper.t:
             self._sample(self.stepper.t, self.stepper.start[: self.system.manifold.size].copy())
         self.wall = time.perf_counter() - began
         if progress is not None:
@@ -350,10 +430,13 @@ class Run:
             self._breaks.pop(0)
         end = self._breaks[0] if self._breaks else self.duration
         rest = end - t
+        # Two equal steps rather than a sliver at the end.
+        halved = self.method.adaptive and h > 0.5 * rest
+        if (h >= rest or halved) and not self._breaks and self._left is None:
+            self._left = self._state()
         if h >= rest:
             return rest
-        # Two equal steps rather than a sliver at the end.
-        return 0.5 * rest if self.method.adaptive and h > 0.5 * rest else h
+        return 0.5 * rest if halved else h
 
     def _step(self, h: float) -> float:
         """Make one accepted step from the state; return the size to try next."""
@@ -425,7 +508,7 @@ class Run:
         elif self._ignore[c] != 0:
             # It has just changed here and would change back at once: a graze. Let it touch, and go on.
             self._ignore[c] = 2
-            if self.system.memory[c, _joint.TOUCHING] == 0.0:
+            if self.workspace.memory[c, _joint.TOUCHING] == 0.0:
                 self._touch(c, 0.0)
                 stepper.refresh()
             return following
@@ -437,7 +520,7 @@ class Run:
         return min(self._patterns.get(self._pattern(), following), following * 10.0)
 
     def _pattern(self) -> bytes:
-        return self.system.memory[:, _joint.TOUCHING].tobytes()
+        return self.workspace.memory[:, _joint.TOUCHING].tobytes()
 
     def _relocate(self, c: int, size: float, longest: float, target: float = 0.0) -> float | None:
         """Make the step again so that it ends where the gap of contact c is the target's [m], and accept it.
@@ -491,15 +574,15 @@ class Run:
             if t < moment <= t + h and (kept is None or kept[0] != moment):
                 state = np.empty(self.system.manifold.size)
                 self.stepper.interpolate((moment - t) / h, state)
-                self._peaks[c] = (moment, state, self.system.memory.copy())
+                self._peaks[c] = (moment, state, self.workspace.memory.copy())
 
     def _track_python_laws(self, context: tuple[Any, ...]) -> None:
         """Raise the largest force of contacts with a Python law to the maximum of the dense output."""
         t, h = self.stepper.t, self.stepper.h
         for c, law in self._python_laws:
-            if self.system.memory[c, _joint.TOUCHING] == 0.0:
+            if self.workspace.memory[c, _joint.TOUCHING] == 0.0:
                 continue
-            speed = float(self.system.memory[c, _joint.APPROACH])
+            speed = float(self.workspace.memory[c, _joint.APPROACH])
 
             def lack(theta: float, c: int = c, law: NormalLaw = law, speed: float = speed) -> float:
                 _inspect.contacts_at(theta, *context[:-1])
@@ -529,16 +612,19 @@ class Run:
         rate = self.settings.output_rate
         first = math.floor(t * rate + 1e-9) + 1
         last = math.floor((t + h) * rate + 1e-9)
-        if first <= last:
+        times = [k / rate for k in range(first, last + 1)]
+        if t < self.begin <= t + h and self.begin not in times:
+            times.insert(0, self.begin)
+        if times:
             stepper.prepare_dense()
-            for k in range(first, last + 1):
+            for moment in times:
                 state = np.empty(self.system.manifold.size)
-                theta = (k / rate - t) / h
+                theta = (moment - t) / h
                 if theta >= 1.0:
                     state[:] = stepper.y
                 else:
                     stepper.interpolate(theta, state)
-                self._sample(min(k / rate, self.duration), state)
+                self._sample(min(moment, self.duration), state)
         stepper.accept()
         if self.system.turn_x:
             self._spin = self.system.turn_on(stepper.start)
@@ -547,14 +633,16 @@ class Run:
         self.accepted += 1
 
     def _sample(self, t: float, y: Array) -> None:
-        self.samples.add(t, y, self.system.memory.copy())
+        if t < self.begin:
+            return
+        self.samples.add(t, y, self.workspace.memory.copy())
 
     def _compare_gaps(self) -> None:
         """Record how far coal's gaps are from the closed form at the end of the trial step."""
-        self.system.measure(self.stepper.y)
+        self.workspace.measure(self.stepper.y)
         self._closed_form(self.stepper.y)
         contacts = len(self._open)
-        difference = np.abs(self._table[:contacts, 0] - self.system.table[:contacts, 0]).max()
+        difference = np.abs(self._table[:contacts, 0] - self.workspace.table[:contacts, 0]).max()
         if difference > self.gap_difference:
             self.gap_difference = float(difference)
 

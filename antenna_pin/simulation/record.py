@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from antenna_pin.dynamics import System, audit
+from antenna_pin.dynamics import System, Workspace, audit
 from antenna_pin.dynamics import _kernels as _dynamics
 from antenna_pin.geometry import AxialScenario, RadialScenario, RevoluteClearance
 from antenna_pin.geometry import _kernels as _geometry
@@ -88,21 +88,21 @@ class _Observer:
 
     def _observe(self) -> None:
         system = self.system
-        data = system.model.createData()
+        workspace = Workspace(system)
         rates = np.zeros(system.model.nv + system.manifold.nx)
         y = np.zeros(system.manifold.size)
         nq = system.model.nq
         scratch = np.zeros((5, TABLE_WIDTH))
-        memory = system.memory.copy()
+        derivative = workspace.bind(y, rates)
         blocks = [system.clearance_blocks[joint.name] for joint in system.clearances]
         for i in range(self.n):
             y[:] = self.states[i]
-            system.memory[:] = self.run.samples.memories[i]
-            system.measure(y)
-            system.derivative(self.times[i], y, rates)
+            workspace.memory[:] = self.run.samples.memories[i]
+            workspace.measure(y)
+            derivative(self.times[i])
             self.a[i] = rates[: system.model.nv]
-            self.tables[i] = system.table[: len(system.contact_names)]
-            found = audit(system, y, data)
+            self.tables[i] = workspace.table[: len(system.contact_names)]
+            found = audit(workspace, y)
             self.energies[i] = (found.kinetic, found.contacts, found.springs, found.gravity)
             self.linear[i], self.angular[i] = found.linear, found.angular
             self.momentum_scales[i] = (found.linear_scale, found.angular_scale)
@@ -113,15 +113,14 @@ class _Observer:
                 _joint.journal_state(system.program, blocks[k], y, nq, pose)
                 row = int(system.program[blocks[k] + _joint.FIRST_CONTACT])
                 _joint.wrench_on_journal(
-                    system.program, blocks[k], pose, system.table, row, self.wrenches[i, k]
+                    system.program, blocks[k], pose, workspace.table, row, self.wrenches[i, k]
                 )
                 if isinstance(joint.geometry, RevoluteClearance):
                     shape, at = joint.geometry.shape(), _joint.centre_and_axis(pose)
                     _geometry.revolute_contacts(shape, *at, scratch, 0)
                     self.scenarios[i, k] = _geometry.contact_scenario(shape, *at, scratch, 0, 4)
                 else:
-                    self.scenarios[i, k, 0] = system.table[row, 0] < 0.0
-        system.memory[:] = memory
+                    self.scenarios[i, k, 0] = workspace.table[row, 0] < 0.0
 
     def motion(self) -> tuple[list[str], Array, Array, Array]:
         """Return names, angles, rates and accelerations of the joints that turn; angles with whole turns."""
@@ -360,6 +359,7 @@ def _add_ledger(table: _Table, seen: _Observer) -> Array:
     """Add energies, works, losses and momenta; return the error of the energy balance [J]."""
     system = seen.system
     x = seen.states[:, system.model.nq + system.model.nv :]
+    since = x - x[0]  # a run that goes on from another has its own ledger
     for k, (name, meaning) in enumerate(
         (
             ("kinetic_energy", "kinetic energy"),
@@ -372,13 +372,13 @@ def _add_ledger(table: _Table, seen: _Observer) -> Array:
     stored = seen.energies.sum(axis=1)
     error = stored - stored[0]
     if system.drives:
-        work = x[:, system.work_x]
+        work = since[:, system.work_x]
         error -= work.sum(axis=1)
         table.add("drive_work", ("time", "drive"), work, "J", "work of the drive since the start")
         table.add(
             "drive_gross_work",
             ("time", "drive"),
-            x[:, system.gross_work_x],
+            since[:, system.gross_work_x],
             "J",
             "integral of |power| of the drive",
         )
@@ -387,16 +387,24 @@ def _add_ledger(table: _Table, seen: _Observer) -> Array:
             ("dissipation_normal", system.lost_normal_x, "energy lost to normal contact"),
             ("dissipation_friction", system.lost_friction_x, "energy lost to friction"),
         ):
-            table.add(name, ("time", "contact"), x[:, index], "J", meaning)
-            error += x[:, index].sum(axis=1)
+            table.add(name, ("time", "contact"), since[:, index], "J", meaning)
+            error += since[:, index].sum(axis=1)
         table.add(
-            "normal_impulse", ("time", "contact"), x[:, system.impulse_x], "N s", "integral of normal force"
+            "normal_impulse",
+            ("time", "contact"),
+            since[:, system.impulse_x],
+            "N s",
+            "integral of normal force",
         )
     if system.springs:
         table.add(
-            "dissipation_damper", ("time", "spring"), x[:, system.damper_x], "J", "energy lost in the damper"
+            "dissipation_damper",
+            ("time", "spring"),
+            since[:, system.damper_x],
+            "J",
+            "energy lost in the damper",
         )
-        error += x[:, system.damper_x].sum(axis=1)
+        error += since[:, system.damper_x].sum(axis=1)
     table.add("energy_error", ("time",), error, "J", "stored - start - work of drives + losses")
     table.add("linear_momentum", ("time", "axis"), seen.linear, "kg m/s", "of the whole, world axes")
     table.add(
@@ -452,7 +460,8 @@ def _conservation(seen: _Observer, error: Array) -> dict[str, Any]:
     """Return how well what must be kept was kept, relative to scales that do not pass through zero."""
     system = seen.system
     result: dict[str, Any] = {"energy_error": float(np.abs(error).max())}
-    gross = float(seen.states[-1, system.model.nq + system.model.nv + system.gross_work_x].sum())
+    works = seen.states[:, system.model.nq + system.model.nv + system.gross_work_x]
+    gross = float((works[-1] - works[0]).sum())
     result["gross_work"] = gross
     result["energy_error_relative"] = result["energy_error"] / gross if gross > 0.0 else None
     conserved = system.mechanism.base == "free" and not np.any(system.model.gravity.linear)

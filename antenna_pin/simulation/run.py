@@ -16,11 +16,13 @@ from antenna_pin.assemble import build_system, initial_angles, initial_state
 from antenna_pin.dynamics import System, TableDrive, _inspect
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.geometry import RevoluteClearance
+from antenna_pin.geometry.shapes import TABLE_WIDTH
 from antenna_pin.joints import _kernels as _joint
 from antenna_pin.scenario import Scenario
 from antenna_pin.simulation.loop import Progress, Run, interruptible
 from antenna_pin.simulation.record import dataset
 from antenna_pin.simulation.settings import ErrorScales, RunSettings
+from antenna_pin.state import State
 from antenna_pin.trajectory import Trajectory, library_versions
 
 __all__ = ["settings_of", "simulate"]
@@ -51,6 +53,7 @@ def simulate(
     q: ArrayLike | None = None,
     v: ArrayLike | None = None,
     angles: Mapping[str, float] | None = None,
+    start: State | None = None,
     settings: RunSettings | None = None,
     progress: Callable[[Progress], None] | None = None,
 ) -> Trajectory:
@@ -60,19 +63,24 @@ def simulate(
 
     Args:
         model: What to run.
-        duration: Time span [s]; the scenario's if not given. This and ``settings`` enter the result's
-            scenario as overrides.
+        duration: Time span [s], from ``start`` on; the scenario's if not given. This and ``settings`` enter
+            the result's scenario as overrides.
         q: Initial configuration, (nq,); the scenario's, or neutral. Its quaternions must be of length 1 to
             1e-6 and are made so exactly.
         v: Initial velocity, (nv,); the scenario's, or zero.
         angles: Beside q, angles of joints that turn without end, by name [rad]: their whole turns, which q
             does not hold. Those not given are in (-pi, pi].
+        start: What to go on from instead, the ``end`` of a run of the same system: the two runs together are
+            bit for bit the one run. It brings time, contacts and step sizes along.
         settings: Integration and sampling; the scenario's, or the defaults.
         progress: Called about ten times a second.
 
     Raises:
         AntennaPinError: The input is not valid; raised before any step is made.
     """
+    for name, given in (("q", q), ("v", v), ("angles", angles)):
+        if start is not None and given is not None:
+            raise InvalidParameterError("simulate", name, "left out beside start, which holds it", given)
     scenario = model if isinstance(model, Scenario) else None
     if scenario is not None:
         system = build_system(scenario)
@@ -94,11 +102,18 @@ def simulate(
         raise InvalidParameterError("simulate", "model", "a Scenario or a System", type(model).__name__)
     if not 0.0 < span < math.inf:
         raise InvalidParameterError("simulate", "duration", "positive and finite [s]", span)
+    if start is not None:
+        check_sizes(system, start)
     start_q = first_q if q is None else np.asarray(q, dtype=float)
     start_v = first_v if v is None else np.asarray(v, dtype=float)
-    start = system.state(start_q, start_v, angles)
-    check_start(system, start, span)
-    run = Run(system, start, float(span), used)
+    begin = 0.0 if start is None else start.reached
+    check_tables(system, begin, begin + span)
+    if start is None:
+        first = system.state(start_q, start_v, angles)
+        check_start(system, first)
+        run = Run(system, first, float(span), used)
+    else:
+        run = Run(system, start, begin + float(span), used)
     if scenario is not None:
         scenario = _as_run(scenario, float(span), used)
     title = scenario.title if scenario is not None else system.mechanism.name
@@ -109,10 +124,17 @@ def simulate(
         data = dataset(run, title, case, library_versions())
         if scenario is not None and (q is not None or v is not None):
             data.attrs["start"] = "given in Python: the first sample"
+        if start is not None:
+            data.attrs["start"] = f"another run's state at {begin:.12g} s: the first sample"
         data.attrs["finished"] = datetime.now(UTC).isoformat(timespec="seconds")
         run.wall += time.perf_counter() - began
     return Trajectory(
-        data=data, outcome=run.outcome, message=run.message, counts=run.counts(), scenario=scenario
+        data=data,
+        outcome=run.outcome,
+        message=run.message,
+        counts=run.counts(),
+        scenario=scenario,
+        end=run.state,
     )
 
 
@@ -129,9 +151,23 @@ def _as_run(scenario: Scenario, duration: float, settings: RunSettings) -> Scena
     return scenario.with_overrides(changes) if changes else scenario
 
 
-def check_start(system: System, y: np.ndarray, duration: float) -> None:
-    """Refuse an initial pose that the parts cannot have, and a torque table that does not cover the run."""
-    table = np.zeros_like(system.table)
+def check_sizes(system: System, state: State) -> None:
+    """Refuse a state that is not one of this system."""
+    sizes = {"q": system.model.nq, "v": system.model.nv, "x": system.manifold.nx}
+    sizes |= {"memory": len(system.contact_names)}
+    for name, size in sizes.items():
+        if len(getattr(state, name)) != size:
+            raise InvalidParameterError(
+                "simulate",
+                f"start.{name}",
+                f"that of a run of this system, {size} long",
+                len(getattr(state, name)),
+            )
+
+
+def check_start(system: System, y: np.ndarray) -> None:
+    """Refuse an initial pose that the parts cannot have."""
+    table = np.zeros((system.rows, TABLE_WIDTH))
     _inspect.contacts_in(y, system.program, np.zeros(_joint.POSE_BUFFER), table)
     for joint in system.clearances:
         if isinstance(joint.geometry, RevoluteClearance):
@@ -157,11 +193,15 @@ def check_start(system: System, y: np.ndarray, duration: float) -> None:
                 f"at most {rule}; start with the journal inside its clearance",
                 float(f"{-row[0]:.6g}"),
             )
+
+
+def check_tables(system: System, begin: float, end: float) -> None:
+    """Refuse a torque table that does not cover the run."""
     for name, drive in system.drives.items():
-        if isinstance(drive, TableDrive) and not drive.times[0] <= 0.0 < duration <= drive.times[-1]:
+        if isinstance(drive, TableDrive) and not drive.times[0] <= begin < end <= drive.times[-1]:
             raise InvalidParameterError(
                 f"drive {name!r}",
                 "times",
-                f"a table that covers the run from 0 to {duration:g} s; extend it or shorten the run",
+                f"a table that covers the run from {begin:g} to {end:g} s; extend it or shorten the run",
                 (drive.times[0], drive.times[-1]),
             )

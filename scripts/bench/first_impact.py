@@ -85,11 +85,9 @@ def first_impact(system: System, play: float, stiffness: float, restitution: flo
     slot = system.mechanism.joint(joint.name)
     across = slice(slot.v.start, slot.v.start + 2)
     q, v = system.neutral(), np.zeros(system.model.nv)
-    rates = np.zeros(system.manifold.nv + system.manifold.nx)
-    system.derivative(0.0, system.state(q, v), rates)
     upper = np.triu(pin.computeMinverse(system.model, system.model.createData(), q))
     inverse_mass = (upper + np.triu(upper, 1).T)[across, across]
-    apart = rates[: system.model.nv][across]
+    apart = system.acceleration(0.0, q, v)[across]
     acceleration = float(np.linalg.norm(apart))
     way = apart / acceleration
     mass = 1.0 / float(way @ inverse_mass @ way)

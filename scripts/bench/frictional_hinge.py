@@ -31,6 +31,7 @@ import pinocchio as pin
 from bench_tools import Array
 
 from antenna_pin import ClearanceJoint, System
+from antenna_pin.dynamics import Workspace
 from antenna_pin.geometry import RevoluteClearance
 from antenna_pin.integrate import METHODS, Stepper
 from antenna_pin.mechanism import frame_aligning_z
@@ -50,6 +51,7 @@ class FrictionalHinge:
         """Find the joint in the system."""
         assert isinstance(joint.geometry, RevoluteClearance)
         self.system = system
+        self._workspace = Workspace(system)
         self.manifold = system.manifold
         self.shape = joint.geometry
         self.friction = joint.friction
@@ -97,11 +99,11 @@ class FrictionalHinge:
 
     def derivative(self, t: float, y: Array, rates: Array) -> None:
         """Write acceleration and rates of x at time t [s] and state y into rates."""
-        system, model = self.system, self.system.model
-        system.derivative(t, y, rates)
+        workspace, model = self._workspace, self.system.model
+        workspace.derivative(t, y, rates)
         q, v = y[: model.nq], y[model.nq : model.nq + model.nv]
         j = self.slot.v.start
-        tau = system.tau.copy()
+        tau = workspace.tau.copy()
         given = tau[j]
         for _ in range(50):
             tau[j] = given + self._torque

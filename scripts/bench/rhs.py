@@ -17,6 +17,7 @@ from bench_tools import CLOSED_FORM, Array, Report, interleaved, scenario
 
 from antenna_pin import System, build_system, initial_state, simulate
 from antenna_pin.contact import CustomFriction, CustomNormal
+from antenna_pin.dynamics import Workspace
 
 LIMITS = {"closed-form": 2.0, "coal": 9.0}
 SPAN = 0.1  # [s] of case 3, where the states come from
@@ -48,8 +49,7 @@ def ratios(
     for q, v, memory in states:
         y = system.state(q, v)
         rates = np.zeros(system.model.nv + system.manifold.nx)
-        system.memory[:] = memory
-        names = {"f": system.bind(y, rates), "aba": pin.aba, "model": system.model}
+        names = {"f": Workspace(system, memory).bind(y, rates), "aba": pin.aba, "model": system.model}
         names |= {"data": data, "q": q.copy(), "v": v.copy(), "tau": np.zeros(system.model.nv)}
         times = interleaved(
             {"rhs": ("f(0.05)", names), "aba": ("aba(model, data, q, v, tau)", names)},

@@ -16,6 +16,7 @@ from antenna_pin.dynamics import (
     SineDrive,
     System,
     TableDrive,
+    Workspace,
     _kernels,
     audit,
 )
@@ -91,8 +92,9 @@ def random_state(system, rng):
 def forces(system, t, y):
     """Generalized force and the rates of what the elements integrate."""
     rates = np.zeros(system.model.nv + system.manifold.nx)
-    system.apply_elements(t, y, rates)
-    return system.tau.copy(), rates[system.model.nv :].copy()
+    workspace = Workspace(system)
+    workspace.apply_elements(t, y, rates)
+    return workspace.tau.copy(), rates[system.model.nv :].copy()
 
 
 def velocity(system, y, joint=None):
@@ -337,7 +339,7 @@ def test_rate_of_the_motion_angle_is_its_derivative(kind):
 def test_spring_and_damper_at_a_joint_without_play(joint):
     spring = JointSpring(joint=joint, stiffness=5.0, damping=0.7, rest_angle=0.2)
     system = make_system(springs={"coil": spring})
-    slot, data = system.mechanism.joint(joint), system.model.createData()
+    slot = system.mechanism.joint(joint)
     q, v = system.neutral(), np.zeros(system.model.nv)
     q[slot.q] = [math.cos(0.9), math.sin(0.9)] if slot.kind == "continuous" else 0.9
     v[slot.v] = -0.4
@@ -346,7 +348,7 @@ def test_spring_and_damper_at_a_joint_without_play(joint):
     assert tau[slot.v] == pytest.approx(-5.0 * 0.7 + 0.7 * 0.4, rel=1e-14, abs=0.0)  # round-off
     assert np.count_nonzero(tau) == 1
     assert rates[system.damper_x] == pytest.approx(0.7 * 0.4**2, rel=1e-14, abs=0.0)
-    assert audit(system, y, data).springs == pytest.approx(0.5 * 5.0 * 0.7**2, rel=1e-14, abs=0.0)
+    assert audit(Workspace(system), y).springs == pytest.approx(0.5 * 5.0 * 0.7**2, rel=1e-14, abs=0.0)
 
 
 @pytest.mark.parametrize(
@@ -374,7 +376,7 @@ def test_spring_counts_turns_unless_it_is_asked_to_go_the_shorter_way(kind, join
         tau, _ = forces(system, 0.0, y)
         torque = tau[slot.v][-3:] @ AXIS if slot.kind == "floating" else tau[slot.v][-1]
         assert torque == pytest.approx(-2.0 * expected, rel=1e-13, abs=0.0)  # round-off
-        stored = audit(system, y, system.model.createData()).springs
+        stored = audit(Workspace(system), y).springs
         assert stored == pytest.approx(expected**2, rel=1e-13, abs=0.0)
 
 
@@ -390,10 +392,10 @@ def test_a_sliding_joint_has_no_shorter_way():
 def test_spring_force_is_the_gradient_of_its_energy(kind, joint):
     """In every direction of the tangent space, the journal tilted and off its centre: it conserves energy."""
     system = make_system(kind, springs={"coil": JointSpring(joint=joint, stiffness=5.0, rest_angle=0.3)})
-    rng, data, h = np.random.default_rng(9), system.model.createData(), 1e-3
+    rng, h = np.random.default_rng(9), 1e-3
 
     def energy(q):
-        return audit(system, system.state(q, np.zeros(system.model.nv)), data).springs
+        return audit(Workspace(system), system.state(q, np.zeros(system.model.nv))).springs
 
     for _ in range(5):
         y = random_state(system, rng)

@@ -1,0 +1,154 @@
+"""What a run works on: buffers, the contact memory of the moment, Pinocchio's data and coal's objects."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from antenna_pin.dynamics import _inspect, _kernels
+from antenna_pin.dynamics.hinge import constrained_acceleration
+from antenna_pin.geometry.shapes import TABLE_WIDTH
+from antenna_pin.joints import _kernels as _joint
+from antenna_pin.joints.clearance import PythonPath
+
+if TYPE_CHECKING:
+    from antenna_pin.dynamics.system import System
+
+__all__ = ["Workspace"]
+
+Array = NDArray[np.float64]
+
+
+class Workspace:
+    """A place to evaluate a system's equations of motion; one for each run, for it is written to.
+
+    As with Pinocchio's ``model, data`` two workspaces of one system do not see each other.
+
+    Args:
+        system: The system.
+        memory: Contact memory, (contacts, 3): [touching, approach speed, effective mass]; nothing touches if
+            not given (see :meth:`System.contact_memory`).
+
+    Attributes:
+        memory: The contact memory that the derivative uses; to be written to.
+        table: Contact table of the last evaluation, (rows, TABLE_WIDTH).
+        tau: Generalized force of the elements at the last evaluation, (nv,).
+        program: The system's program, with the values of drives in Python of the last evaluation.
+    """
+
+    def __init__(self, system: System, memory: Array | None = None) -> None:
+        """Allocate everything once."""
+        self.system = system
+        self.model = system.model
+        self.manifold = system.manifold
+        self.data = system.model.createData()
+        self.program = system.program.copy()
+        nv, contacts = self.model.nv, len(system.contact_names)
+        first = nv + _joint.POSE_BUFFER
+        table = first + _joint.MEMORY_WIDTH * contacts
+        self._work = np.zeros(table + system.rows * TABLE_WIDTH)
+        self.tau = self._work[:nv]
+        self._pose = self._work[nv:first]
+        self.memory = self._work[first:table].reshape(contacts, _joint.MEMORY_WIDTH)
+        self.table = self._work[table:].reshape(system.rows, TABLE_WIDTH)
+        if memory is not None:
+            self.memory[:] = memory
+        self._paths: list[PythonPath] = []
+        for joint in system.clearances:
+            start = system.clearance_blocks[joint.name]
+            if self.program[start + _joint.MODE] != 0.0:
+                end = start + int(self.program[start + 1])
+                self._paths.append(PythonPath(joint, self.program[start:end], self.model.nq))
+        self._accelerate: Callable[[Array, Array, Array], Array] = (
+            constrained_acceleration(system.mechanism, self.data, system.hinges)
+            if system.hinges
+            else partial(pin.aba, self.model, self.data)
+        )
+
+    def measure(self, y: Array) -> None:
+        """Bring all rows of ``table`` up to date for a state: gap, normal, point, rates of every contact.
+
+        The derivative itself updates the touching contacts only. Coal's gaps are asked for where it is the
+        backend.
+        """
+        _inspect.contacts_in(y, self.program, self._pose, self.table)
+        for path in self._paths:
+            path.prepare(y, self.memory, self.table, everything=True)
+
+    def apply_elements(self, t: float, y: Array, rates: Array) -> None:
+        """Evaluate the elements: ``tau``, the contacts' ``table``, and x rates behind rates[nv]."""
+        for path in self._paths:
+            path.prepare(y, self.memory, self.table)
+        for block, slot, drive in self.system.callables:
+            angle, rate, _, _ = _kernels.joint_motion(self.program, block, y, self.model.nq)
+            self.program[slot] = drive.torque(t, angle, rate)
+        _kernels.evaluate(t, y, self.program, self._work, rates)
+
+    def bind(self, y: Array, rates: Array) -> Callable[[float], None]:
+        """Return the derivative of a state held in an array, as a function of time alone.
+
+        What an integrator calls: the arrays are looked at once, and no attribute is looked up (which would
+        cost a tenth of an ABA).
+
+        Args:
+            y: State [q, v, x], contiguous; read at each call.
+            rates: Output [acceleration (nv), rate of x (nx)], written at each call.
+        """
+        nq, nv = self.model.nq, self.model.nv
+        q, v, out = y[:nq], y[nq : nq + nv], rates[:nv]
+        program, work, tau = self.program, self._work, self.tau
+        evaluate, model, data, aba = _kernels.evaluate, self.model, self.data, pin.aba
+        if self._paths or self.system.callables or self.system.hinges:
+            elements, acceleration = self.apply_elements, self._accelerate
+
+            def general(t: float) -> None:
+                elements(t, y, rates)
+                out[:] = acceleration(q, v, tau)
+
+            return general
+
+        def fused(t: float) -> None:
+            evaluate(t, y, program, work, rates)
+            out[:] = aba(model, data, q, v, tau)
+
+        return fused
+
+    def derivative(self, t: float, y: Array, rates: Array) -> None:
+        """Write [acceleration (nv), rate of x (nx)] at time t [s] and state y into rates."""
+        self.bind(y, rates)(t)
+
+    def first_memory(self, y: Array) -> Array:
+        """Return the memory of a state that has none yet (see :meth:`System.contact_memory`)."""
+        table = np.zeros_like(self.table)
+        _inspect.contacts_in(y, self.program, self._pose, table)
+        memory = np.zeros_like(self.memory)
+        for c, floor in enumerate(self.system.approach_speed_floors):
+            if table[c, 0] <= 0.0:
+                memory[c] = 1.0, max(float(table[c, _joint.RATE]), floor), self.effective_mass(y, c)
+        return memory
+
+    def effective_mass(self, y: Array, contact: int) -> float:
+        """Return the mass that an impact along a contact's normal sees there and then [kg].
+
+        With the normal's direction n in the space of generalized velocities, of the material points at the
+        contact, it is ``(n^T M^-1 n)^-1``: the acceleration along n under a unit force gives it, constraints
+        included.
+
+        Args:
+            y: State [q, v, x].
+            contact: Number of the contact.
+        """
+        nq, nv = self.model.nq, self.model.nv
+        pose, table = np.zeros(_joint.POSE_BUFFER), np.zeros_like(self.table)
+        _inspect.contacts_in(y, self.program, pose, table)
+        block = self.system.block_of_contact[contact]
+        _joint.journal_state(self.program, block, y, nq, pose)
+        direction, rest = np.zeros(nv), np.zeros(nv)
+        _joint.unit_normal_force(self.program, block, pose, table, contact, direction)
+        free = np.array(self._accelerate(y[:nq], rest, rest))
+        return float(1.0 / (direction @ (self._accelerate(y[:nq], rest, direction) - free)))
