@@ -15,9 +15,15 @@ from typing import Any, TypeVar
 
 import numba
 
-__all__ = ["inlined", "kernel"]
+__all__ = ["inlined", "kernel", "stamped_files"]
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
+
+
+def stamped_files() -> tuple[Path, ...]:
+    """Return the files to whose contents compiled code is tied: all kernels and their constants."""
+    folder = Path(__file__).parent
+    return tuple(sorted([*folder.glob("*/_*kernels.py"), *folder.glob("*/_inspect.py")]))
 
 
 @cache
@@ -25,8 +31,7 @@ def _stamp() -> str:
     """Return a digest of all kernel files and of Numba's version."""
     digest = hashlib.sha256(numba.__version__.encode())
     digest.update(Path(__file__).read_bytes())
-    folder = Path(__file__).parent
-    for path in sorted([*folder.glob("*/_*kernels.py"), *folder.glob("*/_inspect.py")]):
+    for path in stamped_files():
         digest.update(path.read_bytes())
     return digest.hexdigest()
 

@@ -23,18 +23,20 @@ from antenna_pin.state import State
 
 __all__ = ["FORMAT", "Counts", "Outcome", "Trajectory", "library_versions"]
 
-#: Identifies the file format. Readers also take the older ones below, with what those hold; others they
-#: refuse.
+#: Identifies the file format; others are refused.
 FORMAT = "antenna_pin trajectory 2"
-
-#: Without ``journal_attitude`` and the mechanism among the attributes.
-_OLDER = ("antenna_pin trajectory 1",)
 
 # What every run holds, and what it does if it has what the dimension names.
 _EVERY_RUN = ("time", "q", "v", "a", "kinetic_energy", "energy_error", "motion_angle", "motion_rate")
 _BY_DIMENSION = {
     "contact": ("gap", "depth", "normal_force", "contact_force", "contact_point", "touching"),
-    "clearance_joint": ("journal_position", "journal_tilt", "joint_force", "joint_torque"),
+    "clearance_joint": (
+        "journal_position",
+        "journal_attitude",
+        "journal_tilt",
+        "joint_force",
+        "joint_torque",
+    ),
     "episode": ("episode_contact", "onset_time", "release_time", "approach_speed", "peak_force", "impulse"),
 }
 
@@ -146,9 +148,7 @@ class Trajectory:
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Self:
-        """Read a file that :meth:`save` wrote, with this version or an older one.
-
-        An older file lacks what its version did not record; what needs that says so.
+        """Read a file that :meth:`save` wrote.
 
         Raises:
             FileFormatError: It is not such a file, or one of an unknown version of the format.
@@ -164,7 +164,7 @@ class Trajectory:
                 f"{source}: must be a NetCDF file written by antenna-pin, got: {error}"
             ) from None
         found = data.attrs.get("format")
-        if found != FORMAT and found not in _OLDER:
+        if found != FORMAT:
             raise FileFormatError(
                 f"{source}: the format must be {FORMAT!r}, got {found!r}; "
                 "run the scenario again with this version"

@@ -1,5 +1,6 @@
 """The plan of the house, checked: who imports whom, and that every room shows what it says it does."""
 
+import ast
 import importlib
 import pkgutil
 import tomllib
@@ -11,6 +12,7 @@ from importlinter import api as importlinter_api
 from importlinter.application import use_cases
 
 import antenna_pin
+from antenna_pin import _compile
 
 ROOT = Path(__file__).parents[1]
 PYPROJECT = ROOT / "pyproject.toml"
@@ -90,3 +92,23 @@ def test_constraints_pin_every_dependency():
             continue  # another extra of this package
         name = requirement.split(">=")[0].strip().lower().replace("_", "-")
         assert name in pinned
+
+
+def test_everything_that_is_compiled_stands_under_the_stamp():
+    """A kernel's constants come from files that the cache is tied to, or a stale kernel would run."""
+    folder = ROOT / "antenna_pin"
+    stamped = set(_compile.stamped_files())
+    for path in folder.rglob("*.py"):
+        text = path.read_text()
+        if "import inlined" in text or "import kernel" in text:
+            assert path in stamped or path.name == "_compile.py", path
+    for path in stamped:
+        for node in ast.walk(ast.parse(path.read_text())):
+            if not (isinstance(node, ast.ImportFrom) and (node.module or "").startswith("antenna_pin")):
+                continue
+            assert node.module is not None
+            source = folder.joinpath(*node.module.split(".")[1:])
+            for name in node.names:
+                # A module, or a file that holds a constant or a function.
+                files = {source.with_suffix(".py"), source / f"{name.name}.py", source / "__init__.py"}
+                assert files & stamped or source.name == "_compile", (path, node.module, name.name)

@@ -8,7 +8,6 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from antenna_pin.assemble import urdf_variant
 from antenna_pin.dynamics import transmitted_wrenches
 from antenna_pin.errors import FileFormatError
 from antenna_pin.mechanism import Mechanism, Urdf, build_mechanism, link_poses, link_twists
@@ -21,28 +20,24 @@ _AXES = ("x", "y", "z")
 
 
 def mechanism_of(run: Trajectory | xr.Dataset) -> Mechanism:
-    """Return the mechanism that a run simulated: from the URDF it carries, else from its scenario.
+    """Return the mechanism that a run simulated: from the URDF that it carries.
 
     Raises:
-        FileFormatError: The run carries neither (format 1, of a system built in Python).
+        FileFormatError: It carries none.
     """
     data = run.data if isinstance(run, Trajectory) else run
-    if "urdf" in data.attrs:
-        about = json.loads(data.attrs["mechanism"])
-        urdf = Urdf.from_text(
-            data.attrs["urdf"],
-            str(data.attrs.get("title") or "run"),
-            allow_impossible_inertia=about["allow_impossible_inertia"],
-            folder=data.attrs["urdf_folder"] or None,
-        )
-        return build_mechanism(urdf, about["base"], about["gravity"])
-    scenario = carried_scenario(run)
-    if scenario is None:
+    if "urdf" not in data.attrs:
         raise FileFormatError(
-            "run: it must carry its mechanism to tell where bodies are, got a file of format 1 without a "
-            "scenario; run it again with this version"
+            "run: it must carry its mechanism to tell where bodies are, got data without the attribute urdf"
         )
-    return build_mechanism(urdf_variant(scenario), scenario.mechanism.base, scenario.mechanism.gravity)
+    about = json.loads(data.attrs["mechanism"])
+    urdf = Urdf.from_text(
+        data.attrs["urdf"],
+        str(data.attrs.get("title") or "run"),
+        allow_impossible_inertia=about["allow_impossible_inertia"],
+        folder=data.attrs["urdf_folder"] or None,
+    )
+    return build_mechanism(urdf, about["base"], about["gravity"])
 
 
 def carried_scenario(run: Trajectory | xr.Dataset) -> Scenario | None:

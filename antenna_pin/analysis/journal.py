@@ -19,11 +19,8 @@ import numpy as np
 import xarray as xr
 from scipy.spatial.transform import Rotation
 
-from antenna_pin.analysis._run import Array, RunLike, choose, contacts_of, data_of, label_of, names, variable
-from antenna_pin.analysis.bodies import body_poses, carried_scenario
-from antenna_pin.assemble import build_system
+from antenna_pin.analysis._run import RunLike, choose, contacts_of, data_of, label_of, names, variable
 from antenna_pin.errors import FileFormatError, InvalidParameterError
-from antenna_pin.simulation.places import clearance_places
 
 __all__ = ["bore_load", "clearance_shapes", "journal_motion"]
 
@@ -31,9 +28,7 @@ _AXES = ["x", "y", "z"]
 
 
 def clearance_shapes(run: RunLike) -> dict[str, dict[str, Any]]:
-    """Return kind, dimensions and places of every clearance joint of a run.
-
-    They are those that the run carries; of a file of an older format, those of its scenario.
+    """Return kind, dimensions and places of every clearance joint of a run, as it carries them.
 
     Args:
         run: A run, or its data.
@@ -46,15 +41,11 @@ def clearance_shapes(run: RunLike) -> dict[str, dict[str, Any]]:
     data = data_of(run)
     if not names(data, "clearance_joint"):
         return {}
-    if "clearance_geometry" in data.attrs:
-        return dict(json.loads(data.attrs["clearance_geometry"]))
-    scenario = carried_scenario(run)
-    if scenario is None:
+    if "clearance_geometry" not in data.attrs:
         raise FileFormatError(
-            "run: it must carry its joints' dimensions, got a file of format 1 without a scenario; run it "
-            "again with this version"
+            "run: it must carry its joints' dimensions, got data without the attribute clearance_geometry"
         )
-    return clearance_places(build_system(scenario))
+    return dict(json.loads(data.attrs["clearance_geometry"]))
 
 
 def journal_motion(run: RunLike, joint: str | None = None) -> xr.Dataset:
@@ -89,7 +80,9 @@ def journal_motion(run: RunLike, joint: str | None = None) -> xr.Dataset:
         clearance = size["bearing_radius"] - size["journal_radius"]
         if shape["kind"] == "revolute":
             places = ["+", "-"]
-            z = Rotation.from_quat(_attitude(run, joint, shape)).apply([0.0, 0.0, 1.0])
+            z = Rotation.from_quat(
+                np.asarray(data["journal_attitude"].sel(clearance_joint=joint).values, dtype=float)
+            ).apply([0.0, 0.0, 1.0])
             ends = np.array([0.5, -0.5]) * size["bearing_length"]
             along = (ends - p[:, 2:]) / z[:, 2:]
             offset = p[:, None, :] + along[:, :, None] * z[:, None, :]
@@ -129,20 +122,6 @@ def journal_motion(run: RunLike, joint: str | None = None) -> xr.Dataset:
             "bore_tilt": bore_tilt,
         },
     )
-
-
-def _attitude(run: RunLike, joint: str, shape: dict[str, Any]) -> Array:
-    """Return the journal's attitude in the bearing: recorded, or from the bodies' poses in an older file."""
-    data = data_of(run)
-    if "journal_attitude" in data:
-        return np.asarray(data["journal_attitude"].sel(clearance_joint=joint).values, dtype=float)
-    attitude = body_poses(run)["attitude"]
-    bearing, journal = (
-        Rotation.from_quat(attitude.sel(body=shape[f"{part}_body"]).values)
-        * Rotation.from_quat(shape[f"{part}_placement"][3:])
-        for part in ("bearing", "journal")
-    )
-    return np.asarray((bearing.inv() * journal).as_quat())
 
 
 def bore_load(run: RunLike, joint: str | None = None, sectors: int = 36) -> xr.Dataset:

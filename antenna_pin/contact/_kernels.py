@@ -43,6 +43,12 @@ SECANT_LOADING = 6.0  # 2 xi, m likewise
 STEP = 7.0  # D, depth of full damping
 HYSTERETIC_LOADING = 8.0  # chi, in the approach only
 
+ELASTIC_KINDS = (POWER, LOGARITHMIC, FOUNDATION, BAI_ZHAO, PERSSON, PIN_JOINT)
+DISSIPATION_KINDS = (
+    CONSERVATIVE, HYSTERETIC, PROPORTIONAL, VISCOUS, ROOT_DEPTH, SECANT, SECANT_LOADING, STEP,
+    HYSTERETIC_LOADING,
+)  # fmt: skip
+
 # Gauss-Legendre with 8 and with 24 points, on [-1, 1].
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(8)
 MANY_NODES, MANY_WEIGHTS = np.polynomial.legendre.leggauss(24)
@@ -146,7 +152,7 @@ def _cylinder_force(kind: float, a: float, b: float, c: float, d: float, e: floa
         return _persson(a, b, c, depth)
     if kind == PIN_JOINT:
         return _pin_joint(a, b, c, d, e, depth)
-    return 0.0
+    return math.nan  # no such kind
 
 
 @inlined
@@ -273,6 +279,8 @@ def _additive_force(
     elif kind == STEP:
         x = min(max(depth / b, 0.0), 1.0)
         damping = a * x * x * (3.0 - 2.0 * x)
+    elif kind != SECANT_LOADING:
+        return math.nan  # no such kind
     return max(elastic + damping * rate, 0.0)
 
 

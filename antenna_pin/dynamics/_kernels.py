@@ -19,7 +19,7 @@ from typing import Any
 
 from antenna_pin._compile import inlined, kernel
 from antenna_pin.contact._kernels import NORMAL_SIZE, elastic_energy
-from antenna_pin.geometry.shapes import TABLE_WIDTH
+from antenna_pin.geometry._kernels import TABLE_WIDTH
 from antenna_pin.joints import _kernels as joint
 from antenna_pin.joints._kernels import (
     DISTRIBUTED,

@@ -19,6 +19,8 @@ from typing import Any
 
 from antenna_pin._compile import kernel
 
+#: Columns of a contact table; geometry fills the first seven (gap, normal, point), a joint the others.
+TABLE_WIDTH = 24
 REVOLUTE_SIZE = 6
 PLANAR_SIZE = 2
 GAP = 0

@@ -26,8 +26,7 @@ __all__ = [
 
 Vector3 = NDArray[np.float64]
 
-#: Columns of a contact table; geometry fills the first seven (gap, normal, point), a joint the others.
-TABLE_WIDTH = 24
+TABLE_WIDTH = _kernels.TABLE_WIDTH
 
 
 class RadialScenario(IntEnum):

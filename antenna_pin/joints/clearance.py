@@ -15,7 +15,16 @@ from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.contact import CompiledNormalLaw, FrictionLaw, NoFriction, NormalLaw
 from antenna_pin.contact._friction_kernels import friction_force
-from antenna_pin.contact._kernels import NORMAL_SIZE, elastic_force, normal_force
+from antenna_pin.contact._kernels import (
+    DISSIPATION,
+    DISSIPATION_KINDS,
+    ELASTIC,
+    ELASTIC_KINDS,
+    NORMAL_SIZE,
+    elastic_force,
+    normal_force,
+    takes_mass_of_contact,
+)
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.geometry import (
     CoalPlanar,
@@ -62,6 +71,22 @@ class JointContacts:
 
 def _has_code(law: object) -> bool:
     return hasattr(law, "code")
+
+
+def _check_kinds(joint: str, law: Any) -> None:
+    """Refuse a law whose code the kernels do not know."""
+    code = law.code()
+    for what, kind, known in (
+        ("elastic", code[ELASTIC], ELASTIC_KINDS),
+        ("dissipation", code[DISSIPATION], DISSIPATION_KINDS),
+    ):
+        if kind not in known:
+            raise InvalidParameterError(
+                f"joint {joint!r}: {type(law).__name__}",
+                f"{what} kind",
+                f"one of {', '.join(f'{k:g}' for k in known)}, which the kernels know; or give it no code()",
+                float(kind),
+            )
 
 
 def _range_of(law: NormalLaw) -> float:
@@ -120,6 +145,9 @@ class ClearanceJoint:
             )
         if self.axial is None and isinstance(self.geometry, RevoluteClearance):
             raise InvalidParameterError(f"joint {self.name!r}", "axial", "a normal law", None)
+        for law in self.normal_laws:
+            if _has_code(law):
+                _check_kinds(self.name, law)
         self._check_load()
         if self.maximum_depth is None:
             object.__setattr__(self, "maximum_depth", 0.01 * self.geometry.bearing_radius)
@@ -337,7 +365,14 @@ class ClearanceJoint:
         memory[:, 0] = inside if touching is None else np.asarray(touching, dtype=float)
         speed = self.approach_speed_floor if approach_speed is None else approach_speed
         memory[:, _kernels.APPROACH] = np.maximum(np.asarray(speed, dtype=float), self.approach_speed_floor)
-        memory[:, _kernels.MASS] = 0.0 if effective_mass is None else np.asarray(effective_mass, dtype=float)
+        if effective_mass is not None:
+            memory[:, _kernels.MASS] = np.asarray(effective_mass, dtype=float)
+        elif any(
+            isinstance(x, CompiledNormalLaw) and takes_mass_of_contact(x.code()) for x in self.normal_laws
+        ):
+            raise InvalidParameterError(
+                f"joint {self.name!r}", "effective_mass", "given [kg], for its law depends on it", None
+            )
         tau = np.zeros(nv)
         rates = np.zeros(nv + x.size)
         if block[_kernels.MODE] != 0.0:

@@ -251,14 +251,8 @@ class _Journal(_Picture):
 
     def _tilt(self) -> Array:
         """Return x and y of the journal's axis in bearing axes (n, 2) [-]."""
-        if "journal_attitude" in self.journal:
-            x, y, z, w = np.asarray(self.journal["journal_attitude"].values, dtype=float).T
-            return np.stack([2.0 * (x * z + w * y), 2.0 * (y * z - w * x)], axis=1)
-        sine = np.sin(np.asarray(self.journal["journal_tilt"].values, dtype=float))
-        direction = self.point[:, 2, :2] / np.maximum(
-            np.linalg.norm(self.point[:, 2, :2], axis=1, keepdims=True), 1e-300
-        )
-        return np.asarray(sine[:, None] * direction)
+        x, y, z, w = np.asarray(self.journal["journal_attitude"].values, dtype=float).T
+        return np.stack([2.0 * (x * z + w * y), 2.0 * (y * z - w * x)], axis=1)
 
     def tracks(self) -> list[dict[str, Any]]:
         parts = {"run/barrel": self.barrel}
@@ -356,11 +350,7 @@ class _Ball(_Picture):
         self.scene.add("run/ball/pole", Sphere(0.1 * shape.ball_radius), _MARK, _shifted(shape.ball_radius))
 
     def tracks(self) -> list[dict[str, Any]]:
-        attitude = np.tile([0.0, 0.0, 0.0, 1.0], (len(self.times), 1))
-        if "journal_attitude" in self.journal:
-            attitude = np.asarray(self.journal["journal_attitude"].values, dtype=float)
-        else:
-            self.warnings.append("the run's file (format 1) does not tell how the ball turned; drawn without")
+        attitude = np.asarray(self.journal["journal_attitude"].values, dtype=float)
         data = packed_floats(np.hstack([self.centre, attitude]))
         return [{"kind": "pose", "name": "ball", "path": "run/ball", "data": data}]
 

@@ -13,7 +13,6 @@ from antenna_pin.analysis import impacts, load_statistics
 from antenna_pin.readable import number, readable
 from antenna_pin.report._parts import Row, Section, Table, counts, quantities, shares_row, words
 from antenna_pin.report._runs import ReportedRun, ideal_of, labels_of
-from antenna_pin.trajectory import FORMAT
 
 __all__ = ["CONSERVED_WITHIN", "Status", "key_results", "conservation", "statuses", "warnings"]
 
@@ -89,9 +88,6 @@ def _warnings(run: ReportedRun) -> Iterator[str]:
     if scenario is not None and scenario.mechanism.allow_impossible_inertia:
         bodies = ", ".join(scenario.mechanism.allow_impossible_inertia)
         yield f"no real body has the inertia of {bodies}, which breaks the triangle rule."
-    written = str(data.attrs.get("format", FORMAT))
-    if written != FORMAT:
-        yield f"a file of an older format ({written}) which lacks what that version did not record."
 
 
 def _differences(runs: Sequence[ReportedRun]) -> Iterator[str]:

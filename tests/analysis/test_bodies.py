@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from antenna_pin import Trajectory, load_scenario, simulate
-from antenna_pin.analysis import body_poses, joint_loads, mechanism_of
+from antenna_pin.analysis import body_poses, joint_loads
 from antenna_pin.errors import FileFormatError
 
 # Scenario, case, duration: journals that move in a bearing off the joint's origin, in a plane, in a socket.
@@ -103,32 +103,11 @@ def test_a_picked_sample_is_the_same_sample(runs):
             assert np.array_equal(whole[name], part[name])
 
 
-def older(run, path):
-    """Write a run as format 1 did: without the journal's attitude and the mechanism."""
-    data = run.data.drop_vars("journal_attitude")
-    for name in ("urdf", "urdf_folder", "mechanism", "clearance_geometry"):
-        del data.attrs[name]
-    old = Trajectory(data, run.outcome, run.message, run.counts, run.scenario)
-    old.save(path)
-    import h5py
-
-    with h5py.File(path, "r+") as file:
-        file.attrs["format"] = "antenna_pin trajectory 1"
-    return Trajectory.load(path)
-
-
-def test_an_older_file_finds_its_bodies_through_its_scenario(runs, tmp_path):
-    run = runs["revolute"]
-    old = older(run, tmp_path / "old.nc")
-    assert np.array_equal(body_poses(old)["position"], body_poses(run)["position"])
-    assert mechanism_of(old).bodies == mechanism_of(run).bodies
-
-
-def test_an_older_file_without_a_scenario_is_refused(runs, tmp_path):
-    run = runs["revolute"]
-    old = older(Trajectory(run.data, run.outcome, run.message, run.counts), tmp_path / "old.nc")
-    with pytest.raises(FileFormatError, match="format 1 without a scenario; run it again"):
-        body_poses(old)
+def test_data_without_a_mechanism_is_refused(runs):
+    data = runs["revolute"].data.copy()
+    del data.attrs["urdf"]
+    with pytest.raises(FileFormatError, match="must carry its mechanism"):
+        body_poses(data)
 
 
 def test_bodies_survive_the_file(runs, tmp_path):

@@ -13,7 +13,6 @@ from antenna_pin.analysis import (
     scenario_spans,
 )
 from antenna_pin.errors import FileFormatError, InvalidParameterError, UnknownNameError
-from antenna_pin.trajectory import Trajectory
 
 
 @pytest.fixture(scope="module")
@@ -119,14 +118,8 @@ def test_what_a_run_does_not_have_is_refused(space):
         bore_load(space, sectors=0)
 
 
-def test_an_older_file_has_its_dimensions_from_the_scenario(space):
-    data = space.data.drop_vars("journal_attitude")
+def test_data_without_dimensions_is_refused(space):
+    data = space.data.copy()
     data.attrs = {"case": "case3"}
     with pytest.raises(FileFormatError, match="dimensions"):
         journal_motion(data)
-    old = Trajectory(data, space.outcome, space.message, space.counts, space.scenario)
-    assert clearance_shapes(old) == clearance_shapes(space)
-    # The bodies' poses are good to the round-off of metres, here over 25 mm.
-    np.testing.assert_allclose(
-        journal_motion(old)["offset"].values, journal_motion(space)["offset"].values, atol=1e-16
-    )

@@ -1,5 +1,6 @@
 """A joint with play: its forces do the work that its contacts do, in any frame and by any backend."""
 
+import dataclasses
 import math
 import re
 
@@ -15,8 +16,12 @@ from antenna_pin.contact import (
     LankaraniNikravesh,
     NoFriction,
     Tanh,
+    Tsuji,
     VelocityBased,
 )
+from antenna_pin.contact._kernels import normal_force
+from antenna_pin.contact.normal import ElasticLaw
+from antenna_pin.errors import InvalidParameterError
 from antenna_pin.geometry import PlanarClearance, RevoluteClearance
 from antenna_pin.integrate import Manifold
 from antenna_pin.joints import ClearanceJoint, JointContacts
@@ -363,3 +368,39 @@ def test_a_planar_joint_needs_no_axial_law():
         radial=Hertz(stiffness=1e10),
     )
     assert joint.backend == "coal" and isinstance(joint.friction, NoFriction)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Unknown(ElasticLaw):
+    """A law whose kind no kernel knows, elastic or dissipation."""
+
+    elastic: float = 1.0
+    dissipation: float = 0.0
+
+    def code(self):
+        code = Hertz(stiffness=1e9).code()
+        code[:2] = self.elastic, self.dissipation
+        return code
+
+
+@pytest.mark.parametrize(
+    ("kind", "part"), [({"elastic": 77.0}, "elastic"), ({"dissipation": 99.0}, "dissipation")]
+)
+def test_a_law_of_an_unknown_kind_is_refused_and_no_number(joint_maker, kind, part):
+    """Neither a silent zero in the kernel nor a joint that holds nothing."""
+    law = Unknown(**kind)
+    assert np.isnan(normal_force(law.code(), 1e-6, 0.01, 0.01, 1.0))
+    with pytest.raises(
+        InvalidParameterError, match=f"Unknown: {part} kind must be one of .* got {kind[part]}"
+    ):
+        dataclasses.replace(joint_maker("planar"), radial=law)
+
+
+def test_a_law_that_needs_the_mass_of_the_contact_asks_for_it(joint_maker):
+    law = Tsuji(stiffness=1e9, restitution=0.7)
+    one = dataclasses.replace(joint_maker("planar"), radial=law)
+    q, v = [0.00021, 0, 1.0, 0.0], [0.01, 0.0, 0.0]
+    with pytest.raises(InvalidParameterError, match="effective_mass must be given"):
+        one.evaluate(q, v)
+    given = dataclasses.replace(one, radial=dataclasses.replace(law, effective_mass=2.0))
+    assert one.evaluate(q, v, effective_mass=2.0).normal_force == given.evaluate(q, v).normal_force

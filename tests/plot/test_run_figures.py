@@ -392,20 +392,6 @@ def test_what_the_data_do_not_allow_is_left_out_with_the_reason(real_runs, tmp_p
     assert "contact_forces" in [path.stem for path in written]
 
 
-def test_a_file_of_the_older_format_is_drawn_from_its_scenario(real_runs):
-    """It has no attitude of the journal: the bodies' poses give it to round-off, over 25 mm below 1e-15 m."""
-    new = real_runs["case3"]
-    old = new.drop_vars("journal_attitude")
-    old.attrs = {"case": "case3", "scenario": new.attrs["scenario"]}
-    ends = (figure_orbit((name, data)).axes[:2] for name, data in (("new", new), ("old", old)))
-    for axes, other in zip(*ends, strict=True):
-        one, two = (
-            np.array(next(e for e in each.collections if isinstance(e, LineCollection)).get_segments())
-            for each in (axes, other)
-        )
-        np.testing.assert_allclose(one, two, atol=1e-9)  # [mm]
-
-
 # --- figures of papers ---
 
 

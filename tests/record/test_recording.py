@@ -166,28 +166,6 @@ def test_interrupted_one_sample_and_nothing_to_show(clearance_run, ideal_run):
         record(ideal_run, view="joint")
 
 
-def older(run):
-    """The run as a file of format 1 holds it."""
-    attributes = {
-        name: value
-        for name, value in run.data.attrs.items()
-        if name not in ("urdf", "urdf_folder", "mechanism", "clearance_geometry")
-    }
-    data = run.data.drop_vars("journal_attitude", errors="ignore")
-    data.attrs = attributes
-    return dataclasses.replace(run, data=data)
-
-
-@pytest.mark.parametrize("view", ["mechanism", "joint"])
-def test_a_file_of_format_1_gives_the_same_picture(clearance_run, view):
-    new, old = record(clearance_run, view=view).data, record(older(clearance_run), view=view).data
-    assert old["facts"] == new["facts"] and old["commands"] == new["commands"]
-    for a, b in zip(old["actors"][0]["tracks"], new["actors"][0]["tracks"], strict=True):
-        width = 7 if a["kind"] == "pose" else 12
-        # The tilt's direction comes from the contact point in place of the attitude: 32-bit floats.
-        assert floats(a["data"], width) == pytest.approx(floats(b["data"], width), rel=1e-5, abs=2e-7)
-
-
 def test_names_that_do_not_exist(clearance_run):
     with pytest.raises(UnknownNameError, match="body 'reflectr' is unknown; did you mean reflector"):
         record(clearance_run, body="reflectr")

@@ -72,16 +72,6 @@ def single(play: Trajectory) -> Trajectory:
     )
 
 
-@pytest.fixture(scope="session")
-def old(play: Trajectory) -> Trajectory:
-    """As a file of format 1 is read: without what that did not hold."""
-    data = play.data.drop_vars("journal_attitude")
-    gone = ("urdf", "urdf_folder", "mechanism", "clearance_geometry", "finished")
-    data.attrs = {key: value for key, value in data.attrs.items() if key not in gone}
-    data.attrs["format"] = "antenna_pin trajectory 1"
-    return dataclasses.replace(play, data=data)
-
-
 class Shown:
     """A report's page as it is written: tables by their key, texts."""
 

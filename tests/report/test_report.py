@@ -268,14 +268,6 @@ def test_a_system_built_in_python(from_python, shown):
     assert "pendulum" in page.text("//h1")
 
 
-def test_an_older_file_gives_the_part_that_is_possible(ideal, old, play, shown):
-    page = shown(report([ideal, ("old", old)], figures=False, recordings=False).html)
-    assert "old: a file of an older format" in page.text("//div[@class='warnings']")
-    new = shown(report([ideal, ("old", play)], figures=False, recordings=False).html)
-    assert page.rows("key-results") == new.rows("key-results")
-    assert page.rows("loads") == new.rows("loads")
-
-
 def test_what_must_be_kept_and_is_not_is_warned_of(play, shown):
     kept = json.loads(play.data.attrs["conservation"]) | {"energy_error_relative": 3e-4}
     data = play.data.assign_attrs(conservation=json.dumps(kept), gap_difference=2e-6)
