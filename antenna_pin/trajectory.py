@@ -102,7 +102,7 @@ class Trajectory:
     """One run, sampled.
 
     Attributes:
-        data: Labelled by time, contact, axis and more; units and long names on each (the README lists them).
+        data: Labelled by time, contact, axis and more; units and long names on each (docs/trajectory.md).
         outcome: Why the run ended.
         message: The outcome in words, with the place and what to try.
         counts: Steps, evaluations, wall time.

@@ -1,19 +1,19 @@
-"""What README.md and docs/ say is so: commands and their output, examples, reference tables, links.
+"""What README.md and docs/ say is so: commands and their output, examples, links.
 
 A block that shows a file names it (```` ```python file=scripts/examples/x.py ````) and must equal it.
 Commands in ```` ```console ```` blocks are run from top to bottom, in a folder where ``scripts`` is that of
 the checkout, and what they print must agree but for what differs between machines; blocks marked ``slow``
-are run by the slow tests. Reference tables stand between ``<!-- table: NAME -->`` and ``<!-- end -->``. To
-bring all of them up to date::
+are run by the slow tests. To bring blocks up to date::
 
     python tests/test_readme.py --write [--slow]
+
+Reference tables are made by ``scripts/reference.py``, see ``tests/test_reference.py``.
 """
 
 from __future__ import annotations
 
 import contextlib
 import io
-import json
 import os
 import re
 import runpy
@@ -21,51 +21,17 @@ import shlex
 import subprocess
 import sys
 import tempfile
-import tomllib
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any, get_args
 
 import pytest
-from pydantic.fields import FieldInfo
 from typer.testing import CliRunner
 
-from antenna_pin import load_scenario, simulate
 from antenna_pin.cli import app
-from antenna_pin.contact import (
-    DISSIPATIONS,
-    FRICTION_LAWS,
-    NORMAL_LAWS,
-    Parameter,
-    is_elastic,
-    law_parameters,
-)
-from antenna_pin.scenario import (
-    ClearanceSpec,
-    ConstantDrive,
-    ContactClearance,
-    InitialBaseSpec,
-    InitialJointSpec,
-    IntegratorSpec,
-    JointSpec,
-    LinkSpec,
-    MaterialSpec,
-    MechanismSpec,
-    OrbitSpec,
-    OutputSpec,
-    PointingSpec,
-    ScalesSpec,
-    Scenario,
-    ShapeSpec,
-    SineDrive,
-    SpringSpec,
-    TableDrive,
-)
 
 ROOT = Path(__file__).parents[1]
 DOCUMENTS = (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")))
 FENCE = re.compile(r"^```(\w*)(.*)\n((?:.*\n)*?)```$", re.MULTILINE)
-TABLE = re.compile(r"(<!-- table: (\w+) -->\n)(.*?)(<!-- end -->)", re.DOTALL)
 
 
 def documents(test: Callable[..., None]) -> Callable[..., None]:
@@ -235,304 +201,24 @@ def test_slow_commands_print_what_is_shown(path, tmp_path):
     check_commands(path, tmp_path, slow=True)
 
 
-# --- reference tables ---
+# --- links and pictures ---
 
 
-def attribute_docs(cls: type) -> dict[str, str]:
-    """Return what the docstrings of a class and of its bases say of its attributes."""
-    found: dict[str, str] = {}
-    for base in reversed(cls.__mro__):
-        _, _, section = (base.__doc__ or "").partition("Attributes:\n")
-        for entry in re.split(r"\n {4,8}(?=\w+: )", "\n" + section):
-            name, _, text = entry.strip().partition(": ")
-            if name.isidentifier():
-                found[name] = " ".join(text.split("\n\n")[0].split())
-    return found
-
-
-def plain(text: str) -> str:
-    """Return what a docstring says of an attribute as a table of keys and units has it."""
-    text = re.sub(r"\s*(\[[^\]]*\]\s*(\(\[[^\]]*\]\))?)(?=[.;]|$)", "", text).replace("``", "`")
-    for python, file in (
-        ("None for ", "if left out, "),
-        ("None if ", "left out if "),
-        ("None where ", "left out where "),
-        ("None to choose it", "if left out, it is chosen"),
-    ):
-        text = text.replace(python, file)
-    text = text.strip(".; ")
-    return text[:1].upper() + text[1:] if text.startswith(("if ", "left ")) else text
-
-
-def annotations(item: Any) -> Iterator[Any]:
-    """Yield what stands in an annotation, at any depth."""
-    yield item
-    for part in get_args(item):
-        yield from annotations(part)
-
-
-def kind_of(field: FieldInfo) -> str:
-    """Return the unit of a field, or what else it holds."""
-    for item in (*field.metadata, *annotations(field.annotation)):
-        if type(item).__name__ in ("Quantity", "Vector"):
-            units = item.unit if isinstance(item.unit, tuple) else (item.unit,)
-            text = " or ".join("-" if unit == "1" else unit.replace("**", "^") for unit in units)
-            sizes = getattr(item, "sizes", ())
-            return f"{' or '.join(map(str, sizes))} × {text}" if sizes else text
-    choices = [value for item in annotations(field.annotation) for value in get_args(item)]
-    choices = [value for value in choices if isinstance(value, str)]
-    if choices:
-        return ", ".join(f"`{value}`" for value in choices)
-    if str in annotations(field.annotation):
-        return "list of text" if "tuple" in str(field.annotation) else "text"
-    return "list of -" if "tuple" in str(field.annotation) else "-"
-
-
-def default_of(field: FieldInfo) -> str:
-    """Return the default of a field as a file would have it."""
-    value = field.default
-    if field.is_required():
-        return "required"
-    if value is None:
-        return ""
-    if isinstance(value, float):
-        return f"{value:g}"
-    return f"`{json.dumps(value)}`" if value != "" else ""
-
-
-def rows(cls: type[Any], names: Iterator[str] | None = None, required: str = "required") -> list[str]:
-    """Return table rows for the keys of a scenario's table."""
-    docs = attribute_docs(cls)
-    lines = []
-    for name in names or cls.model_fields:
-        field = cls.model_fields[name]
-        text = plain(docs[name]) or name.replace("_", " ")
-        default = default_of(field)
-        lines.append(
-            f"| `{name}` | {kind_of(field)} | {required if default == 'required' else default} | {text} |"
-        )
-    return lines
-
-
-def section(title: str, lines: list[str], note: str = "") -> str:
-    head = ["| key | unit or value | default | meaning |", "|---|---|---|---|"]
-    return "\n".join([f"**{title}**{note}", "", *head, *lines, ""])
-
-
-def law_default(name: str, parameters: dict[str, Parameter]) -> str:
-    """Return the default of a law's parameter, or where it comes from if a file leaves it out."""
-    parameter = parameters[name]
-    if parameter.default is not None:
-        return f"{parameter.default:g}"
-    if not parameter.from_joint:
-        return "required"
-    if name == "stiffness":
-        given = "from materials and radii"
-        return given if parameters["exponent"].default == 1.5 else f"required; {given} if exponent is 1.5"
-    return {"modulus": "from materials", "effective_mass": "from the contact"}.get(name, "from the joint")
-
-
-def normal_law_keys() -> list[str]:
-    """Return the rows of the keys that a normal law has beside its parameters."""
-    names = ", ".join(f"`{name}`" for name in DISSIPATIONS)
-    elastic = ", ".join(f"`{name}`" for name in NORMAL_LAWS if is_elastic(name))
-    return [
-        "| any | `law` | a name below | required | Name of the law |",
-        f"| {elastic} | `dissipation` | {names} | `none` | What dissipates beside an elastic law. Its"
-        " parameters stand in the same table; they are those of the law of its name below, but for stiffness"
-        " and exponent |",
-    ]
-
-
-def law_section(title: str, laws: Any, note: str, keys: list[str]) -> str:
-    lines = list(keys)
-    for law, cls in laws.items():
-        parameters = law_parameters(cls)
-        for name, parameter in parameters.items():
-            unit = "-" if parameter.unit == "1" else parameter.unit.replace("**", "^")
-            default = law_default(name, parameters)
-            lines.append(f"| `{law}` | `{name}` | {unit} | {default} | {parameter.doc} |")
-        if not parameters:
-            lines.append(f"| `{law}` | | | | |")
-    head = ["| law | parameter | unit | default | meaning |", "|---|---|---|---|---|"]
-    return "\n".join([f"**{title}**{note}", "", *head, *lines, ""])
-
-
-def clearance_rows() -> list[str]:
-    """Return the rows of a clearance joint: what is required depends on the model."""
-    classes = get_args(ClearanceSpec)
-    meanings = []
-    for cls in classes:
-        names = " or ".join(f"`{name}`" for name in get_args(cls.model_fields["model"].annotation))
-        meanings.append(f"{names}: {(cls.__doc__ or '').splitlines()[0].rstrip('.').replace('``', '`')}")
-    choices = [name for cls in classes for name in get_args(cls.model_fields["model"].annotation)]
-    listed = ", ".join(f"`{name}`" for name in choices)
-    lines = [f"| `model` | {listed} | required | {'. '.join(meanings)} |"]
-    laws = ("normal", "radial", "axial", "friction")
-    for name in ContactClearance.model_fields:
-        if name == "model" or name in laws:
-            continue
-        needing = [
-            get_args(cls.model_fields["model"].annotation)[0]
-            for cls in classes
-            if cls.model_fields[name].is_required()
-        ]
-        lines += rows(ContactClearance, iter([name]), f"required for {', '.join(needing)}")
-    return lines
-
-
-def scenario_table() -> str:
-    top = [name for name in Scenario.model_fields if name not in Scenario.carried]
-    simple = [name for name in top if name in ("format", "title", "source", "duration")]
-    drives = [
-        line
-        for kind, cls in (("constant", ConstantDrive), ("sine", SineDrive), ("table", TableDrive))
-        for line in (
-            row.replace("| `", f"| `{kind}`: `", 1)
-            for row in rows(
-                cls, iter(n for n in cls.model_fields if n not in ("joint", "axis", "motion", "kind"))
-            )
-        )
-    ]
-    drives = [
-        "| `joint` | text | the drive's name | Name of the joint |",
-        "| `kind` | `constant`, `sine`, `table` | required | What it is |",
-        *rows(SineDrive, iter(["axis"])),
-        *drives,
-    ]
-    drives = [
-        line.replace(
-            "| list of - | required |",
-            f"| list of {'s' if '`time`' in line else 'N*m or N'} | unless `file` |",
-        )
-        if "table`: `t" in line
-        else line
-        for line in drives
-    ]
-    springs = ["| `joint` | text | the spring's name | Name of the joint |"]
-    springs += rows(SpringSpec, iter(n for n in SpringSpec.model_fields if n not in ("joint", "motion")))
-    joints = rows(InitialJointSpec, iter(n for n in InitialJointSpec.model_fields if n != "motion"))
-    mechanism = [n for n in MechanismSpec.model_fields if n not in ("links", "joints")]
-    integrator = [n for n in IntegratorSpec.model_fields if n != "scales"]
-    parts = [
-        section(
-            "top of the file",
-            [
-                *rows(Scenario, iter(simple)),
-                "| `default_case` | text | | The case that is run where none is named |",
-            ],
-        ),
-        section("[mechanism]", rows(MechanismSpec, iter(mechanism))),
-        section(
-            "[mechanism.links.LINK]", rows(LinkSpec, iter(n for n in LinkSpec.model_fields if n != "shapes"))
-        ),
-        section("[mechanism.links.LINK.shapes.NAME]", rows(ShapeSpec), ": looks only"),
-        section("[mechanism.joints.JOINT]", rows(JointSpec)),
-        section("[materials.NAME]", rows(MaterialSpec), "; `steel` is known without"),
-        section("[clearance.JOINT]", clearance_rows(), ": a revolute or continuous joint of the URDF"),
-        law_section(
-            "[clearance.JOINT.normal]",
-            NORMAL_LAWS,
-            ": the law of all its contacts; `[clearance.JOINT.radial]` and `[clearance.JOINT.axial]` change"
-            " `law`, `dissipation` or parameters for the bore or the flanges",
-            normal_law_keys(),
-        ),
-        law_section(
-            "[clearance.JOINT.friction]",
-            FRICTION_LAWS,
-            ": `none` if left out",
-            ["| any | `law` | a name below | required | Name of the law |"],
-        ),
-        section("[drives.NAME]", drives),
-        section("[springs.NAME]", springs),
-        section("[initial.joints.JOINT]", joints, ": zero where nothing is said"),
-        section("[initial.base]", rows(InitialBaseSpec)),
-        section("[integrator]", rows(IntegratorSpec, iter(integrator))),
-        section("[integrator.scales]", rows(ScalesSpec)),
-        section("[output]", rows(OutputSpec)),
-        section(
-            "[pointing]",
-            rows(PointingSpec, iter(n for n in PointingSpec.model_fields if n != "orbit")),
-            ": for analysis; the motion does not see it",
-        ),
-        section("[pointing.orbit]", rows(OrbitSpec), ": circular"),
-        section(
-            "[cases.NAME]",
-            [
-                "| `description` | text | | One line for `antenna-pin list` |",
-                "| any other | | | Laid over the tables above; a table with `replace = true` replaces its"
-                " like |",
-            ],
-        ),
-    ]
-    return "\n".join(parts)
-
-
-def test_what_the_table_calls_required_cannot_be_left_out():
-    """And what it says comes from elsewhere can: of every law, in a joint that has all else."""
-    from antenna_pin.scenario.laws import law_spec, laws, missing_parameters
-
-    for family, registry in (("normal", NORMAL_LAWS), ("friction", FRICTION_LAWS)):
-        for law, cls in registry.items():
-            parameters = law_parameters(cls)
-            required = [name for name in parameters if law_default(name, parameters) == "required"]
-            assert missing_parameters(law_spec(law, {}), laws(family)) == required, law
-
-
-def test_the_table_misses_no_part_of_a_scenario():
-    """Every table of a scenario is in the reference: a new one must be added to it."""
-    known = {"mechanism", "materials", "clearance", "drives", "springs", "initial", "integrator", "output"}
-    known |= {"pointing"}
-    simple = {"format", "title", "source", "duration"}
-    assert set(Scenario.model_fields) - Scenario.carried == known | simple
-    assert len({frozenset(cls.model_fields) for cls in get_args(ClearanceSpec)}) == 1
-
-
-def trajectory_table() -> str:
-    overrides = ["springs.hinge={joint = 'azimuth', damping = 0.1}"]
-    data = simulate(load_scenario("bai2020", case="case3", overrides=overrides), duration=0.03).data
-    lines = ["| variable | dimensions | unit | meaning |", "|---|---|---|---|"]
-    for names in (data.coords, data.data_vars):
-        for name in names:
-            variable = data[name]
-            meaning = variable.attrs.get("long_name", "")
-            if name in data.coords and not meaning:
-                meaning = "names: " + ", ".join(f"`{label}`" for label in variable.values)
-            if "flag_meanings" in variable.attrs:
-                flags = zip(
-                    variable.attrs["flag_values"], variable.attrs["flag_meanings"].split(), strict=True
-                )
-                meaning += ": " + ", ".join(f"{value} {text}" for value, text in flags)
-            unit = variable.attrs.get("units", "")
-            lines.append(f"| `{name}` | {', '.join(map(str, variable.dims))} | {unit} | {meaning} |")
-    return "\n".join(lines).replace("|power|", "\\|power\\|") + "\n"
-
-
-def layers_table() -> str:
-    contracts = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["importlinter"]["contracts"]
-    (layers,) = (contract["layers"] for contract in contracts if contract["id"] == "layers")
-    return "\n".join(["```text", *(layer.replace("(", "").replace(")", "") for layer in layers), "```", ""])
-
-
-TABLES = {"scenario": scenario_table, "trajectory": trajectory_table, "layers": layers_table}
-
-
-@documents
-def test_reference_tables_are_up_to_date(path):
-    for _, name, shown, _ in TABLE.findall(path.read_text()):
-        assert shown.strip() == TABLES[name]().strip(), "run: python tests/test_readme.py --write"
-
-
-def test_every_table_stands_somewhere():
-    text = "".join(path.read_text() for path in DOCUMENTS)
-    assert {name for _, name, _, _ in TABLE.findall(text)} == set(TABLES)
+def anchors(path: Path) -> set[str]:
+    """Return the names by which a link finds the headings of a document."""
+    headings = re.findall(r"^#+ (.*)$", FENCE.sub("", path.read_text()), re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
 
 
 @documents
 def test_links_lead_somewhere(path):
     text = FENCE.sub("", path.read_text())
-    for target in re.findall(r"\]\(([^)#\s]+)(?:#[^)]*)?\)", text):
-        assert re.match(r"https?://", target) or (path.parent / target).exists(), target
+    for target, anchor in re.findall(r"\]\(([^)#\s]*)(?:#([^)\s]*))?\)", text):
+        if re.match(r"https?://", target):
+            continue
+        file = path.parent / target if target else path
+        assert file.exists(), target
+        assert not anchor or anchor in anchors(file), f"{target}#{anchor}"
 
 
 def test_pictures_are_small():
@@ -546,7 +232,6 @@ def test_pictures_are_small():
 def write(slow: bool) -> None:
     for path in DOCUMENTS:
         text = with_files(path.read_text())
-        text = TABLE.sub(lambda m: f"{m.group(1)}{TABLES[m.group(2)]()}{m.group(4)}", text)
         with tempfile.TemporaryDirectory() as folder:
 
             def fill(match: re.Match[str], folder: Path = Path(folder)) -> str:

@@ -197,7 +197,7 @@ def _tilt_rate(program: Array, block: int, y: Array, w: Array) -> tuple[float, f
 
 
 def dataset(run: Run, title: str, case: str, versions: dict[str, str]) -> xr.Dataset:
-    """Return a finished run as a labelled dataset (see the README for the list of variables)."""
+    """Return a finished run as a labelled dataset (docs/trajectory.md lists the variables)."""
     seen = _Observer(run)
     table = _Table()
     _add_state(table, seen)

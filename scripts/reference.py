@@ -1,0 +1,111 @@
+#!/usr/bin/env python3
+"""Reference tables of README.md and docs/, made from the code.
+
+A table stands between ``<!-- table: NAME -->`` and ``<!-- end -->``::
+
+    python scripts/reference.py             # are all of them up to date? (--check)
+    python scripts/reference.py --write     # bring them up to date
+
+There are ``scenario``, every key of a scenario file; ``laws``, the laws of contact and friction with their
+parameters (both by ``scenario_reference.py``); ``trajectory``, the variables of a result; ``layers``, who may
+import whom.
+"""
+
+from __future__ import annotations
+
+import argparse
+import re
+import sys
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+
+from scenario_reference import laws_table, scenario_table
+
+from antenna_pin import load_scenario, simulate
+
+__all__ = ["TABLES", "documents", "filled", "names_of_tables"]
+
+ROOT = Path(__file__).parents[1]
+PLACE = re.compile(r"(<!-- table: (\w+) -->\n)(.*?)(<!-- end -->)", re.DOTALL)
+
+
+# --- the variables of a result, and the layers of the package ---
+
+
+def trajectory_table() -> str:
+    """Return the variables of a run of case 3 with a damper at the azimuth joint."""
+    overrides = ["springs.hinge={joint = 'azimuth', damping = 0.1}"]
+    data = simulate(load_scenario("bai2020", case="case3", overrides=overrides), duration=0.03).data
+    lines = ["| variable | dimensions | unit | meaning |", "|---|---|---|---|"]
+    for names in (data.coords, data.data_vars):
+        for name in names:
+            variable = data[name]
+            meaning = variable.attrs.get("long_name", "")
+            if name in data.coords and not meaning:
+                meaning = "names: " + ", ".join(f"`{label}`" for label in variable.values)
+            if "flag_meanings" in variable.attrs:
+                flags = zip(
+                    variable.attrs["flag_values"], variable.attrs["flag_meanings"].split(), strict=True
+                )
+                meaning += ": " + ", ".join(f"{value} {text}" for value, text in flags)
+            unit = variable.attrs.get("units", "")
+            lines.append(f"| `{name}` | {', '.join(map(str, variable.dims))} | {unit} | {meaning} |")
+    return "\n".join(lines).replace("|power|", "\\|power\\|") + "\n"
+
+
+def layers_table() -> str:
+    """Return the layers that the import contract in pyproject.toml names."""
+    contracts = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["importlinter"]["contracts"]
+    (layers,) = (contract["layers"] for contract in contracts if contract["id"] == "layers")
+    return "\n".join(["```text", *(layer.replace("(", "").replace(")", "") for layer in layers), "```", ""])
+
+
+TABLES: dict[str, Callable[[], str]] = {
+    "scenario": scenario_table,
+    "laws": laws_table,
+    "trajectory": trajectory_table,
+    "layers": layers_table,
+}
+
+
+# --- documents ---
+
+
+def documents() -> list[Path]:
+    """Return the documents that may hold a table."""
+    return [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+
+
+def names_of_tables(text: str) -> list[str]:
+    """Return the names of the tables that a document holds."""
+    return [name for _, name, _, _ in PLACE.findall(text)]
+
+
+def filled(text: str) -> str:
+    """Return a document with its tables as the code has them."""
+    return PLACE.sub(lambda match: f"{match.group(1)}{TABLES[match.group(2)]()}{match.group(4)}", text)
+
+
+def main() -> int:
+    """Check or write all tables."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    choice = parser.add_mutually_exclusive_group()
+    choice.add_argument("--check", action="store_true", help="only say what is out of date (default)")
+    choice.add_argument("--write", action="store_true", help="bring them up to date")
+    write = parser.parse_args().write
+    late = 0
+    for path in documents():
+        text = path.read_text()
+        if (new := filled(text)) == text:
+            continue
+        if write:
+            path.write_text(new)
+        late += not write
+        said = "written" if write else "out of date; bring it up to date with --write"
+        print(f"{path.relative_to(ROOT)}: {said}")
+    return 1 if late else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

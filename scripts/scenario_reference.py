@@ -1,0 +1,299 @@
+"""Every key of a scenario file and every law of contact and friction, as tables of docs/scenario.md.
+
+Meanings are what docstrings say of attributes, units and defaults those of the fields. Written by
+``reference.py``.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterator
+from typing import Any, get_args
+
+from pydantic.fields import FieldInfo
+
+from antenna_pin.contact import (
+    DISSIPATIONS,
+    FRICTION_LAWS,
+    NORMAL_LAWS,
+    Parameter,
+    is_elastic,
+    law_parameters,
+)
+from antenna_pin.scenario import (
+    ClearanceSpec,
+    ConstantDrive,
+    ContactClearance,
+    InitialBaseSpec,
+    InitialJointSpec,
+    IntegratorSpec,
+    JointSpec,
+    LinkSpec,
+    MaterialSpec,
+    MechanismSpec,
+    OrbitSpec,
+    OutputSpec,
+    PointingSpec,
+    ScalesSpec,
+    Scenario,
+    ShapeSpec,
+    SineDrive,
+    SpringSpec,
+    TableDrive,
+)
+
+__all__ = ["law_default", "laws_table", "scenario_table"]
+
+
+# --- what code says of a key ---
+
+
+def attribute_docs(cls: type) -> dict[str, str]:
+    """Return what the docstrings of a class and of its bases say of its attributes."""
+    found: dict[str, str] = {}
+    for base in reversed(cls.__mro__):
+        _, _, section = (base.__doc__ or "").partition("Attributes:\n")
+        for entry in re.split(r"\n {4,8}(?=\w+: )", "\n" + section):
+            name, _, text = entry.strip().partition(": ")
+            if name.isidentifier():
+                found[name] = " ".join(text.split("\n\n")[0].split())
+    return found
+
+
+def plain(text: str) -> str:
+    """Return what a docstring says of an attribute as a table of keys and units has it."""
+    text = re.sub(r"\s*(\[[^\]]*\]\s*(\(\[[^\]]*\]\))?)(?=[.;]|$)", "", text).replace("``", "`")
+    for python, file in (
+        ("None for ", "if left out, "),
+        ("None if ", "left out if "),
+        ("None where ", "left out where "),
+        ("None to choose it", "if left out, it is chosen"),
+    ):
+        text = text.replace(python, file)
+    text = text.strip(".; ")
+    return text[:1].upper() + text[1:] if text.startswith(("if ", "left ")) else text
+
+
+def annotations(item: Any) -> Iterator[Any]:
+    """Yield what stands in an annotation, at any depth."""
+    yield item
+    for part in get_args(item):
+        yield from annotations(part)
+
+
+def kind_of(field: FieldInfo) -> str:
+    """Return the unit of a field, or what else it holds."""
+    for item in (*field.metadata, *annotations(field.annotation)):
+        if type(item).__name__ in ("Quantity", "Vector"):
+            units = item.unit if isinstance(item.unit, tuple) else (item.unit,)
+            text = " or ".join("-" if unit == "1" else unit.replace("**", "^") for unit in units)
+            sizes = getattr(item, "sizes", ())
+            return f"{' or '.join(map(str, sizes))} × {text}" if sizes else text
+    choices = [value for item in annotations(field.annotation) for value in get_args(item)]
+    choices = [value for value in choices if isinstance(value, str)]
+    if choices:
+        return ", ".join(f"`{value}`" for value in choices)
+    if str in annotations(field.annotation):
+        return "list of text" if "tuple" in str(field.annotation) else "text"
+    return "list of -" if "tuple" in str(field.annotation) else "-"
+
+
+def default_of(field: FieldInfo) -> str:
+    """Return the default of a field as a file would have it."""
+    value = field.default
+    if field.is_required():
+        return "required"
+    if value is None:
+        return ""
+    if isinstance(value, float):
+        return f"{value:g}"
+    return f"`{json.dumps(value)}`" if value != "" else ""
+
+
+# --- every key of a scenario ---
+
+
+def rows(cls: type[Any], *names: str, without: tuple[str, ...] = (), required: str = "required") -> list[str]:
+    """Return table rows for the keys of a scenario's table: all of them, or those named."""
+    docs = attribute_docs(cls)
+    lines = []
+    for name in names or cls.model_fields:
+        if name in without:
+            continue
+        field = cls.model_fields[name]
+        text = plain(docs[name]) or name.replace("_", " ")
+        default = default_of(field)
+        lines.append(
+            f"| `{name}` | {kind_of(field)} | {required if default == 'required' else default} | {text} |"
+        )
+    return lines
+
+
+def section(title: str, lines: list[str], note: str = "") -> str:
+    """Return one of a scenario's tables under its heading."""
+    head = ["| key | unit or value | default | meaning |", "|---|---|---|---|"]
+    return "\n".join([*heading(title, note), *head, *lines, ""])
+
+
+def heading(title: str, note: str) -> list[str]:
+    """Return the lines above a table: a heading, and what is to be said of it."""
+    return [f"### {title}", "", *([note, ""] if note else [])]
+
+
+def clearance_rows() -> list[str]:
+    """Return the rows of a clearance joint: what is required depends on the model."""
+    classes = get_args(ClearanceSpec)
+    meanings = []
+    for cls in classes:
+        names = " or ".join(f"`{name}`" for name in get_args(cls.model_fields["model"].annotation))
+        meanings.append(f"{names}: {(cls.__doc__ or '').splitlines()[0].rstrip('.').replace('``', '`')}")
+    choices = [name for cls in classes for name in get_args(cls.model_fields["model"].annotation)]
+    listed = ", ".join(f"`{name}`" for name in choices)
+    lines = [f"| `model` | {listed} | required | {'. '.join(meanings)} |"]
+    laws = ("normal", "radial", "axial", "friction")
+    for name in ContactClearance.model_fields:
+        if name == "model" or name in laws:
+            continue
+        needing = [
+            get_args(cls.model_fields["model"].annotation)[0]
+            for cls in classes
+            if cls.model_fields[name].is_required()
+        ]
+        lines += rows(ContactClearance, name, required=f"required for {', '.join(needing)}")
+    return lines
+
+
+def drive_rows() -> list[str]:
+    """Return the rows of a drive: what all have, then what each kind has."""
+    lines = [
+        "| `joint` | text | the drive's name | Name of the joint |",
+        "| `kind` | `constant`, `sine`, `table` | required | What it is |",
+        *rows(SineDrive, "axis"),
+    ]
+    for kind, cls in (("constant", ConstantDrive), ("sine", SineDrive), ("table", TableDrive)):
+        for line in rows(cls, without=("joint", "axis", "motion", "kind")):
+            line = line.replace("| `", f"| `{kind}`: `", 1)
+            if kind == "table":  # a list that a file may give instead
+                unit = "s" if "`time`" in line else "N*m or N"
+                line = line.replace("| list of - | required |", f"| list of {unit} | unless `file` |")
+            lines.append(line)
+    return lines
+
+
+def scenario_table() -> str:
+    """Return every key of a scenario but those of laws, table by table."""
+    simple = [name for name in Scenario.model_fields if name in ("format", "title", "source", "duration")]
+    parts = [
+        section(
+            "Top of the file",
+            [
+                *rows(Scenario, *simple),
+                "| `default_case` | text | | The case that is run where none is named |",
+            ],
+        ),
+        section("[mechanism]", rows(MechanismSpec, without=("links", "joints"))),
+        section("[mechanism.links.LINK]", rows(LinkSpec, without=("shapes",))),
+        section("[mechanism.links.LINK.shapes.NAME]", rows(ShapeSpec), "Looks only."),
+        section("[mechanism.joints.JOINT]", rows(JointSpec)),
+        section("[materials.NAME]", rows(MaterialSpec), "`steel` is known without."),
+        section(
+            "[clearance.JOINT]",
+            clearance_rows(),
+            "A revolute or continuous joint of the URDF. Its laws: `[clearance.JOINT.normal]` and"
+            " `[clearance.JOINT.friction]`, [below](#contact-laws-and-friction).",
+        ),
+        section("[drives.NAME]", drive_rows()),
+        section(
+            "[springs.NAME]",
+            [
+                "| `joint` | text | the spring's name | Name of the joint |",
+                *rows(SpringSpec, without=("joint", "motion")),
+            ],
+        ),
+        section(
+            "[initial.joints.JOINT]",
+            rows(InitialJointSpec, without=("motion",)),
+            "Zero where nothing is said.",
+        ),
+        section("[initial.base]", rows(InitialBaseSpec)),
+        section("[integrator]", rows(IntegratorSpec, without=("scales",))),
+        section("[integrator.scales]", rows(ScalesSpec)),
+        section("[output]", rows(OutputSpec)),
+        section(
+            "[pointing]",
+            rows(PointingSpec, without=("orbit",)),
+            "For [analysis](pointing.md); the motion does not see it.",
+        ),
+        section("[pointing.orbit]", rows(OrbitSpec), "Circular."),
+        section(
+            "[cases.NAME]",
+            [
+                "| `description` | text | | One line for `antenna-pin list` |",
+                "| any other | | | Laid over the tables above; a table with `replace = true` replaces its"
+                " like |",
+            ],
+        ),
+    ]
+    return "\n".join(parts)
+
+
+# --- laws ---
+
+
+def law_default(name: str, parameters: dict[str, Parameter]) -> str:
+    """Return the default of a law's parameter, or where it comes from if a file leaves it out."""
+    parameter = parameters[name]
+    if parameter.default is not None:
+        return f"{parameter.default:g}"
+    if not parameter.from_joint:
+        return "required"
+    if name == "stiffness":
+        given = "from materials and radii"
+        return given if parameters["exponent"].default == 1.5 else f"required; {given} if exponent is 1.5"
+    return {"modulus": "from materials", "effective_mass": "from the contact"}.get(name, "from the joint")
+
+
+def normal_law_keys() -> list[str]:
+    """Return the rows of the keys that a normal law has beside its parameters."""
+    names = ", ".join(f"`{name}`" for name in DISSIPATIONS)
+    elastic = ", ".join(f"`{name}`" for name in NORMAL_LAWS if is_elastic(name))
+    return [
+        "| any | `law` | a name below | required | Name of the law |",
+        f"| {elastic} | `dissipation` | {names} | `none` | What dissipates beside an elastic law. Its"
+        " parameters stand in the same table; they are those of the law of its name below, but for stiffness"
+        " and exponent |",
+    ]
+
+
+def law_section(title: str, laws: Any, note: str, keys: list[str]) -> str:
+    """Return the parameters of all laws of a kind under their heading."""
+    lines = list(keys)
+    for law, cls in laws.items():
+        parameters = law_parameters(cls)
+        for name, parameter in parameters.items():
+            unit = "-" if parameter.unit == "1" else parameter.unit.replace("**", "^")
+            default = law_default(name, parameters)
+            lines.append(f"| `{law}` | `{name}` | {unit} | {default} | {parameter.doc} |")
+        if not parameters:
+            lines.append(f"| `{law}` | | | | |")
+    head = ["| law | parameter | unit | default | meaning |", "|---|---|---|---|---|"]
+    return "\n".join([*heading(title, note), *head, *lines, ""])
+
+
+def laws_table() -> str:
+    """Return all normal laws and friction laws with their parameters."""
+    normal = law_section(
+        "[clearance.JOINT.normal]",
+        NORMAL_LAWS,
+        "The law of all contacts of the joint; `[clearance.JOINT.radial]` and `[clearance.JOINT.axial]`"
+        " change `law`, `dissipation` or parameters for the bore or the flanges.",
+        normal_law_keys(),
+    )
+    friction = law_section(
+        "[clearance.JOINT.friction]",
+        FRICTION_LAWS,
+        "`none` if left out.",
+        ["| any | `law` | a name below | required | Name of the law |"],
+    )
+    return "\n".join([normal, friction])

@@ -1,0 +1,67 @@
+"""The reference tables in README.md and docs/ are what the code says, and miss nothing."""
+
+import importlib
+from pathlib import Path
+from typing import get_args
+
+import pytest
+
+from antenna_pin.contact import FRICTION_LAWS, NORMAL_LAWS, law_parameters
+from antenna_pin.scenario import ClearanceSpec, Scenario
+from antenna_pin.scenario.laws import law_spec, laws, missing_parameters
+
+SCRIPTS = Path(__file__).parents[1] / "scripts"
+
+
+@pytest.fixture
+def reference(monkeypatch):
+    monkeypatch.syspath_prepend(str(SCRIPTS))
+    return importlib.import_module("reference")
+
+
+def test_every_table_is_up_to_date(reference):
+    for path in reference.documents():
+        text = path.read_text()
+        assert reference.filled(text) == text, f"{path.name}: run python scripts/reference.py --write"
+
+
+def test_every_table_stands_in_one_place(reference):
+    names = [name for path in reference.documents() for name in reference.names_of_tables(path.read_text())]
+    assert sorted(names) == sorted(reference.TABLES)
+
+
+def test_check_and_write_name_what_is_out_of_date(reference, monkeypatch, tmp_path, capsys):
+    page = tmp_path / "page.md"
+    page.write_text("above\n<!-- table: layers -->\nof old\n<!-- end -->\nbelow\n")
+    monkeypatch.setattr(reference, "ROOT", tmp_path)
+    monkeypatch.setattr(reference, "documents", lambda: [page])
+    monkeypatch.setattr(reference, "TABLES", {"layers": lambda: "of today\n"})
+    for option, code, text in (
+        ("--check", 1, "of old"),
+        ("--write", 0, "of today"),
+        ("--check", 0, "of today"),
+    ):
+        monkeypatch.setattr("sys.argv", ["reference.py", option])
+        assert reference.main() == code
+        assert page.read_text() == f"above\n<!-- table: layers -->\n{text}\n<!-- end -->\nbelow\n"
+    said = capsys.readouterr().out.splitlines()
+    assert said == ["page.md: out of date; bring it up to date with --write", "page.md: written"]
+
+
+def test_what_the_table_calls_required_cannot_be_left_out(reference):
+    """And what it says comes from elsewhere can: of every law, in a joint that has all else."""
+    law_default = importlib.import_module("scenario_reference").law_default
+    for family, registry in (("normal", NORMAL_LAWS), ("friction", FRICTION_LAWS)):
+        for law, cls in registry.items():
+            parameters = law_parameters(cls)
+            required = [name for name in parameters if law_default(name, parameters) == "required"]
+            assert missing_parameters(law_spec(law, {}), laws(family)) == required, law
+
+
+def test_the_tables_miss_no_part_of_a_scenario():
+    """Every table of a scenario is in the reference: a new one must be added to it."""
+    known = {"mechanism", "materials", "clearance", "drives", "springs", "initial", "integrator", "output"}
+    known |= {"pointing"}
+    simple = {"format", "title", "source", "duration"}
+    assert set(Scenario.model_fields) - Scenario.carried == known | simple
+    assert len({frozenset(cls.model_fields) for cls in get_args(ClearanceSpec)}) == 1
