@@ -25,6 +25,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from typer.main import get_command
 from typer.testing import CliRunner
 
 from antenna_pin.cli import app
@@ -219,6 +220,23 @@ def test_links_lead_somewhere(path):
         file = path.parent / target if target else path
         assert file.exists(), target
         assert not anchor or anchor in anchors(file), f"{target}#{anchor}"
+
+
+def test_every_page_is_linked_from_the_readme():
+    readme, *pages = DOCUMENTS
+    for page in pages:
+        assert f"]({page.relative_to(ROOT).as_posix()}" in readme.read_text(), page.name
+
+
+def test_the_page_on_the_command_line_names_every_command():
+    commands = get_command(app).commands
+    page = (ROOT / "docs" / "command-line.md").read_text()
+    named = {
+        name
+        for row in re.findall(r"^\| (`.*?) \|", page, re.MULTILINE)
+        for name in re.findall(r"`(.*?)`", row)
+    }
+    assert named == set(commands)
 
 
 def test_pictures_are_small():
