@@ -91,6 +91,24 @@ def test_sine_table_and_callable_drive_the_same_motion():
     assert final["sine"]["drive_gross_work"].values[-1, 0] >= abs(work)
 
 
+def test_a_linear_table_is_integrated_exactly_in_a_few_long_steps():
+    """Between its points angle and work are polynomials: what steps across a point would lose shows at once."""
+    times, values = (0.0, 0.13, 0.41, 0.77, 1.0), (0.5, 2.0, 0.3, 1.7, 0.2)
+    drive = TableDrive(joint="axle", times=times, values=values)
+    coarse = RunSettings(rtol=1e12, first_step=1.0, max_step=1.0, output_rate=1.0)
+    run = simulate(wheel(drives={"d": drive}), duration=1.0, settings=coarse)
+    assert run.counts.accepted <= 2 * (len(times) - 1)
+    rate = angle = 0.0
+    for h, a, b in zip(np.diff(times), values[:-1], values[1:], strict=True):
+        angle += rate * h + (a / 3.0 + b / 6.0) * h**2 / INERTIA
+        rate += 0.5 * (a + b) * h / INERTIA
+    # Round-off of eight steps of a method that is exact for these polynomials.
+    assert run.data["motion_rate"].values[-1, 0] == pytest.approx(rate, rel=1e-13, abs=0.0)
+    assert run.data["motion_angle"].values[-1, 0] == pytest.approx(angle, rel=1e-13, abs=0.0)
+    work = run.data["drive_work"].values[-1, 0]
+    assert work == pytest.approx(0.5 * INERTIA * rate**2, rel=1e-13, abs=0.0)
+
+
 def test_a_callable_drive_sees_the_motion():
     """A proportional-derivative controller is a spring and a damper."""
     spring = {"s": JointSpring(joint="axle", stiffness=5.0, damping=0.4, rest_angle=0.2)}
