@@ -7,7 +7,6 @@ import pytest
 from antenna_pin import AntennaPinError, Urdf, build_mechanism, load_scenario, simulate
 from antenna_pin.assemble import build_system, initial_state, urdf_variant
 from antenna_pin.contact import MATERIALS, hertz_stiffness
-from antenna_pin.geometry.shapes import TABLE_WIDTH
 from antenna_pin.joints import _kernels as joint_kernels
 
 
@@ -149,10 +148,6 @@ def test_the_variant_written_out_is_the_model_that_was_run(tmp_path):
     ours = pin.aba(model, model.createData(), q, v, tau)
     theirs = pin.aba(again.model, again.model.createData(), q, v, tau)
     assert theirs == pytest.approx(ours, rel=1e-13, abs=0.0)
-
-
-def test_table_width_holds_what_the_joint_writes():
-    assert joint_kernels.ELASTIC < TABLE_WIDTH
 
 
 def test_a_law_leaves_its_effective_mass_to_each_contact_unless_given():

@@ -77,12 +77,12 @@ def test_both_ends_on_the_same_side_is_a_line(x, tilt, joint):
 
 @pytest.mark.parametrize("end", [1.0, -1.0])
 def test_opposite_sides_are_two_points_even_where_the_middle_is_pressed(end, joint):
-    """A journal twice the play across: from one side of the bore at one end, through the wall, to the other."""
+    """From one side of the bore, at one end, through the wall at the other end on the other side."""
     play, half = 2e-4, 0.025
     middle, across = 1.05 * play, end * 2.1 * play
     shape, axis = joint(), tilted(math.asin(across / math.hypot(half, across)))
     gaps = [c.gap for c in shape.contacts([middle, 0, 0], axis)[:2]]
-    # 0.05 and 2.15 of the play, but for a tilt of 0.017 rad, whose square is 3e-4 of the bore's radius of 50 plays.
+    # But for the tilt of 0.017 rad, whose square is 3e-4 of the bore's radius of 50 plays.
     assert sorted(gaps) == pytest.approx([-2.15 * play, -0.05 * play], abs=0.03 * play)
     assert shape.scenario([middle, 0, 0], axis)[0] == R.TWO_POINTS
 

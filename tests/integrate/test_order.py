@@ -35,13 +35,14 @@ def test_full_order_on_a_tumbling_body(method, solution, marcher, state_differen
     assert order(*errors) == pytest.approx(method.order, abs=0.25)
 
 
-def test_averaging_velocities_loses_the_order_on_the_group(body):
+def test_on_the_group_rk4_beats_averaged_velocities_a_thousandfold(body, marcher):
     """RK4 that composes with the exponential of averaged body rates is of order 2 in the attitude.
 
     It has the full order in the velocity, which does not depend on the attitude, and so looks right.
     """
     problem = body()
     exact = problem.reference([END])[-1]
+    truth = pin.Quaternion(exact[3:7]).matrix()
     start = problem.initial()
 
     def spin_rate(w):
@@ -49,7 +50,7 @@ def test_averaging_velocities_loses_the_order_on_the_group(body):
         problem.derivative(0.0, np.concatenate([start[:10], w, [0.0]]), rates)
         return rates[3:6]
 
-    def naive(steps):
+    def averaged(steps):
         h, w, attitude = END / steps, start[10:13], pin.Quaternion(start[3:7]).matrix()
         for _ in range(steps):
             w2 = w + 0.5 * h * spin_rate(w)
@@ -59,19 +60,14 @@ def test_averaging_velocities_loses_the_order_on_the_group(body):
             w = w + h * (spin_rate(w) + 2.0 * spin_rate(w2) + 2.0 * spin_rate(w3) + spin_rate(w4)) / 6.0
         return attitude, w
 
-    results = [naive(n) for n in (100, 200)]
-    truth = pin.Quaternion(exact[3:7]).matrix()
-    attitude = [np.linalg.norm(pin.log3(truth.T @ result[0])) for result in results]
-    velocity = [np.abs(result[1] - exact[10:13]).max() for result in results]
-    # The next term of the error, of relative size h.
-    assert order(*attitude) == pytest.approx(2.0, abs=0.1)
-    assert order(*velocity) == pytest.approx(4.0, abs=0.2)
+    def apart(attitude):
+        return np.linalg.norm(pin.log3(truth.T @ attitude))
 
-
-def test_on_the_group_rk4_beats_the_average_a_thousandfold(body, marcher, state_difference):
-    problem = body()
-    exact = problem.reference([END])[-1]
-    assert state_difference(marcher(problem, "rk4", END, 200).y, exact) < 1e-7
+    y = marcher(problem, "rk4", END, 200).y
+    attitude, spin = averaged(200)
+    assert apart(pin.Quaternion(y[3:7]).matrix()) < 1e-3 * apart(attitude)
+    # The spin, whose equation knows no attitude, is the same but for round-off of 200 steps.
+    assert y[10:13] == pytest.approx(spin, rel=0.0, abs=1e-13)
 
 
 def test_dense_output_has_its_order(method, body, state_difference):

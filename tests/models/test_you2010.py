@@ -280,15 +280,12 @@ def test_the_first_impact_is_that_of_hertz_after_crossing_the_play(case, stiffne
     acceleration = (apart[2, 1] - 0.5 * apart[2, 2]) - (apart[1, 1] + 0.5 * apart[1, 2])
     assert held[1, 0] == pytest.approx(0.0, abs=1e-12)
     force = abs(held[1, 1])
-    mass = force / abs(acceleration)
     # While they cross, the shafts turn by 1e-3 rad and by v^2 a centripetal acceleration of 2e-3 of the other
     # grows: second order in the direction, 1e-3 and below in the path.
     speed = math.sqrt(2.0 * abs(acceleration) * PLAY)
     assert float(first["approach_speed"]) == pytest.approx(speed, rel=1e-3)
     assert float(first["onset_time"]) == pytest.approx(speed / abs(acceleration), rel=1e-3)
     expected = first_impact(stiffness, force)
-    hertz = stiffness**0.4 * (1.25 * mass * speed**2) ** 0.6
-    assert expected == pytest.approx(damped_over_elastic(RESTITUTION) * hertz, rel=1e-12)
     # The load goes on working over the depth, 1 and 2 % of the play. Friction at the bore's surface, 10 mm
     # beside the centre, acts back on the normal motion by 0.4 %.
     expected *= (1.0 + float(first["peak_depth"]) / PLAY) ** 0.6
@@ -311,14 +308,6 @@ def test_the_bench_s_estimate_holds_in_both_layouts(case, ideal, monkeypatch):
     first = simulate(scenario(case), duration=0.04).data.isel(episode=0)
     assert float(first["approach_speed"]) == pytest.approx(expected.approach_speed, rel=1e-3)
     assert float(first["peak_force"]) == pytest.approx(expected.peak_force, rel=4e-3)  # friction, as above
-
-
-def test_the_estimate_over_the_ideal_force_depends_on_stiffness_play_and_force_alone():
-    """(K (2.5 c)^1.5 / F)^0.4, as a power of each."""
-    ratio = first_impact(INTERNAL, 2.0) / 2.0
-    assert first_impact(INTERNAL, 4.0) / 4.0 == pytest.approx(ratio / 2**0.4, rel=1e-12)
-    assert first_impact(2 * INTERNAL, 2.0) / 2.0 == pytest.approx(ratio * 2**0.4, rel=1e-12)
-    assert first_impact(INTERNAL, 2.0, 2 * PLAY) / 2.0 == pytest.approx(ratio * 2**0.6, rel=1e-12)
 
 
 # --- the joint in space ------------------------------------------------------------------------------------

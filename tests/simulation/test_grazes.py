@@ -1,4 +1,4 @@
-"""Contacts at the edge of what a step can see: grazes, dips within a quarter of a step, bristles of a new touch."""
+"""Contacts at the edge of what a step sees: grazes, dips between two nodes; bristles of a new touch."""
 
 import math
 
@@ -42,7 +42,7 @@ def disc_on_sled(law, gravity=0.0, **elements):
 
 
 def test_a_dip_of_changing_curvature_between_two_nodes_is_a_contact():
-    r"""The tangents at the dip's ends meet above its top: gap = 1.3 - s - 6 s^2 + 6 s^3 over one quarter of a step.
+    """The tangents at its ends meet above its bottom: gap = 1.3 - s - 6 s^2 + 6 s^3 over a quarter of a step.
 
     A straight estimate from s = 0 and 1 says that the gap cannot fall below 0.3; it falls to -0.29.
     """
@@ -70,7 +70,7 @@ def test_a_dip_of_changing_curvature_between_two_nodes_is_a_contact():
 
 @pytest.mark.parametrize("method", ["dormand-prince-853", "rk4"])
 def test_a_wall_that_just_reaches_a_disc_goes_on(method):
-    """A sled on a spring swings by the play, give or take a hair: its hole may graze the disc that rests in it.
+    """A sled on a spring swings by the play, give or take a hair: its hole may graze the disc in it.
 
     Where the dense output sees a touch the step that ends there may see none, and the other way round; time
     must go on all the same.
@@ -120,7 +120,7 @@ def test_a_new_contact_knows_nothing_of_the_bristles_of_the_one_before(impact_ri
 
 
 @pytest.mark.xfail(
-    reason="A graze is let touch for a whole step; laws of whole exponent go on below the surface and pull there."
+    reason="A graze touches for a whole step; laws of whole exponent go on below the surface and pull there"
 )
 def test_a_graze_costs_no_energy():
     """The exact graze of the test above, where the step that ends at the touch sees none."""
