@@ -1,0 +1,541 @@
+"""What ``mutants.py`` breaks: small wrong changes of the mechanics, each with tests that must notice it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+JOINTS = "antenna_pin/joints/_kernels.py"
+DYNAMICS = "antenna_pin/dynamics/_kernels.py"
+INSPECT = "antenna_pin/dynamics/_inspect.py"
+AUDIT = "antenna_pin/dynamics/audit.py"
+ELEMENTS = "antenna_pin/dynamics/elements.py"
+WORKSPACE = "antenna_pin/dynamics/workspace.py"
+HINGE = "antenna_pin/dynamics/hinge.py"
+LOOP = "antenna_pin/simulation/loop.py"
+RECORD = "antenna_pin/simulation/record.py"
+SETTINGS = "antenna_pin/simulation/settings.py"
+GEOMETRY = "antenna_pin/geometry/_kernels.py"
+INTEGRATE = "antenna_pin/integrate/_kernels.py"
+STEPPER = "antenna_pin/integrate/stepper.py"
+
+TEST_JOINT = "tests/joints/test_clearance.py"
+TEST_DISTRIBUTED = "tests/joints/test_distributed.py"
+TEST_ELEMENTS = "tests/dynamics/test_elements.py"
+TEST_AUDIT = "tests/dynamics/test_audit.py"
+TEST_HINGE = "tests/dynamics/test_hinge.py"
+TEST_GAPS = "tests/geometry/test_gaps.py"
+TEST_SCENARIOS = "tests/geometry/test_scenarios.py"
+TEST_MANIFOLD = "tests/integrate/test_manifold.py"
+TEST_STEPPER = "tests/integrate/test_stepper.py"
+TEST_ORDER = "tests/integrate/test_order.py"
+TEST_GRAZES = "tests/simulation/test_grazes.py"
+TEST_IMPACTS = "tests/simulation/test_impacts.py"
+TEST_FLANGE = "tests/simulation/test_flange.py"
+TEST_GOING_ON = "tests/simulation/test_going_on.py"
+TEST_RECORD = "tests/simulation/test_record.py"
+TEST_RUN = "tests/simulation/test_run.py"
+TEST_TURNS = "tests/simulation/test_turns.py"
+TEST_START = "tests/simulation/test_start_and_end.py"
+
+
+@dataclass(frozen=True, slots=True)
+class Mutant:
+    """One wrong change.
+
+    Attributes:
+        note: What is wrong then.
+        file: Where, from the root of the tree.
+        old: Text that stands there exactly once.
+        new: What it becomes.
+        tests: What pytest is given: files, node ids, options.
+        equivalent: Why nothing can notice it, if nothing can; it is not run then.
+        compiled: Whether kernels are compiled, which takes up to a minute, or run as Python.
+    """
+
+    note: str
+    file: str
+    old: str
+    new: str
+    tests: tuple[str, ...]
+    equivalent: str = ""
+    compiled: bool = True
+
+
+def _python(note: str, file: str, old: str, new: str, *tests: str) -> Mutant:
+    return Mutant(note, file, old, new, tests, compiled=False)
+
+
+def _compiled(note: str, file: str, old: str, new: str, *tests: str) -> Mutant:
+    return Mutant(note, file, old, new, tests)
+
+
+def _equivalent(note: str, file: str, old: str, new: str, reason: str) -> Mutant:
+    return Mutant(note, file, old, new, (), equivalent=reason)
+
+
+MUTANTS = (
+    # --- simulation
+    _compiled(
+        "acceleration of the motion angle without the tilt's rates",
+        RECORD,
+        "    change = 2.0 * (z * dz + s * ds) / square\n",
+        "    return 0.0, 0.0\n    change = 2.0 * (z * dz + s * ds) / square\n",
+        TEST_RECORD,
+    ),
+    _compiled(
+        "a new contact keeps the bristles of the one before",
+        LOOP,
+        "        self.stepper.start[first : first + self._bristles[c]] = 0.0\n",
+        "",
+        TEST_GRAZES,
+    ),
+    _compiled(
+        "a graze that touches changes back without end",
+        LOOP,
+        "            self._ignore[c] = 2\n",
+        "            self._ignore[c] = 1\n",
+        TEST_GRAZES,
+        *("-k", "just_reaches and 853"),
+    ),
+    _compiled(
+        "a graze that was released is not let touch again",
+        LOOP,
+        "                self._touch(c, 0.0)\n",
+        "                pass\n",
+        TEST_GRAZES,
+        *("-k", "just_reaches"),
+    ),
+    _compiled(
+        "one trial only for the step that ends at a contact",
+        LOOP,
+        "_RELOCATIONS = 5\n",
+        "_RELOCATIONS = 1\n",
+        TEST_IMPACTS,
+        *("-k", "closed_form or order_on_impacts"),
+    ),
+    _compiled(
+        "the next step after the end of a table's piece is not kept",
+        LOOP,
+        "            following = max(following, h)\n",
+        "            following = tried\n",
+        TEST_RUN,
+        *("-k", "table"),
+    ),
+    _compiled(
+        "steps pass over a table's points",
+        LOOP,
+        "        end = self._breaks[0] if self._breaks else self.duration\n",
+        "        end = self.duration\n",
+        TEST_RUN,
+        *("-k", "table"),
+    ),
+    _compiled(
+        "an impulse counts what the contact had before",
+        LOOP,
+        "        episode.impulse = -float(x[self.system.impulse_x[c]])\n",
+        "        episode.impulse = 0.0\n",
+        TEST_IMPACTS,
+        *("-k", "closed_form"),
+    ),
+    _compiled(
+        "no floor under the approach speed",
+        LOOP,
+        "        speed = max(rate, self._floors[c])\n",
+        "        speed = max(rate, 1e-9)\n",
+        TEST_IMPACTS,
+        *("-k", "at_rest"),
+    ),
+    _compiled(
+        "a fast wheel may turn by any angle in a step",
+        LOOP,
+        "_LARGEST_TURN = 2.0 ",
+        "_LARGEST_TURN = 200.0 ",
+        TEST_TURNS,
+        *("-k", "turns_are_counted"),
+    ),
+    _compiled(
+        "sizes of steps are forgotten from one run to the one that goes on",
+        LOOP,
+        "        self._patterns = {bytes.fromhex(name): size for name, size in state.sizes}\n",
+        "",
+        TEST_GOING_ON,
+        *("-k", "two_halves or interrupted"),
+    ),
+    _compiled(
+        "peaks of the dense output are not sampled",
+        LOOP,
+        "            self.samples.insert(*peak)\n",
+        "            pass\n",
+        TEST_RUN,
+        *("-k", "samples_are_at"),
+    ),
+    _compiled(
+        "the tilt of a journal counts in radians",
+        SETTINGS,
+        "np.where(about, self.angle, play / half)",
+        "np.where(about, self.angle, self.angle)",
+        TEST_RECORD,
+    ),
+    _compiled(
+        "the tilt's rate of a journal counts in radians a second",
+        SETTINGS,
+        "about, self.angular_velocity, self.clearance_velocity / half\n",
+        "about, self.angular_velocity, self.angular_velocity\n",
+        TEST_RECORD,
+    ),
+    _compiled(
+        "the ledger forgets the dampers",
+        RECORD,
+        "        error += since[:, system.damper_x].sum(axis=1)\n",
+        "",
+        TEST_TURNS,
+        TEST_RUN,
+        "tests/test_random_scenarios.py",
+        *("-k", "damp or spring or random"),
+    ),
+    # --- dynamics
+    _compiled(
+        "the scale of linear momentum includes the bus",
+        AUDIT,
+        '    first = 2 if system.mechanism.base == "free" else 1\n',
+        "    first = 1\n",
+        TEST_AUDIT,
+    ),
+    _compiled(
+        "angular momenta about the world's origin",
+        AUDIT,
+        "        lx -= cy * pz - cz * py\n",
+        "",
+        TEST_AUDIT,
+    ),
+    _compiled(
+        "linear tables are not stepped on",
+        ELEMENTS,
+        '        if self.interpolation == "linear":\n            return self.times\n',
+        '        if self.interpolation == "linear":\n            return ()\n',
+        TEST_RUN,
+        *("-k", "table"),
+    ),
+    _compiled(
+        "cubic tables without their slope",
+        ELEMENTS,
+        "            coefficients = PchipInterpolator(t, y).c.T\n",
+        "            coefficients = PchipInterpolator(t, y).c.T * (1.0, 1.0, 0.0, 1.0)\n",
+        TEST_ELEMENTS,
+        *("-k", "table"),
+    ),
+    _python(
+        "power of a drive at a journal about the wrong axis",
+        DYNAMICS,
+        "        power = effort * (nx * y[k] + ny * y[k + 1] + nz * y[k + 2])\n",
+        "        power = effort * y[k + 2]\n",
+        TEST_ELEMENTS,
+        *("-k", "couple"),
+    ),
+    _python(
+        "gross work counts signs",
+        DYNAMICS,
+        "    rates[x + 1] = abs(power)\n",
+        "    rates[x + 1] = power\n",
+        TEST_ELEMENTS,
+        TEST_RUN,
+        *("-k", "drive"),
+    ),
+    _python(
+        "a spring at a tilted journal acts about its axis alone",
+        DYNAMICS,
+        "effort * (gx * p[a + 3 * k] + gy * p[a + 3 * k + 1] + p[a + 3 * k + 2])",
+        "effort * p[a + 3 * k + 2]",
+        TEST_ELEMENTS,
+        *("-k", "gradient"),
+    ),
+    _python(
+        "a damper loses with the wrong sign",
+        DYNAMICS,
+        "    rates[nv + int(p[b + START_X])] = damping * rate\n",
+        "    rates[nv + int(p[b + START_X])] = -damping * rate\n",
+        TEST_ELEMENTS,
+        *("-k", "damper"),
+    ),
+    _equivalent(
+        "a table's point belongs to the piece before it",
+        DYNAMICS,
+        "            if p[knots + middle] <= t:\n",
+        "            if p[knots + middle] < t:\n",
+        "torques of linear and monotone cubic tables are continuous: both pieces say the same there",
+    ),
+    _python(
+        "turned angles are not brought up to date",
+        DYNAMICS,
+        "        y[at] = unwrapped(angle, y[at])\n",
+        "",
+        TEST_TURNS,
+        *("-k", "unwinds or counted"),
+    ),
+    _compiled(
+        "no margin for dips whose curvature changes",
+        INSPECT,
+        "            if fa + 2.0 * da * s <= 0.0:",
+        "            if fa + da * s <= 0.0:",
+        TEST_GRAZES,
+        *("-k", "dip"),
+    ),
+    _equivalent(
+        "a larger margin for dips",
+        INSPECT,
+        "            if fa + 2.0 * da * s <= 0.0:",
+        "            if fa + 3.0 * da * s <= 0.0:",
+        "more dips are looked at, each by its own gap: it takes longer and finds the same",
+    ),
+    _compiled(
+        "no dips are looked for",
+        INSPECT,
+        "        if da > 0.0 > db:\n",
+        "        if False:\n",
+        TEST_GRAZES,
+        TEST_IMPACTS,
+        *("-k", "dip or no_contact_is_lost"),
+    ),
+    _compiled(
+        "depths are not looked at for being too deep",
+        INSPECT,
+        "                deep = True\n",
+        "                deep = False\n",
+        TEST_IMPACTS,
+        *("-k", "too_deep"),
+    ),
+    _compiled(
+        "peaks at the points of a step only",
+        INSPECT,
+        "        refine = force > 0.0 and 1.05 * force > record[c, PEAK_FORCE]\n",
+        "        refine = False\n",
+        TEST_IMPACTS,
+        *("-k", "closed_form or hertz_depth"),
+    ),
+    _compiled(
+        "the effective mass counts free accelerations",
+        WORKSPACE,
+        "(self._accelerate(y[:nq], rest, direction) - free)",
+        "self._accelerate(y[:nq], rest, direction)",
+        TEST_START,
+        *("-k", "mass"),
+    ),
+    _compiled(
+        "a hinge holds one point twice",
+        HINGE,
+        "        for sign in (1.0, -1.0):\n",
+        "        for sign in (1.0, 1.0):\n",
+        TEST_HINGE,
+    ),
+    # --- joints
+    _python(
+        "velocity of an offset journal without its spin",
+        JOINTS,
+        "    vx = y[j] + y[j + 4] * cz - y[j + 5] * cy\n",
+        "    vx = y[j]\n",
+        TEST_JOINT,
+        "tests/test_assemble.py",
+        *("-k", "pose or placed or offset or frame or wherever"),
+    ),
+    _python(
+        "slip without the journal's spin",
+        JOINTS,
+        "    vx = pose[15] + pose[19] * rz - pose[20] * ry\n",
+        "    vx = pose[15]\n",
+        TEST_JOINT,
+    ),
+    _python(
+        "the torque about the journal's centre has a wrong sign",
+        JOINTS,
+        "    return gx, gy, gz, ry * gz - rz * gy, rz * gx - rx * gz, rx * gy - ry * gx\n",
+        "    return gx, gy, gz, ry * gz - rz * gy, rx * gz - rz * gx, rx * gy - ry * gx\n",
+        TEST_JOINT,
+    ),
+    _python(
+        "what friction loses counts with the wrong sign",
+        JOINTS,
+        "        rates[own + LOST_FRICTION] = -(\n",
+        "        rates[own + LOST_FRICTION] = +(\n",
+        TEST_JOINT,
+    ),
+    _python(
+        "what the spring does not give back is not lost",
+        JOINTS,
+        "        rates[own + LOST_NORMAL] = (force - elastic) * table[r, RATE]\n",
+        "        rates[own + LOST_NORMAL] = 0.0\n",
+        TEST_JOINT,
+    ),
+    _compiled(
+        "the work of moving a flange's force is forgotten",
+        JOINTS,
+        "            rates[own + LOST_NORMAL] += elastic * opening\n",
+        "",
+        TEST_FLANGE,
+        *("-k", "ledger"),
+    ),
+    _python(
+        "the force of a flat flange stays at its rim",
+        JOINTS,
+        "    rest = 1.0 - lever(-table[r, 0], whole)\n",
+        "    rest = 0.0\n",
+        TEST_FLANGE,
+        *("-k", "from_the_axis"),
+    ),
+    _python(
+        "the lever's polynomial has a kink",
+        JOINTS,
+        "    return s * s * s * (10.0 - s * (15.0 - 6.0 * s))\n",
+        "    return s * s * s * (9.0 - s * (15.0 - 6.0 * s))\n",
+        TEST_FLANGE,
+        *("-k", "from_the_axis"),
+    ),
+    _python(
+        "sectors whose forces have no potential",
+        JOINTS,
+        "            share *= 1.0 + alpha + gamma * x * x\n",
+        "",
+        TEST_DISTRIBUTED,
+        *("-k", "derives"),
+    ),
+    _python(
+        "whole turns are rounded down",
+        JOINTS,
+        "math.floor((near - angle) / (2.0 * math.pi) + 0.5)",
+        "math.floor((near - angle) / (2.0 * math.pi))",
+        TEST_TURNS,
+        *("-k", "unwinds"),
+    ),
+    _python(
+        "the motion angle's rate without one of the tilts",
+        JOINTS,
+        "    return angle, (hz * hx - qw * hy) / square, (qw * hx + hz * hy) / square\n",
+        "    return angle, (hz * hx - qw * hy) / square, 0.0\n",
+        TEST_ELEMENTS,
+        *("-k", "rate_of_the_motion"),
+    ),
+    # --- geometry
+    _python(
+        "ends on opposite sides are a line where the middle is pressed, at one end",
+        GEOMETRY,
+        "same_plus > 0.0 and same_minus > 0.0:",
+        "same_plus > 0.0:",
+        TEST_SCENARIOS,
+        *("-k", "opposite"),
+    ),
+    _python(
+        "ends on opposite sides are a line where the middle is pressed, at the other end",
+        GEOMETRY,
+        "same_plus > 0.0 and same_minus > 0.0:",
+        "same_minus > 0.0:",
+        TEST_SCENARIOS,
+        *("-k", "opposite"),
+    ),
+    _python(
+        "ends on opposite sides are a line",
+        GEOMETRY,
+        "        if table[spare, 0] < 0.0 and same_plus",
+        "        if same_plus",
+        TEST_SCENARIOS,
+    ),
+    _python(
+        "a flange is a surface at half its edge",
+        GEOMETRY,
+        "    whole = 2.0 * edge * sine\n",
+        "    whole = edge * sine\n",
+        TEST_SCENARIOS,
+        *("-k", "surface"),
+    ),
+    _compiled(
+        "a journal's axis outside the bore counts as inside",
+        GEOMETRY,
+        "        side_of_wall = -1.0\n",
+        "        side_of_wall = 1.0\n",
+        TEST_START,
+        *("-k", "gap_falls or cannot_have"),
+    ),
+    _compiled(
+        "the end circle is seen as a circle",
+        GEOMETRY,
+        "    ea, eb = nearest_on_ellipse(radius, radius * shrink, -da, -db)\n",
+        "    ea, eb = nearest_on_ellipse(radius, radius, -da, -db)\n",
+        TEST_GAPS,
+        *("-k", "radial"),
+    ),
+    _compiled(
+        "Newton's steps to the ellipse end early",
+        GEOMETRY,
+        "            elif abs(step) <= 3e-9 * s:",
+        "            elif abs(step) <= 3e-3 * s:",
+        TEST_GAPS,
+        *("-k", "ellipse or radial"),
+    ),
+    # --- integrate
+    _python(
+        "averaged velocities on the group",
+        INTEGRATE,
+        "    out[r, j] = wx + 0.5 * cx + f * (y * cz - z * cy)\n",
+        "    out[r, j] = wx\n",
+        TEST_MANIFOLD,
+        TEST_ORDER,
+        *("-k", "chart_rate or averaged"),
+    ),
+    _python(
+        "the inverse Jacobian's last term has a wrong factor",
+        INTEGRATE,
+        "        f = (1.0 - 0.5 * angle / math.tan(0.5 * angle)) / square\n",
+        "        f = 1.0 / 12.0\n",
+        TEST_MANIFOLD,
+        *("-k", "chart_rate or series"),
+    ),
+    _python(
+        "the rotation's series is short of a term",
+        INTEGRATE,
+        "        f = 0.5 * (1.0 - square / 24.0 * (1.0 - square / 80.0 * (1.0 - square / 168.0)))\n",
+        "        f = 0.5 * (1.0 - square / 24.0)\n",
+        TEST_MANIFOLD,
+        *("-k", "series or compose"),
+    ),
+    _python(
+        "errors of the last stage do not count",
+        INTEGRATE,
+        "        for j in range(i + 1):\n            first += errors[0, j] * work[j, k]\n",
+        "        for j in range(i):\n            first += errors[0, j] * work[j, k]\n",
+        TEST_STEPPER,
+        *("-k", "error or scipy"),
+    ),
+    _python(
+        "the errors of integrals do not count",
+        INTEGRATE,
+        "    return motion if motion != motion or motion >= plain else plain\n",
+        "    return motion\n",
+        TEST_STEPPER,
+        *("-k", "error or count"),
+    ),
+    _python(
+        "a vector's error is measured by its components",
+        INTEGRATE,
+        "        linear = 3 if kind == RIGID else 2 if kind == PLANE else 0\n",
+        "        linear = 0\n",
+        TEST_STEPPER,
+        *("-k", "error"),
+    ),
+    _python(
+        "the state after dense output is the last extra stage's",
+        STEPPER,
+        "            self.work[method.stages + _kernels.STATE :] = end\n",
+        "",
+        TEST_STEPPER,
+        TEST_ORDER,
+        *("-k", "dense"),
+    ),
+    _python(
+        "a restarted step keeps the dense output of the one before",
+        STEPPER,
+        "        self.h = h\n        self._has_dense = False\n",
+        "        self.h = h\n",
+        TEST_STEPPER,
+        TEST_ORDER,
+        TEST_IMPACTS,
+        *("-k", "dense or closed_form"),
+    ),
+)
