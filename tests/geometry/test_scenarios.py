@@ -87,6 +87,17 @@ def test_opposite_sides_are_two_points_even_where_the_middle_is_pressed(end, joi
     assert shape.scenario([middle, 0, 0], axis)[0] == R.TWO_POINTS
 
 
+def test_ends_pressed_aside_of_a_free_middle_are_two_points(joint):
+    """Off centre by half the play and tilted across that: the ends press 62 degrees to either side of it."""
+    play, half = 2e-4, 0.025
+    shape, angle = joint(), math.atan(0.95 * play / half)
+    pose = [0.5 * play, 0.0, 0.0], [0.0, math.sin(angle), math.cos(angle)]
+    gaps = [c.gap for c in shape.contacts(*pose)[:2]]
+    # But for the tilt of 8 mrad, whose square is 6e-5 of the bore's radius of 50 plays.
+    assert gaps == pytest.approx([(1.0 - math.hypot(0.5, 0.95)) * play] * 2, abs=0.01 * play)
+    assert shape.scenario(*pose)[0] == R.TWO_POINTS
+
+
 def test_scenarios_do_not_depend_on_the_azimuth(joint):
     shape = joint(axial_clearance=1e-5)
     for turn in (0.3, 1.9, 4.4):
