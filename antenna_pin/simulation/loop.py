@@ -506,11 +506,10 @@ class Run:
             if shorter is not None:
                 return shorter
         elif self._ignore[c] != 0:
-            # It has just changed here and would change back at once: a graze. Let it touch, and go on.
+            # It has just changed here and would change back at once: a graze. Let it, this once more.
             self._ignore[c] = 2
-            if self.workspace.memory[c, _joint.TOUCHING] == 0.0:
-                self._touch(c, 0.0)
-                stepper.refresh()
+            self._flip(c, 0.0)
+            stepper.refresh()
             return following
         self._closed_form(stepper.start)
         self._flip(c, float(self._table[c, _joint.RATE]))
