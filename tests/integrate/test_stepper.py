@@ -23,6 +23,18 @@ class Forced:
         rates[1] = y[0] - 0.3 * y[1] ** 2
 
 
+class Orbit:
+    """A body, or a plate in its plane, on a Kepler orbit; it does not turn."""
+
+    def __init__(self, kind):
+        self.manifold = Manifold((kind,), 0)
+        self.n = 3 if kind == "rigid" else 2
+
+    def derivative(self, t, y, rates):
+        rates[:] = 0.0
+        rates[: self.n] = -y[: self.n] / np.linalg.norm(y[: self.n]) ** 3
+
+
 class Exploding:
     manifold = Manifold((), 1)
 
@@ -98,6 +110,16 @@ def test_asking_for_dense_output_changes_nothing(method, body):
         for stepper in (asked, fresh):
             stepper.accept()
         assert (asked.y == fresh.y).all() and (asked.start == fresh.start).all()
+
+
+def test_dense_output_is_that_of_the_last_trial(method, body):
+    """A step made again, to end elsewhere, has a dense output of its own."""
+    stepper, out = make(body(2.0), method), np.empty(14)
+    for h in (0.1, 0.06):
+        stepper.attempt(h)
+        stepper.prepare_dense()
+    stepper.interpolate(1.0, out)
+    assert out == pytest.approx(stepper.y, rel=0.0, abs=1e-13)  # sums of coefficients up to 700
 
 
 def test_the_last_stage_is_the_next_steps_first(method, body):
@@ -180,6 +202,25 @@ def test_the_error_is_a_mean_over_the_components_that_count(method):
     assert error(9.0 * size + 10.0, math.inf) == pytest.approx(
         first * (1.0 + size) / (10.0 + 10.0 * size), rel=1e-12, abs=0.0
     )
+
+
+@adaptive
+@pytest.mark.parametrize("kind", ["rigid", "plane"])
+def test_the_error_does_not_depend_on_how_the_axes_lie(method, kind):
+    """Of a translation the vector's length counts, not its components'."""
+    problem, rng = Orbit(kind), np.random.default_rng(3)
+    rest = [0.0, 0.0, 0.0, 1.0] if kind == "rigid" else [1.0, 0.0]
+    spin = [0.0] * (3 if kind == "rigid" else 1)
+    place, velocity = np.eye(problem.n)[0], 0.8 * np.eye(problem.n)[1]
+    errors = []
+    for _ in range(8):
+        turn, _ = np.linalg.qr(rng.normal(size=(problem.n, problem.n)))
+        start = np.concatenate([turn @ place, rest, turn @ velocity, spin])
+        errors.append(
+            make(problem, method, start, scales=np.full(2 * problem.manifold.nv, 1e-3)).attempt(0.4)
+        )
+    # Estimates are differences of rates of order one: round-off is 1e-16 over errors of 1e-7 and more.
+    assert errors == pytest.approx([errors[0]] * 8, rel=1e-7, abs=0.0)
 
 
 def test_a_component_that_does_not_count_is_integrated_all_the_same(method, body):
