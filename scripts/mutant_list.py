@@ -102,16 +102,8 @@ MUTANTS = (
         LOOP,
         "_RELOCATIONS = 5\n",
         "_RELOCATIONS = 1\n",
-        TEST_IMPACTS,
-        *("-k", "closed_form or order_on_impacts"),
-    ),
-    _compiled(
-        "the next step after the end of a table's piece is not kept",
-        LOOP,
-        "            following = max(following, h)\n",
-        "            following = tried\n",
-        TEST_RUN,
-        *("-k", "table"),
+        TEST_GRAZES,
+        *("-k", "made_again"),
     ),
     _compiled(
         "steps pass over a table's points",

@@ -95,6 +95,24 @@ def test_a_wall_that_just_reaches_a_disc_goes_on(method):
             assert run.data.sizes["episode"] == 0
 
 
+@pytest.mark.parametrize("method", ["bogacki-shampine-32", "rk4"])
+def test_a_step_made_again_ends_on_the_surface(method):
+    """However coarse the steps: where the dense output puts the touch is a first guess only."""
+    pace = 200.0  # [rad/s]: a tenth of a turn in a step
+    system = disc_on_sled(
+        Hertz(stiffness=1e4, exponent=1.0), springs={"s": JointSpring(joint="rail", stiffness=pace**2)}
+    )
+    step = 3e-3
+    settings = RunSettings(
+        method=method, rtol=1e12, step=step, first_step=step, max_step=step, output_rate=10.0
+    )
+    speed = 2.0 * PLAY * pace
+    run = simulate(system, duration=0.02, v=[speed, -speed, 0.0, 0.0], settings=settings)
+    onset = run.data.sel(time=run.data["onset_time"].values[0])
+    # What the run asks of a located instant.
+    assert abs(float(onset["gap"].values[0])) <= 1e-9 * PLAY
+
+
 def test_a_new_contact_knows_nothing_of_the_bristles_of_the_one_before(impact_rig):
     """A run started anew in the flight after the first impact goes on as the one that came from there."""
     friction = Dahl(coefficient_of_friction=0.3, bristle_stiffness=1e4)
