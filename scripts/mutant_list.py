@@ -172,10 +172,8 @@ MUTANTS = (
         RECORD,
         "        error += since[:, system.damper_x].sum(axis=1)\n",
         "",
-        TEST_TURNS,
         TEST_RUN,
-        "tests/test_random_scenarios.py",
-        *("-k", "damp or spring or random"),
+        *("-k", "damped_oscillator"),
     ),
     # --- dynamics
     _compiled(
