@@ -299,7 +299,7 @@ MUTANTS = (
         WORKSPACE,
         "(self._accelerate(y[:nq], rest, direction) - free)",
         "self._accelerate(y[:nq], rest, direction)",
-        TEST_START,
+        TEST_AUDIT,
         *("-k", "mass"),
     ),
     _compiled(

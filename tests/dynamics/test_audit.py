@@ -49,3 +49,17 @@ def test_momenta_are_the_sums_over_the_bodies_and_their_scales_leave_out_the_bas
         assert found.angular_scale == pytest.approx(
             np.linalg.norm(angular[moving], axis=1).sum(), rel=1e-12, abs=0.0
         )
+
+
+def test_the_mass_that_an_impact_sees_does_not_depend_on_gravity():
+    """It is the response to a force; what the bodies do without it is taken off."""
+    masses = []
+    for gravity in ([0.0, 0.0, 0.0], [1.0, -2.0, -9.81]):
+        overrides = ["mechanism.base=fixed", f"mechanism.gravity={gravity}"]
+        system = build_system(load_scenario("bai2020", case="case3", overrides=overrides))
+        rng = np.random.default_rng(6)
+        q = pin.integrate(system.model, system.neutral(), 0.01 * rng.normal(size=system.model.nv))
+        y = system.state(q, np.zeros(system.model.nv))
+        masses.append([Workspace(system).effective_mass(y, c) for c in range(len(system.contact_names))])
+    # Accelerations of 10 m/s^2 beside those of 0.1 under a newton: round-off.
+    assert masses[1] == pytest.approx(masses[0], rel=1e-11, abs=0.0)
