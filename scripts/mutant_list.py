@@ -308,6 +308,7 @@ MUTANTS = (
         "        for sign in (1.0, -1.0):\n",
         "        for sign in (1.0, 1.0):\n",
         TEST_HINGE,
+        *("-k", "accelerations_are or angles_stay"),
     ),
     # --- joints
     _python(
