@@ -9,8 +9,6 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from antenna_pin.contact import CompiledNormalLaw
-from antenna_pin.contact._kernels import elastic_energy
 from antenna_pin.dynamics import _kernels
 from antenna_pin.dynamics.workspace import Workspace
 from antenna_pin.joints import _kernels as _joint
@@ -64,16 +62,12 @@ def audit(workspace: Workspace, y: Array) -> Audit:
     kinetic = pin.computeKineticEnergy(model, data)
     gravity = pin.computePotentialEnergy(model, data, q)
     contacts, springs = _kernels.stored_energy(y, workspace.program, memory, table)
-    for joint in system.clearances:
-        if not joint.compiled:
-            row = int(system.program[system.clearance_blocks[joint.name] + _joint.FIRST_CONTACT])
-            for k, law in enumerate(joint.normal_laws):
-                depth = -float(table[row + k, 0])
-                if memory[row + k, _joint.TOUCHING] != 0.0 and depth > 0.0:
-                    if isinstance(law, CompiledNormalLaw):
-                        contacts += elastic_energy(law.code(), depth)
-                    else:
-                        contacts += law.elastic_energy(min(depth, joint.depth_limits[k]))
+    for path in workspace.paths:
+        if not path.joint.compiled:
+            for r, law in enumerate(path.laws, path.row):
+                depth = -float(table[r, 0])
+                if memory[r, _joint.TOUCHING] != 0.0 and depth > 0.0:
+                    contacts += law.energy(depth)
     linear_scale = angular_scale = 0.0
     cx, cy, cz = data.com[0].tolist()
     first = 2 if system.mechanism.base == "free" else 1

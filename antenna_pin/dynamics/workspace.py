@@ -23,6 +23,8 @@ __all__ = ["Workspace"]
 
 Array = NDArray[np.float64]
 
+ON_SURFACE = 1e-15  # [m]: a starting gap this small is a gap of zero
+
 
 class Workspace:
     """A place to evaluate a system's equations of motion; one for each run, for it is written to.
@@ -38,6 +40,7 @@ class Workspace:
         memory: The contact memory that the derivative uses; to be written to.
         table: Contact table of the last evaluation, (rows, TABLE_WIDTH).
         tau: Generalized force of the elements at the last evaluation, (nv,).
+        paths: What happens in Python, of the joints of which anything does.
         program: The system's program, with the values of drives in Python of the last evaluation.
     """
 
@@ -58,12 +61,12 @@ class Workspace:
         self.table = self._work[table:].reshape(system.rows, TABLE_WIDTH)
         if memory is not None:
             self.memory[:] = memory
-        self._paths: list[PythonPath] = []
+        self.paths: list[PythonPath] = []
         for joint in system.clearances:
             start = system.clearance_blocks[joint.name]
             if self.program[start + _joint.MODE] != 0.0:
                 end = start + int(self.program[start + 1])
-                self._paths.append(PythonPath(joint, self.program[start:end], self.model.nq))
+                self.paths.append(PythonPath(joint, self.program[start:end], self.model.nq))
         self._accelerate: Callable[[Array, Array, Array], Array] = (
             constrained_acceleration(system.mechanism, self.data, system.hinges)
             if system.hinges
@@ -77,12 +80,12 @@ class Workspace:
         backend.
         """
         _inspect.contacts_in(y, self.program, self._pose, self.table)
-        for path in self._paths:
+        for path in self.paths:
             path.prepare(y, self.memory, self.table, everything=True)
 
     def apply_elements(self, t: float, y: Array, rates: Array) -> None:
         """Evaluate the elements: ``tau``, the contacts' ``table``, and x rates behind rates[nv]."""
-        for path in self._paths:
+        for path in self.paths:
             path.prepare(y, self.memory, self.table)
         for block, slot, drive in self.system.callables:
             angle, rate, _, _ = _kernels.joint_motion(self.program, block, y, self.model.nq)
@@ -103,7 +106,7 @@ class Workspace:
         q, v, out = y[:nq], y[nq : nq + nv], rates[:nv]
         program, work, tau = self.program, self._work, self.tau
         evaluate, model, data, aba = _kernels.evaluate, self.model, self.data, pin.aba
-        if self._paths or self.system.callables or self.system.hinges:
+        if self.paths or self.system.callables or self.system.hinges:
             elements, acceleration = self.apply_elements, self._accelerate
 
             def general(t: float) -> None:
@@ -128,7 +131,7 @@ class Workspace:
         _inspect.contacts_in(y, self.program, self._pose, table)
         memory = np.zeros_like(self.memory)
         for c, floor in enumerate(self.system.approach_speed_floors):
-            if table[c, 0] <= 0.0:
+            if table[c, 0] <= ON_SURFACE:
                 memory[c] = 1.0, max(float(table[c, _joint.RATE]), floor), self.effective_mass(y, c)
         return memory
 

@@ -21,6 +21,7 @@ from antenna_pin.contact._kernels import (
     ELASTIC,
     ELASTIC_KINDS,
     NORMAL_SIZE,
+    elastic_energy,
     elastic_force,
     normal_force,
     takes_mass_of_contact,
@@ -391,6 +392,38 @@ class ClearanceJoint:
         )
 
 
+class LawInRun:
+    """A contact's normal law as a run asks it: with the contact's mass, and past its range in a trial step.
+
+    There a compiled law is continued by its kernel, and one in Python is asked at the end of its range.
+
+    Args:
+        law: The law.
+    """
+
+    __slots__ = ("_code", "_law", "_limit")
+
+    def __init__(self, law: NormalLaw) -> None:
+        """Compose a compiled law's numbers once."""
+        self._law = law
+        self._code = law.code() if isinstance(law, CompiledNormalLaw) else None
+        self._limit = _range_of(law)
+
+    def forces(self, depth: float, rate: float, approach_speed: float, mass: float) -> tuple[float, float]:
+        """Return elastic and whole normal force [N] at a positive depth."""
+        if self._code is not None:
+            force = float(normal_force(self._code, depth, rate, approach_speed, mass))
+            return float(elastic_force(self._code, depth)), force
+        within = min(depth, self._limit)
+        return self._law.elastic_force(within), max(0.0, self._law.force(within, rate, approach_speed))
+
+    def energy(self, depth: float) -> float:
+        """Return the energy stored at a positive depth [J]."""
+        if self._code is not None:
+            return float(elastic_energy(self._code, depth))
+        return self._law.elastic_energy(min(depth, self._limit))
+
+
 class PythonPath:
     """What of a clearance joint happens outside the fused kernel: coal's queries, and laws written in Python.
 
@@ -403,9 +436,12 @@ class PythonPath:
     def __init__(self, joint: ClearanceJoint, block: Array, nq: int) -> None:
         """Build coal's functors and the buffers once."""
         self.joint = joint
+        #: Its laws, one for each contact.
+        self.laws = tuple(LawInRun(law) for law in joint.normal_laws)
         self._block = block
         self._nq = nq
-        self._row = int(block[_kernels.FIRST_CONTACT])
+        #: Row of its first contact.
+        self.row = int(block[_kernels.FIRST_CONTACT])
         self._pose = np.zeros(_kernels.POSE_BUFFER)
         self._shape = joint.geometry.shape()
         self._revolute = self._planar = self._spherical = None
@@ -426,7 +462,7 @@ class PythonPath:
             table: Contact table of the system.
             everything: Ask coal for contacts that do not touch, too; they have no force, whatever their gap.
         """
-        row = self._row
+        row = self.row
         if self._revolute is not None and self.joint.load == "distributed":
             self._prepare_strips(self._revolute, y, table)
         elif self._revolute is not None:
@@ -453,27 +489,19 @@ class PythonPath:
         strips, _, first = (int(number) for number in tail[:3])
         nodes = tail[_kernels.SECTOR_NODES :]
         backend.query_strips(
-            self._pose, strips, nodes, float(tail[_kernels.SECTOR_RADIUS]), table, self._row, first
+            self._pose, strips, nodes, float(tail[_kernels.SECTOR_RADIUS]), table, self.row, first
         )
 
     def _apply_laws(self, memory: Array, table: Array) -> None:
         friction: Any = self.joint.friction
         code = friction.code() if _has_code(friction) else None
-        for k, law in enumerate(self.joint.normal_laws):
-            r = self._row + k
+        for k, law in enumerate(self.laws):
+            r = self.row + k
             table[r, _kernels.FORCE : _kernels.ELASTIC + 1] = 0.0
             depth = -table[r, 0]
             if memory[r, _kernels.TOUCHING] == 0.0 or depth <= 0.0:
                 continue
-            rate, approach = float(table[r, _kernels.RATE]), float(memory[r, _kernels.APPROACH])
-            if isinstance(law, CompiledNormalLaw):
-                # Its arithmetic, without the checks: a trial step may go deeper than the law reaches.
-                numbers = law.code()
-                elastic = float(elastic_force(numbers, depth))
-                force = float(normal_force(numbers, depth, rate, approach, memory[r, _kernels.MASS]))
-            else:
-                within = min(depth, _range_of(law))  # for the same reason
-                elastic, force = law.elastic_force(within), max(0.0, law.force(within, rate, approach))
+            elastic, force = law.forces(depth, table[r, _kernels.RATE], *memory[r, _kernels.APPROACH :])
             slip = table[r, _kernels.SLIP : _kernels.SLIP + 3]
             speed = float(np.linalg.norm(slip))
             table[r, _kernels.FORCE] = force

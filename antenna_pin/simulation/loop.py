@@ -24,10 +24,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
-from antenna_pin.contact import NormalLaw
 from antenna_pin.dynamics import System, Workspace, _inspect
+from antenna_pin.dynamics.workspace import ON_SURFACE
 from antenna_pin.integrate import Stepper, method_named
 from antenna_pin.joints import _kernels as _joint
+from antenna_pin.joints.clearance import LawInRun
 from antenna_pin.simulation.settings import RunSettings
 from antenna_pin.state import OpenContact, State
 from antenna_pin.trajectory import Counts, Outcome
@@ -39,7 +40,6 @@ Array = NDArray[np.float64]
 _SAFETY = 0.9
 _SHRINK = 0.2
 _GROW = 6.0
-_ON_SURFACE = 1e-15  # [m]: a starting gap this small is a gap of zero
 _RELOCATIONS = 5
 _REPORT_INTERVAL = 0.1  # [s] of wall time between progress reports
 _LARGEST_TURN = 2.0  # [rad] of a joint in one step: an angle's whole turns are counted from step to step
@@ -195,12 +195,12 @@ class Run:
             np.zeros(manifold.nv + manifold.nx),
         )
         # Laws written in Python, by the row of their contact: the compiled inspection cannot evaluate them.
-        self._python_laws: list[tuple[int, NormalLaw]] = []
-        for joint in system.clearances:
-            if not joint.compiled:
-                block = system.clearance_blocks[joint.name]
-                row = int(system.program[block + _joint.FIRST_CONTACT])
-                self._python_laws += [(row + k, law) for k, law in enumerate(joint.normal_laws)]
+        self._python_laws = [
+            (r, law)
+            for path in self.workspace.paths
+            if not path.joint.compiled
+            for r, law in enumerate(path.laws, path.row)
+        ]
         instants = {t for drive in system.drives.values() for t in drive.instants}
         self._breaks = sorted(t for t in instants if 0.0 < t < end)
         self._longest = settings.max_step
@@ -224,7 +224,7 @@ class Run:
         self._closed_form(y)
         for c in range(len(self._open)):
             row = self._table[c]
-            if row[0] <= _ON_SURFACE:
+            if row[0] <= ON_SURFACE:
                 self._touch(c, max(float(row[_joint.RATE]), 0.0))
         self.stepper.refresh()
         self._sample(0.0, y.copy())
@@ -581,12 +581,12 @@ class Run:
         for c, law in self._python_laws:
             if self.workspace.memory[c, _joint.TOUCHING] == 0.0:
                 continue
-            speed = float(self.workspace.memory[c, _joint.APPROACH])
+            onset = self.workspace.memory[c, _joint.APPROACH :]
 
-            def lack(theta: float, c: int = c, law: NormalLaw = law, speed: float = speed) -> float:
+            def lack(theta: float, c: int = c, law: LawInRun = law, onset: Array = onset) -> float:
                 _inspect.contacts_at(theta, *context[:-1])
-                depth = min(-float(self._table[c, 0]), float(self._depths[c]))
-                return -law.force(depth, float(self._table[c, _joint.RATE]), speed) if depth > 0.0 else 0.0
+                depth = -float(self._table[c, 0])
+                return -law.forces(depth, self._table[c, _joint.RATE], *onset)[1] if depth > 0.0 else 0.0
 
             points = [k / _inspect.NODES for k in range(_inspect.NODES + 1)]
             values = [lack(theta) for theta in points]
