@@ -139,8 +139,8 @@ class _Observer:
                 angle = q[:, 0]
                 if slot.kind == "continuous":
                     turned = self.states[:, nq + nv + system.turn_x[slot.name]]
-                    angle = np.arctan2(q[:, 1], q[:, 0])
-                    angle += 2.0 * np.pi * np.floor((turned - angle) / (2.0 * np.pi) + 0.5)
+                    pairs = zip(np.arctan2(q[:, 1], q[:, 0]), turned, strict=True)
+                    angle = np.array([_joint.unwrapped(one, near) for one, near in pairs])
                 rate = velocities[:, slot.v.start]
                 acceleration = self.a[:, slot.v.start]
             else:
