@@ -12,6 +12,8 @@ ELEMENTS = "antenna_pin/dynamics/elements.py"
 WORKSPACE = "antenna_pin/dynamics/workspace.py"
 HINGE = "antenna_pin/dynamics/hinge.py"
 LOOP = "antenna_pin/simulation/loop.py"
+CONTROL = "antenna_pin/simulation/control.py"
+EPISODES = "antenna_pin/simulation/episodes.py"
 RECORD = "antenna_pin/simulation/record.py"
 SETTINGS = "antenna_pin/simulation/settings.py"
 GEOMETRY = "antenna_pin/geometry/_kernels.py"
@@ -84,7 +86,7 @@ MUTANTS = (
     ),
     _compiled(
         "a new contact keeps the bristles of the one before",
-        LOOP,
+        EPISODES,
         "        self.stepper.start[first : first + self._bristles[c]] = 0.0\n",
         "",
         TEST_GRAZES,
@@ -92,8 +94,8 @@ MUTANTS = (
     _compiled(
         "a graze that touches changes back without end",
         LOOP,
-        "            self._ignore[c] = 2\n",
-        "            self._ignore[c] = 1\n",
+        "            search.ignore[c] = 2\n",
+        "            search.ignore[c] = 1\n",
         TEST_GRAZES,
         *("-k", "just_reaches and 853"),
     ),
@@ -107,15 +109,15 @@ MUTANTS = (
     ),
     _compiled(
         "steps pass over a table's points",
-        LOOP,
-        "        end = self._breaks[0] if self._breaks else self.duration\n",
-        "        end = self.duration\n",
+        CONTROL,
+        "        end = self._breaks[0] if self._breaks else self.end\n",
+        "        end = self.end\n",
         TEST_RUN,
         *("-k", "table"),
     ),
     _compiled(
         "an impulse counts what the contact had before",
-        LOOP,
+        EPISODES,
         "        episode.impulse = -float(x[self.system.impulse_x[c]])\n",
         "        episode.impulse = 0.0\n",
         TEST_IMPACTS,
@@ -123,7 +125,7 @@ MUTANTS = (
     ),
     _compiled(
         "no floor under the approach speed",
-        LOOP,
+        EPISODES,
         "        speed = max(rate, self._floors[c])\n",
         "        speed = max(rate, 1e-9)\n",
         TEST_IMPACTS,
@@ -131,7 +133,7 @@ MUTANTS = (
     ),
     _compiled(
         "a fast wheel may turn by any angle in a step",
-        LOOP,
+        CONTROL,
         "_LARGEST_TURN = 2.0 ",
         "_LARGEST_TURN = 200.0 ",
         TEST_TURNS,
@@ -140,14 +142,14 @@ MUTANTS = (
     _compiled(
         "sizes of steps are forgotten from one run to the one that goes on",
         LOOP,
-        "        self._patterns = {bytes.fromhex(name): size for name, size in state.sizes}\n",
+        "        self.control.sizes = {bytes.fromhex(name): size for name, size in state.sizes}\n",
         "",
         TEST_GOING_ON,
         *("-k", "two_halves or interrupted"),
     ),
     _compiled(
         "peaks of the dense output are not sampled",
-        LOOP,
+        EPISODES,
         "            self.samples.insert(*peak)\n",
         "            pass\n",
         TEST_RUN,

@@ -7,7 +7,7 @@ largest force and depth of each touching contact, refined to the maxima of the d
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 from antenna_pin._compile import kernel
 from antenna_pin.dynamics._kernels import HEADER
@@ -27,25 +27,47 @@ PEAK_FORCE = 0
 PEAK_TIME = 1
 PEAK_DEPTH = 2
 RECORD_SIZE = 3
+# What is known of each contact at the points of a step.
+GAP = 0
+DEPTH_RATE = 1
+NORMAL_FORCE = 2
+NODE_SIZE = 3
+
+
+class Trial(NamedTuple):
+    """A trial step as it is looked at: its dense output, and where the looking writes.
+
+    Attributes:
+        layout: Of the joints with play, a part of the manifold's.
+        dense: Coefficients of the dense output.
+        work: The stepper's rows.
+        start: Which of them is the state that the step starts from.
+        program: The system's.
+        memory: Contact memory during the step, (contacts, MEMORY_WIDTH).
+        out: A state, as far as the layout goes, and scratch, (2, size).
+        pose: Of one journal.
+        table: Contact table, written.
+        rates: Written, and of no use.
+    """
+
+    layout: Any
+    dense: Any
+    work: Any
+    start: int
+    program: Any
+    memory: Any
+    out: Any
+    pose: Any
+    table: Any
+    rates: Any
 
 
 @kernel
-def contacts_at(
-    theta: float,
-    layout: Any,
-    dense: Any,
-    work: Any,
-    start: int,
-    program: Any,
-    memory: Any,
-    out: Any,
-    pose: Any,
-    table: Any,
-    rates: Any,
-) -> None:
+def contacts_at(theta: float, trial: Any) -> None:
     """Fill the contact table at the fraction theta of a step, in closed form, with compiled laws' forces."""
-    dense_joints(theta, layout, dense, work, start, out)
-    y = out[0]
+    dense_joints(theta, trial.layout, trial.dense, trial.work, trial.start, trial.out)
+    program, pose, table = trial.program, trial.pose, trial.table
+    y = trial.out[0]
     nq = int(program[0])
     nv = int(program[1])
     b = HEADER
@@ -55,7 +77,7 @@ def contacts_at(
         contact_geometry(program, b, pose, table, row)
         contact_rates(program, b, pose, table, row)
         if program[b + joint.MODE] < joint.FORCES_GIVEN:
-            contact_forces(program, b, y, nq + nv, memory, row, table, row, rates, nv)
+            contact_forces(program, b, y, nq + nv, trial.memory, row, table, row, trial.rates, nv)
         b += int(program[b + 1])
 
 
@@ -73,16 +95,15 @@ def contacts_in(y: Any, program: Any, pose: Any, table: Any) -> None:
 
 
 @kernel
-def _value(column: int, theta: float, c: int, context: Any) -> float:
+def _value(column: int, theta: float, c: int, trial: Any) -> float:
     """One column of contact c's row of the table at theta."""
-    layout, dense, work, start, program, memory, out, pose, table, rates, _ = context
-    contacts_at(theta, layout, dense, work, start, program, memory, out, pose, table, rates)
-    return float(table[c, column])
+    contacts_at(theta, trial)
+    return float(trial.table[c, column])
 
 
 @kernel
 def _root(
-    column: int, c: int, low: float, high: float, f_low: float, f_high: float, level: float, context: Any
+    column: int, c: int, low: float, high: float, f_low: float, f_high: float, level: float, trial: Any
 ) -> float:
     """Where a column is at a level, between two fractions: bisection with regula falsi (Illinois).
 
@@ -98,7 +119,7 @@ def _root(
             m = 0.5 * (a + b)
             if not a < m < b:
                 break
-        fm = _value(column, m, c, context) - level
+        fm = _value(column, m, c, trial) - level
         if fm == 0.0:
             return m
         if (fm > 0.0) == (fb > 0.0):
@@ -115,7 +136,7 @@ def _root(
 
 
 @kernel
-def _crossing(c: int, sign: float, level: float, nodes: Any, context: Any) -> float:
+def _crossing(c: int, sign: float, level: float, h: float, nodes: Any, trial: Any) -> float:
     """First fraction at which the gap of contact c passes a level, or 2. sign = 1: upwards, -1: downwards.
 
     f = sign * (gap - level) is negative (or zero, at the start) before; f' has the sign of -sign * depth
@@ -124,144 +145,146 @@ def _crossing(c: int, sign: float, level: float, nodes: Any, context: Any) -> fl
     for k in range(NODES):
         a = k / NODES
         b = (k + 1) / NODES
-        ga = nodes[0, k, c] - level
-        gb = nodes[0, k + 1, c] - level
-        ra = nodes[1, k, c]
-        rb = nodes[1, k + 1, c]
+        ga = nodes[GAP, k, c] - level
+        gb = nodes[GAP, k + 1, c] - level
+        ra = nodes[DEPTH_RATE, k, c]
+        rb = nodes[DEPTH_RATE, k + 1, c]
         fa = sign * ga
         fb = sign * gb
         da = -sign * ra
         db = -sign * rb
         if fb > 0.0:
             if fa < 0.0:
-                return _root(0, c, a, b, ga, gb, level, context)
+                return _root(0, c, a, b, ga, gb, level, trial)
             # At the start, on the surface to round-off: does it dip to the right side first?
             if da < 0.0 < db:
-                m = _root(joint.RATE, c, a, b, ra, rb, 0.0, context)
-                gap = _value(0, m, c, context) - level
+                m = _root(joint.RATE, c, a, b, ra, rb, 0.0, trial)
+                gap = _value(0, m, c, trial) - level
                 if sign * gap < 0.0:
-                    return _root(0, c, m, b, gap, gb, level, context)
+                    return _root(0, c, m, b, gap, gb, level, trial)
             return a
         if da > 0.0 > db:
             # It may rise above zero in between; below the crossing of its end tangents it cannot be.
             if fa >= 0.0:
                 return a
-            h = context[10]
             w = h * (b - a)
             s = (fb - fa - db * w) / (da - db)
             if fa + 2.0 * da * s <= 0.0:  # twice the rise of the tangent: room for a changing curvature
                 continue
-            m = _root(joint.RATE, c, a, b, ra, rb, 0.0, context)
-            gap = _value(0, m, c, context) - level
+            m = _root(joint.RATE, c, a, b, ra, rb, 0.0, trial)
+            gap = _value(0, m, c, trial) - level
             if sign * gap > 0.0:
-                return _root(0, c, a, m, ga, gap, level, context)
+                return _root(0, c, a, m, ga, gap, level, trial)
     return 2.0
 
 
 @kernel
-def fill_nodes(nodes: Any, context: Any) -> None:
-    """Write gap, depth rate and force of each contact at the points of the step: (3, NODES + 1, contacts)."""
-    layout, dense, work, start, program, memory, out, pose, table, rates, _ = context
+def fill_nodes(nodes: Any, trial: Any) -> None:
+    """Write gap, depth rate and force of each contact at the points of the step.
+
+    ``nodes`` is (NODE_SIZE, NODES + 1, contacts).
+    """
+    table = trial.table
     for k in range(NODES + 1):
-        contacts_at(k / NODES, layout, dense, work, start, program, memory, out, pose, table, rates)
-        for c in range(memory.shape[0]):
-            nodes[0, k, c] = table[c, 0]
-            nodes[1, k, c] = table[c, joint.RATE]
-            nodes[2, k, c] = table[c, joint.FORCE]
+        contacts_at(k / NODES, trial)
+        for c in range(trial.memory.shape[0]):
+            nodes[GAP, k, c] = table[c, 0]
+            nodes[DEPTH_RATE, k, c] = table[c, joint.RATE]
+            nodes[NORMAL_FORCE, k, c] = table[c, joint.FORCE]
 
 
 @kernel
-def track_peaks(t: float, nodes: Any, record: Any, context: Any) -> None:
+def track_peaks(t: float, h: float, nodes: Any, record: Any, trial: Any) -> None:
     """Raise the record of each touching contact to the maxima of this step's dense output."""
-    memory = context[5]
-    h = context[10]
+    memory = trial.memory
     ratio = 0.3819660112501051  # golden section
     for c in range(memory.shape[0]):
         if memory[c, 0] == 0.0:
             continue
         best = 0
         for k in range(1, NODES + 1):
-            if nodes[2, k, c] > nodes[2, best, c]:
+            if nodes[NORMAL_FORCE, k, c] > nodes[NORMAL_FORCE, best, c]:
                 best = k
-        force = nodes[2, best, c]
+        force = nodes[NORMAL_FORCE, best, c]
         if force > record[c, PEAK_FORCE]:
             record[c, PEAK_FORCE] = force
             record[c, PEAK_TIME] = t + h * best / NODES
         refine = force > 0.0 and 1.05 * force > record[c, PEAK_FORCE]
         if refine and best == NODES:
-            refine = _value(joint.FORCE, 1.0 - 1e-3, c, context) > force
+            refine = _value(joint.FORCE, 1.0 - 1e-3, c, trial) > force
         elif refine and best == 0:
-            refine = _value(joint.FORCE, 1e-3, c, context) > force
+            refine = _value(joint.FORCE, 1e-3, c, trial) > force
         if refine:
             a = max(0.0, (best - 1) / NODES)
             b = min(1.0, (best + 1) / NODES)
             m1 = a + ratio * (b - a)
             m2 = b - ratio * (b - a)
-            f1 = _value(joint.FORCE, m1, c, context)
-            f2 = _value(joint.FORCE, m2, c, context)
+            f1 = _value(joint.FORCE, m1, c, trial)
+            f2 = _value(joint.FORCE, m2, c, trial)
             for _ in range(24):
                 if f1 > f2:
                     b, m2, f2 = m2, m1, f1
                     m1 = a + ratio * (b - a)
-                    f1 = _value(joint.FORCE, m1, c, context)
+                    f1 = _value(joint.FORCE, m1, c, trial)
                 else:
                     a, m1, f1 = m1, m2, f2
                     m2 = b - ratio * (b - a)
-                    f2 = _value(joint.FORCE, m2, c, context)
+                    f2 = _value(joint.FORCE, m2, c, trial)
             top = max(f1, f2)
             if top > record[c, PEAK_FORCE]:
                 record[c, PEAK_FORCE] = top
                 record[c, PEAK_TIME] = t + h * (m1 if f1 > f2 else m2)
         for k in range(NODES + 1):
-            if -nodes[0, k, c] > record[c, PEAK_DEPTH]:
-                record[c, PEAK_DEPTH] = -nodes[0, k, c]
+            if -nodes[GAP, k, c] > record[c, PEAK_DEPTH]:
+                record[c, PEAK_DEPTH] = -nodes[GAP, k, c]
         for k in range(NODES):
-            if nodes[1, k, c] > 0.0 > nodes[1, k + 1, c]:
+            if nodes[DEPTH_RATE, k, c] > 0.0 > nodes[DEPTH_RATE, k + 1, c]:
                 m = _root(
                     joint.RATE,
                     c,
                     k / NODES,
                     (k + 1) / NODES,
-                    nodes[1, k, c],
-                    nodes[1, k + 1, c],
+                    nodes[DEPTH_RATE, k, c],
+                    nodes[DEPTH_RATE, k + 1, c],
                     0.0,
-                    context,
+                    trial,
                 )
-                depth = -_value(0, m, c, context)
+                depth = -_value(0, m, c, trial)
                 if depth > record[c, PEAK_DEPTH]:
                     record[c, PEAK_DEPTH] = depth
 
 
 @kernel
 def inspect_step(
-    t: float, nodes: Any, ignore: Any, limits: Any, record: Any, context: Any
+    t: float, h: float, until: float, nodes: Any, ignore: Any, limits: Any, record: Any, trial: Any
 ) -> tuple[int, float, bool]:
     """Return what happens first within the step: which contact, at what fraction, and whether it is too deep.
 
-    If it is not too deep, past its limit, it changes: touches or parts. Where nothing happens, -1 and 2, the
-    step will be accepted: then the peaks are tracked too.
+    If it is not too deep, past its limit, it changes: touches or parts. Where nothing happens before the
+    fraction ``until`` that is -1 and ``until``; with an ``until`` of 2 such a step will be accepted as it is:
+    then the peaks are tracked too.
 
     A contact marked 2 in ``ignore`` has changed twice at the start already: a third change there is not
     believed.
     """
-    fill_nodes(nodes, context)
-    memory = context[5]
+    fill_nodes(nodes, trial)
+    memory = trial.memory
     first = -1
-    when = 2.0
+    when = until
     deep = False
     for c in range(memory.shape[0]):
         touching = memory[c, 0] != 0.0
-        theta = _crossing(c, 1.0 if touching else -1.0, 0.0, nodes, context)
+        theta = _crossing(c, 1.0 if touching else -1.0, 0.0, h, nodes, trial)
         if theta < when and not (ignore[c] == 2 and theta == 0.0):
             first = c
             when = theta
             deep = False
         if touching:
-            theta = _crossing(c, -1.0, -limits[c], nodes, context)
+            theta = _crossing(c, -1.0, -limits[c], h, nodes, trial)
             if theta < when:
                 first = c
                 when = theta
                 deep = True
-    if first < 0:
-        track_peaks(t, nodes, record, context)
+    if first < 0 and until > 1.0:
+        track_peaks(t, h, nodes, record, trial)
     return first, when, deep

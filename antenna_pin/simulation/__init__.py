@@ -1,6 +1,6 @@
 """The run: steps, contact memory, events, sampling, stopping rules."""
 
-from antenna_pin.simulation.loop import Progress
+from antenna_pin.simulation.progress import Progress
 from antenna_pin.simulation.run import simulate
 from antenna_pin.simulation.settings import ErrorScales, RunSettings
 

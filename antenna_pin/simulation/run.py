@@ -19,7 +19,8 @@ from antenna_pin.geometry import RevoluteClearance
 from antenna_pin.geometry.shapes import TABLE_WIDTH
 from antenna_pin.joints import _kernels as _joint
 from antenna_pin.scenario import Scenario
-from antenna_pin.simulation.loop import Progress, Run, interruptible
+from antenna_pin.simulation.loop import Run
+from antenna_pin.simulation.progress import Progress, interruptible
 from antenna_pin.simulation.record import dataset
 from antenna_pin.simulation.settings import ErrorScales, RunSettings
 from antenna_pin.state import State

@@ -1,0 +1,162 @@
+"""The search of a trial step for contacts that change, and for the largest forces."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize_scalar
+
+from antenna_pin.dynamics import Workspace, _inspect
+from antenna_pin.integrate import Stepper
+from antenna_pin.joints import _kernels as _joint
+from antenna_pin.joints.clearance import LawInRun
+from antenna_pin.simulation.episodes import Episodes
+
+__all__ = ["ContactSearch", "Found"]
+
+Array = NDArray[np.float64]
+
+
+class Found(NamedTuple):
+    """What happens first to the contacts of a step.
+
+    Attributes:
+        contact: Its number, or -1.
+        theta: At which fraction of the step; 2 or more if nowhere.
+        deep: Whether it is too deep then; else it changes.
+    """
+
+    contact: int
+    theta: float
+    deep: bool
+
+
+class ContactSearch:
+    """Looks at the contacts inside trial steps.
+
+    Args:
+        workspace: What the run works on.
+        stepper: Whose steps.
+        episodes: The contacts' record.
+
+    Attributes:
+        ignore: Of each contact, how often it has changed at this very instant, (contacts,).
+        gap_difference: Largest difference so far between coal's gaps and the closed form [m].
+    """
+
+    def __init__(self, workspace: Workspace, stepper: Stepper, episodes: Episodes) -> None:
+        """Allocate once."""
+        self.system = system = workspace.system
+        self.workspace = workspace
+        self.stepper = stepper
+        self.episodes = episodes
+        contacts = len(system.contact_names)
+        manifold = system.manifold
+        self.ignore = np.zeros(contacts, dtype=np.int64)
+        self.gap_difference = 0.0
+        self.table = np.zeros_like(workspace.table)
+        self._pose = np.zeros(_joint.POSE_BUFFER)
+        self._nodes = np.zeros((_inspect.NODE_SIZE, _inspect.NODES + 1, contacts))
+        self.limits = np.array([limit for j in system.clearances for limit in j.depth_limits])
+        self.reasons = [reason for j in system.clearances for reason in j.limit_reasons]
+        plays = [j.geometry.radial_clearance for j in system.clearances for _ in j.contact_names]
+        self.tolerances = [1e-9 * play for play in plays]
+        self.uses_coal = any(j.backend == "coal" for j in system.clearances)
+        factors = [system.mechanism.joint(j.name).joint_id - 1 for j in system.clearances]
+        self._trial = _inspect.Trial(
+            layout=manifold.part(factors, plain=system.bristle_x.size > 0),
+            dense=stepper.dense,
+            work=stepper.work,
+            start=stepper.start_row,
+            program=workspace.program,
+            memory=workspace.memory,
+            out=np.zeros((2, manifold.size)),
+            pose=self._pose,
+            table=self.table,
+            rates=np.zeros(manifold.nv + manifold.nx),
+        )
+        # Laws written in Python, by the row of their contact: the compiled inspection cannot evaluate them.
+        self._python_laws = [
+            (r, law)
+            for path in workspace.paths
+            if not path.joint.compiled
+            for r, law in enumerate(path.laws, path.row)
+        ]
+
+    def measure(self, y: Array) -> None:
+        """Fill the search's own contact table for a state, in closed form."""
+        _inspect.contacts_in(y, self.system.program, self._pose, self.table)
+
+    def first(self, until: float = 2.0) -> Found:
+        """Return what happens first in the trial step, before the fraction ``until`` of it.
+
+        The step's dense output must be there. If nothing happens at all the contacts' record is brought up to
+        its end.
+        """
+        stepper = self.stepper
+        found = Found(
+            *_inspect.inspect_step(
+                stepper.t,
+                stepper.h,
+                until,
+                self._nodes,
+                self.ignore,
+                self.limits,
+                self.episodes.record,
+                self._trial,
+            )
+        )
+        if found.contact < 0 and until > 1.0:
+            self._track_python_laws()
+        return found
+
+    def track(self) -> None:
+        """Bring the contacts' record up to the end of a trial step in which none changes."""
+        stepper = self.stepper
+        _inspect.fill_nodes(self._nodes, self._trial)
+        _inspect.track_peaks(stepper.t, stepper.h, self._nodes, self.episodes.record, self._trial)
+        self._track_python_laws()
+
+    def _track_python_laws(self) -> None:
+        """Raise the largest force of contacts with a Python law to the maximum of the dense output."""
+        t, h = self.stepper.t, self.stepper.h
+        memory, record = self.workspace.memory, self.episodes.record
+        for c, law in self._python_laws:
+            if memory[c, _joint.TOUCHING] == 0.0:
+                continue
+            onset = memory[c, _joint.APPROACH :]
+
+            def lack(theta: float, c: int = c, law: LawInRun = law, onset: Array = onset) -> float:
+                _inspect.contacts_at(theta, self._trial)
+                depth = -float(self.table[c, 0])
+                return -law.forces(depth, self.table[c, _joint.RATE], *onset)[1] if depth > 0.0 else 0.0
+
+            points = [k / _inspect.NODES for k in range(_inspect.NODES + 1)]
+            values = [lack(theta) for theta in points]
+            best = int(np.argmin(values))
+            theta, value = points[best], values[best]
+            if -value > 0.95 * record[c, _inspect.PEAK_FORCE]:
+                found = minimize_scalar(
+                    lack,
+                    bounds=(points[max(best - 1, 0)], points[min(best + 1, _inspect.NODES)]),
+                    method="bounded",
+                    options={"xatol": 1e-6},
+                )
+                if found.fun < value:
+                    theta, value = float(found.x), float(found.fun)
+            if -value > record[c, _inspect.PEAK_FORCE]:
+                record[c, _inspect.PEAK_FORCE] = -value
+                record[c, _inspect.PEAK_TIME] = t + theta * h
+
+    def compare_gaps(self) -> None:
+        """Record how far coal's gaps are from the closed form at the end of the trial step."""
+        if not self.uses_coal:
+            return
+        self.workspace.measure(self.stepper.y)
+        self.measure(self.stepper.y)
+        contacts = len(self.episodes)
+        difference = np.abs(self.table[:contacts, 0] - self.workspace.table[:contacts, 0]).max()
+        if difference > self.gap_difference:
+            self.gap_difference = float(difference)
