@@ -21,18 +21,19 @@ if TYPE_CHECKING:
     from antenna_pin.joints import ClearanceJoint
     from antenna_pin.mechanism import Mechanism, Urdf, build_mechanism
     from antenna_pin.scenario import Scenario, list_scenarios, load_scenario, models_path
-    from antenna_pin.simulation import ErrorScales, Progress, RunSettings, simulate
+    from antenna_pin.settings import ErrorScales, RunSettings
+    from antenna_pin.simulation import Progress, simulate
     from antenna_pin.trajectory import Counts, Outcome, Trajectory
 
 _HOMES = {
     "AntennaPinError": "errors",
     "ClearanceJoint": "joints",
     "Counts": "trajectory",
-    "ErrorScales": "simulation",
+    "ErrorScales": "settings",
     "Mechanism": "mechanism",
     "Outcome": "trajectory",
     "Progress": "simulation",
-    "RunSettings": "simulation",
+    "RunSettings": "settings",
     "Scenario": "scenario",
     "System": "dynamics",
     "Trajectory": "trajectory",

@@ -10,6 +10,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from antenna_pin.changes import JointChange
 from antenna_pin.contact import (
     FRICTION_LAWS,
     CompiledNormalLaw,
@@ -36,12 +37,9 @@ from antenna_pin.errors import InvalidParameterError, MechanismError, ScenarioEr
 from antenna_pin.geometry import PlanarClearance, RevoluteClearance, SphericalClearance
 from antenna_pin.joints import ClearanceJoint
 from antenna_pin.mechanism import (
-    JointChange,
     JointSlot,
     JointVariant,
-    LinkChange,
     Mechanism,
-    ShapeChange,
     Urdf,
     build_mechanism,
     frame_aligning_z,
@@ -115,22 +113,9 @@ def urdf_variant(scenario: Scenario) -> Urdf:
             )
     return urdf.variant(
         joints=variants,
-        links={
-            name: LinkChange(
-                mass=change.mass,
-                inertia=change.inertia,
-                centre_of_mass=change.centre_of_mass,
-                shapes={
-                    shape: ShapeChange(radius=s.radius, length=s.length, size=s.size)
-                    for shape, s in change.shapes.items()
-                },
-            )
-            for name, change in spec.links.items()
-        },
+        links={name: change.build() for name, change in spec.links.items()},
         origins={
-            name: JointChange(origin_xyz=change.origin_xyz, origin_rpy=change.origin_rpy, axis=change.axis)
-            for name, change in spec.joints.items()
-            if (change.origin_xyz, change.origin_rpy, change.axis) != (None, None, None)
+            name: change.build() for name, change in spec.joints.items() if change.build() != JointChange()
         },
     )
 

@@ -35,16 +35,21 @@ class InvalidParameterError(AntennaPinError, ValueError):
         parameter: Name of the parameter.
         rule: What the value must be, as it reads after "must be".
         value: The value seen; taken from the object where it is left out.
+        said: The value as the message shows it, if not as Python does; ``"0.1 s"``.
     """
 
-    def __init__(self, place: object, parameter: str, rule: str, value: object = None) -> None:
+    def __init__(
+        self, place: object, parameter: str, rule: str, value: object = None, *, said: str | None = None
+    ) -> None:
         """Compose the one-line message."""
         if isinstance(place, str):
             name = place
         else:
             name = type(place).__name__
             value = getattr(place, parameter, value) if value is None else value
-        super().__init__(f"{name}: {parameter} must be {rule}, got {value!r}")
+        #: What is wrong, as it reads after the name of the parameter.
+        self.reason = f"must be {rule}, got {repr(value) if said is None else said}"
+        super().__init__(f"{name}: {parameter} {self.reason}")
         self.parameter = parameter
 
 

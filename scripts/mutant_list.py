@@ -15,7 +15,7 @@ LOOP = "antenna_pin/simulation/loop.py"
 CONTROL = "antenna_pin/simulation/control.py"
 EPISODES = "antenna_pin/simulation/episodes.py"
 RECORD = "antenna_pin/simulation/record.py"
-SETTINGS = "antenna_pin/simulation/settings.py"
+SETTINGS = "antenna_pin/simulation/scales.py"
 GEOMETRY = "antenna_pin/geometry/_kernels.py"
 INTEGRATE = "antenna_pin/integrate/_kernels.py"
 STEPPER = "antenna_pin/integrate/stepper.py"
@@ -158,15 +158,15 @@ MUTANTS = (
     _compiled(
         "the tilt of a journal counts in radians",
         SETTINGS,
-        "np.where(about, self.angle, play / half)",
-        "np.where(about, self.angle, self.angle)",
+        "np.where(about, scales.angle, play / half)",
+        "np.where(about, scales.angle, scales.angle)",
         TEST_RECORD,
     ),
     _compiled(
         "the tilt's rate of a journal counts in radians a second",
         SETTINGS,
-        "about, self.angular_velocity, self.clearance_velocity / half\n",
-        "about, self.angular_velocity, self.angular_velocity\n",
+        "about, scales.angular_velocity, scales.clearance_velocity / half\n",
+        "about, scales.angular_velocity, scales.angular_velocity\n",
         TEST_RECORD,
     ),
     _compiled(

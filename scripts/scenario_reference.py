@@ -21,6 +21,7 @@ from antenna_pin.contact import (
     is_elastic,
     law_parameters,
 )
+from antenna_pin.parameters import attribute_docs
 from antenna_pin.scenario import (
     ClearanceSpec,
     ConstantDrive,
@@ -30,6 +31,7 @@ from antenna_pin.scenario import (
     IntegratorSpec,
     JointSpec,
     LinkSpec,
+    MadeSpec,
     MaterialSpec,
     MechanismSpec,
     OrbitSpec,
@@ -49,16 +51,13 @@ __all__ = ["law_default", "laws_table", "scenario_table"]
 # --- what code says of a key ---
 
 
-def attribute_docs(cls: type) -> dict[str, str]:
-    """Return what the docstrings of a class and of its bases say of its attributes."""
-    found: dict[str, str] = {}
-    for base in reversed(cls.__mro__):
-        _, _, section = (base.__doc__ or "").partition("Attributes:\n")
-        for entry in re.split(r"\n {4,8}(?=\w+: )", "\n" + section):
-            name, _, text = entry.strip().partition(": ")
-            if name.isidentifier():
-                found[name] = " ".join(text.split("\n\n")[0].split())
-    return found
+def docs_of(cls: type[Any]) -> dict[str, str]:
+    """Return what docstrings say of the keys of a table: its own, and those of the class that it fills."""
+    docs = attribute_docs(cls)
+    if issubclass(cls, MadeSpec):
+        filled = attribute_docs(cls.fills)
+        docs |= {key: filled[name] for key in cls.model_fields if (name := cls.field_of(key)) in filled}
+    return docs
 
 
 def plain(text: str) -> str:
@@ -116,7 +115,7 @@ def default_of(field: FieldInfo) -> str:
 
 def rows(cls: type[Any], *names: str, without: tuple[str, ...] = (), required: str = "required") -> list[str]:
     """Return table rows for the keys of a scenario's table: all of them, or those named."""
-    docs = attribute_docs(cls)
+    docs = docs_of(cls)
     lines = []
     for name in names or cls.model_fields:
         if name in without:

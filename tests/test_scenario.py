@@ -780,7 +780,7 @@ REFUSALS = [
     ),
     (
         {"mechanism.joints.azimuth.axis": [0, 0, 0]},
-        "mechanism.joints.azimuth.axis must not be zero, got [0.0, 0.0, 0.0]",
+        "mechanism.joints.azimuth.axis must be nonzero, got [0.0, 0.0, 0.0]",
     ),
     (
         {"mechanism.joints.azimuth.kind": "lockd"},

@@ -9,9 +9,7 @@ named beside it, whose parameters then stand with the elastic law's::
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Mapping
-from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
 
@@ -19,6 +17,7 @@ from antenna_pin.contact import bristle, conformal, cylinder, damping, friction,
 from antenna_pin.contact import point_laws as points
 from antenna_pin.contact.normal import CompiledNormalLaw, DampedContact, ElasticLaw
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
+from antenna_pin.parameters import Parameter, parameters_of
 
 __all__ = [
     "DISSIPATIONS",
@@ -30,26 +29,6 @@ __all__ = [
     "make_normal_law",
     "normal_parameters",
 ]
-
-
-@dataclass(frozen=True, slots=True)
-class Parameter:
-    """One parameter of a law.
-
-    Attributes:
-        unit: Its unit, "1" for a pure number; ``N/m**exponent`` depends on the law's own exponent.
-        required: Whether the law has no default for it.
-        default: The default; None if there is none, or if the law then takes it from the contact.
-        doc: What it is.
-        from_joint: Whether a scenario may leave it out, as it follows from the joint: its dimensions and
-            materials, or the mass at each contact.
-    """
-
-    unit: str
-    required: bool
-    default: float | None
-    doc: str
-    from_joint: bool = False
 
 
 NORMAL_LAWS: Mapping[str, type[Any]] = MappingProxyType(
@@ -145,17 +124,7 @@ FRICTION_LAWS: Mapping[str, type[Any]] = MappingProxyType(
 
 def law_parameters(law: type[Any]) -> dict[str, Parameter]:
     """Return the parameters of a law or dissipation class by name, with unit, default and meaning."""
-    found = {}
-    for item in dataclasses.fields(law):
-        required = item.default is dataclasses.MISSING
-        found[item.name] = Parameter(
-            unit=item.metadata["unit"],
-            required=required,
-            default=None if required or item.default is None else float(item.default),  # type: ignore[arg-type]
-            doc=item.metadata["doc"],
-            from_joint=bool(item.metadata.get("from_joint", False)),
-        )
-    return found
+    return parameters_of(law)
 
 
 def is_elastic(law: str) -> bool:

@@ -1,6 +1,6 @@
 """From a URDF and its variants to a Pinocchio model."""
 
-from antenna_pin.mechanism.changes import JOINT_VARIANTS, JointChange, JointVariant, LinkChange, ShapeChange
+from antenna_pin.changes import JOINT_VARIANTS, JointChange, JointVariant, LinkChange, ShapeChange
 from antenna_pin.mechanism.frames import frame_aligning_z, quaternions, roll_pitch_yaw
 from antenna_pin.mechanism.kinematics import link_poses, link_twists
 from antenna_pin.mechanism.model import Base, JointKind, JointSlot, Mechanism, build_mechanism

@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 from lxml import etree
 
+from antenna_pin.changes import JointChange, JointVariant, LinkChange, ShapeChange
 from antenna_pin.errors import MechanismError, UnknownNameError
 from antenna_pin.mechanism._xml import MOMENTS, SHAPES
-from antenna_pin.mechanism.changes import JointChange, JointVariant, LinkChange, ShapeChange
 from antenna_pin.mechanism.frames import Matrix3, Vector3, frame_aligning_z, roll_pitch_yaw
 
 _HINGES = ("revolute", "continuous")

@@ -17,10 +17,10 @@ import numpy as np
 import numpy.typing as npt
 import yourdfpy
 
+from antenna_pin.changes import JOINT_VARIANTS, JointChange, JointVariant, LinkChange
 from antenna_pin.errors import MechanismError, UnknownNameError
 from antenna_pin.files import replacing
 from antenna_pin.mechanism import _checks, _edits, _meshes, _xml
-from antenna_pin.mechanism.changes import JOINT_VARIANTS, JointChange, JointVariant, LinkChange
 from antenna_pin.mechanism.frames import Vector3
 
 __all__ = ["Urdf"]

@@ -4,6 +4,7 @@
 are laid over it; values may be overridden from outside. A bare number is SI, text carries its unit.
 """
 
+from antenna_pin.scenario._made import MadeSpec
 from antenna_pin.scenario.clearance import (
     ClearanceSpec,
     ContactClearance,
@@ -43,6 +44,7 @@ __all__ = [
     "LawChange",
     "LawSpec",
     "LinkSpec",
+    "MadeSpec",
     "MaterialSpec",
     "MechanismSpec",
     "OrbitSpec",

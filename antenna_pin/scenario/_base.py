@@ -12,6 +12,7 @@ from pydantic.fields import FieldInfo
 from pydantic_core import CoreSchema, InitErrorDetails, PydanticCustomError, core_schema
 
 from antenna_pin.errors import AntennaPinError, ScenarioError, UnknownNameError, nearest
+from antenna_pin.parameters import RULES
 from antenna_pin.units import QuantityError, describe_unit, quantity, shown
 
 Location = tuple[str | int, ...]
@@ -79,19 +80,11 @@ class Quantity:
 
     Attributes:
         unit: SI unit, or several of which one must fit.
-        rule: One of the names in ``RULES``, or "".
+        rule: One of ``antenna_pin.parameters.RULES``.
     """
 
     unit: str | tuple[str, ...]
     rule: str = ""
-
-    RULES: ClassVar[Mapping[str, Callable[[float], bool]]] = {
-        "": lambda _: True,
-        "positive": lambda number: number > 0.0,
-        "zero or more": lambda number: number >= 0.0,
-        "between 0 and 1": lambda number: 0.0 < number < 1.0,
-        "above -1 and at most 0.5": lambda number: -1.0 < number <= 0.5,
-    }
 
     def read(self, value: object) -> float:
         """Return the value in SI units, or refuse it."""
@@ -110,29 +103,39 @@ def read_quantity(value: object, unit: str | tuple[str, ...], rule: str, *locati
         number = quantity(value, unit, "")
     except QuantityError as error:
         refuse(error.reason, *location, value=value)
-    if not Quantity.RULES[rule](number):
+    if not RULES[rule](number):
         refuse(f"must be {rule}, got {shown(value)}", *location, value=value)
     return number
 
 
 @dataclass(frozen=True, slots=True)
 class Vector:
-    """Annotation of a tuple of floats: the unit its entries are read in, and how many there may be."""
+    """Annotation of a tuple of floats.
+
+    Attributes:
+        unit: SI unit that its entries are read in.
+        sizes: How many there may be; () for any number.
+        rule: What each must be, one of ``antenna_pin.parameters.RULES``.
+    """
 
     unit: str
     sizes: tuple[int, ...] = (3,)
+    rule: str = ""
 
     def read(self, value: object) -> tuple[float, ...]:
         """Return the entries in SI units, or refuse them."""
         if hasattr(value, "tolist"):  # a NumPy array
             value = value.tolist()
-        if not isinstance(value, list | tuple) or len(value) not in self.sizes:
+        if not isinstance(value, list | tuple) or (self.sizes and len(value) not in self.sizes):
             refuse(f"must be {self}, got {shown(value)}", value=value)
-        return tuple(read_quantity(entry, self.unit, "", i) for i, entry in enumerate(value))
+        numbers = tuple(read_quantity(entry, self.unit, "", i) for i, entry in enumerate(value))
+        if not all(RULES[self.rule](number) for number in numbers):
+            refuse(f"must be {self.rule}, got {shown(numbers)}", value=value)
+        return numbers
 
     def __str__(self) -> str:
-        sizes = " or ".join(str(size) for size in self.sizes)
-        return f"an array of {sizes} numbers" + ("" if self.unit == "1" else f" [{self.unit}]")
+        sizes = " or ".join(str(size) for size in self.sizes) + " " if self.sizes else ""
+        return f"an array of {sizes}numbers" + ("" if self.unit == "1" else f" [{self.unit}]")
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.no_info_before_validator_function(self.read, handler(source))

@@ -2,83 +2,37 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
-from antenna_pin.scenario._base import (
-    Position,
-    PositiveLength,
-    Quantity,
-    Rotation,
-    Spec,
-    Vector,
-    Vector3,
-    refuse,
-)
-from antenna_pin.units import shown
+from antenna_pin.changes import JointChange, JointVariant, LinkChange, ShapeChange
+from antenna_pin.scenario._base import Quantity, Spec, Vector, Vector3
+from antenna_pin.scenario._made import MadeSpec, reads
 
 __all__ = ["JointSpec", "LinkSpec", "MaterialSpec", "MechanismSpec", "ShapeSpec"]
 
 
-class ShapeSpec(Spec):
-    """Other dimensions of a named visual or collision shape of a link.
-
-    Attributes:
-        radius: Of a cylinder or sphere [m].
-        length: Of a cylinder [m].
-        size: Of a box [m].
-    """
-
-    radius: PositiveLength | None = None
-    length: PositiveLength | None = None
-    size: Position | None = None
-
-    @model_validator(mode="after")
-    def _check_size(self) -> Self:
-        if self.size is not None and not all(side > 0.0 for side in self.size):
-            refuse(f"must be positive, got {shown(self.size)}", "size", value=self.size)
-        return self
+@reads(ShapeChange)
+class ShapeSpec(MadeSpec):
+    """Other dimensions of a named visual or collision shape of a link."""
 
 
-class LinkSpec(Spec):
-    """What differs from the URDF in a link; None where nothing does.
-
-    Attributes:
-        mass: [kg].
-        inertia: About the centre of mass, in the link's inertial axes: ixx, iyy, izz and, if six are given,
-            ixy, ixz, iyz [kg*m^2].
-        centre_of_mass: In the link's frame [m].
-        shapes: Dimensions of its shapes, by name.
-    """
-
-    mass: Annotated[float, Quantity("kg", "positive")] | None = None
-    inertia: Annotated[tuple[float, ...], Vector("kg*m**2", (3, 6))] | None = None
-    centre_of_mass: Position | None = None
-    shapes: dict[str, ShapeSpec] = Field(default_factory=dict)
+@reads(LinkChange, shapes=dict[str, ShapeSpec])
+class LinkSpec(MadeSpec):
+    """What differs from the URDF in a link; None where nothing does."""
 
 
-class JointSpec(Spec):
+@reads(JointChange)
+class JointSpec(MadeSpec):
     """What differs from the URDF in a joint; None where nothing does.
 
     Attributes:
-        origin_xyz: Of the joint's frame in its parent link's [m].
-        origin_rpy: Roll, pitch, yaw of the same [rad].
-        axis: In the joint's frame, any length but zero [-].
         kind: ``ideal`` as in the URDF, ``locked``, ``free`` in all six directions without contact, or
             ``planar``, free in the plane across its axis.
     """
 
-    origin_xyz: Position | None = None
-    origin_rpy: Rotation | None = None
-    axis: Annotated[Vector3, Vector("1")] | None = None
-    kind: Literal["ideal", "locked", "free", "planar"] | None = None
-
-    @model_validator(mode="after")
-    def _check_axis(self) -> Self:
-        if self.axis is not None and not any(self.axis):
-            refuse(f"must not be zero, got {shown(self.axis)}", "axis", value=self.axis)
-        return self
+    kind: JointVariant | None = None
 
 
 class MechanismSpec(Spec):

@@ -6,7 +6,7 @@ import math
 
 from antenna_pin.dynamics import System
 from antenna_pin.integrate import Method
-from antenna_pin.simulation.settings import RunSettings
+from antenna_pin.settings import RunSettings
 
 __all__ = ["StepControl"]
 

@@ -20,12 +20,13 @@ from antenna_pin.dynamics import System, Workspace
 from antenna_pin.dynamics.workspace import ON_SURFACE
 from antenna_pin.integrate import Stepper, method_named
 from antenna_pin.joints import _kernels as _joint
+from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.control import StepControl
 from antenna_pin.simulation.episodes import Episode, Episodes
 from antenna_pin.simulation.progress import Progress
 from antenna_pin.simulation.samples import Samples
+from antenna_pin.simulation.scales import scale_vector
 from antenna_pin.simulation.search import ContactSearch, Found
-from antenna_pin.simulation.settings import RunSettings
 from antenna_pin.state import State
 from antenna_pin.trajectory import Counts, Outcome
 
@@ -58,7 +59,8 @@ class Run:
         #: From when on it records [s].
         self.begin = start.reached if isinstance(start, State) else 0.0
         method = method_named(settings.method)
-        self.stepper = Stepper(self.workspace, method, settings.scales.of(system), settings.rtol)
+        scales = scale_vector(system, settings.scales)
+        self.stepper = Stepper(self.workspace, method, scales, settings.rtol)
         self.control = StepControl(system, method, settings, self.begin, end)
         self.samples = Samples()
         self._contacts = Episodes(self.workspace, self.stepper, self.samples, self.begin)

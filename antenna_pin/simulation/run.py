@@ -19,10 +19,10 @@ from antenna_pin.geometry import RevoluteClearance
 from antenna_pin.geometry.shapes import TABLE_WIDTH
 from antenna_pin.joints import _kernels as _joint
 from antenna_pin.scenario import Scenario
+from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.progress import Progress, interruptible
 from antenna_pin.simulation.record import dataset
-from antenna_pin.simulation.settings import ErrorScales, RunSettings
 from antenna_pin.state import State
 from antenna_pin.trajectory import Trajectory, library_versions
 
@@ -31,20 +31,8 @@ __all__ = ["settings_of", "simulate"]
 
 def settings_of(scenario: Scenario) -> RunSettings:
     """Return how a scenario is to be integrated and sampled."""
-    spec = scenario.integrator
-    return RunSettings(
-        method=spec.method,
-        rtol=spec.rtol,
-        scales=ErrorScales(**spec.scales.model_dump()),
-        step=spec.step,
-        max_step=spec.max_step,
-        min_step=spec.min_step,
-        first_step=spec.first_step,
-        max_steps=spec.max_steps,
-        max_wall_time=spec.max_wall_time,
-        max_expected_steps=spec.max_expected_steps,
-        output_rate=scenario.output.rate,
-    )
+    settings: RunSettings = scenario.integrator.build(output_rate=scenario.output.rate)
+    return settings
 
 
 def simulate(

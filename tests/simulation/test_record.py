@@ -8,6 +8,7 @@ from antenna_pin import ErrorScales, RunSettings, System, Urdf, build_mechanism,
 from antenna_pin.contact import Hertz
 from antenna_pin.geometry import RevoluteClearance
 from antenna_pin.joints import ClearanceJoint
+from antenna_pin.simulation.scales import scale_vector
 
 BODY = """
 <robot name="tumbler">
@@ -68,7 +69,7 @@ def test_a_journal_s_tilt_is_measured_where_it_closes_the_gap():
     scales = ErrorScales(angle=0.7, angular_velocity=0.3, clearance=0.25, clearance_velocity=0.02)
     system = tumbler((0, 0, 1))
     nv = system.model.nv
-    found = scales.of(system)
+    found = scale_vector(system, scales)
     position, velocity = found[:nv], found[nv : 2 * nv]
     half = 0.5 * LENGTH
     # Products of the numbers given, but for round-off.

@@ -1,0 +1,84 @@
+"""What a scenario may change in a URDF: bodies, their shapes, and where the joints sit."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal, get_args
+
+from antenna_pin.errors import InvalidParameterError
+from antenna_pin.parameters import check, parameter
+from antenna_pin.units import shown
+
+__all__ = ["JOINT_VARIANTS", "JointChange", "JointVariant", "LinkChange", "ShapeChange"]
+
+JointVariant = Literal["ideal", "locked", "free", "planar"]
+"""What becomes of a joint: as in the URDF, no freedom, all six, the three of a plane across its axis."""
+
+JOINT_VARIANTS: tuple[JointVariant, ...] = get_args(JointVariant)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ShapeChange:
+    """Other dimensions of a named visual or collision shape of a link. Looks only: no inertia follows.
+
+    Attributes:
+        radius: Of a cylinder or sphere [m].
+        length: Of a cylinder [m].
+        size: Of a box along its own x, y and z [m].
+    """
+
+    radius: float | None = parameter("m", rule="positive", default=None)
+    length: float | None = parameter("m", rule="positive", default=None)
+    size: tuple[float, ...] | None = parameter("m", rule="positive", sizes=(3,), default=None)
+
+    def __post_init__(self) -> None:
+        """Refuse what is not a dimension."""
+        check(self)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LinkChange:
+    """What differs from the URDF in a link; None where nothing does.
+
+    Each number stands for itself: a new mass does not scale the inertia.
+
+    Attributes:
+        mass: [kg].
+        inertia: About the centre of mass, in the axes of the URDF's inertial frame (those of the link where
+            its ``rpy`` is zero): ixx, iyy, izz and, if six are given, ixy, ixz, iyz; three numbers set the
+            products to zero [kg*m^2].
+        centre_of_mass: In the link's frame [m].
+        shapes: Dimensions of its shapes, by the name of the ``<visual>`` and ``<collision>`` elements.
+    """
+
+    mass: float | None = parameter("kg", rule="positive", default=None)
+    inertia: tuple[float, ...] | None = parameter("kg*m**2", sizes=(3, 6), default=None)
+    centre_of_mass: tuple[float, ...] | None = parameter("m", sizes=(3,), default=None)
+    shapes: Mapping[str, ShapeChange] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Refuse what is no inertial property; the triangle rule is the mechanism's to check."""
+        check(self)
+        object.__setattr__(self, "shapes", dict(self.shapes))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class JointChange:
+    """What differs from the URDF in a joint's place and axis; None where nothing does.
+
+    Attributes:
+        origin_xyz: Of the joint's frame in its parent link's [m].
+        origin_rpy: Roll, pitch, yaw of the same [rad].
+        axis: In the joint's frame, any length but zero [-].
+    """
+
+    origin_xyz: tuple[float, ...] | None = parameter("m", sizes=(3,), default=None)
+    origin_rpy: tuple[float, ...] | None = parameter("rad", sizes=(3,), default=None)
+    axis: tuple[float, ...] | None = parameter("1", sizes=(3,), default=None)
+
+    def __post_init__(self) -> None:
+        """Refuse what is no place and no direction."""
+        check(self)
+        if self.axis is not None and not any(self.axis):
+            raise InvalidParameterError(self, "axis", "nonzero", said=shown(self.axis))

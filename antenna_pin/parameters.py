@@ -1,0 +1,194 @@
+"""Parameters declared once: unit, rule, default and meaning of each field of a frozen dataclass.
+
+A class that people set the numbers of says of each field what it is, by :func:`parameter`, and checks itself
+by :func:`check`. Whatever reads it from elsewhere, a scenario's table, a list of laws, a page of
+documentation, takes all of that from the class (:func:`parameters_of`)::
+
+    @dataclass(frozen=True, slots=True, kw_only=True)
+    class Spring:
+        stiffness: float = parameter("N*m/rad", rule="zero or more", default=0.0)
+
+        def __post_init__(self) -> None:
+            check(self)
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import MISSING, dataclass, field
+from types import MappingProxyType
+from typing import Any, Literal, get_args, get_origin, get_type_hints
+
+from antenna_pin.errors import InvalidParameterError
+
+__all__ = ["RULES", "Parameter", "attribute_docs", "check", "choices_of", "parameter", "parameters_of"]
+
+RULES: Mapping[str, Callable[[float], bool]] = MappingProxyType(
+    {
+        "": lambda _: True,
+        "positive": lambda number: number > 0.0,
+        "zero or more": lambda number: number >= 0.0,
+        "1 or more": lambda number: number >= 1.0,
+        "between 0 and 1": lambda number: 0.0 < number < 1.0,
+        "above -1 and at most 0.5": lambda number: -1.0 < number <= 0.5,
+    }
+)
+"""What a finite number must be, as it reads after "must be"."""
+
+_FINITE = {"": "finite", "positive": "positive and finite", "zero or more": "zero or more, and finite"}
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """One parameter of a class.
+
+    Attributes:
+        unit: Its SI unit, "1" for a pure number; ``N/m**exponent`` depends on another parameter, of the name.
+        required: Whether the class has no default for it.
+        default: The default; None if there is none, or if leaving it out has a meaning of its own.
+        doc: What it is.
+        from_joint: Whether a scenario may leave it out, as it follows from the joint: its dimensions and
+            materials, or the mass at each contact.
+        sliding: Its unit where the joint that it belongs to slides, if that is another.
+        rule: One of ``RULES``.
+        sizes: How many numbers it may have; none for a single number.
+    """
+
+    unit: str
+    required: bool
+    default: Any
+    doc: str
+    from_joint: bool = False
+    sliding: str = ""
+    rule: str = ""
+    sizes: tuple[int, ...] = ()
+
+    @property
+    def units(self) -> str | tuple[str, ...]:
+        """The unit, or both where that of a sliding joint is another."""
+        return (self.unit, self.sliding) if self.sliding else self.unit
+
+
+def parameter(
+    unit: str = "1",
+    *,
+    sliding: str = "",
+    rule: str = "",
+    sizes: tuple[int, ...] = (),
+    default: Any = MISSING,
+    repr: bool = True,
+) -> Any:
+    """Return a dataclass field that holds a number, or several, with a unit.
+
+    Its meaning is what the class's docstring says of it under ``Attributes``. A field whose type allows None
+    may be left out.
+
+    Args:
+        unit: SI unit, "1" for a pure number.
+        sliding: SI unit where the joint that it belongs to slides, if that is another.
+        rule: One of ``RULES``.
+        sizes: How many numbers, of a tuple; ``(0,)`` for any number of them.
+        default: The default; required if not given.
+        repr: Whether the field is shown.
+    """
+    metadata = {"unit": unit, "sliding": sliding, "rule": rule, "sizes": sizes}
+    return field(default=default, metadata=metadata, repr=repr)
+
+
+def parameters_of(cls: type[Any]) -> dict[str, Parameter]:
+    """Return the parameters of a class by name: the fields that declare a unit, in their order."""
+    docs = attribute_docs(cls)
+    found = {}
+    for item in dataclasses.fields(cls):
+        if "unit" not in item.metadata:
+            continue
+        required = item.default is MISSING
+        found[item.name] = Parameter(
+            required=required,
+            default=None if required else item.default,
+            **{"doc": docs.get(item.name, ""), **item.metadata},
+        )
+    return found
+
+
+def attribute_docs(cls: type[Any]) -> dict[str, str]:
+    """Return what the docstrings of a class and of its bases say of its attributes, by name."""
+    found: dict[str, str] = {}
+    for base in reversed(cls.__mro__):
+        _, _, section = (base.__doc__ or "").partition("Attributes:\n")
+        for entry in re.split(r"\n {4,8}(?=\w+: )", "\n" + section):
+            name, _, text = entry.strip().partition(": ")
+            if name.isidentifier():
+                found[name] = " ".join(text.split("\n\n")[0].split())
+    return found
+
+
+def choices_of(hint: Any) -> tuple[str, ...]:
+    """Return the texts that an annotation, such as ``Literal["a", "b"] | None``, allows; () for any."""
+    if get_origin(hint) is Literal:
+        return tuple(choice for choice in get_args(hint) if isinstance(choice, str))
+    return tuple(choice for part in get_args(hint) for choice in choices_of(part))
+
+
+def check(owner: Any) -> None:
+    """Check the fields of a frozen dataclass by what they declare; tuples of numbers become floats.
+
+    Raises:
+        InvalidParameterError: The first that breaks its rule.
+    """
+    hints = _hints(type(owner))
+    for item in dataclasses.fields(owner):
+        value = getattr(owner, item.name)
+        optional = type(None) in get_args(hints[item.name])
+        if value is None and optional:
+            continue
+        if "unit" in item.metadata:
+            if item.metadata.get("sizes"):
+                numbers = _numbers(owner, item.name, value, item.metadata["sizes"], item.metadata["rule"])
+                object.__setattr__(owner, item.name, numbers)
+            else:
+                _number(owner, item.name, value, item.metadata["rule"])
+        elif (choices := choices_of(hints[item.name])) and value not in choices:
+            *first, last = choices
+            rule = f"{', '.join(first)} or {last}" if first else last
+            raise InvalidParameterError(owner, item.name, rule, value)
+
+
+_HINTS: dict[type[Any], dict[str, Any]] = {}
+
+
+def _hints(cls: type[Any]) -> dict[str, Any]:
+    if cls not in _HINTS:
+        _HINTS[cls] = get_type_hints(cls)
+    return _HINTS[cls]
+
+
+def _holds(value: object, rule: str) -> bool:
+    if isinstance(value, bool | str):
+        return False
+    try:
+        number = float(value)  # type: ignore[arg-type]
+    except (TypeError, ValueError, OverflowError):
+        return False
+    return math.isfinite(number) and RULES[rule](number)
+
+
+def _number(owner: object, name: str, value: object, rule: str) -> None:
+    if not _holds(value, rule):
+        said = _FINITE.get(rule, rule)
+        raise InvalidParameterError(owner, name, said, value)
+
+
+def _numbers(owner: object, name: str, value: object, sizes: tuple[int, ...], rule: str) -> tuple[float, ...]:
+    count = "" if sizes == (0,) else f"{' or '.join(str(size) for size in sizes)} "
+    said = f"{count}{rule or 'finite'} numbers"
+    try:
+        entries: tuple[Any, ...] = tuple(value)  # type: ignore[arg-type]
+    except TypeError:
+        raise InvalidParameterError(owner, name, said, value) from None
+    if (sizes != (0,) and len(entries) not in sizes) or not all(_holds(entry, rule) for entry in entries):
+        raise InvalidParameterError(owner, name, said, value)
+    return tuple(float(entry) for entry in entries)

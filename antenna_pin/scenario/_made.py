@@ -1,0 +1,154 @@
+"""Tables of a scenario made of the classes that they fill: keys, units, rules and defaults from there.
+
+::
+
+    @reads(ErrorScales)
+    class ScalesSpec(MadeSpec): ...
+
+has a key for each field of ``ErrorScales``, refuses what that class refuses, and ``spec.build()`` is one.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import inspect
+import types
+from collections.abc import Callable, Mapping
+from dataclasses import MISSING
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self, TypeVar, Union, get_args, get_type_hints
+
+from pydantic import BeforeValidator, Field, create_model, model_validator
+
+from antenna_pin.errors import InvalidParameterError
+from antenna_pin.parameters import parameters_of
+from antenna_pin.scenario._base import Quantity, Spec, Vector, read_quantity, refuse
+
+__all__ = ["MadeSpec", "reads"]
+
+_Spec = TypeVar("_Spec", bound="MadeSpec")
+
+
+class MadeSpec(Spec):
+    """A table that fills a class; see :func:`reads`."""
+
+    # The class that it fills, and the field of each key where that has another name.
+    fills: ClassVar[type[Any]]
+    fields_of_keys: ClassVar[Mapping[str, str]] = {}
+
+    if TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any: ...
+
+    @classmethod
+    def field_of(cls, key: str) -> str:
+        """Return the name that a key has as a field of the class."""
+        return cls.fields_of_keys.get(key, key)
+
+    def build(self, **more: Any) -> Any:
+        """Return an object of the class that the table fills.
+
+        Args:
+            **more: Fields of the class that the table has no keys for.
+        """
+        names = {item.name for item in dataclasses.fields(self.fills)}
+        given = {}
+        for key in type(self).model_fields:
+            name = self.field_of(key)
+            if name in names:
+                given[name] = _built(getattr(self, key))
+        return self.fills(**given | more)
+
+    @model_validator(mode="after")
+    def _check_use(self) -> Self:
+        """Refuse what the class refuses, of several numbers together for instance."""
+        try:
+            self.build()
+        except InvalidParameterError as error:
+            keys = {name: key for key, name in self.fields_of_keys.items()}
+            refuse(error.reason, keys.get(error.parameter, error.parameter))
+        return self
+
+
+def _built(value: Any) -> Any:
+    if isinstance(value, MadeSpec):
+        return value.build()
+    if isinstance(value, dict):
+        return {name: _built(entry) for name, entry in value.items()}
+    return value
+
+
+def reads(
+    cls: type[Any],
+    *,
+    only: tuple[str, ...] = (),
+    without: tuple[str, ...] = (),
+    renamed: Mapping[str, str] = types.MappingProxyType({}),
+    **nested: Any,
+) -> Callable[[type[_Spec]], type[_Spec]]:
+    """Return a decorator that gives a table the keys of a class.
+
+    The table's own docstring, fields and validators stay; without a docstring it gets that of the class.
+
+    Args:
+        cls: A frozen dataclass; units and rules are those that its fields declare
+            (:func:`antenna_pin.parameters.parameter`).
+        only: The fields that the table has, if not all.
+        without: Fields that it does not have.
+        renamed: The key of a field that has another name in the table.
+        **nested: The type that the table has for a field, where that of the class is no table.
+    """
+    hints, parameters = get_type_hints(cls), parameters_of(cls)
+
+    def made(own: type[_Spec]) -> type[_Spec]:
+        keys: dict[str, Any] = {}
+        for item in dataclasses.fields(cls):
+            if item.name in without or (only and item.name not in only):
+                continue
+            hint = nested.get(item.name, hints[item.name])
+            if item.name in parameters:
+                hint = _annotated(parameters[item.name], hint)
+            given: Any = {"repr": item.repr}
+            if item.name in nested and item.default_factory is not MISSING:
+                given["default_factory"] = dict if item.default_factory is dict else hint
+            elif item.default_factory is not MISSING:
+                given["default_factory"] = item.default_factory
+            elif item.default is not MISSING:
+                given["default"] = item.default
+            keys[renamed.get(item.name, item.name)] = (hint, Field(**given))
+        table = create_model(
+            own.__name__,
+            __base__=own,
+            __doc__=own.__doc__ if "__doc__" in vars(own) and own.__doc__ else inspect.getdoc(cls),
+            __module__=own.__module__,
+            **keys,
+        )
+        table.fills = cls
+        table.fields_of_keys = {key: name for name, key in renamed.items()}
+        return table
+
+    return made
+
+
+def _annotated(parameter: Any, hint: Any) -> Any:
+    """Return the annotation of a key that holds a parameter."""
+    optional = type(None) in get_args(hint)
+    kind: Any
+    if parameter.sizes == (0,):
+        kind = Annotated[tuple[float, ...], Vector(parameter.unit, (), parameter.rule)]
+    elif parameter.sizes:
+        kind = Annotated[tuple[float, ...], Vector(parameter.unit, parameter.sizes, parameter.rule)]
+    elif int in (hint, *get_args(hint)):
+        kind = Annotated[int, BeforeValidator(_count(parameter.rule))]
+    else:
+        kind = Annotated[float, Quantity(parameter.units, parameter.rule)]
+    return Union[kind, None] if optional else kind  # noqa: UP007 - of values
+
+
+def _count(rule: str) -> Callable[[object], int]:
+    def read(value: object) -> int:
+        number = read_quantity(value, "1", rule)
+        if number != int(number):
+            refuse(f"must be a whole number, got {value!r}", value=value)
+        return int(number)
+
+    return read

@@ -1,0 +1,91 @@
+"""How a run is integrated and sampled, and what its errors count as large against."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+from antenna_pin.errors import InvalidParameterError
+from antenna_pin.parameters import check, parameter
+
+__all__ = ["ErrorScales", "Method", "RunSettings"]
+
+Method = Literal["rk4", "bogacki-shampine-32", "dormand-prince-54", "dormand-prince-853"]
+"""A Runge-Kutta method by name, of ``antenna_pin.integrate.METHODS``."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ErrorScales:
+    """What counts as one unit of each kind of quantity: a step's error is held below rtol (scale + |value|).
+
+    A clearance of a fraction of a millimetre and a satellite of tonnes do not share a scale. At a clearance
+    joint positions are measured in clearances. Scales of a free base are multiplied by ``base``; left out,
+    that is the mass of the other bodies over the whole mass, so that errors weigh alike as momentum.
+
+    Attributes:
+        position: [m].
+        angle: [rad].
+        velocity: [m/s].
+        angular_velocity: [rad/s].
+        clearance: Position scale of a joint with play, in multiples of its own clearance; the tilt's scale is
+            that over half the bearing's length [-].
+        clearance_velocity: Velocity scale of a joint with play; over half the length for the tilt's rate
+            [m/s].
+        base: Factor on the scales of a free base [-]; None for the mass of the other bodies over the whole
+            mass.
+    """
+
+    position: float = parameter("m", rule="positive", default=1.0)
+    angle: float = parameter("rad", rule="positive", default=1.0)
+    velocity: float = parameter("m/s", rule="positive", default=1.0)
+    angular_velocity: float = parameter("rad/s", rule="positive", default=1.0)
+    clearance: float = parameter("1", rule="positive", default=1.0)
+    clearance_velocity: float = parameter("m/s", rule="positive", default=0.01)
+    base: float | None = parameter("1", rule="positive", default=None)
+
+    def __post_init__(self) -> None:
+        """Check the scales."""
+        check(self)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RunSettings:
+    """How a run is integrated and sampled.
+
+    Attributes:
+        method: A Runge-Kutta method by name.
+        rtol: Relative tolerance of a step of the adaptive methods [-].
+        step: Fixed step of ``rk4`` [s].
+        max_step: Longest step [s].
+        min_step: A run whose step falls below this ends [s].
+        first_step: First trial step [s]; None to choose it: a small one that the control enlarges.
+        max_steps: Trial steps in all after which a run ends; None for no limit [-].
+        max_wall_time: Wall time after which a run ends [s]; None for no limit.
+        max_expected_steps: A run that at its present pace would need more trial steps than this to its end
+            makes no way, and ends [-].
+        scales: What the tolerance is relative to.
+        output_rate: Samples per time, beside those at events [Hz].
+    """
+
+    method: Method = "dormand-prince-853"
+    rtol: float = parameter("1", rule="between 0 and 1", default=1e-8)
+    step: float = parameter("s", rule="positive", default=1e-5)
+    max_step: float = parameter("s", rule="positive", default=1e-2)
+    min_step: float = parameter("s", rule="positive", default=1e-14)
+    first_step: float | None = parameter("s", rule="positive", default=None)
+    max_steps: int | None = parameter("1", rule="1 or more", default=None)
+    max_wall_time: float | None = parameter("s", rule="positive", default=None)
+    max_expected_steps: float = parameter("1", rule="positive", default=1e9)
+    scales: ErrorScales = field(default_factory=ErrorScales)
+    output_rate: float = parameter("Hz", rule="positive", default=1000.0)
+
+    def __post_init__(self) -> None:
+        """Check the settings."""
+        check(self)
+        if not self.min_step < self.max_step:
+            raise InvalidParameterError(
+                self, "min_step", f"below max_step = {self.max_step:g} s", said=f"{self.min_step:g} s"
+            )
+        if self.first_step is not None and not self.min_step <= self.first_step <= self.max_step:
+            rule = f"from min_step = {self.min_step:g} s to max_step = {self.max_step:g} s"
+            raise InvalidParameterError(self, "first_step", rule, said=f"{self.first_step:g} s")

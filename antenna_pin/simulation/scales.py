@@ -1,0 +1,64 @@
+"""What counts as one unit of each component of a system's state."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from antenna_pin.dynamics import System
+from antenna_pin.geometry import RevoluteClearance
+from antenna_pin.settings import ErrorScales
+
+__all__ = ["scale_vector"]
+
+
+def scale_vector(system: System, scales: ErrorScales) -> NDArray[np.float64]:
+    """Return the error scale of each component of [u, v, x], (2 nv + nx,); of x energies and bristles.
+
+    That of works and losses is what the moving bodies have at a velocity of one unit of tolerance.
+    """
+    model = system.model
+    position = np.full(model.nv, scales.angle)
+    velocity = np.full(model.nv, scales.angular_velocity)
+    for slot in system.mechanism.joints.values():
+        start = slot.v.start
+        linear = {"floating": 3, "planar": 2, "prismatic": 1}.get(slot.kind, 0)
+        position[start : start + linear] = scales.position
+        velocity[start : start + linear] = scales.velocity
+    if system.mechanism.base == "free":
+        masses = [inertia.mass for inertia in model.inertias]
+        factor = scales.base if scales.base is not None else max(sum(masses[2:]) / sum(masses), 1e-6)
+        position[:3] = factor * scales.position
+        position[3:6] = factor * scales.angle
+        velocity[:3] = factor * scales.velocity
+        velocity[3:6] = factor * scales.angular_velocity
+    for joint in system.clearances:
+        slot = system.mechanism.joint(joint.name)
+        play = scales.clearance * joint.geometry.radial_clearance
+        start = slot.v.start
+        linear = 2 if joint.planar else 3
+        position[start : start + linear] = play
+        velocity[start : start + linear] = scales.clearance_velocity
+        if isinstance(joint.geometry, RevoluteClearance):
+            half = 0.5 * joint.geometry.bearing_length
+            # About the axis the motion angle, across it the tilt; in between, for an axis askew, the
+            # finer.
+            about = np.abs(slot.axis) > 1.0 - 1e-9
+            position[start + 3 : start + 6] = np.where(about, scales.angle, play / half)
+            velocity[start + 3 : start + 6] = np.where(
+                about, scales.angular_velocity, scales.clearance_velocity / half
+            )
+    x = np.full(system.manifold.nx, math.inf)
+    energies = (system.lost_normal_x, system.lost_friction_x, system.work_x, system.damper_x)
+    moving = sum(i.mass for i in list(model.inertias)[2 if system.mechanism.base == "free" else 1 :])
+    slow = scales.clearance_velocity if system.clearances else scales.velocity
+    x[np.concatenate(energies)] = moving * slow**2
+    x[system.bristle_x] = [
+        scale
+        for joint in system.clearances
+        for _ in joint.contact_names
+        for scale in getattr(joint.friction, "state_scales", ())
+    ]
+    return np.concatenate([position, velocity, x])
