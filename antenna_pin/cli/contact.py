@@ -124,15 +124,8 @@ def curve(
     width: WidthOption = Width.PAGE,
 ) -> None:
     """Compare the forces of the elastic laws of one joint at the same depth."""
-    from antenna_pin.contact import (
-        MATERIALS,
-        NORMAL_LAWS,
-        differing_factor,
-        elastic_laws_of_joint,
-        force_table,
-        is_elastic,
-        laws_left_out,
-    )
+    from antenna_pin.contact import MATERIALS, NORMAL_LAWS, is_elastic
+    from antenna_pin.studies import differing_factor, elastic_laws_of_joint, force_table, laws_left_out
 
     suffixes = figure_formats(formats)
     radius = positive_quantity(bearing_radius, "m", "--bearing-radius")
@@ -214,7 +207,8 @@ def restitution(
     On a Hertz contact of 1e10 N/m^1.5: of one mass on a wall, and of a pair of free bodies. Dissipations that
     refuse a restitution of 0 are left out there.
     """
-    from antenna_pin.contact import DISSIPATIONS, largest_errors, law_parameters, restitution_table
+    from antenna_pin.contact import DISSIPATIONS, law_parameters
+    from antenna_pin.studies import largest_errors, restitution_table
 
     suffixes = figure_formats(formats)
     values = list_of(asked, "1", "--asked", positive=False)

@@ -20,7 +20,7 @@ from antenna_pin.cli._quantities import positive_quantity
 from antenna_pin.cli._tables import length_text, percent_text, print_rows
 
 if TYPE_CHECKING:
-    from antenna_pin.contact import ExperimentFindings, ExperimentFit
+    from antenna_pin.studies import ExperimentFindings, ExperimentFit
 
 _FINDINGS = """
 Reproduced: equation (6) gives ten rows of the Hertz column to the rounding of the table, with one modulus of
@@ -57,7 +57,7 @@ def experiment(
     width: WidthOption = Width.PAGE,
 ) -> None:
     """Hold the laws against the pin joint that Liu et al. measured in 2013."""
-    from antenna_pin.contact import LIU_2013, LIU_2013_PLAYS, experiment_findings, ranked
+    from antenna_pin.studies import LIU_2013, LIU_2013_PLAYS, experiment_findings, ranked
 
     suffixes = figure_formats(formats)
     radius = positive_quantity(journal_radius, "m", "--journal-radius")
@@ -118,7 +118,7 @@ def experiment(
 
 def _remark(found: ExperimentFindings, row: int) -> str:
     """Return what is to be said of a row of the table."""
-    from antenna_pin.contact import LIU_2013
+    from antenna_pin.studies import LIU_2013
 
     if row in found.table.misprinted:
         return f"misprint: {1e5 * found.table.depths[row]:.3f}"
@@ -130,7 +130,7 @@ def _remark(found: ExperimentFindings, row: int) -> str:
 
 def _errors(fit: ExperimentFit) -> tuple[str, ...]:
     """Return a row of the table of errors."""
-    from antenna_pin.contact import LIU_2013, LIU_2013_PLAYS
+    from antenna_pin.studies import LIU_2013, LIU_2013_PLAYS
 
     sizes = (*map(fit.mean_of, LIU_2013_PLAYS), fit.mean, fit.largest)
     return (
@@ -143,7 +143,7 @@ def _errors(fit: ExperimentFit) -> tuple[str, ...]:
 
 def _paragraphs(found: ExperimentFindings) -> list[str]:
     """Return what fits and what the data cannot decide, in words."""
-    from antenna_pin.contact import LIU_2013, LIU_2013_PLAYS
+    from antenna_pin.studies import LIU_2013, LIU_2013_PLAYS
 
     table, corrected = found.table, found.fit("liu-2013-corrected")
     (misprint,) = table.misprinted

@@ -1,22 +1,6 @@
 """Materials, stiffness of a pair, normal laws and friction laws: numbers only."""
 
 from antenna_pin.contact.bristle import Dahl, GonthierBristle, LuGre
-from antenna_pin.contact.certificates import (
-    Impact,
-    RestitutionRow,
-    closed_form_peak_depth,
-    closed_form_restitution,
-    impact_of_pair,
-    impact_on_wall,
-    largest_errors,
-    restitution_table,
-)
-from antenna_pin.contact.comparison import (
-    differing_factor,
-    elastic_laws_of_joint,
-    force_table,
-    laws_left_out,
-)
 from antenna_pin.contact.conformal import BaiZhaoElastic, LiuFoundation, Pereira, Persson
 from antenna_pin.contact.cylinder import (
     ESDU78035,
@@ -34,16 +18,6 @@ from antenna_pin.contact.damping import (
     KuwabaraKonoDamping,
     TsujiDamping,
 )
-from antenna_pin.contact.experiment import (
-    LIU_2013,
-    LIU_2013_PLAYS,
-    ExperimentFit,
-    ExperimentPoint,
-    compare_with_experiment,
-    printed_columns,
-    ranked,
-)
-from antenna_pin.contact.findings import ExperimentFindings, LeastError, experiment_findings
 from antenna_pin.contact.friction import (
     Ambrosio,
     BengisuAkay,
@@ -128,15 +102,12 @@ from antenna_pin.contact.registry import (
     make_normal_law,
     normal_parameters,
 )
-from antenna_pin.contact.reproduction import ReproducedTable, reproduce_table
 from antenna_pin.contact.stiffness import effective_modulus, hertz_stiffness, internal_hertz_stiffness
 
 __all__ = [
     "DISSIPATIONS",
     "ESDU78035",
     "FRICTION_LAWS",
-    "LIU_2013",
-    "LIU_2013_PLAYS",
     "MATERIALS",
     "MATERIAL_PAIRS",
     "NORMAL_LAWS",
@@ -161,9 +132,6 @@ __all__ = [
     "ElasticLaw",
     "ExactDamping",
     "ExactRestitution",
-    "ExperimentFindings",
-    "ExperimentFit",
-    "ExperimentPoint",
     "Flores",
     "FloresDamping",
     "FrictionLaw",
@@ -181,7 +149,6 @@ __all__ = [
     "HuGuoDamping",
     "HuntCrossley",
     "HuntCrossleyDamping",
-    "Impact",
     "Jankowski",
     "JankowskiDamping",
     "Johnson",
@@ -191,7 +158,6 @@ __all__ = [
     "KuwabaraKonoDamping",
     "LankaraniNikravesh",
     "LankaraniNikraveshDamping",
-    "LeastError",
     "LeeWang",
     "LeeWangDamping",
     "LineLaw",
@@ -215,8 +181,6 @@ __all__ = [
     "Pereira",
     "Persson",
     "Radzimovsky",
-    "ReproducedTable",
-    "RestitutionRow",
     "Stribeck",
     "Tanh",
     "Threlfall",
@@ -228,29 +192,14 @@ __all__ = [
     "ZhiyingQishao",
     "ZhiyingQishaoDamping",
     "annular_punch_factor",
-    "closed_form_peak_depth",
-    "closed_form_restitution",
-    "compare_with_experiment",
     "delivered_restitution",
-    "differing_factor",
     "effective_modulus",
-    "elastic_laws_of_joint",
     "exact_hysteresis",
-    "experiment_findings",
-    "force_table",
     "hertz_stiffness",
-    "impact_of_pair",
-    "impact_on_wall",
     "internal_hertz_stiffness",
     "is_elastic",
-    "largest_errors",
     "law_parameters",
-    "laws_left_out",
     "make_normal_law",
     "material_pairs",
     "normal_parameters",
-    "printed_columns",
-    "ranked",
-    "reproduce_table",
-    "restitution_table",
 ]

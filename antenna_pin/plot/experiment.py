@@ -9,18 +9,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from antenna_pin.contact import (
-    LIU_2013,
-    LIU_2013_PLAYS,
-    LiuPinJoint,
-    effective_modulus,
-    make_normal_law,
-    reproduce_table,
-)
-from antenna_pin.contact.comparison import force_within
-from antenna_pin.contact.experiment import LIU_2013_STEEL
+from antenna_pin.contact import LiuPinJoint, effective_modulus, make_normal_law
 from antenna_pin.plot._style import COLOURS, Width, legend_above, new_figure, panel_title, styled
 from antenna_pin.plot.contact import DASHES, looks
+from antenna_pin.studies import LIU_2013, LIU_2013_PLAYS, LIU_2013_STEEL, force_within, reproduce_table
 
 _Load = Callable[[float, float], float]  # [N] for a radial play [m] and a displacement [m]
 

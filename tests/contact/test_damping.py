@@ -21,13 +21,15 @@ from antenna_pin.contact import (
     Tsuji,
     TsujiDamping,
     _kernels,
+    exact_hysteresis,
+)
+from antenna_pin.contact.damping import damping_ratio
+from antenna_pin.studies import (
     closed_form_peak_depth,
     closed_form_restitution,
-    exact_hysteresis,
     impact_of_pair,
     impact_on_wall,
 )
-from antenna_pin.contact.damping import damping_ratio
 
 from .conftest import DIMENSIONS
 

@@ -23,15 +23,17 @@ from antenna_pin.contact import (
     MarhefkaOrinDamping,
     PantWijeyewickremaDamping,
     Persson,
-    closed_form_peak_depth,
-    closed_form_restitution,
     delivered_restitution,
     exact_hysteresis,
-    impact_of_pair,
-    impact_on_wall,
     law_parameters,
 )
 from antenna_pin.contact.hysteresis import HysteresisDamping, stored_share
+from antenna_pin.studies import (
+    closed_form_peak_depth,
+    closed_form_restitution,
+    impact_of_pair,
+    impact_on_wall,
+)
 
 from .conftest import DIMENSIONS
 

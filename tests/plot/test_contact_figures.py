@@ -7,13 +7,7 @@ import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
-from antenna_pin.contact import (
-    LIU_2013,
-    MATERIALS,
-    LiuPinJoint,
-    elastic_laws_of_joint,
-    restitution_table,
-)
+from antenna_pin.contact import MATERIALS, LiuPinJoint
 from antenna_pin.errors import AntennaPinError, UnknownNameError
 from antenna_pin.plot import (
     figure_contact_width,
@@ -22,6 +16,7 @@ from antenna_pin.plot import (
     figure_restitution,
     save_contact_figures,
 )
+from antenna_pin.studies import LIU_2013, elastic_laws_of_joint, restitution_table
 
 LAWS = elastic_laws_of_joint(
     bearing_radius=0.01,

@@ -8,11 +8,12 @@ import pytest
 
 from antenna_pin import Outcome, RunSettings, System, Urdf, build_mechanism, load_scenario, simulate
 from antenna_pin.assemble import build_system, initial_state
-from antenna_pin.contact import closed_form_restitution, make_normal_law
+from antenna_pin.contact import make_normal_law
 from antenna_pin.dynamics import CallableDrive
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.geometry import CoalRevolute, RevoluteClearance
 from antenna_pin.mechanism import frame_aligning_z
+from antenna_pin.studies import closed_form_restitution
 
 # A slender pin in a long bore: 10 mm and 40 mm, with 50 um of play.
 SLENDER = (

@@ -15,12 +15,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from antenna_pin.contact.comparison import elastic_laws_of_joint, force_within
-from antenna_pin.contact.materials import Material
+from antenna_pin.contact import Material
+from antenna_pin.studies.comparison import elastic_laws_of_joint, force_within
 
 __all__ = [
     "LIU_2013",
     "LIU_2013_PLAYS",
+    "LIU_2013_STEEL",
     "ExperimentFit",
     "ExperimentPoint",
     "compare_with_experiment",

@@ -6,7 +6,8 @@ import itertools
 import math
 from dataclasses import dataclass
 
-from antenna_pin.contact.experiment import (
+from antenna_pin.contact import effective_modulus
+from antenna_pin.studies.experiment import (
     LIU_2013,
     LIU_2013_PLAYS,
     LIU_2013_STEEL,
@@ -16,8 +17,7 @@ from antenna_pin.contact.experiment import (
     printed_columns,
     ranked,
 )
-from antenna_pin.contact.reproduction import ReproducedTable, reproduce_table
-from antenna_pin.contact.stiffness import effective_modulus
+from antenna_pin.studies.reproduction import ReproducedTable, reproduce_table
 
 __all__ = ["ExperimentFindings", "LeastError", "experiment_findings"]
 

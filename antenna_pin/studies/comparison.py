@@ -5,13 +5,21 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 
-from antenna_pin.contact.materials import Material
-from antenna_pin.contact.normal import CompiledNormalLaw, ElasticLaw, NormalLaw
-from antenna_pin.contact.registry import NORMAL_LAWS, is_elastic, law_parameters, make_normal_law
-from antenna_pin.contact.stiffness import effective_modulus, internal_hertz_stiffness
+from antenna_pin.contact import (
+    NORMAL_LAWS,
+    CompiledNormalLaw,
+    ElasticLaw,
+    Material,
+    NormalLaw,
+    effective_modulus,
+    internal_hertz_stiffness,
+    is_elastic,
+    law_parameters,
+    make_normal_law,
+)
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["differing_factor", "elastic_laws_of_joint", "force_table", "laws_left_out"]
+__all__ = ["differing_factor", "elastic_laws_of_joint", "force_table", "force_within", "laws_left_out"]
 
 
 def elastic_laws_of_joint(

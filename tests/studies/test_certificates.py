@@ -16,6 +16,8 @@ from antenna_pin.contact import (
     KuwabaraKono,
     LankaraniNikravesh,
     LiuFoundation,
+)
+from antenna_pin.studies import (
     closed_form_peak_depth,
     closed_form_restitution,
     impact_of_pair,
@@ -24,8 +26,7 @@ from antenna_pin.contact import (
     restitution_table,
 )
 
-from .conftest import DIMENSIONS
-
+DIMENSIONS = {"length": 0.025, "journal_radius": 0.0098, "bearing_radius": 0.01, "modulus": 1.1374e11}
 LAW = LankaraniNikravesh(stiffness=1e9, restitution=0.7)
 
 
