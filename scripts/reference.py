@@ -7,8 +7,8 @@ A table stands between ``<!-- table: NAME -->`` and ``<!-- end -->``::
     python scripts/reference.py --write     # bring them up to date
 
 There are ``scenario``, every key of a scenario file; ``laws``, the laws of contact and friction with their
-parameters (both by ``scenario_reference.py``); ``trajectory``, the variables of a result; ``layers``, who may
-import whom.
+parameters (both by ``scenario_reference.py``); ``trajectory``, the variables of a result; ``figures``, what
+can be drawn of runs; ``layers``, who may import whom.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ from pathlib import Path
 from scenario_reference import laws_table, scenario_table
 
 from antenna_pin import load_scenario, simulate
+from antenna_pin.plot import CATALOGUE, PAPERS
 
 __all__ = ["TABLES", "documents", "filled", "names_of_tables"]
 
@@ -30,7 +31,7 @@ ROOT = Path(__file__).parents[1]
 PLACE = re.compile(r"(<!-- table: (\w+) -->\n)(.*?)(<!-- end -->)", re.DOTALL)
 
 
-# --- the variables of a result, and the layers of the package ---
+# --- the variables of a result, the figures of runs, and the layers of the package ---
 
 
 def trajectory_table() -> str:
@@ -54,6 +55,25 @@ def trajectory_table() -> str:
     return "\n".join(lines).replace("|power|", "\\|power\\|") + "\n"
 
 
+def figures_table() -> str:
+    """Return the catalogue of figures, with the papers' figures that show the same."""
+    lines = [
+        "| name | shows | of runs with | without `--figure` | in a report | in a paper |",
+        "|---|---|---|---|---|---|",
+    ]
+    for figure in CATALOGUE.values():
+        papers = [
+            f"`{model}` {', '.join(numbers)}"
+            for model, each in PAPERS.items()
+            if (numbers := [str(one.number) for one in each if one.figure == figure.name])
+        ]
+        marks = ["yes" if mark else "" for mark in (figure.standard, figure.reported)]
+        shows = figure.title.format(joint="a joint")
+        cells = [f"`{figure.name}`", shows, figure.needed, *marks, "; ".join(papers)]
+        lines.append(f"| {' | '.join(cells)} |")
+    return "\n".join([*lines, ""])
+
+
 def layers_table() -> str:
     """Return the layers that the import contract in pyproject.toml names."""
     contracts = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["importlinter"]["contracts"]
@@ -65,6 +85,7 @@ TABLES: dict[str, Callable[[], str]] = {
     "scenario": scenario_table,
     "laws": laws_table,
     "trajectory": trajectory_table,
+    "figures": figures_table,
     "layers": layers_table,
 }
 

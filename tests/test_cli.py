@@ -12,6 +12,7 @@ import pytest
 import antenna_pin.simulation
 from antenna_pin.cli import app
 from antenna_pin.errors import OutputError
+from antenna_pin.plot import CATALOGUE
 from antenna_pin.trajectory import Outcome, Trajectory
 
 SHORT = ("--duration", "20 ms", "--geometry", "closed-form", "--no-progress")
@@ -286,16 +287,20 @@ def test_plot_writes_the_figures_and_names_them(cli, results, tmp_path, drawn_qu
         "plot", results / "case1.nc", results / "case3.nc", "--out", "new/figures", "--format", "png,svg"
     )
     assert said.code == 0, said.err
-    names = ["motion_angle", "motion_rate", "motion_acceleration", "contact_forces", "joint_load"]
-    names += ["journal_orbit", "eccentricity", "bore_load", "contact_scenarios"]
-    names += ["base_position", "base_velocity", "base_acceleration"]
-    names += ["base_attitude", "base_angular_velocity", "base_angular_acceleration"]
-    names += ["pointing", "spectra", "energy", "momentum"]
+    names = [name for name, figure in CATALOGUE.items() if figure.standard and name != "spectrogram"]
     assert "spectrogram is not drawn: figure: runs must be at least one of 64 samples" in said.err  # 20 ms
     expected = [f"new/figures/{name}.{suffix}" for name in names for suffix in ("png", "svg")]
     assert said.out.splitlines() == expected
     assert all((tmp_path / path).is_file() for path in expected)
     assert "case1 (ideal)" in (tmp_path / "new/figures/motion_angle.svg").read_text()
+
+
+def test_plot_draws_a_figure_by_its_name(cli, results, tmp_path, drawn_quickly):
+    said = cli("plot", results / "case3.nc", "--out", "two", "--figure", "joints_rate", "--figure", "energy")
+    assert said.out.splitlines() == ["two/joints_rate.png", "two/energy.png"], said.err
+    ideal = cli("plot", results / "case1.nc", "--out", "none", "--figure", "contact_forces")
+    assert (ideal.out, ideal.code) == ("", 0)
+    assert "contact_forces is not drawn: no run has contact in a joint" in ideal.err
 
 
 def test_plot_tells_two_runs_of_one_case_apart_by_their_files(cli, results, tmp_path, drawn_quickly):
@@ -311,6 +316,7 @@ def test_plot_tells_two_runs_of_one_case_apart_by_their_files(cli, results, tmp_
         (["--out", "figures", "--format", ""], "png"),
         (["--out", "file"], "this is a file"),
         (["--out", "figures", "--joint", "elevatoin"], "did you mean elevation"),
+        (["--out", "figures", "--figure", "motion_angel"], "did you mean motion_angle"),
     ],
 )
 def test_plot_refuses_in_one_line(cli, results, tmp_path, options, says):

@@ -230,7 +230,7 @@ def test_every_page_is_linked_from_the_readme():
 
 def test_the_page_on_the_command_line_names_every_command():
     commands = get_command(app).commands
-    page = (ROOT / "docs" / "command-line.md").read_text()
+    page, *_ = (ROOT / "docs" / "command-line.md").read_text().split("<!-- table:")
     named = {
         name
         for row in re.findall(r"^\| (`.*?) \|", page, re.MULTILINE)

@@ -64,9 +64,15 @@ def plot(
     joint: Annotated[
         str | None, typer.Option(help="Joint to draw; the first one with clearance if left out.")
     ] = None,
+    names: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--figure", metavar="NAME", help="Figure to draw, instead of the standard ones. May be repeated."
+        ),
+    ] = None,
     width: Annotated[Width, typer.Option(help="Width of the figures: 88 mm or 180 mm.")] = Width.PAGE,
 ) -> None:
-    """Draw the standard figures that the results allow."""
+    """Draw the figures that the results allow."""
     suffixes = figure_formats(formats)
     figure_folder(out)
     runs = [(path, load_result(path)) for path in files]
@@ -76,10 +82,13 @@ def plot(
 
     from antenna_pin.plot import save_figures
 
-    pairs = [(label, trajectory.data) for label, (_, trajectory) in zip(labels, runs, strict=True)]
+    pairs = [(label, trajectory) for label, (_, trajectory) in zip(labels, runs, strict=True)]
 
     def left_out(name: str, reason: str) -> None:
         complain(f"{name} is not drawn: {reason}")
 
-    for figure in save_figures(pairs, out, suffixes, joint=joint, width=width.value, on_left_out=left_out):
+    files = save_figures(
+        pairs, out, suffixes, joint=joint, names=names, width=width.value, on_left_out=left_out
+    )
+    for figure in files:
         typer.echo(figure)

@@ -2,16 +2,18 @@
 
 Of runs: motion of joints, base and boresight against the ideal run, forces, the journal in its bearing,
 contact scenarios, spectra, energy and momentum audits. Every such function takes runs (trajectories, or pairs
-of a label and a dataset); :func:`save_figures` writes the standard set, :func:`paper_figures` lists the
-figures of a paper that a shipped model repeats. Of contact laws: force over depth, restitution, and the
-experiment of Liu et al. 2013. Every function returns a :class:`matplotlib.figure.Figure` that belongs to no
-window and shows itself in a notebook.
+of a label and a dataset or trajectory). :data:`CATALOGUE` has all of them by name, :func:`save_figures`
+writes those that the runs allow, :func:`paper_figures` lists the figures of a paper that a shipped model
+repeats. Of contact laws: force over depth, restitution, and the experiment of Liu et al. 2013. Every function
+returns a :class:`matplotlib.figure.Figure` that belongs to no window and shows itself in a notebook.
 """
 
 from __future__ import annotations
 
+from antenna_pin.plot._run_figure import RunFigure
 from antenna_pin.plot.audit import figure_energy, figure_momentum
 from antenna_pin.plot.base import BASE_QUANTITIES, figure_base, figure_joints
+from antenna_pin.plot.catalogue import CATALOGUE, Allowed, allowed_figures, run_figure
 from antenna_pin.plot.contact import figure_force_curves, figure_restitution, save_contact_figures
 from antenna_pin.plot.eccentricity import figure_eccentricity
 from antenna_pin.plot.experiment import figure_contact_width, figure_experiment, figures_of_experiment
@@ -27,11 +29,15 @@ from antenna_pin.plot.spectra import SIGNALS, figure_spectra, figure_spectrogram
 
 __all__ = [
     "BASE_QUANTITIES",
+    "CATALOGUE",
     "FORMATS",
     "PAPERS",
     "QUANTITIES",
     "SIGNALS",
+    "Allowed",
     "PaperFigure",
+    "RunFigure",
+    "allowed_figures",
     "figure_base",
     "figure_bore_load",
     "figure_contact_forces",
@@ -54,6 +60,7 @@ __all__ = [
     "figure_spectrogram",
     "folder_for_figures",
     "paper_figures",
+    "run_figure",
     "save_contact_figures",
     "save_figure",
     "save_figures",

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import json
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
@@ -11,13 +10,13 @@ from typing import TYPE_CHECKING, Any, TypeAlias, cast
 import numpy as np
 import xarray as xr
 
-from antenna_pin.errors import FileFormatError, InvalidParameterError, UnknownNameError
+from antenna_pin.errors import FileFormatError, InvalidParameterError
 from antenna_pin.plot._style import COLOURS, IDEAL, Array
 
 if TYPE_CHECKING:
     from antenna_pin.trajectory import Trajectory
 
-Run: TypeAlias = "Trajectory | tuple[str, xr.Dataset]"
+Run: TypeAlias = "Trajectory | tuple[str, xr.Dataset | Trajectory]"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -76,6 +75,12 @@ class LabelledRun:
         return str(self.data[name].attrs.get("units", default)) if name in self.data else default
 
 
+def samples_of(run: Run) -> xr.Dataset:
+    """Return the samples of a run, however it was given."""
+    given = run[1] if isinstance(run, tuple) else run
+    return given if isinstance(given, xr.Dataset) else given.data
+
+
 def labelled(runs: Iterable[Run] | Run) -> list[LabelledRun]:
     """Return runs with labels that tell them apart; a run whose label is taken gets a number.
 
@@ -86,9 +91,10 @@ def labelled(runs: Iterable[Run] | Run) -> list[LabelledRun]:
     every = cast("Iterable[Run]", [runs] if pair or hasattr(runs, "data") else runs)
     result: list[LabelledRun] = []
     for number, run in enumerate(every, start=1):
-        label, data = run if isinstance(run, tuple) else (str(run.data.attrs.get("case") or ""), run.data)
-        label = label or f"run {number}"
-        source, scenario = data, getattr(run, "scenario", None)
+        label, given = run if isinstance(run, tuple) else ("", run)
+        data = samples_of(run)
+        label = label or str(data.attrs.get("case") or "") or f"run {number}"
+        source, scenario = data, getattr(given, "scenario", None)
         if scenario is not None and "scenario" not in data.attrs:  # a file has it there
             data = data.assign_attrs(scenario=scenario.model_dump_json())
         taken = [other.label for other in result]
@@ -141,67 +147,10 @@ def styles(runs: Sequence[LabelledRun], reference: LabelledRun | None) -> list[d
     return [IDEAL if run is reference else {"color": next(palette), "linewidth": 0.7} for run in runs]
 
 
-def choose_clearance_joint(runs: Sequence[LabelledRun], joint: str | None) -> str:
-    """Return the clearance joint to draw: the one asked for, or the first of a run of two samples or more.
-
-    Raises:
-        UnknownNameError: No run has a clearance joint of that name.
-        InvalidParameterError: No run has a clearance joint and two samples.
-    """
-    known = list(dict.fromkeys(name for run in runs for name in run.clearance_joints))
-    if joint is not None and known and joint not in known:
-        raise UnknownNameError("figure", "joint with clearance", joint, known)
-    for run in long_enough(runs):
-        for name in run.clearance_joints:
-            if joint in (None, name):
-                return name
-    raise InvalidParameterError(
-        "figure", "runs", "at least one run with contact in a joint", ", ".join(run.label for run in runs)
-    )
-
-
-def choose_moving_joint(runs: Sequence[LabelledRun], joint: str | None) -> str:
-    """Return the joint to draw of all that move, turning or not: see :func:`choose_joint`."""
-    known = list(dict.fromkeys(name for run in runs for name in (*run.joints, *clearance_names(run))))
-    if joint is not None:
-        if joint not in known:
-            raise UnknownNameError("figure", "joint", joint, known)
-        return joint
-    for run in runs:
-        for name in clearance_names(run):
-            return name
-    return choose_joint(runs, None)
-
-
 def left_out(runs: Sequence[LabelledRun], drawn: Sequence[LabelledRun], why: str) -> str:
     """Return a note naming the runs that a figure leaves out for a reason, or nothing."""
     names = [run.label for run in runs if run not in drawn and run.time.size > 1]
     return f"not drawn, {why}: {', '.join(names)}" if names else ""
-
-
-def choose_joint(runs: Sequence[LabelledRun], joint: str | None) -> str:
-    """Return the joint to draw: the one asked for, or the first with clearance, or the first."""
-    known = list(dict.fromkeys(name for run in runs for name in run.joints))
-    if joint is not None:
-        if joint not in known:
-            raise UnknownNameError("figure", "joint", joint, known)
-        return joint
-    for run in runs:
-        for name in clearance_names(run):
-            if name in known:
-                return name
-    if not known:
-        raise FileFormatError("figure: the runs record no joint's motion; are they antenna_pin results?")
-    return known[0]
-
-
-def clearance_names(run: LabelledRun) -> list[str]:
-    """Return the joints with clearance, and those that the scenario describes one for, though ideal here."""
-    try:
-        described = list(json.loads(run.data.attrs["scenario"])["clearance"])
-    except (KeyError, TypeError, ValueError):
-        described = []
-    return list(dict.fromkeys([*run.clearance_joints, *described]))
 
 
 def _names(data: xr.Dataset, dimension: str) -> list[str]:

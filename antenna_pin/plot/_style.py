@@ -290,7 +290,7 @@ def linear_then_log(axes: Sequence[Axes], core: float, largest: float) -> float 
     top = 10.0 ** math.ceil(math.log10(largest))
     decades = math.log10(top / limit)
     # Ticks keep their distance in a panel of some 28 mm, where a decade takes 8 / decades mm.
-    first = math.ceil(math.log10(limit) + max(math.log10(3.0), 0.4 * decades) - 1e-9)
+    first = math.ceil(math.log10(limit) + max(math.log10(3.0), 0.41 * decades) - 1e-9)
     powers = range(first, round(math.log10(top)) + 1, 1 if decades <= 2.6 else 2)
     beyond = [10.0**k for k in powers]
     ticks = [-t for t in reversed(beyond)] + [-limit, 0.0, limit] + beyond
@@ -308,7 +308,7 @@ def _plain_number(value: float, _position: int | None = None) -> str:
     """Return a tick label: plain up to a thousand, a power of ten beyond."""
     size = abs(value)
     if size >= 1e4 or (0.0 < size < 1e-2):
-        exponent = round(math.log10(size))
+        exponent = math.floor(math.log10(size) + 1e-9)
         mantissa = size / 10.0**exponent
         times = "" if abs(mantissa - 1.0) < 1e-9 else rf"{mantissa:g}\cdot"
         return rf"${'-' if value < 0 else ''}{times}10^{{{exponent}}}$"

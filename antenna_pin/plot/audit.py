@@ -10,7 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 
-from antenna_pin.errors import InvalidParameterError
+from antenna_pin.plot._kinds import FREE_BASE, none_with
+from antenna_pin.plot._run_figure import RunFigure
 from antenna_pin.plot._runs import LabelledRun, Run, labelled, too_short
 from antenna_pin.plot._style import (
     COLOURS,
@@ -114,9 +115,7 @@ def figure_momentum(runs: Iterable[Run] | Run, *, width: Width = "page") -> Figu
     every = labelled(runs)
     drawn = [run for run in every if run.time.size > 1 and "base_position" in run.data]
     if not drawn:
-        raise InvalidParameterError(
-            "figure", "runs", "at least one run with a free base", ", ".join(run.label for run in every)
-        )
+        raise none_with(FREE_BASE, every)
     page = width == "page"
     figure = new_figure(width, 66.0 if page else 110.0)
     panels = figure.subplots(1 if page else 2, 2 if page else 1, sharey=True, squeeze=False).ravel()
@@ -178,3 +177,11 @@ def _colours(runs: list[LabelledRun]) -> list[str]:
     """Return black for ideal runs and the palette for the others."""
     palette = iter(COLOURS * (1 + len(runs) // len(COLOURS)))
     return ["black" if run.ideal else next(palette) for run in runs]
+
+
+FIGURES = (
+    RunFigure(
+        name="energy", title="Energy: work, storage and losses", function=figure_energy, compares=False
+    ),
+    RunFigure(name="momentum", title="Drift of momentum", function=figure_momentum, needs=FREE_BASE),
+)

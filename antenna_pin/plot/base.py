@@ -16,6 +16,8 @@ from scipy.spatial.transform import Rotation
 from antenna_pin.analysis import base_motion, deviation
 from antenna_pin.errors import AntennaPinError, InvalidParameterError, UnknownNameError
 from antenna_pin.plot._compared import ROUND_OFF, Curve, Panel, panels_figure
+from antenna_pin.plot._kinds import FREE_BASE, none_with
+from antenna_pin.plot._run_figure import RunFigure
 from antenna_pin.plot._runs import LabelledRun, Run, left_out, long_enough, styles, too_short, with_reference
 from antenna_pin.plot._style import Array, Width, footnote, styled
 from antenna_pin.plot.motion import QUANTITIES, Quantity
@@ -70,11 +72,9 @@ def figure_base(
     if quantity not in BASE_QUANTITIES:
         raise UnknownNameError("figure", "quantity", quantity, BASE_QUANTITIES)
     every, reference = with_reference(runs, ideal)
-    drawn = [run for run in long_enough(every) if "base_position" in run.data]
+    drawn = [run for run in long_enough(every) if FREE_BASE.holds(run)]
     if not drawn:
-        raise InvalidParameterError(
-            "figure", "runs", "at least one run with a free base", ", ".join(run.label for run in every)
-        )
+        raise none_with(FREE_BASE, every)
     drawn = _reference_last(drawn, reference)
     words = "base " + quantity.replace("_", " ")
     looks = dict(zip([run.label for run in drawn], styles(drawn, reference), strict=True))
@@ -172,9 +172,9 @@ def figure_joints(
             if joint in run.joints
         ]
         if curves:
-            panels.append(Panel(f"{words}: deviation from the ideal run", "deviation", unit, curves, True))
+            panels.append(Panel(f"{words}: deviation", "deviation", unit, curves, True))
     figure = panels_figure(panels, width, 2 if apart else 1, spikes=quantity == "acceleration")
-    footnote(figure, too_short(every))
+    footnote(figure, "deviation: from the ideal run" if apart else "", too_short(every))
     return figure
 
 
@@ -198,3 +198,28 @@ def _deviations(
         if name in compared:
             found.append((run, np.asarray(compared["time"].values), np.asarray(compared[name].values)))
     return found
+
+
+_REPORTED = ("position", "attitude")
+
+FIGURES = tuple(
+    RunFigure(
+        name=f"base_{quantity}",
+        title=f"{quantity.replace('_', ' ').capitalize()} of the base",
+        function=figure_base,
+        options={"quantity": quantity},
+        needs=FREE_BASE,
+        reported=quantity in _REPORTED,
+    )
+    for quantity in BASE_QUANTITIES
+) + tuple(
+    RunFigure(
+        name=f"joints_{quantity}",
+        title=f"{quantity.capitalize()} of all joints",
+        function=figure_joints,
+        options={"quantity": quantity},
+        standard=False,
+        reported=False,
+    )
+    for quantity in QUANTITIES
+)

@@ -10,10 +10,11 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from antenna_pin.analysis import journal_motion
+from antenna_pin.plot._kinds import TOUCHING, choose_joint
+from antenna_pin.plot._run_figure import RunFigure
 from antenna_pin.plot._runs import (
     LabelledRun,
     Run,
-    choose_clearance_joint,
     labelled,
     left_out,
     long_enough,
@@ -55,7 +56,7 @@ def figure_eccentricity(
         width: "column" (88 mm) or "page" (180 mm).
     """
     every = labelled(runs)
-    joint = choose_clearance_joint(every, joint)
+    joint = choose_joint(TOUCHING, every, joint)
     drawn = [run for run in long_enough(every) if joint in run.clearance_joints]
     motions = [journal_motion(run.data, joint) for run in drawn]
     free = any(motion.attrs["kind"] == "revolute" for motion in motions)
@@ -139,3 +140,14 @@ def _depths(run: LabelledRun, joint: str) -> tuple[Array, Array, Array]:
     index = run.values("episode_contact").astype(int)
     mine = np.isin(index, [run.contacts.index(name) for name in names])
     return sampled, run.values("peak_time")[mine], run.values("peak_depth")[mine]
+
+
+FIGURES = (
+    RunFigure(
+        name="eccentricity",
+        title="Eccentricity and tilt in {joint}",
+        function=figure_eccentricity,
+        of=TOUCHING,
+        compares=False,
+    ),
+)

@@ -1,37 +1,24 @@
-"""The whole set of figures, written to a folder."""
+"""Figures as files: one, or the whole set in a folder."""
 
 from __future__ import annotations
 
-import functools
 import io
-import json
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from pathlib import Path
-from typing import TypeAlias
 
 import matplotlib
 from matplotlib.figure import Figure
 
 from antenna_pin.errors import AntennaPinError, OutputError, UnknownNameError
 from antenna_pin.files import replacing
-from antenna_pin.plot._runs import LabelledRun, Run, choose_moving_joint, labelled, long_enough
+from antenna_pin.plot._runs import Run
 from antenna_pin.plot._style import Width, styled
-from antenna_pin.plot.audit import figure_energy, figure_momentum
-from antenna_pin.plot.base import BASE_QUANTITIES, figure_base
-from antenna_pin.plot.eccentricity import figure_eccentricity
-from antenna_pin.plot.forces import figure_contact_forces
-from antenna_pin.plot.loads import figure_joint_load
-from antenna_pin.plot.motion import QUANTITIES, figure_motion
-from antenna_pin.plot.orbit import figure_bore_load, figure_orbit
-from antenna_pin.plot.pointing import figure_pointing
-from antenna_pin.plot.scenarios import figure_scenarios
-from antenna_pin.plot.spectra import figure_spectra, figure_spectrogram
+from antenna_pin.plot.catalogue import CATALOGUE, Allowed, allowed_figures
 
 FORMATS = ("png", "pdf", "svg")
 
 # Without dates and versions the same figure gives the same file.
 _LEFT_OUT = {"png": "Software", "pdf": "CreationDate", "svg": "Date"}
-_Drawings: TypeAlias = "dict[str, Callable[[], Figure]]"
 
 
 def save_figures(
@@ -40,91 +27,42 @@ def save_figures(
     formats: Sequence[str] = ("png",),
     *,
     joint: str | None = None,
+    names: Collection[str] | None = None,
     width: Width = "page",
     on_left_out: Callable[[str, str], None] | None = None,
 ) -> list[Path]:
-    """Draw all figures that the runs allow, write them, and return their paths.
+    """Draw the figures of the catalogue that the runs allow, write them, and return their paths.
 
-    The files, each whole or not there at all:
-
-    - ``motion_angle``, ``motion_rate``, ``motion_acceleration`` where a joint turns about an axis;
-    - ``contact_forces``, ``joint_load``, ``journal_orbit``, ``bore_load``, ``eccentricity`` and
-      ``contact_scenarios`` where a run has contact;
-    - ``base_position``, ``base_velocity``, ``base_acceleration``, ``base_attitude``,
-      ``base_angular_velocity``, ``base_angular_acceleration`` and ``momentum`` where a run has a free base;
-    - ``pointing`` where a scenario says what looks where;
-    - ``spectra`` where a run has 16 samples or more, ``spectrogram`` where it has 64;
-    - ``energy``.
+    Each file bears its figure's name in :data:`CATALOGUE`, and is whole or not there at all.
 
     Args:
-        runs: Trajectories, or pairs of a label and a dataset.
+        runs: Trajectories, or pairs of a label and a dataset or trajectory.
         folder: Where to write; made if it is missing.
         formats: Any of "png", "pdf" and "svg".
         joint: The joint to draw; the first one with clearance if left out.
+        names: The figures to draw; the standard ones if left out.
         width: "column" (88 mm) or "page" (180 mm).
         on_left_out: Told the name of a figure that the data do not allow although the runs are of the kind
-            for it, and the reason; nobody is if left out.
+            for it, or that was asked for by name, and the reason; nobody is if left out.
     """
     check_formats(formats)
-    every = labelled(runs)
-    if any(run.joints for run in every) or joint is not None:
-        choose_moving_joint(every, joint)  # refuses an unknown one before anything is made
-    drawings = _standard([(run.label, run.data) for run in every], every, joint, width)
+    given = list(runs)
+    drawings: dict[str, Allowed] = {}
+    for each in allowed_figures(given, joint, names):
+        drawings.setdefault(each.figure.name, each)  # of the first joint
     target = folder_for_figures(folder)
     written: list[Path] = []
-    for name, draw in drawings.items():
+    tell = on_left_out or (lambda name, reason: None)
+    for name in sorted(set(names or ()) - set(drawings)):
+        tell(name, f"no run has {CATALOGUE[name].needed}")
+    for name, each in drawings.items():
         try:
-            figure = draw()
+            figure = each.draw(given, width=width)
         except AntennaPinError as error:  # a variable is missing, or all are too short
-            if on_left_out is not None:
-                on_left_out(name, str(error))
+            tell(name, str(error))
             continue
         written += save_figure(figure, target / name, formats)
     return written
-
-
-def _standard(pairs: list[Run], every: list[LabelledRun], joint: str | None, width: Width) -> _Drawings:
-    """Return the figures that runs of this kind have, by the names of their files."""
-    long = long_enough(every)
-    turning = any(joint in (None, name) for run in every for name in run.joints)
-    touching = any(joint in (None, name) for run in long for name in run.clearance_joints)
-    floating = any("base_position" in run.data for run in long)
-    # Those of an older version of the format can be looked into where they carry their scenario.
-    known = any("urdf" in run.data.attrs or run.data.attrs.get("scenario") for run in long)
-    of_joint = functools.partial(functools.partial, joint=joint, width=width)
-    plain = functools.partial(functools.partial, width=width)
-    drawings: _Drawings = {}
-    for quantity in QUANTITIES if turning else ():
-        drawings[f"motion_{quantity}"] = of_joint(figure_motion, pairs, quantity)
-    if touching:
-        drawings["contact_forces"] = of_joint(figure_contact_forces, pairs)
-        if known:
-            drawings["joint_load"] = of_joint(figure_joint_load, pairs)
-            drawings["journal_orbit"] = of_joint(figure_orbit, pairs)
-            drawings["eccentricity"] = of_joint(figure_eccentricity, pairs)
-        drawings["bore_load"] = of_joint(figure_bore_load, pairs)
-        drawings["contact_scenarios"] = of_joint(figure_scenarios, pairs)
-    for part in BASE_QUANTITIES if floating else ():
-        drawings[f"base_{part}"] = plain(figure_base, pairs, part)
-    if any(_points(run) for run in long):
-        drawings["pointing"] = plain(figure_pointing, pairs)
-    if known and (turning or touching):
-        drawings["spectra"] = of_joint(figure_spectra, pairs)
-        chosen = choose_moving_joint(every, joint)
-        turns = any(chosen in run.joints for run in every)  # a ball joint does not, about an axis
-        drawings["spectrogram"] = of_joint(figure_spectrogram, pairs, "acceleration" if turns else "force")
-    drawings["energy"] = plain(figure_energy, pairs)
-    if floating:
-        drawings["momentum"] = plain(figure_momentum, pairs)
-    return drawings
-
-
-def _points(run: LabelledRun) -> bool:
-    """Whether the scenario of a run says what looks where."""
-    try:
-        return bool(json.loads(run.data.attrs["scenario"])["pointing"])
-    except (KeyError, TypeError, ValueError):
-        return False
 
 
 def check_formats(formats: Sequence[str]) -> None:

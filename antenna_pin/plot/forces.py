@@ -8,10 +8,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from antenna_pin.plot._kinds import TOUCHING, choose_joint
+from antenna_pin.plot._run_figure import RunFigure
 from antenna_pin.plot._runs import (
     LabelledRun,
     Run,
-    choose_clearance_joint,
     labelled,
     long_enough,
     too_short,
@@ -52,7 +53,7 @@ def figure_contact_forces(
         width: "column" (88 mm) or "page" (180 mm).
     """
     every = labelled(runs)
-    joint = choose_clearance_joint(every, joint)
+    joint = choose_joint(TOUCHING, every, joint)
     drawn = [run for run in long_enough(every) if joint in run.clearance_joints]
     kinds = _kinds(drawn, joint)
     resultants = [_resultant(run, joint, kinds) for run in drawn]
@@ -168,3 +169,14 @@ def _stems(axes: Axes, time: Array, force: Array, factor: float) -> None:
         zorder=2.5,
         rasterized=many,
     )
+
+
+FIGURES = (
+    RunFigure(
+        name="contact_forces",
+        title="Contact forces in {joint}",
+        function=figure_contact_forces,
+        of=TOUCHING,
+        compares=False,
+    ),
+)

@@ -9,10 +9,11 @@ from matplotlib.figure import Figure
 
 from antenna_pin.analysis import joint_loads
 from antenna_pin.errors import InvalidParameterError
+from antenna_pin.plot._kinds import MOVING, choose_joint
+from antenna_pin.plot._run_figure import RunFigure
 from antenna_pin.plot._runs import (
     LabelledRun,
     Run,
-    choose_moving_joint,
     long_enough,
     styles,
     too_short,
@@ -60,7 +61,7 @@ def figure_joint_load(
     """
     every, reference = with_reference(runs, ideal)
     loads = {run.label: joint_loads(run.data)["force"] for run in long_enough(every)}
-    joint = choose_moving_joint(every, joint)
+    joint = choose_joint(MOVING, every, joint)
     drawn = [run for run in long_enough(every) if joint in loads[run.label]["moving_joint"]]
     drawn.sort(key=lambda run: run is reference)
     forces = [
@@ -119,3 +120,8 @@ def _ratios(runs: list[LabelledRun], largest: list[float], reference: LabelledRu
     ]
     words = f"largest force of the whole run over that of {reference.label}"
     return f"{words}: {', '.join(parts)}" if parts else ""
+
+
+FIGURES = (
+    RunFigure(name="joint_load", title="Force through {joint}", function=figure_joint_load, of=MOVING),
+)

@@ -16,7 +16,9 @@ from matplotlib.figure import Figure
 
 from antenna_pin.analysis import resampled
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
-from antenna_pin.plot._runs import LabelledRun, Run, choose_joint, long_enough, too_short, with_reference
+from antenna_pin.plot._kinds import TURNING, choose_joint
+from antenna_pin.plot._run_figure import RunFigure
+from antenna_pin.plot._runs import LabelledRun, Run, long_enough, too_short, with_reference
 from antenna_pin.plot._style import (
     COLOURS,
     IDEAL,
@@ -86,7 +88,7 @@ def figure_motion(
     if quantity not in QUANTITIES:
         raise UnknownNameError("figure", "quantity", quantity, QUANTITIES)
     every, reference = with_reference(runs, ideal)
-    name = choose_joint(every, joint)
+    name = choose_joint(TURNING, every, joint)
     drawn = long_enough(every)
     curves = _curves(drawn, reference, name, quantity)
     given = None if zoom is None else _check_zoom(zoom)
@@ -300,3 +302,15 @@ def _strips(
 def _mark(axes: Axes, window: _Span) -> None:
     """Shade the span that the close view shows; its edges keep a narrow one visible."""
     axes.axvspan(*window, facecolor=SHADE, edgecolor="#888888", linewidth=0.5, zorder=0.5)
+
+
+FIGURES = tuple(
+    RunFigure(
+        name=f"motion_{quantity}",
+        title=f"{quantity.capitalize()} of {{joint}}",
+        function=figure_motion,
+        options={"quantity": quantity},
+        of=TURNING,
+    )
+    for quantity in QUANTITIES
+)

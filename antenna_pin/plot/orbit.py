@@ -18,10 +18,11 @@ from matplotlib.ticker import MaxNLocator
 
 from antenna_pin.analysis import bore_load, journal_motion
 from antenna_pin.errors import UnknownNameError
+from antenna_pin.plot._kinds import TOUCHING, choose_joint
+from antenna_pin.plot._run_figure import RunFigure
 from antenna_pin.plot._runs import (
     LabelledRun,
     Run,
-    choose_clearance_joint,
     labelled,
     left_out,
     long_enough,
@@ -73,7 +74,7 @@ def figure_orbit(
     if shade not in ("time", "load"):
         raise UnknownNameError("figure", "shade", shade, ("time", "load"))
     every = labelled(runs)
-    joint = choose_clearance_joint(every, joint)
+    joint = choose_joint(TOUCHING, every, joint)
     drawn = [run for run in long_enough(every) if joint in run.clearance_joints]
     motions = [journal_motion(run.data, joint) for run in drawn]
     planes = [_PROJECTIONS if motion.attrs["kind"] == "spherical" else _ACROSS for motion in motions]
@@ -224,7 +225,7 @@ def figure_bore_load(
         width: "column" (88 mm) or "page" (180 mm).
     """
     every = labelled(runs)
-    joint = choose_clearance_joint(every, joint)
+    joint = choose_joint(TOUCHING, every, joint)
     drawn = [run for run in long_enough(every) if joint in run.clearance_joints]
     loads = [bore_load(run.data, joint, sectors) for run in drawn]
     figure, panels = _square_panels(width, len(drawn), 14.0, projection="polar")
@@ -271,3 +272,21 @@ def figure_bore_load(
         left_out(every, drawn, "no clearance in this joint"),
     )
     return figure
+
+
+FIGURES = (
+    RunFigure(
+        name="journal_orbit",
+        title="Orbit of the journal in {joint}",
+        function=figure_orbit,
+        of=TOUCHING,
+        compares=False,
+    ),
+    RunFigure(
+        name="bore_load",
+        title="Load around the bore of {joint}",
+        function=figure_bore_load,
+        of=TOUCHING,
+        compares=False,
+    ),
+)

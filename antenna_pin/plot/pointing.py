@@ -10,6 +10,8 @@ from matplotlib.figure import Figure
 from antenna_pin.analysis import boresight, pointing_error
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
 from antenna_pin.plot._compared import Curve, Panel, panels_figure
+from antenna_pin.plot._kinds import POINTED
+from antenna_pin.plot._run_figure import RunFigure
 from antenna_pin.plot._runs import LabelledRun, Run, left_out, long_enough, styles, too_short, with_reference
 from antenna_pin.plot._style import Width, footnote, styled
 
@@ -104,3 +106,8 @@ def figure_pointing(runs: Iterable[Run] | Run, *, ideal: Run | None = None, widt
         left_out(every, drawn, "scenario without pointing"),
     )
     return figure
+
+
+FIGURES = (
+    RunFigure(name="pointing", title="Boresight and pointing error", function=figure_pointing, needs=POINTED),
+)

@@ -11,9 +11,10 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from antenna_pin.analysis import scenario_spans
+from antenna_pin.plot._kinds import TOUCHING, choose_joint
+from antenna_pin.plot._run_figure import RunFigure
 from antenna_pin.plot._runs import (
     Run,
-    choose_clearance_joint,
     labelled,
     left_out,
     long_enough,
@@ -57,7 +58,7 @@ def figure_scenarios(
         width: "column" (88 mm) or "page" (180 mm).
     """
     every = labelled(runs)
-    joint = choose_clearance_joint(every, joint)
+    joint = choose_joint(TOUCHING, every, joint)
     drawn = [run for run in long_enough(every) if joint in run.clearance_joints]
     spans = [scenario_spans(run.data, joint) for run in drawn]
     # A joint without flanges has no line of axial scenarios.
@@ -141,3 +142,14 @@ def _percent(share: float) -> str:
     if share == 0.0:
         return "\N{EN DASH}"
     return "<0.1 %" if share < 0.0005 else f"{100.0 * share:.1f} %"
+
+
+FIGURES = (
+    RunFigure(
+        name="contact_scenarios",
+        title="Contact scenarios of {joint}",
+        function=figure_scenarios,
+        of=TOUCHING,
+        compares=False,
+    ),
+)

@@ -15,10 +15,11 @@ from matplotlib.ticker import LogLocator, NullFormatter, NullLocator
 
 from antenna_pin.analysis import base_motion, joint_loads, spectrogram, spectrum
 from antenna_pin.errors import AntennaPinError, InvalidParameterError, UnknownNameError
+from antenna_pin.plot._kinds import MOVING, choose_joint
+from antenna_pin.plot._run_figure import RunFigure
 from antenna_pin.plot._runs import (
     LabelledRun,
     Run,
-    choose_moving_joint,
     labelled,
     left_out,
     long_enough,
@@ -81,7 +82,7 @@ def figure_spectra(
         width: "column" (88 mm) or "page" (180 mm).
     """
     every, reference = with_reference(runs, ideal)
-    joint = choose_moving_joint(every, joint)
+    joint = choose_joint(MOVING, every, joint)
     drawn = sorted(long_enough(every), key=lambda run: run is reference)
     looks = dict(zip([run.label for run in drawn], styles(drawn, reference), strict=True))
     found = {kind: _densities(drawn, kind, joint) for kind in SIGNALS}
@@ -125,7 +126,7 @@ def figure_spectra(
 @styled
 def figure_spectrogram(
     runs: Iterable[Run] | Run,
-    signal: Signal = "acceleration",
+    signal: Signal | None = None,
     *,
     joint: str | None = None,
     width: Width = "page",
@@ -136,14 +137,17 @@ def figure_spectrogram(
 
     Args:
         runs: Trajectories, or pairs of a label and a dataset.
-        signal: "acceleration" of the joint, "base acceleration", or "force" through the joint.
+        signal: "acceleration" of the joint, "base acceleration", or "force" through the joint; if left out
+            the acceleration, or the force of a joint that turns in no run about an axis, such as a ball's.
         joint: Name of the joint; the first one with clearance if left out.
         width: "column" (88 mm) or "page" (180 mm).
     """
-    if signal not in SIGNALS:
+    if signal is not None and signal not in SIGNALS:
         raise UnknownNameError("figure", "signal", signal, SIGNALS)
     every = labelled(runs)
-    joint = choose_moving_joint(every, joint)
+    joint = choose_joint(MOVING, every, joint)
+    if signal is None:
+        signal = "acceleration" if any(joint in run.joints for run in every) else "force"
     candidates = [run for run in long_enough(every) if not run.ideal] or long_enough(every)
     drawn, maps = [], []
     for run in candidates:
@@ -252,3 +256,16 @@ def _densities(runs: Sequence[LabelledRun], kind: Signal, joint: str) -> list[_D
         keep = frequency > 0.0
         result.append(_Density(run, frequency[keep], density[keep], float(found.attrs["rate"])))
     return result
+
+
+FIGURES = (
+    RunFigure(name="spectra", title="Spectra, {joint}", function=figure_spectra, of=MOVING),
+    RunFigure(
+        name="spectrogram",
+        title="Spectrogram, {joint}",
+        function=figure_spectrogram,
+        of=MOVING,
+        compares=False,
+        reported=False,
+    ),
+)

@@ -20,9 +20,11 @@ from antenna_pin.analysis import (
 from antenna_pin.errors import AntennaPinError, InvalidParameterError, UnknownNameError
 from antenna_pin.plot import (
     BASE_QUANTITIES,
+    CATALOGUE,
     PAPERS,
     QUANTITIES,
     SIGNALS,
+    allowed_figures,
     figure_base,
     figure_bore_load,
     figure_contact_forces,
@@ -37,6 +39,7 @@ from antenna_pin.plot import (
     paper_figures,
     save_figures,
 )
+from antenna_pin.plot._kinds import MOVING, TOUCHING
 
 
 @pytest.fixture(scope="module")
@@ -314,27 +317,15 @@ def test_spectrogram_has_a_panel_per_run_with_contact(runs):
 
 # --- all of them ---
 
-FIGURES = {
-    "orbit": figure_orbit,
-    "bore": figure_bore_load,
-    "eccentricity": figure_eccentricity,
-    "scenarios": figure_scenarios,
-    "load": figure_joint_load,
-    "position": figure_base,
-    "base acceleration": lambda runs, width: figure_base(runs, "acceleration", width=width),
-    "attitude": lambda runs, width: figure_base(runs, "attitude", width=width),
-    "joints": figure_joints,
-    "pointing": figure_pointing,
-    "spectra": figure_spectra,
-    "spectrogram": figure_spectrogram,
-}
+MADE_UP = ("motion_angle", "motion_rate", "motion_acceleration", "contact_forces", "energy", "momentum")
+FIGURES = [name for name in CATALOGUE if name not in MADE_UP]  # test_figures.py has those
 
 
 @pytest.mark.parametrize("width", ["column", "page"])
 @pytest.mark.parametrize("name", FIGURES)
 def test_no_two_labels_overlap_and_none_is_cut_off(runs, readable, name, width):
     short = runs[2][1].isel(time=slice(0, 1))
-    figure = FIGURES[name]([*runs, ("short", short)], width=width)
+    figure = CATALOGUE[name].draw([*runs, ("short", short)], width=width)
     assert figure.get_figwidth() * 25.4 == pytest.approx({"column": 88.0, "page": 180.0}[width])
     assert "one sample only: short" in note_of(figure)
     readable(figure)
@@ -343,14 +334,14 @@ def test_no_two_labels_overlap_and_none_is_cut_off(runs, readable, name, width):
 @pytest.mark.parametrize("name", [name for name in FIGURES if name != "pointing"])
 def test_rigs_of_all_kinds_of_joints_can_be_read(rigs, readable, name):
     """Impacts of single bodies: components that are zero, steps, spectra of few decades."""
-    readable(FIGURES[name](rigs, width="page"))
+    readable(CATALOGUE[name].draw(rigs))
 
 
-@pytest.mark.parametrize("name", ["orbit", "bore", "eccentricity", "scenarios"])
+@pytest.mark.parametrize("name", [name for name in FIGURES if CATALOGUE[name].touching])
 def test_runs_without_clearance_are_refused_or_named(runs, name):
     with pytest.raises(InvalidParameterError, match="at least one run with contact"):
-        FIGURES[name](runs[:1], width="page")
-    note = note_of(FIGURES[name](runs[:2], width="page"))
+        CATALOGUE[name].draw(runs[:1])
+    note = note_of(CATALOGUE[name].draw(runs[:2]))
     assert "not drawn, no clearance in this joint: case1" in note
 
 
@@ -372,12 +363,31 @@ def test_the_standard_set_of_real_runs(runs, tmp_path, monkeypatch):
     monkeypatch.setattr("antenna_pin.plot.files._save", lambda figure, path: path)  # drawing takes the time
     said = []
     written = save_figures(runs[::2], tmp_path, ("svg",), on_left_out=lambda *words: said.append(words))
-    names = ["motion_angle", "motion_rate", "motion_acceleration", "contact_forces", "joint_load"]
-    names += ["journal_orbit", "eccentricity", "bore_load", "contact_scenarios"]
-    names += [f"base_{quantity}" for quantity in BASE_QUANTITIES]
-    names += ["pointing", "spectra", "spectrogram", "energy", "momentum"]
+    names = [name for name, figure in CATALOGUE.items() if figure.standard]
     assert [path.stem for path in written] == names
     assert said == []
+
+
+def test_what_runs_are_about_is_drawn_of_each_joint_with_clearance(runs, rigs):
+    """A ball does not turn about an axis; an ideal run is about the joint with clearance in other cases."""
+
+    def drawn(runs, **options):
+        return [(each.figure.name, each.joint) for each in allowed_figures(runs, **options)]
+
+    names = [name for name, _ in drawn(runs)]
+    assert names == [name for name, figure in CATALOGUE.items() if figure.standard]
+    assert {joint for _, joint in drawn(runs)} == {"elevation", None}
+    alone = dict(drawn(runs[:1]))
+    assert alone["motion_angle"] == alone["joint_load"] == "elevation" and "contact_forces" not in alone
+    assert {name for name, joint in drawn(rigs[3:]) if joint} == {
+        name for name, figure in CATALOGUE.items() if figure.standard and figure.of in (TOUCHING, MOVING)
+    }
+    assert {joint for _, joint in drawn(runs, joint="azimuth")} == {"azimuth", None}
+    assert "contact_forces" not in dict(drawn(runs, joint="azimuth"))
+    assert drawn(runs, names=["joints_rate"]) == [("joints_rate", None)]
+    two = ("two", rigs[0][1].assign_coords(joint=["other"], clearance_joint=["other"]))
+    order = [joint for name, joint in drawn([rigs[0], two]) if name in ("motion_angle", "motion_rate")]
+    assert order == ["bore", "bore", "other", "other"]  # joint by joint
 
 
 def test_what_the_data_do_not_allow_is_left_out_with_the_reason(real_runs, tmp_path, monkeypatch):

@@ -7,6 +7,7 @@ import re
 import pytest
 
 from antenna_pin.errors import OutputError
+from antenna_pin.plot import allowed_figures
 from antenna_pin.record import shared_head
 from antenna_pin.report import figures, report
 from antenna_pin.report._runs import ideal_of, reported
@@ -94,12 +95,13 @@ def test_figures_are_pictures_within_the_page(page, saved):
 def test_tall_figures_are_drawn_in_parts_that_fit_on_a_page(ideal, play):
     """Energy has three panels for each run: of four runs it would be half a metre tall."""
     runs = reported([ideal, *((f"run {k}", play) for k in range(3))])
-    energy = next(one for one in figures._drawings(runs) if one.key.startswith("energy"))
+    given = [(run.label, run.run) for run in runs]
+    (energy,) = allowed_figures(given, names=["energy"])
     parts = list(figures._parts(energy, runs, figures._short_names(runs), ideal_of(runs)))
     assert [name for _, names in parts for name in names] == ["case1", "run 0", "run 1", "run 2"]
     assert len(parts) > 1
     assert all(25.4 * figure.get_figheight() <= 215.0 for figure, _ in parts)
-    assert 25.4 * energy.draw([(run.label, run.data) for run in runs]).get_figheight() > 215.0
+    assert 25.4 * energy.draw(given, width="column").get_figheight() > 215.0
 
 
 def test_long_names_of_runs_are_cut_in_figures_and_stay_apart(play):

@@ -1,4 +1,4 @@
-"""One figure of a paper: what it shows there, and what shows the same here."""
+"""One figure of a paper: what it shows there, and which of the catalogue shows the same here."""
 
 from __future__ import annotations
 
@@ -9,16 +9,14 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.plot._runs import Run
+from antenna_pin.plot._runs import Run, samples_of
 from antenna_pin.plot._style import Width
+from antenna_pin.plot.catalogue import run_figure
 
-__all__ = ["Cases", "PaperFigure", "Picked"]
+__all__ = ["Cases", "PaperFigure"]
 
 #: The runs of a figure by case, in its order.
 Cases = dict[str, xr.Dataset]
-
-#: A case and its run.
-Picked = tuple[str, xr.Dataset]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -30,16 +28,21 @@ class PaperFigure:
         name: File name without a format.
         cases: Cases of the model that it draws.
         shows: What the paper's figure shows.
-        drawing: Draws the runs of the cases at a width.
+        figure: What shows the same here: its name in the catalogue.
         finding: Says in numbers what the runs show.
+        joint: Joint that it is of; None for one of whole runs.
+        close_view: Start and end of its close view, as shares of the last case's time; the figure's own
+            choice if left out.
     """
 
     number: int
     name: str
     cases: tuple[str, ...]
     shows: str
-    drawing: Callable[[list[Picked], Width], Figure]
+    figure: str
     finding: Callable[[Cases], str]
+    joint: str | None = None
+    close_view: tuple[float, float] | None = None
 
     def draw(self, runs: Iterable[Run], *, width: Width = "page") -> Figure:
         """Return the figure.
@@ -52,7 +55,15 @@ class PaperFigure:
         Raises:
             InvalidParameterError: A case is missing.
         """
-        return self.drawing(list(self.picked(runs).items()), width)
+        cases = self.picked(runs)
+        options = {}
+        if self.close_view is not None:
+            time = cases[self.cases[-1]]["time"].values
+            options["zoom"] = tuple(
+                float(time[0] + share * (time[-1] - time[0])) for share in self.close_view
+            )
+        figure = run_figure(self.figure)
+        return figure.draw(list(cases.items()), joint=self.joint, width=width, **options)
 
     def describe(self, runs: Iterable[Run]) -> str:
         """Return in one line what the runs show, in numbers."""
@@ -62,7 +73,7 @@ class PaperFigure:
         """Return the data of the runs it takes, by case."""
         known: Cases = {}
         for run in runs:
-            label, data = run if isinstance(run, tuple) else ("", run.data)
+            label, data = run[0] if isinstance(run, tuple) else "", samples_of(run)
             known.setdefault(str(data.attrs.get("case") or label), data)
         missing = [case for case in self.cases if case not in known]
         if missing:

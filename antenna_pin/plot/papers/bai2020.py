@@ -8,27 +8,14 @@ from __future__ import annotations
 
 from functools import partial
 
-from matplotlib.figure import Figure
-
-from antenna_pin.plot._style import Width
-from antenna_pin.plot.forces import figure_contact_forces
-from antenna_pin.plot.motion import Quantity, figure_motion
 from antenna_pin.plot.papers import _findings
-from antenna_pin.plot.papers._figure import PaperFigure, Picked
+from antenna_pin.plot.papers._figure import PaperFigure
 
 __all__ = ["FIGURES"]
 
 _JOINT = "elevation"
 _FIRST = ("case1", "case2-planar", "case3")
 _AXIAL = ("case1", "case2-planar", "case3", "case4", "case5")
-
-
-def _motion(runs: list[Picked], width: Width, quantity: Quantity) -> Figure:
-    return figure_motion(runs, quantity, joint=_JOINT, width=width)
-
-
-def _forces(runs: list[Picked], width: Width) -> Figure:
-    return figure_contact_forces(runs, joint=_JOINT, width=width)
 
 
 FIGURES = (
@@ -38,7 +25,8 @@ FIGURES = (
         cases=_FIRST,
         shows="Angle of the antenna, whole and zoomed: clearance makes it deviate from the ideal joint, "
         "axial clearance more so.",
-        drawing=partial(_motion, quantity="angle"),
+        figure="motion_angle",
+        joint=_JOINT,
         finding=partial(_findings.deviations, of=f"{_JOINT} angle"),
     ),
     PaperFigure(
@@ -47,7 +35,8 @@ FIGURES = (
         cases=_FIRST,
         shows="Its rate, whole and zoomed: shaky with clearance, and further from the ideal joint with axial "
         "clearance.",
-        drawing=partial(_motion, quantity="rate"),
+        figure="motion_rate",
+        joint=_JOINT,
         finding=partial(_findings.deviations, of=f"{_JOINT} rate"),
     ),
     PaperFigure(
@@ -55,7 +44,8 @@ FIGURES = (
         name="figure09-acceleration",
         cases=_FIRST,
         shows="Its acceleration, whole and zoomed: peaks that rise sharply with axial clearance.",
-        drawing=partial(_motion, quantity="acceleration"),
+        figure="motion_acceleration",
+        joint=_JOINT,
         finding=partial(_findings.peak_accelerations, joint=_JOINT),
     ),
     PaperFigure(
@@ -64,7 +54,8 @@ FIGURES = (
         cases=("case2-planar", "case3"),
         shows="Contact forces in the joint: impulses of high frequency with high peaks; with axial clearance "
         "much higher ones along the axis.",
-        drawing=_forces,
+        figure="contact_forces",
+        joint=_JOINT,
         finding=_findings.contact_peaks,
     ),
     PaperFigure(
@@ -72,7 +63,8 @@ FIGURES = (
         name="figure11-angle-axial-clearance",
         cases=_AXIAL,
         shows="Angle of the antenna for axial clearances of 0, 0.2, 0.3 and 0.4 mm, whole and zoomed.",
-        drawing=partial(_motion, quantity="angle"),
+        figure="motion_angle",
+        joint=_JOINT,
         finding=partial(_findings.deviations, of=f"{_JOINT} angle"),
     ),
     PaperFigure(
@@ -80,7 +72,8 @@ FIGURES = (
         name="figure12-rate-axial-clearance",
         cases=_AXIAL,
         shows="Its rate for the same, whole and zoomed: the larger the axial clearance, the shakier.",
-        drawing=partial(_motion, quantity="rate"),
+        figure="motion_rate",
+        joint=_JOINT,
         finding=partial(_findings.deviations, of=f"{_JOINT} rate"),
     ),
     PaperFigure(
@@ -89,7 +82,8 @@ FIGURES = (
         cases=_AXIAL,
         shows="Its acceleration for the same, (a) to (d): the larger the axial clearance, the higher the "
         "peaks.",
-        drawing=partial(_motion, quantity="acceleration"),
+        figure="motion_acceleration",
+        joint=_JOINT,
         finding=partial(_findings.peak_accelerations, joint=_JOINT),
     ),
 )

@@ -4,39 +4,15 @@ from __future__ import annotations
 
 from functools import partial
 
-from matplotlib.figure import Figure
-
-from antenna_pin.plot._style import Width
-from antenna_pin.plot.base import BaseQuantity, figure_base, figure_joints
-from antenna_pin.plot.eccentricity import figure_eccentricity
-from antenna_pin.plot.loads import figure_joint_load
+from antenna_pin.plot.base import BaseQuantity
 from antenna_pin.plot.motion import Quantity
 from antenna_pin.plot.papers import _findings
-from antenna_pin.plot.papers._figure import PaperFigure, Picked
+from antenna_pin.plot.papers._figure import PaperFigure
 
 __all__ = ["FIGURES"]
 
 _JOINT = "joint2"
 _BOTH = ("ideal", "planar")
-
-
-def _eccentricity(runs: list[Picked], width: Width) -> Figure:
-    return figure_eccentricity(runs, joint=_JOINT, width=width)
-
-
-def _load(runs: list[Picked], width: Width) -> Figure:
-    # The close view shows the first impacts; the largest force may come with the last swing.
-    time = dict(runs)["planar"]["time"].values
-    zoom = float(time[0]), float(time[0] + 0.05 * (time[-1] - time[0]))
-    return figure_joint_load(runs, joint=_JOINT, zoom=zoom, width=width)
-
-
-def _base(runs: list[Picked], width: Width, quantity: BaseQuantity) -> Figure:
-    return figure_base(runs, quantity, width=width)
-
-
-def _joints(runs: list[Picked], width: Width, quantity: Quantity) -> Figure:
-    return figure_joints(runs, quantity, width=width)
 
 
 def _of_base(number: int, quantity: BaseQuantity, shows: str) -> PaperFigure:
@@ -45,7 +21,7 @@ def _of_base(number: int, quantity: BaseQuantity, shows: str) -> PaperFigure:
         name=f"figure{number:02d}-base-{quantity.replace('_', '-')}",
         cases=_BOTH,
         shows=shows,
-        drawing=partial(_base, quantity=quantity),
+        figure=f"base_{quantity}",
         finding=partial(_findings.of_base, quantity=quantity),
     )
 
@@ -56,7 +32,7 @@ def _of_joints(number: int, quantity: Quantity, shows: str) -> PaperFigure:
         name=f"figure{number:02d}-shaft-{quantity}",
         cases=_BOTH,
         shows=shows,
-        drawing=partial(_joints, quantity=quantity),
+        figure=f"joints_{quantity}",
         finding=partial(_findings.of_joints, quantity=quantity),
     )
 
@@ -68,7 +44,8 @@ FIGURES = (
         cases=("planar",),
         shows="Eccentricity of the journal: severe impacts and large deformations at first, then weaker "
         "ones, contact and flight in turn.",
-        drawing=_eccentricity,
+        figure="eccentricity",
+        joint=_JOINT,
         finding=_findings.penetration,
     ),
     PaperFigure(
@@ -77,7 +54,10 @@ FIGURES = (
         cases=_BOTH,
         shows="Force between journal and bearing: it fluctuates like the eccentricity, and is nearly 20 "
         "times the ideal joint's at most.",
-        drawing=_load,
+        figure="joint_load",
+        joint=_JOINT,
+        # The first impacts; the largest force may come with the last swing.
+        close_view=(0.0, 0.05),
         finding=partial(_findings.force_ratio, joint=_JOINT),
     ),
     _of_base(8, "position", "Position of the base: nearly that of the ideal joint."),

@@ -1,0 +1,116 @@
+"""Of which joints and of which runs there are figures: the words, and how to find them."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from antenna_pin.errors import FileFormatError, InvalidParameterError, UnknownNameError
+from antenna_pin.plot._runs import LabelledRun, long_enough
+
+__all__ = [
+    "FREE_BASE",
+    "MOVING",
+    "POINTED",
+    "TOUCHING",
+    "TURNING",
+    "JointKind",
+    "RunKind",
+    "choose_joint",
+    "joints_of",
+    "none_with",
+]
+
+
+@dataclass(frozen=True, slots=True)
+class JointKind:
+    """Joints that a figure can be of.
+
+    Attributes:
+        noun: What one is called in a refusal.
+        words: What a run must have, after "with".
+        names: Finds those of one run.
+    """
+
+    noun: str
+    words: str
+    names: Callable[[LabelledRun], list[str]]
+
+
+@dataclass(frozen=True, slots=True)
+class RunKind:
+    """Runs that a figure can be of.
+
+    Attributes:
+        words: What a run must have, after "with".
+        holds: Whether a run is one.
+    """
+
+    words: str
+    holds: Callable[[LabelledRun], bool]
+
+
+def _described(run: LabelledRun, table: str) -> list[str]:
+    """Return the keys of a table of a run's scenario; none if it has no such table or no scenario."""
+    try:
+        return list(json.loads(run.data.attrs["scenario"])[table])
+    except (KeyError, TypeError, ValueError):
+        return []
+
+
+def _with_play(run: LabelledRun) -> list[str]:
+    """Return the joints with clearance, and those that the scenario describes one for, though ideal here."""
+    return list(dict.fromkeys([*run.clearance_joints, *_described(run, "clearance")]))
+
+
+TURNING = JointKind("joint", "a joint that turns about an axis", lambda run: run.joints)
+TOUCHING = JointKind("joint with clearance", "contact in a joint", lambda run: run.clearance_joints)
+MOVING = JointKind("joint", "a joint that moves", lambda run: [*run.joints, *_with_play(run)])
+
+FREE_BASE = RunKind("a free base", lambda run: "base_position" in run.data)
+POINTED = RunKind("a scenario that says what looks where", lambda run: bool(_described(run, "pointing")))
+
+
+def _names(kind: JointKind, runs: Sequence[LabelledRun]) -> list[str]:
+    return list(dict.fromkeys(name for run in runs for name in kind.names(run)))
+
+
+def none_with(kind: JointKind | RunKind, runs: Sequence[LabelledRun]) -> InvalidParameterError:
+    """Return the refusal of runs of which none is of a kind."""
+    rule = f"at least one run with {kind.words}"
+    return InvalidParameterError("figure", "runs", rule, ", ".join(run.label for run in runs))
+
+
+def joints_of(kind: JointKind, runs: Sequence[LabelledRun]) -> list[str]:
+    """Return the joints of a kind that runs are about.
+
+    Those with clearance in one of the runs; of ideal runs those whose clearance the scenario describes; of
+    other runs the first of the kind. None if there is none of the kind.
+    """
+    known = _names(kind, runs)
+    for play in (lambda run: run.clearance_joints, _with_play):
+        found = [name for name in dict.fromkeys(n for run in runs for n in play(run)) if name in known]
+        if found:
+            return found
+    return known[:1]
+
+
+def choose_joint(kind: JointKind, runs: Sequence[LabelledRun], joint: str | None) -> str:
+    """Return the joint to draw: the one asked for, or the first that the runs are about.
+
+    Raises:
+        UnknownNameError: No run has such a joint of that name.
+        InvalidParameterError: No run of two samples or more has one.
+        FileFormatError: The runs record no joints at all.
+    """
+    known = _names(kind, runs)
+    if joint is not None and known and joint not in known:
+        raise UnknownNameError("figure", kind.noun, joint, known)
+    drawn = long_enough(runs)
+    found = joints_of(kind, drawn) if joint is None else [n for n in _names(kind, drawn) if n == joint]
+    if found:
+        return found[0]
+    if not any("joint" in run.data.coords for run in runs):
+        raise FileFormatError("figure: the runs record no joint's motion; are they antenna_pin results?")
+    raise none_with(kind, runs)

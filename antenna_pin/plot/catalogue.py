@@ -1,0 +1,114 @@
+"""All figures of runs: what ``plot``, ``report`` and the figures of papers draw.
+
+A figure is a function in a file of this room and a :class:`RunFigure` in that file's ``FIGURES``, which
+stands here in the place that it has in a folder, on a page and in the docs.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Collection, Iterable, Iterator
+from typing import NamedTuple
+
+from matplotlib.figure import Figure
+
+from antenna_pin.errors import UnknownNameError
+from antenna_pin.plot import (
+    audit,
+    base,
+    eccentricity,
+    forces,
+    loads,
+    motion,
+    orbit,
+    pointing,
+    scenarios,
+    spectra,
+)
+from antenna_pin.plot._kinds import MOVING, choose_joint, joints_of
+from antenna_pin.plot._run_figure import RunFigure
+from antenna_pin.plot._runs import Run, labelled, long_enough
+from antenna_pin.plot._style import Width
+
+__all__ = ["CATALOGUE", "Allowed", "allowed_figures", "run_figure"]
+
+#: Every figure of runs by its name, in the order in which they are shown.
+CATALOGUE: dict[str, RunFigure] = {
+    figure.name: figure
+    for figure in (
+        *motion.FIGURES,
+        *forces.FIGURES,
+        *orbit.FIGURES,
+        *eccentricity.FIGURES,
+        *scenarios.FIGURES,
+        *loads.FIGURES,
+        *spectra.FIGURES,
+        *base.FIGURES,
+        *pointing.FIGURES,
+        *audit.FIGURES,
+    )
+}
+
+
+class Allowed(NamedTuple):
+    """A figure that runs allow, with the joint that it is of, None if it is of whole runs."""
+
+    figure: RunFigure
+    joint: str | None
+
+    @property
+    def title(self) -> str:
+        """What it shows."""
+        return self.figure.title.format(joint=self.joint)
+
+    def draw(self, runs: Iterable[Run], *, width: Width = "page") -> Figure:
+        """Return the figure of runs, "column" (88 mm) or "page" (180 mm) wide."""
+        return self.figure.draw(runs, joint=self.joint, width=width)
+
+
+def run_figure(name: str) -> RunFigure:
+    """Return a figure of the catalogue.
+
+    Raises:
+        UnknownNameError: It has none of that name.
+    """
+    if name not in CATALOGUE:
+        raise UnknownNameError("figures", "figure", name, CATALOGUE)
+    return CATALOGUE[name]
+
+
+def allowed_figures(
+    runs: Iterable[Run], joint: str | None = None, names: Collection[str] | None = None
+) -> Iterator[Allowed]:
+    """Yield the figures that runs of their kind have.
+
+    Those of a joint come joint by joint, of each that the runs are about: with clearance in one of them, or
+    in their scenario; or else the first.
+
+    Args:
+        runs: Trajectories, or pairs of a label and a dataset or trajectory.
+        joint: The one joint to draw.
+        names: The figures wanted; the standard ones if left out.
+
+    Raises:
+        UnknownNameError: There is no such joint or no such figure.
+    """
+    every = labelled(runs)
+    long = long_enough(every)
+    if joint is not None and any(run.joints or run.clearance_joints for run in every):
+        choose_joint(MOVING, every, joint)
+    for name in names or ():
+        run_figure(name)
+    wanted = [each for each in CATALOGUE.values() if (each.standard if names is None else each.name in names)]
+    for kind, figures in itertools.groupby(wanted, key=lambda figure: figure.of):
+        drawn = list(figures)
+        if kind is None:
+            yield from (
+                Allowed(each, None)
+                for each in drawn
+                if each.needs is None or any(map(each.needs.holds, long))
+            )
+            continue
+        known = {name for run in long for name in kind.names(run)}
+        for name in joints_of(kind, long) if joint is None else sorted({joint} & known):
+            yield from (Allowed(each, name) for each in drawn)
