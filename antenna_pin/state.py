@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from antenna_pin.errors import FileFormatError
 
-__all__ = ["OpenContact", "State"]
+__all__ = ["EventMemory", "OpenContact", "State"]
 
 Array = NDArray[np.float64]
 
@@ -68,6 +68,25 @@ class OpenContact(_Value):
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class EventMemory(_Value):
+    """What an event remembers.
+
+    Attributes:
+        name: Its name.
+        count: How often it has happened.
+        last: When last [s]; minus infinity if never.
+        side: The sign of its function where that was last seen; 0 if not yet, or not since it happened.
+        noise: Size up to which the function says nothing of the side, right after it happened.
+    """
+
+    name: str
+    count: int
+    last: float
+    side: float
+    noise: float
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class State(_Value):
     """A state that a run can start from: compared bit for bit, pickled, stored as text.
 
@@ -87,6 +106,8 @@ class State(_Value):
         step: Size to try next [s].
         sizes: Step sizes by pattern of touching contacts, the latest last: (pattern, [s]).
         changed: Of each contact, how often it has changed at this very instant.
+        events: What the run's events remember.
+        adjusted: Numbers of drives and springs that events have changed: (place, value).
     """
 
     time: float
@@ -99,6 +120,8 @@ class State(_Value):
     step: float
     sizes: tuple[tuple[str, float], ...]
     changed: tuple[int, ...]
+    events: tuple[EventMemory, ...] = ()
+    adjusted: tuple[tuple[str, float], ...] = ()
 
     @property
     def y(self) -> Array:
@@ -124,6 +147,8 @@ class State(_Value):
             content["sizes"] = tuple((str(name), float(size)) for name, size in content["sizes"])
             content["changed"] = tuple(int(count) for count in content["changed"])
             content["contacts"] = tuple(_open_contact(one) for one in content["contacts"])
+            content["events"] = tuple(EventMemory(**one) for one in content["events"])
+            content["adjusted"] = tuple((str(place), float(value)) for place, value in content["adjusted"])
             return cls(**content)
         except (KeyError, TypeError, ValueError, AttributeError) as error:
             raise FileFormatError(f"state: must be one that a run wrote, got text with {error!r}") from None

@@ -47,6 +47,7 @@ class Outcome(Enum):
     """Why a run ended."""
 
     COMPLETED = "reached the end of the time span"
+    STOPPED = "stopped by an event that was to end it"
     INTERRUPTED = "stopped by the user; what was computed is kept"
     STEP_TOO_SMALL = (
         "the step fell below its floor; soften the contact, loosen rtol or lower integrator.min_step"
@@ -119,8 +120,8 @@ class Trajectory:
 
     @property
     def completed(self) -> bool:
-        """Whether the run reached the end of its time span."""
-        return self.outcome is Outcome.COMPLETED
+        """Whether the run reached the end of its time span, or the event that was to end it."""
+        return self.outcome in (Outcome.COMPLETED, Outcome.STOPPED)
 
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write the NetCDF file, under a temporary name first; return its path.

@@ -1,5 +1,6 @@
 """Free-floating equations of motion, ideal joints by constraint, force elements, audits."""
 
+from antenna_pin.dynamics.adjust import Adjustments
 from antenna_pin.dynamics.audit import Audit, audit
 from antenna_pin.dynamics.elements import (
     CallableDrive,
@@ -11,15 +12,18 @@ from antenna_pin.dynamics.elements import (
 )
 from antenna_pin.dynamics.hinge import Hinge
 from antenna_pin.dynamics.loads import transmitted_wrenches
+from antenna_pin.dynamics.motion import JointMotion
 from antenna_pin.dynamics.system import System
 from antenna_pin.dynamics.workspace import Workspace
 
 __all__ = [
+    "Adjustments",
     "Audit",
     "CallableDrive",
     "ConstantDrive",
     "Drive",
     "Hinge",
+    "JointMotion",
     "JointSpring",
     "SineDrive",
     "System",

@@ -210,3 +210,7 @@ class JointSpring:
             if not 0.0 <= getattr(self, name) < math.inf:
                 raise InvalidParameterError(self, name, "zero or more, and finite")
         _finite(self, "rest_angle")
+
+    def code(self) -> tuple[float, Sequence[float]]:
+        """Return kind and parameters for the fused kernel."""
+        return _kernels.SPRING, (self.stiffness, self.damping, self.rest_angle, float(self.shorter_way))

@@ -163,7 +163,7 @@ class System:
             kind, parameters = drive.code()
             self.drive_blocks[name] = size
             about = 1.0 if drive.axis == "journal" else 0.0
-            block = self._element(f"drive {name!r}", drive.joint, kind, x, about, parameters)
+            block = self.element_block(f"drive {name!r}", drive.joint, kind, x, about, parameters)
             if isinstance(drive, CallableDrive):
                 self.callables.append((size, size + _kernels.PARAMETERS, drive))
             blocks.append(block)
@@ -179,8 +179,8 @@ class System:
                 raise InvalidParameterError(
                     f"spring {name!r}", "shorter_way", f"false: joint {spring.joint!r} slides", True
                 )
-            values = (spring.stiffness, spring.damping, spring.rest_angle, float(spring.shorter_way))
-            block = self._element(f"spring {name!r}", spring.joint, _kernels.SPRING, x, 0.0, values)
+            kind, parameters = spring.code()
+            block = self.element_block(f"spring {name!r}", spring.joint, kind, x, 0.0, parameters)
             blocks.append(block)
             size += len(block)
             damper_x.append(x)
@@ -209,9 +209,19 @@ class System:
         ]
         return {name: k for k, name in enumerate(names)}
 
-    def _element(
+    def element_block(
         self, place: str, joint: str, kind: float, x: int, about: float, parameters: Sequence[float]
     ) -> Array:
+        """Return the block of a drive or a spring at a joint, or refuse a joint that has no axis.
+
+        Args:
+            place: What it is, for the refusal.
+            joint: Name of the joint.
+            kind: Of the element, as the kernel knows it.
+            x: Where in x what it integrates starts.
+            about: 1 if it acts about the journal's axis, 0 about the bearing's.
+            parameters: The element's own numbers.
+        """
         slot = self.mechanism.joint(joint)
         clearance = self.clearance_blocks.get(joint, -1)
         spherical = any(

@@ -88,6 +88,8 @@ class Workspace:
         for path in self.paths:
             path.prepare(y, self.memory, self.table)
         for block, slot, drive in self.system.callables:
+            if self.program[block] != _kernels.GIVEN:  # it is off
+                continue
             angle, rate, _, _ = _kernels.joint_motion(self.program, block, y, self.model.nq)
             self.program[slot] = drive.torque(t, angle, rate)
         _kernels.evaluate(t, y, self.program, self._work, rates)

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 
-from antenna_pin.dynamics import System
+from antenna_pin.dynamics import Drive, System
 from antenna_pin.integrate import Method
 from antenna_pin.settings import RunSettings
 
@@ -42,11 +43,20 @@ class StepControl:
         self.spin = 0.0
         self.sizes: dict[bytes, float] = {}
         instants = {t for drive in system.drives.values() for t in drive.instants}
-        self._breaks = sorted(t for t in instants if 0.0 < t < end)
-        self._longest = settings.max_step
-        if method.adaptive:
-            self._longest = min([self._longest, *(drive.longest_step for drive in system.drives.values())])
+        self._breaks: list[float] = []
+        self.end_at(instants)
+        self.renew(system.drives.values())
         self._paced = (0, begin)
+
+    def end_at(self, instants: Iterable[float]) -> None:
+        """Let steps end at further instants [s]."""
+        self._breaks = sorted({*self._breaks, *(t for t in instants if 0.0 < t < self.end)})
+
+    def renew(self, drives: Iterable[Drive]) -> None:
+        """Look how long a step may be with drives that have changed."""
+        self._longest = self.settings.max_step
+        if self.method.adaptive:
+            self._longest = min([self._longest, *(drive.longest_step for drive in drives)])
 
     @property
     def first(self) -> float:

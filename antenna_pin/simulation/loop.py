@@ -1,9 +1,8 @@
 """The only time loop: steps, located events, sampling, stopping rules.
 
-Contacts change only at located instants. A trial step whose error passes is searched, in its dense output,
-for the first contact that changes; if there is one the step is made again to end there, the contact's memory
-is changed, and the integration restarts from that state. So the equations are smooth inside every accepted
-step.
+A trial step whose error passes is searched, in its dense output, for the first contact that changes and for
+the first of the user's events; if there is one the step is made again to end there, what must change is
+changed, and the integration restarts from that state. So the equations are smooth inside every accepted step.
 """
 
 from __future__ import annotations
@@ -11,7 +10,7 @@ from __future__ import annotations
 import dataclasses
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,12 +20,15 @@ from antenna_pin.dynamics.workspace import ON_SURFACE
 from antenna_pin.integrate import Stepper, method_named
 from antenna_pin.joints import _kernels as _joint
 from antenna_pin.settings import RunSettings
+from antenna_pin.simulation.actions import Actions, Happening
 from antenna_pin.simulation.control import StepControl
 from antenna_pin.simulation.episodes import Episode, Episodes
+from antenna_pin.simulation.events import Event
 from antenna_pin.simulation.progress import Progress
 from antenna_pin.simulation.samples import Samples
 from antenna_pin.simulation.scales import scale_vector
 from antenna_pin.simulation.search import ContactSearch, Found
+from antenna_pin.simulation.watch import Crossing, Watch
 from antenna_pin.state import State
 from antenna_pin.trajectory import Counts, Outcome
 
@@ -48,9 +50,17 @@ class Run:
             time zero, whose contacts touch by the rule of :meth:`System.contact_memory`.
         end: Time at which the run ends [s].
         settings: How to integrate and sample.
+        events: What to look for besides contacts.
     """
 
-    def __init__(self, system: System, start: Array | State, end: float, settings: RunSettings) -> None:
+    def __init__(
+        self,
+        system: System,
+        start: Array | State,
+        end: float,
+        settings: RunSettings,
+        events: Sequence[Event] = (),
+    ) -> None:
         """Prepare the stepper, the search of its steps, and the contacts that touch at the start."""
         self.system = system
         self.settings = settings
@@ -62,9 +72,15 @@ class Run:
         scales = scale_vector(system, settings.scales)
         self.stepper = Stepper(self.workspace, method, scales, settings.rtol)
         self.control = StepControl(system, method, settings, self.begin, end)
-        self.samples = Samples()
+        self.samples = Samples(self.workspace, settings.output_rate, self.begin, end)
         self._contacts = Episodes(self.workspace, self.stepper, self.samples, self.begin)
         self._search = ContactSearch(self.workspace, self.stepper, self._contacts)
+        self.events = tuple(events)
+        self._watch = Watch(self.events, self.workspace, self.stepper)
+        self.control.end_at(self._watch.instants)
+        self._actions = Actions(
+            self._watch, self.workspace, self.stepper, self.control, self.samples, self.begin
+        )
         self.accepted = self.rejected = self.relocated = 0
         self.wall = 0.0
         self.outcome = Outcome.COMPLETED
@@ -87,19 +103,24 @@ class Run:
             if row[0] <= ON_SURFACE:
                 self._contacts.touch(c, max(float(row[_joint.RATE]), 0.0))
         self.stepper.refresh()
-        self._sample(0.0, y.copy())
+        self._watch.renew()
+        self.samples.add(0.0, y.copy())
         self._next = self.control.first
 
     def _go_on(self, state: State) -> None:
         """Take up a run where another left it."""
         self._contacts.take_up(state)
+        for place, value in state.adjusted:
+            self._actions.set(place, value)
         self.stepper.restart(state.time, state.y)
         self.control.spin = self.system.turn_on(self.stepper.start)
         self.control.sizes = {bytes.fromhex(name): size for name, size in state.sizes}
         self._search.ignore[:] = state.changed
         self._next = state.step
+        self._watch.take_up(state.events, state.time)
+        self._watch.renew()
         if state.time == state.reached:
-            self._sample(state.time, state.y)
+            self.samples.add(state.time, state.y)
 
     # --- what there is at the end ---------------------------------------------------------------------------
 
@@ -112,6 +133,11 @@ class Run:
     def episodes(self) -> list[Episode]:
         """Contacts from onset to release, in the order of their onsets."""
         return self._contacts.all
+
+    @property
+    def happened(self) -> list[Happening]:
+        """Events that have happened, in their order."""
+        return self._actions.happened
 
     @property
     def gap_difference(self) -> float:
@@ -136,6 +162,8 @@ class Run:
             step=self._next,
             sizes=tuple((pattern.hex(), size) for pattern, size in self.control.sizes.items()),
             changed=tuple(self._search.ignore.tolist()),
+            events=self._watch.value(),
+            adjusted=tuple(self._actions.adjustments.values.items()),
         )
 
     @property
@@ -175,7 +203,7 @@ class Run:
         self._left = dataclasses.replace(self.state, reached=reached)
         self._contacts.close()
         if not self.samples.times or self.samples.times[-1] < self.stepper.t:
-            self._sample(self.stepper.t, self._here.copy())
+            self.samples.add(self.stepper.t, self._here.copy())
         self.wall = time.perf_counter() - began
         if progress is not None:
             progress(self._progress(h, self.wall))
@@ -217,10 +245,7 @@ class Run:
             if self.outcome is not Outcome.COMPLETED:
                 return h
         following = self.control.following(h, tried, error, self.rejected > rejected)
-        if len(self._contacts):
-            return self._accept_with_contacts(following)
-        self._accept()
-        return following
+        return self._conclude(following)
 
     def _shortened(self, tried: float, error: float) -> float:
         """Return the step to try after one with too large an error [s]; end a run that has none."""
@@ -229,30 +254,37 @@ class Run:
             self._stop(Outcome.STEP_TOO_SMALL if math.isfinite(error) else Outcome.NOT_FINITE)
         return h
 
-    def _accept_with_contacts(self, following: float) -> float:
-        """Accept the trial step, or one that ends where a contact changes; return the size to try next."""
-        search = self._search
-        search.compare_gaps()
-        self.stepper.prepare_dense()
-        found = search.first()
-        if found.deep:
-            return self._end_too_deep(found, following)
-        if found.contact < 0:
-            self._contacts.keep_peaks()
+    def _conclude(self, following: float) -> float:
+        """Accept the trial step, or one that ends where something happens; return the size to try next."""
+        contacts, search, watch = self._contacts, self._search, self._watch
+        crossings: list[Crossing] = []
+        if contacts or watch:
+            search.compare_gaps()
+            self.stepper.prepare_dense()
+            crossings = watch.first()
+        if contacts:
+            found = search.first(crossings[0].theta if crossings else 2.0)
+            if found.deep:
+                return self._end_too_deep(found, following)
+            if found.contact >= 0:
+                return self._change(found, following)
+        if crossings:
+            return self._happen(crossings, following)
+        if contacts:
+            contacts.keep_peaks()
             search.ignore[:] = 0
-            self._accept()
-            return following
-        return self._change(found, following)
+        self._accept()
+        return following
 
     def _end_too_deep(self, found: Found, following: float) -> float:
         c = found.contact
         if found.theta > 0.0:
-            h = self.stepper.h
-            shorter = self._relocate(c, found.theta * h, h, -float(self._search.limits[c]))
+            lack = self._search.lack(c, -float(self._search.limits[c]))
+            shorter = self._relocate(found.theta, lack)
             if shorter is not None:
                 return shorter
         of_joint = self._search.reasons[c] == "maximum_depth"
-        self._stop(Outcome.TOO_DEEP if of_joint else Outcome.OUT_OF_LAW_RANGE, c)
+        self._stop(Outcome.TOO_DEEP if of_joint else Outcome.OUT_OF_LAW_RANGE, contact=c)
         return following
 
     def _change(self, found: Found, following: float) -> float:
@@ -262,83 +294,91 @@ class Run:
         sizes = self.control.sizes
         sizes[contacts.pattern] = following
         if found.theta > 0.0:
-            shorter = self._relocate(c, found.theta * stepper.h, stepper.h)
+            shorter = self._relocate(found.theta, search.lack(c))
             if shorter is not None:
                 return shorter
         elif search.ignore[c] != 0:
             # It has just changed here and would change back at once: a graze. Let it, this once more.
             search.ignore[c] = 2
             contacts.flip(c, 0.0)
-            stepper.refresh()
+            self._restart()
             return following
         search.measure(stepper.start)
         contacts.flip(c, float(search.table[c, _joint.RATE]))
         search.ignore[c] = 1
-        stepper.refresh()
-        self._sample(stepper.t, self._here.copy())
+        self._restart()
+        self.samples.add(stepper.t, self._here.copy())
         return min(sizes.get(contacts.pattern, following), following * 10.0)
 
-    def _relocate(self, c: int, size: float, longest: float, target: float = 0.0) -> float | None:
-        """Make the step again so that it ends where the gap of contact c is the target's [m], and accept it.
+    def _restart(self) -> None:
+        """Take up the integration anew, after something has changed at the present state."""
+        self.stepper.refresh()
+        self._watch.renew()
+
+    def _relocate(self, theta: float, lack: Callable[[], float]) -> float | None:
+        """Make the step again so that it ends where something happens, and accept it.
 
         The error of the step that went on past that point says nothing of the one up to it. Where that one's
         is too large nothing is accepted: a shorter step to try is returned [s].
+
+        Args:
+            theta: At which fraction of the trial step, by its dense output.
+            lack: How much longer the trial step should be [s], or 0.
         """
-        stepper, search = self.stepper, self._search
+        stepper, contacts = self.stepper, self._contacts
+        longest = stepper.h
+        size = theta * longest
         for _ in range(_RELOCATIONS):
             error = stepper.attempt(size)
             self.relocated += 1
             if not error <= 1.0:
                 return self._shortened(size, error)
-            search.measure(stepper.y)
-            gap, rate = float(search.table[c, 0]) - target, float(search.table[c, _joint.RATE])
-            if abs(gap) <= search.tolerances[c] or rate == 0.0:
+            more = lack()
+            if more == 0.0 or not 0.0 < size + more <= longest:
                 break
-            better = size + gap / rate
-            if not 0.0 < better <= longest:
-                break
-            size = better
-        search.compare_gaps()
-        stepper.prepare_dense()
-        search.track()
-        self._contacts.keep_peaks()
-        search.ignore[:] = 0
+            size += more
+        if contacts:
+            self._search.compare_gaps()
+            stepper.prepare_dense()
+            self._search.track()
+            contacts.keep_peaks()
+            self._search.ignore[:] = 0
         self._accept()
         return None
 
+    def _happen(self, crossings: list[Crossing], following: float) -> float:
+        """Let events happen where the first does; return the size to try next."""
+        stepper, first = self.stepper, crossings[0]
+        if stepper.t + first.theta * stepper.h > stepper.t:
+            shorter = self._relocate(first.theta, self._watch.lack(first))
+            if shorter is not None:
+                return shorter
+        self._act(crossings)
+        return following
+
+    def _act(self, crossings: list[Crossing]) -> None:
+        for crossing in crossings:
+            last = self._actions.take(crossing)
+            if last is not None:
+                self._stop(Outcome.STOPPED, event=last)
+
     def _accept(self) -> None:
         stepper = self.stepper
-        t, h = stepper.t, stepper.h
-        rate = self.settings.output_rate
-        first = math.floor(t * rate + 1e-9) + 1
-        last = math.floor((t + h) * rate + 1e-9)
-        times = [k / rate for k in range(first, last + 1)]
-        if t < self.begin <= t + h and self.begin not in times:
-            times.insert(0, self.begin)
-        if times:
-            stepper.prepare_dense()
-            for moment in times:
-                state = np.empty(self.system.manifold.size)
-                theta = (moment - t) / h
-                if theta >= 1.0:
-                    state[:] = stepper.y
-                else:
-                    stepper.interpolate(theta, state)
-                self._sample(min(moment, self.duration), state)
+        self.samples.during(stepper)
         stepper.accept()
         if self.system.turn_x:
             self.control.spin = self.system.turn_on(stepper.start)
         if stepper.t > self.duration - 1e-15 * self.duration:
             stepper.t = self.duration
         self.accepted += 1
+        if self._watch:
+            self._watch.renew()
+            self._act(self._watch.due())
 
-    def _sample(self, t: float, y: Array) -> None:
-        if t < self.begin:
-            return
-        self.samples.add(t, y, self.workspace.memory.copy())
-
-    def _stop(self, outcome: Outcome, contact: int = -1) -> None:
+    def _stop(self, outcome: Outcome, *, contact: int = -1, event: str = "") -> None:
         where = f"at t = {self.stepper.t:.9g} s"
+        if event:
+            where += f", event {event!r}"
         if contact >= 0:
             limit = self._search.limits[contact]
             self._search.measure(self.stepper.start)

@@ -98,6 +98,7 @@ class _Observer:
         for i in range(self.n):
             y[:] = self.states[i]
             workspace.memory[:] = self.run.samples.memories[i]
+            workspace.program[:] = self.run.samples.programs[i]
             workspace.measure(y)
             derivative(self.times[i])
             self.a[i] = rates[: system.model.nv]
@@ -107,7 +108,7 @@ class _Observer:
             self.linear[i], self.angular[i] = found.linear, found.angular
             self.momentum_scales[i] = (found.linear_scale, found.angular_scale)
             for k, block in enumerate(system.drive_blocks.values()):
-                self.efforts[i, k] = _dynamics.drive_effort(system.program, block, self.times[i])
+                self.efforts[i, k] = _dynamics.drive_effort(workspace.program, block, self.times[i])
             for k, joint in enumerate(system.clearances):
                 pose = self.poses[i, k]
                 _joint.journal_state(system.program, blocks[k], y, nq, pose)
@@ -216,6 +217,7 @@ def dataset(run: Run, title: str, case: str, versions: dict[str, str]) -> xr.Dat
         table.add(name, ("time", "joint"), values, units, meaning)
     _add_slides(table, coords, seen)
     _add_episodes(table, run)
+    _add_events(table, coords, run)
     attributes = {
         "title": title,
         "case": case,
@@ -371,6 +373,8 @@ def _add_ledger(table: _Table, seen: _Observer) -> Array:
         table.add(name, ("time",), seen.energies[:, k], "J", meaning)
     stored = seen.energies.sum(axis=1)
     error = stored - stored[0]
+    for happening in seen.run.happened:
+        error[seen.times >= happening.time] -= happening.energy
     if system.drives:
         work = since[:, system.work_x]
         error -= work.sum(axis=1)
@@ -454,6 +458,18 @@ def _add_episodes(table: _Table, run: Run) -> None:
         table.add(name, ("episode",), np.array(values, dtype=float), units, meaning)
     index = np.array([e.contact for e in episodes], dtype=np.int64)
     table.add("episode_contact", ("episode",), index, "1", "index of the contact")
+
+
+def _add_events(table: _Table, coords: dict[str, Any], run: Run) -> None:
+    """Add what happened of the user's events, if any were looked for."""
+    if not run.events:
+        return
+    happened = run.happened
+    names = np.array([one.name for one in happened], dtype=object if happened else "<U1")
+    coords["event"] = ("event", names, {"long_name": "events that happened, by name"})
+    table.add("event_time", ("event",), np.array([h.time for h in happened]), "s", "when the event happened")
+    energies = np.array([h.energy for h in happened])
+    table.add("event_energy", ("event",), energies, "J", "energy that the event's action brought in")
 
 
 def _conservation(seen: _Observer, error: Array) -> dict[str, Any]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from datetime import UTC, datetime
 from typing import Any
 
@@ -20,6 +20,7 @@ from antenna_pin.geometry.shapes import TABLE_WIDTH
 from antenna_pin.joints import _kernels as _joint
 from antenna_pin.scenario import Scenario
 from antenna_pin.settings import RunSettings
+from antenna_pin.simulation.events import Event, check_events
 from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.progress import Progress, interruptible
 from antenna_pin.simulation.record import dataset
@@ -44,6 +45,7 @@ def simulate(
     angles: Mapping[str, float] | None = None,
     start: State | None = None,
     settings: RunSettings | None = None,
+    events: Sequence[Event] = (),
     progress: Callable[[Progress], None] | None = None,
 ) -> Trajectory:
     """Run a scenario, or a system built in Python, and return the trajectory.
@@ -62,6 +64,7 @@ def simulate(
         start: What to go on from instead, the ``end`` of a run of the same system: the two runs together are
             bit for bit the one run. It brings time, contacts and step sizes along.
         settings: Integration and sampling; the scenario's, or the defaults.
+        events: What to look for, and what to do then, beside the scenario's own.
         progress: Called about ten times a second.
 
     Raises:
@@ -100,9 +103,8 @@ def simulate(
     if start is None:
         first = system.state(start_q, start_v, angles)
         check_start(system, first)
-        run = Run(system, first, float(span), used)
-    else:
-        run = Run(system, start, begin + float(span), used)
+    check_events(events, system, first if start is None else start.y)
+    run = Run(system, first if start is None else start, begin + float(span), used, events)
     if scenario is not None:
         scenario = _as_run(scenario, float(span), used)
     title = scenario.title if scenario is not None else system.mechanism.name

@@ -3,42 +3,93 @@
 from __future__ import annotations
 
 import bisect
-from dataclasses import dataclass, field
+import math
 
 import numpy as np
 from numpy.typing import NDArray
+
+from antenna_pin.dynamics import Workspace
+from antenna_pin.integrate import Stepper
 
 __all__ = ["Samples"]
 
 Array = NDArray[np.float64]
 
 
-@dataclass(slots=True)
 class Samples:
-    """States of a run at its output times, with the contacts' memory there."""
+    """States of a run at its output times, with what held there besides.
 
-    times: list[float] = field(default_factory=list)
-    states: list[Array] = field(default_factory=list)
-    memories: list[Array] = field(default_factory=list)
+    Args:
+        workspace: Its contact memory and program are kept with a state; the program as it is now.
+        rate: Output times a second [Hz].
+        begin: From when on states are kept [s].
+        end: Until when [s].
 
-    def add(self, t: float, y: Array, memory: Array) -> None:
+    Attributes:
+        times: [s].
+        states: [q, v, x] at each.
+        memories: Contact memory at each.
+        programs: Program of force elements at each: the same array as long as nothing was changed in it.
+        program: That of samples to come.
+    """
+
+    def __init__(self, workspace: Workspace, rate: float, begin: float, end: float) -> None:
+        """Begin without samples."""
+        self._memory = workspace.memory
+        self._rate = rate
+        self._begin = begin
+        self._end = end
+        self.times: list[float] = []
+        self.states: list[Array] = []
+        self.memories: list[Array] = []
+        self.programs: list[Array] = []
+        self.program = workspace.program.copy()
+
+    def add(self, t: float, y: Array) -> None:
         """Append one sample, or replace the last where it is the same instant but for round-off.
 
         An event may fall on an output time; what holds from the event on is what is kept.
         """
+        if t < self._begin:
+            return
+        memory = self._memory.copy()
         if self.times and t <= self.times[-1]:
             self.states[-1] = y
             self.memories[-1] = memory
+            self.programs[-1] = self.program
             return
-        self.times.append(t)
-        self.states.append(y)
-        self.memories.append(memory)
+        self._put(len(self.times), t, y, memory, self.program)
+
+    def during(self, stepper: Stepper) -> None:
+        """Append the states at the output times within a trial step that is to be accepted."""
+        t, h = stepper.t, stepper.h
+        first = math.floor(t * self._rate + 1e-9) + 1
+        last = math.floor((t + h) * self._rate + 1e-9)
+        times = [k / self._rate for k in range(first, last + 1)]
+        if t < self._begin <= t + h and self._begin not in times:
+            times.insert(0, self._begin)
+        if not times:
+            return
+        stepper.prepare_dense()
+        for moment in times:
+            state = np.empty(stepper.manifold.size)
+            theta = (moment - t) / h
+            if theta >= 1.0:
+                state[:] = stepper.y
+            else:
+                stepper.interpolate(theta, state)
+            self.add(min(moment, self._end), state)
 
     def insert(self, t: float, y: Array, memory: Array) -> None:
         """Put a sample between others in time; one that is there already stays."""
         place = bisect.bisect_left(self.times, t)
         if place < len(self.times) and self.times[place] == t:
             return
+        # What held at the sample before holds on to the next event.
+        self._put(place, t, y, memory, self.programs[place - 1] if place else self.program)
+
+    def _put(self, place: int, t: float, y: Array, memory: Array, program: Array) -> None:
         self.times.insert(place, t)
         self.states.insert(place, y)
         self.memories.insert(place, memory)
+        self.programs.insert(place, program)

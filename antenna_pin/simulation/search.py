@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -149,6 +150,19 @@ class ContactSearch:
             if -value > record[c, _inspect.PEAK_FORCE]:
                 record[c, _inspect.PEAK_FORCE] = -value
                 record[c, _inspect.PEAK_TIME] = t + theta * h
+
+    def lack(self, c: int, target: float = 0.0) -> Callable[[], float]:
+        """Return a function that tells how much longer the trial step should be [s].
+
+        It should end where the gap of contact c is the target's [m]; zero if it does, or if the gap rests.
+        """
+
+        def correction() -> float:
+            self.measure(self.stepper.y)
+            gap, rate = float(self.table[c, 0]) - target, float(self.table[c, _joint.RATE])
+            return 0.0 if abs(gap) <= self.tolerances[c] or rate == 0.0 else gap / rate
+
+        return correction
 
     def compare_gaps(self) -> None:
         """Record how far coal's gaps are from the closed form at the end of the trial step."""

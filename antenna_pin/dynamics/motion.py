@@ -1,0 +1,37 @@
+"""The angle of one joint, with its whole turns, and its rate: of a state, outside the equations of motion."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from antenna_pin.dynamics import _kernels
+from antenna_pin.dynamics.system import System
+
+__all__ = ["JointMotion"]
+
+Array = NDArray[np.float64]
+
+
+class JointMotion:
+    """Angle and rate of a joint that has an axis: ideal, by constraint or with play.
+
+    Args:
+        system: The system.
+        joint: Name of the joint.
+
+    Raises:
+        AntennaPinError: There is no such joint, or it has no axis.
+    """
+
+    def __init__(self, system: System, joint: str) -> None:
+        """Lay out what the kernel needs to know of the joint."""
+        block = system.element_block(f"motion of {joint!r}", joint, _kernels.CONSTANT, 0, 0.0, (0.0,))
+        self._program = np.concatenate([system.program, block])
+        self._block = system.program.size
+        self._nq = system.model.nq
+
+    def __call__(self, y: Array) -> tuple[float, float]:
+        """Return angle [rad] (position [m] of a sliding joint) and rate of a state [q, v, x]."""
+        angle, rate, _, _ = _kernels.joint_motion(self._program, self._block, y, self._nq)
+        return float(angle), float(rate)

@@ -1,0 +1,114 @@
+"""What the user's events do to a run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from antenna_pin.dynamics import Adjustments, Workspace, audit
+from antenna_pin.integrate import Stepper
+from antenna_pin.simulation.control import StepControl
+from antenna_pin.simulation.events import Jump, Set, Stop
+from antenna_pin.simulation.samples import Samples
+from antenna_pin.simulation.watch import Crossing, Watch
+
+__all__ = ["Actions", "Happening"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Happening:
+    """An event that has happened.
+
+    Attributes:
+        name: Of the event.
+        time: When [s].
+        energy: That its action brought in [J].
+    """
+
+    name: str
+    time: float
+    energy: float
+
+
+class Actions:
+    """Does what events ask for, and keeps what has happened.
+
+    Args:
+        watch: The events.
+        workspace: What the run works on; its program is changed.
+        stepper: Its state is changed.
+        control: Learns of drives that have changed.
+        samples: Learns of a program that has changed.
+        begin: From when on the run records [s].
+
+    Attributes:
+        happened: Events that have happened, in their order.
+        adjustments: Drives and springs as they are.
+    """
+
+    def __init__(
+        self,
+        watch: Watch,
+        workspace: Workspace,
+        stepper: Stepper,
+        control: StepControl,
+        samples: Samples,
+        begin: float,
+    ) -> None:
+        """Begin with nothing that has happened."""
+        self._watch = watch
+        self._workspace = workspace
+        self._stepper = stepper
+        self._control = control
+        self._samples = samples
+        self._begin = begin
+        self.happened: list[Happening] = []
+        self.adjustments = Adjustments(workspace.system, workspace.program)
+
+    def take(self, crossing: Crossing) -> str | None:
+        """Count an event at the present state and do what it asks for; return its name if the run ends."""
+        event = self._watch.events[crossing.event]
+        action = event.action
+        count = self._watch.happen(crossing)
+        new = self._stepper.t > self._begin  # the others were the run's that was before
+        energy = 0.0
+        if count >= event.after and isinstance(action, Set | Jump):
+            energy = -self._energy()
+            if isinstance(action, Set):
+                self.set(action.place, action.value)
+            else:
+                self._jump(action)
+            energy += self._energy()
+        self._stepper.refresh()
+        self._watch.renew()
+        if new:
+            self.happened.append(Happening(event.name, self._stepper.t, energy))
+        self._samples.add(self._stepper.t, self._here.copy())
+        return event.name if new and count >= event.after and isinstance(action, Stop) else None
+
+    def set(self, place: str, value: float) -> None:
+        """Change a number of a drive or a spring."""
+        self.adjustments.set(place, value)
+        self._control.renew(self.adjustments.drives.values())
+        self._samples.program = self._workspace.program.copy()
+
+    def _jump(self, action: Jump) -> None:
+        system, here = self._workspace.system, self._here
+        n = system.model.nq + system.model.nv
+        after = system.state(*action.change(self._watch.moment.set(self._stepper.t, here)))
+        here[:n] = after[:n]
+        self._control.spin = system.turn_on(self._stepper.start)
+
+    def _energy(self) -> float:
+        """Return all that is stored at the present state [J]."""
+        self._workspace.measure(self._here)
+        return audit(self._workspace, self._here).energy
+
+    @property
+    def _here(self) -> Array:
+        here: Array = self._stepper.start[: self._workspace.manifold.size]
+        return here

@@ -1,0 +1,259 @@
+"""Events: a function of the state that passes zero, and what happens then.
+
+A run finds them on the dense output of its steps, makes the step again to end there, and does what they ask
+for. Contacts that touch and part are events of their own kind, always looked for.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Literal, Protocol, runtime_checkable
+
+from numpy.typing import ArrayLike
+
+from antenna_pin.dynamics import Adjustments, System, Workspace
+from antenna_pin.errors import InvalidParameterError
+from antenna_pin.simulation.moment import Moment
+
+__all__ = ["Angle", "Event", "Force", "Gap", "Jump", "Mark", "Rate", "Set", "Stop", "Time"]
+
+
+@runtime_checkable
+class Rated(Protocol):
+    """A function of the state that knows its own rate."""
+
+    def __call__(self, moment: Moment) -> float:
+        """Return its value."""
+
+    def rate(self, moment: Moment) -> float:
+        """Return its rate, in its unit per second."""
+
+
+# --- functions of the state -----------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class Angle:
+    """The angle of a joint, whole turns included, passes a value.
+
+    Attributes:
+        joint: Name of the joint; one that has an axis.
+        value: [rad], or [m] of a sliding joint.
+    """
+
+    joint: str
+    value: float
+
+    def __call__(self, moment: Moment) -> float:
+        """Return how far the joint is past the value [rad]."""
+        return moment.angle(self.joint) - self.value
+
+    def rate(self, moment: Moment) -> float:
+        """Return the joint's rate [rad/s]."""
+        return moment.rate(self.joint)
+
+
+@dataclass(frozen=True, slots=True)
+class Rate:
+    """The rate of a joint passes a value: zero where it turns back.
+
+    Attributes:
+        joint: Name of the joint; one that has an axis.
+        value: [rad/s], or [m/s] of a sliding joint.
+    """
+
+    joint: str
+    value: float = 0.0
+
+    def __call__(self, moment: Moment) -> float:
+        """Return how much faster the joint is [rad/s]."""
+        return moment.rate(self.joint) - self.value
+
+
+@dataclass(frozen=True, slots=True)
+class Gap:
+    """The gap of a contact passes a value; minus a penetration.
+
+    Attributes:
+        contact: Name of the contact, such as ``elevation.radial+``.
+        value: [m].
+    """
+
+    contact: str
+    value: float
+
+    def __call__(self, moment: Moment) -> float:
+        """Return how much wider the gap is [m]."""
+        return moment.gap(self.contact) - self.value
+
+    def rate(self, moment: Moment) -> float:
+        """Return the gap's rate [m/s]."""
+        return -moment.depth_rate(self.contact)
+
+
+@dataclass(frozen=True, slots=True)
+class Force:
+    """The normal force of a contact passes a value.
+
+    Where a law's force jumps at the onset of a contact, that is a passage too.
+
+    Attributes:
+        contact: Name of the contact, such as ``elevation.radial+``.
+        value: Positive [N].
+    """
+
+    contact: str
+    value: float
+
+    def __post_init__(self) -> None:
+        """Check the value."""
+        if not 0.0 < self.value < math.inf:
+            raise InvalidParameterError(self, "value", "positive and finite [N]", self.value)
+
+    def __call__(self, moment: Moment) -> float:
+        """Return how much larger the force is [N]."""
+        return moment.force(self.contact) - self.value
+
+
+class Time:
+    """Instants are reached; steps end on them exactly.
+
+    Args:
+        instants: When, later than zero [s].
+    """
+
+    __slots__ = ("instants",)
+
+    def __init__(self, *instants: float) -> None:
+        """Check and sort them."""
+        if not instants or not all(0.0 < t < math.inf for t in instants):
+            raise InvalidParameterError("Time", "instants", "one or more positive times [s]", instants)
+        self.instants = tuple(sorted({float(t) for t in instants}))
+
+    def __call__(self, moment: Moment) -> float:
+        """Return the time since the last instant reached, or else to the first one, negative [s]."""
+        return moment.time - max((t for t in self.instants if t <= moment.time), default=self.instants[0])
+
+
+# --- actions --------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class Mark:
+    """Nothing but what every event does: it is recorded, with a sample of the state."""
+
+
+@dataclass(frozen=True, slots=True)
+class Stop:
+    """The run ends there."""
+
+
+@dataclass(frozen=True, slots=True)
+class Set:
+    """A number of a drive or a spring changes.
+
+    Energy that springs gain or lose by that counts as the event's.
+
+    Attributes:
+        place: As in a scenario: ``drives.motor.value``, ``springs.coil.stiffness``; ``drives.motor.on`` for
+            the whole drive.
+        value: In SI units; of ``on`` true or false.
+    """
+
+    place: str
+    value: float
+
+
+@dataclass(frozen=True, slots=True)
+class Jump:
+    """The state jumps: a latch, an impulse.
+
+    The energy that this brings in counts as the event's. What contacts remember stays as it is.
+
+    Attributes:
+        change: Returns configuration and velocity after it, (nq,) and (nv,).
+    """
+
+    change: Callable[[Moment], tuple[ArrayLike, ArrayLike]]
+
+
+Action = Mark | Stop | Set | Jump
+
+
+# --- the event ------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Event:
+    """Something that happens when a function of the state passes zero.
+
+    A step is looked at in ``nodes`` equal parts: what passes zero and comes back within one is not seen,
+    unless the function has a ``rate``, whose sign then tells (:class:`Angle` and :class:`Gap` have one).
+    Each passage is recorded, with its time and a sample of the state. An event happens once at one instant.
+
+    Attributes:
+        name: Its name in the result.
+        when: The function, ``(moment) -> float``: continuous within a step, smooth if its zero is to be found
+            to round-off. A jump of it past zero, at a contact or by another event, is a passage too.
+        direction: +1: rising; -1: falling; 0: both.
+        action: What happens.
+        after: The passage from which on ``action`` is taken; the earlier ones are only recorded [-].
+        nodes: Parts of a step that are looked at [-].
+    """
+
+    name: str
+    when: Callable[[Moment], float]
+    direction: Literal[-1, 0, 1] = 0
+    action: Action = field(default_factory=Mark)
+    after: int = 1
+    nodes: int = 4
+
+    def __post_init__(self) -> None:
+        """Check what can be checked without a system."""
+        place = f"event {self.name!r}"
+        if not self.name:
+            raise InvalidParameterError("Event", "name", "given", self.name)
+        if not callable(self.when):
+            raise InvalidParameterError(place, "when", "a function of a Moment", self.when)
+        if self.direction not in (-1, 0, 1):
+            raise InvalidParameterError(place, "direction", "-1, 0 or 1", self.direction)
+        if not isinstance(self.action, Mark | Stop | Set | Jump):
+            raise InvalidParameterError(place, "action", "Mark(), Stop(), Set(...) or Jump(...)", self.action)
+        for name in ("after", "nodes"):
+            if not (isinstance(getattr(self, name), int) and getattr(self, name) >= 1):
+                raise InvalidParameterError(place, name, "a whole number of 1 or more", getattr(self, name))
+
+    def counts(self, side: float) -> bool:
+        """Whether the function's passing to this sign is what is looked for."""
+        return self.direction in (0, side)
+
+
+def check_events(events: Sequence[Event], system: System, y: ArrayLike) -> None:
+    """Refuse events that do not fit a system, by asking each in its initial state [q, v, x].
+
+    Raises:
+        AntennaPinError: Names that there are not, places that cannot be set, a function that is no number.
+    """
+    names = [event.name for event in events]
+    if len(set(names)) != len(names):
+        raise InvalidParameterError("simulate", "events", "of different names", names)
+    if not events:
+        return
+    workspace = Workspace(system)
+    moment = Moment(workspace)
+    trial = Adjustments(system, workspace.program.copy())
+    for event in events:
+        moment.set(0.0, y)  # type: ignore[arg-type]
+        if isinstance(event.when, Force):
+            moment.contact_number(event.when.contact)
+        value = event.when(moment)
+        try:
+            float(value)
+        except (TypeError, ValueError):
+            raise InvalidParameterError(
+                f"event {event.name!r}", "when", "a function that returns a number", value
+            ) from None
+        if isinstance(event.action, Set):
+            trial.set(event.action.place, event.action.value)

@@ -1,0 +1,121 @@
+"""A state in the middle of a run, as a function of the user's sees it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from antenna_pin.dynamics import JointMotion, System, Workspace
+from antenna_pin.errors import UnknownNameError
+from antenna_pin.joints import _kernels as _joint
+
+__all__ = ["Moment"]
+
+Array = NDArray[np.float64]
+
+
+class Moment:
+    """Time and state, and what follows from them; valid while the function that gets it runs.
+
+    Arrays are copies.
+
+    Args:
+        workspace: What the run works on.
+
+    Attributes:
+        time: [s].
+        system: The system.
+    """
+
+    def __init__(self, workspace: Workspace) -> None:
+        """Make it once; ``set`` gives it its state."""
+        self.time = 0.0
+        self.system: System = workspace.system
+        self._workspace = workspace
+        self._nq, self._nv = workspace.model.nq, workspace.model.nv
+        self._y = np.zeros(workspace.manifold.size)
+        self._rates = np.zeros(self._nv + workspace.manifold.nx)
+        self._motions: dict[str, JointMotion] = {}
+        self._contacts: Mapping[str, int] = {name: c for c, name in enumerate(self.system.contact_names)}
+        self._measured = self._evaluated = False
+
+    def set(self, time: float, y: Array) -> Moment:
+        """Bring it to another time and state; return it."""
+        self.time = time
+        self._y[:] = y
+        self._measured = self._evaluated = False
+        return self
+
+    @property
+    def q(self) -> Array:
+        """Configuration, (nq,)."""
+        return self._y[: self._nq].copy()
+
+    @property
+    def v(self) -> Array:
+        """Velocity, (nv,)."""
+        return self._y[self._nq : self._nq + self._nv].copy()
+
+    @property
+    def x(self) -> Array:
+        """Plain numbers: turned angles, integrals, bristles, (nx,)."""
+        return self._y[self._nq + self._nv :].copy()
+
+    @property
+    def memory(self) -> Array:
+        """Contact memory: touching, approach speed [m/s], effective mass [kg], (contacts, 3)."""
+        return self._workspace.memory.copy()
+
+    def angle(self, joint: str) -> float:
+        """Return the angle of a joint, with its whole turns [rad]; of a sliding one its position [m]."""
+        return self._motion(joint)[0]
+
+    def rate(self, joint: str) -> float:
+        """Return the rate of :meth:`angle` [rad/s] or [m/s]."""
+        return self._motion(joint)[1]
+
+    def _motion(self, joint: str) -> tuple[float, float]:
+        if joint not in self._motions:
+            self._motions[joint] = JointMotion(self.system, joint)
+        return self._motions[joint](self._y)
+
+    def contact_number(self, contact: str) -> int:
+        """Return the number of a contact.
+
+        Raises:
+            UnknownNameError: There is none of that name.
+        """
+        if contact not in self._contacts:
+            raise UnknownNameError("event", "contact", contact, self._contacts)
+        return self._contacts[contact]
+
+    def gap(self, contact: str) -> float:
+        """Return the distance of the surfaces at a contact, negative in contact [m]."""
+        return self._measure(contact, 0)
+
+    def depth_rate(self, contact: str) -> float:
+        """Return the rate of penetration at a contact, positive closing [m/s]."""
+        return self._measure(contact, _joint.RATE)
+
+    def _measure(self, contact: str, column: int) -> float:
+        c = self.contact_number(contact)
+        if not self._measured:
+            self._workspace.measure(self._y)
+            self._measured = True
+        return float(self._workspace.table[c, column])
+
+    def touching(self, contact: str) -> bool:
+        """Return whether a contact touches."""
+        return bool(self._workspace.memory[self.contact_number(contact), _joint.TOUCHING])
+
+    def force(self, contact: str) -> float:
+        """Return the normal force at a contact [N]; zero if it does not touch."""
+        c = self.contact_number(contact)
+        if not self._workspace.memory[c, _joint.TOUCHING]:
+            return 0.0
+        if not self._evaluated:
+            self._workspace.apply_elements(self.time, self._y, self._rates)
+            self._evaluated, self._measured = True, False
+        return max(0.0, float(self._workspace.table[c, _joint.FORCE]))
