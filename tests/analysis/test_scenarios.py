@@ -15,7 +15,7 @@ from antenna_pin.analysis import (
     scenario_of,
     scenario_rows,
 )
-from antenna_pin.analysis.scenarios import _Joint
+from antenna_pin.analysis.assembled import AssembledJoint
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.geometry import AxialScenario, RadialScenario, RevoluteClearance
 
@@ -119,7 +119,7 @@ def test_the_counts_of_the_shipped_joint(bai):
 
 def test_where_bore_and_flanges_stop_the_tilt_together_ten_are_left(bai):
     """Only the centred journal touches both ends and both flanges then; one contact less is one too many."""
-    tilt = _Joint(bai(), 0.0).bore_tilt(0.0)
+    tilt = AssembledJoint(bai(), 0.0).bore_tilt(0.0)
     play = 0.012 * math.sin(tilt) - 0.025 * (1.0 - math.cos(tilt))
     assert play == pytest.approx(95.04e-6, rel=1e-4)
     for change, count in ((-1e-9, 12), (1e-9, 9)):
@@ -134,7 +134,7 @@ def test_limits_of_the_tilt(bai):
     """Both ends of the bore, or both flanges, of the centred journal have just the gap asked for."""
     for changes in ({}, {"bearing_length": 0.015}, {"flange_radius": 0.0115}):
         shape = bai(**changes)
-        joint = _Joint(shape, 0.0)
+        joint = AssembledJoint(shape, 0.0)
         for depth in (0.0, 1e-6, 1e-4):
             tilt = joint.bore_tilt(depth)
             gaps = [c.gap for c in shape.contacts([0, 0, 0], [math.sin(tilt), 0, math.cos(tilt)])]
@@ -146,7 +146,7 @@ def test_limits_of_the_tilt(bai):
 
 def test_numbers_of_the_antenna(bai):
     """2 C_r / L_i = 8 mrad to first order, of which the flanges see R_io sin(tilt) = 96 um of their 200."""
-    joint = _Joint(bai(), 0.0)
+    joint = AssembledJoint(bai(), 0.0)
     tilt = joint.bore_tilt(0.0)
     assert tilt == pytest.approx(8.0e-3, rel=2e-3)
     assert 0.012 * math.sin(tilt) == pytest.approx(96e-6, rel=2e-3)
@@ -156,7 +156,7 @@ def test_numbers_of_the_antenna(bai):
 @pytest.mark.parametrize("depth", [1e-7, 1e-6, 1e-4])
 def test_a_line_is_possible_up_to_the_tilt_stated(depth, bai):
     """No direction of the offset allows more than square to the tilt; for a circle it is in closed form."""
-    joint = _Joint(bai(), depth)
+    joint = AssembledJoint(bai(), depth)
     limit = joint.line_tilt()
     assert 0.025 * math.sin(limit) == pytest.approx(math.sqrt(2 * 2e-4 * depth + depth**2), rel=2e-3)
 
@@ -190,7 +190,7 @@ def random_poses(shape, depth, rng, tolerance):
     the tolerance to tell a point from a line or surface.
     """
     n = SEARCH
-    joint = _Joint(shape, depth)
+    joint = AssembledJoint(shape, depth)
     # Beyond what the bore allows; where the flanges allow less, beyond that; and what a surface allows.
     stops = [min(joint.bore_tilt(depth), 1.0)]
     stops += [min(stops[0], joint.flange_tilt(depth)), min(stops[0], depth / (2.0 * joint.edge))]
