@@ -10,12 +10,14 @@ from pydantic import Field, model_validator
 
 from antenna_pin.errors import UnknownNameError, nearest
 from antenna_pin.scenario._base import PositiveTime, Spec, refuse, refuse_name
-from antenna_pin.scenario.clearance import ClearanceSpec
+from antenna_pin.scenario._layers import Source, built, check_drives, read_layer
+from antenna_pin.scenario.clearance import ClearanceSpec, law_tables
 from antenna_pin.scenario.drives import DriveSpec, SpringSpec
 from antenna_pin.scenario.initial import InitialBaseSpec, InitialSpec
 from antenna_pin.scenario.integrator import IntegratorSpec, OutputSpec
 from antenna_pin.scenario.mechanism import MaterialSpec, MechanismSpec
 from antenna_pin.scenario.pointing import PointingSpec
+from antenna_pin.scenario.shipped import tables
 from antenna_pin.units import shown
 
 if TYPE_CHECKING:
@@ -94,12 +96,31 @@ class Scenario(Spec):
     def with_overrides(self, overrides: Mapping[str, Any] | Sequence[str]) -> Scenario:
         """Return the scenario with some values replaced, as ``load_scenario`` does.
 
+        Files are read only where another file is named.
+
         Args:
             overrides: ``{"integrator.rtol": 1e-9}`` or ``["integrator.rtol=1e-9"]``.
         """
-        from antenna_pin.scenario.load import override_scenario
-
-        return override_scenario(self, overrides)
+        layer, record = read_layer(overrides)
+        data = self.model_dump(exclude_none=True)
+        carried = {name: data.pop(name, None) for name in Scenario.carried}
+        carried["overrides"] = (*self.overrides, *record)
+        if "urdf" in tables(layer.get("mechanism")):
+            del carried["urdf_text"]
+        for joint, clearance in self.clearance.items():
+            data["clearance"][joint].update(law_tables(clearance))
+        # What old units said of a joint's motion does not bind new values.
+        joints = tables(layer.get("initial")).get("joints")
+        for below, above in (
+            (data["drives"], layer.get("drives")),
+            (data["springs"], layer.get("springs")),
+            (data["initial"]["joints"], joints),
+        ):
+            for name in tables(above).keys() & below.keys():
+                below[name].pop("motion", None)
+        source = Source(f"scenario {self.name}".strip(), data, overrides=layer)
+        check_drives(layer.get("drives"), source)
+        return built(type(self), carried, source)
 
     @model_validator(mode="before")
     @classmethod

@@ -1,0 +1,191 @@
+"""The layers of a scenario, a file with a case and overrides over it, and the scenario made of them."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, TypeVar
+
+from pydantic import ValidationError
+
+from antenna_pin.errors import ScenarioError, nearest
+from antenna_pin.scenario._base import Location, Place, Spec, dotted, explained, unknown_key
+from antenna_pin.scenario.merge import Overrides, merge, read_overrides
+from antenna_pin.scenario.shipped import tables
+from antenna_pin.scenario.torque_table import BadTableError, read_torque_table
+from antenna_pin.units import shown
+
+__all__ = [
+    "STAND_IN",
+    "Source",
+    "built",
+    "check_drives",
+    "check_keys",
+    "from_layer",
+    "is_table_drive",
+    "read_layer",
+]
+
+S = TypeVar("S", bound=Spec)
+
+#: The least that a table drive needs, in place of a file that is not to be read.
+STAND_IN = {"time": (0.0, 1.0), "torque": (0.0, 0.0)}
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """Where the values come from: a file, a case laid over it, and overrides laid over both.
+
+    Attributes:
+        label: How messages call the file.
+        base: The file without its cases.
+        case: Name of the case, or None.
+        case_table: What the case lays over the file.
+        overrides: What is laid over both.
+        note: What is to be said after a message about a value of the file.
+    """
+
+    label: str
+    base: Mapping[str, Any]
+    case: str | None = None
+    case_table: Mapping[str, Any] = field(default_factory=dict)
+    overrides: Mapping[str, Any] = field(default_factory=dict)
+    note: str = ""
+
+    def merged(self) -> dict[str, Any]:
+        """Return the layers as one."""
+        return merge(merge(self.base, self.case_table), self.overrides)
+
+    def place(self, location: Location) -> Place:
+        """Return where a value stands, or is missing: in the file, in its case, or in an override."""
+        if from_layer(self.overrides, location, self.base, self.case_table):
+            return Place(f"{self.label}: {dotted(location)}", " (set by an override)")
+        if self.case is not None and from_layer(self.case_table, location, self.base):
+            return Place(f"{self.label}: {dotted(('cases', self.case, *location))}")
+        if not location:
+            return Place(f"{self.label}:", self.note)
+        return Place(f"{self.label}: {dotted(location)}", self.note, self._stale(location[:-1]))
+
+    def _stale(self, table: Location) -> str:
+        """Say why a key of the file may have become unknown: what is laid over it has changed the kind."""
+        for layer, values in (("an override", self.overrides), (f"case {self.case}", self.case_table)):
+            for key in ("kind", "law"):
+                if _holds(values, (*table, key)):
+                    return f" ({layer} sets {key}: with replace = true beside it, the old keys go)"
+        return ""
+
+    def error(self, text: str, *location: str) -> ScenarioError:
+        """Return the error about a value."""
+        where, note, _ = self.place(location)
+        return ScenarioError(f"{where} {text}{note}")
+
+
+def read_layer(overrides: Overrides) -> tuple[dict[str, Any], tuple[str, ...]]:
+    """Return what overrides lay over a file, as a table and as text."""
+    layer, record = read_overrides(overrides)
+    for key in ("cases", "default_case"):
+        if key in layer:
+            raise ScenarioError(f"override {key}: choose a case, and set its values without {key}")
+    return layer, record
+
+
+def built(kind: type[S], carried: dict[str, Any], source: Source) -> S:
+    """Return the scenario of all layers, with the files it names.
+
+    Args:
+        kind: The class of a scenario.
+        carried: What it carries beside the values of the layers.
+        source: The layers.
+
+    Raises:
+        ScenarioError: With one line that gives file, place, rule, the value seen and a way out.
+    """
+    data = source.merged()
+    check_keys(kind, data, source)
+    folder = Path(carried["folder"])
+    drives = data.get("drives")
+    if isinstance(drives, Mapping):
+        data = data | {"drives": {name: _with_table(name, drives[name], folder, source) for name in drives}}
+    urdf = tables(data.get("mechanism")).get("urdf")
+    if "urdf_text" not in carried:  # a mechanism without is refused for that
+        text = _read_file(urdf, folder, source, "mechanism", "urdf") if isinstance(urdf, str) else ""
+        data = data | {"urdf_text": text}
+    try:
+        return kind.validated(data | carried)
+    except ValidationError as error:
+        raise explained(error, source.place) from None
+
+
+def check_keys(kind: type[Spec], data: Mapping[str, Any], source: Source) -> None:
+    """Refuse what only a loaded scenario carries, and does not stand in its file."""
+    known = [name for name in kind.model_fields if name not in kind.carried]
+    for key in kind.carried & data.keys():
+        raise source.error(unknown_key([*known, "default_case", "cases"], key), key)
+
+
+def check_drives(drives: object, source: Source) -> None:
+    """Refuse a table drive that has its numbers twice."""
+    for name, table in tables(drives).items():
+        if "file" in tables(table) and table.keys() & STAND_IN.keys():
+            raise source.error("must have either file, or time and torque, got both", "drives", name)
+
+
+def is_table_drive(table: object) -> bool:
+    """Whether a table of a scenario is that of a drive by points."""
+    return isinstance(table, Mapping) and table.get("kind") == "table"
+
+
+def _with_table(name: str, table: Any, folder: Path, source: Source) -> Any:
+    """Return a drive with the numbers of the file it names, if it names one and has none."""
+    if not is_table_drive(table) or "file" not in table or table.keys() & STAND_IN.keys():
+        return table
+    if not isinstance(table["file"], str):
+        return table | STAND_IN  # refused for its file
+    place = ("drives", name, "file")
+    text = _read_file(table["file"], folder, source, *place)
+    try:
+        time, torque = read_torque_table(text)
+    except BadTableError as problem:
+        where, note, _ = source.place(place)
+        raise ScenarioError(f"{where}: {table['file']}, {problem}{note}") from None
+    return table | {"time": time, "torque": torque}
+
+
+def _read_file(name: str, folder: Path, source: Source, *location: str) -> str:
+    """Return the text of a file that the scenario names."""
+    path = folder / os.path.expanduser(name)
+    if not os.path.isfile(path):
+        around = path.parent
+        names = [other.name for other in around.glob(f"*{path.suffix}")] if around.is_dir() else []
+        guess = nearest(path.name, names)
+        hint = f"did you mean {guess}?" if guess else f"it is looked for in {around}"
+        raise source.error(f"must be an existing file, got {shown(name)}; {hint}", *location)
+    try:
+        return path.read_text(encoding="utf-8-sig")
+    except UnicodeDecodeError as error:
+        problem = f"must be UTF-8 text, got {shown(name)} (byte {error.start})"
+    except OSError as error:
+        problem = f"must be readable, got {shown(name)} ({error.strerror})"
+    raise source.error(problem, *location)
+
+
+def from_layer(layer: Mapping[str, Any], location: Location, *below: Mapping[str, Any]) -> bool:
+    """Return whether a value is given in a layer, or is missing in a table that only this layer has."""
+    outer = location[:-1]
+    if _holds(layer, location):
+        return True
+    return _holds(layer, outer) and not any(_holds(table, outer) for table in below)
+
+
+def _holds(tree: Mapping[str, Any], location: Location) -> bool:
+    """Return whether a table has the value at a location."""
+    table: Any = tree
+    for key in location:
+        if isinstance(table, list):
+            return True
+        if not isinstance(table, Mapping) or key not in table:
+            return False
+        table = table[key]
+    return bool(location)
