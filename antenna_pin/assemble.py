@@ -44,7 +44,7 @@ from antenna_pin.mechanism import (
     build_mechanism,
     frame_aligning_z,
 )
-from antenna_pin.scenario import Scenario
+from antenna_pin.scenario import AngleEvent, ForceEvent, GapEvent, RateEvent, Scenario
 from antenna_pin.scenario import clearance as _clearance
 from antenna_pin.scenario import drives as _drives
 from antenna_pin.scenario.laws import LawSpec
@@ -132,7 +132,7 @@ def build_system(scenario: Scenario) -> System:
         for name, spec in specs.items():
             _known(scenario, [spec.joint], "moving joint", mechanism.joints, place, name, "joint")
             _check_motion(scenario, mechanism.joint(spec.joint), spec.motion, place, name)
-    return System(
+    system = System(
         mechanism,
         clearances=[
             clearance_joint(scenario, name, spec)
@@ -152,6 +152,19 @@ def build_system(scenario: Scenario) -> System:
         },
         hinges=[Hinge(joint=name) for name, spec in scenario.clearance.items() if spec.model == "constraint"],
     )
+    _check_events(scenario, system)
+    return system
+
+
+def _check_events(scenario: Scenario, system: System) -> None:
+    """Refuse events on joints and contacts that there are not, or in units of another motion."""
+    for name, spec in scenario.events.items():
+        place = ("events", name)
+        if isinstance(spec, AngleEvent | RateEvent):
+            _known(scenario, [spec.joint], "moving joint", system.mechanism.joints, *place, "joint")
+            _check_motion(scenario, system.mechanism.joint(spec.joint), spec.motion, *place)
+        elif isinstance(spec, GapEvent | ForceEvent):
+            _known(scenario, [spec.contact], "contact", system.contact_names, *place, "contact")
 
 
 def _check_motion(scenario: Scenario, slot: JointSlot, motion: str | None, *place: str) -> None:

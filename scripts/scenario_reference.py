@@ -23,9 +23,12 @@ from antenna_pin.contact import (
 )
 from antenna_pin.parameters import attribute_docs
 from antenna_pin.scenario import (
+    AngleEvent,
     ClearanceSpec,
     ConstantDrive,
     ContactClearance,
+    ForceEvent,
+    GapEvent,
     InitialBaseSpec,
     InitialJointSpec,
     IntegratorSpec,
@@ -37,12 +40,14 @@ from antenna_pin.scenario import (
     OrbitSpec,
     OutputSpec,
     PointingSpec,
+    RateEvent,
     ScalesSpec,
     Scenario,
     ShapeSpec,
     SineDrive,
     SpringSpec,
     TableDrive,
+    TimeEvent,
 )
 
 __all__ = ["law_default", "laws_table", "scenario_table"]
@@ -180,6 +185,20 @@ def drive_rows() -> list[str]:
     return lines
 
 
+def event_rows() -> list[str]:
+    """Return the rows of an event: what all have, then what each kind has."""
+    kinds = {"angle": AngleEvent, "rate": RateEvent, "time": TimeEvent, "gap": GapEvent, "force": ForceEvent}
+    said = " ".join(f"`{kind}`: {(cls.__doc__ or '').splitlines()[0]}" for kind, cls in kinds.items())
+    lines = [f"| `kind` | {', '.join(f'`{kind}`' for kind in kinds)} | required | {said.rstrip('.')} |"]
+    for kind, cls in kinds.items():
+        names = [name for name in cls.model_fields if name in ("joint", "contact", "time", "value")]
+        lines += [line.replace("| `", f"| `{kind}`: `", 1) for line in rows(cls, *names)]
+    lines = [line.replace("| list of - | required |", "| one or more s | required |") for line in lines]
+    said = "| `to` | the key's unit | where something is set |"
+    more = rows(AngleEvent, "direction", "action", "after", "set", "to")
+    return lines + [re.sub(r"^\| `to` \|[^|]*\|[^|]*\|", said, line) for line in more]
+
+
 def scenario_table() -> str:
     """Return every key of a scenario but those of laws, table by table."""
     simple = [name for name in Scenario.model_fields if name in ("format", "title", "source", "duration")]
@@ -209,6 +228,12 @@ def scenario_table() -> str:
                 "| `joint` | text | the spring's name | Name of the joint |",
                 *rows(SpringSpec, without=("joint", "motion")),
             ],
+        ),
+        section(
+            "[events.NAME]",
+            event_rows(),
+            "Looked for in every step, located to round-off, recorded with a sample of the state"
+            " ([more](python.md#events)).",
         ),
         section(
             "[initial.joints.JOINT]",

@@ -701,7 +701,7 @@ WHOLE = "law lankarani-nikravesh brings its own; elastic laws are " + ", ".join(
     name for name in contact.NORMAL_LAWS if contact.is_elastic(name)
 )
 TOP = (
-    "format, title, source, duration, mechanism, materials, clearance, drives, springs, initial, "
+    "format, title, source, duration, mechanism, materials, clearance, drives, springs, events, initial, "
     "integrator, output, pointing"
 )
 

@@ -66,7 +66,9 @@ def run(
     if not quiet:
         typer.echo(f"saved {path}")
     outcome = trajectory.outcome.name
-    if outcome == "COMPLETED":
+    if trajectory.completed:
+        if outcome != "COMPLETED" and not quiet:
+            typer.echo(trajectory.message)
         return
     complain(f"{stem(chosen)}: {trajectory.message} (the result up to there is in {path})")
     raise typer.Exit(INTERRUPTED if outcome == "INTERRUPTED" else ENDED_EARLY)

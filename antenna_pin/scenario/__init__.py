@@ -13,6 +13,7 @@ from antenna_pin.scenario.clearance import (
     SphericalClearance,
 )
 from antenna_pin.scenario.drives import ConstantDrive, DriveSpec, SineDrive, SpringSpec, TableDrive
+from antenna_pin.scenario.events import AngleEvent, EventSpec, ForceEvent, GapEvent, RateEvent, TimeEvent
 from antenna_pin.scenario.initial import InitialBaseSpec, InitialJointSpec, InitialSpec
 from antenna_pin.scenario.integrator import IntegratorSpec, OutputSpec, ScalesSpec
 from antenna_pin.scenario.laws import LawChange, LawSpec
@@ -30,11 +31,15 @@ from antenna_pin.scenario.shipped import (
 from antenna_pin.scenario.write import scenario_toml
 
 __all__ = [
+    "AngleEvent",
     "CaseSummary",
     "ClearanceSpec",
     "ConstantDrive",
     "ContactClearance",
     "DriveSpec",
+    "EventSpec",
+    "ForceEvent",
+    "GapEvent",
     "IdealClearance",
     "InitialBaseSpec",
     "InitialJointSpec",
@@ -51,6 +56,7 @@ __all__ = [
     "OutputSpec",
     "PlanarClearance",
     "PointingSpec",
+    "RateEvent",
     "ScalesSpec",
     "Scenario",
     "ScenarioSummary",
@@ -59,6 +65,7 @@ __all__ = [
     "SphericalClearance",
     "SpringSpec",
     "TableDrive",
+    "TimeEvent",
     "list_scenarios",
     "load_scenario",
     "models_path",

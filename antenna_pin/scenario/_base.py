@@ -22,6 +22,7 @@ Location = tuple[str | int, ...]
 _TAGGED = {
     "clearance": ("contact", "planar", "spherical", "ideal", "constraint"),
     "drives": ("constant", "sine", "table"),
+    "events": ("angle", "rate", "time", "gap", "force"),
 }
 _BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
 

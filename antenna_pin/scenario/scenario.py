@@ -13,6 +13,7 @@ from antenna_pin.scenario._base import PositiveTime, Spec, refuse, refuse_name
 from antenna_pin.scenario._layers import Source, built, check_drives, read_layer
 from antenna_pin.scenario.clearance import ClearanceSpec, law_tables
 from antenna_pin.scenario.drives import DriveSpec, SpringSpec
+from antenna_pin.scenario.events import EventSpec, number_to_set
 from antenna_pin.scenario.initial import InitialBaseSpec, InitialSpec
 from antenna_pin.scenario.integrator import IntegratorSpec, OutputSpec
 from antenna_pin.scenario.mechanism import MaterialSpec, MechanismSpec
@@ -42,6 +43,7 @@ class Scenario(Spec):
         clearance: Joints with play, by the name of the joint.
         drives: By name.
         springs: By name.
+        events: What is looked for during the run, by name.
         initial: The initial state.
         integrator: How the motion is integrated.
         output: What is recorded.
@@ -63,6 +65,7 @@ class Scenario(Spec):
     clearance: dict[str, Annotated[ClearanceSpec, Field(discriminator="model")]] = Field(default_factory=dict)
     drives: dict[str, Annotated[DriveSpec, Field(discriminator="kind")]] = Field(default_factory=dict)
     springs: dict[str, SpringSpec] = Field(default_factory=dict)
+    events: dict[str, Annotated[EventSpec, Field(discriminator="kind")]] = Field(default_factory=dict)
     initial: InitialSpec = Field(default_factory=InitialSpec)
     integrator: IntegratorSpec = Field(default_factory=IntegratorSpec)
     output: OutputSpec = Field(default_factory=OutputSpec)
@@ -92,6 +95,13 @@ class Scenario(Spec):
         if name not in contact.MATERIALS:
             raise UnknownNameError("Scenario", "material", name, {*self.materials, *contact.MATERIALS})
         return contact.MATERIALS[name]
+
+    def to_set(self, event: str) -> float | None:
+        """Return what an event sets its number to, in SI units; None if it sets nothing."""
+        table = self.events[event]
+        if table.action != "set":
+            return None
+        return number_to_set(table, {"drives": self.drives, "springs": self.springs}, "events", event)
 
     def with_overrides(self, overrides: Mapping[str, Any] | Sequence[str]) -> Scenario:
         """Return the scenario with some values replaced, as ``load_scenario`` does.
@@ -138,6 +148,7 @@ class Scenario(Spec):
                 }
         _check_choice(done, "clearance", "model", get_args(ClearanceSpec))
         _check_choice(done, "drives", "kind", get_args(DriveSpec))
+        _check_choice(done, "events", "kind", get_args(EventSpec))
         return done
 
     @model_validator(mode="after")
@@ -154,6 +165,8 @@ class Scenario(Spec):
             if change is not None and change.kind is not None:
                 text = f"must be left out: clearance.{joint}.model decides it, got {shown(change.kind)}"
                 refuse(text, "mechanism", "joints", joint, "kind", value=change.kind)
+        for name in self.events:
+            self.to_set(name)
         if self.mechanism.base == "fixed" and self.initial.base != InitialBaseSpec():
             refuse('must be left out where mechanism.base is "fixed"', "initial", "base")
         return self

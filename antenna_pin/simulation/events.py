@@ -137,6 +137,9 @@ class Time:
         return moment.time - max((t for t in self.instants if t <= moment.time), default=self.instants[0])
 
 
+Condition = Angle | Rate | Gap | Force | Time
+
+
 # --- actions --------------------------------------------------------------------------------------------
 
 

@@ -21,6 +21,7 @@ from antenna_pin.joints import _kernels as _joint
 from antenna_pin.scenario import Scenario
 from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.events import Event, check_events
+from antenna_pin.simulation.from_scenario import events_of
 from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.progress import Progress, interruptible
 from antenna_pin.simulation.record import dataset
@@ -103,6 +104,8 @@ def simulate(
     if start is None:
         first = system.state(start_q, start_v, angles)
         check_start(system, first)
+    if scenario is not None:
+        events = (*events_of(scenario), *events)
     check_events(events, system, first if start is None else start.y)
     run = Run(system, first if start is None else start, begin + float(span), used, events)
     if scenario is not None:
