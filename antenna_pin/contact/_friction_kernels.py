@@ -1,9 +1,10 @@
 """Arithmetic of the friction laws on flat parameters, compiled.
 
-A friction law travels as ``FRICTION_SIZE`` floats ``[kind, parameters (11)]``. Laws of the slip speed give a
-coefficient; those from ``BRISTLE`` on carry a state per contact, which the integrator advances: a deflection
-in metres, three numbers in bearing axes, and what else the law remembers behind it. The two have functions of
-their own, so that the laws that run most pay nothing for the others.
+A friction law travels as ``FRICTION_SIZE`` floats, which :mod:`antenna_pin.contact._records` gives names: its
+kind, then its parameters by the names of its class. Laws of the slip speed give a coefficient; those from
+``BRISTLE`` on carry a state per contact, which the integrator advances: a deflection in metres, three numbers
+in bearing axes, and what else the law remembers behind it. The two have functions of their own, so that the
+laws that run most pay nothing for the others. A kind that is unknown here gives NaN.
 """
 
 from __future__ import annotations
@@ -11,26 +12,67 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin._compile import inlined, kernel
+from antenna_pin._compile import inlined, kernel, record
+from antenna_pin.contact._records import FRICTION_LAW, FRICTION_SIZE, friction_record
 
-FRICTION_SIZE = 12
+__all__ = [
+    "FRICTION_RECORDS",
+    "FRICTION_SIZE",
+    "bristle_force",
+    "friction_force",
+    "friction_ratio",
+    "steady_coefficient",
+]
+
 DEFLECTION_SIZE = 3
 
-# Friction kinds and their parameters, from 1 on.
 FRICTIONLESS = 0.0
-VELOCITY_BASED = 1.0  # mu_s, mu_d, v_s, v_d
-AMBROSIO = 2.0  # mu, v_0, v_1
-TANH = 3.0  # mu, v_t
-COULOMB = 4.0  # mu, v_r
-STRIBECK = 5.0  # mu_c, mu_s, v_s, a, sigma, v_t
-THRELFALL = 6.0  # mu, v_0
-BENGISU_AKAY = 7.0  # mu_c, mu_s, v_0, xi
-LINEAR = 8.0  # mu, v_r
-BROWN_MCPHEE = 9.0  # mu_s, mu_d, v_t, mu_v, F_nt
+VELOCITY_BASED = 1.0
+AMBROSIO = 2.0
+TANH = 3.0
+COULOMB = 4.0
+STRIBECK = 5.0
+THRELFALL = 6.0
+BENGISU_AKAY = 7.0
+LINEAR = 8.0
+BROWN_MCPHEE = 9.0
 BRISTLE = 100.0  # those from here on carry a state
-DAHL = 100.0  # mu, sigma_0, i
-LUGRE = 101.0  # mu_c, mu_s, v_s, sigma_0, sigma_1, sigma_2
-GONTHIER = 102.0  # mu_c, mu_s, v_s, sigma_0, sigma_1, sigma_2, tau_dw, v_e
+DAHL = 100.0
+LUGRE = 101.0
+GONTHIER = 102.0
+
+_BRISTLES = ("dynamic", "static", "stribeck_speed", "bristle_stiffness", "bristle_damping", "viscous")
+
+VELOCITY_BASED_LAW = friction_record("static", "dynamic", "static_speed", "dynamic_speed")
+AMBROSIO_LAW = friction_record("coefficient_of_friction", "lower_speed", "upper_speed")
+TANH_LAW = friction_record("coefficient_of_friction", "transition_speed")
+COULOMB_LAW = friction_record("coefficient_of_friction", "regularisation_speed")
+STRIBECK_LAW = friction_record(
+    "dynamic", "static", "stribeck_speed", "exponent", "viscous", "transition_speed"
+)
+THRELFALL_LAW = friction_record("coefficient_of_friction", "transition_speed")
+BENGISU_AKAY_LAW = friction_record("dynamic", "static", "static_speed", "decay")
+LINEAR_LAW = friction_record("coefficient_of_friction", "regularisation_speed")
+BROWN_MCPHEE_LAW = friction_record("static", "dynamic", "transition_speed", "viscous", "transition_force")
+DAHL_LAW = friction_record("coefficient_of_friction", "bristle_stiffness", "exponent")
+LUGRE_LAW = friction_record(*_BRISTLES)
+GONTHIER_LAW = friction_record(*_BRISTLES, "dwell_time", "rounding_speed")  # begins as LUGRE_LAW does
+
+FRICTION_RECORDS = {
+    FRICTIONLESS: friction_record(),
+    VELOCITY_BASED: VELOCITY_BASED_LAW,
+    AMBROSIO: AMBROSIO_LAW,
+    TANH: TANH_LAW,
+    COULOMB: COULOMB_LAW,
+    STRIBECK: STRIBECK_LAW,
+    THRELFALL: THRELFALL_LAW,
+    BENGISU_AKAY: BENGISU_AKAY_LAW,
+    LINEAR: LINEAR_LAW,
+    BROWN_MCPHEE: BROWN_MCPHEE_LAW,
+    DAHL: DAHL_LAW,
+    LUGRE: LUGRE_LAW,
+    GONTHIER: GONTHIER_LAW,
+}
 
 
 @kernel
@@ -40,32 +82,59 @@ def tanh_ratio(y: float) -> float:
 
 
 @kernel
-def _other_friction_ratio(
-    kind: float, a: float, b: float, c: float, d: float, e: float, f: float, speed: float, force: float
-) -> float:
-    """Friction coefficient over slip speed [s/m] of the rarer laws, from their parameters a to f."""
+def _threlfall_ratio(law: Any, speed: float) -> float:
+    mu, v_0 = law.coefficient_of_friction, law.transition_speed
+    if speed == 0.0:
+        return float(3.0 * mu / v_0)
+    return float(-mu * math.expm1(-3.0 * min(speed / v_0, 1.0)) / speed)
+
+
+@kernel
+def _bengisu_akay_ratio(law: Any, speed: float) -> float:
+    mu_c, mu_s, v_0 = law.dynamic, law.static, law.static_speed
+    if speed < v_0:
+        return float(mu_s * (2.0 * v_0 - speed) / (v_0 * v_0))
+    return float((mu_c + (mu_s - mu_c) * math.exp(-law.decay * (speed - v_0))) / speed)
+
+
+@kernel
+def _stribeck_ratio(law: Any, speed: float) -> float:
+    level = law.dynamic + (law.static - law.dynamic) * math.exp(
+        -((speed / law.stribeck_speed) ** law.exponent)
+    )
+    return float(level * tanh_ratio(speed / law.transition_speed) / law.transition_speed + law.viscous)
+
+
+@kernel
+def _brown_mcphee_ratio(law: Any, speed: float, force: float) -> float:
+    y = speed / law.transition_speed
+    valley = 0.25 * y * y + 0.75
+    dry = 4.0 * law.dynamic * tanh_ratio(4.0 * y) + (law.static - law.dynamic) / (valley * valley)
+    # The last term is mu_v tanh(4 F / F_nt) / F.
+    whole = law.transition_force
+    wet = law.viscous * tanh_ratio(4.0 * abs(force) / whole) * 4.0 / whole
+    return float(dry / law.transition_speed + wet)
+
+
+@kernel
+def _other_friction_ratio(law: Any, kind: float, speed: float, force: float) -> float:
+    """Friction coefficient over slip speed [s/m] of the rarer laws."""
     if kind == COULOMB:
-        return a / math.hypot(speed, b)
+        rounded = record(law, COULOMB_LAW)
+        return float(rounded.coefficient_of_friction / math.hypot(speed, rounded.regularisation_speed))
     if kind == STRIBECK:
-        level = a + (b - a) * math.exp(-((speed / c) ** d))
-        return level * tanh_ratio(speed / f) / f + e
+        return _stribeck_ratio(record(law, STRIBECK_LAW), speed)
     if kind == THRELFALL:
-        if speed == 0.0:
-            return 3.0 * a / b
-        return -a * math.expm1(-3.0 * min(speed / b, 1.0)) / speed
+        return _threlfall_ratio(record(law, THRELFALL_LAW), speed)
     if kind == BENGISU_AKAY:
-        if speed < c:
-            return b * (2.0 * c - speed) / (c * c)
-        return (a + (b - a) * math.exp(-d * (speed - c))) / speed
+        return _bengisu_akay_ratio(record(law, BENGISU_AKAY_LAW), speed)
     if kind == LINEAR:
-        return a / max(speed, b)
+        ramp = record(law, LINEAR_LAW)
+        return float(ramp.coefficient_of_friction / max(speed, ramp.regularisation_speed))
     if kind == BROWN_MCPHEE:
-        y = speed / c
-        valley = 0.25 * y * y + 0.75
-        dry = 4.0 * b * tanh_ratio(4.0 * y) + (a - b) / (valley * valley)
-        # The last term is mu_v tanh(4 F / F_nt) / F.
-        return dry / c + d * tanh_ratio(4.0 * abs(force) / e) * 4.0 / e
-    return 0.0
+        return _brown_mcphee_ratio(record(law, BROWN_MCPHEE_LAW), speed, force)
+    # A law with bristles has its friction from bristle_force; others there are none.
+    return 0.0 if kind >= BRISTLE else math.nan
 
 
 @inlined
@@ -74,10 +143,11 @@ def friction_ratio(law: Any, speed: float, force: float) -> float:
 
     Only a law whose friction is not proportional to the normal force [N] looks at it.
     """
-    kind = law[0]
+    kind = record(law, FRICTION_LAW).kind
     if kind == VELOCITY_BASED:
         # Corrected law (14) of Bai and Zhao 2020: cubic STEP 0 -> mu_s at v_s -> mu_d at v_d.
-        mu_s, mu_d, v_s, v_d = law[1], law[2], law[3], law[4]
+        adams = record(law, VELOCITY_BASED_LAW)
+        mu_s, mu_d, v_s, v_d = adams.static, adams.dynamic, adams.static_speed, adams.dynamic_speed
         if speed < v_s:
             y = speed / v_s
             return float(0.5 * mu_s * (3.0 - y * y) / v_s)
@@ -88,19 +158,21 @@ def friction_ratio(law: Any, speed: float, force: float) -> float:
     if kind == FRICTIONLESS:
         return 0.0
     if kind == AMBROSIO:
-        mu, v_0, v_1 = law[1], law[2], law[3]
+        ramp = record(law, AMBROSIO_LAW)
+        mu, v_0, v_1 = ramp.coefficient_of_friction, ramp.lower_speed, ramp.upper_speed
         if speed <= v_0:
             return 0.0
         if speed < v_1:
             return float(mu * (speed - v_0) / (v_1 - v_0) / speed)
         return float(mu / speed)
     if kind == TANH:
-        mu, v_t = law[1], law[2]
-        y = speed / v_t
-        if y < 1e-4:
-            return float(mu * (1.0 - y * y / 3.0) / v_t)
-        return float(mu * math.tanh(y) / speed)
-    return _other_friction_ratio(kind, law[1], law[2], law[3], law[4], law[5], law[6], speed, force)
+        smooth = record(law, TANH_LAW)
+        level, v_t = smooth.coefficient_of_friction, smooth.transition_speed
+        z = speed / v_t
+        if z < 1e-4:
+            return float(level * (1.0 - z * z / 3.0) / v_t)
+        return float(level * math.tanh(z) / speed)
+    return _other_friction_ratio(law, kind, speed, force)
 
 
 @kernel
@@ -113,20 +185,22 @@ def stribeck_level(mu_c: float, mu_s: float, v_s: float, speed: float) -> float:
 @kernel
 def steady_coefficient(law: Any, speed: float) -> float:
     """Friction coefficient of a bristle law in steady sliding [-]."""
-    if law[0] == DAHL:
-        return float(law[1])
-    level = stribeck_level(law[1], law[2], law[3], speed)
-    if law[0] == LUGRE:
-        return float(level + law[6] * speed)
+    kind = record(law, FRICTION_LAW).kind
+    if kind == DAHL:
+        return float(record(law, DAHL_LAW).coefficient_of_friction)
+    bent = record(law, LUGRE_LAW)
+    level = stribeck_level(bent.dynamic, bent.static, bent.stribeck_speed, speed)
+    if kind == LUGRE:
+        return float(level + bent.viscous * speed)
     # Gonthier: sigma_0 z = mu_c dir(v) + sigma_1 s v / (1 - s) at most mu_max, with the dwell state s_dw = s.
-    s = math.exp(-((speed / law[3]) ** 2))
-    u = min(speed / law[8], 1.0)
-    bristle = law[1] * u * (1.5 - 0.5 * u * u)
+    s = math.exp(-((speed / bent.stribeck_speed) ** 2))
+    u = min(speed / record(law, GONTHIER_LAW).rounding_speed, 1.0)
+    bristle = bent.dynamic * u * (1.5 - 0.5 * u * u)
     if s < 1.0:
-        bristle = min(bristle + law[5] * s * speed / (1.0 - s), level)
+        bristle = min(bristle + bent.bristle_damping * s * speed / (1.0 - s), level)
     else:
         bristle = level
-    return float(bristle + law[6] * speed)
+    return float(bristle + bent.viscous * speed)
 
 
 @kernel
@@ -185,29 +259,34 @@ def bristle_force(
 ) -> tuple[float, float, float]:
     """Friction on the journal [N] of a law with bristles at ``law[at]``; writes the rates of its state."""
     speed = math.sqrt(vx * vx + vy * vy + vz * vz)
-    kind = law[at]
+    own = law[at : at + FRICTION_SIZE]
+    kind = record(own, FRICTION_LAW).kind
     zx, zy, zz = state[start], state[start + 1], state[start + 2]
     # What has turned out of the tangent plane, as the contact moved round the bore, carries no force; the law
     # lets it fade like the rest.
     normal = zx * nx + zy * ny + zz * nz
     tx, ty, tz = zx - normal * nx, zy - normal * ny, zz - normal * nz
     if kind == DAHL:
-        rx, ry, rz = _dahl(law[at + 1], law[at + 2], law[at + 3], speed, vx, vy, vz, zx, zy, zz)
+        dahl = record(own, DAHL_LAW)
+        mu, stiffness = dahl.coefficient_of_friction, dahl.bristle_stiffness
+        rx, ry, rz = _dahl(mu, stiffness, dahl.exponent, speed, vx, vy, vz, zx, zy, zz)
         rates[rate_start] = rx
         rates[rate_start + 1] = ry
         rates[rate_start + 2] = rz
-        factor = -force * law[at + 2]
+        factor = -force * stiffness
         return factor * tx, factor * ty, factor * tz
-    mu_d, mu_s, v_s = law[at + 1], law[at + 2], law[at + 3]
-    sigma_0, sigma_1, sigma_2 = law[at + 4], law[at + 5], law[at + 6]
-    follow = 1.0  # the deflection's rate is follow v - fade z
+    bent = record(own, LUGRE_LAW)
+    mu_d, mu_s, v_s = bent.dynamic, bent.static, bent.stribeck_speed
+    sigma_0, sigma_1, sigma_2 = bent.bristle_stiffness, bent.bristle_damping, bent.viscous
+    follow, fade = 1.0, math.nan  # the deflection's rate is follow v - fade z; of no other kind
     limit = math.inf
     if kind == LUGRE:
         fade = sigma_0 * speed / stribeck_level(mu_d, mu_s, v_s, speed)
-    else:
-        s, follow, fade = _gonthier(mu_d, v_s, sigma_0, sigma_1, law[at + 8], speed)
+    elif kind == GONTHIER:
+        dwelling = record(own, GONTHIER_LAW)
+        s, follow, fade = _gonthier(mu_d, v_s, sigma_0, sigma_1, dwelling.rounding_speed, speed)
         dwell = state[start + 3]
-        rates[rate_start + 3] = (s - dwell) / (law[at + 7] if s >= dwell else sigma_1 / sigma_0)
+        rates[rate_start + 3] = (s - dwell) / (dwelling.dwell_time if s >= dwell else sigma_1 / sigma_0)
         limit = mu_d + (mu_s - mu_d) * dwell
     rates[rate_start] = follow * vx - fade * zx
     rates[rate_start + 1] = follow * vy - fade * zy

@@ -27,9 +27,9 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from antenna_pin.contact import _friction_kernels as _kernels
 from antenna_pin.contact.friction import (
@@ -37,7 +37,6 @@ from antenna_pin.contact.friction import (
     check_at_least,
     check_coefficient,
     check_positive,
-    friction_code,
 )
 from antenna_pin.errors import InvalidParameterError
 
@@ -84,6 +83,8 @@ class Dahl(BristleLaw):
         Dahl (1968), Aerospace Corp. report TOR-158; vector form here. Recalled, not checked.
     """
 
+    kind: ClassVar[float] = _kernels.DAHL
+
     coefficient_of_friction: float = field(metadata={"unit": "1", "doc": "mu, positive"})
     bristle_stiffness: float = field(metadata=_STIFFNESS)
     shape: float = field(default=1.0, metadata={"unit": "1", "doc": "i, at least 1"})
@@ -99,9 +100,10 @@ class Dahl(BristleLaw):
         """Largest deflection [m], for each of its components."""
         return (self.coefficient_of_friction / self.bristle_stiffness,) * _kernels.DEFLECTION_SIZE
 
-    def code(self) -> NDArray[np.float64]:
-        """Return the law as flat numbers, shape (12,)."""
-        return friction_code(_kernels.DAHL, self.coefficient_of_friction, self.bristle_stiffness, self.shape)
+    @property
+    def exponent(self) -> float:
+        """I [-]: the shape, as the kernels name it."""
+        return self.shape
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -129,6 +131,8 @@ class LuGre(BristleLaw):
         Recalled, not checked against the paper.
     """
 
+    kind: ClassVar[float] = _kernels.LUGRE
+
     static: float = field(metadata=_STATIC)
     dynamic: float = field(metadata=_DYNAMIC)
     stribeck_speed: float = field(metadata={"unit": "m/s", "doc": "v_s, over which friction falls"})
@@ -147,18 +151,6 @@ class LuGre(BristleLaw):
     def state_scales(self) -> tuple[float, ...]:
         """Largest deflection [m], for each of its components."""
         return (self.static / self.bristle_stiffness,) * _kernels.DEFLECTION_SIZE
-
-    def code(self) -> NDArray[np.float64]:
-        """Return the law as flat numbers, shape (12,)."""
-        return friction_code(
-            _kernels.LUGRE,
-            self.dynamic,
-            self.static,
-            self.stribeck_speed,
-            self.bristle_stiffness,
-            self.bristle_damping,
-            self.viscous,
-        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -193,6 +185,8 @@ class GonthierBristle(BristleLaw):
         against the paper.
     """
 
+    kind: ClassVar[float] = _kernels.GONTHIER
+
     static: float = field(metadata=_STATIC)
     dynamic: float = field(metadata=_DYNAMIC)
     stribeck_speed: float = field(metadata={"unit": "m/s", "doc": "v_s, below which it sticks"})
@@ -218,16 +212,7 @@ class GonthierBristle(BristleLaw):
         """Largest deflection [m], for each of its components, and 1 for the dwell state [-]."""
         return ((self.static / self.bristle_stiffness,) * _kernels.DEFLECTION_SIZE) + (1.0,)
 
-    def code(self) -> NDArray[np.float64]:
-        """Return the law as flat numbers, shape (12,)."""
-        return friction_code(
-            _kernels.GONTHIER,
-            self.dynamic,
-            self.static,
-            self.stribeck_speed,
-            self.bristle_stiffness,
-            self.bristle_damping,
-            self.viscous,
-            self.dwell_time,
-            self.direction_speed if self.direction_speed > 0.0 else 0.01 * self.stribeck_speed,
-        )
+    @property
+    def rounding_speed(self) -> float:
+        """v_e as it is used [m/s]."""
+        return self.direction_speed if self.direction_speed > 0.0 else 0.01 * self.stribeck_speed

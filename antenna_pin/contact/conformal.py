@@ -19,7 +19,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.contact import _kernels
+from antenna_pin.contact._conformal_kernels import BAI_ZHAO, FOUNDATION, PERSSON
+from antenna_pin.contact._power_kernels import POWER
 from antenna_pin.contact.cylinder import LineLaw
 from antenna_pin.contact.normal import elastic_code
 from antenna_pin.errors import InvalidParameterError
@@ -46,7 +47,7 @@ class LiuFoundation(LineLaw):
     def code(self) -> NDArray[np.float64]:
         """Return the law as flat numbers, shape (16,)."""
         factor = 0.5 * math.pi / math.sqrt(2.0) * self.modulus * self.length
-        return elastic_code(_kernels.FOUNDATION, factor, self.clearance)
+        return elastic_code(FOUNDATION, factor=factor, clearance=self.clearance)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -82,7 +83,7 @@ class BaiZhaoElastic(LineLaw):
     def code(self) -> NDArray[np.float64]:
         """Return the law as flat numbers, shape (16,)."""
         factor = math.pi / 8.0 * math.sqrt(2.0) * self.modulus * self.length
-        return elastic_code(_kernels.BAI_ZHAO, factor, self.clearance, self.exponent)
+        return elastic_code(BAI_ZHAO, factor=factor, clearance=self.clearance, exponent=self.exponent)
 
 
 def _largest_square() -> float:
@@ -125,7 +126,7 @@ class Persson(LineLaw):
         """Return the law as flat numbers, shape (16,)."""
         factor = 2.0 * math.pi * self.modulus * self.length * self.clearance
         root = _largest_square()
-        return elastic_code(_kernels.PERSSON, factor, self.clearance, 0.99 * root, root)
+        return elastic_code(PERSSON, factor=factor, clearance=self.clearance, largest=0.99 * root, root=root)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -174,4 +175,4 @@ class Pereira(LineLaw):
 
     def code(self) -> NDArray[np.float64]:
         """Return the law as flat numbers, shape (16,)."""
-        return elastic_code(_kernels.POWER, self.stiffness, self.exponent)
+        return elastic_code(POWER, stiffness=self.stiffness, exponent=self.exponent)

@@ -26,7 +26,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.contact import _kernels
+from antenna_pin.contact._cylinder_kernels import LOGARITHMIC
 from antenna_pin.contact.normal import ElasticLaw, elastic_code
 from antenna_pin.errors import InvalidParameterError
 
@@ -120,7 +120,7 @@ class LogarithmicLaw(LineLaw):
     def code(self) -> NDArray[np.float64]:
         """Return the law as flat numbers, shape (16,)."""
         alpha, beta = self._logarithm()
-        return elastic_code(_kernels.LOGARITHMIC, beta * self.length, alpha * beta)
+        return elastic_code(LOGARITHMIC, force_scale=beta * self.length, depth_scale=alpha * beta)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -20,7 +20,7 @@ import math
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
-from antenna_pin.contact import _kernels
+from antenna_pin.contact import _damping_kernels as _kernels
 from antenna_pin.contact.normal import RESTITUTION, Dissipation, ElasticLaw
 from antenna_pin.errors import InvalidParameterError
 
@@ -97,9 +97,9 @@ class KelvinVoigtDamping(Dissipation):
         """Refuse a negative damping."""
         _check_damping(law, "N s/m")
 
-    def code(self, elastic: ElasticLaw) -> tuple[float, ...]:
+    def code(self, elastic: ElasticLaw) -> tuple[float, dict[str, float]]:
         """Return its kind and D."""
-        return (_kernels.VISCOUS, self.damping)
+        return _kernels.VISCOUS, {"damping": self.damping}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -131,9 +131,9 @@ class KuwabaraKonoDamping(Dissipation):
         """Refuse a negative damping."""
         _check_damping(law, "N s/m^1.5")
 
-    def code(self, elastic: ElasticLaw) -> tuple[float, ...]:
+    def code(self, elastic: ElasticLaw) -> tuple[float, dict[str, float]]:
         """Return its kind and c."""
-        return (_kernels.ROOT_DEPTH, self.damping)
+        return _kernels.ROOT_DEPTH, {"damping": self.damping}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -176,11 +176,11 @@ class TsujiDamping(Dissipation):
         """Refuse a restitution or a mass for which there is no damping."""
         _check_impact(law)
 
-    def code(self, elastic: ElasticLaw) -> tuple[float, ...]:
+    def code(self, elastic: ElasticLaw) -> tuple[float, dict[str, float]]:
         """Return its kind, alpha and the mass."""
         exponent = getattr(elastic, "exponent", 1.5)
         alpha = math.sqrt(2.0 * (exponent + 1.0)) * damping_ratio(self.restitution)
-        return (_kernels.SECANT, alpha, self.effective_mass or 0.0)
+        return _kernels.SECANT, {"damping": alpha, "mass": self.effective_mass or 0.0}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -230,9 +230,12 @@ class JankowskiDamping(Dissipation):
         c = self.restitution
         return 4.5 * math.sqrt(5.0) * (1.0 - c * c) / (c * (c * (9.0 * math.pi - 16.0) + 16.0))
 
-    def code(self, elastic: ElasticLaw) -> tuple[float, ...]:
+    def code(self, elastic: ElasticLaw) -> tuple[float, dict[str, float]]:
         """Return its kind, 2 xi and the mass."""
-        return (_kernels.SECANT_LOADING, 2.0 * self.damping_ratio, self.effective_mass or 0.0)
+        return _kernels.SECANT_LOADING, {
+            "damping": 2.0 * self.damping_ratio,
+            "mass": self.effective_mass or 0.0,
+        }
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -268,6 +271,6 @@ class AdamsDamping(Dissipation):
         if not 0.0 < law.full_damping_depth < math.inf:
             raise InvalidParameterError(law, "full_damping_depth", "positive and finite [m]")
 
-    def code(self, elastic: ElasticLaw) -> tuple[float, ...]:
+    def code(self, elastic: ElasticLaw) -> tuple[float, dict[str, float]]:
         """Return its kind, D and d."""
-        return (_kernels.STEP, self.damping, self.full_damping_depth)
+        return _kernels.STEP, {"damping": self.damping, "full_damping_depth": self.full_damping_depth}

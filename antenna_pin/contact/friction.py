@@ -10,12 +10,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Protocol, runtime_checkable
+from typing import ClassVar, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin._compile import record
 from antenna_pin.contact import _friction_kernels as _kernels
+from antenna_pin.contact._records import FRICTION_LAW, FRICTION_SIZE, coded
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = [
@@ -46,9 +48,15 @@ class FrictionLaw(Protocol):
 
 
 class CompiledFrictionLaw:
-    """The shared face of the laws whose arithmetic is a compiled kernel."""
+    """The shared face of the laws whose arithmetic is a compiled kernel.
+
+    Attributes:
+        kind: One of those that the kernels know, whose record has the names of the law's attributes.
+    """
 
     __slots__ = ()
+
+    kind: ClassVar[float]
 
     @property
     def states(self) -> int:
@@ -62,7 +70,11 @@ class CompiledFrictionLaw:
 
     def code(self) -> NDArray[np.float64]:
         """Return the law as flat numbers, shape (12,), for the fused kernels."""
-        raise NotImplementedError
+        layout = _kernels.FRICTION_RECORDS[self.kind]
+        code = np.zeros(FRICTION_SIZE)
+        record(code, FRICTION_LAW).kind = self.kind
+        coded(code, layout, {name: getattr(self, name) for name in layout.names or ()})
+        return code
 
     def coefficient(self, speed: float, normal_force: float = np.inf) -> float:
         """Return the friction coefficient at a slip speed; at least 0 [-].
@@ -73,14 +85,6 @@ class CompiledFrictionLaw:
                 to it.
         """
         return float(_kernels.friction_ratio(self.code(), speed, normal_force) * speed)
-
-
-def friction_code(kind: float, *parameters: float) -> NDArray[np.float64]:
-    """Return a friction law as flat numbers, shape (12,)."""
-    code = np.zeros(_kernels.FRICTION_SIZE)
-    code[0] = kind
-    code[1 : 1 + len(parameters)] = parameters
-    return code
 
 
 def check_coefficient(law: object, name: str) -> None:
@@ -107,9 +111,7 @@ def check_at_least(law: object, name: str, other: str) -> None:
 class NoFriction(CompiledFrictionLaw):
     """No friction at all."""
 
-    def code(self) -> NDArray[np.float64]:
-        """Return the law as flat numbers, shape (12,)."""
-        return friction_code(_kernels.FRICTIONLESS)
+    kind: ClassVar[float] = _kernels.FRICTIONLESS
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -138,6 +140,8 @@ class VelocityBased(CompiledFrictionLaw):
         Bai and Zhao (2020), Int. J. Aerospace Eng., 8846177, equations (13), (14), Table 2.
     """
 
+    kind: ClassVar[float] = _kernels.VELOCITY_BASED
+
     static: float = field(metadata={"unit": "1", "doc": "mu_s, at static_speed"})
     dynamic: float = field(metadata={"unit": "1", "doc": "mu_d, from dynamic_speed on"})
     static_speed: float = field(metadata={"unit": "m/s", "doc": "v_s"})
@@ -150,12 +154,6 @@ class VelocityBased(CompiledFrictionLaw):
         check_positive(self, "static_speed")
         if not self.static_speed < self.dynamic_speed < np.inf:
             raise InvalidParameterError(self, "dynamic_speed", f"above static_speed = {self.static_speed}")
-
-    def code(self) -> NDArray[np.float64]:
-        """Return the law as flat numbers, shape (12,)."""
-        return friction_code(
-            _kernels.VELOCITY_BASED, self.static, self.dynamic, self.static_speed, self.dynamic_speed
-        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -176,6 +174,8 @@ class Ambrosio(CompiledFrictionLaw):
         Ambrosio (2003), in Virtual Nonlinear Multibody Systems, 57-81; Chen and Cui (2021), equation (19).
     """
 
+    kind: ClassVar[float] = _kernels.AMBROSIO
+
     coefficient_of_friction: float = field(metadata={"unit": "1", "doc": "mu, from upper_speed on"})
     lower_speed: float = field(default=1e-4, metadata={"unit": "m/s", "doc": "v_0, no friction below"})
     upper_speed: float = field(default=1e-3, metadata={"unit": "m/s", "doc": "v_1, full friction above"})
@@ -187,12 +187,6 @@ class Ambrosio(CompiledFrictionLaw):
             raise InvalidParameterError(self, "lower_speed", "zero or more, and finite")
         if not self.lower_speed < self.upper_speed < np.inf:
             raise InvalidParameterError(self, "upper_speed", f"above lower_speed = {self.lower_speed}")
-
-    def code(self) -> NDArray[np.float64]:
-        """Return the law as flat numbers, shape (12,)."""
-        return friction_code(
-            _kernels.AMBROSIO, self.coefficient_of_friction, self.lower_speed, self.upper_speed
-        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -208,6 +202,8 @@ class Tanh(CompiledFrictionLaw):
         transition_speed: v_t [m/s].
     """
 
+    kind: ClassVar[float] = _kernels.TANH
+
     coefficient_of_friction: float = field(metadata=_COEFFICIENT)
     transition_speed: float = field(metadata={"unit": "m/s", "doc": "v_t, where mu is 76 % of its limit"})
 
@@ -215,10 +211,6 @@ class Tanh(CompiledFrictionLaw):
         """Check the parameters."""
         check_coefficient(self, "coefficient_of_friction")
         check_positive(self, "transition_speed")
-
-    def code(self) -> NDArray[np.float64]:
-        """Return the law as flat numbers, shape (12,)."""
-        return friction_code(_kernels.TANH, self.coefficient_of_friction, self.transition_speed)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -238,6 +230,8 @@ class Coulomb(CompiledFrictionLaw):
         The law is Coulomb's (1785); this regularisation is a usual one.
     """
 
+    kind: ClassVar[float] = _kernels.COULOMB
+
     coefficient_of_friction: float = field(metadata=_COEFFICIENT)
     regularisation_speed: float = field(
         default=1e-4, metadata={"unit": "m/s", "doc": "v_r, where mu is 71 % of its limit"}
@@ -247,10 +241,6 @@ class Coulomb(CompiledFrictionLaw):
         """Check the parameters."""
         check_coefficient(self, "coefficient_of_friction")
         check_positive(self, "regularisation_speed")
-
-    def code(self) -> NDArray[np.float64]:
-        """Return the law as flat numbers, shape (12,)."""
-        return friction_code(_kernels.COULOMB, self.coefficient_of_friction, self.regularisation_speed)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -269,6 +259,8 @@ class LinearFriction(CompiledFrictionLaw):
         As the multibody code Exudyn regularises Coulomb friction.
     """
 
+    kind: ClassVar[float] = _kernels.LINEAR
+
     coefficient_of_friction: float = field(metadata=_COEFFICIENT)
     regularisation_speed: float = field(metadata={"unit": "m/s", "doc": "v_r, full friction from there on"})
 
@@ -276,10 +268,6 @@ class LinearFriction(CompiledFrictionLaw):
         """Check the parameters."""
         check_coefficient(self, "coefficient_of_friction")
         check_positive(self, "regularisation_speed")
-
-    def code(self) -> NDArray[np.float64]:
-        """Return the law as flat numbers, shape (12,)."""
-        return friction_code(_kernels.LINEAR, self.coefficient_of_friction, self.regularisation_speed)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -305,6 +293,8 @@ class Stribeck(CompiledFrictionLaw):
         Tribol. Int. 40, 580-587, regularise it.
     """
 
+    kind: ClassVar[float] = _kernels.STRIBECK
+
     static: float = field(metadata={"unit": "1", "doc": "mu_s, at least dynamic"})
     dynamic: float = field(metadata={"unit": "1", "doc": "mu_d"})
     stribeck_speed: float = field(metadata={"unit": "m/s", "doc": "v_s, over which friction falls"})
@@ -325,17 +315,10 @@ class Stribeck(CompiledFrictionLaw):
             )
         check_coefficient(self, "viscous")
 
-    def code(self) -> NDArray[np.float64]:
-        """Return the law as flat numbers, shape (12,)."""
-        return friction_code(
-            _kernels.STRIBECK,
-            self.dynamic,
-            self.static,
-            self.stribeck_speed,
-            self.shape,
-            self.viscous,
-            self.transition_speed,
-        )
+    @property
+    def exponent(self) -> float:
+        """A [-]: the shape, as the kernels name it."""
+        return self.shape
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -356,6 +339,8 @@ class Threlfall(CompiledFrictionLaw):
         Threlfall (1978), Mech. Mach. Theory 13, 475-483. Recalled, not checked against the paper.
     """
 
+    kind: ClassVar[float] = _kernels.THRELFALL
+
     coefficient_of_friction: float = field(metadata={"unit": "1", "doc": "mu, of which 95 % are reached"})
     transition_speed: float = field(metadata={"unit": "m/s", "doc": "v_0, constant from there on"})
 
@@ -363,10 +348,6 @@ class Threlfall(CompiledFrictionLaw):
         """Check the parameters."""
         check_coefficient(self, "coefficient_of_friction")
         check_positive(self, "transition_speed")
-
-    def code(self) -> NDArray[np.float64]:
-        """Return the law as flat numbers, shape (12,)."""
-        return friction_code(_kernels.THRELFALL, self.coefficient_of_friction, self.transition_speed)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -389,6 +370,8 @@ class BengisuAkay(CompiledFrictionLaw):
         Bengisu and Akay (1994), J. Sound Vib. 171(4), 557-570. Recalled, not checked against the paper.
     """
 
+    kind: ClassVar[float] = _kernels.BENGISU_AKAY
+
     static: float = field(metadata={"unit": "1", "doc": "mu_s, at static_speed; at least dynamic"})
     dynamic: float = field(metadata={"unit": "1", "doc": "mu_d, at high speed"})
     static_speed: float = field(metadata={"unit": "m/s", "doc": "v_0"})
@@ -400,10 +383,6 @@ class BengisuAkay(CompiledFrictionLaw):
         check_at_least(self, "static", "dynamic")
         check_positive(self, "static_speed")
         check_coefficient(self, "decay")
-
-    def code(self) -> NDArray[np.float64]:
-        """Return the law as flat numbers, shape (12,)."""
-        return friction_code(_kernels.BENGISU_AKAY, self.dynamic, self.static, self.static_speed, self.decay)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -429,6 +408,8 @@ class BrownMcPhee(CompiledFrictionLaw):
         have it.
     """
 
+    kind: ClassVar[float] = _kernels.BROWN_MCPHEE
+
     static: float = field(metadata={"unit": "1", "doc": "mu_s, at the peak; at least dynamic"})
     dynamic: float = field(metadata={"unit": "1", "doc": "mu_d, at high speed"})
     transition_speed: float = field(metadata={"unit": "m/s", "doc": "v_t, of the peak"})
@@ -443,17 +424,6 @@ class BrownMcPhee(CompiledFrictionLaw):
         check_at_least(self, "static", "dynamic")
         check_positive(self, "transition_speed", "transition_force")
         check_coefficient(self, "viscous")
-
-    def code(self) -> NDArray[np.float64]:
-        """Return the law as flat numbers, shape (12,)."""
-        return friction_code(
-            _kernels.BROWN_MCPHEE,
-            self.static,
-            self.dynamic,
-            self.transition_speed,
-            self.viscous,
-            self.transition_force,
-        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -27,7 +27,7 @@ import math
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
-from antenna_pin.contact import _kernels
+from antenna_pin.contact import _damping_kernels as _kernels
 from antenna_pin.contact.normal import RESTITUTION, Dissipation, ElasticLaw
 from antenna_pin.errors import InvalidParameterError
 
@@ -170,9 +170,10 @@ class HysteresisDamping(Dissipation):
         """Hysteresis damping factor chi of ``1 + chi rate / approach_speed`` [-]."""
         raise NotImplementedError
 
-    def code(self, elastic: ElasticLaw) -> tuple[float, ...]:
+    def code(self, elastic: ElasticLaw) -> tuple[float, dict[str, float]]:
         """Return its kind and chi."""
-        return (_kernels.HYSTERETIC_LOADING if self.approach_only else _kernels.HYSTERETIC, self.hysteresis)
+        kind = _kernels.HYSTERETIC_LOADING if self.approach_only else _kernels.HYSTERETIC
+        return kind, {"hysteresis": self.hysteresis}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -446,6 +447,6 @@ class MarhefkaOrinDamping(Dissipation):
         if not 0.0 <= law.slope < math.inf:
             raise InvalidParameterError(law, "slope", "zero or more, and finite [s/m]")
 
-    def code(self, elastic: ElasticLaw) -> tuple[float, ...]:
+    def code(self, elastic: ElasticLaw) -> tuple[float, dict[str, float]]:
         """Return its kind and chi over the approach speed."""
-        return (_kernels.PROPORTIONAL, 1.5 * self.slope)
+        return _kernels.PROPORTIONAL, {"hysteresis_over_speed": 1.5 * self.slope}

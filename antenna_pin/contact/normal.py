@@ -21,7 +21,11 @@ from typing import Any, ClassVar, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin._compile import record
 from antenna_pin.contact import _kernels
+from antenna_pin.contact._damping_kernels import CONSERVATIVE
+from antenna_pin.contact._power_kernels import POWER
+from antenna_pin.contact._records import NORMAL_LAW, NORMAL_SIZE, coded
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = [
@@ -138,6 +142,10 @@ class ElasticLaw(CompiledNormalLaw):
 
     line: ClassVar[bool] = False
 
+    @classmethod
+    def check(cls, law: Any) -> None:
+        """Refuse parameters that make no such elastic law, in itself or in a law that has them all."""
+
     @property
     def parts(self) -> DampedContact:
         """The law with no dissipation."""
@@ -164,8 +172,8 @@ class Dissipation:
     def check(cls, law: Any) -> None:
         """Refuse parameters that make no such dissipation, in itself or in a law that has them all."""
 
-    def code(self, elastic: ElasticLaw) -> tuple[float, ...]:
-        """Return its kind and its parameters, beside an elastic law, for the fused kernels."""
+    def code(self, elastic: ElasticLaw) -> tuple[float, dict[str, float]]:
+        """Return its kind and, by name, its parameters beside an elastic law, for the fused kernels."""
         raise NotImplementedError
 
 
@@ -173,18 +181,22 @@ class Dissipation:
 class NoDissipation(Dissipation):
     """No dissipation: a restitution of 1."""
 
-    def code(self, elastic: ElasticLaw) -> tuple[float, ...]:
+    def code(self, elastic: ElasticLaw) -> tuple[float, dict[str, float]]:
         """Return its kind."""
-        return (_kernels.CONSERVATIVE,)
+        return CONSERVATIVE, {}
 
 
-def elastic_code(kind: float, *parameters: float) -> NDArray[np.float64]:
-    """Return an elastic law without dissipation as flat numbers, shape (16,)."""
-    code = np.zeros(_kernels.NORMAL_SIZE)
-    code[_kernels.ELASTIC] = kind
-    start = _kernels.ELASTIC_PARAMETERS
-    code[start : start + len(parameters)] = parameters
-    code[_kernels.DISSIPATION] = _kernels.CONSERVATIVE
+def elastic_code(kind: float, **parameters: float) -> NDArray[np.float64]:
+    """Return an elastic law without dissipation as flat numbers, shape (16,).
+
+    Args:
+        kind: One of ``_kernels.ELASTIC_RECORDS``.
+        parameters: By the names of its record.
+    """
+    code = np.zeros(NORMAL_SIZE)
+    record(code, NORMAL_LAW).elastic = kind
+    record(code, NORMAL_LAW).dissipation = CONSERVATIVE
+    coded(code, _kernels.ELASTIC_RECORDS[kind], parameters)
     return code
 
 
@@ -215,20 +227,10 @@ class DampedContact(CompiledNormalLaw):
     def code(self) -> NDArray[np.float64]:
         """Return the law as flat numbers, shape (16,)."""
         code = self.elastic.code()
-        kind, *parameters = self.dissipation.code(self.elastic)
-        start = _kernels.DISSIPATION_PARAMETERS
-        code[_kernels.DISSIPATION] = kind
-        code[start : start + len(parameters)] = parameters
+        kind, parameters = self.dissipation.code(self.elastic)
+        record(code, NORMAL_LAW).dissipation = kind
+        coded(code, _kernels.DISSIPATION_RECORDS[kind], parameters)
         return code
-
-
-def check_power_law(law: Any) -> None:
-    """Refuse a stiffness or an exponent that makes no power law."""
-    # Written so that NaN fails too.
-    if not 0.0 < law.stiffness < np.inf:
-        raise InvalidParameterError(law, "stiffness", "positive and finite")
-    if not 1.0 <= law.exponent <= 4.0:
-        raise InvalidParameterError(law, "exponent", "in [1, 4]")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -255,11 +257,20 @@ class Hertz(ElasticLaw):
 
     def __post_init__(self) -> None:
         """Check the parameters."""
-        check_power_law(self)
+        self.check(self)
+
+    @classmethod
+    def check(cls, law: Any) -> None:
+        """Refuse a stiffness or an exponent that makes no power law."""
+        # Written so that NaN fails too.
+        if not 0.0 < law.stiffness < np.inf:
+            raise InvalidParameterError(law, "stiffness", "positive and finite")
+        if not 1.0 <= law.exponent <= 4.0:
+            raise InvalidParameterError(law, "exponent", "in [1, 4]")
 
     def code(self) -> NDArray[np.float64]:
         """Return the law as flat numbers, shape (16,)."""
-        return elastic_code(_kernels.POWER, self.stiffness, self.exponent)
+        return elastic_code(POWER, stiffness=self.stiffness, exponent=self.exponent)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.contact import _kernels
+from antenna_pin.contact._pin_joint_kernels import PIN_JOINT
+from antenna_pin.contact._power_kernels import POWER
 from antenna_pin.contact.cylinder import LineLaw
 from antenna_pin.contact.normal import check_depth, elastic_code
 
@@ -42,7 +43,7 @@ class LiuHertz(LineLaw):
 
     def code(self) -> NDArray[np.float64]:
         """Return the law as flat numbers, shape (16,)."""
-        return elastic_code(_kernels.POWER, self.stiffness, 1.0)
+        return elastic_code(POWER, stiffness=self.stiffness, exponent=self.exponent)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -72,7 +73,7 @@ class LiuConformal(LineLaw):
 
     def code(self) -> NDArray[np.float64]:
         """Return the law as flat numbers, shape (16,)."""
-        return elastic_code(_kernels.POWER, self.stiffness, 1.5)
+        return elastic_code(POWER, stiffness=self.stiffness, exponent=self.exponent)
 
 
 class _PinJoint(LineLaw):
@@ -101,12 +102,12 @@ class _PinJoint(LineLaw):
     def code(self) -> NDArray[np.float64]:
         """Return the law as flat numbers, shape (16,)."""
         return elastic_code(
-            _kernels.PIN_JOINT,
-            0.5 * math.pi * self.modulus * self.length,
-            self.journal_radius,
-            self.bearing_radius,
-            self.clearance,
-            self._share,
+            PIN_JOINT,
+            factor=0.5 * math.pi * self.modulus * self.length,
+            journal_radius=self.journal_radius,
+            bearing_radius=self.bearing_radius,
+            clearance=self.clearance,
+            share=self._share,
         )
 
 

@@ -25,7 +25,6 @@ from antenna_pin.contact.normal import (
     DampedContact,
     Dissipation,
     Hertz,
-    check_power_law,
 )
 
 __all__ = [
@@ -70,7 +69,7 @@ class PowerLaw(CompiledNormalLaw):
 
     def __post_init__(self) -> None:
         """Check the parameters."""
-        check_power_law(self)
+        Hertz.check(self)
         self.dissipation.check(self)
 
     @property

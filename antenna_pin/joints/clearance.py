@@ -13,19 +13,19 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from antenna_pin._compile import record
 from antenna_pin.contact import CompiledNormalLaw, FrictionLaw, NoFriction, NormalLaw
 from antenna_pin.contact._friction_kernels import friction_force
 from antenna_pin.contact._kernels import (
-    DISSIPATION,
-    DISSIPATION_KINDS,
-    ELASTIC,
-    ELASTIC_KINDS,
+    DISSIPATION_RECORDS,
+    ELASTIC_RECORDS,
     NORMAL_SIZE,
     elastic_energy,
     elastic_force,
     normal_force,
     takes_mass_of_contact,
 )
+from antenna_pin.contact._records import NORMAL_LAW
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.geometry import (
     CoalPlanar,
@@ -77,10 +77,8 @@ def _has_code(law: object) -> bool:
 def _check_kinds(joint: str, law: Any) -> None:
     """Refuse a law whose code the kernels do not know."""
     code = law.code()
-    for what, kind, known in (
-        ("elastic", code[ELASTIC], ELASTIC_KINDS),
-        ("dissipation", code[DISSIPATION], DISSIPATION_KINDS),
-    ):
+    for what, known in (("elastic", ELASTIC_RECORDS), ("dissipation", DISSIPATION_RECORDS)):
+        kind = record(code, NORMAL_LAW)[what]
         if kind not in known:
             raise InvalidParameterError(
                 f"joint {joint!r}: {type(law).__name__}",

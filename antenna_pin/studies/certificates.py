@@ -24,15 +24,18 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin._compile import record
 from antenna_pin.contact import (
     DISSIPATIONS,
     CompiledNormalLaw,
     DampedContact,
     Hertz,
-    _kernels,
     delivered_restitution,
     law_parameters,
 )
+from antenna_pin.contact import _damping_kernels as _damping
+from antenna_pin.contact._power_kernels import POWER, POWER_LAW
+from antenna_pin.contact._records import NORMAL_LAW
 from antenna_pin.contact.hysteresis import stored_share
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.studies.impacts import check_impact, depth_of_energy, impact_of_pair, impact_on_wall
@@ -71,26 +74,30 @@ class RestitutionRow:
 
 def _hysteresis(code: NDArray[np.float64], speed: float) -> float | None:
     """Return chi of a law with hysteresis damping, 0 of one without damping, else None."""
-    kind, parameter = code[_kernels.DISSIPATION], float(code[_kernels.DISSIPATION_PARAMETERS])
-    if kind == _kernels.CONSERVATIVE:
+    kind = record(code, NORMAL_LAW).dissipation
+    if kind == _damping.CONSERVATIVE:
         return 0.0
-    if kind in (_kernels.HYSTERETIC, _kernels.HYSTERETIC_LOADING):
-        return parameter
-    return parameter * speed if kind == _kernels.PROPORTIONAL else None
+    if kind in (_damping.HYSTERETIC, _damping.HYSTERETIC_LOADING):
+        return float(record(code, _damping.HYSTERETIC_LAW).hysteresis)
+    if kind == _damping.PROPORTIONAL:
+        return float(record(code, _damping.PROPORTIONAL_LAW).hysteresis_over_speed) * speed
+    return None
 
 
 def _damping_ratio(code: NDArray[np.float64], mass: float) -> float | None:
     """Return zeta of a law that is a linear oscillator in disguise, else None."""
-    if code[_kernels.ELASTIC] != _kernels.POWER:
+    kinds = record(code, NORMAL_LAW)
+    if kinds.elastic != POWER:
         return None
-    stiffness, exponent = code[_kernels.ELASTIC_PARAMETERS : _kernels.ELASTIC_PARAMETERS + 2].tolist()
-    kind = code[_kernels.DISSIPATION]
-    first, second = code[_kernels.DISSIPATION_PARAMETERS : _kernels.DISSIPATION_PARAMETERS + 2].tolist()
-    if kind in (_kernels.SECANT, _kernels.SECANT_LOADING):
-        share = second / mass if second > 0.0 else 1.0  # without its own mass it takes that of the impact
-        return float(first * math.sqrt(share) / math.sqrt(2.0 * (exponent + 1.0)))
-    if kind == _kernels.VISCOUS and exponent == 1.0:
-        return float(first / (2.0 * math.sqrt(stiffness * mass)))
+    spring = record(code, POWER_LAW)
+    if kinds.dissipation in (_damping.SECANT, _damping.SECANT_LOADING):
+        secant = record(code, _damping.SECANT_LAW)
+        # Without a mass of its own it takes that of the impact.
+        share = secant.mass / mass if secant.mass > 0.0 else 1.0
+        return float(secant.damping * math.sqrt(share) / math.sqrt(2.0 * (spring.exponent + 1.0)))
+    if kinds.dissipation == _damping.VISCOUS and spring.exponent == 1.0:
+        damper = record(code, _damping.DAMPER_LAW)
+        return float(damper.damping / (2.0 * math.sqrt(spring.stiffness * mass)))
     return None
 
 
@@ -115,12 +122,12 @@ def closed_form_restitution(law: CompiledNormalLaw, *, mass: float, speed: float
     code = law.code()
     chi = _hysteresis(code, speed)
     if chi is not None:
-        approach_only = code[_kernels.DISSIPATION] == _kernels.HYSTERETIC_LOADING
+        approach_only = record(code, NORMAL_LAW).dissipation == _damping.HYSTERETIC_LOADING
         return delivered_restitution(chi, approach_only=bool(approach_only))
     zeta = _damping_ratio(code, mass)
     if zeta is None:
         return None
-    only_loading = code[_kernels.DISSIPATION] == _kernels.SECANT_LOADING
+    only_loading = record(code, NORMAL_LAW).dissipation == _damping.SECANT_LOADING
     return math.exp(-_decay(zeta) if only_loading else -2.0 * _decay(zeta))
 
 
@@ -140,9 +147,9 @@ def closed_form_peak_depth(law: CompiledNormalLaw, *, mass: float, speed: float)
     zeta = _damping_ratio(code, mass)
     if zeta is None:
         return None
-    stiffness, exponent = code[_kernels.ELASTIC_PARAMETERS : _kernels.ELASTIC_PARAMETERS + 2].tolist()
-    half = 0.5 * (exponent + 1.0)
-    peak = half * speed / math.sqrt(half * stiffness / mass) * math.exp(-_decay(zeta))
+    spring = record(code, POWER_LAW)
+    half = 0.5 * (spring.exponent + 1.0)
+    peak = half * speed / math.sqrt(half * spring.stiffness / mass) * math.exp(-_decay(zeta))
     return float(peak ** (1.0 / half))
 
 

@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+import sys
 from contextlib import contextmanager
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from antenna_pin._compile import record
 from antenna_pin.contact import (
     NORMAL_LAWS,
     Hertz,
@@ -19,6 +21,8 @@ from antenna_pin.contact import (
     _friction_kernels,
     _kernels,
 )
+from antenna_pin.contact._records import FRICTION_LAW, NORMAL_LAW, dissipation_record
+from antenna_pin.contact.normal import elastic_code
 
 from .conftest import DIMENSIONS, combinations, instances
 
@@ -39,7 +43,7 @@ def python(kernel):
 def interpreted():
     """All contact kernels as plain Python, also where they call one another."""
     with pytest.MonkeyPatch.context() as patch:
-        for module in (_kernels, _friction_kernels):
+        for module in [sys.modules[name] for name in sys.modules if name.endswith("_kernels")]:
             for name, function in list(vars(module).items()):
                 if hasattr(function, "py_func"):
                     patch.setattr(module, name, function.py_func)
@@ -82,6 +86,47 @@ def test_normal_kernels_equal_their_python(contact):
     assert one[1] == pytest.approx(other[1], rel=1e-12, abs=0.0)
     damping = abs(one[2] - one[0]) + abs(one[0]) + 1e-30
     assert one[2] == pytest.approx(other[2], rel=2e-14, abs=1e-13 * damping)
+
+
+def test_every_kind_that_is_declared_is_known_to_the_kernels_and_no_other():
+    """A kind that a kernel does not know gives NaN, never a silent zero."""
+
+    def normal(elastic, dissipation):
+        code = np.ones(_kernels.NORMAL_SIZE)
+        record(code, NORMAL_LAW).elastic, record(code, NORMAL_LAW).dissipation = elastic, dissipation
+        return _kernels.normal_force(code, 0.01, 0.1, 1.0, 1.0)
+
+    def friction(kind):
+        code, rates = np.ones(_friction_kernels.FRICTION_SIZE), np.zeros(4)
+        record(code, FRICTION_LAW).kind = kind
+        if kind < _friction_kernels.BRISTLE:
+            return _friction_kernels.friction_ratio(code, 0.1, 1.0)
+        state = np.full(4, 0.1)
+        return _friction_kernels.bristle_force(
+            code, 0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, state, 0, rates, 0
+        )[0]
+
+    # One past all of them is none.
+    for kind in (*_kernels.ELASTIC_RECORDS, 7.0):
+        assert math.isnan(normal(kind, 0.0)) == (kind == 7.0), kind
+    for kind in (*_kernels.DISSIPATION_RECORDS, 9.0):
+        assert math.isnan(normal(1.0, kind)) == (kind == 9.0), kind
+    for kind in (*_friction_kernels.FRICTION_RECORDS, 10.0, 103.0):
+        assert math.isnan(friction(kind)) == (kind in (10.0, 103.0)), kind
+
+
+def test_a_law_is_written_by_the_names_of_its_record():
+    """One that is missing, or is not the law's, is refused; there is no place that nobody names."""
+    with pytest.raises(ValueError, match="takes stiffness, exponent, got stiffness"):
+        elastic_code(1.0, stiffness=1.0)
+    with pytest.raises(ValueError, match="takes factor, clearance, got factor, play"):
+        elastic_code(3.0, factor=1.0, play=1.0)
+    with pytest.raises(KeyError):
+        elastic_code(7.0)
+    with pytest.raises(ValueError, match="there is room for 6"):
+        dissipation_record(*"abcdefg")
+    with pytest.raises(ValueError, match="shape: NumPy's own"):
+        dissipation_record("shape")
 
 
 def test_friction_kernels_equal_their_python(friction_law):

@@ -1,0 +1,79 @@
+"""Where the numbers of a law stand: one record for each kind, of which its class and its kernels take names.
+
+A law travels as a flat array. A normal law has ``NORMAL_SIZE`` floats, the kinds of its elastic part and of
+its dissipation before the parameters of both; a friction law has ``FRICTION_SIZE``, its kind first. Seen as
+the record of its kind such an array has names, in a kernel and outside alike, at the speed of an offset::
+
+    record(law, POWER_LAW).stiffness
+
+The classes write it by the same names, with :func:`coded`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from antenna_pin._compile import record
+
+_ELASTIC_ROOM = 8
+_DISSIPATION_ROOM = 6
+_KINDS = ("elastic", "dissipation")
+
+NORMAL_SIZE = len(_KINDS) + _ELASTIC_ROOM + _DISSIPATION_ROOM
+FRICTION_SIZE = 12
+
+
+def _record(size: int, first: int, room: int, names: tuple[str, ...]) -> np.dtype[Any]:
+    """Return a record of ``size`` floats with names for those from ``first`` on, ``room`` of them at most."""
+    if len(names) > room:
+        raise ValueError(f"{', '.join(names)}: there is room for {room}")
+    if taken := [name for name in names if hasattr(np.record, name)]:
+        raise ValueError(f"{', '.join(taken)}: NumPy's own, so that it would not be read without compiling")
+    layout = {
+        "names": names,
+        "formats": ["f8"] * len(names),
+        "offsets": [8 * (first + i) for i in range(len(names))],
+        "itemsize": 8 * size,
+    }
+    return np.dtype((np.record, layout))
+
+
+def elastic_record(*names: str) -> np.dtype[Any]:
+    """Return the record of a normal law with names for what its elastic part has."""
+    return _record(NORMAL_SIZE, len(_KINDS), _ELASTIC_ROOM, names)
+
+
+def dissipation_record(*names: str) -> np.dtype[Any]:
+    """Return the record of a normal law with names for what its dissipation has."""
+    return _record(NORMAL_SIZE, len(_KINDS) + _ELASTIC_ROOM, _DISSIPATION_ROOM, names)
+
+
+def friction_record(*names: str) -> np.dtype[Any]:
+    """Return the record of a friction law with names for what it has."""
+    return _record(FRICTION_SIZE, 1, FRICTION_SIZE - 1, names)
+
+
+NORMAL_LAW = _record(NORMAL_SIZE, 0, len(_KINDS), _KINDS)
+FRICTION_LAW = _record(FRICTION_SIZE, 0, 1, ("kind",))
+
+
+def coded(code: NDArray[np.float64], layout: np.dtype[Any], values: Mapping[str, float]) -> None:
+    """Write the parameters of a law into its flat numbers.
+
+    Args:
+        code: The law's numbers, shape (``NORMAL_SIZE``,) or (``FRICTION_SIZE``,).
+        layout: The record of its kind.
+        values: One for each name of the record.
+
+    Raises:
+        ValueError: A name is missing, or is not the record's.
+    """
+    if set(values) != set(layout.names or ()):
+        raise ValueError(f"takes {', '.join(layout.names or ())}, got {', '.join(values)}")
+    row = record(code, layout)
+    for name, value in values.items():
+        row[name] = value
