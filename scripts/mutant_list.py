@@ -13,6 +13,7 @@ WORKSPACE = "antenna_pin/dynamics/workspace.py"
 HINGE = "antenna_pin/dynamics/hinge.py"
 LOOP = "antenna_pin/simulation/loop.py"
 CONTROL = "antenna_pin/simulation/control.py"
+TRIALS = "antenna_pin/simulation/trials.py"
 EPISODES = "antenna_pin/simulation/episodes.py"
 RECORD = "antenna_pin/simulation/record.py"
 SETTINGS = "antenna_pin/simulation/scales.py"
@@ -101,7 +102,7 @@ MUTANTS = (
     ),
     _compiled(
         "one trial only for the step that ends at a contact",
-        LOOP,
+        TRIALS,
         "_RELOCATIONS = 5\n",
         "_RELOCATIONS = 1\n",
         TEST_GRAZES,

@@ -8,7 +8,6 @@ changed, and the integration restarts from that state. So the equations are smoo
 from __future__ import annotations
 
 import dataclasses
-import math
 import time
 from collections.abc import Callable, Sequence
 
@@ -28,6 +27,7 @@ from antenna_pin.simulation.progress import Progress
 from antenna_pin.simulation.samples import Samples
 from antenna_pin.simulation.scales import scale_vector
 from antenna_pin.simulation.search import ContactSearch, Found
+from antenna_pin.simulation.trials import Trial, Trials
 from antenna_pin.simulation.watch import Crossing, Watch
 from antenna_pin.state import State
 from antenna_pin.trajectory import Counts, Outcome
@@ -36,9 +36,7 @@ __all__ = ["Run"]
 
 Array = NDArray[np.float64]
 
-_RELOCATIONS = 5
 _REPORT_INTERVAL = 0.1  # [s] of wall time between progress reports
-_REJECTED_IN_A_ROW = 1000
 
 
 class Run:
@@ -81,7 +79,8 @@ class Run:
         self._actions = Actions(
             self._watch, self.workspace, self.stepper, self.control, self.samples, self.begin
         )
-        self.accepted = self.rejected = self.relocated = 0
+        self._trials = Trials(self.stepper, self.control)
+        self.accepted = 0
         self.wall = 0.0
         self.outcome = Outcome.COMPLETED
         self.message = Outcome.COMPLETED.value
@@ -146,7 +145,8 @@ class Run:
 
     def counts(self) -> Counts:
         """Return what the run took so far."""
-        return Counts(self.accepted, self.rejected, self.relocated, self.stepper.evaluations, self.wall)
+        tried = self._trials
+        return Counts(self.accepted, tried.rejected, tried.relocated, self.stepper.evaluations, self.wall)
 
     def _state(self) -> State:
         nq, nv = self.system.model.nq, self.system.model.nv
@@ -211,7 +211,7 @@ class Run:
     def _may_go_on(self, began: float) -> bool:
         """Look whether a limit is reached, or the run makes so little way that it would never end."""
         limit, longest = self.settings.max_steps, self.settings.max_wall_time
-        trials = self.accepted + self.rejected + self.relocated
+        trials = self.accepted + self._trials.rejected + self._trials.relocated
         if limit is not None and trials >= limit:
             self._stop(Outcome.STEP_LIMIT)
         elif longest is not None and time.perf_counter() - began >= longest:
@@ -225,34 +225,19 @@ class Run:
 
     def _step(self, h: float) -> float:
         """Make one accepted step from the state; return the size to try next."""
-        stepper = self.stepper
-        rejected = self.rejected
-        while True:
-            tried, cut = self.control.cut(stepper.t, h)
-            if cut and self._left is None:
-                self._left = self._state()
-            if stepper.t + tried == stepper.t:
-                self._stop(Outcome.STEP_TOO_SMALL)
-                return h
-            error = stepper.attempt(tried)
-            if error <= 1.0:
-                break
-            self.rejected += 1
-            if self.rejected - rejected >= _REJECTED_IN_A_ROW:
-                self._stop(Outcome.NO_PROGRESS)
-                return h
-            h = self._shortened(tried, error)
-            if self.outcome is not Outcome.COMPLETED:
-                return h
-        following = self.control.following(h, tried, error, self.rejected > rejected)
-        return self._conclude(following)
+        trial = self._trials.first(h, self._keep)
+        return self._conclude(trial.following) if trial.passed else self._give_up(trial)
 
-    def _shortened(self, tried: float, error: float) -> float:
-        """Return the step to try after one with too large an error [s]; end a run that has none."""
-        h = self.control.shortened(tried, error)
-        if self.control.hopeless(h):
-            self._stop(Outcome.STEP_TOO_SMALL if math.isfinite(error) else Outcome.NOT_FINITE)
-        return h
+    def _keep(self) -> None:
+        """Keep the state before the first step that the run's end cuts."""
+        if self._left is None:
+            self._left = self._state()
+
+    def _give_up(self, trial: Trial) -> float:
+        """Accept nothing; return the size to try next, if the run does not end."""
+        if trial.outcome is not None:
+            self._stop(trial.outcome)
+        return trial.following
 
     def _conclude(self, following: float) -> float:
         """Accept the trial step, or one that ends where something happens; return the size to try next."""
@@ -280,11 +265,12 @@ class Run:
         c = found.contact
         if found.theta > 0.0:
             lack = self._search.lack(c, -float(self._search.limits[c]))
-            shorter = self._relocate(found.theta, lack)
-            if shorter is not None:
-                return shorter
+            trial = self._relocate(found.theta, lack)
+            if not trial.passed:
+                return self._give_up(trial)
         of_joint = self._search.reasons[c] == "maximum_depth"
-        self._stop(Outcome.TOO_DEEP if of_joint else Outcome.OUT_OF_LAW_RANGE, contact=c)
+        outcome = Outcome.TOO_DEEP if of_joint else Outcome.OUT_OF_LAW_RANGE
+        self._stop(outcome, f", {self._search.words(c)}")
         return following
 
     def _change(self, found: Found, following: float) -> float:
@@ -294,9 +280,9 @@ class Run:
         sizes = self.control.sizes
         sizes[contacts.pattern] = following
         if found.theta > 0.0:
-            shorter = self._relocate(found.theta, search.lack(c))
-            if shorter is not None:
-                return shorter
+            trial = self._relocate(found.theta, search.lack(c))
+            if not trial.passed:
+                return self._give_up(trial)
         elif search.ignore[c] != 0:
             # It has just changed here and would change back at once: a graze. Let it, this once more.
             search.ignore[c] = 2
@@ -315,44 +301,26 @@ class Run:
         self.stepper.refresh()
         self._watch.renew()
 
-    def _relocate(self, theta: float, lack: Callable[[], float]) -> float | None:
-        """Make the step again so that it ends where something happens, and accept it.
-
-        The error of the step that went on past that point says nothing of the one up to it. Where that one's
-        is too large nothing is accepted: a shorter step to try is returned [s].
-
-        Args:
-            theta: At which fraction of the trial step, by its dense output.
-            lack: How much longer the trial step should be [s], or 0.
-        """
-        stepper, contacts = self.stepper, self._contacts
-        longest = stepper.h
-        size = theta * longest
-        for _ in range(_RELOCATIONS):
-            error = stepper.attempt(size)
-            self.relocated += 1
-            if not error <= 1.0:
-                return self._shortened(size, error)
-            more = lack()
-            if more == 0.0 or not 0.0 < size + more <= longest:
-                break
-            size += more
-        if contacts:
-            self._search.compare_gaps()
-            stepper.prepare_dense()
-            self._search.track()
-            contacts.keep_peaks()
-            self._search.ignore[:] = 0
-        self._accept()
-        return None
+    def _relocate(self, theta: float, lack: Callable[[], float]) -> Trial:
+        """Make the trial step again to end where something happens (:meth:`Trials.again`), and accept it."""
+        trial = self._trials.again(theta, lack)
+        if trial.passed:
+            if self._contacts:
+                self._search.compare_gaps()
+                self.stepper.prepare_dense()
+                self._search.track()
+                self._contacts.keep_peaks()
+                self._search.ignore[:] = 0
+            self._accept()
+        return trial
 
     def _happen(self, crossings: list[Crossing], following: float) -> float:
         """Let events happen where the first does; return the size to try next."""
         stepper, first = self.stepper, crossings[0]
         if stepper.t + first.theta * stepper.h > stepper.t:
-            shorter = self._relocate(first.theta, self._watch.lack(first))
-            if shorter is not None:
-                return shorter
+            trial = self._relocate(first.theta, self._watch.lack(first))
+            if not trial.passed:
+                return self._give_up(trial)
         self._act(crossings)
         return following
 
@@ -360,7 +328,7 @@ class Run:
         for crossing in crossings:
             last = self._actions.take(crossing)
             if last is not None:
-                self._stop(Outcome.STOPPED, event=last)
+                self._stop(Outcome.STOPPED, f", event {last!r}")
 
     def _accept(self) -> None:
         stepper = self.stepper
@@ -375,15 +343,6 @@ class Run:
             self._watch.renew()
             self._act(self._watch.due())
 
-    def _stop(self, outcome: Outcome, *, contact: int = -1, event: str = "") -> None:
-        where = f"at t = {self.stepper.t:.9g} s"
-        if event:
-            where += f", event {event!r}"
-        if contact >= 0:
-            limit = self._search.limits[contact]
-            self._search.measure(self.stepper.start)
-            depth = -float(self._search.table[contact, 0])
-            where += f", contact {self.system.contact_names[contact]} ({depth:.3g} m, limit {limit:.3g} m: "
-            where += f"{self._search.reasons[contact]})"
+    def _stop(self, outcome: Outcome, what: str = "") -> None:
         self.outcome = outcome
-        self.message = f"{where}: {outcome.value}"
+        self.message = f"at t = {self.stepper.t:.9g} s{what}: {outcome.value}"

@@ -164,6 +164,13 @@ class ContactSearch:
 
         return correction
 
+    def words(self, c: int) -> str:
+        """Return how deep a contact is at the present state, and how deep it may be."""
+        self.measure(self.stepper.start)
+        depth, limit = -float(self.table[c, 0]), self.limits[c]
+        name = self.system.contact_names[c]
+        return f"contact {name} ({depth:.3g} m, limit {limit:.3g} m: {self.reasons[c]})"
+
     def compare_gaps(self) -> None:
         """Record how far coal's gaps are from the closed form at the end of the trial step."""
         if not self.uses_coal:

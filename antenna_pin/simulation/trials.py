@@ -1,0 +1,105 @@
+"""Trial steps: tried until one passes, and made again to end where something happens."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+from antenna_pin.integrate import Stepper
+from antenna_pin.simulation.control import StepControl
+from antenna_pin.trajectory import Outcome
+
+__all__ = ["Trial", "Trials"]
+
+_RELOCATIONS = 5
+_REJECTED_IN_A_ROW = 1000
+
+
+class Trial(NamedTuple):
+    """What has come of trying.
+
+    Attributes:
+        passed: Whether there is a trial step that passes, in the stepper.
+        following: Size to try next [s].
+        outcome: Why the run ends, if it does.
+    """
+
+    passed: bool
+    following: float
+    outcome: Outcome | None = None
+
+
+class Trials:
+    """Tries steps and counts them.
+
+    Args:
+        stepper: What makes them.
+        control: What decides how long they are.
+
+    Attributes:
+        rejected: Trial steps rejected by their error.
+        relocated: Trial steps made to end where something happens.
+    """
+
+    def __init__(self, stepper: Stepper, control: StepControl) -> None:
+        """Begin to count."""
+        self._stepper = stepper
+        self._control = control
+        self.rejected = self.relocated = 0
+
+    def first(self, h: float, cut: Callable[[], None]) -> Trial:
+        """Try steps until one passes.
+
+        Args:
+            h: Size to begin with [s].
+            cut: Called before a step is tried that the end of the run has cut.
+        """
+        stepper, control = self._stepper, self._control
+        rejected = self.rejected
+        while True:
+            tried, by_end = control.cut(stepper.t, h)
+            if by_end:
+                cut()
+            if stepper.t + tried == stepper.t:
+                return Trial(False, h, Outcome.STEP_TOO_SMALL)
+            error = stepper.attempt(tried)
+            if error <= 1.0:
+                return Trial(True, control.following(h, tried, error, self.rejected > rejected))
+            self.rejected += 1
+            if self.rejected - rejected >= _REJECTED_IN_A_ROW:
+                return Trial(False, h, Outcome.NO_PROGRESS)
+            shorter = self._shortened(tried, error)
+            if shorter.outcome is not None:
+                return shorter
+            h = shorter.following
+
+    def again(self, theta: float, lack: Callable[[], float]) -> Trial:
+        """Make the trial step again so that it ends where something happens.
+
+        The error of the step that went on past that point says nothing of the one up to it. Where that one's
+        is too large, there is none that passes.
+
+        Args:
+            theta: At which fraction of the trial step, by its dense output.
+            lack: How much longer the trial step should be [s], or 0.
+        """
+        stepper = self._stepper
+        longest = stepper.h
+        size = theta * longest
+        for _ in range(_RELOCATIONS):
+            error = stepper.attempt(size)
+            self.relocated += 1
+            if not error <= 1.0:
+                return self._shortened(size, error)
+            more = lack()
+            if more == 0.0 or not 0.0 < size + more <= longest:
+                break
+            size += more
+        return Trial(True, size)
+
+    def _shortened(self, tried: float, error: float) -> Trial:
+        h = self._control.shortened(tried, error)
+        if self._control.hopeless(h):
+            return Trial(False, h, Outcome.STEP_TOO_SMALL if math.isfinite(error) else Outcome.NOT_FINITE)
+        return Trial(False, h)
