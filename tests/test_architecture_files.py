@@ -17,9 +17,6 @@ LONGEST = 350
 # Still to be parted; a file that has become short, or a circle that is gone, must leave these lists.
 LONG = {
     "assemble.py",
-    "contact/friction.py",
-    "contact/hysteresis.py",
-    "contact/point_laws.py",
     "geometry/_kernels.py",
     "joints/_kernels.py",
     "joints/clearance.py",

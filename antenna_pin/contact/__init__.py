@@ -20,18 +20,14 @@ from antenna_pin.contact.damping import (
 )
 from antenna_pin.contact.friction import (
     Ambrosio,
-    BengisuAkay,
-    BrownMcPhee,
     CompiledFrictionLaw,
     Coulomb,
     CustomFriction,
     FrictionLaw,
     LinearFriction,
     NoFriction,
-    Stribeck,
     Tanh,
     Threlfall,
-    VelocityBased,
 )
 from antenna_pin.contact.hysteresis import (
     CarvalhoMartinsDamping,
@@ -44,12 +40,9 @@ from antenna_pin.contact.hysteresis import (
     HuntCrossleyDamping,
     LankaraniNikraveshDamping,
     LeeWangDamping,
-    MarhefkaOrinDamping,
     PantWijeyewickremaDamping,
     YeDamping,
     ZhiyingQishaoDamping,
-    delivered_restitution,
-    exact_hysteresis,
 )
 from antenna_pin.contact.materials import (
     MATERIAL_PAIRS,
@@ -91,6 +84,7 @@ from antenna_pin.contact.point_laws import (
     Ye,
     ZhiyingQishao,
 )
+from antenna_pin.contact.proportional import MarhefkaOrinDamping
 from antenna_pin.contact.punch import annular_punch_factor
 from antenna_pin.contact.registry import (
     DISSIPATIONS,
@@ -102,7 +96,9 @@ from antenna_pin.contact.registry import (
     make_normal_law,
     normal_parameters,
 )
+from antenna_pin.contact.restitution import delivered_restitution, exact_hysteresis
 from antenna_pin.contact.stiffness import effective_modulus, hertz_stiffness, internal_hertz_stiffness
+from antenna_pin.contact.stribeck import BengisuAkay, BrownMcPhee, Stribeck, VelocityBased
 
 __all__ = [
     "DISSIPATIONS",

@@ -13,9 +13,20 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any
 
-from antenna_pin.contact import bristle, conformal, cylinder, damping, friction, hysteresis, normal, pin_joint
-from antenna_pin.contact import point_laws as points
+from antenna_pin.contact import (
+    bristle,
+    conformal,
+    cylinder,
+    damping,
+    friction,
+    hysteresis,
+    normal,
+    pin_joint,
+    proportional,
+    stribeck,
+)
 from antenna_pin.contact.normal import CompiledNormalLaw, DampedContact, ElasticLaw
+from antenna_pin.contact.point_laws import WHOLE_LAWS
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.parameters import Parameter, parameters_of
 
@@ -53,26 +64,7 @@ NORMAL_LAWS: Mapping[str, type[Any]] = MappingProxyType(
         "liu-2013": pin_joint.LiuPinJoint,
         "liu-2013-corrected": pin_joint.LiuPinJointCorrected,
         # Laws as a whole, with the dissipation of their authors.
-        "lankarani-nikravesh": points.LankaraniNikravesh,
-        "exact-restitution": points.ExactRestitution,
-        "hunt-crossley": points.HuntCrossley,
-        "herbert-mcwhannell": points.HerbertMcWhannell,
-        "lee-wang": points.LeeWang,
-        "marhefka-orin": points.MarhefkaOrin,
-        "gonthier": points.Gonthier,
-        "zhiying-qishao": points.ZhiyingQishao,
-        "ye": points.Ye,
-        "flores": points.Flores,
-        "gharib-hurmuzlu": points.GharibHurmuzlu,
-        "pant-wijeyewickrema": points.PantWijeyewickrema,
-        "hu-guo": points.HuGuo,
-        "carvalho-martins": points.CarvalhoMartins,
-        "kelvin-voigt": points.KelvinVoigt,
-        "kuwabara-kono": points.KuwabaraKono,
-        "tsuji": points.Tsuji,
-        "jankowski": points.Jankowski,
-        "adams-impact": points.AdamsImpact,
-        "bai-zhao": points.BaiZhao,
+        **WHOLE_LAWS,
     }
 )
 
@@ -84,7 +76,7 @@ DISSIPATIONS: Mapping[str, type[Any]] = MappingProxyType(
         "hunt-crossley": hysteresis.HuntCrossleyDamping,
         "herbert-mcwhannell": hysteresis.HerbertMcWhannellDamping,
         "lee-wang": hysteresis.LeeWangDamping,
-        "marhefka-orin": hysteresis.MarhefkaOrinDamping,
+        "marhefka-orin": proportional.MarhefkaOrinDamping,
         "gonthier": hysteresis.GonthierDamping,
         "zhiying-qishao": hysteresis.ZhiyingQishaoDamping,
         "ye": hysteresis.YeDamping,
@@ -105,15 +97,15 @@ FRICTION_LAWS: Mapping[str, type[Any]] = MappingProxyType(
     {
         # Laws of the slip speed.
         "none": friction.NoFriction,
-        "velocity-based": friction.VelocityBased,
+        "velocity-based": stribeck.VelocityBased,
         "ambrosio": friction.Ambrosio,
         "tanh": friction.Tanh,
         "coulomb": friction.Coulomb,
         "linear": friction.LinearFriction,
-        "stribeck": friction.Stribeck,
+        "stribeck": stribeck.Stribeck,
         "threlfall": friction.Threlfall,
-        "bengisu-akay": friction.BengisuAkay,
-        "brown-mcphee": friction.BrownMcPhee,
+        "bengisu-akay": stribeck.BengisuAkay,
+        "brown-mcphee": stribeck.BrownMcPhee,
         # Laws with bristles.
         "dahl": bristle.Dahl,
         "lugre": bristle.LuGre,
