@@ -73,6 +73,8 @@ def _rows(summary: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
 
 def motion_sketch(data: xr.Dataset) -> str:
     """Return the angles of a run's joints over time as inline SVG; nothing if there is nothing to draw."""
+    if "time" not in data.coords:  # a result without series
+        return ""
     time = np.asarray(data["time"].values, dtype=float)
     names = [str(name) for name in data["joint"].values] if "joint" in data.coords else []
     if not names or time.size < 2 or not time[-1] > time[0]:

@@ -65,6 +65,7 @@ class RunSettings:
             makes no way, and ends [-].
         scales: What the tolerance is relative to.
         output_rate: Samples per time, beside those at events [Hz].
+        output_form: ``full``, or ``lean`` without series: a result of numbers and contact episodes only.
     """
 
     method: Method = "dormand-prince-853"
@@ -78,6 +79,7 @@ class RunSettings:
     max_expected_steps: float = parameter("1", rule="positive", default=1e9)
     scales: ErrorScales = field(default_factory=ErrorScales)
     output_rate: float = parameter("Hz", rule="positive", default=1000.0)
+    output_form: Literal["full", "lean"] = "full"
 
     def __post_init__(self) -> None:
         """Check the settings."""

@@ -8,6 +8,8 @@ JOINTS = "antenna_pin/joints/_kernels.py"
 DYNAMICS = "antenna_pin/dynamics/_kernels.py"
 INSPECT = "antenna_pin/dynamics/_inspect.py"
 AUDIT = "antenna_pin/dynamics/audit.py"
+AUDIT_KERNELS = "antenna_pin/dynamics/_audit_kernels.py"
+SAMPLE_KERNELS = "antenna_pin/dynamics/_sample_kernels.py"
 ELEMENTS = "antenna_pin/dynamics/elements.py"
 WORKSPACE = "antenna_pin/dynamics/workspace.py"
 HINGE = "antenna_pin/dynamics/hinge.py"
@@ -80,7 +82,7 @@ MUTANTS = (
     # --- simulation
     _compiled(
         "acceleration of the motion angle without the tilt's rates",
-        RECORD,
+        SAMPLE_KERNELS,
         "    change = 2.0 * (z * dz + s * ds) / square\n",
         "    return 0.0, 0.0\n    change = 2.0 * (z * dz + s * ds) / square\n",
         TEST_RECORD,
@@ -173,7 +175,7 @@ MUTANTS = (
     _compiled(
         "the ledger forgets the dampers",
         RECORD,
-        "        error += since[:, system.damper_x].sum(axis=1)\n",
+        "        (1.0, system.damper_x),\n",
         "",
         TEST_RUN,
         *("-k", "damped_oscillator"),
@@ -182,15 +184,15 @@ MUTANTS = (
     _compiled(
         "the scale of linear momentum includes the bus",
         AUDIT,
-        '    first = 2 if system.mechanism.base == "free" else 1\n',
-        "    first = 1\n",
+        '        body["counts"] = not (free and i == 1)\n',
+        '        body["counts"] = True\n',
         TEST_AUDIT,
     ),
     _compiled(
         "angular momenta about the world's origin",
-        AUDIT,
-        "        lx -= cy * pz - cz * py\n",
-        "",
+        AUDIT_KERNELS,
+        "dx, dy, dz = own[9] + sx - cx, own[10] + sy - cy, own[11] + sz - cz\n",
+        "dx, dy, dz = own[9] + sx, own[10] + sy, own[11] + sz\n",
         TEST_AUDIT,
     ),
     _compiled(

@@ -28,7 +28,7 @@ def _spoiled(data: xr.Dataset, name: str) -> xr.Dataset:
         (lambda data: data.drop_vars("q"), "got no variable 'q'"),
         (lambda data: _spoiled(data, "q"), "numbers in 'q' that are not finite"),
         (lambda data: data.isel(time=slice(None, None, -1)), "times that are not finite or go back"),
-        (lambda data: data.assign_attrs(clearance_geometry="{"), "'clearance_geometry' that cannot be read"),
+        (lambda data: data.assign_attrs(clearance_joints="{"), "'clearance_joints' that cannot be read"),
         (lambda data: data.assign_attrs(counts="[]"), "attributes that cannot be read"),
         (lambda data: data.assign_attrs(outcome="PERHAPS"), "attributes that cannot be read"),
         (lambda data: data.assign_attrs(scenario="{}"), "attributes that cannot be read"),

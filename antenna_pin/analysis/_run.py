@@ -9,16 +9,14 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from antenna_pin.errors import FileFormatError, UnknownNameError
-from antenna_pin.trajectory import Trajectory
+from antenna_pin.trajectory import Trajectory, series
 
 __all__ = [
     "Array",
     "RunLike",
     "choose",
-    "contacts_of",
     "data_of",
     "label_of",
-    "names",
     "sample_times",
     "variable",
 ]
@@ -37,14 +35,10 @@ def label_of(data: xr.Dataset) -> str:
     return str(data.attrs.get("case") or "a run without a case name")
 
 
-def names(data: xr.Dataset, dimension: str) -> list[str]:
-    """Return the labels along a dimension; none if the run does not have it."""
-    return [str(name) for name in data[dimension].values] if dimension in data.coords else []
-
-
 def variable(data: xr.Dataset, name: str, place: str) -> xr.DataArray:
     """Return a variable, or say that it is missing."""
     if name not in data:
+        series(data, place)
         raise FileFormatError(f"{place}: the run has no variable {name!r}; is it an antenna_pin result?")
     return data[name]
 
@@ -52,11 +46,6 @@ def variable(data: xr.Dataset, name: str, place: str) -> xr.DataArray:
 def sample_times(data: xr.Dataset, place: str) -> Array:
     """Return the sample times [s], (n,): not decreasing, not evenly spaced."""
     return np.asarray(variable(data, "time", place).values, dtype=float)
-
-
-def contacts_of(data: xr.Dataset, joint: str) -> list[str]:
-    """Return the contacts of a clearance joint, such as ``elevation.radial+``."""
-    return [name for name in names(data, "contact") if name.rpartition(".")[0] == joint]
 
 
 def choose(place: str, what: str, wanted: str | None, known: list[str]) -> list[str]:

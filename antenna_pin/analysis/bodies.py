@@ -8,11 +8,17 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from antenna_pin.dynamics import transmitted_wrenches
 from antenna_pin.errors import FileFormatError
-from antenna_pin.mechanism import Mechanism, Urdf, build_mechanism, link_poses, link_twists
+from antenna_pin.mechanism import (
+    Mechanism,
+    Urdf,
+    build_mechanism,
+    link_poses,
+    link_twists,
+    transmitted_wrenches,
+)
 from antenna_pin.scenario import Scenario
-from antenna_pin.trajectory import Trajectory
+from antenna_pin.trajectory import Trajectory, series
 
 __all__ = ["body_poses", "body_twists", "carried_scenario", "joint_loads", "mechanism_of"]
 
@@ -50,6 +56,7 @@ def carried_scenario(run: Trajectory | xr.Dataset) -> Scenario | None:
 
 def _picked(run: Trajectory | xr.Dataset, times: ArrayLike | None) -> xr.Dataset:
     data = run.data if isinstance(run, Trajectory) else run
+    series(data, "poses and loads of bodies")
     return data if times is None else data.isel(time=np.asarray(times, dtype=int))
 
 

@@ -9,12 +9,13 @@ import numpy as np
 import xarray as xr
 from scipy.spatial.transform import Rotation
 
-from antenna_pin.analysis._run import Array, RunLike, choose, data_of, label_of, names, sample_times, variable
+from antenna_pin.analysis._run import Array, RunLike, choose, data_of, label_of, sample_times, variable
 from antenna_pin.analysis.attitude import interpolate_attitude
 from antenna_pin.analysis.base import base_motion
 from antenna_pin.analysis.growth import Growth, growth_of
 from antenna_pin.analysis.sampled import resampled, time_rms
 from antenna_pin.errors import InvalidParameterError
+from antenna_pin.trajectory import names_along
 
 _Variable: TypeAlias = "tuple[tuple[str, ...], Array, dict[str, str]]"
 
@@ -97,7 +98,7 @@ def deviation(run: RunLike, ideal: RunLike, joint: str | None = None) -> Deviati
     """
     data, reference = data_of(run), data_of(ideal)
     if reference.sizes.get("contact", 0):
-        touching = ", ".join(names(reference, "clearance_joint"))
+        touching = ", ".join(names_along(reference, "clearance_joint"))
         raise InvalidParameterError(
             "deviation",
             "ideal",
@@ -114,7 +115,7 @@ def deviation(run: RunLike, ideal: RunLike, joint: str | None = None) -> Deviati
         span = f"{label_of(data)} with {np.count_nonzero(common)} samples from {own[0]:g} to {own[-1]:g} s"
         raise InvalidParameterError("deviation", "run", "of two samples or more while the ideal lasts", span)
     at = time[common]
-    joints = [name for name in names(data, "joint") if name in names(reference, "joint")]
+    joints = [name for name in names_along(data, "joint") if name in names_along(reference, "joint")]
     joints = choose("deviation", "joint", joint, joints)
     based = "base_position" in data and "base_position" in reference
     if not joints and not based:
@@ -122,7 +123,7 @@ def deviation(run: RunLike, ideal: RunLike, joint: str | None = None) -> Deviati
             "deviation",
             "ideal",
             "a run of the same mechanism",
-            f"{label_of(reference)} with joints {', '.join(names(reference, 'joint')) or 'none'}",
+            f"{label_of(reference)} with joints {', '.join(names_along(reference, 'joint')) or 'none'}",
         )
     variables: dict[str, _Variable] = {}
     measures: list[DeviationMeasures] = []

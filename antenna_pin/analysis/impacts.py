@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from antenna_pin.analysis._run import Array, RunLike, choose, data_of, names, sample_times, variable
+from antenna_pin.analysis._run import Array, RunLike, choose, data_of, sample_times, variable
 from antenna_pin.errors import FileFormatError
+from antenna_pin.trajectory import contact_joints, names_along
 
 __all__ = ["impact_statistics", "impacts"]
 
@@ -46,13 +47,14 @@ def impacts(run: RunLike, joint: str | None = None) -> xr.Dataset:
         the run has no clearance joint.
     """
     data = data_of(run)
-    joints = choose("impacts", "clearance joint", joint, names(data, "clearance_joint"))
+    joints = choose("impacts", "clearance joint", joint, names_along(data, "clearance_joint"))
     if not joints:
         return _table({name: np.zeros(0) for name in _UNITS}, np.zeros(0, bool), np.zeros(0, bool), [], data)
     time = sample_times(data, "impacts")
-    contacts = names(data, "contact")
+    contacts = names_along(data, "contact")
     index = np.asarray(variable(data, "episode_contact", "impacts").values, dtype=int)
-    mine = np.array([name.rpartition(".")[0] in joints for name in contacts], dtype=bool)
+    of_contact = contact_joints(data)
+    mine = np.array([of_contact[name] in joints for name in contacts], dtype=bool)
     rows = np.flatnonzero(mine[index])
     rows = rows[np.argsort(data["onset_time"].values[rows], kind="stable")]
     index = index[rows]
@@ -104,7 +106,8 @@ def _table(
     variables["ended"] = ("impact", ended, flag | {"long_name": "whether it was released before the end"})
     variables["floored"] = ("impact", floored, flag | {"long_name": "whether the law saw its floor of speed"})
     labels = np.array(contacts, dtype=object) if contacts else np.zeros(0, dtype="<U1")
-    joints = [name.rpartition(".")[0] for name in contacts]
+    of_contact = contact_joints(data)
+    joints = [of_contact[name] for name in contacts]
     return xr.Dataset(
         variables,
         coords={

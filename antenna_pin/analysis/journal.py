@@ -19,8 +19,9 @@ import numpy as np
 import xarray as xr
 from scipy.spatial.transform import Rotation
 
-from antenna_pin.analysis._run import RunLike, choose, contacts_of, data_of, label_of, names, variable
+from antenna_pin.analysis._run import RunLike, choose, data_of, label_of, variable
 from antenna_pin.errors import FileFormatError, InvalidParameterError
+from antenna_pin.trajectory import contacts_of, names_along
 
 __all__ = ["bore_load", "clearance_shapes", "journal_motion"]
 
@@ -39,13 +40,13 @@ def clearance_shapes(run: RunLike) -> dict[str, dict[str, Any]]:
         (xyzw) in that link's frame. Empty if no joint has clearance.
     """
     data = data_of(run)
-    if not names(data, "clearance_joint"):
+    if not names_along(data, "clearance_joint"):
         return {}
-    if "clearance_geometry" not in data.attrs:
+    if "clearance_joints" not in data.attrs:
         raise FileFormatError(
-            "run: it must carry its joints' dimensions, got data without the attribute clearance_geometry"
+            "run: it must carry its joints' dimensions, got data without the attribute clearance_joints"
         )
-    return dict(json.loads(data.attrs["clearance_geometry"]))
+    return dict(json.loads(data.attrs["clearance_joints"]))
 
 
 def journal_motion(run: RunLike, joint: str | None = None) -> xr.Dataset:
@@ -64,7 +65,7 @@ def journal_motion(run: RunLike, joint: str | None = None) -> xr.Dataset:
         ``axial_clearance`` [m] and ``bore_tilt`` [rad], the tilt at which a centred journal touches the bore.
     """
     data = data_of(run)
-    known = names(data, "clearance_joint")
+    known = names_along(data, "clearance_joint")
     if not known:
         raise InvalidParameterError("journal_motion", "run", "one with a clearance joint", label_of(data))
     joint = choose("journal_motion", "clearance joint", joint or known[0], known)[0]
@@ -144,11 +145,11 @@ def bore_load(run: RunLike, joint: str | None = None, sectors: int = 36) -> xr.D
     if sectors < 1:
         raise InvalidParameterError("bore_load", "sectors", "at least 1", sectors)
     data = data_of(run)
-    known = names(data, "clearance_joint")
+    known = names_along(data, "clearance_joint")
     if not known:
         raise InvalidParameterError("bore_load", "run", "one with a clearance joint", label_of(data))
     joint = choose("bore_load", "clearance joint", joint or known[0], known)[0]
-    contacts = [name for name in contacts_of(data, joint) if not name.rpartition(".")[2].startswith("axial")]
+    contacts = contacts_of(data, joint, flanges=False)
     picked = data.sel(contact=contacts)
     point, force, impulse = (
         np.asarray(variable(picked, name, "bore_load").values, dtype=float)

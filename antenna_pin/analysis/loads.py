@@ -7,18 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
-from antenna_pin.analysis._run import (
-    Array,
-    RunLike,
-    choose,
-    contacts_of,
-    data_of,
-    names,
-    sample_times,
-    variable,
-)
+from antenna_pin.analysis._run import Array, RunLike, choose, data_of, sample_times, variable
 from antenna_pin.analysis.sampled import time_mean, time_percentiles, time_rms
 from antenna_pin.analysis.settling import touching_intervals
+from antenna_pin.trajectory import contacts_of, names_along
 
 __all__ = ["load_statistics"]
 
@@ -69,7 +61,7 @@ def load_statistics(
         joint.
     """
     data = data_of(run)
-    joints = choose("load_statistics", "clearance joint", joint, names(data, "clearance_joint"))
+    joints = choose("load_statistics", "clearance joint", joint, names_along(data, "clearance_joint"))
     contacts = [name for own in joints for name in contacts_of(data, own)]
     time = sample_times(data, "load_statistics")
     shares = np.asarray(percent, dtype=float)
@@ -100,7 +92,7 @@ def load_statistics(
 def _contact(data: xr.Dataset, contact: str, time: Array, percent: Array) -> tuple[list[float], Array]:
     """Return the columns of one contact, and its percentiles."""
     span = time[-1] - time[0]
-    mine = variable(data, "episode_contact", "load_statistics").values == names(data, "contact").index(
+    mine = variable(data, "episode_contact", "load_statistics").values == names_along(data, "contact").index(
         contact
     )
     force = np.asarray(
@@ -127,7 +119,7 @@ def _joint(data: xr.Dataset, joint: str, time: Array, percent: Array) -> tuple[l
     contacts = contacts_of(data, joint)
     vector = variable(data, "joint_force", "load_statistics").sel(clearance_joint=joint).values
     force = np.linalg.norm(np.asarray(vector, dtype=float), axis=1)
-    index = [names(data, "contact").index(name) for name in contacts]
+    index = [names_along(data, "contact").index(name) for name in contacts]
     touching = data["touching"].sel(contact=contacts).values[0].any()
     return [
         float(force.max()),

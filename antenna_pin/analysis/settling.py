@@ -16,18 +16,10 @@ from typing import Literal
 import numpy as np
 import xarray as xr
 
-from antenna_pin.analysis._run import (
-    Array,
-    RunLike,
-    choose,
-    contacts_of,
-    data_of,
-    names,
-    sample_times,
-    variable,
-)
+from antenna_pin.analysis._run import Array, RunLike, choose, data_of, sample_times, variable
 from antenna_pin.analysis.impacts import impacts
 from antenna_pin.errors import InvalidParameterError
+from antenna_pin.trajectory import contacts_of, names_along
 
 __all__ = ["Settling", "settling", "touching_intervals"]
 
@@ -82,8 +74,8 @@ def touching_intervals(run: RunLike, contacts: Sequence[str]) -> Array:
     data = data_of(run)
     if not contacts:
         return np.zeros((0, 2))
-    index = [choose("touching_intervals", "contact", name, names(data, "contact"))[0] for name in contacts]
-    number = [names(data, "contact").index(name) for name in index]
+    known = names_along(data, "contact")
+    number = [known.index(choose("touching_intervals", "contact", name, known)[0]) for name in contacts]
     mine = np.isin(variable(data, "episode_contact", "touching_intervals").values, number)
     end = float(sample_times(data, "touching_intervals")[-1])
     onset = np.asarray(data["onset_time"].values, dtype=float)[mine]
@@ -129,12 +121,9 @@ def settling(
         raise InvalidParameterError("settling", "contacts", "'bore', 'flanges' or 'any'", contacts)
     data = data_of(run)
     result = []
-    for name in choose("settling", "clearance joint", joint, names(data, "clearance_joint")):
-        own = tuple(
-            contact
-            for contact in contacts_of(data, name)
-            if contacts == "any" or (contacts == "flanges") == contact.rpartition(".")[2].startswith("axial")
-        )
+    for name in choose("settling", "clearance joint", joint, names_along(data, "clearance_joint")):
+        flanges = None if contacts == "any" else contacts == "flanges"
+        own = tuple(contacts_of(data, name, flanges=flanges))
         result.append(_settling(data, name, own, longest_gap, least_duration, windows))
     return tuple(result)
 

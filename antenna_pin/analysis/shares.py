@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from antenna_pin.errors import FileFormatError, InvalidParameterError, UnknownNameError
 from antenna_pin.geometry import AxialScenario, RadialScenario
-from antenna_pin.trajectory import Trajectory
+from antenna_pin.trajectory import Trajectory, contacts_of, series
 
 __all__ = ["scenario_shares", "scenario_spans"]
 
@@ -119,17 +119,13 @@ def _scenarios(data: xr.Dataset, joint: str) -> tuple[NDArray[np.float64], list[
     """Return the sample times and, radial and axial, the scenarios at both ends of every interval."""
     missing = [name for name in _NEEDED if name not in data]
     if missing:
+        series(data, "contact scenarios")
         raise FileFormatError(f"run: no variable {missing[0]!r}; is it an antenna_pin result?")
     time = np.asarray(data["time"].values, dtype=float)
     ends = []
     for kind in ("radial", "axial"):
         seen = np.asarray(data[f"{kind}_scenario"].sel(clearance_joint=joint).values, dtype=int)
-        names = [
-            str(name)
-            for name in data["contact"].values
-            if str(name).rpartition(".")[0] == joint
-            and str(name).rpartition(".")[2].startswith("axial") == (kind == "axial")
-        ]
+        names = contacts_of(data, joint, flanges=kind == "axial")
         ends.append(_ends(seen, np.asarray(data["touching"].sel(contact=names).values, dtype=int)))
     return time, ends
 

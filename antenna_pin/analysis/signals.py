@@ -6,8 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from antenna_pin.analysis._run import Array, RunLike, data_of, names, sample_times
+from antenna_pin.analysis._run import Array, RunLike, data_of, sample_times
 from antenna_pin.analysis.base import base_motion
+from antenna_pin.trajectory import names_along
 
 __all__ = ["RunSignal", "signals"]
 
@@ -36,7 +37,7 @@ def signals(run: RunLike) -> dict[str, RunSignal]:
     data = data_of(run)
     time = sample_times(data, "signals")
     found: dict[str, RunSignal] = {}
-    for name in names(data, "joint"):
+    for name in names_along(data, "joint"):
         values = np.asarray(data["motion_acceleration"].sel(joint=name).values, dtype=float)
         found[f"{name} acceleration"] = RunSignal(time, values, "rad/s^2")
     vectors = []
@@ -46,7 +47,7 @@ def signals(run: RunLike) -> dict[str, RunSignal]:
             ("base acceleration", motion["acceleration"].values, "m/s^2"),
             ("base angular acceleration", motion["angular_acceleration"].values, "rad/s^2"),
         ]
-    for name in names(data, "clearance_joint"):
+    for name in names_along(data, "clearance_joint"):
         vectors.append((f"{name} force", data["joint_force"].sel(clearance_joint=name).values, "N"))
     for name, values, units in vectors:
         for k, axis in enumerate(_AXES):

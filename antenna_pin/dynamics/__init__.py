@@ -11,8 +11,8 @@ from antenna_pin.dynamics.elements import (
     TableDrive,
 )
 from antenna_pin.dynamics.hinge import Hinge
-from antenna_pin.dynamics.loads import transmitted_wrenches
 from antenna_pin.dynamics.motion import JointMotion
+from antenna_pin.dynamics.samples import Observed, joint_motion, observed
 from antenna_pin.dynamics.system import System
 from antenna_pin.dynamics.workspace import Workspace
 
@@ -25,10 +25,12 @@ __all__ = [
     "Hinge",
     "JointMotion",
     "JointSpring",
+    "Observed",
     "SineDrive",
     "System",
     "TableDrive",
     "Workspace",
     "audit",
-    "transmitted_wrenches",
+    "joint_motion",
+    "observed",
 ]

@@ -2,20 +2,30 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import NDArray
 
+from antenna_pin.dynamics import _audit_kernels as _bodies
 from antenna_pin.dynamics import _kernels
 from antenna_pin.dynamics.workspace import Workspace
 from antenna_pin.joints import _kernels as _joint
+from antenna_pin.mechanism import Mechanism
 
-__all__ = ["Audit", "audit"]
+__all__ = ["Audit", "audit", "body_tree", "energy_of_python_laws"]
 
 Array = NDArray[np.float64]
+
+_KINDS = {
+    "revolute": _bodies.FIXED_AXIS,
+    "continuous": _bodies.CIRCLE,
+    "prismatic": _bodies.SLIDE,
+    "floating": _bodies.RIGID,
+    "spherical": _bodies.ROTATION,
+    "planar": _bodies.PLANE,
+}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -48,6 +58,37 @@ class Audit:
         return self.kinetic + self.gravity + self.contacts + self.springs
 
 
+def body_tree(mechanism: Mechanism) -> NDArray[Any]:
+    """Return the moving bodies as the kernels take them, (bodies,) of ``BODY``; parents first."""
+    model = mechanism.model
+    kinds = {slot.joint_id: (_KINDS[slot.kind], slot.axis) for slot in mechanism.joints.values()}
+    free = mechanism.base == "free"
+    if free:
+        kinds[1] = (_bodies.RIGID, np.zeros(3))
+    tree = np.zeros(model.njoints - 1, dtype=_bodies.BODY)
+    for i, body in enumerate(tree, start=1):
+        placement, inertia = model.jointPlacements[i], model.inertias[i]
+        body["parent"] = model.parents[i] - 1
+        body["kind"], body["axis"] = kinds[i]
+        body["q"], body["v"] = model.idx_qs[i], model.idx_vs[i]
+        body["counts"] = not (free and i == 1)
+        body["rotation"], body["position"] = placement.rotation, placement.translation
+        body["mass"], body["centre"], body["inertia"] = inertia.mass, inertia.lever, inertia.inertia
+    return tree
+
+
+def energy_of_python_laws(workspace: Workspace) -> float:
+    """Return the energy stored in touching contacts with laws in Python, by the workspace's table [J]."""
+    energy = 0.0
+    for path in workspace.paths:
+        if not path.joint.compiled:
+            for r, law in enumerate(path.laws, path.row):
+                depth = -float(workspace.table[r, 0])
+                if workspace.memory[r, _joint.TOUCHING] != 0.0 and depth > 0.0:
+                    energy += law.energy(depth)
+    return energy
+
+
 def audit(workspace: Workspace, y: Array) -> Audit:
     """Return energies and momenta of a state.
 
@@ -55,37 +96,19 @@ def audit(workspace: Workspace, y: Array) -> Audit:
         workspace: Its contact table and memory must be those of this state, as after ``measure(y)``.
         y: State [q, v, x].
     """
-    system, model, data = workspace.system, workspace.model, workspace.data
-    memory, table = workspace.memory, workspace.table
-    q, v = y[: model.nq], y[model.nq : model.nq + model.nv]
-    pin.computeCentroidalMomentum(model, data, q, v)
-    kinetic = pin.computeKineticEnergy(model, data)
-    gravity = pin.computePotentialEnergy(model, data, q)
-    contacts, springs = _kernels.stored_energy(y, workspace.program, memory, table)
-    for path in workspace.paths:
-        if not path.joint.compiled:
-            for r, law in enumerate(path.laws, path.row):
-                depth = -float(table[r, 0])
-                if memory[r, _joint.TOUCHING] != 0.0 and depth > 0.0:
-                    contacts += law.energy(depth)
-    linear_scale = angular_scale = 0.0
-    cx, cy, cz = data.com[0].tolist()
-    first = 2 if system.mechanism.base == "free" else 1
-    for i in range(first, model.njoints):
-        momentum = data.oMi[i].act(model.inertias[i] * data.v[i])
-        px, py, pz, lx, ly, lz = momentum.vector.tolist()
-        linear_scale += math.sqrt(px * px + py * py + pz * pz)
-        lx -= cy * pz - cz * py
-        ly -= cz * px - cx * pz
-        lz -= cx * py - cy * px
-        angular_scale += math.sqrt(lx * lx + ly * ly + lz * lz)
+    model = workspace.model
+    tree = body_tree(workspace.system.mechanism)
+    found = np.zeros(_bodies.AUDIT_SIZE)
+    work = np.zeros((len(tree) + 2, _bodies.PLACE_SIZE))
+    _bodies.audit_state(y, model.nq, tree, np.array(model.gravity.linear), work, found)
+    contacts, springs = _kernels.stored_energy(y, workspace.program, workspace.memory, workspace.table)
     return Audit(
-        kinetic=float(kinetic),
-        gravity=float(gravity),
-        contacts=contacts,
+        kinetic=float(found[_bodies.KINETIC]),
+        gravity=float(found[_bodies.GRAVITY]),
+        contacts=contacts + energy_of_python_laws(workspace),
         springs=springs,
-        linear=np.array(data.hg.linear),
-        angular=np.array(data.hg.angular),
-        linear_scale=linear_scale,
-        angular_scale=angular_scale,
+        linear=found[_bodies.LINEAR : _bodies.LINEAR + 3],
+        angular=found[_bodies.ANGULAR : _bodies.ANGULAR + 3],
+        linear_scale=float(found[_bodies.LINEAR_SCALE]),
+        angular_scale=float(found[_bodies.ANGULAR_SCALE]),
     )

@@ -73,6 +73,15 @@ class Workspace:
             else partial(pin.aba, self.model, self.data)
         )
 
+    @property
+    def work(self) -> Array:
+        """The array that ``tau``, a pose, ``memory`` and ``table`` are parts of, as the kernels take it."""
+        return self._work
+
+    def acceleration(self, q: Array, v: Array, tau: Array) -> Array:
+        """Return the generalized acceleration under a generalized force, ideal hinges held, (nv,)."""
+        return self._accelerate(q, v, tau)
+
     def measure(self, y: Array) -> None:
         """Bring all rows of ``table`` up to date for a state: gap, normal, point, rates of every contact.
 

@@ -47,7 +47,7 @@ class CoalRevolute:
     def __init__(self, shape: RevoluteClearance) -> None:
         """Build shapes, functors and buffers once."""
         self.geometry = shape
-        self.contact_names = shape.contact_names
+        self.contact_places = shape.contact_places
         self._shape = shape.shape()
         span = 40.0 * (shape.bearing_length + shape.bearing_radius + shape.flange_distance)
         self._point = coal.Sphere(0.0)
@@ -230,7 +230,7 @@ class CoalPlanar:
     def __init__(self, shape: PlanarClearance) -> None:
         """Build shapes, functors and buffers once."""
         self.geometry = shape
-        self.contact_names = shape.contact_names
+        self.contact_places = shape.contact_places
         self._shape = shape.shape()
         self._point = coal.Sphere(0.0)
         self._journal = coal.Cylinder(shape.journal_radius, 10.0 * shape.bearing_radius)
@@ -269,7 +269,7 @@ class CoalSpherical:
     def __init__(self, shape: SphericalClearance) -> None:
         """Build shapes, functors and buffers once."""
         self.geometry = shape
-        self.contact_names = shape.contact_names
+        self.contact_places = shape.contact_places
         self._shape = shape.shape()
         self._point = coal.Sphere(0.0)
         self._ball = coal.Sphere(shape.ball_radius)

@@ -64,8 +64,8 @@ class ClearanceGeometry(Protocol):
     """Shape of a joint with play, whatever computes its distances."""
 
     @property
-    def contact_names(self) -> tuple[str, ...]:
-        """Names of the candidate contacts, in the order of :meth:`contacts`."""
+    def contact_places(self) -> tuple[tuple[str, str], ...]:
+        """Kind and end of each candidate contact, in the order of :meth:`contacts`."""
 
     def contacts(self, p_HJ: ArrayLike, axis_J_H: ArrayLike) -> tuple[ContactPoint, ...]:
         """Return the candidate contacts of a pose."""
@@ -192,9 +192,9 @@ class RevoluteClearance:
         return 0.5 * (self.flange_distance - self.bearing_length)
 
     @property
-    def contact_names(self) -> tuple[str, ...]:
-        """Names of the candidate contacts."""
-        return ("radial+", "radial-", "axial+", "axial-")
+    def contact_places(self) -> tuple[tuple[str, str], ...]:
+        """Kind of each candidate contact, and the bearing's end that it is at ("+", "-" or none)."""
+        return (("radial", "+"), ("radial", "-"), ("axial", "+"), ("axial", "-"))
 
     def shape(self) -> NDArray[np.float64]:
         """Return the flat numbers of the kernels: [R_i, L_i/2, R_io, R_j, R_f, L_j/2] [m]."""
@@ -260,9 +260,9 @@ class PlanarClearance:
         return self.bearing_radius - self.journal_radius
 
     @property
-    def contact_names(self) -> tuple[str, ...]:
-        """Names of the candidate contacts."""
-        return ("radial",)
+    def contact_places(self) -> tuple[tuple[str, str], ...]:
+        """Kind of each candidate contact, and the bearing's end that it is at ("+", "-" or none)."""
+        return (("radial", ""),)
 
     def shape(self) -> NDArray[np.float64]:
         """Return the flat numbers of the kernels: [R_i, R_j] [m]."""
@@ -317,9 +317,9 @@ class SphericalClearance:
         return self.socket_radius - self.ball_radius
 
     @property
-    def contact_names(self) -> tuple[str, ...]:
-        """Names of the candidate contacts."""
-        return ("spherical",)
+    def contact_places(self) -> tuple[tuple[str, str], ...]:
+        """Kind of each candidate contact, and the bearing's end that it is at ("+", "-" or none)."""
+        return (("spherical", ""),)
 
     def shape(self) -> NDArray[np.float64]:
         """Return the flat numbers of the kernels: [R_socket, R_ball] [m]."""

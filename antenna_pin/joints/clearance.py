@@ -193,12 +193,12 @@ class ClearanceJoint:
     @property
     def contact_names(self) -> tuple[str, ...]:
         """Names of the contacts, led by the joint's."""
-        return tuple(f"{self.name}.{kind}" for kind in self.geometry.contact_names)
+        return tuple(f"{self.name}.{kind}{end}" for kind, end in self.geometry.contact_places)
 
     @property
     def contacts(self) -> int:
         """Number of candidate contacts."""
-        return len(self.geometry.contact_names)
+        return len(self.geometry.contact_places)
 
     @property
     def normal_laws(self) -> tuple[NormalLaw, ...]:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import io
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +25,20 @@ from antenna_pin.mechanism import _checks, _edits, _meshes, _xml
 from antenna_pin.mechanism.frames import Vector3
 
 __all__ = ["Urdf"]
+
+
+@lru_cache(maxsize=64)  # every run of a study reads the same text again, some more than once
+def _checked(text: str, where: str, allow_impossible_inertia: tuple[str, ...]) -> Any:
+    """Return a checked URDF as yourdfpy's objects, which nobody changes."""
+    _xml.read(text.encode(), where, "utf-8")
+    try:
+        robot = yourdfpy.URDF.load(
+            io.BytesIO(text.encode()), build_scene_graph=False, load_meshes=False
+        ).robot
+    except Exception as error:  # yourdfpy lets through whatever its converters raise
+        raise MechanismError(f"{where}: yourdfpy cannot read this URDF: {error}") from error
+    _checks.check(robot, where, allow_impossible_inertia)
+    return robot
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -54,15 +69,8 @@ class Urdf:
 
     def __post_init__(self) -> None:
         """Read and check."""
-        _xml.read(self.text.encode(), self.where, "utf-8")
-        try:
-            robot = yourdfpy.URDF.load(
-                io.BytesIO(self.text.encode()), build_scene_graph=False, load_meshes=False
-            ).robot
-        except Exception as error:  # yourdfpy lets through whatever its converters raise
-            raise MechanismError(f"{self.where}: yourdfpy cannot read this URDF: {error}") from error
+        robot = _checked(self.text, self.where, self.allow_impossible_inertia)
         object.__setattr__(self, "robot", robot)
-        _checks.check(robot, self.where, self.allow_impossible_inertia)
 
     @classmethod
     def load(cls, path: str | Path, allow_impossible_inertia: Iterable[str] = ()) -> Urdf:

@@ -12,6 +12,7 @@ import xarray as xr
 
 from antenna_pin.errors import FileFormatError, InvalidParameterError
 from antenna_pin.plot._style import COLOURS, IDEAL, Array
+from antenna_pin.trajectory import contacts_of, names_along, series
 
 if TYPE_CHECKING:
     from antenna_pin.trajectory import Trajectory
@@ -51,17 +52,21 @@ class LabelledRun:
     @property
     def clearance_joints(self) -> list[str]:
         """Names of the joints with clearance."""
-        return _names(self.data, "clearance_joint")
+        return names_along(self.data, "clearance_joint")
 
     @property
     def joints(self) -> list[str]:
         """Names of the joints whose motion is recorded."""
-        return _names(self.data, "joint")
+        return names_along(self.data, "joint")
 
     @property
     def contacts(self) -> list[str]:
         """Names of the contacts, such as ``elevation.radial+``."""
-        return _names(self.data, "contact")
+        return names_along(self.data, "contact")
+
+    def contacts_of(self, joint: str, *, flanges: bool | None = None) -> list[str]:
+        """Return the contacts of a joint: all, or those at flanges, or those in the bore."""
+        return contacts_of(self.data, joint, flanges=flanges)
 
     def values(self, name: str, **where: str) -> Array:
         """Return a variable as floats, at the labels given."""
@@ -92,7 +97,7 @@ def labelled(runs: Iterable[Run] | Run) -> list[LabelledRun]:
     result: list[LabelledRun] = []
     for number, run in enumerate(every, start=1):
         label, given = run if isinstance(run, tuple) else ("", run)
-        data = samples_of(run)
+        data = series(samples_of(run), "figure")
         label = label or str(data.attrs.get("case") or "") or f"run {number}"
         source, scenario = data, getattr(given, "scenario", None)
         if scenario is not None and "scenario" not in data.attrs:  # a file has it there
@@ -151,8 +156,3 @@ def left_out(runs: Sequence[LabelledRun], drawn: Sequence[LabelledRun], why: str
     """Return a note naming the runs that a figure leaves out for a reason, or nothing."""
     names = [run.label for run in runs if run not in drawn and run.time.size > 1]
     return f"not drawn, {why}: {', '.join(names)}" if names else ""
-
-
-def _names(data: xr.Dataset, dimension: str) -> list[str]:
-    """Return the labels along a dimension."""
-    return [str(name) for name in data[dimension].values] if dimension in data.coords else []

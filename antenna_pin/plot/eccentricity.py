@@ -133,7 +133,7 @@ def _largest(motions: list[xr.Dataset], name: str, limit: str) -> float:
 
 def _depths(run: LabelledRun, joint: str) -> tuple[Array, Array, Array]:
     """Return the largest depth in the bore at every sample [m], and times [s] and depths [m] of the peaks."""
-    names = [name for name in run.contacts if name.rpartition(".")[0] == joint and ".axial" not in name]
+    names = run.contacts_of(joint, flanges=False)
     sampled = np.stack([run.values("depth", contact=name) for name in names], axis=1).max(axis=1)
     if run.data.sizes.get("episode", 0) == 0:
         return sampled, np.empty(0), np.empty(0)

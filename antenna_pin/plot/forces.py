@@ -31,6 +31,7 @@ from antenna_pin.plot._style import (
     prefixed,
     styled,
 )
+from antenna_pin.trajectory import contact_ends, contact_kinds
 
 _SAMPLED = "resultant on the journal, as sampled"
 _PEAKS = "peak normal force of each contact episode"
@@ -81,7 +82,7 @@ def figure_contact_forces(
             )
             _stems(axes, *peaks[column][kind], factor)
             few_ticks(axes, 5)
-            if kind == "axial" and not any(".axial" in name for name in _contacts_of(run, joint)):
+            if kind == "axial" and not run.contacts_of(joint, flanges=True):
                 if axes.get_shared_y_axes().get_siblings(axes) == [axes]:
                     axes.set_yticks([0.0])
                 axes.text(
@@ -114,10 +115,12 @@ def _comparable(sizes: list[float]) -> bool:
 
 def _kinds(runs: list[LabelledRun], joint: str) -> tuple[str, ...]:
     """Return the kinds of contact that the joint has in any run: in a bore, at flanges; in a socket."""
-    ends = {name.rpartition(".")[2] for run in runs for name in _contacts_of(run, joint)}
-    if "spherical" in ends:  # a ball has no axis
+    if any(
+        contact_kinds(run.data)[name] == "spherical" for run in runs for name in run.contacts_of(joint)
+    ):  # a ball has no axis
         return ("contact",)
-    return ("radial", "axial") if any(end.startswith("axial") for end in ends) else ("radial",)
+    flanged = any(run.contacts_of(joint, flanges=True) for run in runs)
+    return ("radial", "axial") if flanged else ("radial",)
 
 
 def _resultant(run: LabelledRun, joint: str, kinds: tuple[str, ...]) -> dict[str, Array]:
@@ -131,20 +134,16 @@ def _resultant(run: LabelledRun, joint: str, kinds: tuple[str, ...]) -> dict[str
     return {"radial": np.hypot(force[:, 0], force[:, 1]), "axial": force[:, 2]}
 
 
-def _contacts_of(run: LabelledRun, joint: str) -> list[str]:
-    return [name for name in run.contacts if name.startswith(f"{joint}.")]
-
-
 def _peaks(run: LabelledRun, joint: str, kind: str) -> tuple[Array, Array]:
     """Return times [s] and signed peak normal forces [N] of the episodes of one kind of contact."""
     if run.data.sizes.get("episode", 0) == 0:
         return np.empty(0), np.empty(0)
-    names = run.contacts
+    names, ends = run.contacts, contact_ends(run.data)
     index = run.values("episode_contact").astype(int)
-    prefix = f"{joint}." if kind == "contact" else f"{joint}.{kind}"
-    of_kind = np.array([0 <= i < len(names) and names[i].startswith(prefix) for i in index])
+    mine = run.contacts_of(joint, flanges=None if kind == "contact" else kind == "axial")
+    of_kind = np.isin(index, [names.index(name) for name in mine])
     # The bearing pushes the journal along its axis at the + end, against it at the - end.
-    negative = np.array([kind == "axial" and names[i].endswith("-") for i in index[of_kind]], dtype=bool)
+    negative = np.array([kind == "axial" and ends[names[i]] == "-" for i in index[of_kind]], dtype=bool)
     force = run.values("peak_force")[of_kind]
     time = run.values("peak_time")[of_kind]
     known = np.isfinite(force) & np.isfinite(time)

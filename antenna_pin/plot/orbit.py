@@ -45,6 +45,7 @@ from antenna_pin.plot._style import (
     styled,
     three_digits,
 )
+from antenna_pin.trajectory import contact_ends, contact_kinds
 
 Shade = Literal["time", "load"]
 _FREE = "#B8B8B8"
@@ -140,7 +141,7 @@ def _colours(shade: Shade) -> Colormap:
 
 def _bore_forces(run: LabelledRun, joint: str) -> Array:
     """Return the normal forces of the contacts in the bore or socket, (n, places) [N]."""
-    names = [name for name in run.contacts if name.rpartition(".")[0] == joint and ".axial" not in name]
+    names = run.contacts_of(joint, flanges=False)
     return np.stack([run.values("normal_force", contact=name) for name in names], axis=1)
 
 
@@ -231,20 +232,21 @@ def figure_bore_load(
     figure, panels = _square_panels(width, len(drawn), 14.0, projection="polar")
     # Dark and light: told apart in grey as well.
     looks = {
-        "radial+": ("end +", COLOURS[0]),
-        "radial-": ("end \N{MINUS SIGN}", COLOURS[4]),
-        "radial": ("bore", COLOURS[5]),
-        "spherical": ("socket", COLOURS[5]),
+        ("radial", "+"): ("end +", COLOURS[0]),
+        ("radial", "-"): ("end \N{MINUS SIGN}", COLOURS[4]),
+        ("radial", ""): ("bore", COLOURS[5]),
+        ("spherical", ""): ("socket", COLOURS[5]),
     }
     for letter, axes, run, load in zip(letters(), panels, drawn, loads, strict=False):
         assert isinstance(axes, PolarAxes)
         impulse = load["impulse"].values
         angle, turn = load["angle"].values, 2.0 * np.pi / sectors
         factor, printed = prefixed("N s", float(impulse.sum(axis=0).max(initial=0.0)))
+        kinds, ends = contact_kinds(run.data), contact_ends(run.data)
         below = np.zeros(sectors)
         for contact, taken in zip(load["contact"].values, factor * impulse, strict=True):
-            kind = str(contact).rpartition(".")[2]
-            name, colour = looks.get(kind, (kind, COLOURS[2]))
+            kind, end = kinds[str(contact)], ends[str(contact)]
+            name, colour = looks.get((kind, end), (kind + end, COLOURS[2]))
             bars: dict[str, Any] = {"width": turn, "color": colour, "edgecolor": "white", "linewidth": 0.25}
             axes.bar(angle, taken, label=name, bottom=below, **bars)
             below = below + taken

@@ -62,7 +62,7 @@ def figure_scenarios(
     drawn = [run for run in long_enough(every) if joint in run.clearance_joints]
     spans = [scenario_spans(run.data, joint) for run in drawn]
     # A joint without flanges has no line of axial scenarios.
-    flanged = [any(name.startswith(f"{joint}.axial") for name in run.contacts) for run in drawn]
+    flanged = [bool(run.contacts_of(joint, flanges=True)) for run in drawn]
     rows = [(i, kind) for i in range(len(drawn)) for kind in _KINDS[: 1 + flanged[i]]]
     page = width == "page"
     figure = new_figure(width, 14.0 + (27.0 if page else 54.0) * len(rows))

@@ -12,6 +12,7 @@ from antenna_pin.record.key_frames import Impacts, KeyFrames
 from antenna_pin.record.mechanism_view import camera, nice
 from antenna_pin.record.scene import Scene, packed_doubles, packed_floats
 from antenna_pin.record.shapes import lathe
+from antenna_pin.trajectory import contacts_of
 
 Array = NDArray[np.float64]
 
@@ -64,8 +65,8 @@ class JointPicture:
         chosen = data.isel(time=frames.indices)
         self.times = np.asarray(chosen["time"].values, dtype=float)
         names = [str(contact) for contact in data["contact"].values]
-        mine = [k for k, contact in enumerate(names) if contact.rpartition(".")[0] == name]
-        self.contacts = [names[k] for k in mine]
+        self.contacts = contacts_of(data, name)
+        mine = [names.index(contact) for contact in self.contacts]
         self.gap = np.asarray(chosen["gap"].values, dtype=float)[:, mine]
         self.point = np.asarray(chosen["contact_point"].values, dtype=float)[:, mine]
         self.force = np.asarray(chosen["contact_force"].values, dtype=float)[:, mine]

@@ -35,7 +35,7 @@ def joint_view(
         run: The run.
         frames: Its key frames.
         impacts: Contact episodes in the span.
-        places: Shapes of the clearance joints (``antenna_pin.simulation.places.clearance_places``).
+        places: Shapes of the clearance joints (its attribute ``clearance_joints``).
         joint: Name of the joint; the first one with clearance if left out.
         magnify: How many times wider gaps are drawn [-]; chosen from 100 to 1000 if left out.
     """

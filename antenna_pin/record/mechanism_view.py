@@ -14,7 +14,7 @@ from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.record.key_frames import Impacts, KeyFrames
 from antenna_pin.record.scene import Scene, packed_doubles, packed_floats
 from antenna_pin.record.shapes import Cylinder, Shape, Sphere, corners, visual_shapes
-from antenna_pin.trajectory import Trajectory
+from antenna_pin.trajectory import Trajectory, contact_joints
 
 __all__ = ["Boresight", "camera", "mechanism_view", "nice", "placement_of"]
 
@@ -62,7 +62,7 @@ def mechanism_view(
         run: The run.
         frames: Its key frames.
         impacts: Contact episodes in the span.
-        places: Where bearings are (``antenna_pin.simulation.places.clearance_places``).
+        places: Where bearings are (its attribute ``clearance_joints``).
         ideal: A run to be drawn as a ghost, and its key frames.
         boresight: Body and axis of the line to be drawn.
     """
@@ -239,8 +239,7 @@ def _contacts(
     reference = nice(largest)
     length = nice(0.3 * size * np.sqrt(reference / largest))
     items, tips = [], []
-    for k, name in enumerate(map(str, data["contact"].values)):
-        joint = name.rpartition(".")[0]
+    for k, (name, joint) in enumerate(contact_joints(data).items()):
         place = places[joint]
         path = f"{motion.paths[place['bearing_body']]}/bearing {joint}".replace("//", "/")
         bearing = placement_of(place["bearing_placement"])

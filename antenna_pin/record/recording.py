@@ -12,7 +12,6 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from antenna_pin.assemble import build_system
 from antenna_pin.card import in_frame
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.files import check_writable, replacing
@@ -22,8 +21,7 @@ from antenna_pin.record.key_frames import KeyFrames, impacts_of, key_frames
 from antenna_pin.record.mechanism_view import mechanism_view
 from antenna_pin.record.scene import packed_doubles, packed_floats
 from antenna_pin.scenario import Scenario
-from antenna_pin.simulation.places import clearance_places
-from antenna_pin.trajectory import Counts, Outcome, Trajectory
+from antenna_pin.trajectory import Counts, Outcome, Trajectory, series
 
 __all__ = ["Recording", "View", "record"]
 
@@ -163,6 +161,7 @@ def record(
 
 def _trajectory(run: Trajectory | xr.Dataset) -> Trajectory:
     """Return a run with what its data alone tell of how it ended and where it came from."""
+    series(run.data if isinstance(run, Trajectory) else run, "recording")
     if isinstance(run, Trajectory):
         return run
     outcome = Outcome[run.attrs.get("outcome", "COMPLETED")]
@@ -224,11 +223,9 @@ def _boresight(
 
 
 def _places(run: Trajectory) -> dict[str, dict[str, Any]]:
-    """Return shapes and places of the clearance joints; a file of format 1 has them from its scenario."""
-    if "clearance_geometry" in run.data.attrs:
-        found: dict[str, dict[str, Any]] = json.loads(run.data.attrs["clearance_geometry"])
-        return found
-    return {} if run.scenario is None else clearance_places(build_system(run.scenario))
+    """Return what the clearance joints are, by name."""
+    found: dict[str, dict[str, Any]] = json.loads(run.data.attrs.get("clearance_joints", "{}"))
+    return found
 
 
 def _data(

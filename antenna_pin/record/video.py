@@ -20,10 +20,10 @@ from numpy.typing import NDArray
 
 from antenna_pin.errors import InvalidParameterError, OutputError
 from antenna_pin.files import check_writable, replacing
+from antenna_pin.interruption import interruptible
 from antenna_pin.record._browser import find_browser
 from antenna_pin.record._camera import Camera, check_size, open_camera
 from antenna_pin.record._movie import check_writers, palette_of, write_gif, write_mp4
-from antenna_pin.simulation.progress import interruptible
 
 if TYPE_CHECKING:
     from antenna_pin.record.recording import Recording

@@ -12,7 +12,7 @@ import numpy as np
 import xarray as xr
 
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.trajectory import Trajectory
+from antenna_pin.trajectory import Trajectory, names_along, series
 
 __all__ = ["ReportedRun", "Run", "ideal_of", "labels_of", "reported"]
 
@@ -55,7 +55,7 @@ class ReportedRun:
 
     def names(self, dimension: str) -> list[str]:
         """Return the labels along a dimension; none if the run does not have it."""
-        return [str(n) for n in self.data[dimension].values] if dimension in self.data.coords else []
+        return names_along(self.data, dimension)
 
     def values(self, name: str) -> np.ndarray:
         """Return a variable as floats."""
@@ -96,6 +96,7 @@ def reported(runs: Iterable[Run] | Run) -> list[ReportedRun]:
         name, copy = label, 2
         while name in taken:
             name, copy = f"{label} ({copy})", copy + 1
+        series(run.data, "report")
         result.append(ReportedRun(name, run, file))
     return result
 

@@ -84,7 +84,7 @@ def words_of_clearances(scenario: Scenario) -> Iterator[tuple[str, str]]:
 
 def words_of_carried_clearances(run: ReportedRun) -> Iterator[tuple[str, str]]:
     """Yield what the result of a system built in Python tells of its clearance joints."""
-    places: dict[str, Any] = json.loads(run.data.attrs.get("clearance_geometry", "{}"))
+    places: dict[str, Any] = json.loads(run.data.attrs.get("clearance_joints", "{}"))
     for name, place in places.items():
         given = ", ".join(
             f"{key.replace('_', ' ')} {_length(value)}"

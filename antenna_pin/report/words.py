@@ -87,11 +87,11 @@ def _words(run: ReportedRun) -> Iterator[tuple[str, Words]]:
         yield "Joints", dict(_joints(mechanism, scenario, run))
     if scenario is not None:
         yield "Clearance", dict(words_of_clearances(scenario))
-        yield "Contact and friction", dict(words_of_laws(scenario))
         yield "Drives and springs", dict(words_of_elements(scenario))
     else:
         yield "Clearance", dict(words_of_carried_clearances(run))
         yield "Drives and springs", dict(names_of_elements(run))
+    yield "Contact and friction", dict(words_of_laws(run))
     yield "Start", dict(_start(run, mechanism))
     yield "Computation", dict(_computation(run))
 

@@ -13,11 +13,15 @@ class ScalesSpec(MadeSpec):
     """What an error counts as large against, per kind of quantity: ``rtol * (scale + |value|)``."""
 
 
-@reads(RunSettings, without=("output_rate",), scales=ScalesSpec)
+@reads(RunSettings, without=("output_rate", "output_form"), scales=ScalesSpec)
 class IntegratorSpec(MadeSpec):
     """How the motion is integrated."""
 
 
-@reads(RunSettings, only=("output_rate",), renamed={"output_rate": "rate"})
+@reads(
+    RunSettings,
+    only=("output_rate", "output_form"),
+    renamed={"output_rate": "rate", "output_form": "form"},
+)
 class OutputSpec(MadeSpec):
     """What is recorded."""

@@ -1,30 +1,30 @@
-"""From the samples of a run to labelled arrays: all that a state implies, with units."""
+"""From the samples of a run to a result: all that its states imply, by the schema of results."""
 
 from __future__ import annotations
 
 import json
 import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from antenna_pin.dynamics import System, Workspace, audit
-from antenna_pin.dynamics import _kernels as _dynamics
-from antenna_pin.geometry import AxialScenario, RadialScenario, RevoluteClearance
-from antenna_pin.geometry import _kernels as _geometry
-from antenna_pin.geometry.shapes import TABLE_WIDTH
+from antenna_pin.dynamics import Observed, System, joint_motion, observed
 from antenna_pin.joints import _kernels as _joint
 from antenna_pin.mechanism import frame_aligning_z, quaternions
+from antenna_pin.simulation.carried import mechanism_attributes
 from antenna_pin.simulation.loop import Run
-from antenna_pin.simulation.places import mechanism_attributes
+from antenna_pin.trajectory.schema import labelled
 
 __all__ = ["dataset"]
 
 Array = NDArray[np.float64]
+Values = Mapping[str, Any]
 
-_AXES = ("x", "y", "z")
 _DOF_NAMES = {
     "floating": ("x", "y", "z", "qx", "qy", "qz", "qw"),
     "planar": ("x", "y", "cos", "sin"),
@@ -38,16 +38,131 @@ _RATE_NAMES = {
 }
 
 
-class _Table:
-    """Variables of a dataset in the making: name -> (dims, values, units, long name)."""
+@dataclass(eq=False)
+class _Seen:
+    """The samples of a run, and what the system is there."""
 
-    def __init__(self) -> None:
-        self.variables: dict[str, tuple[tuple[str, ...], Any, dict[str, Any]]] = {}
+    run: Run
+    times: Array
+    states: Array
+    memories: Array
+    found: Observed
 
-    def add(
-        self, name: str, dims: tuple[str, ...], values: Any, units: str, meaning: str, **more: Any
-    ) -> None:
-        self.variables[name] = (dims, values, {"units": units, "long_name": meaning, **more})
+    @property
+    def system(self) -> System:
+        return self.run.system
+
+    @property
+    def q(self) -> Array:
+        return self.states[:, : self.system.model.nq]
+
+    @property
+    def v(self) -> Array:
+        nq = self.system.model.nq
+        return self.states[:, nq : nq + self.system.model.nv]
+
+    @cached_property
+    def since(self) -> Array:
+        """What the elements have integrated since the first sample: a run that goes on has its own ledger."""
+        x = self.states[:, self.system.model.nq + self.system.model.nv :]
+        return np.asarray(x - x[0])
+
+    @cached_property
+    def joints(self) -> tuple[list[str], Array]:
+        """Names and motion of the joints that turn."""
+        return joint_motion(self.system, self.states, self.found.acceleration)
+
+    @property
+    def sliding(self) -> list[Any]:
+        return [slot for slot in self.system.mechanism.joints.values() if slot.kind == "prismatic"]
+
+    @cached_property
+    def energy_error(self) -> Array:
+        """Error of the energy balance [J]."""
+        stored = self.found.stored.sum(axis=1)
+        error = stored - stored[0]
+        for happening in self.run.happened:
+            error[self.times >= happening.time] -= happening.energy
+        for sign, columns in _ledger_columns(self.system):
+            error += sign * self.since[:, columns].sum(axis=1)
+        return np.asarray(error)
+
+
+def _ledger_columns(system: System) -> list[tuple[float, Any]]:
+    """Return what leaves the balance, and what enters it: sign and places in x."""
+    return [
+        (-1.0, system.work_x),
+        (1.0, system.lost_normal_x),
+        (1.0, system.lost_friction_x),
+        (1.0, system.damper_x),
+    ]
+
+
+def dataset(run: Run, title: str, case: str, versions: dict[str, str], *, lean: bool = False) -> xr.Dataset:
+    """Return a finished run as a labelled dataset (docs/trajectory.md lists the variables).
+
+    Args:
+        run: The run.
+        title: Of the scenario.
+        case: Of the scenario.
+        versions: Of the libraries.
+        lean: Whether to leave out the series: a result of numbers and contact episodes only.
+    """
+    times = np.array(run.samples.times)
+    states = np.concatenate(run.samples.states).reshape(len(times), -1)
+    contacts = len(run.system.contact_names)
+    memories = np.concatenate(run.samples.memories).reshape(len(times), contacts, _joint.MEMORY_WIDTH)
+    found = observed(run.system, times, states, memories, run.samples.programs)
+    seen = _Seen(run, times, states, memories, found)
+    values: dict[str, Any] = {}
+    for source in _SOURCES:
+        values |= source(seen)
+    attributes = {
+        "form": "lean" if lean else "full",
+        "title": title,
+        "case": case,
+        "end_time": float(times[-1]),
+        "samples": len(times),
+        "versions": json.dumps(versions),
+        "gap_difference": run.gap_difference,
+        "conservation": json.dumps(_conservation(seen)),
+        **mechanism_attributes(run.system),
+    }
+    free = run.system.mechanism.base == "free"
+    return labelled(values, _labels(seen), attributes, free_base=free, lean=lean)
+
+
+def _labels(seen: _Seen) -> dict[str, Any]:
+    """Return the labels of all dimensions and coordinates that the system has."""
+    system = seen.system
+    configuration, velocity = _coordinate_names(system)
+    labels: dict[str, Any] = {
+        "time": seen.times,
+        "axis": ("x", "y", "z"),
+        "configuration": configuration,
+        "coordinate": velocity,
+        "joint": seen.joints[0],
+    }
+    if system.mechanism.base == "free" or system.clearances:
+        labels["quaternion"] = ("x", "y", "z", "w")
+    places = [(j.name, *place) for j in system.clearances for place in j.geometry.contact_places]
+    for name, found in (
+        ("sliding_joint", [slot.name for slot in seen.sliding]),
+        ("contact", system.contact_names),
+        ("contact_joint", [joint for joint, _, _ in places]),
+        ("contact_kind", [kind for _, kind, _ in places]),
+        ("contact_end", [end for _, _, end in places]),
+        ("clearance_joint", [joint.name for joint in system.clearances]),
+        ("drive", list(system.drives)),
+        ("spring", list(system.springs)),
+    ):
+        if found:
+            labels[name] = found
+    if system.contact_names:
+        labels["episode"] = len(seen.run.episodes)
+    if seen.run.events:
+        labels["event"] = [one.name for one in seen.run.happened]
+    return labels
 
 
 def _coordinate_names(system: System) -> tuple[list[str], list[str]]:
@@ -62,288 +177,39 @@ def _coordinate_names(system: System) -> tuple[list[str], list[str]]:
     return configuration, velocity
 
 
-class _Observer:
-    """Evaluates the system at every sample and keeps what the file needs."""
-
-    def __init__(self, run: Run) -> None:
-        system = run.system
-        self.run = run
-        self.system = system
-        self.n = len(run.samples.times)
-        self.times = np.array(run.samples.times)
-        self.states = np.array(run.samples.states)
-        contacts, joints = len(system.contact_names), len(system.clearances)
-        drives = len(system.drives)
-        self.a = np.zeros((self.n, system.model.nv))
-        self.tables = np.zeros((self.n, contacts, TABLE_WIDTH))
-        self.poses = np.zeros((self.n, joints, _joint.POSE_BUFFER))
-        self.scenarios = np.zeros((self.n, joints, 2), dtype=np.int8)
-        self.wrenches = np.zeros((self.n, joints, 6))
-        self.efforts = np.zeros((self.n, drives))
-        self.energies = np.zeros((self.n, 4))
-        self.linear = np.zeros((self.n, 3))
-        self.angular = np.zeros((self.n, 3))
-        self.momentum_scales = np.zeros((self.n, 2))
-        self._observe()
-
-    def _observe(self) -> None:
-        system = self.system
-        workspace = Workspace(system)
-        rates = np.zeros(system.model.nv + system.manifold.nx)
-        y = np.zeros(system.manifold.size)
-        nq = system.model.nq
-        scratch = np.zeros((5, TABLE_WIDTH))
-        derivative = workspace.bind(y, rates)
-        blocks = [system.clearance_blocks[joint.name] for joint in system.clearances]
-        for i in range(self.n):
-            y[:] = self.states[i]
-            workspace.memory[:] = self.run.samples.memories[i]
-            workspace.program[:] = self.run.samples.programs[i]
-            workspace.measure(y)
-            derivative(self.times[i])
-            self.a[i] = rates[: system.model.nv]
-            self.tables[i] = workspace.table[: len(system.contact_names)]
-            found = audit(workspace, y)
-            self.energies[i] = (found.kinetic, found.contacts, found.springs, found.gravity)
-            self.linear[i], self.angular[i] = found.linear, found.angular
-            self.momentum_scales[i] = (found.linear_scale, found.angular_scale)
-            for k, block in enumerate(system.drive_blocks.values()):
-                self.efforts[i, k] = _dynamics.drive_effort(workspace.program, block, self.times[i])
-            for k, joint in enumerate(system.clearances):
-                pose = self.poses[i, k]
-                _joint.journal_state(system.program, blocks[k], y, nq, pose)
-                row = int(system.program[blocks[k] + _joint.FIRST_CONTACT])
-                _joint.wrench_on_journal(
-                    system.program, blocks[k], pose, workspace.table, row, self.wrenches[i, k]
-                )
-                if isinstance(joint.geometry, RevoluteClearance):
-                    shape, at = joint.geometry.shape(), _joint.centre_and_axis(pose)
-                    _geometry.revolute_contacts(shape, *at, scratch, 0)
-                    self.scenarios[i, k] = _geometry.contact_scenario(shape, *at, scratch, 0, 4)
-                else:
-                    self.scenarios[i, k, 0] = workspace.table[row, 0] < 0.0
-
-    def motion(self) -> tuple[list[str], Array, Array, Array]:
-        """Return names, angles, rates and accelerations of the joints that turn; angles with whole turns."""
-        system = self.system
-        nq, nv = system.model.nq, system.model.nv
-        names, angles, rates, accelerations = [], [], [], []
-        velocities = self.states[:, nq : nq + nv]
-        for slot in system.mechanism.joints.values():
-            block = system.clearance_blocks.get(slot.name, -1)
-            if block >= 0 and system.program[block] == _joint.SPHERICAL:
-                continue
-            if block >= 0:
-                angle, rate, acceleration = self._clearance_motion(block, slot.v.start, slot.kind == "planar")
-            elif slot.kind in ("revolute", "continuous"):
-                q = self.states[:, slot.q]
-                angle = q[:, 0]
-                if slot.kind == "continuous":
-                    turned = self.states[:, nq + nv + system.turn_x[slot.name]]
-                    pairs = zip(np.arctan2(q[:, 1], q[:, 0]), turned, strict=True)
-                    angle = np.array([_joint.unwrapped(one, near) for one, near in pairs])
-                rate = velocities[:, slot.v.start]
-                acceleration = self.a[:, slot.v.start]
-            else:
-                continue
-            names.append(slot.name)
-            angles.append(angle)
-            rates.append(rate)
-            accelerations.append(acceleration)
-        stacked = [
-            np.array(values).reshape(len(names), self.n).T for values in (angles, rates, accelerations)
-        ]
-        return names, stacked[0], stacked[1], stacked[2]
-
-    def _clearance_motion(self, block: int, start: int, planar: bool) -> tuple[Array, Array, Array]:
-        program = self.system.program
-        nq = self.system.model.nq
-        axes = program[block + _joint.AXES : block + _joint.AXES + 9].reshape(3, 3)
-        angle, rate, acceleration = np.zeros(self.n), np.zeros(self.n), np.zeros(self.n)
-        for i, y in enumerate(self.states):
-            angle[i], gx, gy = _joint.motion_angle(program, block, y, nq + self.system.model.nv)
-            if planar:
-                rate[i], acceleration[i] = y[nq + start + 2], self.a[i, start + 2]
-                continue
-            w = axes.T @ y[nq + start + 3 : nq + start + 6]
-            alpha = axes.T @ self.a[i, start + 3 : start + 6]
-            rate[i] = gx * w[0] + gy * w[1] + w[2]
-            # The rate's own derivative; that of g is a product of tilt rates, taken exactly from its
-            # definition.
-            dg = _tilt_rate(program, block, y, w)
-            acceleration[i] = gx * alpha[0] + gy * alpha[1] + alpha[2] + dg[0] * w[0] + dg[1] * w[1]
-        return angle, rate, acceleration
+# --- the sources of the schema: all variables of each ---
 
 
-def _tilt_rate(program: Array, block: int, y: Array, w: Array) -> tuple[float, float]:
-    """Return the rates of gx and gy of the motion angle for the angular velocity w in journal axes [1/s]."""
-    i = int(program[block + 3]) + 3
-    axes = program[block + _joint.AXES : block + _joint.AXES + 9].reshape(3, 3)
-    x, q, z = axes.T @ y[i : i + 3]
-    s = y[i + 3]
-    # Quaternion kinematics in body axes.
-    ds = -0.5 * (x * w[0] + q * w[1] + z * w[2])
-    dx = 0.5 * (s * w[0] + q * w[2] - z * w[1])
-    dq = 0.5 * (s * w[1] + z * w[0] - x * w[2])
-    dz = 0.5 * (s * w[2] + x * w[1] - q * w[0])
-    square = z * z + s * s
-    if square == 0.0:
-        return 0.0, 0.0
-    change = 2.0 * (z * dz + s * ds) / square
-    gx, gy = (z * x - s * q) / square, (s * x + z * q) / square
-    return (
-        (dz * x + z * dx - ds * q - s * dq) / square - gx * change,
-        (ds * x + s * dx + dz * q + z * dq) / square - gy * change,
-    )
-
-
-def dataset(run: Run, title: str, case: str, versions: dict[str, str]) -> xr.Dataset:
-    """Return a finished run as a labelled dataset (docs/trajectory.md lists the variables)."""
-    seen = _Observer(run)
-    table = _Table()
-    _add_state(table, seen)
-    _add_contacts(table, seen)
-    error = _add_ledger(table, seen)
-    coords = _coordinates(seen)
-    joints = seen.motion()
-    coords["joint"] = ("joint", np.array(joints[0], dtype=object) if joints[0] else np.zeros(0, dtype="<U1"))
-    for values, name, units, meaning in zip(
-        joints[1:],
-        ("motion_angle", "motion_rate", "motion_acceleration"),
-        ("rad", "rad/s", "rad/s^2"),
-        ("rotation about the joint's axis", "its rate", "its acceleration"),
-        strict=True,
-    ):
-        table.add(name, ("time", "joint"), values, units, meaning)
-    _add_slides(table, coords, seen)
-    _add_episodes(table, run)
-    _add_events(table, coords, run)
-    attributes = {
-        "title": title,
-        "case": case,
-        "versions": json.dumps(versions),
-        "gap_difference": run.gap_difference,
-        "conservation": json.dumps(_conservation(seen, error)),
-        **mechanism_attributes(run.system),
+def _state(seen: _Seen) -> Values:
+    q, v = seen.q, seen.v
+    return {
+        "q": q,
+        "v": v,
+        "base_position": q[:, :3],
+        "base_attitude": q[:, 3:7],
+        "base_velocity": v[:, :3],
+        "base_angular_velocity": v[:, 3:6],
     }
-    return xr.Dataset(table.variables, coords=coords, attrs=attributes)
 
 
-def _add_slides(table: _Table, coords: dict[str, Any], seen: _Observer) -> None:
-    """Add the motion of joints that slide, if there are any."""
-    system = seen.system
-    slots = [slot for slot in system.mechanism.joints.values() if slot.kind == "prismatic"]
-    if not slots:
-        return
-    coords["sliding_joint"] = ("sliding_joint", np.array([slot.name for slot in slots], dtype=object))
-    along_q, along_v = [slot.q.start for slot in slots], np.array([slot.v.start for slot in slots])
-    dims = ("time", "sliding_joint")
-    table.add("slide_position", dims, seen.states[:, along_q], "m", "way along the joint's axis")
-    table.add("slide_rate", dims, seen.states[:, system.model.nq + along_v], "m/s", "its rate")
-    table.add("slide_acceleration", dims, seen.a[:, along_v], "m/s^2", "its acceleration")
+def _derivative(seen: _Seen) -> Values:
+    return {"a": seen.found.acceleration, "drive_torque": seen.found.effort}
 
 
-def _coordinates(seen: _Observer) -> dict[str, Any]:
-    system = seen.system
-    configuration, velocity = _coordinate_names(system)
-    coords: dict[str, Any] = {
-        "time": ("time", seen.times, {"units": "s", "long_name": "time"}),
-        "axis": ("axis", np.array(_AXES, dtype=object)),
-        "configuration": ("configuration", np.array(configuration, dtype=object)),
-        "coordinate": ("coordinate", np.array(velocity, dtype=object)),
+def _contact(seen: _Seen) -> Values:
+    contacts, pose, wrench = seen.found.contact, seen.found.pose, seen.found.wrench
+    touching = seen.memories[:, :, _joint.TOUCHING]
+    return {
+        **{name: contacts[name] for name in contacts.dtype.names or ()},
+        "touching": touching.astype(np.int8),
+        "journal_position": pose[:, :, :3],
+        "journal_attitude": _attitudes(seen.system, pose),
+        "journal_tilt": np.arctan2(np.hypot(pose[:, :, 3], pose[:, :, 4]), pose[:, :, 5]),
+        "joint_force": wrench[:, :, :3],
+        "joint_torque": wrench[:, :, 3:],
+        "radial_scenario": seen.found.scenario[:, :, 0],
+        "axial_scenario": seen.found.scenario[:, :, 1],
     }
-    if system.mechanism.base == "free" or system.clearances:
-        coords["quaternion"] = ("quaternion", np.array(["x", "y", "z", "w"], dtype=object))
-    for dim, names in (
-        ("contact", system.contact_names),
-        ("clearance_joint", [joint.name for joint in system.clearances]),
-        ("drive", list(system.drives)),
-        ("spring", list(system.springs)),
-    ):
-        if names:
-            coords[dim] = (dim, np.array(names, dtype=object))
-    return coords
-
-
-def _add_state(table: _Table, seen: _Observer) -> None:
-    system = seen.system
-    nq, nv = system.model.nq, system.model.nv
-    q, v = seen.states[:, :nq], seen.states[:, nq : nq + nv]
-    table.add("q", ("time", "configuration"), q, "m, rad or 1", "configuration, Pinocchio's order")
-    table.add("v", ("time", "coordinate"), v, "m/s or rad/s", "generalized velocity, body axes")
-    table.add("a", ("time", "coordinate"), seen.a, "m/s^2 or rad/s^2", "generalized acceleration, body axes")
-    if system.mechanism.base == "free":
-        table.add("base_position", ("time", "axis"), q[:, :3], "m", "base in the world")
-        table.add("base_attitude", ("time", "quaternion"), q[:, 3:7], "1", "base in the world, quaternion")
-        table.add("base_velocity", ("time", "axis"), v[:, :3], "m/s", "base, in its own axes")
-        table.add("base_angular_velocity", ("time", "axis"), v[:, 3:6], "rad/s", "base, in its own axes")
-    if system.drives:
-        table.add(
-            "drive_torque",
-            ("time", "drive"),
-            seen.efforts,
-            "N m",
-            "torque of the drive (a force [N] if it slides)",
-        )
-
-
-def _add_contacts(table: _Table, seen: _Observer) -> None:
-    system = seen.system
-    if not system.contact_names:
-        return
-    rows = seen.tables
-    gaps = rows[:, :, 0]
-    per_contact = ("time", "contact")
-    touching = np.array(seen.run.samples.memories)[:, :, _joint.TOUCHING].astype(np.int8)
-    normal = np.maximum(rows[:, :, _joint.FORCE], 0.0)
-    friction = rows[:, :, _joint.FRICTION : _joint.FRICTION + 3]
-    table.add("gap", per_contact, gaps, "m", "distance of the surfaces, negative in contact")
-    table.add("depth", per_contact, np.maximum(-gaps, 0.0), "m", "penetration depth")
-    table.add(
-        "depth_rate", per_contact, rows[:, :, _joint.RATE], "m/s", "rate of penetration, positive closing"
-    )
-    slip = np.linalg.norm(rows[:, :, _joint.SLIP : _joint.SLIP + 3], axis=2)
-    table.add("slip_speed", per_contact, slip, "m/s", "tangential speed of the journal over the bearing")
-    table.add("normal_force", per_contact, normal, "N", "normal force on the journal")
-    table.add("friction_force", per_contact, np.linalg.norm(friction, axis=2), "N", "friction on the journal")
-    forces = normal[:, :, None] * rows[:, :, 1:4] + friction
-    vector = (*per_contact, "axis")
-    table.add("contact_force", vector, forces, "N", "force on the journal, bearing axes")
-    table.add("contact_point", vector, rows[:, :, 4:7], "m", "candidate contact, from the bearing's centre")
-    table.add("touching", per_contact, touching, "1", "whether the contact touches")
-    joint = ("time", "clearance_joint")
-    table.add(
-        "journal_position", (*joint, "axis"), seen.poses[:, :, :3], "m", "journal's centre in the bearing"
-    )
-    table.add(
-        "journal_attitude",
-        (*joint, "quaternion"),
-        _attitudes(system, seen.poses),
-        "1",
-        "journal in the bearing, quaternion",
-    )
-    tilt = np.arctan2(np.hypot(seen.poses[:, :, 3], seen.poses[:, :, 4]), seen.poses[:, :, 5])
-    table.add("journal_tilt", joint, tilt, "rad", "angle between the axes of journal and bearing")
-    table.add("joint_force", (*joint, "axis"), seen.wrenches[:, :, :3], "N", "contact force on the journal")
-    table.add(
-        "joint_torque",
-        (*joint, "axis"),
-        seen.wrenches[:, :, 3:],
-        "N m",
-        "contact torque about the journal's centre",
-    )
-    for k, (name, kinds) in enumerate(
-        (("radial_scenario", RadialScenario), ("axial_scenario", AxialScenario))
-    ):
-        table.add(
-            name,
-            joint,
-            seen.scenarios[:, :, k],
-            "1",
-            f"contact scenario, {name.split('_')[0]}",
-            flag_values=np.array([kind.value for kind in kinds], dtype=np.int8),
-            flag_meanings=" ".join(kind.name.lower() for kind in kinds),
-        )
 
 
 def _attitudes(system: System, poses: Array) -> Array:
@@ -357,132 +223,103 @@ def _attitudes(system: System, poses: Array) -> Array:
     return result
 
 
-def _add_ledger(table: _Table, seen: _Observer) -> Array:
-    """Add energies, works, losses and momenta; return the error of the energy balance [J]."""
-    system = seen.system
-    x = seen.states[:, system.model.nq + system.model.nv :]
-    since = x - x[0]  # a run that goes on from another has its own ledger
-    for k, (name, meaning) in enumerate(
-        (
-            ("kinetic_energy", "kinetic energy"),
-            ("contact_energy", "energy stored in contacts"),
-            ("spring_energy", "energy stored in joint springs"),
-            ("gravity_energy", "potential energy of gravity"),
-        )
-    ):
-        table.add(name, ("time",), seen.energies[:, k], "J", meaning)
-    stored = seen.energies.sum(axis=1)
-    error = stored - stored[0]
-    for happening in seen.run.happened:
-        error[seen.times >= happening.time] -= happening.energy
-    if system.drives:
-        work = since[:, system.work_x]
-        error -= work.sum(axis=1)
-        table.add("drive_work", ("time", "drive"), work, "J", "work of the drive since the start")
-        table.add(
-            "drive_gross_work",
-            ("time", "drive"),
-            since[:, system.gross_work_x],
-            "J",
-            "integral of |power| of the drive",
-        )
-    if system.contact_names:
-        for name, index, meaning in (
-            ("dissipation_normal", system.lost_normal_x, "energy lost to normal contact"),
-            ("dissipation_friction", system.lost_friction_x, "energy lost to friction"),
-        ):
-            table.add(name, ("time", "contact"), since[:, index], "J", meaning)
-            error += since[:, index].sum(axis=1)
-        table.add(
-            "normal_impulse",
-            ("time", "contact"),
-            since[:, system.impulse_x],
-            "N s",
-            "integral of normal force",
-        )
-    if system.springs:
-        table.add(
-            "dissipation_damper",
-            ("time", "spring"),
-            since[:, system.damper_x],
-            "J",
-            "energy lost in the damper",
-        )
-        error += since[:, system.damper_x].sum(axis=1)
-    table.add("energy_error", ("time",), error, "J", "stored - start - work of drives + losses")
-    table.add("linear_momentum", ("time", "axis"), seen.linear, "kg m/s", "of the whole, world axes")
-    table.add(
-        "angular_momentum",
-        ("time", "axis"),
-        seen.angular,
-        "kg m^2/s",
-        "of the whole about its mass centre, world axes",
-    )
-    table.add(
-        "momentum_scale",
-        ("time",),
-        seen.momentum_scales[:, 0],
-        "kg m/s",
-        "summed magnitudes, bodies without the base",
-    )
-    table.add(
-        "angular_momentum_scale",
-        ("time",),
-        seen.momentum_scales[:, 1],
-        "kg m^2/s",
-        "summed magnitudes about the mass centre, bodies without the base",
-    )
-    return np.asarray(error)
+def _ledger(seen: _Seen) -> Values:
+    system, since = seen.system, seen.since
+    return {
+        "drive_work": since[:, system.work_x],
+        "drive_gross_work": since[:, system.gross_work_x],
+        "dissipation_normal": since[:, system.lost_normal_x],
+        "dissipation_friction": since[:, system.lost_friction_x],
+        "normal_impulse": since[:, system.impulse_x],
+        "dissipation_damper": since[:, system.damper_x],
+        "energy_error": seen.energy_error,
+    }
 
 
-def _add_episodes(table: _Table, run: Run) -> None:
-    if not run.system.contact_names:
-        return
-    episodes = run.episodes
-    for name, values, units, meaning in (
-        ("onset_time", [e.onset for e in episodes], "s", "start of the contact"),
-        ("release_time", [e.release for e in episodes], "s", "end of the contact; NaN: still touching"),
-        ("approach_speed", [e.approach_speed for e in episodes], "m/s", "depth rate at onset, floored"),
-        ("peak_force", [e.peak_force for e in episodes], "N", "largest normal force, of the dense output"),
-        ("peak_time", [e.peak_time for e in episodes], "s", "when the force was largest"),
-        ("peak_depth", [e.peak_depth for e in episodes], "m", "largest depth, of the dense output"),
-        ("impulse", [e.impulse for e in episodes], "N s", "integral of the normal force"),
-        ("dissipated", [e.dissipated for e in episodes], "J", "energy lost, normal and friction"),
-        (
-            "effective_mass",
-            [e.effective_mass for e in episodes],
-            "kg",
-            "(n^T M^-1 n)^-1 at onset, along the normal",
-        ),
-    ):
-        table.add(name, ("episode",), np.array(values, dtype=float), units, meaning)
-    index = np.array([e.contact for e in episodes], dtype=np.int64)
-    table.add("episode_contact", ("episode",), index, "1", "index of the contact")
+def _audit(seen: _Seen) -> Values:
+    found = seen.found
+    energies = ("kinetic_energy", "contact_energy", "spring_energy", "gravity_energy")
+    return {
+        **{name: found.stored[:, k] for k, name in enumerate(energies)},
+        "linear_momentum": found.linear,
+        "angular_momentum": found.angular,
+        "momentum_scale": found.scale[:, 0],
+        "angular_momentum_scale": found.scale[:, 1],
+    }
 
 
-def _add_events(table: _Table, coords: dict[str, Any], run: Run) -> None:
-    """Add what happened of the user's events, if any were looked for."""
-    if not run.events:
-        return
-    happened = run.happened
-    names = np.array([one.name for one in happened], dtype=object if happened else "<U1")
-    coords["event"] = ("event", names, {"long_name": "events that happened, by name"})
-    table.add("event_time", ("event",), np.array([h.time for h in happened]), "s", "when the event happened")
-    energies = np.array([h.energy for h in happened])
-    table.add("event_energy", ("event",), energies, "J", "energy that the event's action brought in")
+def _motion(seen: _Seen) -> Values:
+    turning = seen.joints[1]
+    along_q = [slot.q.start for slot in seen.sliding]
+    along_v = [slot.v.start for slot in seen.sliding]
+    return {
+        "motion_angle": turning[:, :, 0].T,
+        "motion_rate": turning[:, :, 1].T,
+        "motion_acceleration": turning[:, :, 2].T,
+        "slide_position": seen.q[:, along_q],
+        "slide_rate": seen.v[:, along_v],
+        "slide_acceleration": seen.found.acceleration[:, along_v],
+    }
 
 
-def _conservation(seen: _Observer, error: Array) -> dict[str, Any]:
+def _summary(seen: _Seen) -> Values:
+    moved, system, total = _motion(seen), seen.system, seen.since[-1]
+    return {
+        "final_angle": moved["motion_angle"][-1],
+        "final_rate": moved["motion_rate"][-1],
+        "peak_acceleration": np.abs(moved["motion_acceleration"]).max(axis=0),
+        "final_position": moved["slide_position"][-1],
+        "final_slide_rate": moved["slide_rate"][-1],
+        "peak_slide_acceleration": np.abs(moved["slide_acceleration"]).max(axis=0),
+        "total_work": total[system.work_x],
+        "total_gross_work": total[system.gross_work_x],
+        "total_normal_loss": total[system.lost_normal_x],
+        "total_friction_loss": total[system.lost_friction_x],
+        "total_damper_loss": total[system.damper_x],
+    }
+
+
+def _episodes(seen: _Seen) -> Values:
+    names = {
+        "onset": "onset_time",
+        "release": "release_time",
+        **{
+            name: name
+            for name in ("approach_speed", "peak_force", "peak_time", "peak_depth", "impulse", "dissipated")
+        },
+        "effective_mass": "effective_mass",
+    }
+    episodes = seen.run.episodes
+    return {
+        **{name: np.array([getattr(e, of) for e in episodes], dtype=float) for of, name in names.items()},
+        "episode_contact": np.array([e.contact for e in episodes], dtype=np.int64),
+        "event_time": np.array([one.time for one in seen.run.happened], dtype=float),
+        "event_energy": np.array([one.energy for one in seen.run.happened], dtype=float),
+    }
+
+
+_SOURCES: tuple[Callable[[_Seen], Values], ...] = (
+    _state,
+    _derivative,
+    _contact,
+    _ledger,
+    _audit,
+    _motion,
+    _summary,
+    _episodes,
+)
+
+
+def _conservation(seen: _Seen) -> dict[str, Any]:
     """Return how well what must be kept was kept, relative to scales that do not pass through zero."""
-    system = seen.system
-    result: dict[str, Any] = {"energy_error": float(np.abs(error).max())}
-    works = seen.states[:, system.model.nq + system.model.nv + system.gross_work_x]
-    gross = float((works[-1] - works[0]).sum())
+    system, found = seen.system, seen.found
+    result: dict[str, Any] = {"energy_error": float(np.abs(seen.energy_error).max())}
+    gross = float(seen.since[-1, system.gross_work_x].sum())
     result["gross_work"] = gross
     result["energy_error_relative"] = result["energy_error"] / gross if gross > 0.0 else None
     conserved = system.mechanism.base == "free" and not np.any(system.model.gravity.linear)
-    for k, (name, values) in enumerate((("linear", seen.linear), ("angular", seen.angular))):
-        scale = float(seen.momentum_scales[:, k].max())
+    for k, (name, values) in enumerate((("linear", found.linear), ("angular", found.angular))):
+        scale = float(found.scale[:, k].max())
         drift = float(np.abs(values - values[0]).max())
         result[f"{name}_momentum_drift"] = drift if conserved else None
         result[f"{name}_momentum_scale"] = scale

@@ -17,13 +17,14 @@ from antenna_pin.dynamics import System, TableDrive, _inspect
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.geometry import RevoluteClearance
 from antenna_pin.geometry.shapes import TABLE_WIDTH
+from antenna_pin.interruption import interruptible
 from antenna_pin.joints import _kernels as _joint
 from antenna_pin.scenario import Scenario
 from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.events import Event, check_events
 from antenna_pin.simulation.from_scenario import events_of
 from antenna_pin.simulation.loop import Run
-from antenna_pin.simulation.progress import Progress, interruptible
+from antenna_pin.simulation.progress import Progress
 from antenna_pin.simulation.record import dataset
 from antenna_pin.state import State
 from antenna_pin.trajectory import Trajectory, library_versions
@@ -33,7 +34,8 @@ __all__ = ["settings_of", "simulate"]
 
 def settings_of(scenario: Scenario) -> RunSettings:
     """Return how a scenario is to be integrated and sampled."""
-    settings: RunSettings = scenario.integrator.build(output_rate=scenario.output.rate)
+    output = scenario.output
+    settings: RunSettings = scenario.integrator.build(output_rate=output.rate, output_form=output.form)
     return settings
 
 
@@ -115,7 +117,8 @@ def simulate(
     with interruptible() as interrupted:
         run.advance(progress, interrupted)
         began = time.perf_counter()
-        data = dataset(run, title, case, library_versions())
+        lean = used.output_form == "lean"
+        data = dataset(run, title, case, library_versions(), lean=lean)
         if scenario is not None and (q is not None or v is not None):
             data.attrs["start"] = "given in Python: the first sample"
         if start is not None:
@@ -141,7 +144,8 @@ def _as_run(scenario: Scenario, duration: float, settings: RunSettings) -> Scena
         for field in dataclasses.fields(used):
             value = getattr(used, field.name)
             if field.name != "scales" and value is not None and value != getattr(told, field.name):
-                changes["output.rate" if field.name == "output_rate" else f"{place}.{field.name}"] = value
+                output = field.name.startswith("output_")
+                changes[field.name.replace("_", ".") if output else f"{place}.{field.name}"] = value
     return scenario.with_overrides(changes) if changes else scenario
 
 

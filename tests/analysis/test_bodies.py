@@ -40,7 +40,7 @@ def test_the_journal_is_where_bodies_and_joint_say(runs, kind):
     """Bearing's body, bearing, journal in it; and journal's body, journal: two ways to one pose."""
     data = runs[kind].data
     bodies = body_poses(data)
-    for joint, place in json.loads(data.attrs["clearance_geometry"]).items():
+    for joint, place in json.loads(data.attrs["clearance_joints"]).items():
         assert place["kind"] == kind
         ends = {
             side: compose(
@@ -65,7 +65,7 @@ def test_what_passes_through_a_joint_with_play_is_its_contact_force(runs, kind):
     """The bodies beyond the joint are moved by its contacts; motors there are torques only."""
     data = runs[kind].data
     bodies, loads = body_poses(data), joint_loads(data)
-    for joint, place in json.loads(data.attrs["clearance_geometry"]).items():
+    for joint, place in json.loads(data.attrs["clearance_joints"]).items():
         _, axes = compose(
             bodies["position"].sel(body=place["bearing_body"]).values,
             bodies["attitude"].sel(body=place["bearing_body"]).values,

@@ -31,7 +31,13 @@ def touches(intervals, end, speeds=None, contacts=("a.radial+", "a.radial-"), ro
             **{name: ("episode", one) for name in ("peak_force", "peak_time", "peak_depth")},
             **{name: ("episode", one) for name in ("impulse", "dissipated")},
         },
-        coords={"time": time, "contact": list(contacts), "clearance_joint": ["a"]},
+        coords={
+            "time": time,
+            "contact": list(contacts),
+            "contact_joint": ("contact", ["a"] * len(contacts)),
+            "contact_kind": ("contact", [name.partition(".")[2].rstrip("+-") for name in contacts]),
+            "clearance_joint": ["a"],
+        },
     )
 
 

@@ -120,6 +120,8 @@ def samples(time, radial, touching):
             "time": time,
             "clearance_joint": ["a.b"],
             "contact": ["a.b.radial+", "a.b.radial-", "a.b.axial+", "a.b.axial-"],
+            "contact_joint": ("contact", ["a.b"] * 4),
+            "contact_kind": ("contact", ["radial", "radial", "axial", "axial"]),
         },
     )
 

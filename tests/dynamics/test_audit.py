@@ -4,7 +4,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from antenna_pin import load_scenario
+from antenna_pin import System, Urdf, build_mechanism, load_scenario
 from antenna_pin.assemble import build_system
 from antenna_pin.dynamics import Workspace, audit
 
@@ -63,3 +63,48 @@ def test_the_mass_that_an_impact_sees_does_not_depend_on_gravity():
         masses.append([Workspace(system).effective_mass(y, c) for c in range(len(system.contact_names))])
     # Accelerations of 10 m/s^2 beside those of 0.1 under a newton: round-off.
     assert masses[1] == pytest.approx(masses[0], rel=1e-11, abs=0.0)
+
+
+TREE = """
+<robot name="tree">
+  <link name="bus"><inertial><origin xyz="0.1 -0.2 0.3"/><mass value="7"/>
+    <inertia ixx="3" iyy="4" izz="5" ixy="0.2" ixz="-0.1" iyz="0.3"/></inertial></link>
+  {links}
+</robot>
+"""
+LINK = """
+  <link name="{name}"><inertial><origin xyz="0.3 0.1 -0.2"/><mass value="2"/>
+    <inertia ixx="0.3" iyy="0.4" izz="0.5" ixy="0.02" ixz="-0.01" iyz="0.03"/></inertial></link>
+  <joint name="{name}" type="{kind}"><parent link="{parent}"/><child link="{name}"/>
+    <origin xyz="0.5 -0.4 0.2" rpy="0.3 -0.5 0.7"/><axis xyz="{axis}"/>{limit}</joint>
+"""
+
+
+@pytest.mark.parametrize("base", ["free", "fixed"])
+def test_energies_are_pinocchio_s_for_every_kind_of_joint(base):
+    kinds = ["revolute", "continuous", "prismatic", "planar", "floating"]
+    limit = '<limit effort="1" velocity="1" lower="-9" upper="9"/>'
+    limits = {"revolute": limit, "prismatic": limit}
+    links = "".join(
+        LINK.format(
+            name=kind,
+            kind=kind,
+            parent=parent,
+            axis="0 0 1" if kind == "planar" else "0.6 0 -0.8",
+            limit=limits.get(kind, ""),
+        )
+        for kind, parent in zip(kinds, ["bus", *kinds[:-1]], strict=True)
+    )
+    urdf = Urdf.from_text(TREE.format(links=links), "tree.urdf")
+    system = System(build_mechanism(urdf, base, (1.0, -2.0, 3.0)))
+    model, data, rng = system.model, system.model.createData(), np.random.default_rng(5)
+    for _ in range(5):
+        q = pin.integrate(model, system.neutral(), rng.normal(size=model.nv))
+        v = rng.normal(size=model.nv)
+        found = audit(Workspace(system), system.state(q, v))
+        # Round-off of sums over a few bodies.
+        assert found.kinetic == pytest.approx(pin.computeKineticEnergy(model, data, q, v), rel=1e-12, abs=0.0)
+        assert found.gravity == pytest.approx(pin.computePotentialEnergy(model, data, q), rel=1e-12, abs=0.0)
+        momentum = pin.computeCentroidalMomentum(model, data, q, v)
+        both = np.concatenate([found.linear, found.angular])
+        assert both == pytest.approx(momentum.vector, rel=1e-12, abs=1e-12 * np.abs(both).max())

@@ -33,10 +33,10 @@ def test_clearances_follow_from_dimensions(joint):
 def test_names_and_number_of_contacts(joint):
     shape = joint()
     for geometry in (shape, CoalRevolute(shape)):
-        assert geometry.contact_names == ("radial+", "radial-", "axial+", "axial-")
+        assert geometry.contact_places == (("radial", "+"), ("radial", "-"), ("axial", "+"), ("axial", "-"))
         assert len(geometry.contacts([0, 0, 0], [0, 0, 1])) == 4
     for geometry in (PLANAR, CoalPlanar(PLANAR)):
-        assert geometry.contact_names == ("radial",)
+        assert geometry.contact_places == (("radial", ""),)
         assert len(geometry.contacts([0, 0, 0], [0, 0, 1])) == 1
 
 

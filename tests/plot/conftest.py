@@ -107,6 +107,15 @@ def make_run(
             "joint": joints,
             "clearance_joint": ["elevation"] if has else np.empty(0, dtype="U9"),
             "contact": names if has else np.empty(0, dtype="U9"),
+            "contact_joint": ("contact", np.array(["elevation" for _ in names], dtype="U9")),
+            "contact_kind": (
+                "contact",
+                np.array([name.partition(".")[2].rstrip("+-") for name in names], dtype="U9"),
+            ),
+            "contact_end": (
+                "contact",
+                np.array([name.lstrip("abcdefghijklmnopqrstuvwxyz.") for name in names], "U9"),
+            ),
             "drive": ["azimuth", "elevation"],
         },
         attrs={

@@ -7,7 +7,7 @@ import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.mechanism import Mechanism
+from antenna_pin.mechanism.model import Mechanism
 
 __all__ = ["transmitted_wrenches"]
 

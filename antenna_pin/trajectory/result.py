@@ -1,4 +1,4 @@
-"""One run, sampled: labelled arrays with units and provenance, and how the run ended. One NetCDF file."""
+"""One run: labelled arrays with units and provenance, and how it ended."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import platform
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from enum import Enum
+from functools import cache
 from pathlib import Path
 from typing import Any, Self
 
@@ -20,25 +21,11 @@ from antenna_pin.errors import FileFormatError
 from antenna_pin.files import check_writable, replacing
 from antenna_pin.scenario import Scenario
 from antenna_pin.state import State
+from antenna_pin.trajectory.file import FORMAT, read, write
+from antenna_pin.trajectory.read import is_lean
+from antenna_pin.trajectory.schema import COORDINATES, DIMENSIONS, variables_of
 
-__all__ = ["FORMAT", "Counts", "Outcome", "Trajectory", "library_versions"]
-
-#: Identifies the file format; others are refused.
-FORMAT = "antenna_pin trajectory 2"
-
-# What every run holds, and what it does if it has what the dimension names.
-_EVERY_RUN = ("time", "q", "v", "a", "kinetic_energy", "energy_error", "motion_angle", "motion_rate")
-_BY_DIMENSION = {
-    "contact": ("gap", "depth", "normal_force", "contact_force", "contact_point", "touching"),
-    "clearance_joint": (
-        "journal_position",
-        "journal_attitude",
-        "journal_tilt",
-        "joint_force",
-        "joint_torque",
-    ),
-    "episode": ("episode_contact", "onset_time", "release_time", "approach_speed", "peak_force", "impulse"),
-}
+__all__ = ["Counts", "Outcome", "Trajectory", "library_versions"]
 
 _LIBRARIES = ("antenna_pin", "pin", "coal", "numpy", "scipy", "numba", "xarray", "h5netcdf")
 
@@ -87,15 +74,20 @@ class Counts:
     wall_seconds: float = 0.0
 
 
-def library_versions() -> dict[str, str]:
-    """Return the versions of this package and of the libraries that its numbers depend on."""
+@cache
+def _versions() -> tuple[tuple[str, str], ...]:
     found = {"python": platform.python_version()}
     for name in _LIBRARIES:
         try:
             found[name] = importlib.metadata.version(name)
         except importlib.metadata.PackageNotFoundError:
             found[name] = "not installed as a package"
-    return found
+    return tuple(found.items())
+
+
+def library_versions() -> dict[str, str]:
+    """Return the versions of this package and of the libraries that its numbers depend on."""
+    return dict(_versions())
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -138,13 +130,8 @@ class Trajectory:
             scenario="" if self.scenario is None else self.scenario.model_dump_json(),
             end="" if self.end is None else self.end.to_json(),
         )
-        encoding = {
-            str(name): {"zlib": True, "complevel": 1, "shuffle": True}
-            for name, variable in data.variables.items()
-            if variable.dtype.kind in "fi" and variable.ndim > 0 and variable.size > 64
-        }
         with replacing(target) as partial:
-            data.to_netcdf(partial, engine="h5netcdf", encoding=encoding)
+            write(data, partial)
         return target
 
     @classmethod
@@ -155,21 +142,7 @@ class Trajectory:
             FileFormatError: It is not such a file, or one of an unknown version of the format.
         """
         source = Path(path)
-        if not source.is_file():
-            raise FileFormatError(f"{source}: no such file; `antenna-pin run` writes one")
-        try:
-            with xr.open_dataset(source, engine="h5netcdf") as opened:
-                data = opened.load()
-        except (OSError, ValueError, RuntimeError, KeyError) as error:  # HDF5 raises any of them if damaged
-            raise FileFormatError(
-                f"{source}: must be a NetCDF file written by antenna-pin, got: {error}"
-            ) from None
-        found = data.attrs.get("format")
-        if found != FORMAT:
-            raise FileFormatError(
-                f"{source}: the format must be {FORMAT!r}, got {found!r}; "
-                "run the scenario again with this version"
-            )
+        data = read(source)
         broken = _broken_part(data)
         try:
             if broken is None:
@@ -197,16 +170,16 @@ class Trajectory:
             "case": data.attrs.get("case", ""),
             "outcome": self.outcome.name,
             "message": self.message,
-            "time": float(data["time"].values[-1]),
-            "samples": int(data.sizes["time"]),
+            "time": float(data.attrs["end_time"]),
+            "samples": int(data.attrs["samples"]),
             "counts": asdict(self.counts),
             "conservation": json.loads(data.attrs["conservation"]),
             "gap_difference": float(data.attrs["gap_difference"]),
-            "motion": _last_and_peak(data, "joint", _MOTION),
+            "motion": _by_label(data, "joint", _MOTION),
             "contacts": {},
         }
-        if "slide_position" in data:
-            result["slides"] = _last_and_peak(data, "sliding_joint", _SLIDES)
+        if "sliding_joint" in data.sizes:
+            result["slides"] = _by_label(data, "sliding_joint", _SLIDES)
         if "contact" not in data.sizes:
             return result
         index = data["episode_contact"].values
@@ -232,43 +205,42 @@ class Trajectory:
 
 def _broken_part(data: xr.Dataset) -> str | None:
     """Return what a run cannot be read without but the file lacks or has spoiled, in words; None if whole."""
-    wanted = [*_EVERY_RUN]
-    for dimension, names in _BY_DIMENSION.items():
-        wanted += names if dimension in data.sizes else ()
+    wanted = [variable.name for variable in variables_of({str(dim) for dim in data.sizes})]
+    wanted += [dim for dim in data.sizes if dim in DIMENSIONS and dim != "episode"]
+    wanted += [coordinate.name for coordinate in COORDINATES if coordinate.dim in data.sizes]
+    if not is_lean(data):
+        wanted += ["time", "q"]
     missing = [name for name in wanted if name not in data.variables]
     if missing:
         return f"no variable {missing[0]!r}"
-    if data.sizes.get("time", 0) == 0:
-        return "no samples"
-    if not np.isfinite(data["time"].values).all() or (np.diff(data["time"].values) < 0.0).any():
-        return "times that are not finite or go back"
-    spoiled = [name for name in ("q", "v") if not np.isfinite(data[name].values).all()]
-    if spoiled:
-        return f"numbers in {spoiled[0]!r} that are not finite"
-    for name in ("clearance_geometry", "conservation"):
+    if not is_lean(data):
+        if data.sizes["time"] == 0:
+            return "no samples"
+        if not np.isfinite(data["time"].values).all() or (np.diff(data["time"].values) < 0.0).any():
+            return "times that are not finite or go back"
+        spoiled = [name for name in ("q", "v") if not np.isfinite(data[name].values).all()]
+        if spoiled:
+            return f"numbers in {spoiled[0]!r} that are not finite"
+    for name in ("clearance_joints", "conservation"):
         try:
-            json.loads(data.attrs.get(name, "{}") or "{}")
-        except (TypeError, ValueError):
+            json.loads(data.attrs[name])
+        except (KeyError, TypeError, ValueError):
             return f"an attribute {name!r} that cannot be read"
     return None
 
 
-# Entries of a summary by their variables: position and rate at the end, the acceleration's peak.
-_MOTION = {"angle": "motion_angle", "rate": "motion_rate", "peak_acceleration": "motion_acceleration"}
+# Entries of a summary by their variables.
+_MOTION = {"angle": "final_angle", "rate": "final_rate", "peak_acceleration": "peak_acceleration"}
 _SLIDES = {
-    "position": "slide_position",
-    "slide_rate": "slide_rate",
-    "peak_slide_acceleration": "slide_acceleration",
+    "position": "final_position",
+    "slide_rate": "final_slide_rate",
+    "peak_slide_acceleration": "peak_slide_acceleration",
 }
 
 
-def _last_and_peak(data: xr.Dataset, dim: str, entries: Mapping[str, str]) -> dict[str, dict[str, float]]:
-    """Return, by joint, the last value of each variable, of a peak entry the largest size."""
+def _by_label(data: xr.Dataset, dim: str, entries: Mapping[str, str]) -> dict[str, dict[str, float]]:
+    """Return the values of variables along one dimension, by label."""
     return {
-        str(name): {
-            entry: float(np.abs(values[:, k]).max() if entry.startswith("peak") else values[-1, k])
-            for entry, variable in entries.items()
-            for values in [data[variable].transpose("time", dim).values]
-        }
+        str(name): {entry: float(data[variable].values[k]) for entry, variable in entries.items()}
         for k, name in enumerate(data[dim].values)
     }

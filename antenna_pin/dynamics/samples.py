@@ -1,0 +1,174 @@
+"""What the equations of motion give at the samples of a run: forces, contacts, energies, accelerations."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from antenna_pin.dynamics import _audit_kernels, _sample_kernels
+from antenna_pin.dynamics.audit import body_tree, energy_of_python_laws
+from antenna_pin.dynamics.system import System
+from antenna_pin.dynamics.workspace import Workspace
+from antenna_pin.geometry.shapes import TABLE_WIDTH
+from antenna_pin.joints import _kernels as _joint
+
+__all__ = ["Observed", "joint_motion", "observed"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Observed:
+    """A system at n samples.
+
+    Attributes:
+        acceleration: Generalized, (n, nv).
+        contact: What is seen of each, ``CONTACT`` with the names of a result's variables, (n, contacts).
+        pose: Of the journals in their bearings, (n, joints, POSE_BUFFER).
+        wrench: Of the contacts on the journals, about their centres, bearing axes, (n, joints, 6) [N, N m].
+        scenario: Of contact, radial and axial, (n, joints, 2).
+        effort: Of the drives, (n, drives) [N m].
+        stored: Energy: kinetic, of contacts, of springs, of gravity, (n, 4) [J].
+        linear: Momentum, world axes, (n, 3) [kg m/s].
+        angular: About the mass centre, world axes, (n, 3) [kg m^2/s].
+        scale: Of both momenta (see :class:`antenna_pin.dynamics.Audit`), (n, 2).
+    """
+
+    acceleration: Array
+    contact: NDArray[Any]
+    pose: Array
+    wrench: Array
+    scenario: NDArray[np.int8]
+    effort: Array
+    stored: Array
+    linear: Array
+    angular: Array
+    scale: Array
+
+
+def observed(
+    system: System, times: Array, states: Array, memories: Array, programs: Sequence[Array]
+) -> Observed:
+    """Evaluate a system at samples.
+
+    Args:
+        system: The system.
+        times: (n,) [s].
+        states: [q, v, x] of each, (n, nq + nv + nx).
+        memories: Contact memory of each, (n, contacts, 3).
+        programs: Force elements at each: the same array from one to the next where nothing was changed.
+    """
+    n, model, workspace = len(times), system.model, Workspace(system)
+    contacts, joints = len(system.contact_names), len(system.clearances)
+    tree = body_tree(system.mechanism)
+    forces = np.zeros((n, model.nv))
+    contact = np.zeros((n, contacts), dtype=_sample_kernels.CONTACT)
+    pose = np.zeros((n, joints, _joint.POSE_BUFFER))
+    wrench = np.zeros((n, joints, 6))
+    scenario = np.zeros((n, joints, 2), dtype=np.int8)
+    effort = np.zeros((n, len(system.drives)))
+    energies = np.zeros((n, _sample_kernels.ENERGIES))
+    rates = np.zeros(model.nv + system.manifold.nx)
+    given = (
+        np.ascontiguousarray(times, dtype=float),
+        states,
+        memories,
+        workspace.program,
+        workspace.work,
+        workspace.table,
+        rates,
+        np.array([system.clearance_blocks[joint.name] for joint in system.clearances], dtype=np.int64),
+        np.array(list(system.drive_blocks.values()), dtype=np.int64),
+        tree,
+        np.array(model.gravity.linear),
+        np.zeros((len(tree) + 2, _audit_kernels.PLACE_SIZE)),
+        np.zeros((5, TABLE_WIDTH)),
+        forces,
+        contact,
+        pose,
+        wrench,
+        scenario,
+        effort,
+        energies,
+    )
+    if workspace.paths or system.callables:
+        for i in range(n):
+            workspace.program[:] = programs[i]
+            workspace.memory[:] = memories[i]
+            workspace.measure(states[i])
+            workspace.apply_elements(times[i], states[i], rates)
+            _sample_kernels.observe(i, i + 1, True, *given)
+            energies[i, _sample_kernels.CONTACTS] += energy_of_python_laws(workspace)
+    else:
+        changes = [i for i in range(n) if i == 0 or programs[i] is not programs[i - 1]]
+        for first, last in zip(changes, [*changes[1:], n], strict=True):
+            workspace.program[:] = programs[first]
+            _sample_kernels.observe(first, last, False, *given)
+    kept = _audit_kernels
+    stored = [kept.KINETIC, _sample_kernels.CONTACTS, _sample_kernels.SPRINGS, kept.GRAVITY]
+    return Observed(
+        acceleration=_accelerations(workspace, states, forces),
+        contact=contact,
+        pose=pose,
+        wrench=wrench,
+        scenario=scenario,
+        effort=effort,
+        stored=energies[:, stored],
+        linear=energies[:, kept.LINEAR : kept.LINEAR + 3],
+        angular=energies[:, kept.ANGULAR : kept.ANGULAR + 3],
+        scale=energies[:, [kept.LINEAR_SCALE, kept.ANGULAR_SCALE]],
+    )
+
+
+def _accelerations(workspace: Workspace, states: Array, forces: Array) -> Array:
+    """Return the generalized accelerations under generalized forces, (n, nv)."""
+    model = workspace.model
+    q, v = states[:, : model.nq], states[:, model.nq : model.nq + model.nv]
+    # One call for all samples is half of the time; a Pinocchio without OpenMP does not have it.
+    if not workspace.system.hinges and hasattr(pin, "abaInParallel"):
+        found = np.zeros((model.nv, len(states)), order="F")
+        columns = (np.asfortranarray(array.T) for array in (q, v, forces))
+        pin.abaInParallel(1, pin.ModelPool(model, 1), *columns, found)
+        return np.ascontiguousarray(found.T)
+    found = np.zeros((len(states), model.nv))
+    for i, sample in enumerate(zip(q, v, forces, strict=True)):
+        found[i] = workspace.acceleration(*sample)
+    return found
+
+
+def joint_motion(system: System, states: Array, accelerations: Array) -> tuple[list[str], Array]:
+    """Return the joints that turn about an axis, and their motion; angles with whole turns.
+
+    Args:
+        system: The system.
+        states: (n, nq + nv + nx).
+        accelerations: Generalized, (n, nv).
+
+    Returns:
+        Names, and angle, rate and acceleration of each, (joints, n, 3) [rad, rad/s, rad/s^2]. A ball joint
+        has no axis.
+    """
+    nq, nv = system.model.nq, system.model.nv
+    names, motions = [], []
+    for slot in system.mechanism.joints.values():
+        motion = np.zeros((len(states), 3))
+        block = system.clearance_blocks.get(slot.name, -1)
+        if block >= 0 and slot.name in system.turn_x:
+            _sample_kernels.clearance_motion(system.program, block, states, accelerations, motion)
+        elif block < 0 and slot.kind in ("revolute", "continuous"):
+            motion[:, 0] = states[:, slot.q.start]
+            if slot.kind == "continuous":
+                turned = nq + nv + system.turn_x[slot.name]
+                _sample_kernels.turned_angles(states, slot.q.start, turned, motion[:, 0])
+            motion[:, 1] = states[:, nq + slot.v.start]
+            motion[:, 2] = accelerations[:, slot.v.start]
+        else:
+            continue
+        names.append(slot.name)
+        motions.append(motion)
+    return names, np.array(motions).reshape(len(names), len(states), 3)

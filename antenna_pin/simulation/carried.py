@@ -1,0 +1,133 @@
+"""The mechanism as a result carries it: its URDF, where bearings and journals sit on its links, their laws.
+
+With it a reader needs neither the scenario nor the files it came from, meshes excepted, and builds nothing:
+parameters that were derived, such as a stiffness from materials and radii, stand there as they were used.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from antenna_pin.contact import DISSIPATIONS, FRICTION_LAWS, NORMAL_LAWS, DampedContact
+from antenna_pin.dynamics import System
+from antenna_pin.geometry import PlanarClearance, RevoluteClearance, SphericalClearance
+from antenna_pin.joints import ClearanceJoint
+from antenna_pin.mechanism import frame_aligning_z
+from antenna_pin.readable import number
+
+__all__ = ["carried_joints", "mechanism_attributes"]
+
+_KINDS = {RevoluteClearance: "revolute", PlanarClearance: "planar", SphericalClearance: "spherical"}
+
+
+def mechanism_attributes(system: System) -> dict[str, str]:
+    """Return the attributes of a dataset that describe the mechanism.
+
+    ``urdf`` is the text of the variant that was simulated, ``urdf_folder`` the folder of its meshes (empty if
+    unknown), ``mechanism`` its base and gravity [m/s^2] and what may have an impossible inertia (JSON), and
+    ``clearance_joints`` what :func:`carried_joints` tells (JSON).
+    """
+    mechanism = system.mechanism
+    return {
+        "urdf": mechanism.urdf.to_xml(),
+        "urdf_folder": "" if mechanism.urdf.folder is None else str(mechanism.urdf.folder),
+        "mechanism": json.dumps(
+            {
+                "base": mechanism.base,
+                "gravity": [float(g) for g in mechanism.model.gravity.linear],
+                "allow_impossible_inertia": list(mechanism.urdf.allow_impossible_inertia),
+            }
+        ),
+        "clearance_joints": json.dumps(carried_joints(system)),
+    }
+
+
+def carried_joints(system: System) -> dict[str, dict[str, Any]]:
+    """Return what every clearance joint is, by name.
+
+    Each has ``kind`` (revolute, planar or spherical), ``dimensions`` of its shape [m], ``bearing_body`` and
+    ``journal_body`` (links), and ``bearing_placement`` and ``journal_placement``: seven numbers, the frame's
+    position [m] and attitude (quaternion xyzw) in that link's frame. Its ``contacts``, by name, have
+    ``kind``, ``end``, ``normal_law``, ``depth_limit`` [m] and what sets it, ``limited_by``; beside them stand
+    ``friction_law``, ``approach_speed_floor`` [m/s], ``backend`` and ``load``. A law has its name, ``law``,
+    and its ``parameters`` as used, [value, unit] by name; a law with a dissipation of another has
+    ``dissipation``, a law too.
+    """
+    return {joint.name: _place(system, joint) | _laws(joint) for joint in system.clearances}
+
+
+def _laws(joint: ClearanceJoint) -> dict[str, Any]:
+    rows = zip(
+        joint.contact_names,
+        joint.geometry.contact_places,
+        joint.normal_laws,
+        joint.depth_limits,
+        joint.limit_reasons,
+        strict=True,
+    )
+    return {
+        "contacts": {
+            name: {
+                "kind": kind,
+                "end": end,
+                "normal_law": _law(law),
+                "depth_limit": limit,
+                "limited_by": reason,
+            }
+            for name, (kind, end), law, limit, reason in rows
+        },
+        "friction_law": _law(joint.friction),
+        "approach_speed_floor": joint.approach_speed_floor,
+        "backend": joint.backend,
+        "load": joint.load,
+    }
+
+
+def _law(law: Any) -> dict[str, Any]:
+    """Return the name of a law and its parameters as they are used; one written in Python has its class's."""
+    if isinstance(law, DampedContact):
+        return {**_law(law.elastic), "dissipation": _law(law.dissipation)}
+    parameters = {}
+    for item in dataclasses.fields(law) if dataclasses.is_dataclass(law) else ():
+        value = getattr(law, item.name)
+        if isinstance(value, int | float):
+            unit = str(item.metadata.get("unit", "1"))
+            if "exponent" in unit:
+                unit = unit.replace("exponent", number(law.exponent, 6))
+            parameters[item.name] = [float(value), unit]
+    known = {cls: name for names in (NORMAL_LAWS, DISSIPATIONS, FRICTION_LAWS) for name, cls in names.items()}
+    return {"law": known.get(type(law), type(law).__name__), "parameters": parameters}
+
+
+def _place(system: System, joint: ClearanceJoint) -> dict[str, Any]:
+    urdf = system.mechanism.urdf
+    slot = system.mechanism.joint(joint.name)
+    own = np.eye(4)
+    if not joint.planar:
+        own[:3, :3] = frame_aligning_z(slot.axis)
+        own[:3, 3] = joint.offset * own[:3, 2]
+    in_child, child = own, urdf.joint(joint.name).child
+    links = {link.name: link for link in urdf.robot.links}
+    # The massless link of a planar joint carries no shape: what is mounted on it is the journal's body.
+    mounts = [other for other in urdf.robot.joints if other.parent == child and other.type == "fixed"]
+    if links[child].inertial is None and len(mounts) == 1:
+        in_child, child = np.linalg.inv(urdf.placement(mounts[0].name)) @ own, mounts[0].child
+    return {
+        "kind": _KINDS[type(joint.geometry)],
+        "dimensions": dataclasses.asdict(joint.geometry),
+        "bearing_body": urdf.joint(joint.name).parent,
+        "bearing_placement": _seven(urdf.placement(joint.name) @ own),
+        "journal_body": child,
+        "journal_placement": _seven(in_child),
+    }
+
+
+def _seven(placement: NDArray[np.float64]) -> list[float]:
+    quaternion = Rotation.from_matrix(placement[:3, :3]).as_quat()
+    return [*map(float, placement[:3, 3]), *map(float, quaternion)]

@@ -1,0 +1,159 @@
+"""A dataset as a NetCDF 4 file, by HDF5's own library: a general writer spends most of its time elsewhere.
+
+A NetCDF 4 file is an HDF5 file in which every dimension is a *scale*, a dataset that others name as their
+axis. Nothing is compressed: of doubles at their full length that saves a quarter of the file and takes four
+times as long as all the rest. Every variable has a checksum, so that a damaged file is not read.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import xarray as xr
+
+from antenna_pin.errors import FileFormatError
+from antenna_pin.trajectory.schema import COORDINATES, DIMENSIONS, VARIABLES
+
+__all__ = ["FORMAT", "read", "write"]
+
+#: Identifies the file format; others are refused.
+FORMAT = "antenna_pin trajectory 3"
+
+_TEXT = h5py.string_dtype()
+# What belongs to the file, not to the data.
+_OWN = {
+    "CLASS",
+    "NAME",
+    "DIMENSION_LIST",
+    "REFERENCE_LIST",
+    "_Netcdf4Dimid",
+    "_Netcdf4Coordinates",
+    "_NCProperties",
+    "_FillValue",
+    "coordinates",
+}
+# NetCDF's own words for a dimension without labels, with its length.
+_NO_VARIABLE = "This is a netCDF dimension but not a netCDF variable.{:10d}"
+
+
+def write(data: xr.Dataset, path: Path) -> None:
+    """Write a dataset, whose variables along ``contact`` tell its coordinates."""
+    with h5py.File(path, "w", track_order=True) as file:
+        file.attrs["_NCProperties"] = f"version=2,h5py={h5py.__version__},hdf5={h5py.version.hdf5_version}"
+        for name, value in data.attrs.items():
+            file.attrs[str(name)] = value
+        scales = {}
+        for number, (name, size) in enumerate(data.sizes.items()):
+            if name in data.coords:
+                scale = _create(file, str(name), data.coords[name].variable)
+            else:
+                scale = file.create_dataset(str(name), shape=(size,), dtype=">f4")
+            scale.make_scale(str(name) if name in data.coords else _NO_VARIABLE.format(size))
+            scale.attrs["_Netcdf4Dimid"] = np.int32(number)
+            scales[name] = scale.ref
+        users: dict[Any, list[tuple[Any, int]]] = {name: [] for name in scales}
+        for name, variable in data.variables.items():
+            if name in scales:
+                continue
+            made = _create(file, str(name), variable)
+            others = [c.name for c in COORDINATES if c.dim in variable.dims and name not in data.coords]
+            if others:
+                made.attrs["coordinates"] = " ".join(others)
+            lists = np.empty(variable.ndim, dtype=h5py.vlen_dtype(h5py.ref_dtype))
+            for axis, dim in enumerate(variable.dims):
+                lists[axis] = np.array([scales[dim]], dtype=h5py.ref_dtype)
+                users[dim].append((made.ref, axis))
+            if variable.ndim:
+                made.attrs.create("DIMENSION_LIST", lists, dtype=h5py.vlen_dtype(h5py.ref_dtype))
+        back = np.dtype([("dataset", h5py.ref_dtype), ("dimension", np.int32)])
+        for name, found in users.items():
+            if found:
+                file[str(name)].attrs.create("REFERENCE_LIST", np.array(found, dtype=back))
+
+
+def _create(file: Any, name: str, variable: xr.Variable) -> Any:
+    values = variable.values
+    if values.dtype.kind in "OU":
+        made = file.create_dataset(name, data=values.astype(object), dtype=_TEXT)
+    elif values.size:
+        made = file.create_dataset(name, data=values, chunks=values.shape, fletcher32=True)
+    else:
+        made = file.create_dataset(name, data=values)
+    for key, value in variable.attrs.items():
+        made.attrs[str(key)] = value
+    return made
+
+
+def read(source: Path) -> xr.Dataset:
+    """Return the dataset of a file; also of one that another program has written again.
+
+    Raises:
+        FileFormatError: It is not there, damaged, or not of this version of the format.
+    """
+    if not source.is_file():
+        raise FileFormatError(f"{source}: no such file; `antenna-pin run` writes one")
+    try:
+        with h5py.File(source, "r") as file:
+            attributes = _attributes(file)
+            found = attributes.get("format")
+            content = _variables(file) if found == FORMAT else {}
+    except (OSError, ValueError, RuntimeError, KeyError, TypeError) as error:  # HDF5 raises any if damaged
+        words = " ".join(str(error).split())
+        raise FileFormatError(
+            f"{source}: must be a NetCDF file written by antenna-pin, got: {words}"
+        ) from None
+    if found != FORMAT:
+        raise FileFormatError(
+            f"{source}: the format must be {FORMAT!r}, got {found!r}; "
+            "run the scenario again with this version"
+        )
+    labels = {*DIMENSIONS, *(coordinate.name for coordinate in COORDINATES)}
+    try:
+        return xr.Dataset(
+            {name: variable for name, variable in content.items() if name not in labels},
+            coords={name: variable for name, variable in content.items() if name in labels},
+            attrs=attributes,
+        )
+    except ValueError as error:  # shapes that do not go together
+        words = " ".join(str(error).split())
+        raise FileFormatError(
+            f"{source}: must be a whole result of antenna-pin, got {words}; run the scenario again"
+        ) from None
+
+
+def _variables(file: Any) -> dict[str, xr.Variable]:
+    names: dict[str, tuple[str, ...]] = {one.name: (one.dim,) for one in COORDINATES}
+    names |= {variable.name: variable.dims for variable in VARIABLES.values()}
+    content = {}
+    for name, stored in file.items():
+        attributes = _attributes(stored)
+        if name in DIMENSIONS:
+            if bytes(stored.attrs.get("NAME", b"")).startswith(_NO_VARIABLE[:20].encode()):
+                continue
+            dims: tuple[str, ...] = (name,)
+        else:
+            dims = names.get(name) or _dims_of(file, stored)
+        values = stored[()]
+        if values.dtype == object:
+            values = np.array([text.decode() for text in values], dtype=object)
+        content[name] = xr.Variable(dims, values, attributes)
+    return content
+
+
+def _dims_of(file: Any, stored: Any) -> tuple[str, ...]:
+    """Return the dimensions of a variable that the schema does not know."""
+    return tuple(file[references[0]].name.strip("/") for references in stored.attrs["DIMENSION_LIST"])
+
+
+def _attributes(stored: Any) -> dict[str, Any]:
+    attributes: Mapping[str, Any] = stored.attrs
+    return {
+        # Some programs write a number as a row of one.
+        name: value.item() if isinstance(value, np.generic | np.ndarray) and value.size == 1 else value
+        for name, value in attributes.items()
+        if name not in _OWN
+    }

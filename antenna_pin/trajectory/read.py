@@ -1,0 +1,88 @@
+"""What every reader of a result asks of its data: names by what they are, and whether it has series."""
+
+from __future__ import annotations
+
+import xarray as xr
+
+from antenna_pin.errors import FileFormatError
+
+__all__ = [
+    "contact_ends",
+    "contact_joints",
+    "contact_kinds",
+    "contacts_of",
+    "is_lean",
+    "names_along",
+    "series",
+]
+
+#: The kind of contact at a flange; all others are those of a bore, a socket or a guide.
+_FLANGE = "axial"
+
+
+def is_lean(data: xr.Dataset) -> bool:
+    """Return whether a result was recorded without its series."""
+    return data.attrs.get("form") == "lean"
+
+
+def series(data: xr.Dataset, place: str) -> xr.Dataset:
+    """Return data that hold the series of a run, or refuse them.
+
+    Args:
+        data: Of a run.
+        place: Who asks, for the message.
+
+    Raises:
+        FileFormatError: The result is a lean one.
+    """
+    if is_lean(data):
+        case = str(data.attrs.get("case") or data.attrs.get("title") or "the run")
+        raise FileFormatError(
+            f"{place}: needs the series of {case}, which its lean result has not; "
+            "run it again with output.form = 'full'"
+        )
+    return data
+
+
+def names_along(data: xr.Dataset, dimension: str) -> list[str]:
+    """Return the labels along a dimension (or of a coordinate); none if the run does not have it."""
+    return [str(name) for name in data[dimension].values] if dimension in data.coords else []
+
+
+def _along_contacts(data: xr.Dataset, name: str) -> dict[str, str]:
+    contacts = names_along(data, "contact")
+    labels = names_along(data, name)
+    if len(labels) != len(contacts):
+        raise FileFormatError(f"run: no coordinate {name!r}; is it an antenna_pin result?")
+    return dict(zip(contacts, labels, strict=True))
+
+
+def contact_joints(data: xr.Dataset) -> dict[str, str]:
+    """Return the clearance joint of each contact, by the contact's name."""
+    return _along_contacts(data, "contact_joint")
+
+
+def contact_kinds(data: xr.Dataset) -> dict[str, str]:
+    """Return the kind of each contact, such as radial or axial, by the contact's name."""
+    return _along_contacts(data, "contact_kind")
+
+
+def contact_ends(data: xr.Dataset) -> dict[str, str]:
+    """Return the bearing's end that each contact is at, "+", "-" or none, by the contact's name."""
+    return _along_contacts(data, "contact_end")
+
+
+def contacts_of(data: xr.Dataset, joint: str, *, flanges: bool | None = None) -> list[str]:
+    """Return the contacts of a clearance joint.
+
+    Args:
+        data: Of a run.
+        joint: The clearance joint.
+        flanges: Those at flanges only, or those in the bore (socket, guide) only; all if not given.
+    """
+    kinds = contact_kinds(data)
+    return [
+        name
+        for name, of in contact_joints(data).items()
+        if of == joint and (flanges is None or (kinds[name] == _FLANGE) == flanges)
+    ]

@@ -1,0 +1,322 @@
+"""What a result holds: one table of its dimensions and variables, from which all that deal with them take it.
+
+The recorder fills it, the file keeps it, ``Trajectory.load`` checks against it, and docs/trajectory.md
+prints it. A variable is there if all its dimensions are: what a mechanism does not have (contacts, drives,
+springs) has no dimension. A *lean* result has no ``time``, and so none of the series.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from antenna_pin.geometry import AxialScenario, RadialScenario
+
+__all__ = ["COORDINATES", "DIMENSIONS", "VARIABLES", "Coordinate", "Variable", "labelled", "variables_of"]
+
+#: Every dimension and what runs along it.
+DIMENSIONS: dict[str, str] = {
+    "time": "samples",
+    "axis": "x, y, z",
+    "quaternion": "x, y, z, w",
+    "configuration": "numbers of `q`, in Pinocchio's order; named after the joint and what they are",
+    "coordinate": "numbers of `v` and `a`",
+    "joint": "joints that turn about an axis: ideal ones, and clearance joints by their motion angle",
+    "sliding_joint": "joints that slide along their axis",
+    "clearance_joint": "joints with play, by their URDF name",
+    "contact": "candidate contacts, by their joint, kind and end",
+    "drive": "drives, by name",
+    "spring": "springs and dampers, by name",
+    "event": "events of the user's that happened, by name",
+    "episode": "contacts from onset to release, in order of onset",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Coordinate:
+    """Labels beside those of a dimension.
+
+    Attributes:
+        name: Of the coordinate.
+        dim: Along what.
+        meaning: In words.
+    """
+
+    name: str
+    dim: str
+    meaning: str
+
+
+#: Labels of contacts beside their names.
+COORDINATES: tuple[Coordinate, ...] = (
+    Coordinate("contact_joint", "contact", "clearance joint of the contact"),
+    Coordinate(
+        "contact_kind",
+        "contact",
+        "radial (in the bore), axial (at a flange), spherical (in a socket) or another",
+    ),
+    Coordinate("contact_end", "contact", "the bearing's end along its axis: +, - or none"),
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Variable:
+    """One variable of a result.
+
+    Attributes:
+        name: Of the variable.
+        dims: Its dimensions, in order; it is there if they are.
+        units: Of its values, as text; "1" if none.
+        meaning: Its long name.
+        source: Where it comes from, of each sample: the ``state``, its ``derivative`` (the equations of
+            motion), the ``contact`` of journals and bearings, the ``ledger`` of works and losses that the
+            state holds, the ``audit`` of energies and momenta, the ``motion`` of joints with one axis; of the
+            whole run: its ``episodes`` of contact and events, and a ``summary`` of series.
+        flags: What its numbers stand for, if they are codes.
+        free_base: Whether it is there with a free base only.
+    """
+
+    name: str
+    dims: tuple[str, ...]
+    units: str
+    meaning: str
+    source: str
+    flags: tuple[tuple[int, str], ...] = ()
+    free_base: bool = False
+
+    @property
+    def attributes(self) -> dict[str, Any]:
+        """Return its attributes in a dataset."""
+        found: dict[str, Any] = {"units": self.units, "long_name": self.meaning}
+        if self.flags:
+            found["flag_values"] = np.array([value for value, _ in self.flags], dtype=np.int8)
+            found["flag_meanings"] = " ".join(word for _, word in self.flags)
+        return found
+
+
+def _rows(source: str, dims: str, *rows: tuple[str, str, str], **more: Any) -> Iterator[Variable]:
+    """Yield variables of one source along the same dimensions: name, units, meaning of each."""
+    for name, units, meaning in rows:
+        yield Variable(name, tuple(dims.split()), units, meaning, source, **more)
+
+
+def _table() -> Iterator[Variable]:
+    yield from _rows("state", "time configuration", ("q", "m, rad or 1", "configuration, Pinocchio's order"))
+    yield from _rows("state", "time coordinate", ("v", "m/s or rad/s", "generalized velocity, body axes"))
+    yield from _rows(
+        "derivative", "time coordinate", ("a", "m/s^2 or rad/s^2", "generalized acceleration, body axes")
+    )
+    yield from _rows(
+        "state",
+        "time axis",
+        ("base_position", "m", "base in the world"),
+        ("base_velocity", "m/s", "base, in its own axes"),
+        ("base_angular_velocity", "rad/s", "base, in its own axes"),
+        free_base=True,
+    )
+    yield from _rows(
+        "state",
+        "time quaternion",
+        ("base_attitude", "1", "base in the world, quaternion"),
+        free_base=True,
+    )
+    yield from _rows(
+        "derivative",
+        "time drive",
+        ("drive_torque", "N m", "torque of the drive (a force [N] if it slides)"),
+    )
+    yield from _rows(
+        "contact",
+        "time contact",
+        ("gap", "m", "distance of the surfaces, negative in contact"),
+        ("depth", "m", "penetration depth"),
+        ("depth_rate", "m/s", "rate of penetration, positive closing"),
+        ("slip_speed", "m/s", "tangential speed of the journal over the bearing"),
+        ("normal_force", "N", "normal force on the journal"),
+        ("friction_force", "N", "friction on the journal"),
+        ("touching", "1", "whether the contact touches"),
+    )
+    yield from _rows(
+        "contact",
+        "time contact axis",
+        ("contact_force", "N", "force on the journal, bearing axes"),
+        ("contact_point", "m", "candidate contact, from the bearing's centre"),
+    )
+    yield from _rows(
+        "contact",
+        "time clearance_joint axis",
+        ("journal_position", "m", "journal's centre in the bearing"),
+        ("joint_force", "N", "contact force on the journal"),
+        ("joint_torque", "N m", "contact torque about the journal's centre"),
+    )
+    yield from _rows(
+        "contact",
+        "time clearance_joint quaternion",
+        ("journal_attitude", "1", "journal in the bearing, quaternion"),
+    )
+    by_joint = ("contact", "time clearance_joint")
+    yield from _rows(*by_joint, ("journal_tilt", "rad", "angle between the axes of journal and bearing"))
+    for name, kinds in (("radial", RadialScenario), ("axial", AxialScenario)):
+        flags = tuple((int(kind.value), kind.name.lower()) for kind in kinds)
+        yield from _rows(*by_joint, (f"{name}_scenario", "1", f"contact scenario, {name}"), flags=flags)
+    yield from _rows(
+        "audit",
+        "time",
+        ("kinetic_energy", "J", "kinetic energy"),
+        ("contact_energy", "J", "energy stored in contacts"),
+        ("spring_energy", "J", "energy stored in joint springs"),
+        ("gravity_energy", "J", "potential energy of gravity"),
+    )
+    yield from _rows(
+        "ledger",
+        "time drive",
+        ("drive_work", "J", "work of the drive since the start"),
+        ("drive_gross_work", "J", "integral of |power| of the drive"),
+    )
+    yield from _rows(
+        "ledger",
+        "time contact",
+        ("dissipation_normal", "J", "energy lost to normal contact"),
+        ("dissipation_friction", "J", "energy lost to friction"),
+        ("normal_impulse", "N s", "integral of normal force"),
+    )
+    yield from _rows("ledger", "time spring", ("dissipation_damper", "J", "energy lost in the damper"))
+    yield from _rows("ledger", "time", ("energy_error", "J", "stored - start - work of drives + losses"))
+    yield from _rows(
+        "audit",
+        "time axis",
+        ("linear_momentum", "kg m/s", "of the whole, world axes"),
+        ("angular_momentum", "kg m^2/s", "of the whole about its mass centre, world axes"),
+    )
+    apart = "bodies without the base"
+    yield from _rows(
+        "audit",
+        "time",
+        ("momentum_scale", "kg m/s", f"summed magnitudes, {apart}"),
+        ("angular_momentum_scale", "kg m^2/s", f"summed magnitudes about the mass centre, {apart}"),
+    )
+    yield from _rows(
+        "motion",
+        "time joint",
+        ("motion_angle", "rad", "rotation about the joint's axis"),
+        ("motion_rate", "rad/s", "its rate"),
+        ("motion_acceleration", "rad/s^2", "its acceleration"),
+    )
+    yield from _rows(
+        "motion",
+        "time sliding_joint",
+        ("slide_position", "m", "way along the joint's axis"),
+        ("slide_rate", "m/s", "its rate"),
+        ("slide_acceleration", "m/s^2", "its acceleration"),
+    )
+    yield from _rows(
+        "summary",
+        "joint",
+        ("final_angle", "rad", "motion angle at the end"),
+        ("final_rate", "rad/s", "its rate at the end"),
+        ("peak_acceleration", "rad/s^2", "largest size of its acceleration at a sample"),
+    )
+    yield from _rows(
+        "summary",
+        "sliding_joint",
+        ("final_position", "m", "way along the joint's axis at the end"),
+        ("final_slide_rate", "m/s", "its rate at the end"),
+        ("peak_slide_acceleration", "m/s^2", "largest size of its acceleration at a sample"),
+    )
+    yield from _rows(
+        "summary",
+        "drive",
+        ("total_work", "J", "work of the drive from start to end"),
+        ("total_gross_work", "J", "integral of |power| of the drive from start to end"),
+    )
+    yield from _rows(
+        "summary",
+        "contact",
+        ("total_normal_loss", "J", "energy lost to normal contact from start to end"),
+        ("total_friction_loss", "J", "energy lost to friction from start to end"),
+    )
+    yield from _rows("summary", "spring", ("total_damper_loss", "J", "energy lost in the damper in all"))
+    yield from _rows(
+        "episodes",
+        "episode",
+        ("onset_time", "s", "start of the contact"),
+        ("release_time", "s", "end of the contact; NaN: still touching"),
+        ("approach_speed", "m/s", "depth rate at onset, floored"),
+        ("peak_force", "N", "largest normal force, of the dense output"),
+        ("peak_time", "s", "when the force was largest"),
+        ("peak_depth", "m", "largest depth, of the dense output"),
+        ("impulse", "N s", "integral of the normal force"),
+        ("dissipated", "J", "energy lost, normal and friction"),
+        ("effective_mass", "kg", "(n^T M^-1 n)^-1 at onset, along the normal"),
+        ("episode_contact", "1", "index of the contact"),
+    )
+    yield from _rows(
+        "episodes",
+        "event",
+        ("event_time", "s", "when the event happened"),
+        ("event_energy", "J", "energy that the event's action brought in"),
+    )
+
+
+#: Every variable of a result, by name.
+VARIABLES: dict[str, Variable] = {variable.name: variable for variable in _table()}
+
+
+def variables_of(dimensions: Collection[str], free_base: bool | None = None) -> Iterator[Variable]:
+    """Yield the variables of a result with these dimensions.
+
+    Args:
+        dimensions: Those that it has.
+        free_base: Whether its base is free; None yields what every base has.
+    """
+    for variable in VARIABLES.values():
+        if all(dim in dimensions for dim in variable.dims) and (free_base or not variable.free_base):
+            yield variable
+
+
+def labelled(
+    values: Mapping[str, Any],
+    labels: Mapping[str, Any],
+    attributes: Mapping[str, Any],
+    *,
+    free_base: bool,
+    lean: bool = False,
+) -> xr.Dataset:
+    """Return a dataset by the schema.
+
+    Args:
+        values: Of each variable, by name.
+        labels: Of each dimension and coordinate, by name; of ``episode`` how many there are.
+        attributes: Of the dataset.
+        free_base: Whether the base is free.
+        lean: Whether to leave the series out.
+
+    Raises:
+        KeyError: The labels' dimensions ask for a variable that is not given.
+    """
+    coordinates: dict[str, xr.Variable] = {}
+    left_out = {"time"} if lean else set()
+    for name in DIMENSIONS:
+        if name == "time" and not lean:
+            coordinates[name] = xr.Variable(name, labels[name], {"units": "s", "long_name": "time"})
+        elif name in labels and name not in ("time", "episode"):
+            coordinates[name] = xr.Variable(name, _text(labels[name]))
+    for coordinate in COORDINATES:
+        if coordinate.dim in labels:
+            text = _text(labels[coordinate.name])
+            coordinates[coordinate.name] = xr.Variable(
+                coordinate.dim, text, {"long_name": coordinate.meaning}
+            )
+    variables = {
+        variable.name: xr.Variable(variable.dims, values[variable.name], variable.attributes)
+        for variable in variables_of(set(labels) - left_out, free_base)
+    }
+    return xr.Dataset(variables, coords=coordinates, attrs=dict(attributes))
+
+
+def _text(labels: Any) -> Any:
+    return np.array(labels, dtype=object) if len(labels) else np.zeros(0, dtype="<U1")
