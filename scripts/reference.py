@@ -7,8 +7,8 @@ A table stands between ``<!-- table: NAME -->`` and ``<!-- end -->``::
     python scripts/reference.py --write     # bring them up to date
 
 There are ``scenario``, every key of a scenario file; ``laws``, the laws of contact and friction with their
-parameters (both by ``scenario_reference.py``); ``trajectory``, the variables of a result; ``figures``, what
-can be drawn of runs; ``layers``, who may import whom.
+parameters (both by ``scenario_reference.py``); ``dimensions`` and ``trajectory``, what a result holds;
+``figures``, what can be drawn of runs; ``layers``, who may import whom.
 """
 
 from __future__ import annotations
@@ -22,8 +22,7 @@ from pathlib import Path
 
 from scenario_reference import laws_table, scenario_table
 
-from antenna_pin import load_scenario, simulate
-from antenna_pin.plot import CATALOGUE, PAPERS
+from antenna_pin.trajectory.schema import COORDINATES, DIMENSIONS, VARIABLES
 
 __all__ = ["TABLES", "documents", "filled", "names_of_tables"]
 
@@ -35,24 +34,22 @@ PLACE = re.compile(r"(<!-- table: (\w+) -->\n)(.*?)(<!-- end -->)", re.DOTALL)
 
 
 def trajectory_table() -> str:
-    """Return the variables of a run of case 3 with a damper at the azimuth joint."""
-    overrides = ["springs.hinge={joint = 'azimuth', damping = 0.1}"]
-    data = simulate(load_scenario("bai2020", case="case3", overrides=overrides), duration=0.03).data
+    """Return the variables and labels of a result, of its schema."""
     lines = ["| variable | dimensions | unit | meaning |", "|---|---|---|---|"]
-    for names in (data.coords, data.data_vars):
-        for name in names:
-            variable = data[name]
-            meaning = variable.attrs.get("long_name", "")
-            if name in data.coords and not meaning:
-                meaning = "names: " + ", ".join(f"`{label}`" for label in variable.values)
-            if "flag_meanings" in variable.attrs:
-                flags = zip(
-                    variable.attrs["flag_values"], variable.attrs["flag_meanings"].split(), strict=True
-                )
-                meaning += ": " + ", ".join(f"{value} {text}" for value, text in flags)
-            unit = variable.attrs.get("units", "")
-            lines.append(f"| `{name}` | {', '.join(map(str, variable.dims))} | {unit} | {meaning} |")
+    lines.append("| `time` | time | s | time |")
+    lines += [f"| `{one.name}` | {one.dim} |  | {one.meaning} |" for one in COORDINATES]
+    for one in VARIABLES.values():
+        meaning = one.meaning
+        if one.flags:
+            meaning += ": " + ", ".join(f"{value} {word}" for value, word in one.flags)
+        lines.append(f"| `{one.name}` | {', '.join(one.dims)} | {one.units} | {meaning} |")
     return "\n".join(lines).replace("|power|", "\\|power\\|") + "\n"
+
+
+def dimensions_table() -> str:
+    """Return the dimensions of a result, of its schema."""
+    lines = ["| dimension | what runs along it |", "|---|---|"]
+    return "\n".join([*lines, *(f"| `{name}` | {meaning} |" for name, meaning in DIMENSIONS.items())]) + "\n"
 
 
 def figures_table() -> str:
@@ -85,6 +82,7 @@ TABLES: dict[str, Callable[[], str]] = {
     "scenario": scenario_table,
     "laws": laws_table,
     "trajectory": trajectory_table,
+    "dimensions": dimensions_table,
     "figures": figures_table,
     "layers": layers_table,
 }

@@ -47,12 +47,16 @@ def run(
     geometry: Annotated[
         Geometry | None, typer.Option(help="How gaps are found, for all joints with clearance.")
     ] = None,
+    lean: Annotated[
+        bool, typer.Option("--lean", help="Keep numbers and contact episodes only, no series.")
+    ] = False,
     progress: Annotated[bool, typer.Option(help="Show a progress bar.")] = True,
     summary: Annotated[bool, typer.Option(help="Print a summary of the result.")] = True,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")] = False,
 ) -> None:
     """Simulate a scenario and save the result."""
-    chosen = load(scenario, case, settings, geometry, duration)
+    changes = [*(settings or ()), *(["output.form=lean"] if lean else ())]
+    chosen = load(scenario, case, changes, geometry, duration)
     path = writable_file(out or Path(f"{stem(chosen)}.nc"), ".nc")
 
     from antenna_pin.simulation import simulate
