@@ -22,6 +22,7 @@ from pathlib import Path
 
 from scenario_reference import laws_table, scenario_table
 
+from antenna_pin.plot import CATALOGUE, PAPERS
 from antenna_pin.trajectory.schema import COORDINATES, DIMENSIONS, VARIABLES
 
 __all__ = ["TABLES", "documents", "filled", "names_of_tables"]

@@ -39,9 +39,15 @@ def info(
 
 
 def _facts(trajectory: Trajectory) -> dict[str, Any]:
-    """Return the summary of a run with the share of time that each joint spent in each contact scenario."""
-    from antenna_pin.analysis import scenario_shares
+    """Return the summary of a run with the share of time that each joint spent in each contact scenario.
 
+    A lean result does not hold the shares.
+    """
+    from antenna_pin.analysis import scenario_shares
+    from antenna_pin.trajectory import is_lean
+
+    if is_lean(trajectory.data):
+        return trajectory.summary()
     shares = scenario_shares(trajectory)
     found = {
         str(joint): {
