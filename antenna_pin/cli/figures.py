@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import os
 import shlex
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
-from urllib.parse import quote
 
 import typer
 
@@ -23,19 +20,13 @@ from antenna_pin.cli._common import (
     figure_formats,
     load,
     not_interrupted,
-    stem,
 )
-from antenna_pin.cli._progress import progress_bar
-from antenna_pin.errors import AntennaPinError, FileFormatError
-from antenna_pin.files import replacing
+from antenna_pin.cli._index import FigureIndex
+from antenna_pin.cli._run_store import RunStore
+from antenna_pin.errors import AntennaPinError
 
 if TYPE_CHECKING:
     from antenna_pin.plot import PaperFigure
-    from antenna_pin.scenario import Scenario
-    from antenna_pin.trajectory import Trajectory
-
-# What of a scenario tells where it came from, not what it is.
-_ORIGIN = {"name", "description", "overrides", "folder"}
 
 
 def figures(
@@ -90,8 +81,10 @@ def figures(
     from antenna_pin.plot import folder_for_figures
 
     folder_for_figures(target)
-    store = _Store(folder_for_figures(runs or target / "runs"), list(loaded.values()), progress)
-    index = _Index(target, first.title, first.source, _command(scenario, cases, duration, settings, geometry))
+    store = RunStore(folder_for_figures(runs or target / "runs"), list(loaded.values()), progress)
+    index = FigureIndex(
+        target, first.title, first.source, _command(scenario, cases, duration, settings, geometry)
+    )
     try:
         if numbered:
             _draw_paper(numbered, store, index, suffixes, width)
@@ -136,7 +129,11 @@ def _command(
 
 
 def _draw_paper(
-    numbered: Sequence[PaperFigure], store: _Store, index: _Index, suffixes: Sequence[str], width: Width
+    numbered: Sequence[PaperFigure],
+    store: RunStore,
+    index: FigureIndex,
+    suffixes: Sequence[str],
+    width: Width,
 ) -> None:
     """Draw figure after figure, each as soon as the runs it takes are there."""
     from antenna_pin.plot import save_figure
@@ -159,7 +156,7 @@ def _draw_paper(
             typer.echo(file)
 
 
-def _draw_standard(store: _Store, index: _Index, suffixes: Sequence[str], width: Width) -> None:
+def _draw_standard(store: RunStore, index: FigureIndex, suffixes: Sequence[str], width: Width) -> None:
     """Draw the standard figures of all cases."""
     from antenna_pin.plot import save_figures
 
@@ -177,152 +174,3 @@ def _draw_standard(store: _Store, index: _Index, suffixes: Sequence[str], width:
         typer.echo(file)
     for name, files in by_name.items():
         index.add(name.replace("_", " "), files, "", "")
-
-
-class _Store:
-    """The runs of some cases: those in a folder whose scenario is the same, the others made."""
-
-    def __init__(self, folder: Path, scenarios: Sequence[Scenario], progress: bool) -> None:
-        self.folder = folder
-        self.scenarios = {scenario.case: scenario for scenario in scenarios}
-        self.name = scenarios[0].name
-        self.progress = progress
-        self.early = False
-        self.files: dict[str | None, Path] = {}
-        self.runs: dict[str | None, Trajectory] = {}
-
-    @property
-    def cases(self) -> list[str | None]:
-        return list(self.scenarios)
-
-    def run_of(self, case: str | None) -> Trajectory:
-        """Return the run of a case: at hand, from a file, or made now."""
-        if case not in self.runs:
-            found = self._found(self.scenarios[case])
-            self.runs[case] = self._made(self.scenarios[case]) if found is None else found
-        return self.runs[case]
-
-    def _found(self, scenario: Scenario) -> Trajectory | None:
-        """Return a completed run of the scenario, of this version of the file format, from the folder."""
-        from antenna_pin.trajectory import FORMAT, Trajectory
-
-        likely = self.folder / f"{stem(scenario)}.nc"
-        others = sorted(path for path in self.folder.glob("*.nc") if path != likely)
-        for path in [likely, *others]:
-            try:
-                run = Trajectory.load(path)
-            except FileFormatError:  # not there, or something else
-                continue
-            current = run.data.attrs["format"] == FORMAT
-            if current and run.completed and run.scenario and _same(run.scenario, scenario):
-                complain(f"{stem(scenario)}: using {path}")
-                self.files[scenario.case] = path
-                return run
-        return None
-
-    def _made(self, scenario: Scenario) -> Trajectory:
-        """Run a scenario and save the result; what Ctrl-C cuts short is saved, too, and ends the command."""
-        from antenna_pin.simulation import simulate
-        from antenna_pin.trajectory import Trajectory
-
-        path = self._free(scenario)
-        complain(f"{stem(scenario)}: running {scenario.duration:g} s")
-        with progress_bar(stem(scenario), self.progress) as report:
-            run = simulate(scenario, progress=report)
-        with not_interrupted():
-            run.save(path)
-        self.files[scenario.case] = path
-        if run.outcome.name == "INTERRUPTED":
-            self.runs[scenario.case] = run  # for the index
-            raise KeyboardInterrupt
-        if not run.completed:
-            self.early = True
-            complain(f"{stem(scenario)}: {run.message} (the result up to there is in {path} and is drawn)")
-        return Trajectory.load(path)  # as it is next time: what the file adds decides which figures there are
-
-    def _free(self, scenario: Scenario) -> Path:
-        """Return where a result may be written: not over a file of another scenario."""
-        from antenna_pin.trajectory import Trajectory
-
-        number = 1
-        while True:
-            path = self.folder / f"{stem(scenario)}{f'-{number}' if number > 1 else ''}.nc"
-            if not path.exists():
-                return path
-            try:
-                old = Trajectory.load(path).scenario
-            except FileFormatError:
-                old = None
-            if old is not None and _same(old, scenario):  # cut short, or of an older format
-                return path
-            number += 1
-
-
-def _same(one: Scenario, other: Scenario) -> bool:
-    """Whether two scenarios are the same but for where they came from."""
-    return one.model_dump(exclude=_ORIGIN) == other.model_dump(exclude=_ORIGIN)
-
-
-@dataclass
-class _Index:
-    """The page that lists the figures.
-
-    Attributes:
-        folder: Where figures and index are.
-        title: Of the scenario.
-        source: Of the scenario.
-        command: That makes the figures.
-        expected: Titles of a paper's figures.
-        entries: Title, files, what the paper shows, what is found here.
-    """
-
-    folder: Path
-    title: str
-    source: str
-    command: str
-    expected: list[str] = field(default_factory=list)
-    entries: list[tuple[str, list[str], str, str]] = field(default_factory=list)
-
-    @property
-    def path(self) -> Path:
-        return self.folder / "index.md"
-
-    def add(self, title: str, files: Iterable[Path], shows: str, found: str) -> None:
-        self.entries.append((title, [file.name for file in files], shows, found))
-
-    def write(self, store: _Store) -> None:
-        """Write the page, in Markdown."""
-        numbered = bool(self.expected)
-        text = [f"# {self.title or 'Figures'}", ""]
-        text += [f"Source: {self.source}.", ""] if self.source else []
-        text += ["Made by", "", f"    {self.command}", ""]
-        text += ["| case | what it is | result | how it ended |", "|---|---|---|---|"]
-        for case, run in store.runs.items():
-            what = store.scenarios[case].description or store.scenarios[case].title
-            file = Path(os.path.relpath(store.files[case], self.folder)).as_posix()
-            link = f"[{_cell(file)}]({quote(file)})"
-            text.append(f"| {_cell(case or store.name)} | {_cell(what)} | {link} | {_cell(run.message)} |")
-        waiting = [case or store.name for case in store.cases if case not in store.runs]
-        text += ["", f"Not run: {', '.join(waiting)}."] if waiting else []
-        missing = [title for title in self.expected if title not in [entry[0] for entry in self.entries]]
-        text += ["", f"Not drawn: {', '.join(missing)}."] if missing else []
-        if not self.entries:
-            pass
-        elif numbered:
-            text += ["", "| figure | the paper shows | here |", "|---|---|---|"]
-        else:
-            text += ["", "| figure | files |", "|---|---|"]
-        for title, files, shows, found in self.entries:
-            links = ", ".join(f"[{Path(file).suffix[1:]}]({file})" for file in files)
-            cells = [f"{title} {links}", shows, found] if numbered else [title, links or found]
-            text.append(f"| {' | '.join(_cell(cell) for cell in cells)} |")
-        for title, files, _, _ in self.entries:
-            picture = next((file for file in files if not file.endswith(".pdf")), None)
-            text += ["", f"![{title}]({picture})"] if picture else []
-        with replacing(self.path) as partial:
-            partial.write_text("\n".join(text) + "\n", encoding="utf-8")
-
-
-def _cell(text: str) -> str:
-    """Return text that fits into a cell of a table."""
-    return " ".join(text.split()).replace("|", "\\|")

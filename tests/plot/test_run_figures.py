@@ -382,6 +382,12 @@ def test_what_runs_are_about_is_drawn_of_each_joint_with_clearance(runs, rigs):
     assert {name for name, joint in drawn(rigs[3:]) if joint} == {
         name for name, figure in CATALOGUE.items() if figure.standard and figure.of in (TOUCHING, MOVING)
     }
+    unknown = [(label, data.drop_attrs(deep=False)) for label, data in runs[:1]]  # of what may have play
+    assert dict(drawn(unknown))["motion_rate"] == "azimuth" and len(drawn(unknown)) == len(
+        dict(drawn(unknown))
+    )
+    assert {"momentum", "pointing"} & {name for name, _ in drawn(runs)} == {"momentum", "pointing"}
+    assert not {"pointing"} & {name for name, _ in drawn(rigs)}  # their scenarios do not say what looks where
     assert {joint for _, joint in drawn(runs, joint="azimuth")} == {"azimuth", None}
     assert "contact_forces" not in dict(drawn(runs, joint="azimuth"))
     assert drawn(runs, names=["joints_rate"]) == [("joints_rate", None)]
