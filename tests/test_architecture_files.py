@@ -20,7 +20,6 @@ LONG = {
     "geometry/_kernels.py",
     "joints/_kernels.py",
     "joints/clearance.py",
-    "simulation/record.py",
 }
 CIRCLES = {("antenna_pin.dynamics.system", "antenna_pin.dynamics.workspace")}
 
