@@ -17,7 +17,7 @@ import numba
 import numpy as np
 from numba.extending import intrinsic, overload
 
-__all__ = ["inlined", "kernel", "record", "stamped_files"]
+__all__ = ["composed", "inlined", "kernel", "record", "stamped_files"]
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 
@@ -25,8 +25,8 @@ _Function = TypeVar("_Function", bound=Callable[..., Any])
 def stamped_files() -> tuple[Path, ...]:
     """Return the files to whose contents compiled code is tied: all kernels and their constants."""
     folder = Path(__file__).parent
-    names = ("_*kernels.py", "_inspect.py", "_records.py")
-    return tuple(sorted(path for name in names for path in folder.glob(f"*/{name}")))
+    names = ("*/_*kernels.py", "*/_inspect.py", "*/_records.py", "records.py", "elements/registry.py")
+    return tuple(sorted(path for name in names for path in folder.glob(name)))
 
 
 @cache
@@ -52,6 +52,14 @@ def kernel(function: _Function) -> _Function:
 def inlined(function: _Function) -> _Function:
     """Compile a small function that is always put into its callers: a call would cost more than it."""
     return _compiled(function, forceinline=True)
+
+
+def composed(function: _Function) -> _Function:
+    """Compile a function that is made from kernels when a module is imported; it is put into its callers.
+
+    Nothing of it is kept: its callers' machine code holds it; what it is made from stands under the stamp.
+    """
+    return _njit(function, forceinline=True)  # type: ignore[no-any-return]
 
 
 def _compiled(function: _Function, **options: bool) -> _Function:

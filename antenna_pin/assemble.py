@@ -24,15 +24,7 @@ from antenna_pin.contact import (
     make_normal_law,
     normal_parameters,
 )
-from antenna_pin.dynamics import (
-    ConstantDrive,
-    Drive,
-    Hinge,
-    JointSpring,
-    SineDrive,
-    System,
-    TableDrive,
-)
+from antenna_pin.dynamics import Hinge, System
 from antenna_pin.errors import InvalidParameterError, MechanismError, ScenarioError, UnknownNameError
 from antenna_pin.geometry import PlanarClearance, RevoluteClearance, SphericalClearance
 from antenna_pin.joints import ClearanceJoint
@@ -46,7 +38,6 @@ from antenna_pin.mechanism import (
 )
 from antenna_pin.scenario import AngleEvent, ForceEvent, GapEvent, RateEvent, Scenario
 from antenna_pin.scenario import clearance as _clearance
-from antenna_pin.scenario import drives as _drives
 from antenna_pin.scenario.laws import LawSpec
 
 __all__ = ["build_system", "initial_angles", "initial_state", "urdf_variant"]
@@ -139,17 +130,8 @@ def build_system(scenario: Scenario) -> System:
             for name, spec in scenario.clearance.items()
             if not isinstance(spec, _clearance.IdealClearance)
         ],
-        drives={name: _drive(spec) for name, spec in scenario.drives.items()},
-        springs={
-            name: JointSpring(
-                joint=spec.joint,
-                stiffness=spec.stiffness,
-                damping=spec.damping,
-                rest_angle=spec.rest_angle,
-                shorter_way=spec.shorter_way,
-            )
-            for name, spec in scenario.springs.items()
-        },
+        drives={name: spec.build() for name, spec in scenario.drives.items()},
+        springs={name: spec.build() for name, spec in scenario.springs.items()},
         hinges=[Hinge(joint=name) for name, spec in scenario.clearance.items() if spec.model == "constraint"],
     )
     _check_events(scenario, system)
@@ -175,26 +157,6 @@ def _check_motion(scenario: Scenario, slot: JointSlot, motion: str | None, *plac
             f"{_where(scenario, *place)}: units must be those of a {actual}, "
             f"for joint {slot.name!r} is {slot.kind}, got units of a {motion}"
         )
-
-
-def _drive(spec: _drives.DriveSpec) -> Drive:
-    if isinstance(spec, _drives.ConstantDrive):
-        return ConstantDrive(joint=spec.joint, value=spec.value, axis=spec.axis)
-    if isinstance(spec, _drives.SineDrive):
-        return SineDrive(
-            joint=spec.joint,
-            amplitude=spec.amplitude,
-            frequency=spec.frequency,
-            phase=spec.phase,
-            axis=spec.axis,
-        )
-    return TableDrive(
-        joint=spec.joint,
-        times=spec.time,
-        values=spec.torque,
-        interpolation=spec.interpolation,
-        axis=spec.axis,
-    )
 
 
 def clearance_joint(

@@ -12,9 +12,12 @@ import re
 from collections.abc import Iterable
 from decimal import Decimal
 
-__all__ = ["number", "prefixed", "printed_unit", "readable"]
+__all__ = ["GIVEN", "number", "prefixed", "printed_unit", "readable"]
 
 MISSING = "–"
+
+GIVEN = 10
+"""Digits of what people gave: as many as they wrote."""
 
 # Size, prefix, and from where on it is taken: 1500 N reads better than 1.5 kN, and 0.25 rad than 250 mrad.
 _PREFIXES = (

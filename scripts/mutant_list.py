@@ -10,7 +10,12 @@ INSPECT = "antenna_pin/dynamics/_inspect.py"
 AUDIT = "antenna_pin/dynamics/audit.py"
 AUDIT_KERNELS = "antenna_pin/dynamics/_audit_kernels.py"
 SAMPLE_KERNELS = "antenna_pin/dynamics/_sample_kernels.py"
-ELEMENTS = "antenna_pin/dynamics/elements.py"
+CURVE = "antenna_pin/elements/curve.py"
+CURVE_KERNELS = "antenna_pin/elements/_curve_kernels.py"
+LEDGER_KERNELS = "antenna_pin/elements/_ledger_kernels.py"
+PD_KERNELS = "antenna_pin/elements/_pd_kernels.py"
+SPRING_KERNELS = "antenna_pin/elements/_spring_kernels.py"
+TABLE = "antenna_pin/elements/table.py"
 WORKSPACE = "antenna_pin/dynamics/workspace.py"
 HINGE = "antenna_pin/dynamics/hinge.py"
 LOOP = "antenna_pin/simulation/loop.py"
@@ -26,6 +31,8 @@ STEPPER = "antenna_pin/integrate/stepper.py"
 TEST_JOINT = "tests/joints/test_clearance.py"
 TEST_DISTRIBUTED = "tests/joints/test_distributed.py"
 TEST_ELEMENTS = "tests/dynamics/test_elements.py"
+TEST_DRIVES = "tests/elements/test_drives.py"
+TEST_PD = "tests/elements/test_pd.py"
 TEST_AUDIT = "tests/dynamics/test_audit.py"
 TEST_HINGE = "tests/dynamics/test_hinge.py"
 TEST_GAPS = "tests/geometry/test_gaps.py"
@@ -197,18 +204,18 @@ MUTANTS = (
     ),
     _compiled(
         "linear tables are not stepped on",
-        ELEMENTS,
-        '        if self.interpolation == "linear":\n            return self.times\n',
-        '        if self.interpolation == "linear":\n            return ()\n',
+        TABLE,
+        'return self.time if self.interpolation == "linear"',
+        'return () if self.interpolation == "linear"',
         TEST_RUN,
         *("-k", "table"),
     ),
     _compiled(
         "cubic tables without their slope",
-        ELEMENTS,
-        "            coefficients = PchipInterpolator(t, y).c.T\n",
-        "            coefficients = PchipInterpolator(t, y).c.T * (1.0, 1.0, 0.0, 1.0)\n",
-        TEST_ELEMENTS,
+        CURVE,
+        "        coefficients = PchipInterpolator(t, y).c.T\n",
+        "        coefficients = PchipInterpolator(t, y).c.T * (1.0, 1.0, 0.0, 1.0)\n",
+        TEST_DRIVES,
         *("-k", "table"),
     ),
     _python(
@@ -221,7 +228,7 @@ MUTANTS = (
     ),
     _python(
         "gross work counts signs",
-        DYNAMICS,
+        LEDGER_KERNELS,
         "    rates[x + 1] = abs(power)\n",
         "    rates[x + 1] = power\n",
         TEST_ELEMENTS,
@@ -231,24 +238,38 @@ MUTANTS = (
     _python(
         "a spring at a tilted journal acts about its axis alone",
         DYNAMICS,
-        "effort * (gx * p[a + 3 * k] + gy * p[a + 3 * k + 1] + p[a + 3 * k + 2])",
-        "effort * p[a + 3 * k + 2]",
+        "        if p[b + ABOUT] == ABOUT_MOTION:\n",
+        "        if p[b + ABOUT] == -1.0:\n",
         TEST_ELEMENTS,
         *("-k", "gradient"),
     ),
     _python(
         "a damper loses with the wrong sign",
-        DYNAMICS,
-        "    rates[nv + int(p[b + START_X])] = damping * rate\n",
-        "    rates[nv + int(p[b + START_X])] = -damping * rate\n",
+        SPRING_KERNELS,
+        ".damping * rate * rate\n",
+        ".damping * -rate * rate\n",
         TEST_ELEMENTS,
         *("-k", "damper"),
     ),
+    _python(
+        "a controller's reference has no rate of its own",
+        PD_KERNELS,
+        "    rate = pd.rate + pd.amplitude * omega * math.cos(turned)\n",
+        "    rate = pd.rate\n",
+        TEST_PD,
+    ),
+    _python(
+        "a controller's torque has no limit below",
+        PD_KERNELS,
+        "min(max(demand(words, at, t, angle, rate), -limit), limit)",
+        "min(demand(words, at, t, angle, rate), limit)",
+        TEST_PD,
+    ),
     _equivalent(
         "a table's point belongs to the piece before it",
-        DYNAMICS,
-        "            if p[knots + middle] <= t:\n",
-        "            if p[knots + middle] < t:\n",
+        CURVE_KERNELS,
+        "        if words[at + middle] <= t:\n",
+        "        if words[at + middle] < t:\n",
         "torques of linear and monotone cubic tables are continuous: both pieces say the same there",
     ),
     _python(

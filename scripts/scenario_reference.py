@@ -21,11 +21,11 @@ from antenna_pin.contact import (
     is_elastic,
     law_parameters,
 )
-from antenna_pin.parameters import attribute_docs
+from antenna_pin.parameters import attribute_docs, parameters_of
 from antenna_pin.scenario import (
+    DRIVE_SPECS,
     AngleEvent,
     ClearanceSpec,
-    ConstantDrive,
     ContactClearance,
     ForceEvent,
     GapEvent,
@@ -44,9 +44,7 @@ from antenna_pin.scenario import (
     ScalesSpec,
     Scenario,
     ShapeSpec,
-    SineDrive,
     SpringSpec,
-    TableDrive,
     TimeEvent,
 )
 
@@ -86,12 +84,13 @@ def annotations(item: Any) -> Iterator[Any]:
         yield from annotations(part)
 
 
-def kind_of(field: FieldInfo) -> str:
+def kind_of(field: FieldInfo, parameter: Parameter | None = None) -> str:
     """Return the unit of a field, or what else it holds."""
+    if parameter is not None and parameter.sizes == (0,):
+        return f"list of {kind_of_units(parameter.units)}"
     for item in (*field.metadata, *annotations(field.annotation)):
         if type(item).__name__ in ("Quantity", "Vector"):
-            units = item.unit if isinstance(item.unit, tuple) else (item.unit,)
-            text = " or ".join("-" if unit == "1" else unit.replace("**", "^") for unit in units)
+            text = kind_of_units(item.unit)
             sizes = getattr(item, "sizes", ())
             return f"{' or '.join(map(str, sizes))} × {text}" if sizes else text
     choices = [value for item in annotations(field.annotation) for value in get_args(item)]
@@ -101,6 +100,12 @@ def kind_of(field: FieldInfo) -> str:
     if str in annotations(field.annotation):
         return "list of text" if "tuple" in str(field.annotation) else "text"
     return "list of -" if "tuple" in str(field.annotation) else "-"
+
+
+def kind_of_units(unit: str | tuple[str, ...]) -> str:
+    """Return a unit, or several of which one will do, as the tables have them."""
+    units = unit if isinstance(unit, tuple) else (unit,)
+    return " or ".join("-" if unit == "1" else unit.replace("**", "^") for unit in units)
 
 
 def default_of(field: FieldInfo) -> str:
@@ -121,16 +126,15 @@ def default_of(field: FieldInfo) -> str:
 def rows(cls: type[Any], *names: str, without: tuple[str, ...] = (), required: str = "required") -> list[str]:
     """Return table rows for the keys of a scenario's table: all of them, or those named."""
     docs = docs_of(cls)
+    parameters = parameters_of(cls.fills) if issubclass(cls, MadeSpec) else {}
     lines = []
     for name in names or cls.model_fields:
         if name in without:
             continue
         field = cls.model_fields[name]
         text = plain(docs[name]) or name.replace("_", " ")
-        default = default_of(field)
-        lines.append(
-            f"| `{name}` | {kind_of(field)} | {required if default == 'required' else default} | {text} |"
-        )
+        kind, default = kind_of(field, parameters.get(name)), default_of(field)
+        lines.append(f"| `{name}` | {kind} | {required if default == 'required' else default} | {text} |")
     return lines
 
 
@@ -172,16 +176,14 @@ def drive_rows() -> list[str]:
     """Return the rows of a drive: what all have, then what each kind has."""
     lines = [
         "| `joint` | text | the drive's name | Name of the joint |",
-        "| `kind` | `constant`, `sine`, `table` | required | What it is |",
-        *rows(SineDrive, "axis"),
+        f"| `kind` | {', '.join(f'`{kind}`' for kind in DRIVE_SPECS)} | required | What it is |",
+        *rows(next(iter(DRIVE_SPECS.values())), "axis"),
     ]
-    for kind, cls in (("constant", ConstantDrive), ("sine", SineDrive), ("table", TableDrive)):
+    for kind, cls in DRIVE_SPECS.items():
         for line in rows(cls, without=("joint", "axis", "motion", "kind")):
-            line = line.replace("| `", f"| `{kind}`: `", 1)
-            if kind == "table":  # a list that a file may give instead
-                unit = "s" if "`time`" in line else "N*m or N"
-                line = line.replace("| list of - | required |", f"| list of {unit} | unless `file` |")
-            lines.append(line)
+            # A list that a file may give instead is required unless there is one.
+            line = re.sub(r"(\| list of [^|]*\|) required", r"\1 unless `file`", line)
+            lines.append(line.replace("| `", f"| `{kind}`: `", 1))
     return lines
 
 

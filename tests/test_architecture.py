@@ -102,7 +102,8 @@ def test_everything_that_is_compiled_stands_under_the_stamp():
         text = path.read_text()
         if "import inlined" in text or "import kernel" in text:
             assert path in stamped or path.name == "_compile.py", path
-    for path in stamped:
+    # The registry of elements stands under it too, for what it names is what is compiled.
+    for path in stamped - {folder / "elements" / "registry.py"}:
         for node in ast.walk(ast.parse(path.read_text())):
             if not (isinstance(node, ast.ImportFrom) and (node.module or "").startswith("antenna_pin")):
                 continue

@@ -19,7 +19,7 @@ import antenna_pin.scenario as scenario_package
 from antenna_pin import contact
 from antenna_pin.errors import AntennaPinError, InvalidParameterError, ScenarioError, UnknownNameError
 from antenna_pin.scenario import (
-    ConstantDrive,
+    DRIVE_SPECS,
     ContactClearance,
     IdealClearance,
     InitialBaseSpec,
@@ -35,9 +35,7 @@ from antenna_pin.scenario import (
     PointingSpec,
     Scenario,
     ShapeSpec,
-    SineDrive,
     SpringSpec,
-    TableDrive,
     list_scenarios,
     load_scenario,
     models_path,
@@ -196,7 +194,7 @@ def test_values_are_in_si_units(folder):
     assert (hinge.journal_radius, hinge.flange_distance, hinge.offset) == (None, None, -0.001)
     assert hinge.friction.parameters == {"coefficient_of_friction": 0.1, "transition_speed": 0.001}
     assert scenario.drives["azimuth"].phase == pytest.approx(math.pi / 2, rel=1e-15)
-    assert scenario.drives["motor"] == ConstantDrive(
+    assert scenario.drives["motor"] == DRIVE_SPECS["constant"](
         joint="hinge", kind="constant", value=4.0, axis="journal", motion="rotation"
     )
     assert scenario.springs["azimuth"].stiffness == 0.003
@@ -240,7 +238,7 @@ def test_the_defaults_are_those_of_the_documentation(folder):
     orbit = OrbitSpec(period=5400)
     assert (orbit.normal, orbit.nadir) == ((0.0, 1.0, 0.0), (0.0, 0.0, -1.0))
     assert scenario.initial.base.attitude == (0.0, 0.0, 0.0, 1.0)
-    drive = SineDrive(joint="j", kind="sine", amplitude=1, frequency=1)
+    drive = DRIVE_SPECS["sine"](joint="j", kind="sine", amplitude=1, frequency=1)
     assert (drive.phase, drive.axis) == (0.0, "bearing")
     joint = IdealClearance(model="ideal")
     assert (joint.geometry, joint.load, joint.offset, joint.approach_speed_floor) == (
@@ -396,7 +394,7 @@ def test_what_overrides_complete_is_no_fault_of_a_case(folder):
 def test_a_table_of_numbers_in_a_case_is_checked(folder):
     """In a case that is not to be run, too."""
     changes = {"cases.other": {"drives": {"slow": {"time": [0, 0, 1], "torque": [1, 2, 3]}}}}
-    wanted = "cases.other.drives.slow.time[1] must increase strictly, got 0.0 after 0.0"
+    wanted = "cases.other.drives.slow.time[1] must be above the one before, 0.0, got 0.0"
     assert folder.refusal(changes) == folder.refusal(changes, case="other") == wanted
     both = {"cases.other": {"drives": {"slow": {"time": [0, 1], "file": "torque.csv"}}}}
     wanted = "cases.other.drives.slow must have either file, or time and torque, got both"
@@ -988,10 +986,10 @@ REFUSALS = [
     ),
     # drives
     ({"drives.motor": 3}, "drives.motor must be a table, got 3"),
-    ({"drives.motor.kind": DELETED}, "drives.motor.kind is missing; give one of constant, sine, table"),
+    ({"drives.motor.kind": DELETED}, "drives.motor.kind is missing; give one of constant, sine, table, pd"),
     (
         {"drives.motor.kind": "constat"},
-        "drives.motor.kind must be one of constant, sine, table, got 'constat'; did you mean constant?",
+        "drives.motor.kind must be one of constant, sine, table, pd, got 'constat'; did you mean constant?",
     ),
     ({"drives.motor.value": DELETED}, "drives.motor.value is missing; give a torque [N*m] or a force [N]"),
     (
@@ -1016,7 +1014,7 @@ REFUSALS = [
     ({"drives.azimuth.phase": "1 m"}, "drives.azimuth.phase must be an angle [rad], got '1 m' (length)"),
     (
         {"drives.azimuth.file": "x"},
-        "drives.azimuth.file is unknown; known here: motion, joint, axis, kind, amplitude, frequency, phase",
+        "drives.azimuth.file is unknown; known here: motion, kind, joint, axis, amplitude, frequency, phase",
     ),
     ({"drives.slow.file": DELETED}, "drives.slow must have either file, or time and torque, got neither"),
     ({"drives.slow.time": [0, 1]}, "drives.slow must have either file, or time and torque, got both"),
@@ -1029,22 +1027,22 @@ REFUSALS = [
         {"drives.slow.interpolation": "spline"},
         "drives.slow.interpolation must be 'linear' or 'cubic', got 'spline'; did you mean linear?",
     ),
-    ({"drives.t": {"kind": "table", "time": [0, 1]}}, "drives.t.torque is missing"),
+    ({"drives.t": {"kind": "table", "time": [0, 1]}}, "drives.t.torque is missing; give an array of numbers"),
     (
         {"drives.t": {"kind": "table", "time": [0, 1], "torque": 3}},
         "drives.t.torque must be an array of numbers, got 3",
     ),
     (
         {"drives.t": {"kind": "table", "time": [0, 1], "torque": [1]}},
-        "drives.t.torque must have as many entries as time, 2, got 1",
+        "drives.t.torque must be as many numbers as time, 2, got 1",
     ),
     (
         {"drives.t": {"kind": "table", "time": [0], "torque": [1]}},
-        "drives.t.time must have at least 2 entries, got 1",
+        "drives.t.time must be at least 2 numbers, got 1",
     ),
     (
         {"drives.t": {"kind": "table", "time": [0, 0], "torque": [1, 2]}},
-        "drives.t.time[1] must increase strictly, got 0.0 after 0.0",
+        "drives.t.time[1] must be above the one before, 0.0, got 0.0",
     ),
     (
         {"drives.t": {"kind": "table", "time": [0, math.nan], "torque": [1, 2]}},
@@ -1431,13 +1429,17 @@ def test_every_dissipation_of_the_registry_can_be_named():
 @pytest.mark.parametrize(
     ("spec", "table", "motion"),
     [
-        (ConstantDrive, {"joint": "j", "kind": "constant", "value": 1.0}, None),
-        (ConstantDrive, {"joint": "j", "kind": "constant", "value": "1 N*m"}, "rotation"),
-        (ConstantDrive, {"joint": "j", "kind": "constant", "value": "1 N"}, "translation"),
-        (SineDrive, {"joint": "j", "kind": "sine", "amplitude": "2 kN", "frequency": 1}, "translation"),
+        (DRIVE_SPECS["constant"], {"joint": "j", "kind": "constant", "value": 1.0}, None),
+        (DRIVE_SPECS["constant"], {"joint": "j", "kind": "constant", "value": "1 N*m"}, "rotation"),
+        (DRIVE_SPECS["constant"], {"joint": "j", "kind": "constant", "value": "1 N"}, "translation"),
+        (
+            DRIVE_SPECS["sine"],
+            {"joint": "j", "kind": "sine", "amplitude": "2 kN", "frequency": 1},
+            "translation",
+        ),
         (SpringSpec, {"joint": "j", "stiffness": "2 N/mm", "rest_angle": "1 mm"}, "translation"),
         (SpringSpec, {"joint": "j", "stiffness": 1, "damping": "1 N*m*s/rad"}, "rotation"),
-        (TableDrive, {"joint": "j", "kind": "table", "time": [0, 1], "torque": [1, 2]}, None),
+        (DRIVE_SPECS["table"], {"joint": "j", "kind": "table", "time": [0, 1], "torque": [1, 2]}, None),
     ],
 )
 def test_units_tell_a_turning_joint_from_a_sliding_one(spec, table, motion):
@@ -1445,7 +1447,7 @@ def test_units_tell_a_turning_joint_from_a_sliding_one(spec, table, motion):
 
 
 def test_tables_of_numbers_may_be_arrays():
-    drive = TableDrive(joint="j", kind="table", time=np.linspace(0, 1, 3), torque=np.arange(3))
+    drive = DRIVE_SPECS["table"](joint="j", kind="table", time=np.linspace(0, 1, 3), torque=np.arange(3))
     assert (drive.time, drive.torque) == ((0.0, 0.5, 1.0), (0.0, 1.0, 2.0))
     assert InitialBaseSpec(position=np.ones(3)).position == (1.0, 1.0, 1.0)
 

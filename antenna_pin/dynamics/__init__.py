@@ -2,19 +2,12 @@
 
 from antenna_pin.dynamics.adjust import Adjustments
 from antenna_pin.dynamics.audit import Audit, audit
-from antenna_pin.dynamics.elements import (
-    CallableDrive,
-    ConstantDrive,
-    Drive,
-    JointSpring,
-    SineDrive,
-    TableDrive,
-)
 from antenna_pin.dynamics.hinge import Hinge
 from antenna_pin.dynamics.motion import JointMotion
 from antenna_pin.dynamics.samples import Observed, joint_motion, observed
 from antenna_pin.dynamics.system import System
 from antenna_pin.dynamics.workspace import Workspace
+from antenna_pin.elements import CallableDrive, ConstantDrive, Drive, JointSpring, SineDrive, TableDrive
 
 __all__ = [
     "Adjustments",

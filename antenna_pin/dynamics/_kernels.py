@@ -1,11 +1,12 @@
 """Force elements of a system as one flat program, compiled.
 
 ``program`` is a list of blocks ``[kind, length, ...]`` that starts at ``HEADER``; its head is [nq, nv,
-contacts, 0]. A block is a clearance joint (layout in :mod:`antenna_pin.joints._kernels`), a drive or a
-spring. Drives and springs::
+contacts, 0]. A block is a clearance joint (layout in :mod:`antenna_pin.joints._kernels`) or an
+element at a joint, of one of the kinds of :mod:`antenna_pin.elements`::
 
     [kind, length, joint kind, start in q, start in v, start in x, block of the clearance joint or -1,
-     acts about the journal's axis (0 or 1), place of the turned angle in x or -1, parameters...]
+     what it acts about (its place in ``ABOUTS``), place of the turned angle in x or -1, whether it depends on
+     the joint's motion (0 or 1), whether it is on (0 or 1), record of its kind...]
 
 A configuration knows an angle only but for whole turns. Joints that turn without end (continuous ones and
 those with play) have their *turned angle*, with all its turns, in x: the angle at the last accepted state, to
@@ -19,6 +20,7 @@ from typing import Any
 
 from antenna_pin._compile import inlined, kernel
 from antenna_pin.contact._kernels import NORMAL_SIZE, elastic_energy
+from antenna_pin.elements import _kernels as elements
 from antenna_pin.geometry._kernels import TABLE_WIDTH
 from antenna_pin.joints import _kernels as joint
 from antenna_pin.joints._kernels import (
@@ -34,12 +36,6 @@ from antenna_pin.joints._kernels import (
 
 HEADER = 4
 
-CONSTANT = 10.0
-SINE = 11.0
-TABLE = 12.0
-GIVEN = 13.0  # a callable: Python writes its value before each evaluation
-SPRING = 20.0
-
 ONE_DOF = 0.0
 CIRCLE = 1.0  # a continuous joint: (cos, sin)
 CLEARANCE = 2.0
@@ -49,33 +45,16 @@ START_Q = 3
 START_V = 4
 START_X = 5
 CLEARANCE_BLOCK = 6
-ABOUT_JOURNAL = 7
+ABOUT = 7
 TURN = 8
-PARAMETERS = 9
+SENSES = 9
+ON = 10
+PARAMETERS = 11
 
-
-@inlined
-def drive_effort(p: Any, b: int, t: float) -> float:
-    """Torque [N m] (force [N] at a prismatic joint) of the drive block at b."""
-    kind = p[b]
-    i = b + PARAMETERS
-    if kind == SINE:
-        return float(p[i] * math.sin(p[i + 1] * t + p[i + 2]))
-    if kind == TABLE:
-        n = int(p[i])
-        knots = i + 1
-        low = 0
-        high = n - 1
-        while high - low > 1:
-            middle = (low + high) // 2
-            if p[knots + middle] <= t:
-                low = middle
-            else:
-                high = middle
-        s = t - p[knots + low]
-        c = knots + n + 4 * low
-        return float(((p[c] * s + p[c + 1]) * s + p[c + 2]) * s + p[c + 3])
-    return float(p[i])
+# What an element acts about at a joint with play, by its number.
+ABOUTS = ("bearing", "journal", "motion")
+ABOUT_BEARING = 0.0
+ABOUT_MOTION = 2.0
 
 
 @kernel
@@ -100,13 +79,37 @@ def joint_motion(p: Any, b: int, y: Any, nq: int) -> tuple[float, float, float, 
     return angle, gx * wx + gy * wy + wz, gx, gy
 
 
-@inlined
-def _drive(p: Any, b: int, t: float, y: Any, nq: int, nv: int, tau: Any, rates: Any) -> None:
-    """Add a drive's generalized force.
+@kernel
+def element_state(p: Any, b: int, t: float, y: Any, nq: int) -> tuple[float, float, float]:
+    """Torque [N m] (force [N] at a prismatic joint) of the element block at b, and what it follows.
 
-    At a clearance joint it is a couple about the bearing's or the journal's axis.
+    The reference and its error are not-a-number where the element follows none.
     """
-    effort = drive_effort(p, b, t)
+    angle, rate, _, _ = joint_motion(p, b, y, nq)
+    wanted, _ = elements.reference(int(p[b]), p, b + PARAMETERS, t)
+    return p[b + ON] * elements.effort(int(p[b]), p, b + PARAMETERS, t, angle, rate), wanted, wanted - angle
+
+
+@kernel
+def element_kink(p: Any, b: int, t: float, y: Any, nq: int) -> float:
+    """Where the element block at b has kinks: a function that passes zero at them."""
+    angle, rate, _, _ = joint_motion(p, b, y, nq)
+    return float(elements.kink(int(p[b]), p, b + PARAMETERS, t, angle, rate))
+
+
+@inlined
+def _element(p: Any, b: int, t: float, y: Any, nq: int, nv: int, tau: Any, rates: Any) -> None:
+    """Add an element's generalized force.
+
+    At a clearance joint it is a couple about the bearing's or the journal's axis, or what derives from the
+    motion angle.
+    """
+    kind = int(p[b])
+    angle, rate, gx, gy = 0.0, 0.0, 0.0, 0.0
+    on = p[b + ON]
+    if p[b + SENSES] != 0.0:
+        angle, rate, gx, gy = joint_motion(p, b, y, nq)
+    effort = on * elements.effort(kind, p, b + PARAMETERS, t, angle, rate)
     j = int(p[b + START_V])
     c = int(p[b + CLEARANCE_BLOCK])
     if c < 0:
@@ -118,7 +121,11 @@ def _drive(p: Any, b: int, t: float, y: Any, nq: int, nv: int, tau: Any, rates: 
     else:
         a = c + joint.AXES
         nx, ny, nz = p[a + 2], p[a + 5], p[a + 8]
-        if p[b + ABOUT_JOURNAL] == 0.0:
+        if p[b + ABOUT] == ABOUT_MOTION:
+            nx += gx * p[a] + gy * p[a + 1]
+            ny += gx * p[a + 3] + gy * p[a + 4]
+            nz += gx * p[a + 6] + gy * p[a + 7]
+        elif p[b + ABOUT] == ABOUT_BEARING:
             # The bearing's axis, seen from the journal: rotate by the inverse of the joint's quaternion.
             i = int(p[b + START_Q]) + 3
             qx, qy, qz, qw = -y[i], -y[i + 1], -y[i + 2], y[i + 3]
@@ -135,37 +142,7 @@ def _drive(p: Any, b: int, t: float, y: Any, nq: int, nv: int, tau: Any, rates: 
         tau[j + 5] += effort * nz
         k = nq + j + 3
         power = effort * (nx * y[k] + ny * y[k + 1] + nz * y[k + 2])
-    x = nv + int(p[b + START_X])
-    rates[x] = power
-    rates[x + 1] = abs(power)
-
-
-@kernel
-def spring_deflection(p: Any, b: int, angle: float) -> float:
-    """Angle of a spring block's joint from rest; the shorter way round if it asks for that."""
-    turned = float(angle - p[b + PARAMETERS + 2])
-    if p[b + PARAMETERS + 3] != 0.0:
-        return unwrapped(turned, 0.0)
-    return turned
-
-
-@kernel
-def _spring(p: Any, b: int, y: Any, nq: int, nv: int, tau: Any, rates: Any) -> None:
-    """Add a spring and damper; at a clearance joint the force that derives from the motion angle."""
-    angle, rate, gx, gy = joint_motion(p, b, y, nq)
-    damping = p[b + PARAMETERS + 1] * rate
-    effort = -p[b + PARAMETERS] * spring_deflection(p, b, angle) - damping
-    j = int(p[b + START_V])
-    c = int(p[b + CLEARANCE_BLOCK])
-    if c < 0:
-        tau[j] += effort
-    elif p[c] == PLANAR:
-        tau[j + 2] += effort
-    else:
-        a = c + joint.AXES
-        for k in range(3):
-            tau[j + 3 + k] += effort * (gx * p[a + 3 * k] + gy * p[a + 3 * k + 1] + p[a + 3 * k + 2])
-    rates[nv + int(p[b + START_X])] = damping * rate
+    elements.write_rates(kind, p, b + PARAMETERS, on * rate, power, rates, nv + int(p[b + START_X]))
 
 
 @kernel
@@ -193,10 +170,8 @@ def evaluate(t: float, y: Any, program: Any, work: Any, rates: Any) -> None:
         kind = program[b]
         if kind < LAST_KIND:
             clearance_joint(program, b, y, nq, nv, memory, table, pose, tau, rates)
-        elif kind < SPRING:
-            _drive(program, b, t, y, nq, nv, tau, rates)
         else:
-            _spring(program, b, y, nq, nv, tau, rates)
+            _element(program, b, t, y, nq, nv, tau, rates)
         b += int(program[b + 1])
 
 
@@ -220,10 +195,9 @@ def stored_energy(y: Any, program: Any, memory: Any, table: Any) -> tuple[float,
                     else:
                         law = b + joint.LAWS + k * joint.LAW_SIZE
                         contacts += elastic_energy(program[law : law + NORMAL_SIZE], -table[row + k, 0])
-        elif kind == SPRING:
+        elif program[b + SENSES] != 0.0:
             angle, _, _, _ = joint_motion(program, b, y, nq)
-            turned = spring_deflection(program, b, angle)
-            springs += 0.5 * program[b + PARAMETERS] * turned * turned
+            springs += program[b + ON] * elements.stored(int(kind), program, b + PARAMETERS, angle)
         b += int(program[b + 1])
     return contacts, springs
 

@@ -10,7 +10,7 @@ import numpy as np
 from antenna_pin._compile import inlined, kernel
 from antenna_pin.dynamics._audit_kernels import AUDIT_SIZE, audit_state
 from antenna_pin.dynamics._inspect import contacts_in
-from antenna_pin.dynamics._kernels import drive_effort, evaluate, stored_energy
+from antenna_pin.dynamics._kernels import element_state, evaluate, stored_energy
 from antenna_pin.geometry._kernels import contact_scenario, revolute_contacts
 from antenna_pin.joints import _kernels as joint
 from antenna_pin.joints._kernels import (
@@ -112,7 +112,7 @@ def observe(
         poses: Of the journals, (n, joints, POSE_BUFFER).
         wrenches: On the journals, (n, joints, 6).
         scenarios: Of contact, radial and axial, (n, joints, 2).
-        efforts: Of the drives, (n, drives).
+        efforts: Of the drives, with the reference that they follow and their error, (n, drives, 3).
         energies: (n, ENERGIES).
     """
     nq, nv = int(program[0]), int(program[1])
@@ -132,7 +132,8 @@ def observe(
         for c in range(memory.shape[0]):
             _look_at(table, c, contacts[i, c])
         for k in range(drives.shape[0]):
-            efforts[i, k] = drive_effort(program, drives[k], times[i])
+            own_effort, reference, error = element_state(program, drives[k], times[i], y, nq)
+            efforts[i, k, 0], efforts[i, k, 1], efforts[i, k, 2] = own_effort, reference, error
         for k in range(blocks.shape[0]):
             b = blocks[k]
             own = poses[i, k]

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import dataclasses
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.dynamics import _kernels
-from antenna_pin.dynamics.elements import Drive, JointSpring
 from antenna_pin.dynamics.system import System
+from antenna_pin.elements import Element
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
+from antenna_pin.parameters import parameters_of
 
 __all__ = ["Adjustments"]
 
@@ -32,15 +32,15 @@ class Adjustments:
 
     Attributes:
         values: What has been changed, by place.
-        drives: The drives as they are, by name.
+        elements: The drives and springs as they are, by place.
     """
 
     def __init__(self, system: System, program: Array) -> None:
         """Begin with the system's own numbers."""
         self._program = program
         self.values: dict[str, float] = {}
-        self.drives: dict[str, Drive] = dict(system.drives)
-        self.springs: dict[str, JointSpring] = dict(system.springs)
+        self.elements: dict[str, Element] = {f"drives.{name}": one for name, one in system.drives.items()}
+        self.elements |= {f"springs.{name}": one for name, one in system.springs.items()}
         self._blocks = {f"drives.{name}": block for name, block in system.drive_blocks.items()}
         self._blocks |= {f"springs.{name}": block for name, block in system.spring_blocks.items()}
 
@@ -57,26 +57,19 @@ class Adjustments:
         element, _, key = place.rpartition(".")
         if element not in self._blocks:
             raise UnknownNameError("Set", "drive or spring", element or place, self._blocks)
-        kind, _, name = element.partition(".")
-        there: dict[str, Any] = self.drives if kind == "drives" else self.springs
-        keys = [f.name for f in dataclasses.fields(there[name]) if f.type == "float"]
+        source = self.elements[element]
+        keys = [name for name, parameter in parameters_of(type(source)).items() if not parameter.sizes]
+        block = self._blocks[element]
         if key == _ON:
             if value not in (True, False):
                 raise InvalidParameterError("Set", place, "true or false", value)
+            self._program[block + _kernels.ON] = float(value)
         elif key in keys:
-            there[name] = dataclasses.replace(there[name], **{key: float(value)})
+            changed = dataclasses.replace(source, **{key: float(value)})  # type: ignore[arg-type]
+            self.elements[element] = changed
+            words = changed.words_of_kernel()
+            first = block + _kernels.PARAMETERS
+            self._program[first : first + len(words)] = words
         else:
             raise UnknownNameError("Set", f"number of {element}", key, [*keys, _ON])
         self.values[place] = float(value)
-        self._write(element, there[name])
-
-    def _write(self, element: str, source: Any) -> None:
-        block = self._blocks[element]
-        kind, parameters = source.code()
-        if not self.values.get(f"{element}.{_ON}", 1.0):
-            # A constant drive of zero, or a spring without stiffness and damping.
-            spring = kind == _kernels.SPRING
-            kind, parameters = (kind if spring else _kernels.CONSTANT), np.zeros(len(parameters))
-        self._program[block] = kind
-        first = block + _kernels.PARAMETERS
-        self._program[first : first + len(parameters)] = parameters

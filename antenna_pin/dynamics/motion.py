@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from antenna_pin.dynamics import _kernels
 from antenna_pin.dynamics.system import System
+from antenna_pin.elements import ConstantDrive
 
 __all__ = ["JointMotion"]
 
@@ -26,7 +27,7 @@ class JointMotion:
 
     def __init__(self, system: System, joint: str) -> None:
         """Lay out what the kernel needs to know of the joint."""
-        block = system.element_block(f"motion of {joint!r}", joint, _kernels.CONSTANT, 0, 0.0, (0.0,))
+        block = system.element_block(f"motion of {joint!r}", ConstantDrive(joint=joint, value=0.0), 0)
         self._program = np.concatenate([system.program, block])
         self._block = system.program.size
         self._nq = system.model.nq

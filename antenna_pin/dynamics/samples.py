@@ -32,7 +32,8 @@ class Observed:
         pose: Of the journals in their bearings, (n, joints, POSE_BUFFER).
         wrench: Of the contacts on the journals, about their centres, bearing axes, (n, joints, 6) [N, N m].
         scenario: Of contact, radial and axial, (n, joints, 2).
-        effort: Of the drives, (n, drives) [N m].
+        effort: Of the drives [N m], the reference that they follow and the error [rad], NaN where they follow
+            none, (n, drives, 3).
         stored: Energy: kinetic, of contacts, of springs, of gravity, (n, 4) [J].
         linear: Momentum, world axes, (n, 3) [kg m/s].
         angular: About the mass centre, world axes, (n, 3) [kg m^2/s].
@@ -71,7 +72,7 @@ def observed(
     pose = np.zeros((n, joints, _joint.POSE_BUFFER))
     wrench = np.zeros((n, joints, 6))
     scenario = np.zeros((n, joints, 2), dtype=np.int8)
-    effort = np.zeros((n, len(system.drives)))
+    effort = np.zeros((n, len(system.drives), 3))
     energies = np.zeros((n, _sample_kernels.ENERGIES))
     rates = np.zeros(model.nv + system.manifold.nx)
     given = (

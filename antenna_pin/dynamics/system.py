@@ -11,9 +11,9 @@ import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.dynamics import _kernels
-from antenna_pin.dynamics.elements import CallableDrive, Drive, JointSpring
 from antenna_pin.dynamics.hinge import Hinge, hinge_slot
 from antenna_pin.dynamics.workspace import Workspace
+from antenna_pin.elements import GROSS_WORK, LOSS, WORK, CallableDrive, Drive, Element, JointSpring
 from antenna_pin.errors import InvalidParameterError, MechanismError, UnknownNameError
 from antenna_pin.geometry import SphericalClearance
 from antenna_pin.integrate import Manifold
@@ -156,36 +156,30 @@ class System:
         #: Rows of a contact table: those of the contacts, then those of strips and sectors.
         self.rows = rows
         blocks[0][2:4] = row, rows
-        work_x, self.drive_blocks = [], {}
+        #: Places in x of what elements integrate, by its name; in the order of the elements.
+        integrals: dict[str, list[int]] = {}
         #: Drives in Python: their block, and where in the program their value goes.
         self.callables: list[tuple[int, int, CallableDrive]] = []
-        for name, drive in self.drives.items():
-            kind, parameters = drive.code()
-            self.drive_blocks[name] = size
-            about = 1.0 if drive.axis == "journal" else 0.0
-            block = self.element_block(f"drive {name!r}", drive.joint, kind, x, about, parameters)
-            if isinstance(drive, CallableDrive):
-                self.callables.append((size, size + _kernels.PARAMETERS, drive))
-            blocks.append(block)
-            size += len(block)
-            work_x.append(x)
-            x += 2
-        self.work_x = np.array(work_x, dtype=int)
-        self.gross_work_x = self.work_x + 1
-        damper_x, self.spring_blocks = [], {}
-        for name, spring in self.springs.items():
-            self.spring_blocks[name] = size
-            if spring.shorter_way and self.mechanism.joint(spring.joint).kind == "prismatic":
-                raise InvalidParameterError(
-                    f"spring {name!r}", "shorter_way", f"false: joint {spring.joint!r} slides", True
-                )
-            kind, parameters = spring.code()
-            block = self.element_block(f"spring {name!r}", spring.joint, kind, x, 0.0, parameters)
-            blocks.append(block)
-            size += len(block)
-            damper_x.append(x)
-            x += 1
-        self.damper_x = np.array(damper_x, dtype=int)
+        self.drive_blocks: dict[str, int] = {}
+        self.spring_blocks: dict[str, int] = {}
+        families: tuple[tuple[str, Mapping[str, Element], dict[str, int]], ...] = (
+            ("drive", self.drives, self.drive_blocks),
+            ("spring", self.springs, self.spring_blocks),
+        )
+        for family, elements, places in families:
+            for name, element in elements.items():
+                block = self.element_block(f"{family} {name!r}", element, x)
+                places[name] = size
+                if isinstance(element, CallableDrive):
+                    self.callables.append((size, size + _kernels.PARAMETERS, element))
+                blocks.append(block)
+                size += len(block)
+                for integral in element.integrals:
+                    integrals.setdefault(integral.name, []).append(x)
+                    x += 1
+        self.work_x, self.gross_work_x, self.damper_x = (
+            np.array(integrals.get(one.name, []), dtype=int) for one in (WORK, GROSS_WORK, LOSS)
+        )
         self.program = np.concatenate(blocks)
         slots = {name: self.mechanism.joint(name) for name in self.turn_x}
         #: What :func:`_kernels.turn_on` needs to know of the turned angles.
@@ -209,23 +203,18 @@ class System:
         ]
         return {name: k for k, name in enumerate(names)}
 
-    def element_block(
-        self, place: str, joint: str, kind: float, x: int, about: float, parameters: Sequence[float]
-    ) -> Array:
-        """Return the block of a drive or a spring at a joint, or refuse a joint that has no axis.
+    def element_block(self, place: str, element: Element, x: int) -> Array:
+        """Return the block of an element, or refuse a joint at which it cannot act.
 
         Args:
             place: What it is, for the refusal.
-            joint: Name of the joint.
-            kind: Of the element, as the kernel knows it.
+            element: The element.
             x: Where in x what it integrates starts.
-            about: 1 if it acts about the journal's axis, 0 about the bearing's.
-            parameters: The element's own numbers.
         """
-        slot = self.mechanism.joint(joint)
-        clearance = self.clearance_blocks.get(joint, -1)
+        slot = self.mechanism.joint(element.joint)
+        clearance = self.clearance_blocks.get(element.joint, -1)
         spherical = any(
-            j.name == joint and isinstance(j.geometry, SphericalClearance) for j in self.clearances
+            j.name == element.joint and isinstance(j.geometry, SphericalClearance) for j in self.clearances
         )
         if clearance >= 0 and not spherical:
             joint_kind = _kernels.CLEARANCE
@@ -236,12 +225,16 @@ class System:
         else:
             kind_seen = "spherical" if spherical else slot.kind
             raise MechanismError(
-                f"{place}: joint {joint!r} is {kind_seen} and has no axis to act about; "
+                f"{place}: joint {element.joint!r} is {kind_seen} and has no axis to act about; "
                 "use a revolute, continuous, prismatic or clearance joint"
             )
-        head = [kind, _kernels.PARAMETERS + len(parameters), joint_kind, slot.q.start, slot.v.start, x]
-        turn = self.turn_x.get(joint, -1)
-        return np.array([*head, clearance, about, turn, *parameters], dtype=float)
+        element.check_joint(place, slot.kind == "prismatic")
+        words = element.words_of_kernel()
+        length = _kernels.PARAMETERS + len(words)
+        head = [element.compiled().KIND, length, joint_kind, slot.q.start, slot.v.start, x]
+        about = _kernels.ABOUTS.index(element.about)
+        turn = self.turn_x.get(element.joint, -1)
+        return np.concatenate([[*head, clearance, about, turn, element.senses, 1.0], words])
 
     # --- states ---------------------------------------------------------------------------------------------
 

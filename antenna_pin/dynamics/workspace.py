@@ -97,7 +97,7 @@ class Workspace:
         for path in self.paths:
             path.prepare(y, self.memory, self.table)
         for block, slot, drive in self.system.callables:
-            if self.program[block] != _kernels.GIVEN:  # it is off
+            if self.program[block + _kernels.ON] == 0.0:
                 continue
             angle, rate, _, _ = _kernels.joint_motion(self.program, block, y, self.model.nq)
             self.program[slot] = drive.torque(t, angle, rate)

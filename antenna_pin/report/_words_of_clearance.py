@@ -6,9 +6,8 @@ import json
 from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple
 
-from antenna_pin.readable import readable
+from antenna_pin.readable import GIVEN, readable
 from antenna_pin.report._runs import ReportedRun
-from antenna_pin.report._words_of_elements import GIVEN
 from antenna_pin.scenario import ContactClearance, PlanarClearance, Scenario, SphericalClearance
 
 __all__ = ["CLEARANCES", "words_of_carried_clearances", "words_of_clearances"]

@@ -1,75 +1,28 @@
-"""Drives and springs in words: one entry for each kind."""
+"""Drives and springs in words: each knows its own."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from typing import Any
+from collections.abc import Iterator
 
-from antenna_pin.readable import number, readable
+from antenna_pin.elements import Element
 from antenna_pin.report._runs import ReportedRun
-from antenna_pin.scenario import ConstantDrive, DriveSpec, Scenario, SineDrive, SpringSpec, TableDrive
+from antenna_pin.scenario import Scenario
 
-__all__ = ["DRIVES", "GIVEN", "names_of_elements", "words_of_elements"]
-
-#: Digits of what people gave: as many as they wrote.
-GIVEN = 10
-
-
-def _constant(drive: ConstantDrive, unit: str) -> str:
-    return f"constant {readable(drive.value, unit, GIVEN)}"
-
-
-def _sine(drive: SineDrive, unit: str) -> str:
-    phase = f" + {readable(drive.phase, 'rad', GIVEN)}" if drive.phase else ""
-    frequency = number(drive.frequency, GIVEN)
-    return f"{readable(drive.amplitude, unit, GIVEN)} × sin(2π · {frequency} Hz · t{phase})"
-
-
-def _table(drive: TableDrive, unit: str) -> str:
-    largest = max(abs(value) for value in drive.torque)
-    where = "" if drive.file is None else f" of {drive.file}"
-    return (
-        f"table{where}: {len(drive.time)} points from {number(drive.time[0])} to {number(drive.time[-1])} s, "
-        f"{drive.interpolation} between them, up to {readable(largest, unit)}"
-    )
-
-
-#: What is said of each kind of drive, whose force or torque has the unit.
-DRIVES: dict[type[Any], Callable[[Any, str], str]] = {
-    ConstantDrive: _constant,
-    SineDrive: _sine,
-    TableDrive: _table,
-}
-
-
-def _spring(spring: SpringSpec) -> str:
-    slides = spring.motion == "translation"
-    units = ("N/m", "N s/m", "m") if slides else ("N m/rad", "N m s/rad", "rad")
-    values = (spring.stiffness, spring.damping, spring.rest_angle)
-    words = ("stiffness", "damping", "at rest at")
-    return ", ".join(
-        f"{word} {readable(value, unit, GIVEN)}"
-        for word, value, unit in zip(words, values, units, strict=True)
-        if value
-    )
-
-
-def _drive(drive: DriveSpec) -> str:
-    return DRIVES[type(drive)](drive, "N" if drive.motion == "translation" else "N m")
+__all__ = ["names_of_elements", "words_of_elements"]
 
 
 def words_of_elements(scenario: Scenario) -> Iterator[tuple[str, str]]:
     """Yield each drive and each spring of a scenario, with what it does."""
-    for name, drive in scenario.drives.items():
-        text = _drive(drive)
-        if drive.joint != name:
-            text += f", at {drive.joint}"
-        clearance = scenario.clearance.get(drive.joint)
-        if clearance is not None and clearance.model != "ideal":
-            text += f", about the {drive.axis}'s axis"
-        yield f"drive {name}", text
-    for name, spring in scenario.springs.items():
-        yield f"spring {name}", _spring(spring) + ("" if spring.joint == name else f", at {spring.joint}")
+    for family, specs in (("drive", scenario.drives), ("spring", scenario.springs)):
+        for name, spec in specs.items():
+            element: Element = spec.build()
+            text = element.words(spec.motion == "translation")
+            if element.joint != name:
+                text += f", at {element.joint}"
+            clearance = scenario.clearance.get(element.joint)
+            if element.about != "motion" and clearance is not None and clearance.model != "ideal":
+                text += f", about the {element.about}'s axis"
+            yield f"{family} {name}", text
 
 
 def names_of_elements(run: ReportedRun) -> Iterator[tuple[str, str]]:

@@ -6,9 +6,8 @@ import json
 from collections.abc import Iterator
 from typing import Any
 
-from antenna_pin.readable import number, readable
+from antenna_pin.readable import GIVEN, number, readable
 from antenna_pin.report._runs import ReportedRun
-from antenna_pin.report._words_of_elements import GIVEN
 from antenna_pin.scenario import Scenario
 
 __all__ = ["words_of_laws"]

@@ -9,7 +9,7 @@ import numpy as np
 from antenna_pin.analysis import mechanism_of
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.mechanism import Mechanism
-from antenna_pin.readable import number, printed_unit, readable
+from antenna_pin.readable import GIVEN, number, printed_unit, readable
 from antenna_pin.report._parts import Section, Statement
 from antenna_pin.report._runs import ReportedRun, labels_of
 from antenna_pin.report._words_of_clearance import (
@@ -17,7 +17,7 @@ from antenna_pin.report._words_of_clearance import (
     words_of_carried_clearances,
     words_of_clearances,
 )
-from antenna_pin.report._words_of_elements import GIVEN, names_of_elements, words_of_elements
+from antenna_pin.report._words_of_elements import names_of_elements, words_of_elements
 from antenna_pin.report._words_of_laws import words_of_laws
 from antenna_pin.scenario import PointingSpec, Scenario
 

@@ -12,7 +12,7 @@ from antenna_pin.scenario.clearance import (
     PlanarClearance,
     SphericalClearance,
 )
-from antenna_pin.scenario.drives import ConstantDrive, DriveSpec, SineDrive, SpringSpec, TableDrive
+from antenna_pin.scenario.drives import DRIVE_SPECS, DriveSpec, SpringSpec
 from antenna_pin.scenario.events import AngleEvent, EventSpec, ForceEvent, GapEvent, RateEvent, TimeEvent
 from antenna_pin.scenario.initial import InitialBaseSpec, InitialJointSpec, InitialSpec
 from antenna_pin.scenario.integrator import IntegratorSpec, OutputSpec, ScalesSpec
@@ -31,10 +31,10 @@ from antenna_pin.scenario.shipped import (
 from antenna_pin.scenario.write import scenario_toml
 
 __all__ = [
+    "DRIVE_SPECS",
     "AngleEvent",
     "CaseSummary",
     "ClearanceSpec",
-    "ConstantDrive",
     "ContactClearance",
     "DriveSpec",
     "EventSpec",
@@ -61,10 +61,8 @@ __all__ = [
     "Scenario",
     "ScenarioSummary",
     "ShapeSpec",
-    "SineDrive",
     "SphericalClearance",
     "SpringSpec",
-    "TableDrive",
     "TimeEvent",
     "list_scenarios",
     "load_scenario",

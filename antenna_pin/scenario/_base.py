@@ -11,6 +11,7 @@ from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, ValidationErro
 from pydantic.fields import FieldInfo
 from pydantic_core import CoreSchema, InitErrorDetails, PydanticCustomError, core_schema
 
+from antenna_pin.elements import DRIVES
 from antenna_pin.errors import AntennaPinError, ScenarioError, UnknownNameError, nearest
 from antenna_pin.parameters import RULES
 from antenna_pin.units import QuantityError, describe_unit, quantity, shown
@@ -21,7 +22,7 @@ Location = tuple[str | int, ...]
 # Tables whose entries are one of several classes; pydantic puts the class into the location, after the name.
 _TAGGED = {
     "clearance": ("contact", "planar", "spherical", "ideal", "constraint"),
-    "drives": ("constant", "sine", "table"),
+    "drives": tuple(DRIVES),
     "events": ("angle", "rate", "time", "gap", "force"),
 }
 _BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")

@@ -12,26 +12,23 @@ from pydantic import ValidationError
 
 from antenna_pin.errors import ScenarioError, nearest
 from antenna_pin.scenario._base import Location, Place, Spec, dotted, explained, unknown_key
+from antenna_pin.scenario.drives import file_columns
 from antenna_pin.scenario.merge import Overrides, merge, read_overrides
 from antenna_pin.scenario.shipped import tables
-from antenna_pin.scenario.torque_table import BadTableError, read_torque_table
+from antenna_pin.scenario.table_file import BadTableError, read_table
 from antenna_pin.units import shown
 
 __all__ = [
-    "STAND_IN",
     "Source",
     "built",
     "check_drives",
     "check_keys",
     "from_layer",
-    "is_table_drive",
     "read_layer",
+    "stand_in",
 ]
 
 S = TypeVar("S", bound=Spec)
-
-#: The least that a table drive needs, in place of a file that is not to be read.
-STAND_IN = {"time": (0.0, 1.0), "torque": (0.0, 0.0)}
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,29 +125,32 @@ def check_keys(kind: type[Spec], data: Mapping[str, Any], source: Source) -> Non
 def check_drives(drives: object, source: Source) -> None:
     """Refuse a table drive that has its numbers twice."""
     for name, table in tables(drives).items():
-        if "file" in tables(table) and table.keys() & STAND_IN.keys():
-            raise source.error("must have either file, or time and torque, got both", "drives", name)
+        columns = file_columns(table) or ("time", "torque")
+        if "file" in tables(table) and table.keys() & {*columns}:
+            rule = f"must have either file, or {columns[0]} and {columns[1]}, got both"
+            raise source.error(rule, "drives", name)
 
 
-def is_table_drive(table: object) -> bool:
-    """Whether a table of a scenario is that of a drive by points."""
-    return isinstance(table, Mapping) and table.get("kind") == "table"
+def stand_in(table: object) -> dict[str, tuple[float, ...]]:
+    """Return the least that a drive needs in place of a file that is not to be read."""
+    return dict.fromkeys(file_columns(table) or (), (0.0, 1.0))
 
 
 def _with_table(name: str, table: Any, folder: Path, source: Source) -> Any:
     """Return a drive with the numbers of the file it names, if it names one and has none."""
-    if not is_table_drive(table) or "file" not in table or table.keys() & STAND_IN.keys():
+    columns = file_columns(table)
+    if columns is None or "file" not in table or table.keys() & {*columns}:
         return table
     if not isinstance(table["file"], str):
-        return table | STAND_IN  # refused for its file
+        return table | stand_in(table)  # refused for its file
     place = ("drives", name, "file")
     text = _read_file(table["file"], folder, source, *place)
     try:
-        time, torque = read_torque_table(text)
+        numbers = read_table(text, columns)
     except BadTableError as problem:
         where, note, _ = source.place(place)
         raise ScenarioError(f"{where}: {table['file']}, {problem}{note}") from None
-    return table | {"time": time, "torque": torque}
+    return table | dict(zip(columns, numbers, strict=True))
 
 
 def _read_file(name: str, folder: Path, source: Source, *location: str) -> str:

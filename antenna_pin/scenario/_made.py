@@ -17,7 +17,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import MISSING
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self, TypeVar, Union, get_args, get_type_hints
 
-from pydantic import BeforeValidator, Field, create_model, model_validator
+from pydantic import BeforeValidator, ConfigDict, Field, create_model, model_validator
 
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.parameters import parameters_of
@@ -30,6 +30,9 @@ _Spec = TypeVar("_Spec", bound="MadeSpec")
 
 class MadeSpec(Spec):
     """A table that fills a class; see :func:`reads`."""
+
+    # Built when it is used: pydantic would build twice, with and without the keys.
+    model_config = ConfigDict(defer_build=True)
 
     # The class that it fills, and the field of each key where that has another name.
     fills: ClassVar[type[Any]]
@@ -65,7 +68,8 @@ class MadeSpec(Spec):
             self.build()
         except InvalidParameterError as error:
             keys = {name: key for key, name in self.fields_of_keys.items()}
-            refuse(error.reason, keys.get(error.parameter, error.parameter))
+            name, *indices = error.parameter.replace("]", "").split("[")
+            refuse(error.reason, keys.get(name, name), *(int(index) for index in indices))
         return self
 
 
@@ -134,7 +138,8 @@ def _annotated(parameter: Any, hint: Any) -> Any:
     optional = type(None) in get_args(hint)
     kind: Any
     if parameter.sizes == (0,):
-        kind = Annotated[tuple[float, ...], Vector(parameter.unit, (), parameter.rule)]
+        # A long table has one unit for all its numbers: SI.
+        kind = Annotated[tuple[float, ...], Vector("1", (), parameter.rule)]
     elif parameter.sizes:
         kind = Annotated[tuple[float, ...], Vector(parameter.unit, parameter.sizes, parameter.rule)]
     elif int in (hint, *get_args(hint)):

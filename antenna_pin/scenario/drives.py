@@ -1,129 +1,68 @@
-"""What acts at the joints: drives and springs."""
+"""What acts at the joints: drives and springs, with the keys of the elements that they are made of."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Any, Literal, Self, Union
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import create_model, model_validator
 
-from antenna_pin.scenario._base import Quantity, read_quantity, refuse
+from antenna_pin.elements import DRIVES, JointSpring, TableDrive
+from antenna_pin.scenario._base import refuse
 from antenna_pin.scenario._joint import JointTable
-from antenna_pin.units import shown
+from antenna_pin.scenario._made import MadeSpec, reads
 
-__all__ = ["ConstantDrive", "DriveSpec", "SineDrive", "SpringSpec", "TableDrive"]
-
-_EFFORT = Quantity(("N*m", "N"))
+__all__ = ["DRIVE_SPECS", "DriveSpec", "SpringSpec", "file_columns"]
 
 
-class SpringSpec(JointTable):
-    """A linear spring and damper at a joint; the units are those of a turning (sliding) joint.
+class _ElementSpec(JointTable, MadeSpec):
+    """A table of a force element."""
 
-    Attributes:
-        joint: Name of the joint.
-        stiffness: [N*m/rad] ([N/m]).
-        damping: [N*m*s/rad] ([N*s/m]).
-        rest_angle: Where the spring is at rest [rad] ([m]).
-        shorter_way: Whether the deflection of a turning joint is taken the shorter way round, within half a
-            turn, rather than with all its turns.
-    """
 
-    joint: str
-    stiffness: Annotated[float, Quantity(("N*m/rad", "N/m"), "zero or more")] = 0.0
-    damping: Annotated[float, Quantity(("N*m*s/rad", "N*s/m"), "zero or more")] = 0.0
-    rest_angle: Annotated[float, Quantity(("rad", "m"))] = 0.0
-    shorter_way: bool = False
+@reads(JointSpring)
+class SpringSpec(_ElementSpec):
+    """A linear spring and damper at a joint; the units are those of a turning (sliding) joint."""
 
     @model_validator(mode="after")
-    def _check_use(self) -> Self:
+    def _check_something(self) -> Self:
         if self.stiffness == self.damping == 0.0:
             refuse("must have a stiffness or a damping above zero, got neither")
         return self
 
 
-class _Drive(JointTable):
-    """What all drives share.
-
-    Attributes:
-        joint: Name of the joint.
-        axis: Whose axis the torque acts about; it matters at joints with play.
-    """
-
-    joint: str
-    axis: Literal["bearing", "journal"] = "bearing"
-
-
-class ConstantDrive(_Drive):
-    """A constant torque, or force at a sliding joint.
-
-    Attributes:
-        value: [N*m] ([N]).
-    """
-
-    kind: Literal["constant"]
-    value: Annotated[float, _EFFORT]
-
-
-class SineDrive(_Drive):
-    """The torque, or force at a sliding joint, ``amplitude * sin(2 pi frequency t + phase)``.
-
-    Attributes:
-        amplitude: [N*m] ([N]).
-        frequency: [Hz].
-        phase: [rad].
-    """
-
-    kind: Literal["sine"]
-    amplitude: Annotated[float, _EFFORT]
-    frequency: Annotated[float, Quantity("Hz", "positive")]
-    phase: Annotated[float, Quantity("rad")] = 0.0
-
-
-def _read_numbers(value: object) -> tuple[float, ...]:
-    if hasattr(value, "tolist"):  # a NumPy array
-        value = value.tolist()
-    if not isinstance(value, list | tuple):
-        refuse(f"must be an array of numbers, got {shown(value)}", value=value)
-    return tuple(read_quantity(entry, "1", "", i) for i, entry in enumerate(value))
-
-
-Numbers = Annotated[tuple[float, ...], BeforeValidator(_read_numbers)]
-
-
-class TableDrive(_Drive):
-    """A torque, or force at a sliding joint, interpolated in a table.
-
-    Attributes:
-        file: Where the table came from, relative to the scenario's folder; None if given as numbers.
-        interpolation: ``linear`` or ``cubic``.
-        time: Strictly increasing, at least two [s].
-        torque: One for each time [N*m] ([N]).
-    """
-
-    kind: Literal["table"]
-    file: str | None = None
-    interpolation: Literal["linear", "cubic"] = "linear"
-    time: Numbers = Field(repr=False)
-    torque: Numbers = Field(repr=False)
-
+class _TableSpec(_ElementSpec):
     @model_validator(mode="before")
     @classmethod
     def _check_given(cls, data: Any) -> Any:
-        if isinstance(data, Mapping) and not data.keys() & {"file", "time", "torque"}:
+        if isinstance(data, Mapping) and not data.keys() & {"file", *TableDrive.columns}:
             refuse("must have either file, or time and torque, got neither")
         return data
 
-    @model_validator(mode="after")
-    def _check_table(self) -> Self:
-        if len(self.time) < 2:
-            refuse(f"must have at least 2 entries, got {len(self.time)}", "time")
-        if len(self.torque) != len(self.time):
-            refuse(f"must have as many entries as time, {len(self.time)}, got {len(self.torque)}", "torque")
-        for i, (before, after) in enumerate(zip(self.time, self.time[1:], strict=False), start=1):
-            if not after > before:
-                refuse(f"must increase strictly, got {after!r} after {before!r}", "time", i)
-        return self
+
+def _drive_spec(kind: str) -> type[_ElementSpec]:
+    """Return the table of a kind of drive."""
+    cls = DRIVES[kind]
+    base = _TableSpec if cls is TableDrive else _ElementSpec
+    key: Any = (Literal[kind], ...)
+    name = f"{cls.__name__}Spec"
+    return reads(cls)(create_model(name, __base__=base, __doc__=cls.__doc__, __module__=__name__, kind=key))
 
 
-DriveSpec = ConstantDrive | SineDrive | TableDrive
-"""A drive; ``kind`` says which class it is."""
+DRIVE_SPECS: Mapping[str, type[_ElementSpec]] = {kind: _drive_spec(kind) for kind in DRIVES}
+"""The tables of drives by their kind."""
+
+# A scenario that is pickled names its classes as this module does.
+globals().update({spec.__name__: spec for spec in DRIVE_SPECS.values()})
+
+if TYPE_CHECKING:
+    DriveSpec = _ElementSpec
+else:
+    DriveSpec = Union[tuple(DRIVE_SPECS.values())]  # noqa: UP007 - of values
+    """A drive; ``kind`` says which class it is."""
+
+
+def file_columns(table: object) -> tuple[str, str] | None:
+    """Return the columns of the file that a drive's table may name instead of numbers; None if it may not."""
+    if not isinstance(table, Mapping) or not isinstance(table.get("kind"), str):
+        return None
+    return getattr(DRIVES.get(table["kind"]), "columns", None)

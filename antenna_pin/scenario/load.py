@@ -11,15 +11,15 @@ from pydantic import ValidationError
 from antenna_pin.errors import AntennaPinError, ScenarioError, UnknownNameError
 from antenna_pin.scenario._base import dotted, explained_line, located_lines
 from antenna_pin.scenario._layers import (
-    STAND_IN,
     Source,
     built,
     check_drives,
     check_keys,
     from_layer,
-    is_table_drive,
     read_layer,
+    stand_in,
 )
+from antenna_pin.scenario.drives import file_columns
 from antenna_pin.scenario.merge import Overrides, merge
 from antenna_pin.scenario.scenario import Scenario
 from antenna_pin.scenario.shipped import find_scenario, read_toml
@@ -111,7 +111,7 @@ def _problem_of_case(source: Source, data: dict[str, Any]) -> AntennaPinError | 
     check_drives(drives, source)
     if isinstance(drives, Mapping):
         data["drives"] = {
-            name: table | STAND_IN if is_table_drive(table) and "file" in table else table
+            name: table | stand_in(table) if file_columns(table) and "file" in table else table
             for name, table in drives.items()
         }
     try:

@@ -21,7 +21,7 @@ _ALTERNATIVES: dict[tuple[str, ...], tuple[tuple[frozenset[str], frozenset[str]]
         (frozenset({"radial_clearance"}), frozenset({"journal_radius"})),
         (frozenset({"axial_clearance"}), frozenset({"flange_distance"})),
     ),
-    ("drives", "*"): ((frozenset({"file"}), frozenset({"time", "torque"})),),
+    ("drives", "*"): ((frozenset({"file"}), frozenset({"time", "torque", "reference"})),),
     ("pointing", "*"): (
         (frozenset({"altitude"}), frozenset({"period", "rate"})),
         (frozenset({"period"}), frozenset({"rate"})),

@@ -12,7 +12,7 @@ from antenna_pin.errors import UnknownNameError, nearest
 from antenna_pin.scenario._base import PositiveTime, Spec, refuse, refuse_name
 from antenna_pin.scenario._layers import Source, built, check_drives, read_layer
 from antenna_pin.scenario.clearance import ClearanceSpec, law_tables
-from antenna_pin.scenario.drives import DriveSpec, SpringSpec
+from antenna_pin.scenario.drives import DRIVE_SPECS, DriveSpec, SpringSpec
 from antenna_pin.scenario.events import EventSpec, number_to_set
 from antenna_pin.scenario.initial import InitialBaseSpec, InitialSpec
 from antenna_pin.scenario.integrator import IntegratorSpec, OutputSpec
@@ -147,7 +147,7 @@ class Scenario(Spec):
                     for name, table in tables.items()
                 }
         _check_choice(done, "clearance", "model", get_args(ClearanceSpec))
-        _check_choice(done, "drives", "kind", get_args(DriveSpec))
+        _check_choice(done, "drives", "kind", tuple(DRIVE_SPECS.values()))
         _check_choice(done, "events", "kind", get_args(EventSpec))
         return done
 

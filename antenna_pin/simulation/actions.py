@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from antenna_pin.dynamics import Adjustments, Workspace, audit
 from antenna_pin.integrate import Stepper
 from antenna_pin.simulation.control import StepControl
-from antenna_pin.simulation.events import Jump, Set, Stop
+from antenna_pin.simulation.events import Jump, Kink, Set, Stop
 from antenna_pin.simulation.samples import Samples
 from antenna_pin.simulation.watch import Crossing, Watch
 
@@ -74,6 +74,9 @@ class Actions:
         event = self._watch.events[crossing.event]
         action = event.action
         count = self._watch.happen(crossing)
+        if isinstance(action, Kink):
+            self._watch.renew()
+            return None
         new = self._stepper.t > self._begin  # the others were the run's that was before
         energy = 0.0
         if count >= event.after and isinstance(action, Set | Jump):
@@ -93,7 +96,7 @@ class Actions:
     def set(self, place: str, value: float) -> None:
         """Change a number of a drive or a spring."""
         self.adjustments.set(place, value)
-        self._control.renew(self.adjustments.drives.values())
+        self._control.renew(self.adjustments.elements.values())
         self._samples.program = self._workspace.program.copy()
 
     def _jump(self, action: Jump) -> None:

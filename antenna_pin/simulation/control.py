@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 
-from antenna_pin.dynamics import Drive, System
+from antenna_pin.dynamics import System
+from antenna_pin.elements import Element
 from antenna_pin.integrate import Method
 from antenna_pin.settings import RunSettings
 
@@ -42,21 +43,21 @@ class StepControl:
         self.end = end
         self.spin = 0.0
         self.sizes: dict[bytes, float] = {}
-        instants = {t for drive in system.drives.values() for t in drive.instants}
+        elements = (*system.drives.values(), *system.springs.values())
         self._breaks: list[float] = []
-        self.end_at(instants)
-        self.renew(system.drives.values())
+        self.end_at({t for element in elements for t in element.instants})
+        self.renew(elements)
         self._paced = (0, begin)
 
     def end_at(self, instants: Iterable[float]) -> None:
         """Let steps end at further instants [s]."""
         self._breaks = sorted({*self._breaks, *(t for t in instants if 0.0 < t < self.end)})
 
-    def renew(self, drives: Iterable[Drive]) -> None:
-        """Look how long a step may be with drives that have changed."""
+    def renew(self, elements: Iterable[Element]) -> None:
+        """Look how long a step may be with elements that have changed."""
         self._longest = self.settings.max_step
         if self.method.adaptive:
-            self._longest = min([self._longest, *(drive.longest_step for drive in drives)])
+            self._longest = min([self._longest, *(element.longest_step for element in elements)])
 
     @property
     def first(self) -> float:

@@ -182,7 +182,12 @@ class Jump:
     change: Callable[[Moment], tuple[ArrayLike, ArrayLike]]
 
 
-Action = Mark | Stop | Set | Jump
+@dataclass(frozen=True, slots=True)
+class Kink:
+    """A step ends there, unrecorded: what a run looks for itself, where an element's effort has a kink."""
+
+
+Action = Mark | Stop | Set | Jump | Kink
 
 
 # --- the event ------------------------------------------------------------------------------------------
@@ -222,7 +227,7 @@ class Event:
             raise InvalidParameterError(place, "when", "a function of a Moment", self.when)
         if self.direction not in (-1, 0, 1):
             raise InvalidParameterError(place, "direction", "-1, 0 or 1", self.direction)
-        if not isinstance(self.action, Mark | Stop | Set | Jump):
+        if not isinstance(self.action, Action):
             raise InvalidParameterError(place, "action", "Mark(), Stop(), Set(...) or Jump(...)", self.action)
         for name in ("after", "nodes"):
             if not (isinstance(getattr(self, name), int) and getattr(self, name) >= 1):

@@ -23,6 +23,7 @@ from antenna_pin.simulation.actions import Actions, Happening
 from antenna_pin.simulation.control import StepControl
 from antenna_pin.simulation.episodes import Episode, Episodes
 from antenna_pin.simulation.events import Event
+from antenna_pin.simulation.kinks import kinks_of
 from antenna_pin.simulation.progress import Progress
 from antenna_pin.simulation.samples import Samples
 from antenna_pin.simulation.scales import scale_vector
@@ -74,7 +75,7 @@ class Run:
         self._contacts = Episodes(self.workspace, self.stepper, self.samples, self.begin)
         self._search = ContactSearch(self.workspace, self.stepper, self._contacts)
         self.events = tuple(events)
-        self._watch = Watch(self.events, self.workspace, self.stepper)
+        self._watch = Watch((*self.events, *kinks_of(system)), self.workspace, self.stepper)
         self.control.end_at(self._watch.instants)
         self._actions = Actions(
             self._watch, self.workspace, self.stepper, self.control, self.samples, self.begin

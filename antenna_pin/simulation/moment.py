@@ -49,6 +49,21 @@ class Moment:
         return self
 
     @property
+    def y(self) -> Array:
+        """The whole state [q, v, x], not a copy."""
+        return self._y
+
+    @property
+    def nq(self) -> int:
+        """Size of q."""
+        return int(self._nq)
+
+    @property
+    def program(self) -> Array:
+        """The force elements as they are at the moment, not a copy."""
+        return self._workspace.program
+
+    @property
     def q(self) -> Array:
         """Configuration, (nq,)."""
         return self._y[: self._nq].copy()

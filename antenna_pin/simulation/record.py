@@ -154,6 +154,7 @@ def _labels(seen: _Seen) -> dict[str, Any]:
         ("contact_end", [end for _, _, end in places]),
         ("clearance_joint", [joint.name for joint in system.clearances]),
         ("drive", list(system.drives)),
+        ("controller", [name for name, drive in system.drives.items() if drive.tracks]),
         ("spring", list(system.springs)),
     ):
         if found:
@@ -193,7 +194,14 @@ def _state(seen: _Seen) -> Values:
 
 
 def _derivative(seen: _Seen) -> Values:
-    return {"a": seen.found.acceleration, "drive_torque": seen.found.effort}
+    effort = seen.found.effort
+    tracking = effort[:, [drive.tracks for drive in seen.system.drives.values()]]
+    return {
+        "a": seen.found.acceleration,
+        "drive_torque": effort[:, :, 0],
+        "control_reference": tracking[:, :, 1],
+        "control_error": tracking[:, :, 2],
+    }
 
 
 def _contact(seen: _Seen) -> Values:

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from antenna_pin.assemble import build_system, initial_angles, initial_state
-from antenna_pin.dynamics import System, TableDrive, _inspect
+from antenna_pin.dynamics import System, _inspect
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.geometry import RevoluteClearance
 from antenna_pin.geometry.shapes import TABLE_WIDTH
@@ -102,7 +102,7 @@ def simulate(
     start_q = first_q if q is None else np.asarray(q, dtype=float)
     start_v = first_v if v is None else np.asarray(v, dtype=float)
     begin = 0.0 if start is None else start.reached
-    check_tables(system, begin, begin + span)
+    check_spans(system, begin, begin + span)
     if start is None:
         first = system.state(start_q, start_v, angles)
         check_start(system, first)
@@ -193,13 +193,9 @@ def check_start(system: System, y: np.ndarray) -> None:
             )
 
 
-def check_tables(system: System, begin: float, end: float) -> None:
-    """Refuse a torque table that does not cover the run."""
+def check_spans(system: System, begin: float, end: float) -> None:
+    """Refuse a run that goes beyond the times that an element knows of."""
     for name, drive in system.drives.items():
-        if isinstance(drive, TableDrive) and not drive.times[0] <= begin < end <= drive.times[-1]:
-            raise InvalidParameterError(
-                f"drive {name!r}",
-                "times",
-                f"a table that covers the run from {begin:g} to {end:g} s; extend it or shorten the run",
-                (drive.times[0], drive.times[-1]),
-            )
+        drive.check_span(f"drive {name!r}", begin, end)
+    for name, spring in system.springs.items():
+        spring.check_span(f"spring {name!r}", begin, end)

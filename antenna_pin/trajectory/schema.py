@@ -30,6 +30,7 @@ DIMENSIONS: dict[str, str] = {
     "clearance_joint": "joints with play, by their URDF name",
     "contact": "candidate contacts, by their joint, kind and end",
     "drive": "drives, by name",
+    "controller": "drives that follow a reference, by name",
     "spring": "springs and dampers, by name",
     "event": "events of the user's that happened, by name",
     "episode": "contacts from onset to release, in order of onset",
@@ -128,6 +129,12 @@ def _table() -> Iterator[Variable]:
         "derivative",
         "time drive",
         ("drive_torque", "N m", "torque of the drive (a force [N] if it slides)"),
+    )
+    yield from _rows(
+        "derivative",
+        "time controller",
+        ("control_reference", "rad", "angle that the controller follows (a way [m] if it slides)"),
+        ("control_error", "rad", "reference less the joint's angle (way [m])"),
     )
     yield from _rows(
         "contact",

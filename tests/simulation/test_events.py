@@ -227,7 +227,7 @@ def test_steps_end_on_instants_exactly():
     [
         ConstantDrive(joint="joint", value=2.0),
         SineDrive(joint="joint", amplitude=2.0, frequency=3.0),
-        TableDrive(joint="joint", times=(0.0, 0.5, 2.0), values=(1.0, 2.0, -1.0)),
+        TableDrive(joint="joint", time=(0.0, 0.5, 2.0), torque=(1.0, 2.0, -1.0)),
         CallableDrive(joint="joint", torque=lambda t, angle, rate: 2.0 - rate),
     ],
     ids=lambda drive: type(drive).__name__,

@@ -59,7 +59,7 @@ def test_a_dip_of_changing_curvature_between_two_nodes_is_a_contact():
     slope = 36.0 * unit / quarter**3
     first = -12.0 * unit / quarter**2
     end = 10.0 * step
-    drive = TableDrive(joint="rail", times=(0.0, end), values=(first, first + slope * end))
+    drive = TableDrive(joint="rail", time=(0.0, end), torque=(first, first + slope * end))
     system = disc_on_sled(Hertz(stiffness=1e6, exponent=1.0), drives={"pull": drive})
     settings = RunSettings(rtol=0.5, scales=ANY_ERROR, first_step=step, max_step=step, output_rate=10.0)
     run = simulate(

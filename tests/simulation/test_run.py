@@ -71,8 +71,8 @@ def test_sine_table_and_callable_drive_the_same_motion():
         "callable": CallableDrive(
             joint="axle", torque=lambda t, angle, rate: amplitude * math.sin(2 * math.pi * frequency * t)
         ),
-        "linear": TableDrive(joint="axle", times=tuple(times), values=tuple(values)),
-        "cubic": TableDrive(joint="axle", times=tuple(times), values=tuple(values), interpolation="cubic"),
+        "linear": TableDrive(joint="axle", time=tuple(times), torque=tuple(values)),
+        "cubic": TableDrive(joint="axle", time=tuple(times), torque=tuple(values), interpolation="cubic"),
     }
     w = 2 * np.pi * frequency
     final = {
@@ -96,7 +96,7 @@ def test_sine_table_and_callable_drive_the_same_motion():
 def test_a_linear_table_is_integrated_exactly_in_a_few_long_steps():
     """Between its points angle and work are polynomials: a step across a point loses what shows at once."""
     times, values = (0.0, 0.13, 0.41, 0.77, 1.0), (0.5, 2.0, 0.3, 1.7, 0.2)
-    drive = TableDrive(joint="axle", times=times, values=values)
+    drive = TableDrive(joint="axle", time=times, torque=values)
     loose = ErrorScales(**dict.fromkeys(("angle", "velocity", "angular_velocity"), 1e12))
     coarse = RunSettings(rtol=0.5, scales=loose, first_step=1.0, max_step=1.0, output_rate=1.0)
     run = simulate(wheel(drives={"d": drive}), duration=1.0, settings=coarse)

@@ -1,0 +1,28 @@
+"""Force elements at joints: drives, a controller, springs and dampers; numbers in, numbers out."""
+
+from antenna_pin.elements.constant import ConstantDrive
+from antenna_pin.elements.element import GROSS_WORK, LOSS, WORK, About, Drive, Element, Integral
+from antenna_pin.elements.given import CallableDrive
+from antenna_pin.elements.pd import PDController
+from antenna_pin.elements.registry import DRIVES, ELEMENTS
+from antenna_pin.elements.sine import SineDrive
+from antenna_pin.elements.spring import JointSpring
+from antenna_pin.elements.table import TableDrive
+
+__all__ = [
+    "DRIVES",
+    "ELEMENTS",
+    "GROSS_WORK",
+    "LOSS",
+    "WORK",
+    "About",
+    "CallableDrive",
+    "ConstantDrive",
+    "Drive",
+    "Element",
+    "Integral",
+    "JointSpring",
+    "PDController",
+    "SineDrive",
+    "TableDrive",
+]

@@ -1,0 +1,25 @@
+"""Curves through the points of a table, compiled."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from antenna_pin._compile import inlined
+
+
+@inlined
+def curve(words: Any, at: int, points: int, t: float) -> tuple[float, float]:
+    """Value and slope at time t of the curve at words[at:]: the points' times, then cubics between them."""
+    low = 0
+    high = points - 1
+    while high - low > 1:
+        middle = (low + high) // 2
+        if words[at + middle] <= t:
+            low = middle
+        else:
+            high = middle
+    s = t - words[at + low]
+    c = at + points + 4 * low
+    value = ((words[c] * s + words[c + 1]) * s + words[c + 2]) * s + words[c + 3]
+    slope = (3.0 * words[c] * s + 2.0 * words[c + 1]) * s + words[c + 2]
+    return float(value), float(slope)

@@ -1,0 +1,61 @@
+"""All kinds of force elements, compiled: what is asked of one by its number goes to the kernels of its kind.
+
+The chain ``if kind == ...`` is made from the registry when this is imported, and compiled into its callers. A
+number that no kind has gives not-a-number, never a silent zero.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+from antenna_pin._compile import composed
+from antenna_pin.elements.registry import kernel_modules
+
+_MODULES = kernel_modules()
+
+
+def _chain(name: str, last: Callable[..., Any]) -> Any:
+    """Return a function of a kind's number and arguments, that passes these on to the kind's own ``name``.
+
+    Kinds without one, and numbers that are no kind's, go on to ``last``.
+    """
+    chain = composed(last)
+    for module in reversed(_MODULES):
+        own = getattr(module, name, None)
+        if own is not None:
+            chain = _branch(module.KIND, own, chain)
+    return chain
+
+
+def _branch(kind: int, own: Any, rest: Any) -> Any:
+    def branch(asked: int, *arguments: Any) -> Any:
+        if asked == kind:
+            return own(*arguments)
+        return rest(asked, *arguments)
+
+    return composed(branch)
+
+
+def _no_kind(asked: int, *arguments: Any) -> float:
+    return math.nan
+
+
+def _nothing(asked: int, *arguments: Any) -> float:
+    return 0.0
+
+
+def _no_rates(asked: int, words: Any, at: int, rate: float, power: float, rates: Any, x: int) -> None:
+    return None
+
+
+def _no_reference(asked: int, words: Any, at: int, t: float) -> tuple[float, float]:
+    return math.nan, math.nan
+
+
+effort = _chain("effort", _no_kind)
+write_rates = _chain("write_rates", _no_rates)
+stored = _chain("stored", _nothing)
+kink = _chain("kink", _no_kind)
+reference = _chain("reference", _no_reference)

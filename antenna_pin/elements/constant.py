@@ -1,0 +1,29 @@
+"""A constant torque."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from antenna_pin.elements.element import Drive
+from antenna_pin.parameters import parameter
+from antenna_pin.readable import GIVEN, readable
+
+__all__ = ["ConstantDrive"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ConstantDrive(Drive):
+    """A constant torque, or force at a sliding joint.
+
+    Attributes:
+        value: [N*m] ([N]).
+    """
+
+    kernels: ClassVar[str] = "_constant_kernels"
+
+    value: float = parameter("N*m", sliding="N")
+
+    def words(self, slides: bool) -> str:
+        """Return what it is in words."""
+        return f"constant {readable(self.value, self.unit('value', slides), GIVEN)}"

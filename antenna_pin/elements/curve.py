@@ -1,0 +1,71 @@
+"""Tables over time, and the curves through their points."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import Literal
+
+from antenna_pin.errors import InvalidParameterError
+
+__all__ = ["Interpolation", "check_covers", "check_table", "cubics", "points_and_middles"]
+
+Interpolation = Literal["linear", "cubic"]
+
+
+def check_table(owner: object, values: str) -> None:
+    """Refuse times of ``owner`` that do not increase, and values, by their field's name, without a time."""
+    time: tuple[float, ...] = owner.time  # type: ignore[attr-defined]
+    given = getattr(owner, values)
+    if len(time) < 2:
+        raise InvalidParameterError(owner, "time", "at least 2 numbers", said=f"{len(time)}")
+    if len(given) != len(time):
+        rule = f"as many numbers as time, {len(time)}"
+        raise InvalidParameterError(owner, values, rule, said=f"{len(given)}")
+    for i, (before, after) in enumerate(pairwise(time), start=1):
+        if not after > before:
+            rule = f"above the one before, {before!r}"
+            raise InvalidParameterError(owner, f"time[{i}]", rule, said=repr(after))
+
+
+def check_covers(time: Sequence[float], place: str, begin: float, end: float) -> None:
+    """Refuse a table that does not cover a run.
+
+    Args:
+        time: Its times [s].
+        place: Whose table it is, for the message.
+        begin: Start of the run [s].
+        end: End of the run [s].
+    """
+    if not time[0] <= begin < end <= time[-1]:
+        rule = f"a table that covers the run from {begin:g} to {end:g} s; extend it or shorten the run"
+        raise InvalidParameterError(place, "time", rule, (time[0], time[-1]))
+
+
+def points_and_middles(time: Sequence[float]) -> tuple[float, ...]:
+    """Return the times of a table and the middles between them [s]."""
+    return tuple(sorted((*time, *(0.5 * (a + b) for a, b in pairwise(time)))))
+
+
+def cubics(time: Sequence[float], values: Sequence[float], interpolation: Interpolation) -> tuple[float, ...]:
+    """Return a curve through points as kernels take it: the times, then four coefficients for each interval.
+
+    Args:
+        time: Strictly increasing [s].
+        values: One for each.
+        interpolation: "linear", or "cubic" (monotone between points: no overshoot; its slope is continuous).
+    """
+    import numpy as np
+
+    t, y = np.asarray(time, dtype=float), np.asarray(values, dtype=float)
+    if interpolation == "cubic":
+        from scipy.interpolate import PchipInterpolator
+
+        coefficients = PchipInterpolator(t, y).c.T
+    else:
+        coefficients = np.zeros((t.size - 1, 4))
+        coefficients[:, 2] = np.diff(y) / np.diff(t)
+        coefficients[:, 3] = y[:-1]
+    assert math.isfinite(float(coefficients.sum()))
+    return (*t.tolist(), *coefficients.ravel().tolist())

@@ -1,0 +1,162 @@
+"""What a force element is: all that a system, a run, a scenario, a result and a report ask of one.
+
+An element acts at one joint: it sees time, the joint's angle and rate, and gives the torque about its axis.
+It is a frozen dataclass whose fields declare themselves (:mod:`antenna_pin.parameters`), beside kernels in a
+file of their own, which the class names in ``kernels``:
+
+- ``KIND``, a number of its own, and ``LAYOUT``, the record of its numbers;
+- ``effort(words, at, t, angle, rate)``: its torque [N m], or force [N] at a joint that slides, from the
+  record at ``words[at:]``;
+- ``write_rates(words, at, rate, power, rates, x)``: the rates of what it integrates (``integrals``), to be
+  written to ``rates[x:]``, with the power that it puts in [W];
+- if it stores energy ``stored(words, at, angle)`` [J];
+- if its effort has kinks ``kink(words, at, t, angle, rate)``, which passes zero there;
+- if it follows a reference ``reference(words, at, t)``: the reference and its rate.
+
+It enters by one line of :mod:`antenna_pin.elements.registry`; everything else follows from there.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
+
+from antenna_pin.parameters import check, parameters_of
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+__all__ = ["GROSS_WORK", "LOSS", "WORK", "About", "Drive", "Element", "Integral"]
+
+About = Literal["bearing", "journal", "motion"]
+"""What an element acts about at a joint with play: the bearing's axis, the journal's, or as the gradient of
+the motion angle, which conserves energy under tilt."""
+
+
+@dataclass(frozen=True, slots=True)
+class Integral:
+    """A number that an element integrates in a state's x.
+
+    Attributes:
+        name: What it is to the energy ledger: ``work`` is put in, ``loss`` is taken out; others do not count.
+        unit: SI unit.
+    """
+
+    name: str
+    unit: str = "J"
+
+
+WORK = Integral("work")
+GROSS_WORK = Integral("gross_work")
+LOSS = Integral("loss")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Element:
+    """Base of the force elements at a joint; the reaction acts on the joint's parent.
+
+    Attributes:
+        joint: Name of the joint.
+    """
+
+    # Its kernels, by the name of their module; whether its effort depends on the joint's motion; whether it
+    # follows a reference; what it integrates.
+    kernels: ClassVar[str]
+    senses: ClassVar[bool] = False
+    tracks: ClassVar[bool] = False
+    integrals: ClassVar[tuple[Integral, ...]] = ()
+
+    joint: str
+
+    def __post_init__(self) -> None:
+        """Check the parameters."""
+        check(self)
+
+    @property
+    def about(self) -> About:
+        """What it acts about at a joint with play."""
+        return "motion"
+
+    @property
+    def instants(self) -> tuple[float, ...]:
+        """Times at which steps must end, for the effort is not smooth there, or too curved between [s]."""
+        return ()
+
+    @property
+    def longest_step(self) -> float:
+        """Step that still resolves the effort, its work between the step's ends included [s]."""
+        return math.inf
+
+    @property
+    def has_kinks(self) -> bool:
+        """Whether its effort has kinks, where its kernel ``kink`` is zero: steps end there."""
+        return False
+
+    @classmethod
+    def compiled(cls) -> Any:
+        """Return the module of its kernels."""
+        return import_module(f"antenna_pin.elements.{cls.kernels}")
+
+    def values(self) -> dict[str, Any]:
+        """Return its numbers, by the names that its record has for them."""
+        return {name: getattr(self, name) for name in self.compiled().LAYOUT.names}
+
+    def tail(self) -> tuple[float, ...]:
+        """Return numbers of which there may be any many; they stand behind its record."""
+        return ()
+
+    def words_of_kernel(self) -> NDArray[np.float64]:
+        """Return its numbers for the kernels, as one flat array."""
+        import numpy as np
+
+        record = np.zeros(1, dtype=self.compiled().LAYOUT)
+        for name, value in self.values().items():
+            record[name] = value
+        return np.concatenate([record.view(np.float64), np.array(self.tail(), dtype=float)])
+
+    def check_joint(self, place: str, slides: bool) -> None:
+        """Refuse a joint at which it cannot act.
+
+        Args:
+            place: Its name, for the message.
+            slides: Whether the joint slides along its axis rather than turning about it.
+        """
+
+    def check_span(self, place: str, begin: float, end: float) -> None:
+        """Refuse a run that goes beyond the times that it knows of.
+
+        Args:
+            place: Its name, for the message.
+            begin: Start of the run [s].
+            end: End of the run [s].
+        """
+
+    def words(self, slides: bool) -> str:
+        """Return what it is in words, numbers with units; of a joint that slides or turns."""
+        raise NotImplementedError
+
+    def unit(self, name: str, slides: bool) -> str:
+        """Return the unit of one of its parameters as :mod:`antenna_pin.readable` takes it."""
+        found = parameters_of(type(self))[name]
+        return (found.sliding if slides and found.sliding else found.unit).replace("*", " ")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Drive(Element):
+    """Base of the elements that put work in.
+
+    Attributes:
+        axis: Whose axis the torque acts about; it matters at joints with play.
+    """
+
+    integrals: ClassVar[tuple[Integral, ...]] = (WORK, GROSS_WORK)
+
+    axis: Literal["bearing", "journal"] = "bearing"
+
+    @property
+    def about(self) -> About:
+        """What it acts about at a joint with play."""
+        return self.axis

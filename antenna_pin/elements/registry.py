@@ -1,0 +1,35 @@
+"""The force elements by the names that a scenario has for them. One enters by a line here."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Any
+
+from antenna_pin.elements.constant import ConstantDrive
+from antenna_pin.elements.element import Drive, Element
+from antenna_pin.elements.given import CallableDrive
+from antenna_pin.elements.pd import PDController
+from antenna_pin.elements.sine import SineDrive
+from antenna_pin.elements.spring import JointSpring
+from antenna_pin.elements.table import TableDrive
+
+__all__ = ["DRIVES", "ELEMENTS", "kernel_modules"]
+
+DRIVES: Mapping[str, type[Drive]] = MappingProxyType(
+    {
+        "constant": ConstantDrive,
+        "sine": SineDrive,
+        "table": TableDrive,
+        "pd": PDController,
+    }
+)
+"""Drives by their ``kind`` in ``[drives.NAME]``."""
+
+ELEMENTS: tuple[type[Element], ...] = (*DRIVES.values(), CallableDrive, JointSpring)
+"""All elements there are; Python has some that a scenario has not."""
+
+
+def kernel_modules() -> list[Any]:
+    """Return the modules of their kernels."""
+    return [element.compiled() for element in ELEMENTS]

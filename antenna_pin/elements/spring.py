@@ -1,0 +1,65 @@
+"""A spring and damper."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from antenna_pin.elements.element import LOSS, Element, Integral
+from antenna_pin.errors import InvalidParameterError
+from antenna_pin.parameters import parameter
+from antenna_pin.readable import GIVEN, readable
+
+__all__ = ["JointSpring"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class JointSpring(Element):
+    r"""A linear spring and damper at a joint; the units are those of a turning (sliding) joint.
+
+    .. math:: \tau = -k (\phi - \phi_0) - c \dot\phi
+
+    At a clearance joint phi is the motion angle and the generalized force is its exact gradient, so the
+    spring conserves energy under tilt too. The angle counts whole turns: a spring wound by 200 degrees, or by
+    three turns, unwinds.
+
+    Attributes:
+        stiffness: [N*m/rad] ([N/m]).
+        damping: [N*m*s/rad] ([N*s/m]).
+        rest_angle: Where the spring is at rest [rad] ([m]).
+        shorter_way: Whether the deflection of a turning joint is taken the shorter way round, within half a
+            turn, rather than with all its turns; as of a magnet, it jumps from one side to the other at half
+            a turn.
+    """
+
+    kernels: ClassVar[str] = "_spring_kernels"
+    senses: ClassVar[bool] = True
+    integrals: ClassVar[tuple[Integral, ...]] = (LOSS,)
+
+    stiffness: float = parameter("N*m/rad", sliding="N/m", rule="zero or more", default=0.0)
+    damping: float = parameter("N*m*s/rad", sliding="N*s/m", rule="zero or more", default=0.0)
+    rest_angle: float = parameter("rad", sliding="m", default=0.0)
+    shorter_way: bool = False
+
+    def check_joint(self, place: str, slides: bool) -> None:
+        """Refuse a shorter way along a line."""
+        if slides and self.shorter_way:
+            raise InvalidParameterError(place, "shorter_way", f"false: joint {self.joint!r} slides", True)
+
+    def values(self) -> dict[str, Any]:
+        """Return its numbers, by the names that its record has for them."""
+        return {
+            "stiffness": self.stiffness,
+            "damping": self.damping,
+            "rest_angle": self.rest_angle,
+            "shorter_way": int(self.shorter_way),
+        }
+
+    def words(self, slides: bool) -> str:
+        """Return what it is in words."""
+        said = {"stiffness": "stiffness", "damping": "damping", "rest_angle": "at rest at"}
+        return ", ".join(
+            f"{word} {readable(getattr(self, name), self.unit(name, slides), GIVEN)}"
+            for name, word in said.items()
+            if getattr(self, name)
+        )

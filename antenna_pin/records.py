@@ -1,0 +1,109 @@
+"""Layouts of the numbers that compiled code and classes share: each is declared once, and read by name.
+
+Kernels work on flat arrays of 8-byte words; a stretch of such an array is *viewed* as a record inside, at the
+cost of an offset: ``words[at : at + words_of(POSE)].view(POSE)[0].axis[2]``. Integers and floats may stand
+side by side in one. Here are the records that several rooms share; those of laws, shapes and elements stand
+with their kernels.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = [
+    "BLOCK",
+    "CONTACT",
+    "MEMORY",
+    "POSE",
+    "PROGRAM",
+    "memory_numbers",
+    "memory_records",
+    "place_of",
+    "record",
+    "words_of",
+]
+
+
+def record(*fields: Any) -> np.dtype[Any]:
+    """Return the layout of a record whose fields are read as attributes, compiled or not.
+
+    Args:
+        *fields: As NumPy takes them, of 8-byte numbers: ``("rate", "f8")``, ``("normal", "f8", (3,))``.
+    """
+    return np.dtype((np.record, list(fields)))
+
+
+def words_of(layout: np.dtype[Any]) -> int:
+    """Return how many 8-byte numbers a record has."""
+    return layout.itemsize // 8
+
+
+def place_of(layout: np.dtype[Any], field: str) -> int:
+    """Return where in a record a field begins, in 8-byte numbers."""
+    assert layout.fields is not None
+    return int(layout.fields[field][1]) // 8
+
+
+#: A candidate contact, a row of the contact table; vectors in bearing axes. Geometry fills the gap [m], the
+#: normal (bearing to journal) and the point [m] from the bearing's centre, a joint the rest: depth rate
+#: [m/s], slip [m/s], normal force, friction on the journal and the normal force's elastic part [N]; of a
+#: patch under distributed load the power lost in normal direction and to friction [W]; of a strip or sector
+#: its ``share`` of its patch's law (of a flange's own row: sin of half its loaded arc's half-angle); of a
+#: flange under point load the ``arm`` from the force's point to the deepest one [m].
+CONTACT = record(
+    ("gap", "f8"),
+    ("normal", "f8", (3,)),
+    ("point", "f8", (3,)),
+    ("rate", "f8"),
+    ("slip", "f8", (3,)),
+    ("force", "f8"),
+    ("friction", "f8", (3,)),
+    ("elastic", "f8"),
+    ("lost_normal", "f8"),
+    ("lost_friction", "f8"),
+    ("share", "f8"),
+    ("arm", "f8", (3,)),
+)
+
+#: What a contact remembers: whether it touches (0 or 1), approach speed [m/s] and effective mass [kg] at the
+#: onset of the present contact.
+MEMORY = record(("touching", "f8"), ("approach_speed", "f8"), ("effective_mass", "f8"))
+
+#: Pose and twist of a journal in its bearing, all in bearing axes: centre [m], unit axis, sine of the tilt
+#: between the axes, rotation child -> bearing, velocity of the centre [m/s], angular velocity [rad/s]; and
+#: room for the resultant of its contacts about the centre [N, N m].
+POSE = record(
+    ("centre", "f8", (3,)),
+    ("axis", "f8", (3,)),
+    ("sine", "f8"),
+    ("child", "f8", (3, 3)),
+    ("velocity", "f8", (3,)),
+    ("spin", "f8", (3,)),
+    ("force", "f8", (3,)),
+    ("moment", "f8", (3,)),
+)
+
+#: Head of a system's program, the flat numbers of all its force elements: sizes of q and v, contacts, and
+#: rows of its contact table (contacts, then strips and sectors).
+PROGRAM = record(("nq", "i8"), ("nv", "i8"), ("contacts", "i8"), ("rows", "i8"))
+
+#: How every block of a program begins: what it is, and how many 8-byte numbers it takes.
+BLOCK = record(("kind", "i8"), ("length", "i8"))
+
+
+def memory_records(numbers: Any) -> NDArray[Any]:
+    """Return contact memory as records, (contacts,), from records or plain numbers, (contacts, 3)."""
+    given = np.asarray(numbers)
+    if given.dtype == MEMORY:
+        return given
+    plain: NDArray[np.float64] = np.ascontiguousarray(given, dtype=float)
+    return plain.reshape(-1, words_of(MEMORY)).view(MEMORY)[:, 0]
+
+
+def memory_numbers(memory: NDArray[Any]) -> NDArray[np.float64]:
+    """Return contact memory as plain numbers: touching, approach speed, effective mass, (contacts, 3)."""
+    plain: NDArray[np.float64] = np.ascontiguousarray(memory).view(np.float64)
+    return plain.reshape(-1, words_of(MEMORY)).copy()

@@ -1,0 +1,40 @@
+"""Where an element's effort has a kink: steps end there, so that they stay smooth inside."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from antenna_pin.dynamics import System, _kernels
+from antenna_pin.simulation.events import Event, Kink
+from antenna_pin.simulation.moment import Moment
+
+__all__ = ["kinks_of"]
+
+
+@dataclass(frozen=True, slots=True)
+class _Passing:
+    """The function of an element that is zero where its effort has a kink.
+
+    Attributes:
+        block: Place of the element in the program.
+    """
+
+    block: int
+
+    def __call__(self, moment: Moment) -> float:
+        """Return how far it is past the kink."""
+        return float(_kernels.element_kink(moment.program, self.block, moment.time, moment.y, moment.nq))
+
+
+def kinks_of(system: System) -> tuple[Event, ...]:
+    """Return the events at which steps end for the sake of elements whose effort has kinks."""
+    families = (
+        ("drive", system.drives, system.drive_blocks),
+        ("spring", system.springs, system.spring_blocks),
+    )
+    return tuple(
+        Event(name=f"{family} {name!r} has a kink", when=_Passing(blocks[name]), action=Kink())
+        for family, elements, blocks in families
+        for name, element in elements.items()
+        if element.has_kinks
+    )

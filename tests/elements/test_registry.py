@@ -1,0 +1,66 @@
+"""What every element that is registered has: kernels of a number of its own, words, keys in a scenario."""
+
+import math
+
+import numpy as np
+import pytest
+
+from antenna_pin.elements import (
+    DRIVES,
+    ELEMENTS,
+    CallableDrive,
+    ConstantDrive,
+    JointSpring,
+    PDController,
+    SineDrive,
+    TableDrive,
+    _kernels,
+)
+from antenna_pin.scenario import DRIVE_SPECS
+
+EXAMPLES = {
+    ConstantDrive: (ConstantDrive(joint="a", value=2.5), "constant 2.5 N m", 2.5),
+    SineDrive: (
+        SineDrive(joint="a", amplitude=4.0, frequency=1.5, phase=0.5),
+        "4 N m × sin(2π · 1.5 Hz · t + 0.5 rad)",
+        4.0 * math.sin(0.5),
+    ),
+    TableDrive: (
+        TableDrive(joint="a", time=(0.0, 2.0), torque=(1.0, -3.0), file="pulse.csv"),
+        "table of pulse.csv: 2 points from 0 to 2 s, linear between them, up to 3 N m",
+        1.0,
+    ),
+    PDController: (
+        PDController(joint="a", kp=8.0, kd=0.5, limit=2.0, angle=0.25, rate=0.5),
+        "controller, kp 8 N m/rad, kd 0.5 N m s/rad, reference 0.25 rad + 0.5 rad/s · t, at most 2 N m",
+        8.0 * 0.15 + 0.5 * 0.3,
+    ),
+    CallableDrive: (CallableDrive(joint="a", torque=lambda t, a, r: 0.0), "a function in Python", 0.0),
+    JointSpring: (
+        JointSpring(joint="a", stiffness=5.0, damping=0.5, rest_angle=0.25),
+        "stiffness 5 N m/rad, damping 0.5 N m s/rad, at rest at 0.25 rad",
+        5.0 * 0.15 - 0.5 * 0.2,
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", ELEMENTS, ids=lambda kind: kind.__name__)
+def test_an_element_has_its_own_kernels_and_words(kind):
+    """At time 0, angle 0.1 rad and rate 0.2 rad/s."""
+    element, words, expected = EXAMPLES[kind]
+    assert element.words(slides=False).replace("\N{NO-BREAK SPACE}", " ") == words
+    kernels = element.compiled()
+    torque = _kernels.effort(kernels.KIND, element.words_of_kernel(), 0, 0.0, 0.1, 0.2)
+    assert torque == pytest.approx(expected, rel=1e-15, abs=1e-15)  # round-off
+    assert [one for one in ELEMENTS if one.compiled().KIND == kernels.KIND] == [kind]
+    rates = np.full(len(element.integrals) + 1, np.nan)
+    _kernels.write_rates(kernels.KIND, element.words_of_kernel(), 0, 0.2, 0.2 * torque, rates, 0)
+    assert np.isnan(rates).tolist() == [False] * len(element.integrals) + [True]
+
+
+def test_a_kind_that_there_is_not_gives_no_number():
+    assert math.isnan(_kernels.effort(99, np.zeros(20), 0, 0.0, 0.0, 0.0))
+
+
+def test_a_scenario_knows_every_drive():
+    assert {kind: spec.fills for kind, spec in DRIVE_SPECS.items()} == dict(DRIVES)
