@@ -20,6 +20,9 @@ WORKSPACE = "antenna_pin/dynamics/workspace.py"
 HINGE = "antenna_pin/dynamics/hinge.py"
 LOOP = "antenna_pin/simulation/loop.py"
 CONTROL = "antenna_pin/simulation/control.py"
+WATCH = "antenna_pin/simulation/watch.py"
+ACTIONS = "antenna_pin/simulation/actions.py"
+EVENTS = "antenna_pin/simulation/events.py"
 TRIALS = "antenna_pin/simulation/trials.py"
 EPISODES = "antenna_pin/simulation/episodes.py"
 RECORD = "antenna_pin/simulation/record.py"
@@ -46,6 +49,7 @@ TEST_FLANGE = "tests/simulation/test_flange.py"
 TEST_GOING_ON = "tests/simulation/test_going_on.py"
 TEST_RECORD = "tests/simulation/test_record.py"
 TEST_RUN = "tests/simulation/test_run.py"
+TEST_EVENTS = "tests/simulation/test_events.py"
 TEST_TURNS = "tests/simulation/test_turns.py"
 TEST_START = "tests/simulation/test_start_and_end.py"
 
@@ -186,6 +190,71 @@ MUTANTS = (
         "",
         TEST_RUN,
         *("-k", "damped_oscillator"),
+    ),
+    # --- events
+    _compiled(
+        "of events at one instant only the first happens",
+        WATCH,
+        "if crossing.theta - found[0].theta <= _SAME_INSTANT]\n",
+        "][:1]\n",
+        TEST_EVENTS,
+        *("-k", "bounces"),
+    ),
+    _compiled(
+        "a step that ends at an event is not corrected",
+        WATCH,
+        "_LARGEST_CORRECTION = 1e-2\n",
+        "_LARGEST_CORRECTION = 0.0\n",
+        TEST_EVENTS,
+        *("-k", "converge"),
+    ),
+    _compiled(
+        "what dips between two looks is passed over",
+        WATCH,
+        "            elif side * ra < 0.0 < side * rb:\n",
+        "            elif False:\n",
+        TEST_EVENTS,
+        *("-k", "dips"),
+    ),
+    _compiled(
+        "an event that has happened is on the side that round-off says",
+        WATCH,
+        "            memory.noise = max(crossing.noise, 4.0 * abs(self._values[crossing.event]))\n",
+        "            memory.side = -1.0\n",
+        TEST_EVENTS,
+        *("-k", "turns_back or three_turns or bounces"),
+    ),
+    _compiled(
+        "an event forgets from one run to the one that goes on",
+        WATCH,
+        "            if one is not None:\n",
+        "            if False:\n",
+        TEST_EVENTS,
+        *("-k", "two_halves or interrupted"),
+    ),
+    _compiled(
+        "what events have changed is forgotten by the run that goes on",
+        LOOP,
+        "        for place, value in state.adjusted:\n",
+        "        for place, value in ():\n",
+        TEST_EVENTS,
+        *("-k", "two_halves or interrupted"),
+    ),
+    _compiled(
+        "all passages count, whatever the direction",
+        EVENTS,
+        "        return self.direction in (0, side)\n",
+        "        return True\n",
+        TEST_EVENTS,
+        *("-k", "turns_back"),
+    ),
+    _compiled(
+        "the ledger does not know what an event has brought in",
+        ACTIONS,
+        "            energy += self._energy()\n",
+        "            energy = 0.0\n",
+        TEST_EVENTS,
+        *("-k", "bounces or stiffens"),
     ),
     # --- dynamics
     _compiled(
