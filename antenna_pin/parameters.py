@@ -100,6 +100,15 @@ def parameter(
 
 def parameters_of(cls: type[Any]) -> dict[str, Parameter]:
     """Return the parameters of a class by name: the fields that declare a unit, in their order."""
+    if cls not in _PARAMETERS:
+        _PARAMETERS[cls] = _parameters_of(cls)
+    return dict(_PARAMETERS[cls])
+
+
+_PARAMETERS: dict[type[Any], dict[str, Parameter]] = {}
+
+
+def _parameters_of(cls: type[Any]) -> dict[str, Parameter]:
     docs = attribute_docs(cls)
     found = {}
     for item in dataclasses.fields(cls):

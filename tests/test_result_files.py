@@ -1,5 +1,6 @@
 """Result files that are damaged, cut off or not ours: one line each, never a traceback."""
 
+import h5py
 import numpy as np
 import pytest
 import xarray as xr
@@ -66,3 +67,30 @@ def test_a_truncated_file_is_refused(result, tmp_path, share):
     path.write_bytes(content[: int(share * len(content))])
     with pytest.raises(FileFormatError, match="must be a NetCDF file written by antenna-pin"):
         Trajectory.load(path)
+
+
+def test_numbers_that_were_damaged_are_not_read(result, tmp_path):
+    """One bit of a velocity: the file's tables are whole, its checksum is not."""
+    path = tmp_path / "flipped.nc"
+    content = bytearray(result.read_bytes())
+    with h5py.File(result) as file:
+        content[file["v"].id.get_chunk_info(0).byte_offset + 5] ^= 1
+    path.write_bytes(content)
+    with pytest.raises(FileFormatError, match="must be a NetCDF file written by antenna-pin"):
+        Trajectory.load(path)
+
+
+def test_a_result_opens_in_xarray_and_comes_back_from_it(result, tmp_path):
+    """A NetCDF 4 file: coordinates, units and long names are found, and another writer's copy is read."""
+    ours = Trajectory.load(result)
+    with xr.open_dataset(result, engine="h5netcdf") as opened:
+        theirs = opened.load()
+    assert set(theirs.coords) == set(ours.data.coords)
+    for name in ours.data.variables:
+        xr.testing.assert_identical(theirs[name], ours.data[name])
+    copied = tmp_path / "copied.nc"
+    theirs.assign(mine=("time", np.arange(theirs.sizes["time"]))).to_netcdf(copied, engine="h5netcdf")
+    again = Trajectory.load(copied)
+    assert again.data["mine"].dims == ("time",)
+    xr.testing.assert_identical(again.data.drop_vars("mine"), ours.data)
+    assert again.summary() == ours.summary()

@@ -27,6 +27,12 @@ from antenna_pin.mechanism.frames import Vector3
 __all__ = ["Urdf"]
 
 
+@lru_cache(maxsize=64)
+def _written(text: str, where: str) -> str:
+    """Return a URDF's text as this package writes it, its syntax checked."""
+    return _xml.write(_xml.read(text.encode(), where, "utf-8"))
+
+
 @lru_cache(maxsize=64)  # every run of a study reads the same text again, some more than once
 def _checked(text: str, where: str, allow_impossible_inertia: tuple[str, ...]) -> Any:
     """Return a checked URDF as yourdfpy's objects, which nobody changes."""
@@ -105,7 +111,7 @@ class Urdf:
             folder: Where relative mesh file names start.
         """
         return cls(
-            text=_xml.write(_xml.read(text.encode(), where, "utf-8")),
+            text=_written(text, where),
             where=where,
             folder=None if folder is None else Path(folder),
             allow_impossible_inertia=tuple(allow_impossible_inertia),
@@ -176,7 +182,7 @@ class Urdf:
             links: New inertial properties and shapes, by link.
             origins: New places and axes of joints, applied before ``joints``.
         """
-        robot = _xml.read(self.text.encode(), self.where, "utf-8")
+        robot = _xml.parsed(self.text.encode(), "utf-8")
         for name, link_change in (links or {}).items():
             self.link(name)
             _edits.change_link(robot, name, link_change, self.where)

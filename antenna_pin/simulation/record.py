@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from antenna_pin.dynamics import Observed, System, joint_motion, observed
 from antenna_pin.joints import _kernels as _joint
-from antenna_pin.mechanism import frame_aligning_z, quaternions
+from antenna_pin.mechanism import frame_aligning_z
 from antenna_pin.simulation.carried import mechanism_attributes
 from antenna_pin.simulation.loop import Run
 from antenna_pin.trajectory.schema import labelled
@@ -211,7 +211,7 @@ def _contact(seen: _Seen) -> Values:
         **{name: contacts[name] for name in contacts.dtype.names or ()},
         "touching": touching.astype(np.int8),
         "journal_position": pose[:, :, :3],
-        "journal_attitude": _attitudes(seen.system, pose),
+        "journal_attitude": _attitudes(seen),
         "journal_tilt": np.arctan2(np.hypot(pose[:, :, 3], pose[:, :, 4]), pose[:, :, 5]),
         "joint_force": wrench[:, :, :3],
         "joint_torque": wrench[:, :, 3:],
@@ -220,14 +220,22 @@ def _contact(seen: _Seen) -> Values:
     }
 
 
-def _attitudes(system: System, poses: Array) -> Array:
-    """Return the attitudes of the journals' frames in their bearings', (n, joints, 4)."""
-    samples = poses.shape[0]
-    result = np.zeros((samples, len(system.clearances), 4))
-    for k, joint in enumerate(system.clearances):
-        of_child = poses[:, k, 6:15].reshape(samples, 3, 3)
-        axes = np.eye(3) if joint.planar else frame_aligning_z(system.mechanism.joint(joint.name).axis)
-        result[:, k] = quaternions(of_child @ axes)
+def _attitudes(seen: _Seen) -> Array:
+    """Return the attitudes of the journals' frames in their bearings', (n, joints, 4); no jumps in sign."""
+    result = np.zeros((len(seen.times), len(seen.system.clearances), 4))
+    for k, joint in enumerate(seen.system.clearances):
+        slot = seen.system.mechanism.joint(joint.name)
+        q, found = seen.q[:, slot.q], result[:, k]
+        if slot.kind == "planar":
+            half = 0.5 * np.arctan2(q[:, 3], q[:, 2])
+            found[:, 2], found[:, 3] = np.sin(half), np.cos(half)
+        else:
+            found[:, :3] = q[:, 3:6] @ frame_aligning_z(slot.axis)
+            found[:, 3] = q[:, 6]
+        largest = found[0, np.argmax(np.abs(found[0]))]
+        jumps = np.cumsum(np.sum(found[1:] * found[:-1], axis=1) < 0.0) % 2 == 1
+        found[0] *= np.sign(largest)
+        found[1:] *= np.where(jumps, -np.sign(largest), np.sign(largest))[:, None]
     return result
 
 

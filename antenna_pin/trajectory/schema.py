@@ -326,4 +326,5 @@ def labelled(
 
 
 def _text(labels: Any) -> Any:
-    return np.array(labels, dtype=object) if len(labels) else np.zeros(0, dtype="<U1")
+    # Text of a fixed width: of objects xarray asks what they are, for longer than all the rest takes.
+    return np.array(labels, dtype=str)
