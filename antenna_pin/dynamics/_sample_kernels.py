@@ -142,7 +142,12 @@ def observe(
             wrench_on_journal(program, b, own, table, row, wrenches[i, k])
             if program[b] == REVOLUTE or program[b] == DISTRIBUTED:
                 shape = program[b + joint.SHAPE : b + joint.SHAPE + 6]
-                revolute_contacts(shape, own[0], own[1], own[2], own[3], own[4], own[5], scratch, 0)
+                if program[b] == REVOLUTE and program[b + joint.MODE] == 0.0:
+                    for r in range(4):  # the rows of the contacts are those of the closed form
+                        for n in range(4):
+                            scratch[r, n] = table[row + r, n]
+                else:
+                    revolute_contacts(shape, own[0], own[1], own[2], own[3], own[4], own[5], scratch, 0)
                 found = contact_scenario(shape, own[0], own[1], own[2], own[3], own[4], own[5], scratch, 0, 4)
                 scenarios[i, k, 0], scenarios[i, k, 1] = found[0], found[1]
             else:

@@ -5,7 +5,8 @@ import pytest
 
 from antenna_pin import RunSettings, System, load_scenario, simulate
 from antenna_pin.assemble import build_system, initial_state
-from antenna_pin.dynamics import CallableDrive, Workspace, audit, observed
+from antenna_pin.dynamics import Workspace, audit, observed
+from antenna_pin.elements import CallableDrive
 from antenna_pin.simulation.loop import Run
 
 
