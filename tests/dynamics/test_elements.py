@@ -9,7 +9,7 @@ import pytest
 
 from antenna_pin.contact import Hertz
 from antenna_pin.dynamics import System, Workspace, _kernels, audit
-from antenna_pin.elements import CallableDrive, ConstantDrive, JointSpring, SineDrive
+from antenna_pin.elements import CallableDrive, ConstantDrive, JointSpring, PDController, SineDrive
 from antenna_pin.errors import InvalidParameterError, MechanismError, UnknownNameError
 from antenna_pin.geometry import PlanarClearance, RevoluteClearance
 from antenna_pin.joints import ClearanceJoint
@@ -193,6 +193,33 @@ def test_callable_drive_sees_time_angle_and_rate(kind, joint):
     about = AXIS if slot.kind == "floating" else np.ones(1)
     assert tau[slot.v][-len(about) :] == pytest.approx(torque * about, rel=1e-13, abs=0.0)
     assert rates[system.work_x[0]] == pytest.approx(torque * rate, rel=1e-13, abs=0.0)
+
+
+@pytest.mark.parametrize(
+    ("kind", "joint"),
+    [("ideal", "turn"), ("ideal", "wheel"), ("ideal", "slide"), ("free", "turn"), ("planar", "turn")],
+)
+@pytest.mark.parametrize("axis", ["bearing", "journal"])
+def test_a_controller_does_what_the_same_in_python_does(kind, joint, axis):
+    """At every kind of joint, tilted and off its centre, about either axis, its work included."""
+    pd = PDController(joint=joint, kp=2.0, kd=0.5, angle=0.3, rate=0.7, limit=1.5, axis=axis)
+
+    def torque(t, angle, rate):
+        return min(max(2.0 * (0.3 + 0.7 * t - angle) + 0.5 * (0.7 - rate), -1.5), 1.5)
+
+    systems = [
+        make_system(kind, drives={"motor": one})
+        for one in (pd, CallableDrive(joint=joint, torque=torque, axis=axis))
+    ]
+    rng = np.random.default_rng(11)
+    limited = 0
+    for t in rng.uniform(0.0, 2.0, 20):
+        y = random_state(systems[0], rng)
+        (tau, rates), (expected, expected_rates) = (forces(system, t, y) for system in systems)
+        assert tau == pytest.approx(expected, abs=1e-13)  # round-off
+        assert rates == pytest.approx(expected_rates, abs=1e-13)
+        limited += abs(np.linalg.norm(tau) - 1.5) < 1e-12
+    assert 0 < limited < 20
 
 
 # --- the motion angle ---------------------------------------------------------------------------------------

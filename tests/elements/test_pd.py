@@ -2,14 +2,18 @@
 
 import math
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.interpolate import PchipInterpolator
 
-from antenna_pin import RunSettings, System, Urdf, build_mechanism, simulate
+from antenna_pin import RunSettings, System, Urdf, build_mechanism, load_scenario, simulate
 from antenna_pin.elements import PDController
+from antenna_pin.scenario import DRIVE_SPECS
+
+PANEL = Path(__file__).parents[2] / "scripts" / "examples" / "panel"
 
 INERTIA = 0.5
 WHEEL = f"""
@@ -163,3 +167,36 @@ def test_refuses_a_run_beyond_its_table():
         ValueError, match="drive 'motor': time must be a table that covers the run from 0 to 2 s"
     ):
         follow(kp=1.0, time=(0.0, 1.0), reference=(0.0, 1.0))
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"kp": "5 N"}, "kp must be a torsional stiffness [N*m/rad] or a stiffness [N/m], got '5 N' (force)"),
+        ({"kp": 1, "limit": "0 N*m"}, "limit must be positive, got '0 N*m'"),
+        (
+            {"kp": 1, "angle": "1 deg", "rate": "1 m/s"},
+            "rate must be for a turning joint, as angle is, got '1 m/s'",
+        ),
+        ({"kp": 1, "reference": [0, 1]}, "time must be given beside reference, got none"),
+        (
+            {"kp": 1, "time": [0, 0], "reference": [0, 1]},
+            "time[1] must be above the one before, 0.0",
+        ),
+        ({"kd": 1, "limits": 2}, "limits is unknown; did you mean limit?"),
+    ],
+)
+def test_a_scenario_refuses_what_is_no_controller(given, message):
+    with pytest.raises(ValueError, match=f"^{re.escape(f'PDControllerSpec: {message}')}"):
+        DRIVE_SPECS["pd"](joint="axle", kind="pd", **given)
+
+
+def test_a_controller_in_a_scenario_moves_a_joint_with_play():
+    """The example: its reference comes from a table, and its torque meets the limit at once."""
+    data = simulate(load_scenario(PANEL, case="held"), duration=0.05).data
+    assert data["control_reference"].values[0].tolist() == [0.0]
+    assert data["drive_torque"].values[1:, 0] == pytest.approx(-0.5, rel=1e-15, abs=0.0)
+    assert data["motion_rate"].sel(joint="hinge").values[-1] < -0.05
+    work, gross = data["drive_work"].values[-1, 0], data["drive_gross_work"].values[-1, 0]
+    assert 0.0 < work <= gross
+    assert abs(data["energy_error"].values).max() < 1e-7 * gross
