@@ -217,14 +217,6 @@ MUTANTS = (
         *("-k", "dips"),
     ),
     _compiled(
-        "an event that has happened is on the side that round-off says",
-        WATCH,
-        "            memory.noise = max(crossing.noise, 4.0 * abs(self._values[crossing.event]))\n",
-        "            memory.side = -1.0\n",
-        TEST_EVENTS,
-        *("-k", "turns_back or three_turns or bounces"),
-    ),
-    _compiled(
         "an event forgets from one run to the one that goes on",
         WATCH,
         "            if one is not None:\n",

@@ -281,7 +281,7 @@ def with_events():
     drive = next(iter(asked.drives))
     return asked, [
         Event(name="force", when=Force(names[0], 50.0)),
-        Event(name="rate", when=Rate("elevation", 0.02), action=Set(f"drives.{drive}.on", False)),
+        Event(name="rate", when=Rate("elevation", 0.006), action=Set(f"drives.{drive}.on", False)),
         Event(name="clock", when=Time(0.01, 0.025, 0.05), action=Jump(strike)),
         Event(name="gap", when=Gap(names[1], 1e-4), direction=-1),
     ]
