@@ -21,6 +21,8 @@ __all__ = ["Observed", "joint_motion", "observed"]
 
 Array = NDArray[np.float64]
 
+_AT_ONCE = 256
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Observed:
@@ -130,13 +132,19 @@ def _accelerations(workspace: Workspace, states: Array, forces: Array) -> Array:
     """Return the generalized accelerations under generalized forces, (n, nv)."""
     model = workspace.model
     q, v = states[:, : model.nq], states[:, model.nq : model.nq + model.nv]
-    # One call for all samples is half of the time; a Pinocchio without OpenMP does not have it.
-    if not workspace.system.hinges and hasattr(pin, "abaInParallel"):
-        found = np.zeros((model.nv, len(states)), order="F")
-        columns = (np.asfortranarray(array.T) for array in (q, v, forces))
-        pin.abaInParallel(1, pin.ModelPool(model, 1), *columns, found)
-        return np.ascontiguousarray(found.T)
     found = np.zeros((len(states), model.nv))
+    # A call for many samples is half of the time, of so many that they stay in the processor's cache; a
+    # Pinocchio without OpenMP does not have it.
+    if not workspace.system.hinges and hasattr(pin, "abaInParallel"):
+        pool = pin.ModelPool(model, 1)
+        columns = [np.zeros((array.shape[1], _AT_ONCE), order="F") for array in (q, v, forces)]
+        for first in range(0, len(states), _AT_ONCE):
+            part = slice(first, min(first + _AT_ONCE, len(states)))
+            given = [column[:, : part.stop - first] for column in columns]
+            for column, array in zip(given, (q, v, forces), strict=True):
+                column[:] = array[part].T
+            pin.abaInParallel(1, pool, *given, found.T[:, part])
+        return found
     for i, sample in enumerate(zip(q, v, forces, strict=True)):
         found[i] = workspace.acceleration(*sample)
     return found
