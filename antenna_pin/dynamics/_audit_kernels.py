@@ -11,24 +11,23 @@ from typing import Any
 import numpy as np
 
 from antenna_pin._compile import inlined, kernel
+from antenna_pin.records import record
 
 # A moving body and the joint that moves it: index of the body that it is on (-1: the world), kind, starts in
 # q and v, whether it counts in the scales of momentum; the joint's axis, its frame in the parent's;
 # mass [kg], centre of mass [m] and inertia about it [kg m^2] in the joint's frame.
-BODY = np.dtype(
-    [
-        ("parent", np.int64),
-        ("kind", np.int64),
-        ("q", np.int64),
-        ("v", np.int64),
-        ("counts", np.int64),
-        ("axis", np.float64, (3,)),
-        ("rotation", np.float64, (3, 3)),
-        ("position", np.float64, (3,)),
-        ("mass", np.float64),
-        ("centre", np.float64, (3,)),
-        ("inertia", np.float64, (3, 3)),
-    ]
+BODY = record(
+    ("parent", np.int64),
+    ("kind", np.int64),
+    ("q", np.int64),
+    ("v", np.int64),
+    ("counts", np.int64),
+    ("axis", np.float64, (3,)),
+    ("rotation", np.float64, (3, 3)),
+    ("position", np.float64, (3,)),
+    ("mass", np.float64),
+    ("centre", np.float64, (3,)),
+    ("inertia", np.float64, (3, 3)),
 )
 FIXED_AXIS = 0  # an angle about an axis
 CIRCLE = 1  # the same, known by cosine and sine

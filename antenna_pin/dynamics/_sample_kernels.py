@@ -23,19 +23,18 @@ from antenna_pin.joints._kernels import (
     unwrapped,
     wrench_on_journal,
 )
+from antenna_pin.records import record
 
 # A contact at a sample, by the names of the result's variables.
-CONTACT = np.dtype(
-    [
-        ("gap", np.float64),
-        ("depth", np.float64),
-        ("depth_rate", np.float64),
-        ("slip_speed", np.float64),
-        ("normal_force", np.float64),
-        ("friction_force", np.float64),
-        ("contact_force", np.float64, (3,)),
-        ("contact_point", np.float64, (3,)),
-    ]
+CONTACT = record(
+    ("gap", np.float64),
+    ("depth", np.float64),
+    ("depth_rate", np.float64),
+    ("slip_speed", np.float64),
+    ("normal_force", np.float64),
+    ("friction_force", np.float64),
+    ("contact_force", np.float64, (3,)),
+    ("contact_point", np.float64, (3,)),
 )
 # Of a sample beside what ``audit_state`` writes: energy stored in contacts and in springs [J].
 CONTACTS = AUDIT_SIZE
