@@ -1,9 +1,9 @@
 """Layouts of the numbers that compiled code and classes share: each is declared once, and read by name.
 
-Kernels work on flat arrays of 8-byte words; a stretch of such an array is *viewed* as a record inside, at the
-cost of an offset: ``words[at : at + words_of(POSE)].view(POSE)[0].axis[2]``. Integers and floats may stand
-side by side in one. Here are the records that several rooms share; those of laws, shapes and elements stand
-with their kernels.
+Kernels work on flat arrays of 8-byte words; a stretch of such an array is read as a record inside, at the
+cost of an offset: ``record(words[at : at + words_of(POSE)], POSE).axis[2]``, with ``record`` of ``_compile``.
+Integers and floats may stand side by side in one. Here are the records that several rooms share; those of
+laws, shapes and elements stand with their kernels.
 """
 
 from __future__ import annotations
@@ -22,12 +22,12 @@ __all__ = [
     "memory_numbers",
     "memory_records",
     "place_of",
-    "record",
+    "layout",
     "words_of",
 ]
 
 
-def record(*fields: Any) -> np.dtype[Any]:
+def layout(*fields: Any) -> np.dtype[Any]:
     """Return the layout of a record whose fields are read as attributes, compiled or not.
 
     Args:
@@ -36,15 +36,15 @@ def record(*fields: Any) -> np.dtype[Any]:
     return np.dtype((np.record, list(fields)))
 
 
-def words_of(layout: np.dtype[Any]) -> int:
+def words_of(kind: np.dtype[Any]) -> int:
     """Return how many 8-byte numbers a record has."""
-    return layout.itemsize // 8
+    return kind.itemsize // 8
 
 
-def place_of(layout: np.dtype[Any], field: str) -> int:
+def place_of(kind: np.dtype[Any], field: str) -> int:
     """Return where in a record a field begins, in 8-byte numbers."""
-    assert layout.fields is not None
-    return int(layout.fields[field][1]) // 8
+    assert kind.fields is not None
+    return int(kind.fields[field][1]) // 8
 
 
 #: A candidate contact, a row of the contact table; vectors in bearing axes. Geometry fills the gap [m], the
@@ -53,7 +53,7 @@ def place_of(layout: np.dtype[Any], field: str) -> int:
 #: patch under distributed load the power lost in normal direction and to friction [W]; of a strip or sector
 #: its ``share`` of its patch's law (of a flange's own row: sin of half its loaded arc's half-angle); of a
 #: flange under point load the ``arm`` from the force's point to the deepest one [m].
-CONTACT = record(
+CONTACT = layout(
     ("gap", "f8"),
     ("normal", "f8", (3,)),
     ("point", "f8", (3,)),
@@ -70,12 +70,12 @@ CONTACT = record(
 
 #: What a contact remembers: whether it touches (0 or 1), approach speed [m/s] and effective mass [kg] at the
 #: onset of the present contact.
-MEMORY = record(("touching", "f8"), ("approach_speed", "f8"), ("effective_mass", "f8"))
+MEMORY = layout(("touching", "f8"), ("approach_speed", "f8"), ("effective_mass", "f8"))
 
 #: Pose and twist of a journal in its bearing, all in bearing axes: centre [m], unit axis, sine of the tilt
 #: between the axes, rotation child -> bearing, velocity of the centre [m/s], angular velocity [rad/s]; and
 #: room for the resultant of its contacts about the centre [N, N m].
-POSE = record(
+POSE = layout(
     ("centre", "f8", (3,)),
     ("axis", "f8", (3,)),
     ("sine", "f8"),
@@ -88,10 +88,10 @@ POSE = record(
 
 #: Head of a system's program, the flat numbers of all its force elements: sizes of q and v, contacts, and
 #: rows of its contact table (contacts, then strips and sectors).
-PROGRAM = record(("nq", "i8"), ("nv", "i8"), ("contacts", "i8"), ("rows", "i8"))
+PROGRAM = layout(("nq", "i8"), ("nv", "i8"), ("contacts", "i8"), ("rows", "i8"))
 
 #: How every block of a program begins: what it is, and how many 8-byte numbers it takes.
-BLOCK = record(("kind", "i8"), ("length", "i8"))
+BLOCK = layout(("kind", "i8"), ("length", "i8"))
 
 
 def memory_records(numbers: Any) -> NDArray[Any]:

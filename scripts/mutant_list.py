@@ -5,6 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 JOINTS = "antenna_pin/joints/_kernels.py"
+POSE = "antenna_pin/joints/_pose_kernels.py"
+ROW = "antenna_pin/joints/_row_kernels.py"
+PATCH = "antenna_pin/joints/_patch_kernels.py"
 DYNAMICS = "antenna_pin/dynamics/_kernels.py"
 INSPECT = "antenna_pin/dynamics/_inspect.py"
 AUDIT = "antenna_pin/dynamics/audit.py"
@@ -27,7 +30,7 @@ TRIALS = "antenna_pin/simulation/trials.py"
 EPISODES = "antenna_pin/simulation/episodes.py"
 RECORD = "antenna_pin/simulation/record.py"
 SETTINGS = "antenna_pin/simulation/scales.py"
-GEOMETRY = "antenna_pin/geometry/_kernels.py"
+REVOLUTE = "antenna_pin/geometry/_revolute_kernels.py"
 INTEGRATE = "antenna_pin/integrate/_kernels.py"
 STEPPER = "antenna_pin/integrate/stepper.py"
 
@@ -282,8 +285,8 @@ MUTANTS = (
     _python(
         "power of a drive at a journal about the wrong axis",
         DYNAMICS,
-        "        power = effort * (nx * y[k] + ny * y[k + 1] + nz * y[k + 2])\n",
-        "        power = effort * y[k + 2]\n",
+        "rate + nx * y[nq + k] + ny * y[nq + k + 1] + nz * y[nq + k + 2])",
+        "rate + y[nq + k + 2])",
         TEST_ELEMENTS,
         *("-k", "couple"),
     ),
@@ -299,8 +302,8 @@ MUTANTS = (
     _python(
         "a spring at a tilted journal acts about its axis alone",
         DYNAMICS,
-        "        if p[b + ABOUT] == ABOUT_MOTION:\n",
-        "        if p[b + ABOUT] == -1.0:\n",
+        "    elif e.about == ABOUT_MOTION:\n",
+        "    elif e.about == -1:\n",
         TEST_ELEMENTS,
         *("-k", "gradient"),
     ),
@@ -400,62 +403,62 @@ MUTANTS = (
     # --- joints
     _python(
         "velocity of an offset journal without its spin",
-        JOINTS,
-        "    vx = y[j] + y[j + 4] * cz - y[j + 5] * cy\n",
-        "    vx = y[j]\n",
+        POSE,
+        "    vx = y[k] + wy * cz - wz * cy\n",
+        "    vx = y[k]\n",
         TEST_JOINT,
         "tests/test_assemble.py",
         *("-k", "pose or placed or offset or frame or wherever"),
     ),
     _python(
         "slip without the journal's spin",
-        JOINTS,
-        "    vx = pose[15] + pose[19] * rz - pose[20] * ry\n",
-        "    vx = pose[15]\n",
+        ROW,
+        "    vx = pose.velocity[0] + pose.spin[1] * rz - pose.spin[2] * ry\n",
+        "    vx = pose.velocity[0]\n",
         TEST_JOINT,
     ),
     _python(
         "the torque about the journal's centre has a wrong sign",
-        JOINTS,
+        ROW,
         "    return gx, gy, gz, ry * gz - rz * gy, rz * gx - rx * gz, rx * gy - ry * gx\n",
         "    return gx, gy, gz, ry * gz - rz * gy, rx * gz - rz * gx, rx * gy - ry * gx\n",
         TEST_JOINT,
     ),
     _compiled(
         "what friction loses counts with the wrong sign",
-        JOINTS,
-        "        rates[own + LOST_FRICTION] = -(\n",
-        "        rates[own + LOST_FRICTION] = +(\n",
+        ROW,
+        "    return -float(power)\n",
+        "    return float(power)\n",
         "tests/simulation/test_laws_in_runs.py",
         *("-k", "bristles_are"),
     ),
     _compiled(
         "what the spring does not give back is not lost",
         JOINTS,
-        "        rates[own + LOST_NORMAL] = (force - elastic) * table[r, RATE]\n",
-        "        rates[own + LOST_NORMAL] = 0.0\n",
+        "        lost = (out.force - out.elastic) * out.rate\n",
+        "        lost = 0.0\n",
         TEST_IMPACTS,
         *("-k", "restitution"),
     ),
     _compiled(
         "the work of moving a flange's force is forgotten",
         JOINTS,
-        "            rates[own + LOST_NORMAL] += elastic * opening\n",
-        "",
+        "            lost += arm_power(pose, out)\n",
+        "            lost += 0.0\n",
         TEST_FLANGE,
         *("-k", "ledger"),
     ),
     _python(
         "the force of a flat flange stays at its rim",
-        JOINTS,
-        "    rest = 1.0 - lever(-table[r, 0], whole)\n",
+        ROW,
+        "    rest = 1.0 - lever(-out.gap, whole)\n",
         "    rest = 0.0\n",
         TEST_FLANGE,
         *("-k", "from_the_axis"),
     ),
     _python(
         "the lever's polynomial has a kink",
-        JOINTS,
+        ROW,
         "    return s * s * s * (10.0 - s * (15.0 - 6.0 * s))\n",
         "    return s * s * s * (9.0 - s * (15.0 - 6.0 * s))\n",
         TEST_FLANGE,
@@ -463,7 +466,7 @@ MUTANTS = (
     ),
     _python(
         "sectors whose forces have no potential",
-        JOINTS,
+        PATCH,
         "            share *= 1.0 + alpha + gamma * x * x\n",
         "",
         TEST_DISTRIBUTED,
@@ -471,7 +474,7 @@ MUTANTS = (
     ),
     _python(
         "whole turns are rounded down",
-        JOINTS,
+        POSE,
         "math.floor((near - angle) / (2.0 * math.pi) + 0.5)",
         "math.floor((near - angle) / (2.0 * math.pi))",
         TEST_TURNS,
@@ -479,7 +482,7 @@ MUTANTS = (
     ),
     _python(
         "the motion angle's rate without one of the tilts",
-        JOINTS,
+        POSE,
         "    return angle, (hz * hx - qw * hy) / square, (qw * hx + hz * hy) / square\n",
         "    return angle, (hz * hx - qw * hy) / square, 0.0\n",
         TEST_ELEMENTS,
@@ -488,7 +491,7 @@ MUTANTS = (
     # --- geometry
     _python(
         "ends on opposite sides are a line where the middle is pressed, at one end",
-        GEOMETRY,
+        REVOLUTE,
         "same_plus > 0.0 and same_minus > 0.0:",
         "same_plus > 0.0:",
         TEST_SCENARIOS,
@@ -496,7 +499,7 @@ MUTANTS = (
     ),
     _python(
         "ends on opposite sides are a line where the middle is pressed, at the other end",
-        GEOMETRY,
+        REVOLUTE,
         "same_plus > 0.0 and same_minus > 0.0:",
         "same_minus > 0.0:",
         TEST_SCENARIOS,
@@ -504,22 +507,22 @@ MUTANTS = (
     ),
     _python(
         "ends on opposite sides are a line",
-        GEOMETRY,
-        "        if table[spare, 0] < 0.0 and same_plus",
+        REVOLUTE,
+        "        if spare.gap < 0.0 and same_plus",
         "        if same_plus",
         TEST_SCENARIOS,
     ),
     _python(
         "a flange is a surface at half its edge",
-        GEOMETRY,
-        "    whole = 2.0 * edge * sine\n",
-        "    whole = edge * sine\n",
+        REVOLUTE,
+        "    whole = 2.0 * min(shape.outer_radius, shape.flange_radius) * pose.sine\n",
+        "    whole = min(shape.outer_radius, shape.flange_radius) * pose.sine\n",
         TEST_SCENARIOS,
         *("-k", "surface"),
     ),
     _compiled(
         "a journal's axis outside the bore counts as inside",
-        GEOMETRY,
+        REVOLUTE,
         "        side_of_wall = -1.0\n",
         "        side_of_wall = 1.0\n",
         TEST_START,
@@ -527,7 +530,7 @@ MUTANTS = (
     ),
     _compiled(
         "the end circle is seen as a circle",
-        GEOMETRY,
+        REVOLUTE,
         "    ea, eb = nearest_on_ellipse(radius, radius * shrink, -da, -db)\n",
         "    ea, eb = nearest_on_ellipse(radius, radius, -da, -db)\n",
         TEST_GAPS,
@@ -535,7 +538,7 @@ MUTANTS = (
     ),
     _compiled(
         "Newton's steps to the ellipse end early",
-        GEOMETRY,
+        REVOLUTE,
         "            elif abs(step) <= 3e-9 * s:",
         "            elif abs(step) <= 3e-3 * s:",
         TEST_GAPS,

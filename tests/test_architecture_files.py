@@ -17,8 +17,7 @@ LONGEST = 350
 # Still to be parted; a file that has become short, or a circle that is gone, must leave these lists.
 LONG = {
     "assemble.py",
-    "geometry/_kernels.py",
-    "joints/_kernels.py",
+    "dynamics/system.py",
     "joints/clearance.py",
 }
 CIRCLES = {("antenna_pin.dynamics.system", "antenna_pin.dynamics.workspace")}

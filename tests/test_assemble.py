@@ -7,7 +7,9 @@ import pytest
 from antenna_pin import AntennaPinError, Urdf, build_mechanism, load_scenario, simulate
 from antenna_pin.assemble import build_system, initial_state, urdf_variant
 from antenna_pin.contact import MATERIALS, hertz_stiffness
-from antenna_pin.joints import _kernels as joint_kernels
+from antenna_pin.joints._layout_kernels import joint_at
+from antenna_pin.joints._pose_kernels import place_journal, wrapped_angle
+from antenna_pin.records import POSE
 
 
 def scenario(*overrides, case="case3"):
@@ -96,15 +98,15 @@ def test_initial_state_of_a_journal_is_what_was_asked_in_bearing_axes():
     )
     system = build_system(asked)
     q, v = initial_state(asked, system)
-    pose = np.zeros(joint_kernels.POSE_BUFFER)
+    pose = np.zeros(1, POSE)
     block = system.clearance_blocks["elevation"]
-    joint_kernels.journal_state(system.program, block, np.concatenate([q, v]), system.model.nq, pose)
-    assert pose[:3] == pytest.approx([1e-4, -5e-5, 8e-5], abs=1e-17)  # round-off of 7 mm and a rotation
+    place_journal(system.program, block, np.concatenate([q, v]), system.model.nq, pose)
+    assert pose["centre"][0] == pytest.approx([1e-4, -5e-5, 8e-5], abs=1e-17)  # round-off of 7 mm
     tilt = pin.exp3(np.array([1e-3, 2e-3, 0.0]))
-    assert pose[3:6] == pytest.approx(tilt[:, 2], abs=1e-15)
-    assert pose[15:18] == pytest.approx([1e-3, 2e-3, -3e-3], abs=1e-16)
-    assert pose[18:21] == pytest.approx([0.01, -0.02, 0.3], abs=1e-15)
-    angle, _, _ = joint_kernels.wrapped_angle(system.program, block, q)
+    assert pose["axis"][0] == pytest.approx(tilt[:, 2], abs=1e-15)
+    assert pose["velocity"][0] == pytest.approx([1e-3, 2e-3, -3e-3], abs=1e-16)
+    assert pose["spin"][0] == pytest.approx([0.01, -0.02, 0.3], abs=1e-15)
+    angle, _, _ = wrapped_angle(joint_at(system.program, block), q)
     # Swing-twist: the tilt about a transverse axis adds no twist to a turn about the axis.
     assert angle == pytest.approx(0.7, abs=1e-12)
 

@@ -14,7 +14,7 @@ from scipy.optimize import brentq
 
 from antenna_pin.analysis.tilts import UPRIGHT, TiltRange
 from antenna_pin.geometry import AxialScenario, RadialScenario, RevoluteClearance
-from antenna_pin.geometry import _kernels as _geometry
+from antenna_pin.geometry._revolute_kernels import nearest_on_ellipse
 
 __all__ = ["AssembledJoint", "JournalPose"]
 
@@ -157,7 +157,7 @@ class AssembledJoint:
         """Gap of a bearing's circle whose centre is (aside, along) from the journal's axis, along y and b."""
         major = self.shape.bearing_radius
         minor = major * math.cos(tilt)
-        x, y = _geometry.nearest_on_ellipse(major, minor, aside, along)
+        x, y = nearest_on_ellipse(major, minor, aside, along)
         distance = math.hypot(x - aside, y - along)
         inside = (aside / major) ** 2 + (along / minor) ** 2 <= 1.0
         return (distance if inside else -distance) - self.shape.journal_radius

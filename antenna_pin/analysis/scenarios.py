@@ -24,15 +24,13 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from antenna_pin.analysis.assembled import AssembledJoint, JournalPose
 from antenna_pin.analysis.tilts import TiltRange, milliradians
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.geometry import AxialScenario, RadialScenario, RevoluteClearance
-from antenna_pin.geometry import _kernels as _geometry
-from antenna_pin.geometry.shapes import TABLE_WIDTH, pose_of
+from antenna_pin.geometry import AxialScenario, RadialScenario, RevoluteClearance, pose_of
+from antenna_pin.geometry.revolute import revolute_scenario
 
 __all__ = [
     "SCENARIO_COLUMNS",
@@ -87,13 +85,10 @@ def scenario_of(
         axis_J_H: Direction of the journal's axis in bearing axes, (3,).
         tolerance: [m].
     """
-    numbers = shape.shape()
-    numbers[3] += tolerance  # R_j
-    numbers[5] -= tolerance  # L_j / 2
-    table = np.zeros((5, TABLE_WIDTH))
-    pose = pose_of(p_HJ, axis_J_H)
-    _geometry.revolute_contacts(numbers, *pose, table, 0)
-    radial, axial = _geometry.contact_scenario(numbers, *pose, table, 0, 4)
+    grown = shape.dimensions()
+    grown["journal_radius"] += tolerance
+    grown["half_distance"] -= tolerance
+    radial, axial = revolute_scenario(grown, pose_of(p_HJ, axis_J_H))
     return RadialScenario(radial), AxialScenario(axial)
 
 

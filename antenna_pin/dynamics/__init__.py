@@ -4,7 +4,7 @@ from antenna_pin.dynamics.adjust import Adjustments
 from antenna_pin.dynamics.audit import Audit, audit
 from antenna_pin.dynamics.hinge import Hinge
 from antenna_pin.dynamics.motion import JointMotion
-from antenna_pin.dynamics.samples import Observed, joint_motion, observed
+from antenna_pin.dynamics.samples import Observed, joint_motion, observed, sliding_motion
 from antenna_pin.dynamics.system import System
 from antenna_pin.dynamics.workspace import Workspace
 from antenna_pin.elements import CallableDrive, ConstantDrive, Drive, JointSpring, SineDrive, TableDrive
@@ -26,4 +26,5 @@ __all__ = [
     "audit",
     "joint_motion",
     "observed",
+    "sliding_motion",
 ]

@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 
 from antenna_pin._compile import inlined, kernel
-from antenna_pin.records import record
+from antenna_pin.records import layout
 
 # A moving body and the joint that moves it: index of the body that it is on (-1: the world), kind, starts in
 # q and v, whether it counts in the scales of momentum; the joint's axis, its frame in the parent's;
 # mass [kg], centre of mass [m] and inertia about it [kg m^2] in the joint's frame.
-BODY = record(
+BODY = layout(
     ("parent", np.int64),
     ("kind", np.int64),
     ("q", np.int64),

@@ -10,16 +10,11 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 from antenna_pin._compile import kernel
-from antenna_pin.dynamics._kernels import HEADER
+from antenna_pin.dynamics._kernels import HEADER, block_at, head_of
 from antenna_pin.integrate._kernels import dense_joints
-from antenna_pin.joints import _kernels as joint
-from antenna_pin.joints._kernels import (
-    LAST_KIND,
-    contact_forces,
-    contact_geometry,
-    contact_rates,
-    journal_state,
-)
+from antenna_pin.joints._kernels import contact_forces, contact_geometry, contact_rates
+from antenna_pin.joints._layout_kernels import CLEARANCE, FORCES_GIVEN, joint_at
+from antenna_pin.joints._pose_kernels import journal_state
 
 NODES = 4
 # Columns of the record of a contact: largest force [N] and when [s], largest depth [m].
@@ -43,10 +38,10 @@ class Trial(NamedTuple):
         work: The stepper's rows.
         start: Which of them is the state that the step starts from.
         program: The system's.
-        memory: Contact memory during the step, (contacts, MEMORY_WIDTH).
+        memory: Contact memory during the step, MEMORY, (contacts,).
         out: A state, as far as the layout goes, and scratch, (2, size).
-        pose: Of one journal.
-        table: Contact table, written.
+        pose: Of one journal, POSE, (1,).
+        table: Contact table, CONTACT, written.
         rates: Written, and of no use.
     """
 
@@ -68,37 +63,42 @@ def contacts_at(theta: float, trial: Any) -> None:
     dense_joints(theta, trial.layout, trial.dense, trial.work, trial.start, trial.out)
     program, pose, table = trial.program, trial.pose, trial.table
     y = trial.out[0]
-    nq = int(program[0])
-    nv = int(program[1])
+    head = head_of(program)
+    nq, nv = head.nq, head.nv
     b = HEADER
-    while b < program.shape[0] and program[b] < LAST_KIND:
-        row = int(program[b + joint.FIRST_CONTACT])
-        journal_state(program, b, y, nq, pose)
-        contact_geometry(program, b, pose, table, row)
-        contact_rates(program, b, pose, table, row)
-        if program[b + joint.MODE] < joint.FORCES_GIVEN:
-            contact_forces(program, b, y, nq + nv, trial.memory, row, table, row, trial.rates, nv)
-        b += int(program[b + 1])
+    while b < program.shape[0] and block_at(program, b).kind == CLEARANCE:
+        j = joint_at(program, b)
+        journal_state(j, y, nq, pose[0])
+        contact_geometry(program, b, pose[0], table)
+        contact_rates(program, b, pose[0], table)
+        if j.mode < FORCES_GIVEN:
+            contact_forces(program, b, y, nq + nv, trial.memory, table, trial.rates, nv)
+        b += j.length
 
 
 @kernel
 def contacts_in(y: Any, program: Any, pose: Any, table: Any) -> None:
     """Fill gap, normal, point, depth rate and slip of all contacts in a state, in closed form."""
-    nq = int(program[0])
+    nq = head_of(program).nq
     b = HEADER
-    while b < program.shape[0] and program[b] < LAST_KIND:
-        row = int(program[b + joint.FIRST_CONTACT])
-        journal_state(program, b, y, nq, pose)
-        contact_geometry(program, b, pose, table, row)
-        contact_rates(program, b, pose, table, row)
-        b += int(program[b + 1])
+    while b < program.shape[0] and block_at(program, b).kind == CLEARANCE:
+        j = joint_at(program, b)
+        journal_state(j, y, nq, pose[0])
+        contact_geometry(program, b, pose[0], table)
+        contact_rates(program, b, pose[0], table)
+        b += j.length
 
 
 @kernel
 def _value(column: int, theta: float, c: int, trial: Any) -> float:
-    """One column of contact c's row of the table at theta."""
+    """Gap, depth rate or normal force of contact c at theta."""
     contacts_at(theta, trial)
-    return float(trial.table[c, column])
+    row = trial.table[c]
+    if column == GAP:
+        return float(row.gap)
+    if column == DEPTH_RATE:
+        return float(row.rate)
+    return float(row.force)
 
 
 @kernel
@@ -155,13 +155,13 @@ def _crossing(c: int, sign: float, level: float, h: float, nodes: Any, trial: An
         db = -sign * rb
         if fb > 0.0:
             if fa < 0.0:
-                return _root(0, c, a, b, ga, gb, level, trial)
+                return _root(GAP, c, a, b, ga, gb, level, trial)
             # At the start, on the surface to round-off: does it dip to the right side first?
             if da < 0.0 < db:
-                m = _root(joint.RATE, c, a, b, ra, rb, 0.0, trial)
-                gap = _value(0, m, c, trial) - level
+                m = _root(DEPTH_RATE, c, a, b, ra, rb, 0.0, trial)
+                gap = _value(GAP, m, c, trial) - level
                 if sign * gap < 0.0:
-                    return _root(0, c, m, b, gap, gb, level, trial)
+                    return _root(GAP, c, m, b, gap, gb, level, trial)
             return a
         if da > 0.0 > db:
             # It may rise above zero in between; below the crossing of its end tangents it cannot be.
@@ -171,10 +171,10 @@ def _crossing(c: int, sign: float, level: float, h: float, nodes: Any, trial: An
             s = (fb - fa - db * w) / (da - db)
             if fa + 2.0 * da * s <= 0.0:  # twice the rise of the tangent: room for a changing curvature
                 continue
-            m = _root(joint.RATE, c, a, b, ra, rb, 0.0, trial)
-            gap = _value(0, m, c, trial) - level
+            m = _root(DEPTH_RATE, c, a, b, ra, rb, 0.0, trial)
+            gap = _value(GAP, m, c, trial) - level
             if sign * gap > 0.0:
-                return _root(0, c, a, m, ga, gap, level, trial)
+                return _root(GAP, c, a, m, ga, gap, level, trial)
     return 2.0
 
 
@@ -188,9 +188,9 @@ def fill_nodes(nodes: Any, trial: Any) -> None:
     for k in range(NODES + 1):
         contacts_at(k / NODES, trial)
         for c in range(trial.memory.shape[0]):
-            nodes[GAP, k, c] = table[c, 0]
-            nodes[DEPTH_RATE, k, c] = table[c, joint.RATE]
-            nodes[NORMAL_FORCE, k, c] = table[c, joint.FORCE]
+            nodes[GAP, k, c] = table[c].gap
+            nodes[DEPTH_RATE, k, c] = table[c].rate
+            nodes[NORMAL_FORCE, k, c] = table[c].force
 
 
 @kernel
@@ -199,7 +199,7 @@ def track_peaks(t: float, h: float, nodes: Any, record: Any, trial: Any) -> None
     memory = trial.memory
     ratio = 0.3819660112501051  # golden section
     for c in range(memory.shape[0]):
-        if memory[c, 0] == 0.0:
+        if memory[c].touching == 0.0:
             continue
         best = 0
         for k in range(1, NODES + 1):
@@ -211,25 +211,25 @@ def track_peaks(t: float, h: float, nodes: Any, record: Any, trial: Any) -> None
             record[c, PEAK_TIME] = t + h * best / NODES
         refine = force > 0.0 and 1.05 * force > record[c, PEAK_FORCE]
         if refine and best == NODES:
-            refine = _value(joint.FORCE, 1.0 - 1e-3, c, trial) > force
+            refine = _value(NORMAL_FORCE, 1.0 - 1e-3, c, trial) > force
         elif refine and best == 0:
-            refine = _value(joint.FORCE, 1e-3, c, trial) > force
+            refine = _value(NORMAL_FORCE, 1e-3, c, trial) > force
         if refine:
             a = max(0.0, (best - 1) / NODES)
             b = min(1.0, (best + 1) / NODES)
             m1 = a + ratio * (b - a)
             m2 = b - ratio * (b - a)
-            f1 = _value(joint.FORCE, m1, c, trial)
-            f2 = _value(joint.FORCE, m2, c, trial)
+            f1 = _value(NORMAL_FORCE, m1, c, trial)
+            f2 = _value(NORMAL_FORCE, m2, c, trial)
             for _ in range(24):
                 if f1 > f2:
                     b, m2, f2 = m2, m1, f1
                     m1 = a + ratio * (b - a)
-                    f1 = _value(joint.FORCE, m1, c, trial)
+                    f1 = _value(NORMAL_FORCE, m1, c, trial)
                 else:
                     a, m1, f1 = m1, m2, f2
                     m2 = b - ratio * (b - a)
-                    f2 = _value(joint.FORCE, m2, c, trial)
+                    f2 = _value(NORMAL_FORCE, m2, c, trial)
             top = max(f1, f2)
             if top > record[c, PEAK_FORCE]:
                 record[c, PEAK_FORCE] = top
@@ -240,7 +240,7 @@ def track_peaks(t: float, h: float, nodes: Any, record: Any, trial: Any) -> None
         for k in range(NODES):
             if nodes[DEPTH_RATE, k, c] > 0.0 > nodes[DEPTH_RATE, k + 1, c]:
                 m = _root(
-                    joint.RATE,
+                    DEPTH_RATE,
                     c,
                     k / NODES,
                     (k + 1) / NODES,
@@ -249,7 +249,7 @@ def track_peaks(t: float, h: float, nodes: Any, record: Any, trial: Any) -> None
                     0.0,
                     trial,
                 )
-                depth = -_value(0, m, c, trial)
+                depth = -_value(GAP, m, c, trial)
                 if depth > record[c, PEAK_DEPTH]:
                     record[c, PEAK_DEPTH] = depth
 
@@ -273,7 +273,7 @@ def inspect_step(
     when = until
     deep = False
     for c in range(memory.shape[0]):
-        touching = memory[c, 0] != 0.0
+        touching = memory[c].touching != 0.0
         theta = _crossing(c, 1.0 if touching else -1.0, 0.0, h, nodes, trial)
         if theta < when and not (ignore[c] == 2 and theta == 0.0):
             first = c

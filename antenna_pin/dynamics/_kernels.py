@@ -1,16 +1,14 @@
 """Force elements of a system as one flat program, compiled.
 
-``program`` is a list of blocks ``[kind, length, ...]`` that starts at ``HEADER``; its head is [nq, nv,
-contacts, 0]. A block is a clearance joint (layout in :mod:`antenna_pin.joints._kernels`) or an
-element at a joint, of one of the kinds of :mod:`antenna_pin.elements`::
-
-    [kind, length, joint kind, start in q, start in v, start in x, block of the clearance joint or -1,
-     what it acts about (its place in ``ABOUTS``), place of the turned angle in x or -1, whether it depends on
-     the joint's motion (0 or 1), whether it is on (0 or 1), record of its kind...]
+``program`` is a list of blocks that starts behind its head (:data:`antenna_pin.records.PROGRAM`). A block
+begins with what it is and how long (:data:`antenna_pin.records.BLOCK`): a clearance joint
+(:mod:`antenna_pin.joints._layout_kernels`), or an element at a joint, of one of the kinds of
+:mod:`antenna_pin.elements`: ``ELEMENT``, then the record of its kind.
 
 A configuration knows an angle only but for whole turns. Joints that turn without end (continuous ones and
 those with play) have their *turned angle*, with all its turns, in x: the angle at the last accepted state, to
-which every angle of the step from there is the nearest (:func:`antenna_pin.joints._kernels.unwrapped`).
+which every angle of the step from there is the nearest
+(:func:`antenna_pin.joints._pose_kernels.unwrapped`).
 """
 
 from __future__ import annotations
@@ -18,64 +16,93 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin._compile import inlined, kernel
-from antenna_pin.contact._kernels import NORMAL_SIZE, elastic_energy
+from antenna_pin._compile import inlined, kernel, record
 from antenna_pin.elements import _kernels as elements
-from antenna_pin.geometry._kernels import TABLE_WIDTH
-from antenna_pin.joints import _kernels as joint
-from antenna_pin.joints._kernels import (
-    DISTRIBUTED,
-    LAST_KIND,
-    MEMORY_WIDTH,
-    PLANAR,
-    clearance_joint,
+from antenna_pin.joints._kernels import clearance_joint, joint_energy
+from antenna_pin.joints._layout_kernels import CLEARANCE, FORCES_GIVEN, joint_at
+from antenna_pin.joints._pose_kernels import (
+    about_bearing,
+    along_bearing,
     motion_angle,
     unwrapped,
     wrapped_angle,
 )
+from antenna_pin.records import BLOCK, CONTACT, MEMORY, POSE, PROGRAM, layout, words_of
 
-HEADER = 4
+HEADER = words_of(PROGRAM)
+BLOCK_WORDS = words_of(BLOCK)
+POSE_WORDS = words_of(POSE)
+MEMORY_WORDS = words_of(MEMORY)
+CONTACT_WORDS = words_of(CONTACT)
 
-ONE_DOF = 0.0
-CIRCLE = 1.0  # a continuous joint: (cos, sin)
-CLEARANCE = 2.0
-
-JOINT_KIND = 2
-START_Q = 3
-START_V = 4
-START_X = 5
-CLEARANCE_BLOCK = 6
-ABOUT = 7
-TURN = 8
-SENSES = 9
-ON = 10
-PARAMETERS = 11
+# What an element finds at its joint.
+ONE_DOF = 0
+CIRCLE = 1  # a continuous joint: (cos, sin)
+PLAY = 2
 
 # What an element acts about at a joint with play, by its number.
 ABOUTS = ("bearing", "journal", "motion")
-ABOUT_BEARING = 0.0
-ABOUT_MOTION = 2.0
+ABOUT_BEARING = 0
+ABOUT_MOTION = 2
+
+#: Head of an element: what its joint is, starts of the joint's slices of q and v and of its own in x, block
+#: of the joint with play or -1, what it acts about (its place in ``ABOUTS``), place of the turned angle in x
+#: or -1, whether it depends on the joint's motion, whether it is on (0 or 1).
+ELEMENT = layout(
+    ("kind", "i8"),
+    ("length", "i8"),
+    ("joint", "i8"),
+    ("q", "i8"),
+    ("v", "i8"),
+    ("x", "i8"),
+    ("play", "i8"),
+    ("about", "i8"),
+    ("turn", "i8"),
+    ("senses", "i8"),
+    ("on", "f8"),
+)
+PARAMETERS = words_of(ELEMENT)
+
+
+@inlined
+def head_of(program: Any) -> Any:
+    """Return a program's head."""
+    return record(program[:HEADER], PROGRAM)
+
+
+@inlined
+def block_at(program: Any, b: int) -> Any:
+    """Return what the block at program[b:] is and how long."""
+    return record(program[b : b + BLOCK_WORDS], BLOCK)
+
+
+@inlined
+def element_at(program: Any, b: int) -> Any:
+    """Return the head of the element at program[b:]."""
+    return record(program[b : b + PARAMETERS], ELEMENT)
 
 
 @kernel
 def joint_motion(p: Any, b: int, y: Any, nq: int) -> tuple[float, float, float, float]:
-    """Angle and rate of the joint of a drive or spring block, and gx, gy of :func:`motion_angle`."""
-    i = int(p[b + START_Q])
-    j = nq + int(p[b + START_V])
-    kind = p[b + JOINT_KIND]
-    if kind == ONE_DOF:
-        return y[i], y[j], 0.0, 0.0
-    x0 = nq + int(p[1])
-    if kind == CIRCLE:
-        return unwrapped(math.atan2(y[i + 1], y[i]), y[x0 + int(p[b + TURN])]), y[j], 0.0, 0.0
-    c = int(p[b + CLEARANCE_BLOCK])
-    angle, gx, gy = motion_angle(p, c, y, x0)
-    if p[c] == PLANAR:
-        return angle, y[j + 2], 0.0, 0.0
-    a = c + joint.AXES
-    wx = p[a] * y[j + 3] + p[a + 3] * y[j + 4] + p[a + 6] * y[j + 5]
-    wy = p[a + 1] * y[j + 3] + p[a + 4] * y[j + 4] + p[a + 7] * y[j + 5]
-    wz = p[a + 2] * y[j + 3] + p[a + 5] * y[j + 4] + p[a + 8] * y[j + 5]
+    """Angle (or way) and its rate of the joint of an element block, and gx, gy of :func:`motion_angle`."""
+    e = element_at(p, b)
+    k = nq + e.v
+    if e.joint == ONE_DOF:
+        return y[e.q], y[k], 0.0, 0.0
+    x0 = nq + head_of(p).nv
+    if e.joint == CIRCLE:
+        return unwrapped(math.atan2(y[e.q + 1], y[e.q]), y[x0 + e.turn]), y[k], 0.0, 0.0
+    j = joint_at(p, e.play)
+    if j.slides != 0:
+        way, gx, gy, gz, hx, hy, hz = along_bearing(j, y)
+        rate = gx * y[k] + gy * y[k + 1] + gz * y[k + 2] + hx * y[k + 3] + hy * y[k + 4] + hz * y[k + 5]
+        return way, rate, 0.0, 0.0
+    angle, gx, gy = motion_angle(j, y, x0)
+    if j.planar != 0:
+        return angle, y[k + 2], 0.0, 0.0
+    wx = j.axes[0, 0] * y[k + 3] + j.axes[1, 0] * y[k + 4] + j.axes[2, 0] * y[k + 5]
+    wy = j.axes[0, 1] * y[k + 3] + j.axes[1, 1] * y[k + 4] + j.axes[2, 1] * y[k + 5]
+    wz = j.axes[0, 2] * y[k + 3] + j.axes[1, 2] * y[k + 4] + j.axes[2, 2] * y[k + 5]
     return angle, gx * wx + gy * wy + wz, gx, gy
 
 
@@ -86,15 +113,17 @@ def element_state(p: Any, b: int, t: float, y: Any, nq: int) -> tuple[float, flo
     The reference and its error are not-a-number where the element follows none.
     """
     angle, rate, _, _ = joint_motion(p, b, y, nq)
-    wanted, _ = elements.reference(int(p[b]), p, b + PARAMETERS, t)
-    return p[b + ON] * elements.effort(int(p[b]), p, b + PARAMETERS, t, angle, rate), wanted, wanted - angle
+    e = element_at(p, b)
+    wanted, _ = elements.reference(e.kind, p, b + PARAMETERS, t)
+    effort = e.on * elements.effort(e.kind, p, b + PARAMETERS, t, angle, rate)
+    return effort, wanted, wanted - angle
 
 
 @kernel
 def element_kink(p: Any, b: int, t: float, y: Any, nq: int) -> float:
     """Where the element block at b has kinks: a function that passes zero at them."""
     angle, rate, _, _ = joint_motion(p, b, y, nq)
-    return float(elements.kink(int(p[b]), p, b + PARAMETERS, t, angle, rate))
+    return float(elements.kink(element_at(p, b).kind, p, b + PARAMETERS, t, angle, rate))
 
 
 @inlined
@@ -102,103 +131,98 @@ def _element(p: Any, b: int, t: float, y: Any, nq: int, nv: int, tau: Any, rates
     """Add an element's generalized force.
 
     At a clearance joint it is a couple about the bearing's or the journal's axis, or what derives from the
-    motion angle.
+    motion angle; at one that slides a force along the axis, at the journal's centre.
     """
-    kind = int(p[b])
+    e = element_at(p, b)
     angle, rate, gx, gy = 0.0, 0.0, 0.0, 0.0
-    on = p[b + ON]
-    if p[b + SENSES] != 0.0:
+    if e.senses != 0:
         angle, rate, gx, gy = joint_motion(p, b, y, nq)
-    effort = on * elements.effort(kind, p, b + PARAMETERS, t, angle, rate)
-    j = int(p[b + START_V])
-    c = int(p[b + CLEARANCE_BLOCK])
-    if c < 0:
-        tau[j] += effort
-        power = effort * y[nq + j]
-    elif p[c] == PLANAR:
-        tau[j + 2] += effort
-        power = effort * y[nq + j + 2]
+    effort = e.on * elements.effort(e.kind, p, b + PARAMETERS, t, angle, rate)
+    if e.play < 0:
+        tau[e.v] += effort
+        power = effort * y[nq + e.v]
     else:
-        a = c + joint.AXES
-        nx, ny, nz = p[a + 2], p[a + 5], p[a + 8]
-        if p[b + ABOUT] == ABOUT_MOTION:
-            nx += gx * p[a] + gy * p[a + 1]
-            ny += gx * p[a + 3] + gy * p[a + 4]
-            nz += gx * p[a + 6] + gy * p[a + 7]
-        elif p[b + ABOUT] == ABOUT_BEARING:
-            # The bearing's axis, seen from the journal: rotate by the inverse of the joint's quaternion.
-            i = int(p[b + START_Q]) + 3
-            qx, qy, qz, qw = -y[i], -y[i + 1], -y[i + 2], y[i + 3]
-            tx = 2.0 * (qy * nz - qz * ny)
-            ty = 2.0 * (qz * nx - qx * nz)
-            tz = 2.0 * (qx * ny - qy * nx)
-            nx, ny, nz = (
-                nx + qw * tx + qy * tz - qz * ty,
-                ny + qw * ty + qz * tx - qx * tz,
-                nz + qw * tz + qx * ty - qy * tx,
-            )
-        tau[j + 3] += effort * nx
-        tau[j + 4] += effort * ny
-        tau[j + 5] += effort * nz
-        k = nq + j + 3
-        power = effort * (nx * y[k] + ny * y[k + 1] + nz * y[k + 2])
-    elements.write_rates(kind, p, b + PARAMETERS, on * rate, power, rates, nv + int(p[b + START_X]))
+        j = joint_at(p, e.play)
+        if j.planar != 0:
+            tau[e.v + 2] += effort
+            power = effort * y[nq + e.v + 2]
+        else:
+            power = effort * _push(j, e, effort, gx, gy, y, nq, tau)
+    elements.write_rates(e.kind, p, b + PARAMETERS, e.on * rate, power, rates, nv + e.x)
+
+
+@kernel
+def _push(j: Any, e: Any, effort: float, gx: float, gy: float, y: Any, nq: int, tau: Any) -> float:
+    """Add an effort at a free joint with play to tau; return the rate of that along which it acts."""
+    nx, ny, nz = j.axes[0, 2], j.axes[1, 2], j.axes[2, 2]
+    if e.about == ABOUT_BEARING or (e.about == ABOUT_MOTION and j.slides != 0):
+        nx, ny, nz = about_bearing(j, y)
+    elif e.about == ABOUT_MOTION:
+        nx += gx * j.axes[0, 0] + gy * j.axes[0, 1]
+        ny += gx * j.axes[1, 0] + gy * j.axes[1, 1]
+        nz += gx * j.axes[2, 0] + gy * j.axes[2, 1]
+    k = e.v + 3
+    rate = 0.0
+    if j.slides != 0:
+        cx, cy, cz = j.centre[0], j.centre[1], j.centre[2]
+        mx, my, mz = cy * nz - cz * ny, cz * nx - cx * nz, cx * ny - cy * nx
+        tau[k] += effort * mx
+        tau[k + 1] += effort * my
+        tau[k + 2] += effort * mz
+        rate = mx * y[nq + k] + my * y[nq + k + 1] + mz * y[nq + k + 2]
+        k = e.v
+    tau[k] += effort * nx
+    tau[k + 1] += effort * ny
+    tau[k + 2] += effort * nz
+    return float(rate + nx * y[nq + k] + ny * y[nq + k + 1] + nz * y[nq + k + 2])
 
 
 @kernel
 def evaluate(t: float, y: Any, program: Any, work: Any, rates: Any) -> None:
     """Write the generalized force of all elements into work, and the rates of x behind rates[nv].
 
-    ``work`` is [generalized force (nv), pose, memory (contacts x MEMORY_WIDTH), table (rows x TABLE_WIDTH)]
-    in one array, because each argument costs a part of what is computed.
+    ``work`` is [generalized force (nv), POSE, MEMORY (contacts), CONTACT (rows)] in one array, because each
+    argument costs a part of what is computed.
     """
-    nq = int(program[0])
-    nv = int(program[1])
-    contacts = int(program[2])
+    head = head_of(program)
+    nq, nv = head.nq, head.nv
     tau = work[:nv]
-    first = nv + joint.POSE_BUFFER
-    pose = work[nv:first]
-    second = first + MEMORY_WIDTH * contacts
-    memory = work[first:second].reshape(contacts, MEMORY_WIDTH)
-    rows = int(program[3])
-    table = work[second : second + rows * TABLE_WIDTH].reshape(rows, TABLE_WIDTH)
+    first = nv + POSE_WORDS
+    pose = record(work[nv:first], POSE)
+    second = first + MEMORY_WORDS * head.contacts
+    memory = work[first:second].view(MEMORY)
+    table = work[second : second + head.rows * CONTACT_WORDS].view(CONTACT)
     for k in range(nv):
         tau[k] = 0.0
     b = HEADER
     end = program.shape[0]
     while b < end:
-        kind = program[b]
-        if kind < LAST_KIND:
+        block = block_at(program, b)
+        if block.kind == CLEARANCE:
             clearance_joint(program, b, y, nq, nv, memory, table, pose, tau, rates)
         else:
             _element(program, b, t, y, nq, nv, tau, rates)
-        b += int(program[b + 1])
+        b += block.length
 
 
 @kernel
 def stored_energy(y: Any, program: Any, memory: Any, table: Any) -> tuple[float, float]:
     """Energy stored in touching contacts (compiled laws; gaps from the table) and in springs [J]."""
-    nq = int(program[0])
+    nq = head_of(program).nq
     contacts = 0.0
     springs = 0.0
     b = HEADER
     while b < program.shape[0]:
-        kind = program[b]
-        if kind < LAST_KIND:
-            if program[b + joint.MODE] < joint.FORCES_GIVEN:
-                row = int(program[b + joint.FIRST_CONTACT])
-                for k in range(int(program[b + joint.CONTACTS])):
-                    if memory[row + k, 0] == 0.0:
-                        continue
-                    if kind == DISTRIBUTED:
-                        contacts += joint.patch_energy(program, b, k, table)
-                    else:
-                        law = b + joint.LAWS + k * joint.LAW_SIZE
-                        contacts += elastic_energy(program[law : law + NORMAL_SIZE], -table[row + k, 0])
-        elif program[b + SENSES] != 0.0:
-            angle, _, _, _ = joint_motion(program, b, y, nq)
-            springs += program[b + ON] * elements.stored(int(kind), program, b + PARAMETERS, angle)
-        b += int(program[b + 1])
+        block = block_at(program, b)
+        if block.kind == CLEARANCE:
+            if joint_at(program, b).mode < FORCES_GIVEN:
+                contacts += joint_energy(program, b, memory, table)
+        else:
+            e = element_at(program, b)
+            if e.senses != 0:
+                angle, _, _, _ = joint_motion(program, b, y, nq)
+                springs += e.on * elements.stored(e.kind, program, b + PARAMETERS, angle)
+        b += block.length
     return contacts, springs
 
 
@@ -208,23 +232,23 @@ def turn_on(program: Any, turns: Any, y: Any) -> float:
 
     ``turns`` has a row per angle: place in x, block of the joint with play or -1, start in q, start in v.
     """
-    nq = int(program[0])
-    x0 = nq + int(program[1])
+    head = head_of(program)
+    x0 = head.nq + head.nv
     fastest = 0.0
     for k in range(turns.shape[0]):
         at = x0 + turns[k, 0]
         block = turns[k, 1]
-        j = nq + turns[k, 3]
+        i = head.nq + turns[k, 3]
         if block < 0:
-            i = turns[k, 2]
-            angle = math.atan2(y[i + 1], y[i])
-            rate = abs(y[j])
+            angle = math.atan2(y[turns[k, 2] + 1], y[turns[k, 2]])
+            rate = abs(y[i])
         else:
-            angle, _, _ = wrapped_angle(program, block, y)
-            if program[block] == PLANAR:
-                rate = abs(y[j + 2])
+            j = joint_at(program, block)
+            angle, _, _ = wrapped_angle(j, y)
+            if j.planar != 0:
+                rate = abs(y[i + 2])
             else:
-                rate = math.sqrt(y[j + 3] * y[j + 3] + y[j + 4] * y[j + 4] + y[j + 5] * y[j + 5])
+                rate = math.sqrt(y[i + 3] * y[i + 3] + y[i + 4] * y[i + 4] + y[i + 5] * y[i + 5])
         y[at] = unwrapped(angle, y[at])
         fastest = max(fastest, rate)
     return fastest

@@ -63,7 +63,8 @@ class Adjustments:
         if key == _ON:
             if value not in (True, False):
                 raise InvalidParameterError("Set", place, "true or false", value)
-            self._program[block + _kernels.ON] = float(value)
+            head = self._program[block : block + _kernels.PARAMETERS].view(_kernels.ELEMENT)
+            head["on"] = float(value)
         elif key in keys:
             changed = dataclasses.replace(source, **{key: float(value)})  # type: ignore[arg-type]
             self.elements[element] = changed

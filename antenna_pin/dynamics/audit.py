@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from antenna_pin.dynamics import _audit_kernels as _bodies
 from antenna_pin.dynamics import _kernels
 from antenna_pin.dynamics.workspace import Workspace
-from antenna_pin.joints import _kernels as _joint
 from antenna_pin.mechanism import Mechanism
 
 __all__ = ["Audit", "audit", "body_tree", "energy_of_python_laws"]
@@ -81,10 +80,10 @@ def energy_of_python_laws(workspace: Workspace) -> float:
     """Return the energy stored in touching contacts with laws in Python, by the workspace's table [J]."""
     energy = 0.0
     for path in workspace.paths:
-        if not path.joint.compiled:
+        if not path.compiled:
             for r, law in enumerate(path.laws, path.row):
-                depth = -float(workspace.table[r, 0])
-                if workspace.memory[r, _joint.TOUCHING] != 0.0 and depth > 0.0:
+                depth = -float(workspace.table[r].gap)
+                if workspace.memory[r].touching != 0.0 and depth > 0.0:
                     energy += law.energy(depth)
     return energy
 

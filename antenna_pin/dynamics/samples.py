@@ -14,10 +14,9 @@ from antenna_pin.dynamics import _audit_kernels, _sample_kernels
 from antenna_pin.dynamics.audit import body_tree, energy_of_python_laws
 from antenna_pin.dynamics.system import System
 from antenna_pin.dynamics.workspace import Workspace
-from antenna_pin.geometry.shapes import TABLE_WIDTH
-from antenna_pin.joints import _kernels as _joint
+from antenna_pin.records import CONTACT, POSE
 
-__all__ = ["Observed", "joint_motion", "observed"]
+__all__ = ["Observed", "joint_motion", "observed", "sliding_motion"]
 
 Array = NDArray[np.float64]
 
@@ -30,9 +29,9 @@ class Observed:
 
     Attributes:
         acceleration: Generalized, (n, nv).
-        contact: What is seen of each, ``CONTACT`` with the names of a result's variables, (n, contacts).
-        pose: Of the journals in their bearings, (n, joints, POSE_BUFFER).
-        wrench: Of the contacts on the journals, about their centres, bearing axes, (n, joints, 6) [N, N m].
+        contact: What is seen of each, ``SEEN`` with the names of a result's variables, (n, contacts).
+        pose: Of the journals in their bearings, with force and moment of the contacts on them about their
+            centres, bearing axes, POSE, (n, joints).
         scenario: Of contact, radial and axial, (n, joints, 2).
         effort: Of the drives [N m], the reference that they follow and the error [rad], NaN where they follow
             none, (n, drives, 3).
@@ -44,8 +43,7 @@ class Observed:
 
     acceleration: Array
     contact: NDArray[Any]
-    pose: Array
-    wrench: Array
+    pose: NDArray[Any]
     scenario: NDArray[np.int8]
     effort: Array
     stored: Array
@@ -55,7 +53,7 @@ class Observed:
 
 
 def observed(
-    system: System, times: Array, states: Array, memories: Array, programs: Sequence[Array]
+    system: System, times: Array, states: Array, memories: NDArray[Any], programs: Sequence[Array]
 ) -> Observed:
     """Evaluate a system at samples.
 
@@ -63,16 +61,15 @@ def observed(
         system: The system.
         times: (n,) [s].
         states: [q, v, x] of each, (n, nq + nv + nx).
-        memories: Contact memory of each, (n, contacts, 3).
+        memories: Contact memory of each, MEMORY, (n, contacts).
         programs: Force elements at each: the same array from one to the next where nothing was changed.
     """
     n, model, workspace = len(times), system.model, Workspace(system)
     contacts, joints = len(system.contact_names), len(system.clearances)
     tree = body_tree(system.mechanism)
     forces = np.zeros((n, model.nv))
-    contact = np.zeros((n, contacts), dtype=_sample_kernels.CONTACT)
-    pose = np.zeros((n, joints, _joint.POSE_BUFFER))
-    wrench = np.zeros((n, joints, 6))
+    contact = np.zeros((n, contacts), dtype=_sample_kernels.SEEN)
+    pose = np.zeros((n, joints), POSE)
     scenario = np.zeros((n, joints, 2), dtype=np.int8)
     effort = np.zeros((n, len(system.drives), 3))
     energies = np.zeros((n, _sample_kernels.ENERGIES))
@@ -90,11 +87,10 @@ def observed(
         tree,
         np.array(model.gravity.linear),
         np.zeros((len(tree) + 2, _audit_kernels.PLACE_SIZE)),
-        np.zeros((5, TABLE_WIDTH)),
+        np.zeros(5, CONTACT),
         forces,
         contact,
         pose,
-        wrench,
         scenario,
         effort,
         energies,
@@ -118,7 +114,6 @@ def observed(
         acceleration=_accelerations(workspace, states, forces),
         contact=contact,
         pose=pose,
-        wrench=wrench,
         scenario=scenario,
         effort=effort,
         stored=energies[:, stored],
@@ -176,6 +171,40 @@ def joint_motion(system: System, states: Array, accelerations: Array) -> tuple[l
                 _sample_kernels.turned_angles(states, slot.q.start, turned, motion[:, 0])
             motion[:, 1] = states[:, nq + slot.v.start]
             motion[:, 2] = accelerations[:, slot.v.start]
+        else:
+            continue
+        names.append(slot.name)
+        motions.append(motion)
+    return names, np.array(motions).reshape(len(names), len(states), 3)
+
+
+def sliding_motion(system: System, states: Array, found: Observed) -> tuple[list[str], Array]:
+    """Return the joints that slide along an axis, and their motion.
+
+    Args:
+        system: The system.
+        states: (n, nq + nv + nx).
+        found: What the equations of motion give there.
+
+    Returns:
+        Names, and way, rate and acceleration of each, (joints, n, 3) [m, m/s, m/s^2]; with play those of the
+        journal's centre along the bearing's axis.
+    """
+    guided = {joint.name: k for k, joint in enumerate(system.clearances) if joint.geometry.motion == "slide"}
+    names, motions = [], []
+    for slot in system.mechanism.joints.values():
+        v = states[:, system.model.nq :][:, slot.v]
+        a = found.acceleration[:, slot.v]
+        if slot.name in guided:
+            k = guided[slot.name]
+            pose, centre = found.pose[:, k], system.clearances[k].offset * slot.axis
+            # In the child's own axes the acceleration of its point at the centre is a + w x v.
+            velocity = v[:, :3] + np.cross(v[:, 3:], centre)
+            at_centre = a[:, :3] + np.cross(a[:, 3:], centre) + np.cross(v[:, 3:], velocity)
+            along = np.einsum("ij,ij->i", pose["child"][:, 2, :], at_centre)
+            motion = np.column_stack([pose["centre"][:, 2], pose["velocity"][:, 2], along])
+        elif slot.kind == "prismatic":
+            motion = np.column_stack([states[:, slot.q], v, a])
         else:
             continue
         names.append(slot.name)

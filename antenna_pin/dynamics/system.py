@@ -15,11 +15,11 @@ from antenna_pin.dynamics.hinge import Hinge, hinge_slot
 from antenna_pin.dynamics.workspace import Workspace
 from antenna_pin.elements import GROSS_WORK, LOSS, WORK, CallableDrive, Drive, Element, JointSpring
 from antenna_pin.errors import InvalidParameterError, MechanismError, UnknownNameError
-from antenna_pin.geometry import SphericalClearance
 from antenna_pin.integrate import Manifold
 from antenna_pin.joints import ClearanceJoint
-from antenna_pin.joints import _kernels as _joint
+from antenna_pin.joints import _layout_kernels as _layout
 from antenna_pin.mechanism import JointSlot, Mechanism, frame_aligning_z
+from antenna_pin.records import PROGRAM, memory_numbers, memory_records, place_of
 
 __all__ = ["System"]
 
@@ -66,9 +66,9 @@ class System:
     work lost in normal direction and to friction, bristles; per drive work and gross work; per spring the
     work lost in its damper).
 
-    Beside it stands the contact memory, the contacts' discrete state, one row each: [touching, approach
-    speed, effective mass]. It is not part of ``y``; whoever advances the system changes it, at located events
-    only.
+    Beside it stands the contact memory, the contacts' discrete state, one record each
+    (:data:`antenna_pin.records.MEMORY`: touching, approach speed, effective mass). It is not part of ``y``;
+    whoever advances the system changes it, at located events only.
 
     Args:
         mechanism: Its joints named by clearance joints and hinges must be floating (planar for a planar
@@ -108,8 +108,7 @@ class System:
         self.approach_speed_floors = tuple(
             joint.approach_speed_floor for joint in self.clearances for _ in joint.contact_names
         )
-        nq = self.model.nq
-        blocks: list[Array] = [np.array([nq, self.model.nv, 0.0, 0.0])]
+        blocks: list[Array] = [np.zeros(_kernels.HEADER)]
         size, row = _kernels.HEADER, 0
         #: Place in x of the turned angle of each joint that has one, by name.
         self.turn_x = self._turning()
@@ -131,10 +130,12 @@ class System:
         for hinge in self.hinges:
             # A block without contacts: what a drive or spring needs to know of the joint's axis.
             slot = hinge_slot(self.mechanism, hinge)
-            block = np.zeros(_joint.LAWS)
-            head = [_joint.REVOLUTE, _joint.LAWS, 0, slot.q.start, slot.v.start, row, 0, x, 0]
-            block[:10] = [*head, self.turn_x[hinge.joint]]
-            block[_joint.AXES : _joint.AXES + 9] = frame_aligning_z(slot.axis).ravel()
+            block = np.zeros(_layout.JOINT_WORDS)
+            head = block.view(_layout.JOINT)
+            head["kind"], head["length"] = _layout.CLEARANCE, len(block)
+            head["q"], head["v"], head["row"], head["x"] = slot.q.start, slot.v.start, row, x
+            head["turn"] = self.turn_x[hinge.joint]
+            head["axes"] = frame_aligning_z(slot.axis)
             self.clearance_blocks[hinge.joint] = size
             blocks.append(block)
             size += len(block)
@@ -142,11 +143,16 @@ class System:
         self.block_of_contact = tuple(
             self.clearance_blocks[joint.name] for joint in self.clearances for _ in joint.contact_names
         )
-        self.impulse_x = np.array(first_x, dtype=int) + _joint.IMPULSE
-        self.lost_normal_x = np.array(first_x, dtype=int) + _joint.LOST_NORMAL
-        self.lost_friction_x = np.array(first_x, dtype=int) + _joint.LOST_FRICTION
+        starts = np.array(first_x, dtype=int)
+        self.impulse_x = starts + place_of(_layout.INTEGRALS, "impulse")
+        self.lost_normal_x = starts + place_of(_layout.INTEGRALS, "lost_normal")
+        self.lost_friction_x = starts + place_of(_layout.INTEGRALS, "lost_friction")
         self.bristle_x = np.array(
-            [first + k for first, stride in zip(first_x, strides, strict=True) for k in range(3, stride)],
+            [
+                first + k
+                for first, stride in zip(first_x, strides, strict=True)
+                for k in range(_layout.BRISTLES, stride)
+            ],
             dtype=int,
         )
         # Strips and sectors of joints with distributed load have their rows behind those of all contacts.
@@ -155,7 +161,7 @@ class System:
             rows += joint.place_strips(blocks[1 + self.clearances.index(joint)], rows)
         #: Rows of a contact table: those of the contacts, then those of strips and sectors.
         self.rows = rows
-        blocks[0][2:4] = row, rows
+        blocks[0].view(PROGRAM)[0] = self.model.nq, self.model.nv, row, rows
         #: Places in x of what elements integrate, by its name; in the order of the elements.
         integrals: dict[str, list[int]] = {}
         #: Drives in Python: their block, and where in the program their value goes.
@@ -195,7 +201,7 @@ class System:
     def _turning(self) -> dict[str, int]:
         """Return the joints whose configuration knows their angle only but for whole turns, numbered."""
         about_axis = {hinge.joint for hinge in self.hinges}
-        about_axis |= {j.name for j in self.clearances if not isinstance(j.geometry, SphericalClearance)}
+        about_axis |= {j.name for j in self.clearances if j.geometry.motion == "turn"}
         names = [
             slot.name
             for slot in self.mechanism.joints.values()
@@ -213,28 +219,31 @@ class System:
         """
         slot = self.mechanism.joint(element.joint)
         clearance = self.clearance_blocks.get(element.joint, -1)
-        spherical = any(
-            j.name == element.joint and isinstance(j.geometry, SphericalClearance) for j in self.clearances
-        )
-        if clearance >= 0 and not spherical:
-            joint_kind = _kernels.CLEARANCE
+        play = [j.geometry for j in self.clearances if j.name == element.joint]
+        without_axis = any(geometry.motion is None for geometry in play)
+        if clearance >= 0 and not without_axis:
+            joint_kind = _kernels.PLAY
         elif slot.kind in ("revolute", "prismatic"):
             joint_kind = _kernels.ONE_DOF
         elif slot.kind == "continuous":
             joint_kind = _kernels.CIRCLE
         else:
-            kind_seen = "spherical" if spherical else slot.kind
+            kind_seen = "spherical" if without_axis else slot.kind
             raise MechanismError(
                 f"{place}: joint {element.joint!r} is {kind_seen} and has no axis to act about; "
                 "use a revolute, continuous, prismatic or clearance joint"
             )
-        element.check_joint(place, slot.kind == "prismatic")
+        slides = slot.kind == "prismatic" or any(geometry.motion == "slide" for geometry in play)
+        element.check_joint(place, slides)
         words = element.words_of_kernel()
-        length = _kernels.PARAMETERS + len(words)
-        head = [element.compiled().KIND, length, joint_kind, slot.q.start, slot.v.start, x]
-        about = _kernels.ABOUTS.index(element.about)
-        turn = self.turn_x.get(element.joint, -1)
-        return np.concatenate([[*head, clearance, about, turn, element.senses, 1.0], words])
+        block = np.concatenate([np.zeros(_kernels.PARAMETERS), words])
+        head = block[: _kernels.PARAMETERS].view(_kernels.ELEMENT)
+        head["kind"], head["length"] = element.compiled().KIND, len(block)
+        head["joint"], head["play"], head["turn"] = joint_kind, clearance, self.turn_x.get(element.joint, -1)
+        head["q"], head["v"], head["x"] = slot.q.start, slot.v.start, x
+        head["about"] = _kernels.ABOUTS.index(element.about)
+        head["senses"], head["on"] = element.senses, 1.0
+        return block
 
     # --- states ---------------------------------------------------------------------------------------------
 
@@ -306,7 +315,7 @@ class System:
         Contacts with a gap of zero or less touch, as if for the first time: with the depth rate there and
         then as approach speed, at least the floor, and with the effective mass there and then.
         """
-        return Workspace(self).first_memory(y)
+        return memory_numbers(Workspace(self).first_memory(y))
 
     def acceleration(self, t: float, q: ArrayLike, v: ArrayLike, memory: ArrayLike | None = None) -> Array:
         """Return the generalized acceleration in a state, (nv,).
@@ -319,7 +328,7 @@ class System:
         """
         y = self.state(q, v)
         workspace = Workspace(self)
-        workspace.memory[:] = workspace.first_memory(y) if memory is None else np.asarray(memory, dtype=float)
+        workspace.memory[:] = workspace.first_memory(y) if memory is None else memory_records(memory)
         rates = np.zeros(self.model.nv + self.manifold.nx)
         workspace.bind(y, rates)(t)
         return rates[: self.model.nv].copy()

@@ -4,17 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.dynamics import _inspect, _kernels
 from antenna_pin.dynamics.hinge import constrained_acceleration
-from antenna_pin.geometry.shapes import TABLE_WIDTH
-from antenna_pin.joints import _kernels as _joint
-from antenna_pin.joints.clearance import PythonPath
+from antenna_pin.joints import PythonPath
+from antenna_pin.joints._kernels import unit_normal_force
+from antenna_pin.joints._layout_kernels import JOINT, JOINT_WORDS
+from antenna_pin.joints._pose_kernels import place_journal
+from antenna_pin.records import CONTACT, MEMORY, POSE, memory_records, words_of
 
 if TYPE_CHECKING:
     from antenna_pin.dynamics.system import System
@@ -33,18 +35,19 @@ class Workspace:
 
     Args:
         system: The system.
-        memory: Contact memory, (contacts, 3): [touching, approach speed, effective mass]; nothing touches if
-            not given (see :meth:`System.contact_memory`).
+        memory: Contact memory, (contacts, 3); nothing touches if not given (see
+            :meth:`System.contact_memory`).
 
     Attributes:
-        memory: The contact memory that the derivative uses; to be written to.
-        table: Contact table of the last evaluation, (rows, TABLE_WIDTH).
+        memory: The contact memory that the derivative uses, :data:`antenna_pin.records.MEMORY`, (contacts,);
+            to be written to.
+        table: Contact table of the last evaluation, :data:`antenna_pin.records.CONTACT`, (rows,).
         tau: Generalized force of the elements at the last evaluation, (nv,).
         paths: What happens in Python, of the joints of which anything does.
         program: The system's program, with the values of drives in Python of the last evaluation.
     """
 
-    def __init__(self, system: System, memory: Array | None = None) -> None:
+    def __init__(self, system: System, memory: ArrayLike | None = None) -> None:
         """Allocate everything once."""
         self.system = system
         self.model = system.model
@@ -52,21 +55,28 @@ class Workspace:
         self.data = system.model.createData()
         self.program = system.program.copy()
         nv, contacts = self.model.nv, len(system.contact_names)
-        first = nv + _joint.POSE_BUFFER
-        table = first + _joint.MEMORY_WIDTH * contacts
-        self._work = np.zeros(table + system.rows * TABLE_WIDTH)
+        first = nv + words_of(POSE)
+        table = first + words_of(MEMORY) * contacts
+        self._work = np.zeros(table + system.rows * words_of(CONTACT))
         self.tau = self._work[:nv]
-        self._pose = self._work[nv:first]
-        self.memory = self._work[first:table].reshape(contacts, _joint.MEMORY_WIDTH)
-        self.table = self._work[table:].reshape(system.rows, TABLE_WIDTH)
+        self._pose = self._work[nv:first].view(POSE)
+        self.memory = self._work[first:table].view(MEMORY)
+        self.table = self._work[table:].view(CONTACT)
         if memory is not None:
-            self.memory[:] = memory
+            self.memory[:] = memory_records(memory)
         self.paths: list[PythonPath] = []
         for joint in system.clearances:
             start = system.clearance_blocks[joint.name]
-            if self.program[start + _joint.MODE] != 0.0:
-                end = start + int(self.program[start + 1])
-                self.paths.append(PythonPath(joint, self.program[start:end], self.model.nq))
+            head = self.program[start : start + JOINT_WORDS].view(JOINT)
+            block = self.program[start : start + int(head["length"][0])]
+            path = joint.python_path(block, self.model.nq)
+            if path is not None:
+                self.paths.append(path)
+        #: Whether each drive in Python is on at present.
+        self._on = [
+            self.program[block : block + _kernels.PARAMETERS].view(_kernels.ELEMENT)["on"]
+            for block, _, _ in system.callables
+        ]
         self._accelerate: Callable[[Array, Array, Array], Array] = (
             constrained_acceleration(system.mechanism, self.data, system.hinges)
             if system.hinges
@@ -96,8 +106,8 @@ class Workspace:
         """Evaluate the elements: ``tau``, the contacts' ``table``, and x rates behind rates[nv]."""
         for path in self.paths:
             path.prepare(y, self.memory, self.table)
-        for block, slot, drive in self.system.callables:
-            if self.program[block + _kernels.ON] == 0.0:
+        for on, (block, slot, drive) in zip(self._on, self.system.callables, strict=True):
+            if on[0] == 0.0:
                 continue
             angle, rate, _, _ = _kernels.joint_motion(self.program, block, y, self.model.nq)
             self.program[slot] = drive.torque(t, angle, rate)
@@ -136,14 +146,14 @@ class Workspace:
         """Write [acceleration (nv), rate of x (nx)] at time t [s] and state y into rates."""
         self.bind(y, rates)(t)
 
-    def first_memory(self, y: Array) -> Array:
+    def first_memory(self, y: Array) -> NDArray[Any]:
         """Return the memory of a state that has none yet (see :meth:`System.contact_memory`)."""
         table = np.zeros_like(self.table)
         _inspect.contacts_in(y, self.program, self._pose, table)
         memory = np.zeros_like(self.memory)
         for c, floor in enumerate(self.system.approach_speed_floors):
-            if table[c, 0] <= ON_SURFACE:
-                memory[c] = 1.0, max(float(table[c, _joint.RATE]), floor), self.effective_mass(y, c)
+            if table[c].gap <= ON_SURFACE:
+                memory[c] = 1.0, max(float(table[c].rate), floor), self.effective_mass(y, c)
         return memory
 
     def effective_mass(self, y: Array, contact: int) -> float:
@@ -158,11 +168,11 @@ class Workspace:
             contact: Number of the contact.
         """
         nq, nv = self.model.nq, self.model.nv
-        pose, table = np.zeros(_joint.POSE_BUFFER), np.zeros_like(self.table)
+        pose, table = np.zeros(1, POSE), np.zeros_like(self.table)
         _inspect.contacts_in(y, self.program, pose, table)
         block = self.system.block_of_contact[contact]
-        _joint.journal_state(self.program, block, y, nq, pose)
+        place_journal(self.program, block, y, nq, pose)
         direction, rest = np.zeros(nv), np.zeros(nv)
-        _joint.unit_normal_force(self.program, block, pose, table, contact, direction)
+        unit_normal_force(self.program, block, pose, table, contact, direction)
         free = np.array(self._accelerate(y[:nq], rest, rest))
         return float(1.0 / (direction @ (self._accelerate(y[:nq], rest, direction) - free)))

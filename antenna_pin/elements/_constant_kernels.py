@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from antenna_pin._compile import inlined
+from antenna_pin._compile import inlined, record
 from antenna_pin.elements._ledger_kernels import write_work
-from antenna_pin.records import record, words_of
+from antenna_pin.records import layout, words_of
 
 KIND = 10
-LAYOUT = record(("value", "f8"))
+LAYOUT = layout(("value", "f8"))
 SIZE = words_of(LAYOUT)
 write_rates = write_work
 
@@ -17,4 +17,4 @@ write_rates = write_work
 @inlined
 def effort(words: Any, at: int, t: float, angle: float, rate: float) -> float:
     """Torque [N m], or force [N]."""
-    return float(words[at : at + SIZE].view(LAYOUT)[0].value)
+    return float(record(words[at : at + SIZE], LAYOUT).value)

@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin._compile import inlined
+from antenna_pin._compile import inlined, record
 from antenna_pin.elements._curve_kernels import curve
 from antenna_pin.elements._ledger_kernels import write_work
-from antenna_pin.records import record, words_of
+from antenna_pin.records import layout, words_of
 
 KIND = 14
 #: Behind it stands, if it has points, the curve through the reference's table.
-LAYOUT = record(
+LAYOUT = layout(
     ("kp", "f8"),
     ("kd", "f8"),
     ("limit", "f8"),
@@ -30,7 +30,7 @@ write_rates = write_work
 @inlined
 def reference(words: Any, at: int, t: float) -> tuple[float, float]:
     """Angle to be followed and its rate."""
-    pd = words[at : at + SIZE].view(LAYOUT)[0]
+    pd = record(words[at : at + SIZE], LAYOUT)
     omega = pd.angular_frequency
     turned = omega * t + pd.phase
     angle = pd.angle + pd.rate * t + pd.amplitude * math.sin(turned)
@@ -45,7 +45,7 @@ def reference(words: Any, at: int, t: float) -> tuple[float, float]:
 @inlined
 def demand(words: Any, at: int, t: float, angle: float, rate: float) -> float:
     """Torque that it would give without a limit [N m], or force [N]."""
-    pd = words[at : at + SIZE].view(LAYOUT)[0]
+    pd = record(words[at : at + SIZE], LAYOUT)
     wanted, wanted_rate = reference(words, at, t)
     return float(pd.kp * (wanted - angle) + pd.kd * (wanted_rate - rate))
 
@@ -53,11 +53,11 @@ def demand(words: Any, at: int, t: float, angle: float, rate: float) -> float:
 @inlined
 def effort(words: Any, at: int, t: float, angle: float, rate: float) -> float:
     """Torque [N m], or force [N]."""
-    limit = words[at : at + SIZE].view(LAYOUT)[0].limit
+    limit = record(words[at : at + SIZE], LAYOUT).limit
     return float(min(max(demand(words, at, t, angle, rate), -limit), limit))
 
 
 @inlined
 def kink(words: Any, at: int, t: float, angle: float, rate: float) -> float:
     """What the demand is beyond the limit, negative within it: the effort has a kink where this is zero."""
-    return float(abs(demand(words, at, t, angle, rate)) - words[at : at + SIZE].view(LAYOUT)[0].limit)
+    return float(abs(demand(words, at, t, angle, rate)) - record(words[at : at + SIZE], LAYOUT).limit)

@@ -5,18 +5,18 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin._compile import inlined
-from antenna_pin.records import record, words_of
+from antenna_pin._compile import inlined, record
+from antenna_pin.records import layout, words_of
 
 KIND = 20
-LAYOUT = record(("stiffness", "f8"), ("damping", "f8"), ("rest_angle", "f8"), ("shorter_way", "i8"))
+LAYOUT = layout(("stiffness", "f8"), ("damping", "f8"), ("rest_angle", "f8"), ("shorter_way", "i8"))
 SIZE = words_of(LAYOUT)
 
 
 @inlined
 def deflection(words: Any, at: int, angle: float) -> float:
     """Angle of the joint from rest; the shorter way round if the spring asks for that."""
-    spring = words[at : at + SIZE].view(LAYOUT)[0]
+    spring = record(words[at : at + SIZE], LAYOUT)
     turned = float(angle - spring.rest_angle)
     if spring.shorter_way != 0:
         return turned + 2.0 * math.pi * math.floor(0.5 - turned / (2.0 * math.pi))
@@ -26,18 +26,18 @@ def deflection(words: Any, at: int, angle: float) -> float:
 @inlined
 def effort(words: Any, at: int, t: float, angle: float, rate: float) -> float:
     """Torque [N m], or force [N]."""
-    spring = words[at : at + SIZE].view(LAYOUT)[0]
+    spring = record(words[at : at + SIZE], LAYOUT)
     return float(-spring.stiffness * deflection(words, at, angle) - spring.damping * rate)
 
 
 @inlined
 def write_rates(words: Any, at: int, rate: float, power: float, rates: Any, x: int) -> None:
     """Power that the damper takes [W]."""
-    rates[x] = words[at : at + SIZE].view(LAYOUT)[0].damping * rate * rate
+    rates[x] = record(words[at : at + SIZE], LAYOUT).damping * rate * rate
 
 
 @inlined
 def stored(words: Any, at: int, angle: float) -> float:
     """Energy stored [J]."""
     turned = deflection(words, at, angle)
-    return float(0.5 * words[at : at + SIZE].view(LAYOUT)[0].stiffness * turned * turned)
+    return float(0.5 * record(words[at : at + SIZE], LAYOUT).stiffness * turned * turned)

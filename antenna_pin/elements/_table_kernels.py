@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import Any
 
-from antenna_pin._compile import inlined
+from antenna_pin._compile import inlined, record
 from antenna_pin.elements._curve_kernels import curve
 from antenna_pin.elements._ledger_kernels import write_work
-from antenna_pin.records import record, words_of
+from antenna_pin.records import layout, words_of
 
 KIND = 12
 #: Behind it stand the points' times, and the coefficients of the cubics between them.
-LAYOUT = record(("points", "i8"))
+LAYOUT = layout(("points", "i8"))
 SIZE = words_of(LAYOUT)
 write_rates = write_work
 
@@ -19,5 +19,5 @@ write_rates = write_work
 @inlined
 def effort(words: Any, at: int, t: float, angle: float, rate: float) -> float:
     """Torque [N m], or force [N]."""
-    value, _ = curve(words, at + SIZE, words[at : at + SIZE].view(LAYOUT)[0].points, t)
+    value, _ = curve(words, at + SIZE, record(words[at : at + SIZE], LAYOUT).points, t)
     return value

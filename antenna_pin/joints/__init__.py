@@ -1,5 +1,7 @@
 """The joint-contact plugin: geometry + laws + contact memory -> the wrench on a joint with play."""
 
-from antenna_pin.joints.clearance import ClearanceJoint, JointContacts
+from antenna_pin.joints.clearance import ClearanceJoint
+from antenna_pin.joints.contacts import JointContacts
+from antenna_pin.joints.python_path import LawInRun, PythonPath
 
-__all__ = ["ClearanceJoint", "JointContacts"]
+__all__ = ["ClearanceJoint", "JointContacts", "LawInRun", "PythonPath"]

@@ -15,63 +15,26 @@ from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin._compile import record
 from antenna_pin.contact import CompiledNormalLaw, FrictionLaw, NoFriction, NormalLaw
-from antenna_pin.contact._friction_kernels import friction_force
 from antenna_pin.contact._kernels import (
     DISSIPATION_RECORDS,
     ELASTIC_RECORDS,
     NORMAL_SIZE,
-    elastic_energy,
-    elastic_force,
-    normal_force,
     takes_mass_of_contact,
 )
 from antenna_pin.contact._records import NORMAL_LAW
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.geometry import (
-    CoalPlanar,
-    CoalRevolute,
-    CoalSpherical,
-    PlanarClearance,
-    RevoluteClearance,
-    SphericalClearance,
-)
-from antenna_pin.geometry.shapes import TABLE_WIDTH
+from antenna_pin.geometry import ClearanceGeometry, Distances, RevoluteClearance
+from antenna_pin.geometry._patch_kernels import NODE
 from antenna_pin.joints import _kernels
+from antenna_pin.joints import _layout_kernels as _layout
+from antenna_pin.joints._patch_kernels import patch_energy
+from antenna_pin.joints.contacts import JointContacts
+from antenna_pin.joints.python_path import PythonPath, has_code, range_of
+from antenna_pin.records import CONTACT, MEMORY, POSE
 
-__all__ = ["ClearanceJoint", "JointContacts", "PythonPath"]
+__all__ = ["ClearanceJoint"]
 
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class JointContacts:
-    """What a clearance joint does in one state; arrays per contact are in bearing axes.
-
-    Attributes:
-        gap: (contacts,) [m].
-        normal: From the bearing into the journal, (contacts, 3).
-        point: Where the force acts, from the bearing's centre, (contacts, 3) [m]: the deepest point, but of a
-            flange that presses flat under point load.
-        rate: Penetration rate at the contact's point, (contacts,) [m/s].
-        slip: Tangential velocity of the journal over the bearing, (contacts, 3) [m/s].
-        normal_force: (contacts,) [N].
-        friction_force: On the journal, (contacts, 3) [N].
-        generalized_force: On the joint, in the child's axes, linear part first: (6,) or (3,) if planar [N, N
-            m].
-    """
-
-    gap: Array
-    normal: Array
-    point: Array
-    rate: Array
-    slip: Array
-    normal_force: Array
-    friction_force: Array
-    generalized_force: Array
-
-
-def _has_code(law: object) -> bool:
-    return hasattr(law, "code")
 
 
 def _check_kinds(joint: str, law: Any) -> None:
@@ -88,10 +51,6 @@ def _check_kinds(joint: str, law: Any) -> None:
             )
 
 
-def _range_of(law: NormalLaw) -> float:
-    return float(getattr(law, "depth_limit", math.inf))
-
-
 def _law_name(law: NormalLaw) -> str:
     parts = getattr(law, "parts", None)
     return type(law if parts is None else parts.elastic).__name__
@@ -103,11 +62,12 @@ class ClearanceJoint:
 
     Attributes:
         name: The URDF joint it stands for; made free (or planar) in the model.
-        geometry: Shape of the joint; a :class:`PlanarClearance` keeps the joint's plane and axis.
-        radial: Normal law of the contacts in the bore.
-        axial: Normal law of the contacts at the flanges; unused if planar.
+        geometry: Shape of the joint, one of ``antenna_pin.geometry``; a planar one keeps its plane and axis.
+        radial: Normal law of the contacts, in the bore where there are flanges too.
+        axial: Normal law of the contacts at the flanges, where there are any.
         friction: Friction law of all contacts.
-        backend: "coal" (distance queries) or "closed-form".
+        backend: What measures the gaps: "coal" (distance queries), "closed-form", or an object of your own
+            (:class:`antenna_pin.geometry.Distances`).
         offset: Bearing centre from the URDF joint's origin, along the joint's axis [m].
         approach_speed_floor: Least approach speed that a contact remembers [m/s].
         maximum_depth: Depth at which a run ends, because rigid bodies with contact stiffness no longer
@@ -120,11 +80,11 @@ class ClearanceJoint:
     """
 
     name: str
-    geometry: RevoluteClearance | PlanarClearance | SphericalClearance
+    geometry: ClearanceGeometry
     radial: NormalLaw
     axial: NormalLaw | None = None
     friction: FrictionLaw = field(default_factory=NoFriction)
-    backend: Literal["coal", "closed-form"] = "coal"
+    backend: Literal["coal", "closed-form"] | Distances = "coal"
     offset: float = 0.0
     approach_speed_floor: float = 1e-4
     maximum_depth: float | None = None
@@ -134,27 +94,27 @@ class ClearanceJoint:
 
     def __post_init__(self) -> None:
         """Check what the parts do not check themselves."""
-        if self.backend not in ("coal", "closed-form"):
+        if self.backend not in ("coal", "closed-form") and not hasattr(self.backend, "query"):
             raise InvalidParameterError(
-                f"joint {self.name!r}", "backend", "coal or closed-form", self.backend
+                f"joint {self.name!r}", "backend", "coal, closed-form or an object with query()", self.backend
             )
         if not 0.0 < self.approach_speed_floor < math.inf:
             raise InvalidParameterError(
                 f"joint {self.name!r}", "approach_speed_floor", "positive [m/s]", self.approach_speed_floor
             )
-        if self.axial is None and isinstance(self.geometry, RevoluteClearance):
+        if self.axial is None and any(place.kind == "axial" for place in self.geometry.contact_places):
             raise InvalidParameterError(f"joint {self.name!r}", "axial", "a normal law", None)
         for law in self.normal_laws:
-            if _has_code(law):
+            if has_code(law):
                 _check_kinds(self.name, law)
         self._check_load()
         if self.maximum_depth is None:
-            object.__setattr__(self, "maximum_depth", 0.01 * self.geometry.bearing_radius)
+            object.__setattr__(self, "maximum_depth", 0.01 * self.geometry.section_radius)
         elif not 0.0 < self.maximum_depth < math.inf:
             raise InvalidParameterError(
                 f"joint {self.name!r}", "maximum_depth", "a positive length [m]", self.maximum_depth
             )
-        if getattr(self.friction, "states", 0) and not all(_has_code(law) for law in self.normal_laws):
+        if getattr(self.friction, "states", 0) and not all(has_code(law) for law in self.normal_laws):
             raise InvalidParameterError(
                 f"joint {self.name!r}",
                 "friction",
@@ -170,7 +130,7 @@ class ClearanceJoint:
             return
         if not isinstance(self.geometry, RevoluteClearance):
             raise InvalidParameterError(
-                place, "load", "point where the joint is planar or spherical", self.load
+                place, "load", "point where the joint is not one of journal, bore and flanges", self.load
             )
         if self.strips < 2 or self.strips % 2:
             raise InvalidParameterError(place, "strips", "an even number of 2 or more", self.strips)
@@ -188,12 +148,12 @@ class ClearanceJoint:
     @property
     def planar(self) -> bool:
         """Whether the joint keeps its plane."""
-        return isinstance(self.geometry, PlanarClearance)
+        return self.geometry.planar
 
     @property
     def contact_names(self) -> tuple[str, ...]:
         """Names of the contacts, led by the joint's."""
-        return tuple(f"{self.name}.{kind}{end}" for kind, end in self.geometry.contact_places)
+        return tuple(f"{self.name}.{place.name}" for place in self.geometry.contact_places)
 
     @property
     def contacts(self) -> int:
@@ -203,15 +163,30 @@ class ClearanceJoint:
     @property
     def normal_laws(self) -> tuple[NormalLaw, ...]:
         """The normal law of each contact."""
-        if self.planar or self.axial is None:
-            return (self.radial,)
-        return (self.radial, self.radial, self.axial, self.axial)
+        kinds = (place.kind for place in self.geometry.contact_places)
+        return tuple(self.axial if kind == "axial" and self.axial else self.radial for kind in kinds)
+
+    def python_path(self, block: Array, nq: int) -> PythonPath | None:
+        """Return what of the joint happens in Python in a run, or None if nothing does.
+
+        Args:
+            block: The joint's numbers, as they stand in a system's program.
+            nq: Size of the configuration.
+        """
+        if self.compiled and self.backend == "closed-form":
+            return None
+        backend: Distances | None = None
+        if not isinstance(self.backend, str):
+            backend = self.backend
+        elif self.backend == "coal":
+            backend = self.geometry.coal(block[: _layout.JOINT_WORDS].view(_layout.JOINT)["axes"][0])
+        return PythonPath(block, nq, backend, self.normal_laws, None if self.compiled else self.friction)
 
     @property
     def depth_limits(self) -> tuple[float, ...]:
         """Depth of each contact at which a run ends [m]: the least of ``maximum_depth`` and its law's own."""
         assert self.maximum_depth is not None
-        return tuple(min(self.maximum_depth, _range_of(law)) for law in self.normal_laws)
+        return tuple(min(self.maximum_depth, range_of(law)) for law in self.normal_laws)
 
     @property
     def limit_reasons(self) -> tuple[str, ...]:
@@ -219,7 +194,7 @@ class ClearanceJoint:
         assert self.maximum_depth is not None
         return tuple(
             f"the range of {_law_name(law)} ends there"
-            if _range_of(law) < self.maximum_depth
+            if range_of(law) < self.maximum_depth
             else "maximum_depth"
             for law in self.normal_laws
         )
@@ -227,7 +202,7 @@ class ClearanceJoint:
     @property
     def compiled(self) -> bool:
         """Whether all laws run in the fused kernel; otherwise each touching contact costs a Python call."""
-        return all(_has_code(law) for law in (*self.normal_laws, self.friction))
+        return all(has_code(law) for law in (*self.normal_laws, self.friction))
 
     @property
     def stride(self) -> int:
@@ -244,7 +219,7 @@ class ClearanceJoint:
         start_x: int,
         turn: int = 0,
     ) -> Array:
-        """Return the joint as flat numbers for the fused kernel.
+        """Return the joint as flat numbers for the fused kernel (:mod:`antenna_pin.joints._layout_kernels`).
 
         Args:
             axes: Columns are the bearing frame's axes in the joint frame, (3, 3).
@@ -253,36 +228,36 @@ class ClearanceJoint:
             v: Start of its velocity in v.
             first_contact: Row of its first contact.
             start_x: Where its integrated numbers start in x.
-            turn: Where its turned angle stands in x; without meaning for a ball joint.
+            turn: Where its turned angle stands in x; without meaning for a joint that does not turn.
         """
-        size = _kernels.LAWS + self.contacts * _kernels.LAW_SIZE
+        distributed = self.load == "distributed"
+        size = _layout.JOINT_WORDS + self.contacts * _layout.CONTACT_WORDS
+        if distributed:
+            size += _layout.PATCHES_WORDS + 2 * self.sectors
         block = np.zeros(size)
-        mode = 0.0
+        head = block[: _layout.JOINT_WORDS].view(_layout.JOINT)
+        head["kind"], head["length"] = _layout.CLEARANCE, size
         if not self.compiled:
-            mode = _kernels.FORCES_GIVEN
-        elif self.backend == "coal":
-            mode = _kernels.GEOMETRY_GIVEN
-        kind = _kernels.REVOLUTE
-        if self.planar:
-            kind = _kernels.PLANAR
-        elif isinstance(self.geometry, SphericalClearance):
-            kind = _kernels.SPHERICAL
-        elif self.load == "distributed":
-            kind = _kernels.DISTRIBUTED
-            size += _kernels.SECTOR_NODES + 2 * self.sectors
-            block = np.zeros(size)
-        block[:10] = [kind, size, mode, q, v, first_contact, self.contacts, start_x, self.stride, turn]
-        block[_kernels.AXES : _kernels.AXES + 9] = np.asarray(axes, dtype=float).ravel()
-        block[_kernels.CENTRE : _kernels.CENTRE + 3] = self.offset * np.asarray(axis, dtype=float)
-        shape = self.geometry.shape()
-        block[_kernels.SHAPE : _kernels.SHAPE + len(shape)] = shape
-        if self.compiled:
-            friction: Any = self.friction
-            for k, law in enumerate(self.normal_laws):
-                start = _kernels.LAWS + k * _kernels.LAW_SIZE
+            head["mode"] = _layout.FORCES_GIVEN
+        elif self.backend != "closed-form":
+            head["mode"] = _layout.GEOMETRY_GIVEN
+        head["q"], head["v"], head["row"], head["contacts"] = q, v, first_contact, self.contacts
+        head["x"], head["stride"], head["turn"] = start_x, self.stride, turn
+        head["planar"], head["distributed"] = self.planar, distributed
+        head["slides"] = self.geometry.motion == "slide"
+        head["axes"] = np.asarray(axes, dtype=float)
+        head["centre"] = self.offset * np.asarray(axis, dtype=float)
+        for k, (candidate, law) in enumerate(
+            zip(self.geometry.candidates(axes), self.normal_laws, strict=True)
+        ):
+            start = _layout.candidate_at(0, k)
+            laws = start + len(candidate)
+            block[start:laws] = candidate
+            if self.compiled:
                 normal: Any = law
-                block[start : start + NORMAL_SIZE] = normal.code()
-                block[start + NORMAL_SIZE : start + _kernels.LAW_SIZE] = friction.code()
+                friction: Any = self.friction
+                block[laws : laws + NORMAL_SIZE] = normal.code()
+                block[laws + NORMAL_SIZE : start + _layout.CONTACT_WORDS] = friction.code()
         return block
 
     def place_strips(self, block: Array, first: int) -> int:
@@ -295,11 +270,13 @@ class ClearanceJoint:
             return 0
         outer = min(self.geometry.bearing_outer_radius, self.geometry.flange_radius)
         radius = math.sqrt(0.5 * (outer**2 + self.geometry.bearing_radius**2))
-        tail = block[_kernels.DISTRIBUTED_TAIL :]
-        tail[:4] = self.strips, self.sectors, first, radius
+        start = _layout.candidate_at(0, 4)
+        tail = block[start : start + _layout.PATCHES_WORDS].view(_layout.PATCHES)
+        tail["strips"], tail["sectors"], tail["first"] = self.strips, self.sectors, first
+        tail["radius"] = radius
         t = math.pi * ((np.arange(self.sectors) + 0.5) / self.sectors - 0.5)
-        nodes = tail[_kernels.SECTOR_NODES :]
-        nodes[::2], nodes[1::2] = np.sin(t), np.cos(t) / self.sectors
+        nodes = block[_layout.nodes_at(0) :].view(NODE)
+        nodes["sine"], nodes["share"] = np.sin(t), np.cos(t) / self.sectors
         return self.strips + 2 * self.sectors
 
     def stored_energy(self, q: ArrayLike) -> float:
@@ -312,16 +289,14 @@ class ClearanceJoint:
         nv = 3 if self.planar else 6
         y = np.concatenate([configuration, np.zeros(nv + self.contacts * self.stride)])
         block = self.block(np.eye(3), (0.0, 0.0, 1.0), 0, 0, 0, 0)
-        table = np.zeros((self.contacts + self.place_strips(block, self.contacts), TABLE_WIDTH))
-        pose = np.zeros(_kernels.POSE_BUFFER)
-        _kernels.journal_state(block, 0, y, configuration.size, pose)
-        _kernels.contact_geometry(block, 0, pose, table, 0)
+        table = np.zeros(self.contacts + self.place_strips(block, self.contacts), CONTACT)
+        _kernels.geometry_alone(block, 0, y, configuration.size, table, np.zeros(1, POSE))
         energy = 0.0
         for k, law in enumerate(self.normal_laws):
             if self.load == "distributed":
-                energy += _kernels.patch_energy(block, 0, k, table)
-            elif table[k, 0] < 0.0:
-                energy += law.elastic_energy(-float(table[k, 0]))
+                energy += patch_energy(block, 0, k, table)
+            elif table[k].gap < 0.0:
+                energy += law.elastic_energy(-float(table[k].gap))
         return energy
 
     def evaluate(
@@ -354,161 +329,36 @@ class ClearanceJoint:
         x = np.zeros(self.contacts * self.stride)
         y = np.concatenate([y, x])
         block = self.block(frame, axis, 0, 0, 0, 0)
-        rows = self.contacts + self.place_strips(block, self.contacts)
-        table = np.zeros((rows, TABLE_WIDTH))
-        memory = np.zeros((self.contacts, _kernels.MEMORY_WIDTH))
-        pose = np.zeros(_kernels.POSE_BUFFER)
-        _kernels.journal_state(block, 0, y, nq, pose)
-        _kernels.contact_geometry(block, 0, pose, table, 0)
-        inside = table[: self.contacts, 0] <= 0.0
-        memory[:, 0] = inside if touching is None else np.asarray(touching, dtype=float)
-        speed = self.approach_speed_floor if approach_speed is None else approach_speed
-        memory[:, _kernels.APPROACH] = np.maximum(np.asarray(speed, dtype=float), self.approach_speed_floor)
+        n = self.contacts
+        table = np.zeros(n + self.place_strips(block, n), CONTACT)
+        memory = np.zeros(n, MEMORY)
+        pose = np.zeros(1, POSE)
+        _kernels.geometry_alone(block, 0, y, nq, table, pose)
+        memory["touching"] = table["gap"][:n] <= 0.0 if touching is None else np.asarray(touching)
+        speed = self.approach_speed_floor if approach_speed is None else np.asarray(approach_speed)
+        memory["approach_speed"] = np.maximum(speed, self.approach_speed_floor)
         if effective_mass is not None:
-            memory[:, _kernels.MASS] = np.asarray(effective_mass, dtype=float)
+            memory["effective_mass"] = np.asarray(effective_mass, dtype=float)
         elif any(
-            isinstance(x, CompiledNormalLaw) and takes_mass_of_contact(x.code()) for x in self.normal_laws
+            isinstance(law, CompiledNormalLaw) and takes_mass_of_contact(law.code())
+            for law in self.normal_laws
         ):
             raise InvalidParameterError(
                 f"joint {self.name!r}", "effective_mass", "given [kg], for its law depends on it", None
             )
         tau = np.zeros(nv)
         rates = np.zeros(nv + x.size)
-        if block[_kernels.MODE] != 0.0:
-            PythonPath(self, block, nq).prepare(y, memory, table, everything=True)
-        _kernels.clearance_joint(block, 0, y, nq, nv, memory, table, pose, tau, rates)
-        n = self.contacts
+        path = self.python_path(block, nq)
+        if path is not None:
+            path.prepare(y, memory, table, everything=True)
+        _kernels.alone(block, y, nq, nv, memory, table, pose, tau, rates)
         return JointContacts(
-            gap=table[:n, 0].copy(),
-            normal=table[:n, 1:4].copy(),
-            point=table[:n, 4:7].copy(),
-            rate=table[:n, _kernels.RATE].copy(),
-            slip=table[:n, _kernels.SLIP : _kernels.SLIP + 3].copy(),
-            normal_force=table[:n, _kernels.FORCE].copy(),
-            friction_force=table[:n, _kernels.FRICTION : _kernels.FRICTION + 3].copy(),
+            gap=table["gap"][:n].copy(),
+            normal=table["normal"][:n].copy(),
+            point=table["point"][:n].copy(),
+            rate=table["rate"][:n].copy(),
+            slip=table["slip"][:n].copy(),
+            normal_force=table["force"][:n].copy(),
+            friction_force=table["friction"][:n].copy(),
             generalized_force=tau,
         )
-
-
-class LawInRun:
-    """A contact's normal law as a run asks it: with the contact's mass, and past its range in a trial step.
-
-    There a compiled law is continued by its kernel, and one in Python is asked at the end of its range.
-
-    Args:
-        law: The law.
-    """
-
-    __slots__ = ("_code", "_law", "_limit")
-
-    def __init__(self, law: NormalLaw) -> None:
-        """Compose a compiled law's numbers once."""
-        self._law = law
-        self._code = law.code() if isinstance(law, CompiledNormalLaw) else None
-        self._limit = _range_of(law)
-
-    def forces(self, depth: float, rate: float, approach_speed: float, mass: float) -> tuple[float, float]:
-        """Return elastic and whole normal force [N] at a positive depth."""
-        if self._code is not None:
-            force = float(normal_force(self._code, depth, rate, approach_speed, mass))
-            return float(elastic_force(self._code, depth)), force
-        within = min(depth, self._limit)
-        return self._law.elastic_force(within), max(0.0, self._law.force(within, rate, approach_speed))
-
-    def energy(self, depth: float) -> float:
-        """Return the energy stored at a positive depth [J]."""
-        if self._code is not None:
-            return float(elastic_energy(self._code, depth))
-        return self._law.elastic_energy(min(depth, self._limit))
-
-
-class PythonPath:
-    """What of a clearance joint happens outside the fused kernel: coal's queries, and laws written in Python.
-
-    Args:
-        joint: The joint.
-        block: Its flat numbers.
-        nq: Size of the configuration: where the velocities start in a state.
-    """
-
-    def __init__(self, joint: ClearanceJoint, block: Array, nq: int) -> None:
-        """Build coal's functors and the buffers once."""
-        self.joint = joint
-        #: Its laws, one for each contact.
-        self.laws = tuple(LawInRun(law) for law in joint.normal_laws)
-        self._block = block
-        self._nq = nq
-        #: Row of its first contact.
-        self.row = int(block[_kernels.FIRST_CONTACT])
-        self._pose = np.zeros(_kernels.POSE_BUFFER)
-        self._shape = joint.geometry.shape()
-        self._revolute = self._planar = self._spherical = None
-        if joint.backend == "coal":
-            if isinstance(joint.geometry, PlanarClearance):
-                self._planar = CoalPlanar(joint.geometry)
-            elif isinstance(joint.geometry, SphericalClearance):
-                self._spherical = CoalSpherical(joint.geometry)
-            else:
-                self._revolute = CoalRevolute(joint.geometry)
-
-    def prepare(self, y: Array, memory: Array, table: Array, everything: bool = False) -> None:
-        """Fill the joint's rows of the table as far as its mode says they are given.
-
-        Args:
-            y: State [q, v, x].
-            memory: Contact memory of the system.
-            table: Contact table of the system.
-            everything: Ask coal for contacts that do not touch, too; they have no force, whatever their gap.
-        """
-        row = self.row
-        if self._revolute is not None and self.joint.load == "distributed":
-            self._prepare_strips(self._revolute, y, table)
-        elif self._revolute is not None:
-            sine = _kernels.place_for_coal(
-                self._block, 0, y, self._nq, self._shape, self._pose, self._revolute.work
-            )
-            touching = None if everything else memory[row : row + 4, _kernels.TOUCHING].tolist()
-            self._revolute.query(sine, table, row, touching)
-        else:
-            _kernels.journal_state(self._block, 0, y, self._nq, self._pose)
-            if self._planar is not None:
-                self._planar.query(float(self._pose[0]), float(self._pose[1]), table, row)
-            elif self._spherical is not None:
-                self._spherical.query(self._pose[:3], table, row)
-            else:
-                _kernels.contact_geometry(self._block, 0, self._pose, table, row)
-        if not self.joint.compiled:
-            _kernels.contact_rates(self._block, 0, self._pose, table, row)
-            self._apply_laws(memory, table)
-
-    def _prepare_strips(self, backend: CoalRevolute, y: Array, table: Array) -> None:
-        _kernels.journal_state(self._block, 0, y, self._nq, self._pose)
-        tail = self._block[_kernels.DISTRIBUTED_TAIL :]
-        strips, _, first = (int(number) for number in tail[:3])
-        nodes = tail[_kernels.SECTOR_NODES :]
-        backend.query_strips(
-            self._pose, strips, nodes, float(tail[_kernels.SECTOR_RADIUS]), table, self.row, first
-        )
-
-    def _apply_laws(self, memory: Array, table: Array) -> None:
-        friction: Any = self.joint.friction
-        code = friction.code() if _has_code(friction) else None
-        for k, law in enumerate(self.laws):
-            r = self.row + k
-            table[r, _kernels.FORCE : _kernels.ELASTIC + 1] = 0.0
-            depth = -table[r, 0]
-            if memory[r, _kernels.TOUCHING] == 0.0 or depth <= 0.0:
-                continue
-            elastic, force = law.forces(depth, table[r, _kernels.RATE], *memory[r, _kernels.APPROACH :])
-            slip = table[r, _kernels.SLIP : _kernels.SLIP + 3]
-            speed = float(np.linalg.norm(slip))
-            table[r, _kernels.FORCE] = force
-            table[r, _kernels.ELASTIC] = elastic
-            if code is not None:
-                table[r, _kernels.FRICTION : _kernels.FRICTION + 3] = friction_force(
-                    code, force, *slip.tolist()
-                )
-            elif speed > 0.0:
-                table[r, _kernels.FRICTION : _kernels.FRICTION + 3] = (
-                    -friction.coefficient(speed) * force / speed * slip
-                )

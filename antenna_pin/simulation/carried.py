@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,14 +16,24 @@ from scipy.spatial.transform import Rotation
 
 from antenna_pin.contact import DISSIPATIONS, FRICTION_LAWS, NORMAL_LAWS, DampedContact
 from antenna_pin.dynamics import System
-from antenna_pin.geometry import PlanarClearance, RevoluteClearance, SphericalClearance
+from antenna_pin.geometry import (
+    PlanarClearance,
+    PrismaticClearance,
+    RevoluteClearance,
+    SphericalClearance,
+)
 from antenna_pin.joints import ClearanceJoint
 from antenna_pin.mechanism import frame_aligning_z
 from antenna_pin.readable import number
 
 __all__ = ["carried_joints", "mechanism_attributes"]
 
-_KINDS = {RevoluteClearance: "revolute", PlanarClearance: "planar", SphericalClearance: "spherical"}
+_KINDS = {
+    RevoluteClearance: "revolute",
+    PlanarClearance: "planar",
+    SphericalClearance: "spherical",
+    PrismaticClearance: "prismatic",
+}
 
 
 def mechanism_attributes(system: System) -> dict[str, str]:
@@ -120,7 +130,7 @@ def _place(system: System, joint: ClearanceJoint) -> dict[str, Any]:
         in_child, child = np.linalg.inv(urdf.placement(mounts[0].name)) @ own, mounts[0].child
     return {
         "kind": _KINDS[type(joint.geometry)],
-        "dimensions": dataclasses.asdict(joint.geometry),
+        "dimensions": dataclasses.asdict(cast(Any, joint.geometry)),
         "bearing_body": urdf.joint(joint.name).parent,
         "bearing_placement": _seven(urdf.placement(joint.name) @ own),
         "journal_body": child,

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from antenna_pin.dynamics import Workspace, _inspect
 from antenna_pin.integrate import Stepper
-from antenna_pin.joints import _kernels as _joint
+from antenna_pin.joints._layout_kernels import BRISTLES
+from antenna_pin.records import memory_numbers, memory_records
 from antenna_pin.simulation.samples import Samples
 from antenna_pin.state import OpenContact, State
 
@@ -62,7 +63,7 @@ class Episodes:
         self._open: list[Episode | None] = [None] * contacts
         self._peaks: list[tuple[float, Array, Array] | None] = [None] * contacts
         self._floors = system.approach_speed_floors
-        self._bristles = [j.stride - _joint.BRISTLE_START for j in system.clearances for _ in j.contact_names]
+        self._bristles = [j.stride - BRISTLES for j in system.clearances for _ in j.contact_names]
 
     def __len__(self) -> int:
         """How many contacts there are, touching or not."""
@@ -71,11 +72,11 @@ class Episodes:
     @property
     def pattern(self) -> bytes:
         """Which contacts touch."""
-        return self.workspace.memory[:, _joint.TOUCHING].tobytes()
+        return self.workspace.memory["touching"].tobytes()
 
     def flip(self, c: int, rate: float) -> None:
         """Let a contact touch, at a depth rate [m/s], or part."""
-        if self.workspace.memory[c, _joint.TOUCHING] != 0.0:
+        if self.workspace.memory[c].touching != 0.0:
             self.release(c)
         else:
             self.touch(c, rate)
@@ -83,10 +84,8 @@ class Episodes:
     def touch(self, c: int, rate: float) -> None:
         """Begin a contact."""
         speed = max(rate, self._floors[c])
-        self.workspace.memory[c, _joint.TOUCHING] = 1.0
         mass = self.workspace.effective_mass(self.stepper.start[: self.system.manifold.size], c)
-        self.workspace.memory[c, _joint.APPROACH] = speed
-        self.workspace.memory[c, _joint.MASS] = mass
+        self.workspace.memory[c] = 1.0, speed, mass
         episode = Episode(contact=c, onset=self.stepper.t, approach_speed=speed, effective_mass=mass)
         self.record[c] = (0.0, self.stepper.t, 0.0)
         x = self.stepper.start[self.system.model.nq + self.system.model.nv :]
@@ -96,12 +95,12 @@ class Episodes:
         self._open[c] = episode
         self.all.append(episode)
         # A new contact has new bristles.
-        first = len(self.stepper.start) - len(x) + int(self.system.impulse_x[c]) + _joint.BRISTLE_START
+        first = len(self.stepper.start) - len(x) + int(self.system.impulse_x[c]) + BRISTLES
         self.stepper.start[first : first + self._bristles[c]] = 0.0
 
     def release(self, c: int) -> None:
         """End a contact."""
-        self.workspace.memory[c] = 0.0
+        self.workspace.memory[c] = 0.0, 0.0, 0.0
         self._close(c)
         episode = self._open[c]
         if episode is not None:
@@ -148,7 +147,7 @@ class Episodes:
 
     def take_up(self, state: State) -> None:
         """Go on with the contacts that touch in a state that a run left."""
-        self.workspace.memory[:] = state.memory
+        self.workspace.memory[:] = memory_records(state.memory)
         for one in state.contacts:
             episode = Episode(
                 contact=one.contact,
@@ -162,7 +161,8 @@ class Episodes:
             self.all.append(episode)
             self.record[one.contact] = one.peak
             if one.peak_state.size:
-                self._peaks[one.contact] = (one.peak[1], one.peak_state.copy(), one.peak_memory.copy())
+                kept = memory_records(one.peak_memory)
+                self._peaks[one.contact] = (one.peak[1], one.peak_state.copy(), kept)
 
     def value(self) -> tuple[OpenContact, ...]:
         """Return the contacts that touch, as a state holds them."""
@@ -181,7 +181,7 @@ class Episodes:
                     dissipated=episode.dissipated,
                     peak=tuple(self.record[c].tolist()),
                     peak_state=np.zeros(0) if kept is None else kept[1].copy(),
-                    peak_memory=np.zeros((0, 3)) if kept is None else kept[2].copy(),
+                    peak_memory=np.zeros((0, 3)) if kept is None else memory_numbers(kept[2]),
                 )
             )
         return tuple(contacts)

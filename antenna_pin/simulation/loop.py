@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from antenna_pin.dynamics import System, Workspace
 from antenna_pin.dynamics.workspace import ON_SURFACE
 from antenna_pin.integrate import Stepper, method_named
-from antenna_pin.joints import _kernels as _joint
+from antenna_pin.records import memory_numbers
 from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.actions import Actions, Happening
 from antenna_pin.simulation.control import StepControl
@@ -100,8 +100,8 @@ class Run:
         self._search.measure(y)
         for c in range(len(self._contacts)):
             row = self._search.table[c]
-            if row[0] <= ON_SURFACE:
-                self._contacts.touch(c, max(float(row[_joint.RATE]), 0.0))
+            if row.gap <= ON_SURFACE:
+                self._contacts.touch(c, max(float(row.rate), 0.0))
         self.stepper.refresh()
         self._watch.renew()
         self.samples.add(0.0, y.copy())
@@ -158,7 +158,7 @@ class Run:
             q=y[:nq].copy(),
             v=y[nq : nq + nv].copy(),
             x=y[nq + nv :].copy(),
-            memory=self.workspace.memory.copy(),
+            memory=memory_numbers(self.workspace.memory),
             contacts=self._contacts.value(),
             step=self._next,
             sizes=tuple((pattern.hex(), size) for pattern, size in self.control.sizes.items()),
@@ -291,7 +291,7 @@ class Run:
             self._restart()
             return following
         search.measure(stepper.start)
-        contacts.flip(c, float(search.table[c, _joint.RATE]))
+        contacts.flip(c, float(search.table[c].rate))
         search.ignore[c] = 1
         self._restart()
         self.samples.add(stepper.t, self._here.copy())

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from antenna_pin.dynamics import JointMotion, System, Workspace
 from antenna_pin.errors import UnknownNameError
-from antenna_pin.joints import _kernels as _joint
+from antenna_pin.records import memory_numbers
 
 __all__ = ["Moment"]
 
@@ -81,7 +81,7 @@ class Moment:
     @property
     def memory(self) -> Array:
         """Contact memory: touching, approach speed [m/s], effective mass [kg], (contacts, 3)."""
-        return self._workspace.memory.copy()
+        return memory_numbers(self._workspace.memory)
 
     def angle(self, joint: str) -> float:
         """Return the angle of a joint, with its whole turns [rad]; of a sliding one its position [m]."""
@@ -108,29 +108,29 @@ class Moment:
 
     def gap(self, contact: str) -> float:
         """Return the distance of the surfaces at a contact, negative in contact [m]."""
-        return self._measure(contact, 0)
+        return self._measure(contact, "gap")
 
     def depth_rate(self, contact: str) -> float:
         """Return the rate of penetration at a contact, positive closing [m/s]."""
-        return self._measure(contact, _joint.RATE)
+        return self._measure(contact, "rate")
 
-    def _measure(self, contact: str, column: int) -> float:
+    def _measure(self, contact: str, field: str) -> float:
         c = self.contact_number(contact)
         if not self._measured:
             self._workspace.measure(self._y)
             self._measured = True
-        return float(self._workspace.table[c, column])
+        return float(self._workspace.table[field][c])
 
     def touching(self, contact: str) -> bool:
         """Return whether a contact touches."""
-        return bool(self._workspace.memory[self.contact_number(contact), _joint.TOUCHING])
+        return bool(self._workspace.memory["touching"][self.contact_number(contact)])
 
     def force(self, contact: str) -> float:
         """Return the normal force at a contact [N]; zero if it does not touch."""
         c = self.contact_number(contact)
-        if not self._workspace.memory[c, _joint.TOUCHING]:
+        if not self._workspace.memory[c].touching:
             return 0.0
         if not self._evaluated:
             self._workspace.apply_elements(self.time, self._y, self._rates)
             self._evaluated, self._measured = True, False
-        return max(0.0, float(self._workspace.table[c, _joint.FORCE]))
+        return max(0.0, float(self._workspace.table[c].force))

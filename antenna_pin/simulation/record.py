@@ -13,9 +13,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from antenna_pin.dynamics import Observed, System, joint_motion, observed
-from antenna_pin.joints import _kernels as _joint
+from antenna_pin.dynamics import Observed, System, joint_motion, observed, sliding_motion
 from antenna_pin.mechanism import frame_aligning_z
+from antenna_pin.records import MEMORY
 from antenna_pin.simulation.carried import mechanism_attributes
 from antenna_pin.simulation.loop import Run
 from antenna_pin.trajectory.schema import labelled
@@ -45,7 +45,7 @@ class _Seen:
     run: Run
     times: Array
     states: Array
-    memories: Array
+    memories: NDArray[Any]
     found: Observed
 
     @property
@@ -72,9 +72,10 @@ class _Seen:
         """Names and motion of the joints that turn."""
         return joint_motion(self.system, self.states, self.found.acceleration)
 
-    @property
-    def sliding(self) -> list[Any]:
-        return [slot for slot in self.system.mechanism.joints.values() if slot.kind == "prismatic"]
+    @cached_property
+    def slides(self) -> tuple[list[str], Array]:
+        """Names and motion of the joints that slide."""
+        return sliding_motion(self.system, self.states, self.found)
 
     @cached_property
     def energy_error(self) -> Array:
@@ -111,7 +112,7 @@ def dataset(run: Run, title: str, case: str, versions: dict[str, str], *, lean: 
     times = np.array(run.samples.times)
     states = np.concatenate(run.samples.states).reshape(len(times), -1)
     contacts = len(run.system.contact_names)
-    memories = np.concatenate(run.samples.memories).reshape(len(times), contacts, _joint.MEMORY_WIDTH)
+    memories = np.concatenate(run.samples.memories).astype(MEMORY).reshape(len(times), contacts)
     found = observed(run.system, times, states, memories, run.samples.programs)
     seen = _Seen(run, times, states, memories, found)
     values: dict[str, Any] = {}
@@ -147,7 +148,7 @@ def _labels(seen: _Seen) -> dict[str, Any]:
         labels["quaternion"] = ("x", "y", "z", "w")
     places = [(j.name, *place) for j in system.clearances for place in j.geometry.contact_places]
     for name, found in (
-        ("sliding_joint", [slot.name for slot in seen.sliding]),
+        ("sliding_joint", seen.slides[0]),
         ("contact", system.contact_names),
         ("contact_joint", [joint for joint, _, _ in places]),
         ("contact_kind", [kind for _, kind, _ in places]),
@@ -205,16 +206,16 @@ def _derivative(seen: _Seen) -> Values:
 
 
 def _contact(seen: _Seen) -> Values:
-    contacts, pose, wrench = seen.found.contact, seen.found.pose, seen.found.wrench
-    touching = seen.memories[:, :, _joint.TOUCHING]
+    contacts, pose = seen.found.contact, seen.found.pose
+    axis = pose["axis"]
     return {
         **{name: contacts[name] for name in contacts.dtype.names or ()},
-        "touching": touching.astype(np.int8),
-        "journal_position": pose[:, :, :3],
+        "touching": seen.memories["touching"].astype(np.int8),
+        "journal_position": pose["centre"],
         "journal_attitude": _attitudes(seen),
-        "journal_tilt": np.arctan2(np.hypot(pose[:, :, 3], pose[:, :, 4]), pose[:, :, 5]),
-        "joint_force": wrench[:, :, :3],
-        "joint_torque": wrench[:, :, 3:],
+        "journal_tilt": np.arctan2(np.hypot(axis[..., 0], axis[..., 1]), axis[..., 2]),
+        "joint_force": pose["force"],
+        "joint_torque": pose["moment"],
         "radial_scenario": seen.found.scenario[:, :, 0],
         "axial_scenario": seen.found.scenario[:, :, 1],
     }
@@ -266,15 +267,14 @@ def _audit(seen: _Seen) -> Values:
 
 def _motion(seen: _Seen) -> Values:
     turning = seen.joints[1]
-    along_q = [slot.q.start for slot in seen.sliding]
-    along_v = [slot.v.start for slot in seen.sliding]
+    sliding = seen.slides[1]
     return {
         "motion_angle": turning[:, :, 0].T,
         "motion_rate": turning[:, :, 1].T,
         "motion_acceleration": turning[:, :, 2].T,
-        "slide_position": seen.q[:, along_q],
-        "slide_rate": seen.v[:, along_v],
-        "slide_acceleration": seen.found.acceleration[:, along_v],
+        "slide_position": sliding[:, :, 0].T,
+        "slide_rate": sliding[:, :, 1].T,
+        "slide_acceleration": sliding[:, :, 2].T,
     }
 
 

@@ -16,9 +16,9 @@ from antenna_pin.assemble import build_system, initial_angles, initial_state
 from antenna_pin.dynamics import System, _inspect
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.geometry import RevoluteClearance
-from antenna_pin.geometry.shapes import TABLE_WIDTH
 from antenna_pin.interruption import interruptible
-from antenna_pin.joints import _kernels as _joint
+from antenna_pin.joints._pose_kernels import place_journal
+from antenna_pin.records import CONTACT, POSE
 from antenna_pin.scenario import Scenario
 from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.events import Event, check_events
@@ -165,31 +165,30 @@ def check_sizes(system: System, state: State) -> None:
 
 def check_start(system: System, y: np.ndarray) -> None:
     """Refuse an initial pose that the parts cannot have."""
-    table = np.zeros((system.rows, TABLE_WIDTH))
-    _inspect.contacts_in(y, system.program, np.zeros(_joint.POSE_BUFFER), table)
+    table = np.zeros(system.rows, CONTACT)
+    _inspect.contacts_in(y, system.program, np.zeros(1, POSE), table)
     for joint in system.clearances:
         if isinstance(joint.geometry, RevoluteClearance):
-            pose = np.zeros(_joint.POSE_BUFFER)
-            _joint.journal_state(
-                system.program, system.clearance_blocks[joint.name], y, system.model.nq, pose
-            )
-            if pose[5] < 0.0:
+            pose = np.zeros(1, POSE)
+            place_journal(system.program, system.clearance_blocks[joint.name], y, system.model.nq, pose)
+            axis = pose["axis"][0]
+            if axis[2] < 0.0:
                 raise InvalidParameterError(
                     "initial pose",
                     f"tilt of {joint.name}",
                     "below 90 deg; for a journal put in the other way round turn the axis in the URDF",
-                    f"{np.degrees(np.arctan2(np.hypot(*pose[3:5]), pose[5])):.6g} deg",
+                    f"{np.degrees(np.arctan2(np.hypot(*axis[:2]), axis[2])):.6g} deg",
                 )
     limits = [limit for joint in system.clearances for limit in joint.depth_limits]
     reasons = [reason for joint in system.clearances for reason in joint.limit_reasons]
     for name, row, limit, reason in zip(system.contact_names, table, limits, reasons, strict=False):
-        if not -row[0] <= limit:
+        if not -row.gap <= limit:
             rule = f"maximum_depth = {limit:g} m" if reason == "maximum_depth" else f"{limit:g} m ({reason})"
             raise InvalidParameterError(
                 "initial pose",
                 f"penetration of {name}",
                 f"at most {rule}; start with the journal inside its clearance",
-                float(f"{-row[0]:.6g}"),
+                float(f"{-row.gap:.6g}"),
             )
 
 

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.dynamics import System
-from antenna_pin.geometry import RevoluteClearance
 from antenna_pin.settings import ErrorScales
 
 __all__ = ["scale_vector"]
@@ -41,8 +40,15 @@ def scale_vector(system: System, scales: ErrorScales) -> NDArray[np.float64]:
         linear = 2 if joint.planar else 3
         position[start : start + linear] = play
         velocity[start : start + linear] = scales.clearance_velocity
-        if isinstance(joint.geometry, RevoluteClearance):
-            half = 0.5 * joint.geometry.bearing_length
+        half = joint.geometry.half_length
+        if joint.geometry.motion == "slide":
+            along = np.abs(slot.axis) > 1.0 - 1e-9
+            position[start : start + 3] = np.where(along, scales.position, play)
+            velocity[start : start + 3] = np.where(along, scales.velocity, scales.clearance_velocity)
+        if half is not None and joint.geometry.motion == "slide":
+            position[start + 3 : start + 6] = play / half
+            velocity[start + 3 : start + 6] = scales.clearance_velocity / half
+        elif half is not None:
             # About the axis the motion angle, across it the tilt; in between, for an axis askew, the
             # finer.
             about = np.abs(slot.axis) > 1.0 - 1e-9

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -11,8 +11,8 @@ from scipy.optimize import minimize_scalar
 
 from antenna_pin.dynamics import Workspace, _inspect
 from antenna_pin.integrate import Stepper
-from antenna_pin.joints import _kernels as _joint
-from antenna_pin.joints.clearance import LawInRun
+from antenna_pin.joints import LawInRun
+from antenna_pin.records import POSE
 from antenna_pin.simulation.episodes import Episodes
 
 __all__ = ["ContactSearch", "Found"]
@@ -58,13 +58,13 @@ class ContactSearch:
         self.ignore = np.zeros(contacts, dtype=np.int64)
         self.gap_difference = 0.0
         self.table = np.zeros_like(workspace.table)
-        self._pose = np.zeros(_joint.POSE_BUFFER)
+        self._pose = np.zeros(1, POSE)
         self._nodes = np.zeros((_inspect.NODE_SIZE, _inspect.NODES + 1, contacts))
         self.limits = np.array([limit for j in system.clearances for limit in j.depth_limits])
         self.reasons = [reason for j in system.clearances for reason in j.limit_reasons]
         plays = [j.geometry.radial_clearance for j in system.clearances for _ in j.contact_names]
         self.tolerances = [1e-9 * play for play in plays]
-        self.uses_coal = any(j.backend == "coal" for j in system.clearances)
+        self.uses_coal = any(j.backend != "closed-form" for j in system.clearances)
         factors = [system.mechanism.joint(j.name).joint_id - 1 for j in system.clearances]
         self._trial = _inspect.Trial(
             layout=manifold.part(factors, plain=system.bristle_x.size > 0),
@@ -82,7 +82,7 @@ class ContactSearch:
         self._python_laws = [
             (r, law)
             for path in workspace.paths
-            if not path.joint.compiled
+            if not path.compiled
             for r, law in enumerate(path.laws, path.row)
         ]
 
@@ -125,14 +125,14 @@ class ContactSearch:
         t, h = self.stepper.t, self.stepper.h
         memory, record = self.workspace.memory, self.episodes.record
         for c, law in self._python_laws:
-            if memory[c, _joint.TOUCHING] == 0.0:
+            if memory[c].touching == 0.0:
                 continue
-            onset = memory[c, _joint.APPROACH :]
+            _, *onset = memory[c].tolist()
 
-            def lack(theta: float, c: int = c, law: LawInRun = law, onset: Array = onset) -> float:
+            def lack(theta: float, c: int = c, law: LawInRun = law, onset: Sequence[float] = onset) -> float:
                 _inspect.contacts_at(theta, self._trial)
-                depth = -float(self.table[c, 0])
-                return -law.forces(depth, self.table[c, _joint.RATE], *onset)[1] if depth > 0.0 else 0.0
+                depth = -float(self.table[c].gap)
+                return -law.forces(depth, self.table[c].rate, *onset)[1] if depth > 0.0 else 0.0
 
             points = [k / _inspect.NODES for k in range(_inspect.NODES + 1)]
             values = [lack(theta) for theta in points]
@@ -159,7 +159,7 @@ class ContactSearch:
 
         def correction() -> float:
             self.measure(self.stepper.y)
-            gap, rate = float(self.table[c, 0]) - target, float(self.table[c, _joint.RATE])
+            gap, rate = float(self.table[c].gap) - target, float(self.table[c].rate)
             return 0.0 if abs(gap) <= self.tolerances[c] or rate == 0.0 else gap / rate
 
         return correction
@@ -167,7 +167,7 @@ class ContactSearch:
     def words(self, c: int) -> str:
         """Return how deep a contact is at the present state, and how deep it may be."""
         self.measure(self.stepper.start)
-        depth, limit = -float(self.table[c, 0]), self.limits[c]
+        depth, limit = -float(self.table[c].gap), self.limits[c]
         name = self.system.contact_names[c]
         return f"contact {name} ({depth:.3g} m, limit {limit:.3g} m: {self.reasons[c]})"
 
@@ -178,6 +178,6 @@ class ContactSearch:
         self.workspace.measure(self.stepper.y)
         self.measure(self.stepper.y)
         contacts = len(self.episodes)
-        difference = np.abs(self.table[:contacts, 0] - self.workspace.table[:contacts, 0]).max()
+        difference = np.abs(self.table["gap"][:contacts] - self.workspace.table["gap"][:contacts]).max()
         if difference > self.gap_difference:
             self.gap_difference = float(difference)

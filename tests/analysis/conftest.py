@@ -10,8 +10,8 @@ import pytest
 from numba import njit
 
 from antenna_pin.geometry import RevoluteClearance
-from antenna_pin.geometry._kernels import contact_scenario, revolute_contacts
-from antenna_pin.geometry.shapes import TABLE_WIDTH
+from antenna_pin.geometry._revolute_kernels import scenario_in
+from antenna_pin.records import CONTACT, POSE
 
 
 @pytest.fixture
@@ -37,12 +37,10 @@ def bai() -> Callable[..., RevoluteClearance]:
 @njit
 def _look(shape: Any, grown: Any, poses: Any, table: Any, gaps: Any, scenarios: Any) -> None:
     for k in range(len(poses)):
-        ox, oy, oz, zx, zy, zz = poses[k]
-        revolute_contacts(shape, ox, oy, oz, zx, zy, zz, table, 0)
+        scenario_in(shape, poses[k : k + 1], table)
         for i in range(4):
-            gaps[k, i] = table[i, 0]
-        revolute_contacts(grown, ox, oy, oz, zx, zy, zz, table, 0)
-        scenarios[k] = contact_scenario(grown, ox, oy, oz, zx, zy, zz, table, 0, 4)
+            gaps[k, i] = table[i].gap
+        scenarios[k] = scenario_in(grown, poses[k : k + 1], table)
 
 
 @pytest.fixture(scope="session")
@@ -52,12 +50,15 @@ def look() -> Callable[..., tuple[np.ndarray, np.ndarray]]:
     def at(
         shape: RevoluteClearance, poses: np.ndarray, tolerance: float = 0.0
     ) -> tuple[np.ndarray, np.ndarray]:
-        grown = shape.shape()
-        grown[3] += tolerance
-        grown[5] -= tolerance
+        grown = shape.dimensions()
+        grown["journal_radius"] += tolerance
+        grown["half_distance"] -= tolerance
+        records = np.zeros(len(poses), POSE)
+        records["centre"], records["axis"] = poses[:, :3], poses[:, 3:]
+        records["sine"] = np.hypot(poses[:, 3], poses[:, 4])
         gaps = np.zeros((len(poses), 4))
         scenarios = np.zeros((len(poses), 2), dtype=np.int64)
-        _look(shape.shape(), grown, poses, np.zeros((5, TABLE_WIDTH)), gaps, scenarios)
+        _look(shape.dimensions(), grown, records, np.zeros(5, CONTACT), gaps, scenarios)
         return gaps, scenarios
 
     return at

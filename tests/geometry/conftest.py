@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from antenna_pin.geometry import RevoluteClearance
+from antenna_pin.geometry import RevoluteClearance, pose_of
+from antenna_pin.geometry.base import asked
 
 ANTENNA = dict(
     bearing_radius=0.010,
@@ -162,3 +163,14 @@ def joint():
 def pose_maker():
     """Make random poses: (count, seed, tilt, across, along)."""
     return random_poses
+
+
+class Coal:
+    """A shape whose contacts coal finds."""
+
+    def __init__(self, shape):
+        self.shape = shape
+        self.backend = shape.coal(np.eye(3))
+
+    def contacts(self, p_HJ, attitude):
+        return asked(self.backend, len(self.shape.contact_places), pose_of(p_HJ, attitude))

@@ -9,12 +9,15 @@ import pytest
 import antenna_pin.geometry
 from antenna_pin.geometry import (
     ClearanceGeometry,
-    CoalPlanar,
-    CoalRevolute,
     ContactPoint,
     PlanarClearance,
     RevoluteClearance,
+    pose_of,
 )
+from antenna_pin.geometry._revolute_kernels import bore_contact, flange_contact, nearest_on_ellipse
+from antenna_pin.records import CONTACT
+
+from .conftest import Coal
 
 PLANAR = PlanarClearance(bearing_radius=0.010, journal_radius=0.0098)
 
@@ -32,12 +35,11 @@ def test_clearances_follow_from_dimensions(joint):
 
 def test_names_and_number_of_contacts(joint):
     shape = joint()
-    for geometry in (shape, CoalRevolute(shape)):
-        assert geometry.contact_places == (("radial", "+"), ("radial", "-"), ("axial", "+"), ("axial", "-"))
-        assert len(geometry.contacts([0, 0, 0], [0, 0, 1])) == 4
-    for geometry in (PLANAR, CoalPlanar(PLANAR)):
-        assert geometry.contact_places == (("radial", ""),)
-        assert len(geometry.contacts([0, 0, 0], [0, 0, 1])) == 1
+    assert shape.contact_places == (("radial", "+"), ("radial", "-"), ("axial", "+"), ("axial", "-"))
+    assert PLANAR.contact_places == (("radial", ""),)
+    for one, number in ((shape, 4), (PLANAR, 1)):
+        for geometry in (one, Coal(one)):
+            assert len(geometry.contacts([0, 0, 0], [0, 0, 1])) == number
 
 
 def test_depth_is_the_negative_part_of_the_gap():
@@ -56,7 +58,7 @@ def test_only_the_direction_of_the_axis_counts(joint):
         assert a.gap == pytest.approx(b.gap, abs=3e-17)  # round-off
 
 
-@pytest.mark.parametrize("geometry", [PLANAR, CoalPlanar(PLANAR)], ids=["closed-form", "coal"])
+@pytest.mark.parametrize("geometry", [PLANAR, Coal(PLANAR)], ids=["closed-form", "coal"])
 def test_planar_joint_is_a_circle_in_a_circle(geometry):
     rng = np.random.default_rng(5)
     for _ in range(100):
@@ -71,7 +73,7 @@ def test_planar_joint_is_a_circle_in_a_circle(geometry):
         )
 
 
-@pytest.mark.parametrize("geometry", [PLANAR, CoalPlanar(PLANAR)], ids=["closed-form", "coal"])
+@pytest.mark.parametrize("geometry", [PLANAR, Coal(PLANAR)], ids=["closed-form", "coal"])
 def test_planar_joint_at_its_centre_has_a_gap_and_some_normal(geometry):
     (contact,) = geometry.contacts([0, 0, 0], [0, 0, 1])
     assert contact.gap == pytest.approx(2e-4, abs=1e-17)  # round-off
@@ -163,44 +165,39 @@ def test_refuses_what_is_no_planar_joint(given, message):
 
 def test_refuses_what_is_no_pose(joint):
     shape = joint()
-    for geometry in (shape, CoalRevolute(shape), PLANAR, CoalPlanar(PLANAR)):
-        with pytest.raises(
-            ValueError, match="^contacts: pose must be two finite vectors of three numbers, got "
-        ):
-            geometry.contacts([0, 0], [0, 0, 1])
-        with pytest.raises(
-            ValueError, match="^contacts: pose must be two finite vectors of three numbers, got "
-        ):
-            geometry.contacts([0, 0, math.nan], [0, 0, 1])
-        with pytest.raises(ValueError, match="^contacts: axis_J_H must be a nonzero vector, got "):
+    rule = re.escape("contacts: pose must be three finite numbers, and a vector (3,) or rotation (3, 3)")
+    for geometry in (shape, Coal(shape), PLANAR, Coal(PLANAR)):
+        for centre in ([0, 0], [0, 0, math.nan]):
+            with pytest.raises(ValueError, match=f"^{rule}, got "):
+                geometry.contacts(centre, [0, 0, 1])
+        with pytest.raises(ValueError, match="^contacts: attitude must be a nonzero vector, got "):
             geometry.contacts([0, 0, 0], [0, 0, 0])
 
 
 def test_public_names_exist():
     for name in antenna_pin.geometry.__all__:
         assert getattr(antenna_pin.geometry, name) is not None
-    assert hasattr(ClearanceGeometry, "contacts")
+    assert hasattr(ClearanceGeometry, "candidates")
 
 
 def test_kernels_equal_their_python(joint, pose_maker):
     """In the last bits; poses with both local minima included."""
-    kernel = antenna_pin.geometry._kernels.nearest_on_ellipse
+    kernel = nearest_on_ellipse
     if not hasattr(kernel, "py_func"):
         pytest.skip("compilation is switched off")
-    kernels = antenna_pin.geometry._kernels
     for shape in (joint(), joint(flange_radius=0.011)):
-        flat = shape.shape()
+        flat = shape.dimensions()[0]
         for p, z in zip(*pose_maker(200, 9, 0.4, 1e-3, 1e-3), strict=True):
-            compiled, plain = np.zeros((4, 7)), np.zeros((4, 7))
-            sine = math.hypot(z[0], z[1])
+            compiled, plain = np.zeros(4, CONTACT), np.zeros(4, CONTACT)
+            pose = pose_of(p, z)[0]
             for row, side in enumerate((1.0, -1.0)):
-                kernels.bore_contact(flat, side, *p, *z, sine, compiled, row)
-                kernels.bore_contact.py_func(flat, side, *p, *z, sine, plain, row)
-                kernels.flange_contact(flat, side, *p, *z, sine, compiled, 2 + row)
-                kernels.flange_contact.py_func(flat, side, *p, *z, sine, plain, 2 + row)
-            # Round-off of angles near a second minimum; the gaps below do not feel it.
-            assert compiled == pytest.approx(plain, abs=1e-12)
-            assert compiled[:, 0] == pytest.approx(plain[:, 0], abs=1e-16)
+                bore_contact(flat, side, pose, compiled[row])
+                bore_contact.py_func(flat, side, pose, plain[row])
+                flange_contact(flat, side, pose, compiled[2 + row])
+                flange_contact.py_func(flat, side, pose, plain[2 + row])
+            # Round-off of angles near a second minimum; the gaps do not feel it.
+            for name, tolerance in (("gap", 1e-16), ("normal", 1e-12), ("point", 1e-12)):
+                assert compiled[name] == pytest.approx(plain[name], abs=tolerance)
     rng = np.random.default_rng(1)
     for major, ratio, x, y in rng.uniform([1e-3, 0.1, -2e-2, -2e-2], [1e-2, 1.0, 2e-2, 2e-2], (500, 4)):
         arguments = (major, ratio * major, x, y)

@@ -342,7 +342,10 @@ def test_names_and_sizes(joint_maker):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"backend": "bullet"}, "joint 'hinge': backend must be coal or closed-form, got 'bullet'"),
+        (
+            {"backend": "bullet"},
+            "joint 'hinge': backend must be coal, closed-form or an object with query(), got 'bullet'",
+        ),
         (
             {"approach_speed_floor": 0.0},
             "joint 'hinge': approach_speed_floor must be positive [m/s], got 0.0",

@@ -1,0 +1,56 @@
+"""Distances between parts of round section that need no axis: circle in circle, ball in socket; compiled."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from antenna_pin._compile import kernel
+from antenna_pin.records import layout
+
+#: Dimensions of a journal in a bore that keeps its plane, or of a ball in a socket [m].
+ROUND = layout(
+    ("primitive", "i8"), ("bearing_radius", "f8"), ("journal_radius", "f8"), ("unused", "f8", (6,))
+)
+
+
+@kernel
+def circle_contact(shape: Any, pose: Any, out: Any) -> None:
+    """Candidate of a circle in a circle, in the plane of the bearing."""
+    ox, oy = pose.centre[0], pose.centre[1]
+    eccentricity = math.hypot(ox, oy)
+    out.gap = shape.bearing_radius - shape.journal_radius - eccentricity
+    if eccentricity > 0.0:
+        ux = ox / eccentricity
+        uy = oy / eccentricity
+    else:
+        ux = 1.0
+        uy = 0.0
+    out.normal[0] = -ux
+    out.normal[1] = -uy
+    out.normal[2] = 0.0
+    out.point[0] = shape.bearing_radius * ux
+    out.point[1] = shape.bearing_radius * uy
+    out.point[2] = 0.0
+
+
+@kernel
+def ball_contact(shape: Any, pose: Any, out: Any) -> None:
+    """Candidate of a ball in a socket, on the line of the two centres."""
+    ox, oy, oz = pose.centre[0], pose.centre[1], pose.centre[2]
+    eccentricity = math.sqrt(ox * ox + oy * oy + oz * oz)
+    out.gap = shape.bearing_radius - shape.journal_radius - eccentricity
+    if eccentricity > 0.0:
+        ux = ox / eccentricity
+        uy = oy / eccentricity
+        uz = oz / eccentricity
+    else:
+        ux = 1.0
+        uy = 0.0
+        uz = 0.0
+    out.normal[0] = -ux
+    out.normal[1] = -uy
+    out.normal[2] = -uz
+    out.point[0] = shape.bearing_radius * ux
+    out.point[1] = shape.bearing_radius * uy
+    out.point[2] = shape.bearing_radius * uz

@@ -1,0 +1,179 @@
+"""What every shape of a joint with play says of itself, and how its distances are asked for."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any, Literal, NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from antenna_pin.errors import InvalidParameterError
+from antenna_pin.geometry import _kernels
+from antenna_pin.records import CONTACT, POSE
+
+__all__ = ["ClearanceGeometry", "ContactPlace", "ContactPoint", "Distances", "Motion"]
+
+Vector3 = NDArray[np.float64]
+Motion = Literal["turn", "slide"]
+
+
+class ContactPoint(NamedTuple):
+    """One place where journal and bearing may touch, in bearing axes."""
+
+    gap: float  # [m]; positive apart, so its zero can be located
+    normal: Vector3  # (3,), unit, the way the bearing pushes the journal
+    point: Vector3  # (3,) [m], from the bearing's centre
+
+    @property
+    def depth(self) -> float:
+        """Penetration depth [m], zero when apart."""
+        return max(-self.gap, 0.0)
+
+
+class ContactPlace(NamedTuple):
+    """Where on a joint a candidate contact is."""
+
+    kind: str  # which of the joint's laws it has, and what figures call it: radial, axial, ...
+    end: str = ""  # which of several of its kind: +, -, ...
+
+    @property
+    def name(self) -> str:
+        """Kind and end in one word."""
+        return self.kind + self.end
+
+
+class Distances(Protocol):
+    """What measures gaps in a run, in place of the compiled closed form: a backend."""
+
+    def query(
+        self, pose: NDArray[Any], table: NDArray[Any], row: int, wanted: Sequence[float] | None = None
+    ) -> None:
+        """Fill gap, normal and point of a joint's rows of a contact table.
+
+        Args:
+            pose: :data:`antenna_pin.records.POSE` of the journal, (1,).
+            table: :data:`antenna_pin.records.CONTACT`, (rows,).
+            row: The joint's first row.
+            wanted: Which of its contacts to ask for (nonzero); all if not given. The others' rows need not be
+                valid.
+        """
+
+
+class ClearanceGeometry(Protocol):
+    """Shape of a joint with play: a row of candidate contacts, and what its freedom is like.
+
+    A kind of joint with play is one class of this protocol, in a file of its own and in
+    ``geometry.SHAPES``.
+    """
+
+    @property
+    def contact_places(self) -> tuple[ContactPlace, ...]:
+        """Where its candidate contacts are, in the order of their rows."""
+
+    @property
+    def radial_clearance(self) -> float:
+        """The play that lengths in the joint are measured against [m]."""
+
+    @property
+    def section_radius(self) -> float:
+        """Size of the hollow: a hundredth of it is as deep as a run goes if nothing else is said [m]."""
+
+    @property
+    def half_length(self) -> float | None:
+        """Lever over which the play limits the tilt [m]; None if it does not."""
+
+    @property
+    def planar(self) -> bool:
+        """Whether the journal keeps its plane: three degrees of freedom, else six."""
+
+    @property
+    def motion(self) -> Motion | None:
+        """What the joint is there for: turning about the bearing's axis, sliding along it, neither."""
+
+    def candidates(self, axes: ArrayLike) -> NDArray[np.float64]:
+        """Return the records of the candidate contacts as flat numbers, (contacts, CANDIDATE).
+
+        Args:
+            axes: Columns are the bearing frame's axes in the joint frame, (3, 3).
+        """
+
+    def coal(self, axes: ArrayLike) -> Distances:
+        """Return what asks coal for the same distances; ``axes`` as of :meth:`candidates`."""
+
+
+def pose_of(p_HJ: ArrayLike, attitude: ArrayLike) -> NDArray[Any]:
+    """Return a journal's pose at rest as a record, (1,).
+
+    Args:
+        p_HJ: Journal's centre from the bearing's centre, bearing axes, (3,) [m].
+        attitude: Direction of the journal's axis in bearing axes, (3,), made unit; or its rotation R_HJ,
+            (3, 3).
+    """
+    p = np.asarray(p_HJ, dtype=float)
+    given = np.asarray(attitude, dtype=float)
+    if p.shape != (3,) or given.shape not in ((3,), (3, 3)) or not np.isfinite([*p, *given.ravel()]).all():
+        raise InvalidParameterError(
+            "contacts", "pose", "three finite numbers, and a vector (3,) or rotation (3, 3)", (p, given)
+        )
+    pose = np.zeros(1, POSE)
+    pose["centre"] = p
+    if given.ndim == 2:
+        pose["child"] = given
+        axis = given[:, 2]
+    else:
+        length = float(np.linalg.norm(given))
+        if length == 0.0:
+            raise InvalidParameterError("contacts", "attitude", "a nonzero vector", given)
+        axis = given / length
+        pose["child"] = _smallest_rotation(axis)
+    pose["axis"] = axis
+    pose["sine"] = math.sqrt(axis[0] ** 2 + axis[1] ** 2)
+    return pose
+
+
+def _smallest_rotation(axis: Vector3) -> NDArray[np.float64]:
+    """Return the rotation by the shortest way that takes the z axis to an axis."""
+    x, y, z = axis
+    if z < -1.0 + 1e-12:
+        return np.diag([1.0, -1.0, -1.0])
+    f = 1.0 / (1.0 + z)
+    return np.array([[1.0 - f * x * x, -f * x * y, x], [-f * x * y, 1.0 - f * y * y, y], [-x, -y, z]])
+
+
+def points_of_table(table: NDArray[Any]) -> tuple[ContactPoint, ...]:
+    """Return the rows of a contact table as named values."""
+    return tuple(ContactPoint(float(row["gap"]), row["normal"].copy(), row["point"].copy()) for row in table)
+
+
+def closed_form(shape: ClearanceGeometry, pose: NDArray[Any]) -> NDArray[Any]:
+    """Return the contact table of a shape in a pose (see :func:`pose_of`), (contacts,)."""
+    candidates = shape.candidates(np.eye(3)).ravel()
+    table = np.zeros(len(shape.contact_places), CONTACT)
+    fill_table(candidates, pose, table)
+    return table
+
+
+def asked(backend: Distances, contacts: int, pose: NDArray[Any]) -> tuple[ContactPoint, ...]:
+    """Return the candidate contacts that a backend finds in a pose."""
+    table = np.zeros(contacts, CONTACT)
+    backend.query(pose, table, 0)
+    return points_of_table(table)
+
+
+def fill_table(candidates: NDArray[np.float64], pose: NDArray[Any], table: NDArray[Any]) -> None:
+    """Fill gap, normal and point of all rows of a table from the flat records of their candidates."""
+    _kernels.fill(candidates, pose, table)
+
+
+def flat(layout: np.dtype[Any], *rows: tuple[Any, ...]) -> NDArray[np.float64]:
+    """Return records as rows of plain 8-byte numbers, (len(rows), words)."""
+    return np.array(list(rows), dtype=layout).view(np.float64).reshape(len(rows), -1)
+
+
+def require_lengths(shape: object, *names: str) -> None:
+    """Refuse a dimension that is not a positive length."""
+    for name in names:
+        if not 0.0 < getattr(shape, name) < math.inf:
+            raise InvalidParameterError(shape, name, "a positive length [m]")

@@ -1,0 +1,186 @@
+"""Distances between a flanged journal and its bearing by coal's own primitives.
+
+The bore is concave, so it is not one coal shape. Radial: a sphere of radius zero at a point Q(phi) of the
+bearing's end circle against a lengthened journal cylinder, and phi from d gap / d phi = 0 by Newton with
+coal's own normal. Axial: a flange's half-space against the bearing's cylinder, or a small flange's cylinder
+against the half-space of the bearing's end face. All of these pairs are closed forms inside coal; pairs that
+go through GJK would be off by up to a micrometre.
+
+Functors are built once; a query only moves a transform.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import coal
+import numpy as np
+from numpy.typing import NDArray
+
+from antenna_pin.geometry import _coal_kernels as _kernels
+from antenna_pin.geometry._patch_kernels import APART, sector_contacts, strip_contacts
+
+__all__ = ["CoalRevolute"]
+
+_MAX_QUERIES = 12
+
+
+class CoalRevolute:
+    """Distances of a revolute joint by coal.
+
+    Args:
+        dimensions: The joint's, as the kernels' record, (1,).
+    """
+
+    def __init__(self, dimensions: NDArray[Any]) -> None:
+        """Build shapes, functors and buffers once."""
+        self._shape = dimensions
+        names = ("bearing_radius", "half_length", "outer_radius", "journal_radius", "flange_radius")
+        bore, end, outer, journal, flange = (float(dimensions[name][0]) for name in names)
+        half = float(dimensions["half_distance"][0])
+        span = 40.0 * (2.0 * end + bore + 2.0 * half)
+        self._point = coal.Sphere(0.0)
+        self._journal = coal.Cylinder(journal, span)
+        self._bearing = coal.Cylinder(outer, 2.0 * end)
+        self._covers = flange >= outer
+        self._to_disc = half + end  # from the journal's centre to that of a small flange's disc
+        # A half-space is {x : n.x <= d}.
+        axis = np.array([0.0, 0.0, 1.0])
+        # The flanges' inner faces in the journal frame, also for points of the bearing's end faces.
+        self._faces = (coal.Halfspace(-axis, -half), coal.Halfspace(axis, -half))
+        if self._covers:
+            self._axial = tuple(coal.ComputeDistance(self._bearing, face) for face in self._faces)
+        else:
+            # Small flanges as discs behind their inner faces; the bearing's end faces as half-spaces in H.
+            self._disc = coal.Cylinder(flange, 2.0 * end)
+            self._planes = (coal.Halfspace(axis, end), coal.Halfspace(-axis, end))
+            self._axial = tuple(coal.ComputeDistance(self._disc, p) for p in self._planes)
+        self._radial = coal.ComputeDistance(self._point, self._journal)
+        self._sector_functors = tuple(coal.ComputeDistance(self._point, f) for f in self._faces)
+        self._request = coal.DistanceRequest()
+        self._result = coal.DistanceResult()
+        self._identity = coal.Transform3s()
+        self._at_point = coal.Transform3s()
+        self._at_bearing = coal.Transform3s()
+        self._frame = np.zeros(1, _kernels.FRAME)
+        self._rotation: NDArray[np.float64] = self._frame["rotation"][0]
+        self._origin: NDArray[np.float64] = self._frame["origin"][0]
+        self._ends = np.zeros(2, _kernels.END)
+        self._asked = tuple(self._ends["in_journal"])
+        self._inside = self._ends["inside"]
+        self._answers = np.zeros(2, _kernels.FLANGE_ANSWER)
+        self._gaps = self._answers["gap"]
+        self._normals = self._answers["normal"]
+        self._points = self._answers["point"]
+
+    def query(
+        self, pose: NDArray[Any], table: NDArray[Any], row: int, wanted: Sequence[float] | None = None
+    ) -> None:
+        """Fill the four rows (see :class:`antenna_pin.geometry.Distances`)."""
+        _kernels.coal_place(self._shape, pose, self._frame, self._ends)
+        result = self._result
+        request = self._request
+        identity = self._identity
+        gaps = self._gaps
+        normals = self._normals
+        for k in range(2):
+            if (wanted is None or wanted[k]) and self._inside[k]:
+                self._search(1.0 - 2.0 * k, k)
+        if self._covers:
+            self._at_bearing.setTransform(self._rotation, self._origin)
+            for k, functor in enumerate(self._axial):
+                if wanted is not None and not wanted[2 + k]:
+                    continue
+                result.clear()
+                gaps[k] = functor(self._at_bearing, identity, request, result)
+                # coal's normal runs from the bearing to the flange's half-space: that is into the journal.
+                normals[k] = result.normal
+                self._points[k] = result.getNearestPoint1()
+        else:
+            self._query_small_flanges(wanted)
+        _kernels.coal_collect(self._shape, pose, self._frame, self._ends, self._answers, table, row)
+
+    def _search(self, side: float, k: int) -> None:
+        """Find the deepest point of the circle at ``side`` times half the length, from where ends[k] is."""
+        point = self._asked[k]
+        for _ in range(_MAX_QUERIES):
+            self._at_point.setTranslation(point)
+            self._result.clear()
+            gap = self._radial(self._at_point, self._identity, self._request, self._result)
+            normal = self._result.normal
+            if _kernels.coal_turn(self._shape, side, self._frame, self._ends, k, normal, gap):
+                break
+
+    def query_patches(
+        self,
+        pose: NDArray[Any],
+        strips: int,
+        nodes: NDArray[Any],
+        radius: float,
+        table: NDArray[Any],
+        row: int,
+        first: int,
+    ) -> None:
+        """Fill the strips of the bore and the sectors of the flanges, and the four patches' rows.
+
+        The strips are those that the closed form loads and their neighbours on the surface, the sectors those
+        of flanges that press; each is asked of coal.
+
+        Args:
+            pose: :data:`antenna_pin.records.POSE` of the journal, (1,).
+            strips: Number of strips.
+            nodes: Of the sectors (NODE, sectors).
+            radius: Of the sectors' circle [m].
+            table: Contact table.
+            row: Row of the first patch.
+            first: Row of the first strip.
+        """
+        shape = self._shape
+        _kernels.coal_place(shape, pose, self._frame, self._ends)
+        strip_contacts(shape[0], strips, pose[0], table, row, first)
+        for k in range(strips):
+            if table["gap"][first + k] == APART:
+                continue
+            side = (2.0 * k + 1.0) / strips - 1.0
+            _kernels.coal_start(shape, side, pose, self._frame, self._ends, 0)
+            if not self._inside[0]:
+                continue
+            self._search(side, 0)
+            table["gap"][first + k] = self._ends["gap"][0]
+            table["normal"][first + k] = self._ends["normal"][0]
+            table["point"][first + k] = self._ends["in_bearing"][0]
+        half = strips // 2
+        for patch, begin in enumerate((first + half, first)):
+            least = begin + int(np.argmin(table["gap"][begin : begin + half]))
+            for name in ("gap", "normal", "point"):
+                table[name][row + patch] = table[name][least]
+        sector_contacts(shape[0], nodes, radius, pose[0], table, row + 2, first + strips)
+        count = len(nodes)
+        rotation, origin = self._rotation, self._origin
+        for patch, functor in enumerate(self._sector_functors):
+            begin = first + strips + patch * count
+            for r in (row + 2 + patch, *range(begin, begin + count)):
+                if table["gap"][r] == APART:
+                    continue
+                self._at_point.setTranslation(rotation @ table["point"][r] + origin)
+                self._result.clear()
+                table["gap"][r] = functor(self._at_point, self._identity, self._request, self._result)
+                table["normal"][r] = rotation.T @ self._result.normal
+
+    def _query_small_flanges(self, wanted: Sequence[float] | None) -> None:
+        # Solid discs behind each flange face, asked against the half-spaces inside the bearing's end faces.
+        # Both are asked in H, where the half-spaces stand, and the answers carried to J.
+        rotation = self._rotation  # of H in J
+        centre = -rotation.T @ self._origin  # journal centre in H
+        axis = rotation[2]
+        for k, (functor, side) in enumerate(zip(self._axial, (1.0, -1.0), strict=True)):
+            if wanted is not None and not wanted[2 + k]:
+                continue
+            self._at_bearing.setTransform(
+                np.ascontiguousarray(rotation.T), centre + side * self._to_disc * axis
+            )
+            self._result.clear()
+            self._gaps[k] = functor(self._at_bearing, self._identity, self._request, self._result)
+            self._normals[k] = -(rotation @ self._result.normal)
+            self._points[k] = rotation @ self._result.getNearestPoint1() + self._origin

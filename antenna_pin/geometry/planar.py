@@ -1,0 +1,78 @@
+"""A journal in a bore that keeps its plane."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from antenna_pin.errors import InvalidParameterError
+from antenna_pin.geometry import _kernels
+from antenna_pin.geometry._round_kernels import ROUND
+from antenna_pin.geometry.base import (
+    ContactPlace,
+    ContactPoint,
+    Motion,
+    closed_form,
+    flat,
+    points_of_table,
+    pose_of,
+    require_lengths,
+)
+from antenna_pin.geometry.coal_round import CoalPlanar
+
+__all__ = ["PlanarClearance"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PlanarClearance:
+    """A journal in a bore that keeps its plane: radial play only, one candidate contact.
+
+    Attributes:
+        bearing_radius: R_i [m].
+        journal_radius: R_j, below R_i [m].
+    """
+
+    planar: ClassVar[bool] = True
+    motion: ClassVar[Motion | None] = "turn"
+    half_length: ClassVar[float | None] = None
+
+    bearing_radius: float
+    journal_radius: float
+
+    def __post_init__(self) -> None:
+        """Check the dimensions."""
+        require_lengths(self, "bearing_radius", "journal_radius")
+        if not self.journal_radius < self.bearing_radius:
+            raise InvalidParameterError(
+                self, "journal_radius", f"below bearing_radius = {self.bearing_radius:g} m"
+            )
+
+    @property
+    def section_radius(self) -> float:
+        """R_i, the size of the hollow [m]."""
+        return self.bearing_radius
+
+    @property
+    def radial_clearance(self) -> float:
+        """C_r [m]."""
+        return self.bearing_radius - self.journal_radius
+
+    @property
+    def contact_places(self) -> tuple[ContactPlace, ...]:
+        """The one candidate contact."""
+        return (ContactPlace("radial"),)
+
+    def candidates(self, axes: ArrayLike) -> NDArray[np.float64]:
+        """Return the record of the candidate contact as flat numbers, (1, CANDIDATE)."""
+        return flat(ROUND, (_kernels.CIRCLE, self.bearing_radius, self.journal_radius, (0.0,) * 6))
+
+    def coal(self, axes: ArrayLike) -> CoalPlanar:
+        """Return what asks coal for the same distance."""
+        return CoalPlanar(self.bearing_radius, self.journal_radius)
+
+    def contacts(self, p_HJ: ArrayLike, attitude: ArrayLike = (0.0, 0.0, 1.0)) -> tuple[ContactPoint, ...]:
+        """Return the one candidate contact; the attitude does not matter."""
+        return points_of_table(closed_form(self, pose_of(p_HJ, attitude)))

@@ -1,0 +1,136 @@
+"""A rectangular slider in a rectangular guide."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from antenna_pin.errors import InvalidParameterError
+from antenna_pin.geometry import _kernels
+from antenna_pin.geometry._corner_kernels import CORNER
+from antenna_pin.geometry.base import (
+    ContactPlace,
+    ContactPoint,
+    Motion,
+    closed_form,
+    flat,
+    points_of_table,
+    pose_of,
+    require_lengths,
+)
+from antenna_pin.geometry.coal_prismatic import CoalPrismatic
+
+__all__ = ["PrismaticClearance"]
+
+_SIGNS = ((1.0, "+"), (-1.0, "-"))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PrismaticClearance:
+    r"""A rectangular slider with rounded edges in a rectangular guide: a prismatic joint with play.
+
+    The slider may touch each of the guide's four walls with the four corners of its own on that side: sixteen
+    candidates, of which one is a tilt's edge contact, two a line along or across the wall, four a surface.
+    Candidate ``wall+x+y-z`` is the wall at +x and there the corner at +y, -z. The gap between a corner and a
+    wall is exact at any tilt and roll; the guide is taken to be longer than the slider's way.
+
+    Attributes:
+        guide_width: Of the hollow, along the section's x [m].
+        guide_height: Along the section's y [m].
+        slider_width: Below the guide's [m].
+        slider_height: Below the guide's [m].
+        slider_length: Along the axis [m].
+        corner_radius: Of the rounding of the slider's edges, 0 or more, below half of each of its sides [m].
+        roll: Of the section about the axis, from the x axis of the bearing frame [rad].
+
+    References:
+        Flores, Leine and Glocker (2010), Multibody Syst. Dyn. 23, 165-190 (recalled): planar, with sharp
+        corners; this is its extension to three dimensions.
+    """
+
+    planar: ClassVar[bool] = False
+    motion: ClassVar[Motion] = "slide"
+
+    guide_width: float
+    guide_height: float
+    slider_width: float
+    slider_height: float
+    slider_length: float
+    corner_radius: float = 0.0
+    roll: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Check the dimensions."""
+        require_lengths(self, "guide_width", "guide_height", "slider_width", "slider_height", "slider_length")
+        for side in ("width", "height"):
+            guide = getattr(self, f"guide_{side}")
+            if not getattr(self, f"slider_{side}") < guide:
+                raise InvalidParameterError(self, f"slider_{side}", f"below guide_{side} = {guide:g} m")
+        half = 0.5 * min(self.slider_width, self.slider_height, self.slider_length)
+        if not 0.0 <= self.corner_radius < half:
+            raise InvalidParameterError(
+                self, "corner_radius", f"zero or more, and below half of each side, {half:g} m"
+            )
+        if not math.isfinite(self.roll):
+            raise InvalidParameterError(self, "roll", "finite [rad]")
+
+    @property
+    def radial_clearance(self) -> float:
+        """The lesser of the plays to each side [m]."""
+        return 0.5 * min(self.guide_width - self.slider_width, self.guide_height - self.slider_height)
+
+    @property
+    def section_radius(self) -> float:
+        """Half the lesser side of the guide [m]."""
+        return 0.5 * min(self.guide_width, self.guide_height)
+
+    @property
+    def half_length(self) -> float:
+        """Half the slider's length [m]."""
+        return 0.5 * self.slider_length
+
+    @property
+    def contact_places(self) -> tuple[ContactPlace, ...]:
+        """The corners on each wall."""
+        return tuple(ContactPlace("wall", end) for end, *_ in self._corners())
+
+    def _corners(self) -> list[tuple[str, NDArray[np.float64], NDArray[np.float64], float]]:
+        """Return name, corner, inward normal and distance of the wall of all candidates, without roll."""
+        half = 0.5 * np.array([self.slider_width, self.slider_height, self.slider_length])
+        guide = 0.5 * np.array([self.guide_width, self.guide_height])
+        found = []
+        for axis, other in ((0, 1), (1, 0)):
+            for (wall, w), (across, a), (along, z) in itertools.product(_SIGNS, _SIGNS, _SIGNS):
+                signs = np.zeros(3)
+                signs[axis], signs[other], signs[2] = wall, across, along
+                normal = np.zeros(3)
+                normal[axis] = -wall
+                end = f"{w}{'xy'[axis]}{a}{'xy'[other]}{z}z"
+                found.append((end, signs * (half - self.corner_radius), normal, float(guide[axis])))
+        return found
+
+    def candidates(self, axes: ArrayLike) -> NDArray[np.float64]:
+        """Return the records of the candidate contacts as flat numbers, (16, CANDIDATE)."""
+        in_child = np.asarray(axes, dtype=float)
+        c, s = math.cos(self.roll), math.sin(self.roll)
+        turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+        return flat(
+            CORNER,
+            *(
+                (_kernels.CORNER_ON_WALL, in_child @ turn @ corner, turn @ wall, distance, self.corner_radius)
+                for _, corner, wall, distance in self._corners()
+            ),
+        )
+
+    def coal(self, axes: ArrayLike) -> CoalPrismatic:
+        """Return what asks coal for the same distances."""
+        return CoalPrismatic(self.candidates(axes))
+
+    def contacts(self, p_HJ: ArrayLike, attitude: ArrayLike) -> tuple[ContactPoint, ...]:
+        """Return the candidate contacts of a pose (:func:`antenna_pin.geometry.pose_of`)."""
+        return points_of_table(closed_form(self, pose_of(p_HJ, attitude)))

@@ -1,0 +1,195 @@
+"""A journal with two flanges in a bearing."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from antenna_pin.errors import InvalidParameterError
+from antenna_pin.geometry import _kernels, _revolute_kernels
+from antenna_pin.geometry._revolute_kernels import REVOLUTE, scenario_in
+from antenna_pin.geometry.base import (
+    ContactPlace,
+    ContactPoint,
+    Motion,
+    closed_form,
+    flat,
+    points_of_table,
+    pose_of,
+    require_lengths,
+)
+from antenna_pin.geometry.coal_revolute import CoalRevolute
+from antenna_pin.records import CONTACT
+
+__all__ = ["AxialScenario", "RadialScenario", "RevoluteClearance"]
+
+
+class RadialScenario(IntEnum):
+    """How the journal touches the bore."""
+
+    NONE = _revolute_kernels.NONE
+    ONE_POINT = _revolute_kernels.ONE_POINT
+    TWO_POINTS = _revolute_kernels.TWO_POINTS
+    LINE = _revolute_kernels.EXTENDED
+
+
+class AxialScenario(IntEnum):
+    """How the flanges touch the bearing's end faces."""
+
+    NONE = _revolute_kernels.NONE
+    ONE_POINT = _revolute_kernels.ONE_POINT
+    TWO_POINTS = _revolute_kernels.TWO_POINTS
+    SURFACE = _revolute_kernels.EXTENDED
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RevoluteClearance:
+    r"""A journal with two flanges in a bearing, with radial and axial play.
+
+    Radial contact is sought on the bearing's two end circles, axial contact on the outer edges of its end
+    faces (or on the rims of smaller flanges). Candidates, in this order: bore at the +z end, bore at the -z
+    end, flange at the +z end, flange at the -z end.
+
+    .. math:: C_r = R_i - R_j, \qquad C_a = (L_j - L_i) / 2
+
+    The smaller of the two edges counts: the bearing's outer edge against the plane of a flange that covers
+    it, else the flange's rim against the plane of the end face. Where the radii differ by less than the
+    radial play the edge point may overhang the opposite face by up to the eccentricity; it is kept, at an
+    error in depth of at most eccentricity times tilt, because force and energy stay continuous that way.
+
+    Attributes:
+        bearing_radius: R_i, of the bore [m].
+        journal_radius: R_j, below R_i [m].
+        bearing_length: L_i [m].
+        flange_distance: L_j, between the flanges' inner faces, at least L_i [m].
+        bearing_outer_radius: R_io, above R_i [m].
+        flange_radius: R_f, above R_i [m].
+
+    References:
+        Bai and Zhao (2020), equations (2)-(8); the gaps here are the exact minima, which their (3)
+        approximates.
+    """
+
+    planar: ClassVar[bool] = False
+    motion: ClassVar[Motion] = "turn"
+
+    bearing_radius: float
+    journal_radius: float
+    bearing_length: float
+    flange_distance: float
+    bearing_outer_radius: float
+    flange_radius: float
+
+    def __post_init__(self) -> None:
+        """Check the dimensions."""
+        require_lengths(self, "bearing_radius", "journal_radius", "bearing_length", "flange_distance")
+        require_lengths(self, "bearing_outer_radius", "flange_radius")
+        if not self.journal_radius < self.bearing_radius:
+            raise InvalidParameterError(
+                self, "journal_radius", f"below bearing_radius = {self.bearing_radius:g} m"
+            )
+        # A difference of round-off size is an axial clearance of zero.
+        if not self.flange_distance >= self.bearing_length * (1.0 - 1e-12):
+            raise InvalidParameterError(
+                self, "flange_distance", f"at least bearing_length = {self.bearing_length:g} m"
+            )
+        for name in ("bearing_outer_radius", "flange_radius"):
+            if not getattr(self, name) > self.bearing_radius:
+                raise InvalidParameterError(self, name, f"above bearing_radius = {self.bearing_radius:g} m")
+
+    @classmethod
+    def from_clearances(
+        cls,
+        *,
+        bearing_radius: float,
+        radial_clearance: float,
+        bearing_length: float,
+        axial_clearance: float,
+        bearing_outer_radius: float,
+        flange_radius: float,
+    ) -> RevoluteClearance:
+        """Return the shape with journal radius R_i - C_r and flange distance L_i + 2 C_a (all [m])."""
+        return cls(
+            bearing_radius=bearing_radius,
+            journal_radius=bearing_radius - radial_clearance,
+            bearing_length=bearing_length,
+            flange_distance=bearing_length + 2.0 * axial_clearance,
+            bearing_outer_radius=bearing_outer_radius,
+            flange_radius=flange_radius,
+        )
+
+    @property
+    def section_radius(self) -> float:
+        """R_i, the size of the hollow [m]."""
+        return self.bearing_radius
+
+    @property
+    def radial_clearance(self) -> float:
+        """C_r [m]."""
+        return self.bearing_radius - self.journal_radius
+
+    @property
+    def axial_clearance(self) -> float:
+        """C_a [m]."""
+        return 0.5 * (self.flange_distance - self.bearing_length)
+
+    @property
+    def half_length(self) -> float:
+        """Half the bearing's length [m]."""
+        return 0.5 * self.bearing_length
+
+    @property
+    def contact_places(self) -> tuple[ContactPlace, ...]:
+        """Bore and flange at both ends."""
+        return tuple(ContactPlace(kind, end) for kind in ("radial", "axial") for end in "+-")
+
+    def candidates(self, axes: ArrayLike) -> NDArray[np.float64]:
+        """Return the records of the candidate contacts as flat numbers, (4, CANDIDATE)."""
+        return flat(
+            REVOLUTE, *(self._record(p, s) for p in (_kernels.BORE, _kernels.FLANGE) for s in (1.0, -1.0))
+        )
+
+    def dimensions(self) -> NDArray[Any]:
+        """Return the dimensions as the kernels' record, (1,)."""
+        return np.array([self._record(_kernels.BORE, 1.0)], dtype=REVOLUTE)
+
+    def _record(self, primitive: int, side: float) -> tuple[float, ...]:
+        return (
+            primitive,
+            side,
+            self.bearing_radius,
+            0.5 * self.bearing_length,
+            self.bearing_outer_radius,
+            self.journal_radius,
+            self.flange_radius,
+            0.5 * self.flange_distance,
+            0.0,
+        )
+
+    def coal(self, axes: ArrayLike) -> CoalRevolute:
+        """Return what asks coal for the same distances."""
+        return CoalRevolute(self.dimensions())
+
+    def contacts(self, p_HJ: ArrayLike, attitude: ArrayLike) -> tuple[ContactPoint, ...]:
+        """Return the four candidate contacts of a pose (:func:`antenna_pin.geometry.pose_of`)."""
+        return points_of_table(closed_form(self, pose_of(p_HJ, attitude)))
+
+    def scenario(self, p_HJ: ArrayLike, attitude: ArrayLike) -> tuple[RadialScenario, AxialScenario]:
+        """Return the contact scenario of a pose (:func:`antenna_pin.geometry.pose_of`)."""
+        radial, axial = revolute_scenario(self.dimensions(), pose_of(p_HJ, attitude))
+        return RadialScenario(radial), AxialScenario(axial)
+
+
+def revolute_scenario(dimensions: NDArray[Any], pose: NDArray[Any]) -> tuple[int, int]:
+    """Return the contact scenario of a pose, of bore and flanges.
+
+    Args:
+        dimensions: REVOLUTE, (1,); a journal longer or thicker than can be built is allowed.
+        pose: POSE, (1,).
+    """
+    radial, axial = scenario_in(dimensions, pose, np.zeros(5, CONTACT))
+    return int(radial), int(axial)

@@ -1,0 +1,93 @@
+"""A ball in a socket."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from antenna_pin.errors import InvalidParameterError
+from antenna_pin.geometry import _kernels
+from antenna_pin.geometry._round_kernels import ROUND
+from antenna_pin.geometry.base import (
+    ContactPlace,
+    ContactPoint,
+    Motion,
+    closed_form,
+    flat,
+    points_of_table,
+    pose_of,
+    require_lengths,
+)
+from antenna_pin.geometry.coal_round import CoalSpherical
+
+__all__ = ["SphericalClearance"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SphericalClearance:
+    """A ball in a socket with play: one candidate contact, on the line of the two centres.
+
+    The socket is taken as a whole sphere: it holds the ball in every direction.
+
+    Attributes:
+        socket_radius: Of the hollow sphere, on the parent [m].
+        ball_radius: Below the socket's, on the child [m].
+
+    References:
+        Chen and Cui (2021), equations (6)-(9).
+    """
+
+    planar: ClassVar[bool] = False
+    motion: ClassVar[Motion | None] = None
+    half_length: ClassVar[float | None] = None
+
+    socket_radius: float
+    ball_radius: float
+
+    def __post_init__(self) -> None:
+        """Check the dimensions."""
+        require_lengths(self, "socket_radius", "ball_radius")
+        if not self.ball_radius < self.socket_radius:
+            raise InvalidParameterError(
+                self, "ball_radius", f"below socket_radius = {self.socket_radius:g} m"
+            )
+
+    @property
+    def bearing_radius(self) -> float:
+        """The hollow part's radius, by the name that all joints share [m]."""
+        return self.socket_radius
+
+    @property
+    def journal_radius(self) -> float:
+        """The inner part's radius, by the name that all joints share [m]."""
+        return self.ball_radius
+
+    @property
+    def section_radius(self) -> float:
+        """R_i, the size of the hollow [m]."""
+        return self.bearing_radius
+
+    @property
+    def radial_clearance(self) -> float:
+        """Socket radius minus ball radius [m]."""
+        return self.socket_radius - self.ball_radius
+
+    @property
+    def contact_places(self) -> tuple[ContactPlace, ...]:
+        """The one candidate contact."""
+        return (ContactPlace("spherical"),)
+
+    def candidates(self, axes: ArrayLike) -> NDArray[np.float64]:
+        """Return the record of the candidate contact as flat numbers, (1, CANDIDATE)."""
+        return flat(ROUND, (_kernels.BALL, self.bearing_radius, self.journal_radius, (0.0,) * 6))
+
+    def coal(self, axes: ArrayLike) -> CoalSpherical:
+        """Return what asks coal for the same distance."""
+        return CoalSpherical(self.bearing_radius, self.journal_radius)
+
+    def contacts(self, p_HJ: ArrayLike, attitude: ArrayLike = (0.0, 0.0, 1.0)) -> tuple[ContactPoint, ...]:
+        """Return the one candidate contact; the attitude does not matter."""
+        return points_of_table(closed_form(self, pose_of(p_HJ, attitude)))

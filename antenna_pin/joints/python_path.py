@@ -1,0 +1,152 @@
+"""What of a joint with play happens in Python in a run: a backend's distances, and laws written in Python."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from antenna_pin.contact import CompiledNormalLaw, FrictionLaw, NormalLaw
+from antenna_pin.contact._friction_kernels import friction_force
+from antenna_pin.contact._kernels import elastic_energy, elastic_force, normal_force
+from antenna_pin.geometry import Distances
+from antenna_pin.geometry._patch_kernels import NODE
+from antenna_pin.geometry.coal_revolute import CoalRevolute
+from antenna_pin.joints import _kernels
+from antenna_pin.joints._layout_kernels import JOINT, JOINT_WORDS, nodes_at, patches_at
+from antenna_pin.joints._pose_kernels import place_journal
+from antenna_pin.records import POSE
+
+__all__ = ["LawInRun", "PythonPath", "has_code", "range_of"]
+
+Array = NDArray[np.float64]
+
+
+def has_code(law: object) -> bool:
+    """Whether a law runs compiled."""
+    return hasattr(law, "code")
+
+
+def range_of(law: NormalLaw) -> float:
+    """Return the depth up to which a law is asked [m]."""
+    return float(getattr(law, "depth_limit", math.inf))
+
+
+class LawInRun:
+    """A contact's normal law as a run asks it: with the contact's mass, and past its range in a trial step.
+
+    There a compiled law is continued by its kernel, and one in Python is asked at the end of its range.
+
+    Args:
+        law: The law.
+    """
+
+    __slots__ = ("_code", "_law", "_limit")
+
+    def __init__(self, law: NormalLaw) -> None:
+        """Compose a compiled law's numbers once."""
+        self._law = law
+        self._code = law.code() if isinstance(law, CompiledNormalLaw) else None
+        self._limit = range_of(law)
+
+    def forces(self, depth: float, rate: float, approach_speed: float, mass: float) -> tuple[float, float]:
+        """Return elastic and whole normal force [N] at a positive depth."""
+        if self._code is not None:
+            force = float(normal_force(self._code, depth, rate, approach_speed, mass))
+            return float(elastic_force(self._code, depth)), force
+        within = min(depth, self._limit)
+        return self._law.elastic_force(within), max(0.0, self._law.force(within, rate, approach_speed))
+
+    def energy(self, depth: float) -> float:
+        """Return the energy stored at a positive depth [J]."""
+        if self._code is not None:
+            return float(elastic_energy(self._code, depth))
+        return self._law.elastic_energy(min(depth, self._limit))
+
+
+class PythonPath:
+    """What of a clearance joint happens outside the fused kernel: a backend's queries, and laws in Python.
+
+    Args:
+        block: The joint's numbers.
+        nq: Size of the configuration: where the velocities start in a state.
+        distances: What measures its gaps; None for the compiled closed form.
+        laws: Its normal laws, one for each contact.
+        friction: Its friction law if laws are asked in Python, None if all are compiled.
+    """
+
+    def __init__(
+        self,
+        block: Array,
+        nq: int,
+        distances: Distances | None,
+        laws: Sequence[NormalLaw],
+        friction: FrictionLaw | None,
+    ) -> None:
+        """Build the buffers once."""
+        #: Whether all its laws are compiled.
+        self.compiled = friction is None
+        #: Its laws, one for each contact.
+        self.laws = tuple(LawInRun(law) for law in laws)
+        self._friction: Any = friction
+        self._block = block
+        self._nq = nq
+        head = block[:JOINT_WORDS].view(JOINT)
+        #: Row of its first contact.
+        self.row = int(head["row"][0])
+        self._distributed = bool(head["distributed"][0])
+        self._pose = np.zeros(1, POSE)
+        self._distances = distances
+
+    def prepare(self, y: Array, memory: NDArray[Any], table: NDArray[Any], everything: bool = False) -> None:
+        """Fill the joint's rows of the table as far as its mode says they are given.
+
+        Args:
+            y: State [q, v, x].
+            memory: Contact memory of the system, :data:`antenna_pin.records.MEMORY`.
+            table: Contact table of the system, :data:`antenna_pin.records.CONTACT`.
+            everything: Ask the backend for contacts that do not touch, too; they have no force, whatever
+                their gap.
+        """
+        row = self.row
+        distances = self._distances
+        if distances is None:
+            _kernels.geometry_alone(self._block, 0, y, self._nq, table, self._pose)
+        else:
+            place_journal(self._block, 0, y, self._nq, self._pose)
+            if self._distributed and isinstance(distances, CoalRevolute):
+                patches = patches_at(self._block, 0)
+                nodes = self._block[nodes_at(0) :].view(NODE)
+                distances.query_patches(
+                    self._pose, patches.strips, nodes, patches.radius, table, row, patches.first
+                )
+            else:
+                mine = slice(row, row + len(self.laws))
+                wanted = None if everything else memory["touching"][mine].tolist()
+                distances.query(self._pose, table, row, wanted)
+        if not self.compiled:
+            _kernels.rates_alone(self._block, 0, table, self._pose)
+            self._apply_laws(memory, table)
+
+    def _apply_laws(self, memory: NDArray[Any], table: NDArray[Any]) -> None:
+        friction = self._friction
+        code = friction.code() if has_code(friction) else None
+        for r, law in enumerate(self.laws, self.row):
+            out = table[r]
+            out.force = out.elastic = 0.0
+            out.friction = 0.0
+            depth = -out.gap
+            remembered = memory[r]
+            if remembered.touching == 0.0 or depth <= 0.0:
+                continue
+            elastic, force = law.forces(depth, out.rate, remembered.approach_speed, remembered.effective_mass)
+            out.force = force
+            out.elastic = elastic
+            speed = float(np.linalg.norm(out.slip))
+            if code is not None:
+                out.friction = friction_force(code, force, *out.slip.tolist())
+            elif speed > 0.0:
+                out.friction = -friction.coefficient(speed) * force / speed * out.slip
