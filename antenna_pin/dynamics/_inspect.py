@@ -43,6 +43,7 @@ class Trial(NamedTuple):
         pose: Of one journal, POSE, (1,).
         table: Contact table, CONTACT, written.
         rates: Written, and of no use.
+        measured: Which contacts are not looked at, for no closed form knows their gaps, (contacts,).
     """
 
     layout: Any
@@ -55,6 +56,7 @@ class Trial(NamedTuple):
     pose: Any
     table: Any
     rates: Any
+    measured: Any
 
 
 @kernel
@@ -199,7 +201,7 @@ def track_peaks(t: float, h: float, nodes: Any, record: Any, trial: Any) -> None
     memory = trial.memory
     ratio = 0.3819660112501051  # golden section
     for c in range(memory.shape[0]):
-        if memory[c].touching == 0.0:
+        if memory[c].touching == 0.0 or trial.measured[c]:
             continue
         best = 0
         for k in range(1, NODES + 1):
@@ -273,6 +275,8 @@ def inspect_step(
     when = until
     deep = False
     for c in range(memory.shape[0]):
+        if trial.measured[c]:
+            continue
         touching = memory[c].touching != 0.0
         theta = _crossing(c, 1.0 if touching else -1.0, 0.0, h, nodes, trial)
         if theta < when and not (ignore[c] == 2 and theta == 0.0):

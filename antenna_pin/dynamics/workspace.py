@@ -72,6 +72,8 @@ class Workspace:
             path = joint.python_path(block, self.model.nq)
             if path is not None:
                 self.paths.append(path)
+        #: Those whose gaps are what a backend measures and nothing else.
+        self.measured = [path for path in self.paths if path.measured]
         #: Whether each drive in Python is on at present.
         self._on = [
             self.program[block : block + _kernels.PARAMETERS].view(_kernels.ELEMENT)["on"]
@@ -91,6 +93,15 @@ class Workspace:
     def acceleration(self, q: Array, v: Array, tau: Array) -> Array:
         """Return the generalized acceleration under a generalized force, ideal hinges held, (nv,)."""
         return self._accelerate(q, v, tau)
+
+    def locate(self, y: Array, table: NDArray[Any]) -> None:
+        """Fill gap, normal, point, rate and slip of all contacts in a table, by what locates their changes.
+
+        That is the closed form where there is one, coal's gaps being those; else it is the backend.
+        """
+        _inspect.contacts_in(y, self.program, self._pose, table)
+        for path in self.measured:
+            path.locate(y, table)
 
     def measure(self, y: Array) -> None:
         """Bring all rows of ``table`` up to date for a state: gap, normal, point, rates of every contact.
@@ -149,7 +160,7 @@ class Workspace:
     def first_memory(self, y: Array) -> NDArray[Any]:
         """Return the memory of a state that has none yet (see :meth:`System.contact_memory`)."""
         table = np.zeros_like(self.table)
-        _inspect.contacts_in(y, self.program, self._pose, table)
+        self.locate(y, table)
         memory = np.zeros_like(self.memory)
         for c, floor in enumerate(self.system.approach_speed_floors):
             if table[c].gap <= ON_SURFACE:
@@ -169,7 +180,7 @@ class Workspace:
         """
         nq, nv = self.model.nq, self.model.nv
         pose, table = np.zeros(1, POSE), np.zeros_like(self.table)
-        _inspect.contacts_in(y, self.program, pose, table)
+        self.locate(y, table)
         block = self.system.block_of_contact[contact]
         place_journal(self.program, block, y, nq, pose)
         direction, rest = np.zeros(nv), np.zeros(nv)

@@ -132,6 +132,13 @@ class ClearanceJoint:
             raise InvalidParameterError(
                 place, "load", "point where the joint is not one of journal, bore and flanges", self.load
             )
+        if not isinstance(self.backend, str):
+            raise InvalidParameterError(
+                place,
+                "load",
+                "point with a backend of one's own; distributed takes coal or closed-form",
+                self.load,
+            )
         if self.strips < 2 or self.strips % 2:
             raise InvalidParameterError(place, "strips", "an even number of 2 or more", self.strips)
         if self.sectors < 3:
@@ -180,7 +187,8 @@ class ClearanceJoint:
             backend = self.backend
         elif self.backend == "coal":
             backend = self.geometry.coal(block[: _layout.JOINT_WORDS].view(_layout.JOINT)["axes"][0])
-        return PythonPath(block, nq, backend, self.normal_laws, None if self.compiled else self.friction)
+        friction = None if self.compiled else self.friction
+        return PythonPath(block, nq, backend, self.normal_laws, friction, backend is self.backend)
 
     @property
     def depth_limits(self) -> tuple[float, ...]:

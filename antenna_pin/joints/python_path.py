@@ -76,6 +76,7 @@ class PythonPath:
         distances: What measures its gaps; None for the compiled closed form.
         laws: Its normal laws, one for each contact.
         friction: Its friction law if laws are asked in Python, None if all are compiled.
+        measured: Whether no closed form is known for what ``distances`` measures.
     """
 
     def __init__(
@@ -85,8 +86,11 @@ class PythonPath:
         distances: Distances | None,
         laws: Sequence[NormalLaw],
         friction: FrictionLaw | None,
+        measured: bool = False,
     ) -> None:
         """Build the buffers once."""
+        #: Whether its gaps are what ``distances`` measures and nothing else.
+        self.measured = measured
         #: Whether all its laws are compiled.
         self.compiled = friction is None
         #: Its laws, one for each contact.
@@ -100,6 +104,13 @@ class PythonPath:
         self._distributed = bool(head["distributed"][0])
         self._pose = np.zeros(1, POSE)
         self._distances = distances
+
+    def locate(self, y: Array, table: NDArray[Any]) -> None:
+        """Fill gap, normal, point, rate and slip of all of the joint's rows, as the backend measures them."""
+        assert self._distances is not None
+        place_journal(self._block, 0, y, self._nq, self._pose)
+        self._distances.query(self._pose, table, self.row)
+        _kernels.rates_alone(self._block, 0, table, self._pose)
 
     def prepare(self, y: Array, memory: NDArray[Any], table: NDArray[Any], everything: bool = False) -> None:
         """Fill the joint's rows of the table as far as its mode says they are given.
@@ -127,8 +138,9 @@ class PythonPath:
                 mine = slice(row, row + len(self.laws))
                 wanted = None if everything else memory["touching"][mine].tolist()
                 distances.query(self._pose, table, row, wanted)
-        if not self.compiled:
+        if not self.compiled or (everything and self.measured):
             _kernels.rates_alone(self._block, 0, table, self._pose)
+        if not self.compiled:
             self._apply_laws(memory, table)
 
     def _apply_laws(self, memory: NDArray[Any], table: NDArray[Any]) -> None:

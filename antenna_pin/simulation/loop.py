@@ -24,10 +24,11 @@ from antenna_pin.simulation.control import StepControl
 from antenna_pin.simulation.episodes import Episode, Episodes
 from antenna_pin.simulation.events import Event
 from antenna_pin.simulation.kinks import kinks_of
+from antenna_pin.simulation.measured import Found
 from antenna_pin.simulation.progress import Progress
 from antenna_pin.simulation.samples import Samples
 from antenna_pin.simulation.scales import scale_vector
-from antenna_pin.simulation.search import ContactSearch, Found
+from antenna_pin.simulation.search import ContactSearch
 from antenna_pin.simulation.trials import Trial, Trials
 from antenna_pin.simulation.watch import Crossing, Watch
 from antenna_pin.state import State

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from antenna_pin.assemble import build_system, initial_angles, initial_state
-from antenna_pin.dynamics import System, _inspect
+from antenna_pin.dynamics import System, Workspace
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.geometry import RevoluteClearance
 from antenna_pin.interruption import interruptible
@@ -166,7 +166,7 @@ def check_sizes(system: System, state: State) -> None:
 def check_start(system: System, y: np.ndarray) -> None:
     """Refuse an initial pose that the parts cannot have."""
     table = np.zeros(system.rows, CONTACT)
-    _inspect.contacts_in(y, system.program, np.zeros(1, POSE), table)
+    Workspace(system).locate(y, table)
     for joint in system.clearances:
         if isinstance(joint.geometry, RevoluteClearance):
             pose = np.zeros(1, POSE)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,24 +13,11 @@ from antenna_pin.integrate import Stepper
 from antenna_pin.joints import LawInRun
 from antenna_pin.records import POSE
 from antenna_pin.simulation.episodes import Episodes
+from antenna_pin.simulation.measured import POINTS, Found, Measured
 
-__all__ = ["ContactSearch", "Found"]
+__all__ = ["ContactSearch"]
 
 Array = NDArray[np.float64]
-
-
-class Found(NamedTuple):
-    """What happens first to the contacts of a step.
-
-    Attributes:
-        contact: Its number, or -1.
-        theta: At which fraction of the step; 2 or more if nowhere.
-        deep: Whether it is too deep then; else it changes.
-    """
-
-    contact: int
-    theta: float
-    deep: bool
 
 
 class ContactSearch:
@@ -64,7 +50,7 @@ class ContactSearch:
         self.reasons = [reason for j in system.clearances for reason in j.limit_reasons]
         plays = [j.geometry.radial_clearance for j in system.clearances for _ in j.contact_names]
         self.tolerances = [1e-9 * play for play in plays]
-        self.uses_coal = any(j.backend != "closed-form" for j in system.clearances)
+        self.uses_coal = any(j.backend == "coal" for j in system.clearances)
         factors = [system.mechanism.joint(j.name).joint_id - 1 for j in system.clearances]
         self._trial = _inspect.Trial(
             layout=manifold.part(factors, plain=system.bristle_x.size > 0),
@@ -77,18 +63,22 @@ class ContactSearch:
             pose=self._pose,
             table=self.table,
             rates=np.zeros(manifold.nv + manifold.nx),
+            measured=np.zeros(contacts, dtype=np.int64),
         )
-        # Laws written in Python, by the row of their contact: the compiled inspection cannot evaluate them.
+        self._measured = Measured(workspace, stepper, self.table)
+        self._trial.measured[list(self._measured.contacts)] = 1
+        # Laws written in Python or on gaps that a backend measures, by the row of their contact: the compiled
+        # inspection cannot evaluate them.
         self._python_laws = [
             (r, law)
             for path in workspace.paths
-            if not path.compiled
+            if path.measured or not path.compiled
             for r, law in enumerate(path.laws, path.row)
         ]
 
     def measure(self, y: Array) -> None:
-        """Fill the search's own contact table for a state, in closed form."""
-        _inspect.contacts_in(y, self.system.program, self._pose, self.table)
+        """Fill the search's own contact table for a state, by what locates changes of contact."""
+        self.workspace.locate(y, self.table)
 
     def first(self, until: float = 2.0) -> Found:
         """Return what happens first in the trial step, before the fraction ``until`` of it.
@@ -97,11 +87,12 @@ class ContactSearch:
         its end.
         """
         stepper = self.stepper
+        measured = self._measured.first(until, self.ignore, self.limits)
         found = Found(
             *_inspect.inspect_step(
                 stepper.t,
                 stepper.h,
-                until,
+                measured.theta,
                 self._nodes,
                 self.ignore,
                 self.limits,
@@ -109,19 +100,20 @@ class ContactSearch:
                 self._trial,
             )
         )
-        if found.contact < 0 and until > 1.0:
-            self._track_python_laws()
-        return found
+        if found.contact < 0 and measured.theta > 1.0:
+            self._track_in_python()
+        return measured if found.contact < 0 else found
 
     def track(self) -> None:
         """Bring the contacts' record up to the end of a trial step in which none changes."""
         stepper = self.stepper
         _inspect.fill_nodes(self._nodes, self._trial)
         _inspect.track_peaks(stepper.t, stepper.h, self._nodes, self.episodes.record, self._trial)
-        self._track_python_laws()
+        self._track_in_python()
 
-    def _track_python_laws(self) -> None:
-        """Raise the largest force of contacts with a Python law to the maximum of the dense output."""
+    def _track_in_python(self) -> None:
+        """Raise the largest force of contacts that are asked in Python to the maximum of the dense output."""
+        self._measured.track_depths(self.episodes.record)
         t, h = self.stepper.t, self.stepper.h
         memory, record = self.workspace.memory, self.episodes.record
         for c, law in self._python_laws:
@@ -130,18 +122,20 @@ class ContactSearch:
             _, *onset = memory[c].tolist()
 
             def lack(theta: float, c: int = c, law: LawInRun = law, onset: Sequence[float] = onset) -> float:
-                _inspect.contacts_at(theta, self._trial)
+                if self._trial.measured[c]:
+                    self._measured.at(theta, c)
+                else:
+                    _inspect.contacts_at(theta, self._trial)
                 depth = -float(self.table[c].gap)
                 return -law.forces(depth, self.table[c].rate, *onset)[1] if depth > 0.0 else 0.0
 
-            points = [k / _inspect.NODES for k in range(_inspect.NODES + 1)]
-            values = [lack(theta) for theta in points]
+            values = [lack(theta) for theta in POINTS]
             best = int(np.argmin(values))
-            theta, value = points[best], values[best]
+            theta, value = POINTS[best], values[best]
             if -value > 0.95 * record[c, _inspect.PEAK_FORCE]:
                 found = minimize_scalar(
                     lack,
-                    bounds=(points[max(best - 1, 0)], points[min(best + 1, _inspect.NODES)]),
+                    bounds=(POINTS[max(best - 1, 0)], POINTS[min(best + 1, _inspect.NODES)]),
                     method="bounded",
                     options={"xatol": 1e-6},
                 )
