@@ -15,7 +15,7 @@ from typing import Any, TypeVar
 
 import numba
 import numpy as np
-from numba.extending import intrinsic, overload
+from numba.extending import lower_builtin, type_callable
 
 __all__ = ["composed", "inlined", "kernel", "record", "stamped_files"]
 
@@ -92,18 +92,15 @@ def record(numbers: Any, layout: np.dtype[Any]) -> Any:
     return numbers.view(layout)[0]
 
 
-@intrinsic
-def _record_at(typing: Any, numbers: Any, layout: Any) -> Any:
-    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        array = context.make_array(signature.args[0])(context, builder, arguments[0])
-        return builder.bitcast(array.data, context.get_value_type(signature.return_type))
+@type_callable(record)
+def _type_of_record(context: Any) -> Any:
+    def typed(numbers: Any, layout: Any) -> Any:
+        return layout.dtype
 
-    return layout.dtype(numbers, layout), generate
+    return typed
 
 
-@overload(record, inline="always")
-def _compiled_record(numbers: Any, layout: Any) -> Any:
-    def at(numbers: Any, layout: Any) -> Any:
-        return _record_at(numbers, layout)
-
-    return at
+@lower_builtin(record, numba.types.Array, numba.types.DType)
+def _lowered_record(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    array = context.make_array(signature.args[0])(context, builder, arguments[0])
+    return builder.bitcast(array.data, context.get_value_type(signature.return_type))

@@ -9,6 +9,8 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from antenna_pin._compile import kernel
 from antenna_pin.dynamics._kernels import HEADER, block_at, head_of
 from antenna_pin.integrate._kernels import dense_joints
@@ -23,9 +25,10 @@ PEAK_TIME = 1
 PEAK_DEPTH = 2
 RECORD_SIZE = 3
 # What is known of each contact at the points of a step.
-GAP = 0
-DEPTH_RATE = 1
-NORMAL_FORCE = 2
+# (Typed, or all that is called with one is compiled for each.)
+GAP: Any = np.int64(0)
+DEPTH_RATE: Any = np.int64(1)
+NORMAL_FORCE: Any = np.int64(2)
 NODE_SIZE = 3
 
 

@@ -16,6 +16,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
+import numpy as np
+
 from antenna_pin._compile import inlined, kernel, record
 from antenna_pin.elements import _kernels as elements
 from antenna_pin.joints._kernels import clearance_joint, joint_energy
@@ -29,7 +31,8 @@ from antenna_pin.joints._pose_kernels import (
 )
 from antenna_pin.records import BLOCK, CONTACT, MEMORY, POSE, PROGRAM, layout, words_of
 
-HEADER = words_of(PROGRAM)
+# Typed: of a plain constant Numba makes a type of its own, and compiles all that is called with it once more.
+HEADER: Any = np.int64(words_of(PROGRAM))
 BLOCK_WORDS = words_of(BLOCK)
 POSE_WORDS = words_of(POSE)
 MEMORY_WORDS = words_of(MEMORY)

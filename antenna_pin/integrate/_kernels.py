@@ -20,6 +20,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
+import numpy as np
+
 from antenna_pin._compile import inlined, kernel
 
 VECTOR = 0  # q' = v
@@ -164,6 +166,10 @@ TOTAL = 2  # scratch; the components' magnitudes at the end of a step
 STATE = 3  # the state being evaluated
 RATES = 4  # its derivative
 EXTRA_ROWS = 5
+# Rows of a state from dense output: the state, and scratch. (Typed: of a plain constant Numba makes a type of
+# its own, and compiles all that is called with it once more.)
+STATE_ROW: Any = np.int64(0)
+CHART_ROW: Any = np.int64(1)
 
 
 @kernel
@@ -259,7 +265,8 @@ def finish(i: int, h: float, errors: Any, layout: Any, work: Any, scales: Any, r
     stages = errors.shape[1]
     store(i, stages, layout, work)
     magnitudes(layout, stages, work)
-    motion = _norm(0, nv + nv, i, h, errors, stages, work, scales, rtol)
+    first: Any = np.int64(0)
+    motion = _norm(first, nv + nv, i, h, errors, stages, work, scales, rtol)
     plain = _norm(nv + nv, nv + nv + nx, i, h, errors, stages, work, scales, rtol)
     # Whichever is not finite is the larger.
     return motion if motion != motion or motion >= plain else plain
@@ -327,10 +334,10 @@ def dense_state(theta: float, layout: Any, dense: Any, work: Any, start: int, ou
     nq, nv, nx = layout[0], layout[1], layout[2]
     degree = dense.shape[0]
     for k in range(nv):
-        out[1, k] = _term(theta, degree, dense, k)
+        out[CHART_ROW, k] = _term(theta, degree, dense, k)
     for k in range(nv, nv + nv + nx):
-        out[0, nq - nv + k] = work[start, nq - nv + k] + _term(theta, degree, dense, k)
-    retract(layout, work, start, out, 1, out, 0)
+        out[STATE_ROW, nq - nv + k] = work[start, nq - nv + k] + _term(theta, degree, dense, k)
+    retract(layout, work, start, out, CHART_ROW, out, STATE_ROW)
 
 
 @kernel
@@ -341,8 +348,8 @@ def dense_joints(theta: float, layout: Any, dense: Any, work: Any, start: int, o
     for b in range(4, 4 + 4 * layout[3], 4):
         j = layout[b + 2]
         for k in range(j, j + layout[b + 3]):
-            out[1, k] = _term(theta, degree, dense, k)
-            out[0, nq + k] = work[start, nq + k] + _term(theta, degree, dense, nv + k)
+            out[CHART_ROW, k] = _term(theta, degree, dense, k)
+            out[STATE_ROW, nq + k] = work[start, nq + k] + _term(theta, degree, dense, nv + k)
     for k in range(nv + nv, nv + nv + layout[2]):
-        out[0, nq - nv + k] = work[start, nq - nv + k] + _term(theta, degree, dense, k)
-    retract(layout, work, start, out, 1, out, 0)
+        out[STATE_ROW, nq - nv + k] = work[start, nq - nv + k] + _term(theta, degree, dense, k)
+    retract(layout, work, start, out, CHART_ROW, out, STATE_ROW)

@@ -55,7 +55,8 @@ def contact_geometry(p: Any, b: int, pose: Any, table: Any) -> None:
     """Fill gap, normal and point of all of a joint's rows in closed form."""
     j = joint_at(p, b)
     if j.distributed != 0:
-        patch_geometry(p, b, pose, table, True, True)
+        anything = j.contacts > 0
+        patch_geometry(p, b, pose, table, anything, anything)
         return
     for k in range(j.contacts):
         candidate_contact(p, candidate_at(b, k), pose, table[j.row + k])
