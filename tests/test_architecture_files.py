@@ -18,6 +18,7 @@ LONGEST = 350
 LONG = {
     "assemble.py",
     "dynamics/system.py",
+    "integrate/_kernels.py",
     "joints/clearance.py",
 }
 CIRCLES = {("antenna_pin.dynamics.system", "antenna_pin.dynamics.workspace")}

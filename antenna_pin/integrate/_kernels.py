@@ -166,8 +166,7 @@ TOTAL = 2  # scratch; the components' magnitudes at the end of a step
 STATE = 3  # the state being evaluated
 RATES = 4  # its derivative
 EXTRA_ROWS = 5
-# Rows of a state from dense output: the state, and scratch. (Typed: of a plain constant Numba makes a type of
-# its own, and compiles all that is called with it once more.)
+# Rows of a state from dense output: the state, and scratch (typed, for the compiler).
 STATE_ROW: Any = np.int64(0)
 CHART_ROW: Any = np.int64(1)
 

@@ -94,7 +94,7 @@ def _laws(joint: ClearanceJoint) -> dict[str, Any]:
         },
         "friction_law": _law(joint.friction),
         "approach_speed_floor": joint.approach_speed_floor,
-        "backend": joint.backend,
+        "backend": joint.backend if isinstance(joint.backend, str) else type(joint.backend).__name__,
         "load": joint.load,
     }
 
