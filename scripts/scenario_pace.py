@@ -16,7 +16,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from antenna_pin import ClearanceJoint, Scenario, System, build_system, initial_state
-from antenna_pin.dynamics import Workspace
+from antenna_pin.dynamics import Workspace, acceleration
 from antenna_pin.geometry import RevoluteClearance
 
 __all__ = ["DURATIONS", "SPEEDS", "at_speed", "effective_mass", "inverse_mass", "numbers"]
@@ -75,7 +75,7 @@ def at_speed(table: Table, speed: float, rng: Random) -> Scenario | None:
 def _approach_speeds(scenario: Scenario, system: System) -> dict[str, float]:
     """Return about how fast each journal meets its bearing: what it has, and what it gains over the play."""
     q, v = initial_state(scenario, system)
-    a = system.acceleration(0.0, q, v)
+    a = acceleration(system, 0.0, q, v)
     found = {}
     for joint in system.clearances:
         slot = system.mechanism.joint(joint.name)
@@ -105,7 +105,7 @@ def _loads(scenario: Scenario, system: System) -> dict[str, float]:
     freed = np.concatenate([np.arange(slot.v.start, slot.v.stop) for slot in slots])
     inverse = inverse_mass(system, q)[np.ix_(freed, freed)]
     held = np.zeros(system.model.nv)
-    held[freed] = np.linalg.solve(inverse, system.acceleration(0.0, q, v)[freed])
+    held[freed] = np.linalg.solve(inverse, acceleration(system, 0.0, q, v)[freed])
     found = {}
     for joint, slot in zip(system.clearances, slots, strict=True):
         wrench = held[slot.v]

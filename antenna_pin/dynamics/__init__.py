@@ -2,6 +2,7 @@
 
 from antenna_pin.dynamics.adjust import Adjustments
 from antenna_pin.dynamics.audit import Audit, audit
+from antenna_pin.dynamics.evaluate import acceleration, contact_memory
 from antenna_pin.dynamics.hinge import Hinge
 from antenna_pin.dynamics.motion import JointMotion
 from antenna_pin.dynamics.samples import Observed, joint_motion, observed, sliding_motion
@@ -23,7 +24,9 @@ __all__ = [
     "System",
     "TableDrive",
     "Workspace",
+    "acceleration",
     "audit",
+    "contact_memory",
     "joint_motion",
     "observed",
     "sliding_motion",

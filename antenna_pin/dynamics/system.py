@@ -3,56 +3,27 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.dynamics import _kernels
-from antenna_pin.dynamics.hinge import Hinge, hinge_slot
-from antenna_pin.dynamics.workspace import Workspace
+from antenna_pin.dynamics.blocks import Blocks, clearance_block, hinge_block
+from antenna_pin.dynamics.configuration import make_unit, spaces
+from antenna_pin.dynamics.hinge import Hinge
 from antenna_pin.elements import GROSS_WORK, LOSS, WORK, CallableDrive, Drive, Element, JointSpring
 from antenna_pin.errors import InvalidParameterError, MechanismError, UnknownNameError
 from antenna_pin.integrate import Manifold
 from antenna_pin.joints import ClearanceJoint
 from antenna_pin.joints import _layout_kernels as _layout
-from antenna_pin.mechanism import JointSlot, Mechanism, frame_aligning_z
-from antenna_pin.records import PROGRAM, memory_numbers, memory_records, place_of
+from antenna_pin.mechanism import Mechanism
+from antenna_pin.records import PROGRAM, place_of
 
 __all__ = ["System"]
 
 Array = NDArray[np.float64]
-
-_SPACES = {
-    "JointModelFreeFlyer": "rigid",
-    "JointModelSpherical": "rotation",
-    "JointModelPlanar": "plane",
-}
-
-
-# How far from 1 the length of a quaternion may be and still be taken for round-off.
-_UNIT_TOLERANCE = 1e-6
-
-
-def _spaces(model: Any) -> tuple[str, ...]:
-    """Return the configuration space of each joint of a Pinocchio model."""
-    kinds = []
-    for joint in list(model.joints)[1:]:
-        name = joint.shortname()
-        if name in _SPACES:
-            kinds.append(_SPACES[name])
-        elif (joint.nq, joint.nv) == (1, 1):
-            kinds.append("vector")
-        elif (joint.nq, joint.nv) == (2, 1):
-            kinds.append("circle")
-        else:
-            raise MechanismError(
-                f"joint {model.names[joint.id]!r}: {name} has no place in the state space; use revolute, "
-                "continuous, prismatic, planar, floating or spherical joints"
-            )
-    return tuple(kinds)
 
 
 class System:
@@ -103,65 +74,79 @@ class System:
         names = [joint.name for joint in self.clearances]
         if len(set(names)) != len(names):
             raise InvalidParameterError("System", "clearances", "of different joints", names)
-        self.contact_names = tuple(name for joint in self.clearances for name in joint.contact_names)
-        #: Least approach speed of each contact [m/s].
-        self.approach_speed_floors = tuple(
-            joint.approach_speed_floor for joint in self.clearances for _ in joint.contact_names
-        )
-        blocks: list[Array] = [np.zeros(_kernels.HEADER)]
-        size, row = _kernels.HEADER, 0
         #: Place in x of the turned angle of each joint that has one, by name.
         self.turn_x = self._turning()
-        x = len(self.turn_x)
+        blocks = Blocks(len(self.turn_x))
+        self._place_joints(blocks)
+        self._place_integrals_of_contacts()
+        self._place_elements(blocks)
+        self.program = np.concatenate(blocks.all)
+        head = self.program[: _kernels.HEADER].view(PROGRAM)
+        head["nq"], head["nv"] = self.model.nq, self.model.nv
+        head["contacts"], head["rows"] = len(self.contact_names), self.rows
+        slots = {name: self.mechanism.joint(name) for name in self.turn_x}
+        #: What :func:`_kernels.turn_on` needs to know of the turned angles.
+        self.turns = np.array(
+            [
+                [x, self.clearance_blocks.get(name, -1), slots[name].q.start, slots[name].v.start]
+                for name, x in self.turn_x.items()
+            ],
+            dtype=np.int64,
+        ).reshape(-1, 4)
+        self.manifold = Manifold(spaces(self.model), blocks.x)
+
+    def _turning(self) -> dict[str, int]:
+        """Return the joints whose configuration knows their angle only but for whole turns, numbered."""
+        about_axis = {hinge.joint for hinge in self.hinges}
+        about_axis |= {j.name for j in self.clearances if j.geometry.motion == "turn"}
+        names = [
+            slot.name
+            for slot in self.mechanism.joints.values()
+            if slot.kind == "continuous" or slot.name in about_axis
+        ]
+        return {name: k for k, name in enumerate(names)}
+
+    def _place_joints(self, blocks: Blocks) -> None:
+        """Lay out the joints with play and the hinges."""
+        self.contact_names = tuple(name for joint in self.clearances for name in joint.contact_names)
+        #: Where in the program the block of each joint with play, or hinge, stands.
         self.clearance_blocks: dict[str, int] = {}
-        first_x, strides = [], []
+        row, own = 0, []
         for joint in self.clearances:
-            slot = mechanism_slot(self.mechanism, joint)
-            axes = np.eye(3) if joint.planar else frame_aligning_z(slot.axis)
             turn = self.turn_x.get(joint.name, -1)
-            block = joint.block(axes, axes[:, 2], slot.q.start, slot.v.start, row, x, turn)
-            self.clearance_blocks[joint.name] = size
-            blocks.append(block)
-            first_x += [x + k * joint.stride for k in range(joint.contacts)]
-            strides += [joint.stride] * joint.contacts
-            size += len(block)
+            own.append(clearance_block(self.mechanism, joint, row, blocks.x, turn))
+            self.clearance_blocks[joint.name] = blocks.add(own[-1], joint.contacts * joint.stride)
             row += joint.contacts
-            x += joint.contacts * joint.stride
         for hinge in self.hinges:
-            # A block without contacts: what a drive or spring needs to know of the joint's axis.
-            slot = hinge_slot(self.mechanism, hinge)
-            block = np.zeros(_layout.JOINT_WORDS)
-            head = block.view(_layout.JOINT)
-            head["kind"], head["length"] = _layout.CLEARANCE, len(block)
-            head["q"], head["v"], head["row"], head["x"] = slot.q.start, slot.v.start, row, x
-            head["turn"] = self.turn_x[hinge.joint]
-            head["axes"] = frame_aligning_z(slot.axis)
-            self.clearance_blocks[hinge.joint] = size
-            blocks.append(block)
-            size += len(block)
+            block = hinge_block(self.mechanism, hinge, row, blocks.x, self.turn_x.get(hinge.joint, -1))
+            self.clearance_blocks[hinge.joint] = blocks.add(block, 0)
+        # Strips and sectors of joints with distributed load have their rows behind those of all contacts.
+        for joint, block in zip(self.clearances, own, strict=True):
+            row += joint.place_strips(block, row)
+        #: Rows of a contact table: those of the contacts, then those of strips and sectors.
+        self.rows = row
+
+    def _place_integrals_of_contacts(self) -> None:
+        """Tell of each contact where its joint stands in the program, and its integrals in x."""
+        of_contact = [joint for joint in self.clearances for _ in joint.contact_names]
+        #: Least approach speed of each contact [m/s].
+        self.approach_speed_floors = tuple(joint.approach_speed_floor for joint in of_contact)
         #: Where in the program the joint of each contact stands.
-        self.block_of_contact = tuple(
-            self.clearance_blocks[joint.name] for joint in self.clearances for _ in joint.contact_names
-        )
-        starts = np.array(first_x, dtype=int)
+        self.block_of_contact = tuple(self.clearance_blocks[joint.name] for joint in of_contact)
+        strides = np.array([joint.stride for joint in of_contact], dtype=int)
+        # One contact's integrals follow another's, behind the turned angles.
+        starts = len(self.turn_x) + np.cumsum(strides) - strides
         self.impulse_x = starts + place_of(_layout.INTEGRALS, "impulse")
         self.lost_normal_x = starts + place_of(_layout.INTEGRALS, "lost_normal")
         self.lost_friction_x = starts + place_of(_layout.INTEGRALS, "lost_friction")
-        self.bristle_x = np.array(
-            [
-                first + k
-                for first, stride in zip(first_x, strides, strict=True)
-                for k in range(_layout.BRISTLES, stride)
-            ],
-            dtype=int,
-        )
-        # Strips and sectors of joints with distributed load have their rows behind those of all contacts.
-        rows = row
-        for joint in self.clearances:
-            rows += joint.place_strips(blocks[1 + self.clearances.index(joint)], rows)
-        #: Rows of a contact table: those of the contacts, then those of strips and sectors.
-        self.rows = rows
-        blocks[0].view(PROGRAM)[0] = self.model.nq, self.model.nv, row, rows
+        bristles = [
+            np.arange(first + _layout.BRISTLES, first + stride)
+            for first, stride in zip(starts, strides, strict=True)
+        ]
+        self.bristle_x = np.concatenate([np.zeros(0, dtype=int), *bristles])
+
+    def _place_elements(self, blocks: Blocks) -> None:
+        """Lay out drives and springs."""
         #: Places in x of what elements integrate, by its name; in the order of the elements.
         integrals: dict[str, list[int]] = {}
         #: Drives in Python: their block, and where in the program their value goes.
@@ -174,40 +159,16 @@ class System:
         )
         for family, elements, places in families:
             for name, element in elements.items():
+                x = blocks.x
                 block = self.element_block(f"{family} {name!r}", element, x)
-                places[name] = size
+                places[name] = at = blocks.add(block, len(element.integrals))
                 if isinstance(element, CallableDrive):
-                    self.callables.append((size, size + _kernels.PARAMETERS, element))
-                blocks.append(block)
-                size += len(block)
-                for integral in element.integrals:
-                    integrals.setdefault(integral.name, []).append(x)
-                    x += 1
+                    self.callables.append((at, at + _kernels.PARAMETERS, element))
+                for k, integral in enumerate(element.integrals):
+                    integrals.setdefault(integral.name, []).append(x + k)
         self.work_x, self.gross_work_x, self.damper_x = (
             np.array(integrals.get(one.name, []), dtype=int) for one in (WORK, GROSS_WORK, LOSS)
         )
-        self.program = np.concatenate(blocks)
-        slots = {name: self.mechanism.joint(name) for name in self.turn_x}
-        #: What :func:`_kernels.turn_on` needs to know of the turned angles.
-        self.turns = np.array(
-            [
-                [x, self.clearance_blocks.get(name, -1), slots[name].q.start, slots[name].v.start]
-                for name, x in self.turn_x.items()
-            ],
-            dtype=np.int64,
-        ).reshape(-1, 4)
-        self.manifold = Manifold(_spaces(self.model), x)
-
-    def _turning(self) -> dict[str, int]:
-        """Return the joints whose configuration knows their angle only but for whole turns, numbered."""
-        about_axis = {hinge.joint for hinge in self.hinges}
-        about_axis |= {j.name for j in self.clearances if j.geometry.motion == "turn"}
-        names = [
-            slot.name
-            for slot in self.mechanism.joints.values()
-            if slot.kind == "continuous" or slot.name in about_axis
-        ]
-        return {name: k for k, name in enumerate(names)}
 
     def element_block(self, place: str, element: Element, x: int) -> Array:
         """Return the block of an element, or refuse a joint at which it cannot act.
@@ -262,17 +223,7 @@ class System:
             raise InvalidParameterError("System", "q", f"{self.model.nq} finite numbers", q)
         if velocity.shape != (self.model.nv,) or not np.isfinite(velocity).all():
             raise InvalidParameterError("System", "v", f"{self.model.nv} finite numbers", v)
-        for name, place in self._unit_parts():
-            length = float(np.linalg.norm(configuration[place]))
-            if not abs(length - 1.0) <= _UNIT_TOLERANCE:
-                what = "quaternion" if place.stop - place.start == 4 else "cosine and sine"
-                raise InvalidParameterError(
-                    f"q[{place.start}:{place.stop}]",
-                    f"{what} of {name}",
-                    f"of length 1 to {_UNIT_TOLERANCE:g}; divide it by its length",
-                    length,
-                )
-            configuration[place] /= length
+        make_unit(self.mechanism, configuration)
         y = np.concatenate([configuration, velocity, np.zeros(self.manifold.nx)])
         x = y[self.model.nq + self.model.nv :]
         for name, angle in (angles or {}).items():
@@ -286,21 +237,6 @@ class System:
         _kernels.turn_on(self.program, self.turns, y)
         return y
 
-    def _unit_parts(self) -> Iterator[tuple[str, slice]]:
-        """Yield what of q must be of length one: name of the joint, place in q."""
-        if self.mechanism.base == "free":
-            yield "the base", slice(3, 7)
-        inside = {
-            "floating": slice(3, 7),
-            "planar": slice(2, 4),
-            "continuous": slice(0, 2),
-            "spherical": slice(0, 4),
-        }
-        for slot in self.mechanism.joints.values():
-            if slot.kind in inside:
-                part, start = inside[slot.kind], slot.q.start
-                yield f"joint {slot.name!r}", slice(start + part.start, start + part.stop)
-
     def turn_on(self, y: Array) -> float:
         """Bring the turned angles in y, in place, up to its configuration; return the fastest rate [rad/s].
 
@@ -309,44 +245,7 @@ class System:
         """
         return float(_kernels.turn_on(self.program, self.turns, y))
 
-    def contact_memory(self, y: Array) -> Array:
-        """Return the contact memory of a state that comes without one, (contacts, 3).
-
-        Contacts with a gap of zero or less touch, as if for the first time: with the depth rate there and
-        then as approach speed, at least the floor, and with the effective mass there and then.
-        """
-        return memory_numbers(Workspace(self).first_memory(y))
-
-    def acceleration(self, t: float, q: ArrayLike, v: ArrayLike, memory: ArrayLike | None = None) -> Array:
-        """Return the generalized acceleration in a state, (nv,).
-
-        Args:
-            t: Time [s].
-            q: Configuration, (nq,).
-            v: Velocity, (nv,).
-            memory: Of the contacts, (contacts, 3); by the rule of :meth:`contact_memory` if not given.
-        """
-        y = self.state(q, v)
-        workspace = Workspace(self)
-        workspace.memory[:] = workspace.first_memory(y) if memory is None else memory_records(memory)
-        rates = np.zeros(self.model.nv + self.manifold.nx)
-        workspace.bind(y, rates)(t)
-        return rates[: self.model.nv].copy()
-
     def neutral(self) -> Array:
         """Return the configuration with every joint at zero and journals centred, (nq,)."""
         q: Array = pin.neutral(self.model)
         return q
-
-
-def mechanism_slot(mechanism: Mechanism, joint: ClearanceJoint) -> JointSlot:
-    """Return the slot of a clearance joint, checked to have the freedom that the joint needs."""
-    slot = mechanism.joint(joint.name)
-    needed = "planar" if joint.planar else "floating"
-    if slot.kind != needed:
-        raise MechanismError(
-            f"clearance joint {joint.name!r}: the joint must be {needed} in the model, got {slot.kind}; "
-            f"build the mechanism from urdf.variant(joints={{{joint.name!r}: "
-            f"{'planar' if joint.planar else 'free'!r}}})"
-        )
-    return slot

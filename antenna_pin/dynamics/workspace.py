@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -12,14 +12,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.dynamics import _inspect, _kernels
 from antenna_pin.dynamics.hinge import constrained_acceleration
+from antenna_pin.dynamics.system import System
 from antenna_pin.joints import PythonPath
 from antenna_pin.joints._kernels import unit_normal_force
 from antenna_pin.joints._layout_kernels import JOINT, JOINT_WORDS
 from antenna_pin.joints._pose_kernels import place_journal
 from antenna_pin.records import CONTACT, MEMORY, POSE, memory_records, words_of
-
-if TYPE_CHECKING:
-    from antenna_pin.dynamics.system import System
 
 __all__ = ["Workspace"]
 
@@ -36,7 +34,7 @@ class Workspace:
     Args:
         system: The system.
         memory: Contact memory, (contacts, 3); nothing touches if not given (see
-            :meth:`System.contact_memory`).
+            :func:`antenna_pin.dynamics.contact_memory`).
 
     Attributes:
         memory: The contact memory that the derivative uses, :data:`antenna_pin.records.MEMORY`, (contacts,);
@@ -158,7 +156,7 @@ class Workspace:
         self.bind(y, rates)(t)
 
     def first_memory(self, y: Array) -> NDArray[Any]:
-        """Return the memory of a state that has none yet (see :meth:`System.contact_memory`)."""
+        """Return the memory of a state without one (:func:`antenna_pin.dynamics.contact_memory`)."""
         table = np.zeros_like(self.table)
         self.locate(y, table)
         memory = np.zeros_like(self.memory)

@@ -47,7 +47,7 @@ class Run:
     Args:
         system: The system; its contact memory is set from the initial state.
         start: Where from: a state that a run left, or the first one as [q, v, x] (:meth:`System.state`), at
-            time zero, whose contacts touch by the rule of :meth:`System.contact_memory`.
+            time zero, whose contacts touch by the rule of :func:`antenna_pin.dynamics.contact_memory`.
         end: Time at which the run ends [s].
         settings: How to integrate and sample.
         events: What to look for besides contacts.

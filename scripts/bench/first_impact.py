@@ -29,6 +29,7 @@ from bench_tools import Array
 from scipy.optimize import minimize_scalar
 
 from antenna_pin import System
+from antenna_pin.dynamics import acceleration
 
 __all__ = ["FirstImpact", "damped_over_elastic", "first_impact"]
 
@@ -87,18 +88,18 @@ def first_impact(system: System, play: float, stiffness: float, restitution: flo
     q, v = system.neutral(), np.zeros(system.model.nv)
     upper = np.triu(pin.computeMinverse(system.model, system.model.createData(), q))
     inverse_mass = (upper + np.triu(upper, 1).T)[across, across]
-    apart = system.acceleration(0.0, q, v)[across]
-    acceleration = float(np.linalg.norm(apart))
-    way = apart / acceleration
+    apart = acceleration(system, 0.0, q, v)[across]
+    size = float(np.linalg.norm(apart))
+    way = apart / size
     mass = 1.0 / float(way @ inverse_mass @ way)
-    speed = math.sqrt(2.0 * acceleration * play)
+    speed = math.sqrt(2.0 * size * play)
     peak = damped_over_elastic(restitution) * stiffness**0.4 * (1.25 * mass * speed**2) ** 0.6
     depth = (peak / stiffness) ** (2.0 / 3.0)
     return FirstImpact(
         ideal_force=-np.linalg.solve(inverse_mass, apart),
-        acceleration=acceleration,
+        acceleration=size,
         mass=mass,
         approach_speed=speed,
-        onset=speed / acceleration,
+        onset=speed / size,
         peak_force=peak * (1.0 + depth / play) ** 0.6,
     )

@@ -1,0 +1,96 @@
+"""Blocks of a system's program: put together one by one, those of joints with play and of hinges."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from antenna_pin.dynamics import _kernels
+from antenna_pin.dynamics.hinge import Hinge, hinge_slot
+from antenna_pin.errors import MechanismError
+from antenna_pin.joints import ClearanceJoint
+from antenna_pin.joints import _layout_kernels as _layout
+from antenna_pin.mechanism import JointSlot, Mechanism, frame_aligning_z
+
+__all__ = ["Blocks", "clearance_block", "hinge_block"]
+
+Array = NDArray[np.float64]
+
+
+class Blocks:
+    """A program that grows, and with it what its blocks integrate.
+
+    Args:
+        x: How many numbers of x are taken already.
+
+    Attributes:
+        all: The program's head, still zero, and the blocks so far.
+        x: Where in x the next block's numbers start.
+    """
+
+    def __init__(self, x: int) -> None:
+        """Begin with the head."""
+        self.all: list[Array] = [np.zeros(_kernels.HEADER)]
+        self.x = x
+        self._size = int(_kernels.HEADER)
+
+    def add(self, block: Array, integrals: int) -> int:
+        """Put a block at the end; return where in the program it stands.
+
+        Args:
+            block: Its numbers; still to be written to, if need be.
+            integrals: How many numbers it has in x.
+        """
+        at = self._size
+        self.all.append(block)
+        self._size += len(block)
+        self.x += integrals
+        return at
+
+
+def clearance_block(mechanism: Mechanism, joint: ClearanceJoint, row: int, x: int, turn: int) -> Array:
+    """Return the block of a joint with play.
+
+    Args:
+        mechanism: The joint must have the freedom there that it needs.
+        joint: The joint.
+        row: Of its first contact in a contact table.
+        x: Where in x its contacts' numbers start.
+        turn: Place of its turned angle in x, or -1.
+    """
+    slot = _slot(mechanism, joint)
+    axes = np.eye(3) if joint.planar else frame_aligning_z(slot.axis)
+    return joint.block(axes, axes[:, 2], slot.q.start, slot.v.start, row, x, turn)
+
+
+def hinge_block(mechanism: Mechanism, hinge: Hinge, row: int, x: int, turn: int) -> Array:
+    """Return the block of a hinge: one without contacts, for what drives and springs ask of its axis.
+
+    Args:
+        mechanism: The hinge's joint must be floating there.
+        hinge: The hinge.
+        row: Of the next contact in a contact table.
+        x: Where in x the next numbers start.
+        turn: Place of its turned angle in x.
+    """
+    slot = hinge_slot(mechanism, hinge)
+    block = np.zeros(_layout.JOINT_WORDS)
+    head = block.view(_layout.JOINT)
+    head["kind"], head["length"] = _layout.CLEARANCE, len(block)
+    head["q"], head["v"], head["row"], head["x"] = slot.q.start, slot.v.start, row, x
+    head["turn"] = turn
+    head["axes"] = frame_aligning_z(slot.axis)
+    return block
+
+
+def _slot(mechanism: Mechanism, joint: ClearanceJoint) -> JointSlot:
+    """Return the slot of a clearance joint, checked to have the freedom that the joint needs."""
+    slot = mechanism.joint(joint.name)
+    needed = "planar" if joint.planar else "floating"
+    if slot.kind != needed:
+        raise MechanismError(
+            f"clearance joint {joint.name!r}: the joint must be {needed} in the model, got {slot.kind}; "
+            f"build the mechanism from urdf.variant(joints={{{joint.name!r}: "
+            f"{'planar' if joint.planar else 'free'!r}}})"
+        )
+    return slot
