@@ -18,7 +18,6 @@ LONGEST = 350
 LONG = {
     "assemble.py",
     "integrate/_kernels.py",
-    "joints/clearance.py",
 }
 CIRCLES: set[tuple[str, ...]] = set()
 

@@ -13,20 +13,14 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from antenna_pin._compile import record
 from antenna_pin.contact import CompiledNormalLaw, FrictionLaw, NoFriction, NormalLaw
-from antenna_pin.contact._kernels import (
-    DISSIPATION_RECORDS,
-    ELASTIC_RECORDS,
-    NORMAL_SIZE,
-    takes_mass_of_contact,
-)
-from antenna_pin.contact._records import NORMAL_LAW
+from antenna_pin.contact._kernels import NORMAL_SIZE, takes_mass_of_contact
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.geometry import ClearanceGeometry, Distances, RevoluteClearance
 from antenna_pin.geometry._patch_kernels import NODE
 from antenna_pin.joints import _kernels
 from antenna_pin.joints import _layout_kernels as _layout
+from antenna_pin.joints._checks import check_kinds, check_load
 from antenna_pin.joints._patch_kernels import patch_energy
 from antenna_pin.joints.contacts import JointContacts
 from antenna_pin.joints.python_path import PythonPath, has_code, range_of
@@ -35,20 +29,6 @@ from antenna_pin.records import CONTACT, MEMORY, POSE
 __all__ = ["ClearanceJoint"]
 
 Array = NDArray[np.float64]
-
-
-def _check_kinds(joint: str, law: Any) -> None:
-    """Refuse a law whose code the kernels do not know."""
-    code = law.code()
-    for what, known in (("elastic", ELASTIC_RECORDS), ("dissipation", DISSIPATION_RECORDS)):
-        kind = record(code, NORMAL_LAW)[what]
-        if kind not in known:
-            raise InvalidParameterError(
-                f"joint {joint!r}: {type(law).__name__}",
-                f"{what} kind",
-                f"one of {', '.join(f'{k:g}' for k in known)}, which the kernels know; or give it no code()",
-                float(kind),
-            )
 
 
 def _law_name(law: NormalLaw) -> str:
@@ -106,50 +86,30 @@ class ClearanceJoint:
             raise InvalidParameterError(f"joint {self.name!r}", "axial", "a normal law", None)
         for law in self.normal_laws:
             if has_code(law):
-                _check_kinds(self.name, law)
-        self._check_load()
+                check_kinds(f"joint {self.name!r}", law)
+        bristles = bool(getattr(self.friction, "states", 0))
+        check_load(
+            f"joint {self.name!r}",
+            self.load,
+            geometry=self.geometry,
+            backend=self.backend,
+            strips=self.strips,
+            sectors=self.sectors,
+            compiled=self.compiled,
+            bristles=bristles,
+        )
         if self.maximum_depth is None:
             object.__setattr__(self, "maximum_depth", 0.01 * self.geometry.section_radius)
         elif not 0.0 < self.maximum_depth < math.inf:
             raise InvalidParameterError(
                 f"joint {self.name!r}", "maximum_depth", "a positive length [m]", self.maximum_depth
             )
-        if getattr(self.friction, "states", 0) and not all(has_code(law) for law in self.normal_laws):
+        if bristles and not all(has_code(law) for law in self.normal_laws):
             raise InvalidParameterError(
                 f"joint {self.name!r}",
                 "friction",
                 "a law of the slip speed beside a normal law in Python (bristles need compiled laws)",
                 self.friction,
-            )
-
-    def _check_load(self) -> None:
-        place = f"joint {self.name!r}"
-        if self.load not in ("point", "distributed"):
-            raise InvalidParameterError(place, "load", "point or distributed", self.load)
-        if self.load == "point":
-            return
-        if not isinstance(self.geometry, RevoluteClearance):
-            raise InvalidParameterError(
-                place, "load", "point where the joint is not one of journal, bore and flanges", self.load
-            )
-        if not isinstance(self.backend, str):
-            raise InvalidParameterError(
-                place,
-                "load",
-                "point with a backend of one's own; distributed takes coal or closed-form",
-                self.load,
-            )
-        if self.strips < 2 or self.strips % 2:
-            raise InvalidParameterError(place, "strips", "an even number of 2 or more", self.strips)
-        if self.sectors < 3:
-            raise InvalidParameterError(place, "sectors", "3 or more", self.sectors)
-        if not self.compiled:
-            raise InvalidParameterError(
-                place, "load", "point with laws in Python; distributed takes built-in laws", self.load
-            )
-        if getattr(self.friction, "states", 0):
-            raise InvalidParameterError(
-                place, "load", "point with a bristle friction law (it has one state per contact)", self.load
             )
 
     @property

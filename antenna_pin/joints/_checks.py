@@ -1,0 +1,81 @@
+"""What a joint with play refuses when it is made, beyond what its parts refuse themselves."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from antenna_pin._compile import record
+from antenna_pin.contact._kernels import DISSIPATION_RECORDS, ELASTIC_RECORDS
+from antenna_pin.contact._records import NORMAL_LAW
+from antenna_pin.errors import InvalidParameterError
+from antenna_pin.geometry import ClearanceGeometry, RevoluteClearance
+
+__all__ = ["check_kinds", "check_load"]
+
+
+def check_kinds(place: str, law: Any) -> None:
+    """Refuse a law whose code the kernels do not know.
+
+    Args:
+        place: The joint, for the message.
+        law: A normal law with code.
+    """
+    code = law.code()
+    for what, known in (("elastic", ELASTIC_RECORDS), ("dissipation", DISSIPATION_RECORDS)):
+        kind = record(code, NORMAL_LAW)[what]
+        if kind not in known:
+            raise InvalidParameterError(
+                f"{place}: {type(law).__name__}",
+                f"{what} kind",
+                f"one of {', '.join(f'{k:g}' for k in known)}, which the kernels know; or give it no code()",
+                float(kind),
+            )
+
+
+def check_load(
+    place: str,
+    load: str,
+    *,
+    geometry: ClearanceGeometry,
+    backend: object,
+    strips: int,
+    sectors: int,
+    compiled: bool,
+    bristles: bool,
+) -> None:
+    """Refuse a kind of load, or what distributed load cannot go with.
+
+    Args:
+        place: The joint, for the message.
+        load: "point" or "distributed".
+        geometry: Shape of the joint.
+        backend: What measures its gaps.
+        strips: Of the bore.
+        sectors: Of a flange.
+        compiled: Whether all laws run compiled.
+        bristles: Whether the friction law has states.
+    """
+    if load not in ("point", "distributed"):
+        raise InvalidParameterError(place, "load", "point or distributed", load)
+    if load == "point":
+        return
+    if not isinstance(geometry, RevoluteClearance):
+        raise InvalidParameterError(
+            place, "load", "point where the joint is not one of journal, bore and flanges", load
+        )
+    if not isinstance(backend, str):
+        raise InvalidParameterError(
+            place, "load", "point with a backend of one's own; distributed takes coal or closed-form", load
+        )
+    if strips < 2 or strips % 2:
+        raise InvalidParameterError(place, "strips", "an even number of 2 or more", strips)
+    if sectors < 3:
+        raise InvalidParameterError(place, "sectors", "3 or more", sectors)
+    if not compiled:
+        raise InvalidParameterError(
+            place, "load", "point with laws in Python; distributed takes built-in laws", load
+        )
+    if bristles:
+        raise InvalidParameterError(
+            place, "load", "point with a bristle friction law (it has one state per contact)", load
+        )
