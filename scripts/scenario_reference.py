@@ -168,7 +168,8 @@ def clearance_rows() -> list[str]:
             for cls in classes
             if cls.model_fields[name].is_required()
         ]
-        lines += rows(ContactClearance, name, required=f"required for {', '.join(needing)}")
+        first = next((cls for cls in classes if cls.model_fields[name].is_required()), ContactClearance)
+        lines += rows(first, name, required=f"required for {', '.join(needing)}")
     return lines
 
 

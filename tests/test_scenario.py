@@ -550,8 +550,8 @@ def test_what_an_override_sets_is_told_as_such(folder):
         ),
         (
             "clearance.hing.geometry=coal",
-            "clearance.hing.model is missing; give one of contact, planar, spherical, ideal, constraint "
-            "(or did you mean clearance.hinge?) (set by an override)",
+            "clearance.hing.model is missing; give one of contact, planar, spherical, prismatic, ideal, "
+            "constraint (or did you mean clearance.hinge?) (set by an override)",
         ),
     ):
         assert folder.refusal(overrides=[text]) == message
@@ -729,8 +729,8 @@ REFUSALS = [
     ({"cases.tight.name": "x"}, f"cases.tight.name is unknown; known here: {TOP}, default_case, cases"),
     (
         {"cases.tight.clearance.hing": {"geometry": "coal"}},
-        "cases.tight.clearance.hing.model is missing; give one of contact, planar, spherical, ideal, "
-        "constraint (or did you mean clearance.hinge?)",
+        "cases.tight.clearance.hing.model is missing; give one of contact, planar, spherical, prismatic, "
+        "ideal, constraint (or did you mean clearance.hinge?)",
     ),
     (
         {"cases.tight.clearance.hinge.replace": "yes"},
@@ -804,16 +804,18 @@ REFUSALS = [
     ({H + "clearence": 1}, "clearance.hinge.clearence is unknown; did you mean axial_clearance?"),
     (
         {H + "model": DELETED},
-        "clearance.hinge.model is missing; give one of contact, planar, spherical, ideal, constraint",
+        "clearance.hinge.model is missing; give one of contact, planar, spherical, prismatic, ideal, "
+        "constraint",
     ),
     (
         {H + "model": "contac"},
-        "clearance.hinge.model must be one of contact, planar, spherical, ideal, constraint, got 'contac'; "
-        "did you mean contact?",
+        "clearance.hinge.model must be one of contact, planar, spherical, prismatic, ideal, constraint, "
+        "got 'contac'; did you mean contact?",
     ),
     (
         {H + "model": 3},
-        "clearance.hinge.model must be one of contact, planar, spherical, ideal, constraint, got 3",
+        "clearance.hinge.model must be one of contact, planar, spherical, prismatic, ideal, constraint, "
+        "got 3",
     ),
     (
         {H + "radial_clearance": "0.2 N"},

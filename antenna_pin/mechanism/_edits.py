@@ -76,9 +76,11 @@ def vary_joint(
                 "start from the URDF where it is a hinge"
             )
         return
-    if variant in ("free", "planar") and kind not in _HINGES:
+    allowed = {"planar": _HINGES, "free": (*_HINGES, "prismatic")}.get(variant)
+    if allowed is not None and kind not in allowed:
+        others = f"{', '.join(allowed[:-1])} or {allowed[-1]}"
         raise MechanismError(
-            f"{where}: joint {name!r} is {kind}; only a revolute or continuous joint can be made {variant}, "
+            f"{where}: joint {name!r} is {kind}; only a {others} joint can be made {variant}, "
             "for its axis is the bearing's"
         )
     for tag in ("limit", "dynamics", "safety_controller", "calibration"):

@@ -10,6 +10,7 @@ from antenna_pin.scenario.clearance import (
     ContactClearance,
     IdealClearance,
     PlanarClearance,
+    PrismaticClearance,
     SphericalClearance,
 )
 from antenna_pin.scenario.drives import DRIVE_SPECS, DriveSpec, SpringSpec
@@ -55,6 +56,7 @@ __all__ = [
     "OrbitSpec",
     "OutputSpec",
     "PlanarClearance",
+    "PrismaticClearance",
     "PointingSpec",
     "RateEvent",
     "ScalesSpec",

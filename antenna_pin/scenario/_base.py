@@ -21,7 +21,7 @@ Location = tuple[str | int, ...]
 
 # Tables whose entries are one of several classes; pydantic puts the class into the location, after the name.
 _TAGGED = {
-    "clearance": ("contact", "planar", "spherical", "ideal", "constraint"),
+    "clearance": ("contact", "planar", "spherical", "prismatic", "ideal", "constraint"),
     "drives": tuple(DRIVES),
     "events": ("angle", "rate", "time", "gap", "force"),
 }

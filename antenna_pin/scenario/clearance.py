@@ -1,219 +1,179 @@
-"""A joint with play: its dimensions, its laws, and how it is to be modelled."""
+"""A joint with play: its dimensions, its laws, and how it is to be modelled; a class a model."""
 
 from __future__ import annotations
 
-import operator
-from collections.abc import Callable, Mapping
-from typing import Annotated, Any, ClassVar, Literal, Self, get_args
+import math
+from typing import TYPE_CHECKING, ClassVar, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import model_validator
 
-from antenna_pin.scenario._base import Length, PositiveLength, PositiveSpeed, Quantity, Spec, refuse
-from antenna_pin.scenario.laws import (
-    Family,
-    LawChange,
-    LawSpec,
-    changed_law,
-    check_values,
-    declared_parameters,
-    flat,
-    laws,
-    missing_parameters,
-    needs_materials,
-    read_change,
-    read_law,
-    title,
-    unit_of,
+from antenna_pin.errors import InvalidParameterError, ScenarioError
+from antenna_pin.scenario._base import PositiveLength, refuse
+from antenna_pin.scenario._clearance import (
+    AXIAL_PLAY,
+    KINDS,
+    RADIAL_PLAY,
+    Clearance,
+    Kind,
+    Variant,
+    check_play,
 )
+from antenna_pin.scenario.laws import LawSpec, needs_materials
+
+if TYPE_CHECKING:
+    from antenna_pin.geometry import ClearanceGeometry
 
 __all__ = [
     "ClearanceSpec",
     "ContactClearance",
     "IdealClearance",
     "PlanarClearance",
+    "PrismaticClearance",
     "SphericalClearance",
+    "TouchingSpec",
 ]
 
-Kind = Literal["radial", "axial"]
-KINDS: tuple[Kind, ...] = get_args(Kind)
 
-RADIAL_PLAY = ("radial_clearance", "journal_radius")
-AXIAL_PLAY = ("axial_clearance", "flange_distance")
-
-_ORDER = (
-    ("radial_clearance", "smaller than", "bearing_radius"),
-    ("journal_radius", "smaller than", "bearing_radius"),
-    ("bearing_outer_radius", "larger than", "bearing_radius"),
-    ("flange_radius", "larger than", "bearing_radius"),
-    ("flange_distance", "at least", "bearing_length"),
-)
-_HOLDS: dict[str, Callable[[float, float], bool]] = {
-    "smaller than": operator.lt,
-    "larger than": operator.gt,
-    "at least": operator.ge,
-}
-
-
-class _Clearance(Spec):
-    """What the models of a joint with play share.
-
-    Attributes:
-        bearing_radius: R_i, radius of the bore [m].
-        radial_clearance: C_r = R_i - R_j, if not given by the journal's radius [m].
-        journal_radius: R_j, if not given by the clearance [m].
-        bearing_length: L_i [m].
-        axial_clearance: C_a, play at each flange when centred, 0 or more, if not given by the flanges [m].
-        flange_distance: L_j = L_i + 2 C_a, between the flanges' inner faces, if not given by C_a [m].
-        bearing_outer_radius: R_io [m].
-        flange_radius: R_f [m].
-        offset: Bearing centre along the joint's axis from the joint's origin [m].
-        geometry: What measures the gaps: coal's distance queries or the closed form.
-        load: How contact is spread: one force per contact, or over strips of the bore and sectors of the
-            flanges.
-        strips: Of the bore under distributed load, even [-].
-        sectors: Of the loaded arc of each flange under distributed load [-].
-        flange_modulus: Of the flanges' elastic foundation under distributed load, pressure over depth
-            [N/m^3]; None for the one that gives the compression stiffness of a rigid annular punch.
-        approach_speed_floor: Least approach speed that a law sees [m/s].
-        maximum_depth: A run that presses deeper ends [m]; None for a hundredth of the bearing's radius.
-        journal_material: Name of a material.
-        bearing_material: Name of a material.
-        normal: Normal law of both kinds of contact.
-        radial: What is different at the bore.
-        axial: What is different at the flanges.
-        friction: Friction law of both kinds of contact.
-    """
-
-    # The kinds of contact that occur.
-    kinds: ClassVar[tuple[Kind, ...]] = ()
-
-    bearing_radius: PositiveLength | None = None
-    radial_clearance: PositiveLength | None = None
-    journal_radius: PositiveLength | None = None
-    bearing_length: PositiveLength | None = None
-    axial_clearance: Annotated[float, Quantity("m", "zero or more")] | None = None
-    flange_distance: PositiveLength | None = None
-    bearing_outer_radius: PositiveLength | None = None
-    flange_radius: PositiveLength | None = None
-    offset: Length = 0.0
-    geometry: Literal["coal", "closed-form"] = "coal"
-    load: Literal["point", "distributed"] = "point"
-    strips: Annotated[int, Field(ge=2, multiple_of=2)] = 16
-    sectors: Annotated[int, Field(ge=3)] = 16
-    flange_modulus: Annotated[float, Quantity("N/m**3", "positive")] | None = None
-    approach_speed_floor: PositiveSpeed = 1e-4
-    maximum_depth: PositiveLength | None = None
-    journal_material: str | None = None
-    bearing_material: str | None = None
-    normal: LawSpec | None = None
-    radial: LawChange | None = None
-    axial: LawChange | None = None
-    friction: LawSpec = Field(default_factory=lambda: LawSpec(law="none"))
-
-    @model_validator(mode="before")
-    @classmethod
-    def _read_laws(cls, data: Any) -> Any:
-        """Read the laws together: the unit of a parameter may depend on one in a sister table."""
-        if not isinstance(data, Mapping):
-            return data
-        return dict(data) | _read_law_tables(data)
-
-    @model_validator(mode="after")
-    def _check_dimensions(self) -> Self:
-        for pair in (RADIAL_PLAY, AXIAL_PLAY):
-            if all(getattr(self, name) is not None for name in pair):
-                refuse(f"must have exactly one of {' and '.join(pair)}, got both")
-        for name, rule, other in _ORDER:
-            value, limit = getattr(self, name), getattr(self, other)
-            if value is not None and limit is not None and not _HOLDS[rule](value, limit):
-                refuse(f"must be {rule} {other} = {limit:g} m, got {value:g} m", name, value=value)
-        return self
-
-    @model_validator(mode="after")
-    def _check_laws(self) -> Self:
-        """Refuse laws that do not accept their parameters, and for contacts that occur incomplete ones."""
-        for kind in KINDS:
-            law, change = self._law(kind), self._change(kind)
-            if law is None:
-                if kind in self.kinds:
-                    refuse("is missing; it names the law of the contact and its parameters", "normal")
-                continue
-            places = dict.fromkeys(change.parameters if change else (), kind)
-            table = kind if change is not None and change.law is not None else "normal"
-            _check_law(law, "normal", kind in self.kinds, table, places)
-        _check_law(self.friction, "friction", bool(self.kinds), "friction", {})
-        return self
-
-    def _change(self, kind: Kind) -> LawChange | None:
-        return self.radial if kind == "radial" else self.axial
-
-    def _law(self, kind: Kind) -> LawSpec | None:
-        """Return the normal law of a kind of contact: the common one, with what its own table changes."""
-        return changed_law(self.normal, self._change(kind))
-
-
-class IdealClearance(_Clearance):
+class IdealClearance(Clearance):
     """A joint modelled without play; dimensions and laws, if given, wait for another case.
 
     Attributes:
-        model: ``ideal``, a revolute joint, or ``constraint``, the same by constrained dynamics.
+        model: ``ideal``, the joint as the URDF has it, or ``constraint``, a revolute joint by constrained
+            dynamics.
     """
 
     model: Literal["ideal", "constraint"]
 
+    @property
+    def variant(self) -> Variant:
+        """What becomes of the URDF's joint."""
+        return "free" if self.model == "constraint" else "ideal"
 
-class _Touching(_Clearance):
-    """What the models share whose journal touches the bearing."""
+    @property
+    def urdf_types(self) -> tuple[str, ...]:
+        """Which types the joint may have in the URDF."""
+        return ("revolute", "continuous", *(() if self.model == "constraint" else ("prismatic",)))
 
-    bearing_radius: PositiveLength
+
+class TouchingSpec(Clearance):
+    """What the models share whose journal touches the bearing.
+
+    A kind of joint with play is one class below, which makes its shape, and its place in ``ClearanceSpec``.
+    """
+
+    # Why no law along a line can be its law, if none can; how many contacts share a line along the bearing.
+    no_line: ClassVar[str] = ""
+    ends: ClassVar[int] = 1
+    # What becomes of the URDF's joint, and which types it may have there.
+    becomes: ClassVar[Variant] = "free"
+    of_types: ClassVar[tuple[str, ...]] = ("revolute", "continuous")
+
+    @property
+    def variant(self) -> Variant:
+        """What becomes of the URDF's joint."""
+        return self.becomes
+
+    @property
+    def urdf_types(self) -> tuple[str, ...]:
+        """Which types the joint may have in the URDF."""
+        return self.of_types
 
     @property
     def radial_play(self) -> float:
-        """C_r = R_i - R_j, whichever way it was given [m]."""
+        """C_r, whichever way it was given [m]."""
         if self.radial_clearance is not None:
             return self.radial_clearance
-        assert self.journal_radius is not None
+        assert self.journal_radius is not None and self.bearing_radius is not None
         return self.bearing_radius - self.journal_radius
+
+    def shape(self) -> ClearanceGeometry:
+        """Return the joint's shape."""
+        raise NotImplementedError
 
     @property
     def radial_law(self) -> LawSpec:
-        """The normal law at the bore: ``normal``, with what ``radial`` changes."""
-        law = self._law("radial")
+        """The normal law at the bore, or of the only contacts: ``normal``, with what ``radial`` changes."""
+        law = self.law("radial")
         assert law is not None
         return law
 
+    @property
+    def axial_law(self) -> LawSpec:
+        """The normal law at the flanges: ``normal``, with what ``axial`` changes."""
+        law = self.law("axial")
+        assert law is not None
+        return law
+
+    def hertz_stiffness(self, modulus: float, place: str) -> float:
+        """Return the stiffness of a Hertz contact of the pair [N/m^1.5].
+
+        Args:
+            modulus: Effective one of the materials [Pa].
+            place: Where the law stands, for a message.
+        """
+        from antenna_pin.contact import internal_hertz_stiffness
+
+        assert self.bearing_radius is not None
+        return internal_hertz_stiffness(self.bearing_radius, self.bearing_radius - self.radial_play, modulus)
+
     @model_validator(mode="after")
     def _check_contact(self) -> Self:
-        _check_play(self, RADIAL_PLAY)
+        self._check_plays()
         left = needs_materials(self.radial_law)
         for name in ("journal_material", "bearing_material") if left else ():
             if getattr(self, name) is None:
                 refuse(f"is missing; it decides the {left}, or give normal.{left}", name)
         return self
 
+    def _check_plays(self) -> None:
+        check_play(self, RADIAL_PLAY)
 
-class PlanarClearance(_Touching):
+
+class PlanarClearance(TouchingSpec):
     """A joint with radial play that keeps its plane and its axis' direction: contact at the bore only."""
 
     kinds: ClassVar[tuple[Kind, ...]] = ("radial",)
+    becomes = "planar"
 
     model: Literal["planar"]
+    bearing_radius: PositiveLength
+
+    def shape(self) -> ClearanceGeometry:
+        """Return the joint's shape."""
+        from antenna_pin.geometry import PlanarClearance
+
+        return PlanarClearance(
+            bearing_radius=self.bearing_radius, journal_radius=self.bearing_radius - self.radial_play
+        )
 
 
-class SphericalClearance(_Touching):
+class SphericalClearance(TouchingSpec):
     """A ball in a socket: ``bearing_radius`` is the socket's, ``journal_radius`` the ball's."""
 
-    kinds = ("radial",)
+    kinds: ClassVar[tuple[Kind, ...]] = ("radial",)
+    no_line = "a ball in a socket"
+    of_types = ("revolute", "continuous", "floating")
 
     model: Literal["spherical"]
+    bearing_radius: PositiveLength
+
+    def shape(self) -> ClearanceGeometry:
+        """Return the joint's shape."""
+        from antenna_pin.geometry import SphericalClearance
+
+        return SphericalClearance(
+            socket_radius=self.bearing_radius, ball_radius=self.bearing_radius - self.radial_play
+        )
 
 
-class ContactClearance(_Touching):
+class ContactClearance(TouchingSpec):
     """A joint held together by contact alone: bore and flanges, six degrees of freedom."""
 
     kinds: ClassVar[tuple[Kind, ...]] = KINDS
+    ends = 2
 
     model: Literal["contact"]
+    bearing_radius: PositiveLength
     bearing_length: PositiveLength
     bearing_outer_radius: PositiveLength
     flange_radius: PositiveLength
@@ -226,84 +186,76 @@ class ContactClearance(_Touching):
         assert self.flange_distance is not None
         return (self.flange_distance - self.bearing_length) / 2.0
 
-    @property
-    def axial_law(self) -> LawSpec:
-        """The normal law at the flanges: ``normal``, with what ``axial`` changes."""
-        law = self._law("axial")
-        assert law is not None
-        return law
+    def shape(self) -> ClearanceGeometry:
+        """Return the joint's shape."""
+        from antenna_pin.geometry import RevoluteClearance
 
-    @model_validator(mode="after")
-    def _check_flanges(self) -> Self:
-        _check_play(self, AXIAL_PLAY)
-        return self
+        return RevoluteClearance.from_clearances(
+            bearing_radius=self.bearing_radius,
+            radial_clearance=self.radial_play,
+            bearing_length=self.bearing_length,
+            axial_clearance=self.axial_play,
+            bearing_outer_radius=self.bearing_outer_radius,
+            flange_radius=self.flange_radius,
+        )
+
+    def _check_plays(self) -> None:
+        check_play(self, RADIAL_PLAY)
+        check_play(self, AXIAL_PLAY)
 
 
-ClearanceSpec = ContactClearance | PlanarClearance | SphericalClearance | IdealClearance
+class PrismaticClearance(TouchingSpec):
+    """A rectangular slider in a rectangular guide: slides along the joint's axis, six degrees of freedom.
+
+    ``normal`` is the law of each of the slider's eight corners on each of its two walls.
+    """
+
+    kinds: ClassVar[tuple[Kind, ...]] = ("radial",)
+    no_line = "the corner of a slider"
+    of_types = ("prismatic",)
+    slides = True
+
+    model: Literal["prismatic"]
+    guide_width: PositiveLength
+    guide_height: PositiveLength
+    slider_length: PositiveLength
+
+    def shape(self) -> ClearanceGeometry:
+        """Return the joint's shape."""
+        from antenna_pin.geometry import PrismaticClearance
+
+        sides = {}
+        for side in ("width", "height"):
+            guide, slider = getattr(self, f"guide_{side}"), getattr(self, f"slider_{side}")
+            sides[f"guide_{side}"] = guide
+            sides[f"slider_{side}"] = guide - 2.0 * self.radial_play if slider is None else slider
+        given = {name: getattr(self, name) for name in ("corner_radius", "roll")}
+        more = {name: value for name, value in given.items() if value is not None}
+        return PrismaticClearance(slider_length=self.slider_length, **sides, **more)
+
+    def hertz_stiffness(self, modulus: float, place: str) -> float:
+        """Return the stiffness of a Hertz contact of a rounded corner, a ball, on a plane [N/m^1.5]."""
+        if not self.corner_radius:
+            raise ScenarioError(
+                f"{place}: is missing; give it, or the joint's corner_radius: a sharp corner has no stiffness"
+            )
+        return 4.0 / 3.0 * modulus * math.sqrt(self.corner_radius)
+
+    def _check_plays(self) -> None:
+        if self.journal_radius is not None:
+            refuse("must be left out; a slider has slider_width and slider_height", "journal_radius")
+        sides = (self.slider_width, self.slider_height)
+        if (self.radial_clearance is None) == (None in sides):
+            refuse("must have exactly one of radial_clearance, and slider_width with slider_height")
+        if self.radial_clearance is not None and sides != (None, None):
+            refuse("must have exactly one of radial_clearance, and slider_width with slider_height, got both")
+        if self.load != "point":
+            refuse(f"must be point for a slider, got {self.load!r}", "load", value=self.load)
+        try:
+            self.shape()
+        except InvalidParameterError as error:
+            refuse(error.reason, error.parameter)
+
+
+ClearanceSpec = ContactClearance | PlanarClearance | SphericalClearance | PrismaticClearance | IdealClearance
 """A joint with play; ``model`` says which class it is."""
-
-
-def law_tables(joint: ClearanceSpec) -> dict[str, dict[str, Any]]:
-    """Return a joint's normal laws as a file has them, with the units that depend on other parameters.
-
-    So the stiffness of a law of one exponent is not taken for that of another, laid over it.
-    """
-    known = laws("normal")
-    found = {}
-    for place in ("normal", *KINDS):
-        table: LawSpec | LawChange | None = getattr(joint, place)
-        if table is None:
-            continue
-        common = joint.normal if joint.normal is not None else table
-        law = table.law or common.law or ""
-        outer = common.parameters if law == common.law else {}
-        dissipation = table.dissipation or (common.dissipation if law == common.law else None)
-        units = {
-            name: unit_of(name, law, known, outer | table.parameters, dissipation)
-            for name in table.parameters
-        }
-        found[place] = flat(table) | {name: f"{table.parameters[name]!r} {units[name]}" for name in units}
-    return found
-
-
-def _check_play(joint: _Clearance, pair: tuple[str, str]) -> None:
-    if all(getattr(joint, name) is None for name in pair):
-        refuse(f"must have exactly one of {' and '.join(pair)}, got neither")
-
-
-def _check_law(law: LawSpec, family: Family, complete: bool, table: str, places: Mapping[str, str]) -> None:
-    """Refuse a law that does not accept its parameters.
-
-    Args:
-        law: The law as it is used.
-        family: Which laws it is one of.
-        complete: Whether to refuse one, too, that lacks parameters.
-        table: Table in which the law stands.
-        places: Table in which a parameter stands, by name, where it is another.
-    """
-    known = laws(family)
-    missing = missing_parameters(law, known)
-    if missing and not complete:
-        return
-    for name in missing:
-        takes = ", ".join(declared_parameters(law.law, known, law.dissipation))
-        refuse(f"is missing; law {title(law)} takes {takes}", places.get(name, table), name)
-    broken = check_values(law, family)
-    if broken is not None:
-        name, text = broken
-        refuse(text, places.get(name, table), name)
-
-
-def _read_law_tables(data: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the law tables of a joint, their parameters in SI units."""
-    tables = {name: data[name] for name in ("normal", "radial", "axial", "friction") if name in data}
-    families: tuple[Family, ...] = ("normal", "friction")
-    for family in families:
-        if isinstance(tables.get(family), Mapping | LawSpec):
-            tables[family] = read_law(flat(tables[family]), laws(family), family)
-    if tables.get("normal") is not None and not isinstance(tables["normal"], LawSpec):
-        return tables  # refused for its normal law
-    for kind in KINDS:
-        if isinstance(tables.get(kind), Mapping | LawSpec | LawChange):
-            tables[kind] = read_change(flat(tables[kind]), tables.get("normal"), kind)
-    return tables

@@ -10,8 +10,9 @@ from pydantic import Field, model_validator
 
 from antenna_pin.errors import UnknownNameError, nearest
 from antenna_pin.scenario._base import PositiveTime, Spec, refuse, refuse_name
+from antenna_pin.scenario._clearance import law_tables
 from antenna_pin.scenario._layers import Source, built, check_drives, read_layer
-from antenna_pin.scenario.clearance import ClearanceSpec, law_tables
+from antenna_pin.scenario.clearance import ClearanceSpec
 from antenna_pin.scenario.drives import DRIVE_SPECS, DriveSpec, SpringSpec
 from antenna_pin.scenario.events import EventSpec, number_to_set
 from antenna_pin.scenario.initial import InitialBaseSpec, InitialSpec

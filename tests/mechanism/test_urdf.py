@@ -425,8 +425,9 @@ def test_an_override_may_give_a_frame_its_inertial(crooked):
             "crooked.urdf: joint 'wrist': kind 'fre' is unknown; did you mean free?",
         ),
         (
-            {"joints": {"slide": "free"}},
-            "crooked.urdf: joint 'slide' is prismatic; only a revolute or continuous joint can be made free",
+            {"joints": {"slide": "planar"}},
+            "crooked.urdf: joint 'slide' is prismatic; only a revolute or continuous joint can be made "
+            "planar",
         ),
         (
             {"joints": {"weld": "planar"}},
@@ -466,7 +467,8 @@ def test_a_free_joint_has_no_ideal_form_to_go_back_to(crooked):
         ):
             variant.variant(joints={"wrist": "ideal"})
         with pytest.raises(
-            MechanismError, match=f"joint 'wrist' is {urdf_type}; only a revolute or continuous"
+            MechanismError,
+            match=f"joint 'wrist' is {urdf_type}; only a revolute, continuous or prismatic",
         ):
             variant.variant(joints={"wrist": "free"})
 

@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 from antenna_pin import AntennaPinError, build_system, load_scenario, models_path, simulate
 from antenna_pin.contact import hertz_stiffness
 
-RIGS = ("impact_pair", "pendulum", "spherical_pendulum")
+RIGS = ("impact_pair", "pendulum", "slider", "spherical_pendulum")
 CASES = [
     (rig, case)
     for rig in RIGS
@@ -266,7 +266,10 @@ def test_a_hinge_may_be_made_a_ball_joint():
     ("override", "said"),
     [
         ("clearance.upper.socket_radius=0.01", "clearance.upper.socket_radius is unknown"),
-        ("clearance.upper.load=distributed", "load must be point where the joint is planar or spherical"),
+        (
+            "clearance.upper.load=distributed",
+            "load must be point where the joint is not one of journal, bore and flanges",
+        ),
         ("springs.upper.damping=0.1", "joint 'upper' is spherical and has no axis to act about"),
         ("clearance.upper.model=planar", "must be revolute or continuous in the URDF, got floating"),
     ],
@@ -274,3 +277,61 @@ def test_a_hinge_may_be_made_a_ball_joint():
 def test_what_a_ball_joint_cannot_have_is_refused(override, said):
     with pytest.raises(AntennaPinError, match=said):
         build_system(load_scenario("spherical_pendulum", case="rest", overrides=[override]))
+
+
+# --- slider ------------------------------------------------------------------------------------------------
+
+
+WEIGHT, CORNERS, AHEAD = 1.248 * GRAVITY, 0.096, 0.010
+
+
+def test_a_slider_rests_on_four_corners():
+    """Statics: the corners in front and behind share the weight by lever; each depth is Hertz' of a ball."""
+    run = closed_form("slider", "rest")
+    last = run.data.isel(time=-1)
+    loaded = last["touching"].values != 0
+    ends = last["contact_end"].values[loaded]
+    assert sorted(ends) == ["+x+y+z", "+x+y-z", "+x-y+z", "+x-y-z"]
+    modulus = 207e9 / (1.0 - 0.3**2) / 2.0
+    stiffness = 4.0 / 3.0 * modulus * math.sqrt(0.002)
+    for end, force, depth in zip(
+        ends, last["normal_force"].values[loaded], last["depth"].values[loaded], strict=True
+    ):
+        share = 0.25 + (0.5 if end.endswith("+z") else -0.5) * AHEAD / CORNERS
+        # What is left of the motion after 0.1 s; the tilt of 2e-6 rad moves the levers by less than 1e-6.
+        assert force == pytest.approx(share * WEIGHT, rel=1e-6)
+        assert depth == pytest.approx((share * WEIGHT / stiffness) ** (2.0 / 3.0), rel=1e-6)
+
+
+def test_a_driven_slider_accelerates_against_friction():
+    for case, resistance in (("driven", 0.1 * WEIGHT), ("ideal", 0.0)):
+        run = closed_form("slider", case)
+        late = run.data["slide_acceleration"].values[run.data["time"].values > 0.4, 0]
+        # At 0.9 m/s tanh is one to round-off; the last bounces have died away to 1e-8 of the acceleration.
+        assert late == pytest.approx(np.full(late.size, (4.0 - resistance) / 1.248), rel=1e-7)
+        assert conservation(run)["energy_error"] < 1e-10
+
+
+def test_a_slider_weighs_on_both_walls_of_a_rolled_guide():
+    """Turned by 30 degrees about its axis, its floor and its side share the weight as cosine and sine."""
+    # The guide turns with its slider: the section's x now points to 30 degrees off the vertical.
+    run = closed_form(
+        "slider",
+        "rest",
+        "clearance.slide.roll=30 deg",
+        "initial.joints.slide.journal_position=[1e-7, -1e-7, 0]",
+        duration=0.3,
+    )
+    last = run.data.isel(time=-1)
+    by_wall = {
+        wall: sum(
+            float(force)
+            for force, end in zip(last["normal_force"].values, last["contact_end"].values, strict=True)
+            if end.startswith(wall)
+        )
+        for wall in ("+x", "-x", "+y", "-y")
+    }
+    assert by_wall["-x"] == by_wall["+y"] == 0.0
+    # Of the sinking's motion after 0.3 s.
+    assert by_wall["+x"] == pytest.approx(WEIGHT * math.cos(math.radians(30.0)), rel=1e-6)
+    assert by_wall["-y"] == pytest.approx(WEIGHT * math.sin(math.radians(30.0)), rel=1e-6)

@@ -1,0 +1,51 @@
+"""From a scenario to a system."""
+
+from __future__ import annotations
+
+from antenna_pin.assemble.laws import clearance_joint
+from antenna_pin.assemble.places import check_known, check_motion
+from antenna_pin.assemble.variant import urdf_variant
+from antenna_pin.dynamics import Hinge, System
+from antenna_pin.mechanism import build_mechanism
+from antenna_pin.scenario import AngleEvent, ForceEvent, GapEvent, RateEvent, Scenario
+from antenna_pin.scenario.clearance import TouchingSpec
+
+__all__ = ["build_system"]
+
+
+def build_system(scenario: Scenario) -> System:
+    """Return the system of a scenario's case.
+
+    Raises:
+        AntennaPinError: Names, dimensions or laws that do not go together; one line that says where.
+    """
+    urdf = urdf_variant(scenario)
+    mechanism = build_mechanism(urdf, scenario.mechanism.base, scenario.mechanism.gravity)
+    for place, specs in (("drives", scenario.drives), ("springs", scenario.springs)):
+        for name, spec in specs.items():
+            check_known(scenario, [spec.joint], "moving joint", mechanism.joints, place, name, "joint")
+            check_motion(scenario, mechanism.joint(spec.joint), spec.motion, place, name)
+    system = System(
+        mechanism,
+        clearances=[
+            clearance_joint(scenario, name, spec)
+            for name, spec in scenario.clearance.items()
+            if isinstance(spec, TouchingSpec)
+        ],
+        drives={name: spec.build() for name, spec in scenario.drives.items()},
+        springs={name: spec.build() for name, spec in scenario.springs.items()},
+        hinges=[Hinge(joint=name) for name, spec in scenario.clearance.items() if spec.model == "constraint"],
+    )
+    _check_events(scenario, system)
+    return system
+
+
+def _check_events(scenario: Scenario, system: System) -> None:
+    """Refuse events on joints and contacts that there are not, or in units of another motion."""
+    for name, spec in scenario.events.items():
+        place = ("events", name)
+        if isinstance(spec, AngleEvent | RateEvent):
+            check_known(scenario, [spec.joint], "moving joint", system.mechanism.joints, *place, "joint")
+            check_motion(scenario, system.mechanism.joint(spec.joint), spec.motion, *place)
+        elif isinstance(spec, GapEvent | ForceEvent):
+            check_known(scenario, [spec.contact], "contact", system.contact_names, *place, "contact")

@@ -1,0 +1,101 @@
+"""The initial state of a scenario."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from antenna_pin.assemble.places import check_known, check_motion, slides, where
+from antenna_pin.dynamics import System
+from antenna_pin.errors import ScenarioError
+from antenna_pin.mechanism import JointSlot, Mechanism, frame_aligning_z
+from antenna_pin.scenario import Scenario
+
+__all__ = ["initial_angles", "initial_state"]
+
+Array = NDArray[np.float64]
+
+
+def initial_state(scenario: Scenario, system: System) -> tuple[Array, Array]:
+    """Return the initial configuration and velocity of a scenario, (nq,) and (nv,)."""
+    return _initial_state(scenario, system.mechanism)
+
+
+def initial_angles(scenario: Scenario, system: System) -> dict[str, float]:
+    """Return the initial angles of the joints that turn without end, with their whole turns [rad]."""
+    known = {name: _angle(spec) for name, spec in scenario.initial.joints.items()}
+    return {name: known.get(name, 0.0) for name in system.turn_x}
+
+
+def _angle(spec: Any) -> float:
+    """Return the angle or position of a joint's initial state, by whichever of its names [rad] or [m]."""
+    given = spec.angle if spec.angle is not None else spec.position
+    return float(given or 0.0)
+
+
+def _initial_state(scenario: Scenario, mechanism: Mechanism) -> tuple[Array, Array]:
+    q, v = pin.neutral(mechanism.model), np.zeros(mechanism.model.nv)
+    initial = scenario.initial
+    if mechanism.base == "free":
+        base = initial.base
+        attitude = np.asarray(base.attitude, dtype=float)
+        q[:3], q[3:7] = base.position, attitude / np.linalg.norm(attitude)
+        v[:3], v[3:6] = base.velocity, base.angular_velocity
+    check_known(scenario, initial.joints, "moving joint", mechanism.joints, "initial.joints")
+    for name, spec in initial.joints.items():
+        slot = mechanism.joint(name)
+        check_motion(scenario, slot, spec.motion, "initial", "joints", name)
+        if slot.kind in ("floating", "planar"):
+            _place_journal(scenario, mechanism, slot, spec, q, v)
+            continue
+        for key in ("journal_position", "journal_tilt", "journal_velocity", "journal_angular_velocity"):
+            given = getattr(spec, key)
+            if given is not None and any(given):
+                raise ScenarioError(
+                    f"{where(scenario, 'initial.joints', name, key)}: must be zero or left out at a joint "
+                    f"without play, got {given}"
+                )
+        angle = _angle(spec)
+        rate = spec.velocity if spec.velocity is not None else spec.rate or 0.0
+        q[slot.q] = (np.cos(angle), np.sin(angle)) if slot.kind == "continuous" else angle
+        v[slot.v] = rate
+    return q, v
+
+
+def _place_journal(
+    scenario: Scenario, mechanism: Mechanism, slot: JointSlot, spec: Any, q: Array, v: Array
+) -> None:
+    """Write the pose and twist of a journal in its bearing, given in bearing axes, into q and v."""
+    angle = _angle(spec)
+    rate = spec.rate if spec.rate is not None else spec.velocity or 0.0
+    along, about = (angle, rate), (0.0, 0.0)
+    if not slides(scenario, slot):
+        along, about = about, along
+    position = np.array(spec.journal_position or (0.0, 0.0, 0.0)) + [0.0, 0.0, along[0]]
+    tilt = np.array(spec.journal_tilt or (0.0, 0.0, 0.0))
+    velocity = np.array(spec.journal_velocity or (0.0, 0.0, 0.0)) + [0.0, 0.0, along[1]]
+    spin = np.array(spec.journal_angular_velocity or (0.0, 0.0, 0.0)) + [0.0, 0.0, about[1]]
+    if slot.kind == "planar":
+        if position[2] or tilt.any() or velocity[2] or spin[:2].any():
+            raise ScenarioError(
+                f"{where(scenario, 'initial.joints', slot.name)}: a planar joint must stay in its plane; "
+                "give no axial position or velocity, no tilt and no rate of tilt"
+            )
+        cosine, sine = np.cos(angle), np.sin(angle)
+        q[slot.q] = (position[0], position[1], cosine, sine)
+        v[slot.v] = (
+            cosine * velocity[0] + sine * velocity[1],
+            -sine * velocity[0] + cosine * velocity[1],
+            spin[2],
+        )
+        return
+    axes = frame_aligning_z(slot.axis)
+    offset = scenario.clearance[slot.name].offset if slot.name in scenario.clearance else 0.0
+    centre = offset * slot.axis
+    turn = axes @ pin.exp3(tilt) @ pin.exp3(np.array([0.0, 0.0, about[0]])) @ axes.T
+    omega = turn.T @ axes @ spin
+    q[slot.q] = [*(axes @ position + centre - turn @ centre), *pin.Quaternion(turn).coeffs()]
+    v[slot.v] = [*(turn.T @ axes @ velocity - np.cross(omega, centre)), *omega]

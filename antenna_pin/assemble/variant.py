@@ -1,0 +1,56 @@
+"""The URDF of a scenario's case."""
+
+from __future__ import annotations
+
+from antenna_pin.assemble.places import check_known, where
+from antenna_pin.changes import JointChange
+from antenna_pin.errors import MechanismError
+from antenna_pin.mechanism import JointVariant, Urdf
+from antenna_pin.scenario import Scenario
+
+__all__ = ["urdf_variant"]
+
+
+def urdf_variant(scenario: Scenario) -> Urdf:
+    """Return the URDF of a scenario's case: joints freed, locked or made planar, and all overrides applied.
+
+    Raises:
+        MechanismError: The URDF is not a mechanism, or a change makes no sense.
+        UnknownNameError: A link or joint that it does not have.
+    """
+    spec = scenario.mechanism
+    urdf = Urdf.from_text(
+        scenario.urdf_text,
+        str(scenario.urdf_path),
+        allow_impossible_inertia=spec.allow_impossible_inertia,
+        folder=scenario.urdf_path.parent,
+    )
+    joints = {joint.name for joint in urdf.robot.joints}
+    links = {link.name for link in urdf.robot.links}
+    check_known(scenario, spec.joints, "joint", joints, "mechanism.joints")
+    check_known(scenario, spec.links, "link", links, "mechanism.links")
+    check_known(scenario, scenario.clearance, "joint", joints, "clearance")
+    if scenario.pointing is not None:
+        check_known(scenario, [scenario.pointing.body], "link", links, "pointing.body")
+    variants: dict[str, JointVariant] = {
+        name: change.kind for name, change in spec.joints.items() if change.kind is not None
+    }
+    for name, clearance in scenario.clearance.items():
+        kind = urdf.joint(name).type
+        if kind not in clearance.urdf_types:
+            *others, last = clearance.urdf_types
+            names = f"{', '.join(others)} or {last}" if others else last
+            raise MechanismError(
+                f"{where(scenario, 'clearance', name)}: a clearance joint must be {names} in the URDF, "
+                f"got {kind} (model = {clearance.model!r}); name another joint or change the URDF"
+            )
+        # A ball joint has no URDF type: a joint written as floating is taken as it is.
+        if kind != "floating":
+            variants[name] = clearance.variant
+    return urdf.variant(
+        joints=variants,
+        links={name: change.build() for name, change in spec.links.items()},
+        origins={
+            name: change.build() for name, change in spec.joints.items() if change.build() != JointChange()
+        },
+    )

@@ -1,0 +1,227 @@
+"""What all tables of joints with play share: dimensions, laws, and their checks."""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable, Mapping
+from typing import Annotated, Any, ClassVar, Literal, Self, get_args
+
+from pydantic import Field, model_validator
+
+from antenna_pin.scenario._base import Length, PositiveLength, PositiveSpeed, Quantity, Spec, refuse
+from antenna_pin.scenario.laws import (
+    Family,
+    LawChange,
+    LawSpec,
+    changed_law,
+    check_values,
+    declared_parameters,
+    flat,
+    laws,
+    missing_parameters,
+    read_change,
+    read_law,
+    title,
+    unit_of,
+)
+
+__all__ = ["AXIAL_PLAY", "KINDS", "RADIAL_PLAY", "Clearance", "Kind", "Variant", "check_play", "law_tables"]
+
+Variant = Literal["free", "planar", "ideal"]
+Kind = Literal["radial", "axial"]
+KINDS: tuple[Kind, ...] = get_args(Kind)
+
+RADIAL_PLAY = ("radial_clearance", "journal_radius")
+AXIAL_PLAY = ("axial_clearance", "flange_distance")
+
+_ORDER = (
+    ("radial_clearance", "smaller than", "bearing_radius"),
+    ("journal_radius", "smaller than", "bearing_radius"),
+    ("bearing_outer_radius", "larger than", "bearing_radius"),
+    ("flange_radius", "larger than", "bearing_radius"),
+    ("flange_distance", "at least", "bearing_length"),
+)
+_HOLDS: dict[str, Callable[[float, float], bool]] = {
+    "smaller than": operator.lt,
+    "larger than": operator.gt,
+    "at least": operator.ge,
+}
+
+
+class Clearance(Spec):
+    """What the models of a joint with play share.
+
+    Attributes:
+        bearing_radius: R_i, radius of the bore [m].
+        radial_clearance: C_r = R_i - R_j, if not given by the journal's radius [m].
+        journal_radius: R_j, if not given by the clearance [m].
+        bearing_length: L_i [m].
+        axial_clearance: C_a, play at each flange when centred, 0 or more, if not given by the flanges [m].
+        flange_distance: L_j = L_i + 2 C_a, between the flanges' inner faces, if not given by C_a [m].
+        bearing_outer_radius: R_io [m].
+        flange_radius: R_f [m].
+        guide_width: Of a guide's hollow, along its section's x [m].
+        guide_height: Along its section's y [m].
+        slider_width: Below the guide's, if not given by the clearance, to each side [m].
+        slider_height: Likewise [m].
+        slider_length: Along the axis [m].
+        corner_radius: Of the rounding of the slider's edges [m]; None for none.
+        roll: Of a guide's section about the axis [rad]; None for none.
+        offset: Bearing centre along the joint's axis from the joint's origin [m].
+        geometry: What measures the gaps: coal's distance queries or the closed form.
+        load: How contact is spread: one force per contact, or over strips of the bore and sectors of the
+            flanges.
+        strips: Of the bore under distributed load, even [-].
+        sectors: Of the loaded arc of each flange under distributed load [-].
+        flange_modulus: Of the flanges' elastic foundation under distributed load, pressure over depth
+            [N/m^3]; None for the one that gives the compression stiffness of a rigid annular punch.
+        approach_speed_floor: Least approach speed that a law sees [m/s].
+        maximum_depth: A run that presses deeper ends [m]; None for a hundredth of the bearing's radius.
+        journal_material: Name of a material.
+        bearing_material: Name of a material.
+        normal: Normal law of both kinds of contact.
+        radial: What is different at the bore.
+        axial: What is different at the flanges.
+        friction: Friction law of both kinds of contact.
+    """
+
+    # The kinds of contact that occur; whether the joint slides along its axis rather than turning about it.
+    kinds: ClassVar[tuple[Kind, ...]] = ()
+    slides: ClassVar[bool] = False
+
+    bearing_radius: PositiveLength | None = None
+    radial_clearance: PositiveLength | None = None
+    journal_radius: PositiveLength | None = None
+    bearing_length: PositiveLength | None = None
+    axial_clearance: Annotated[float, Quantity("m", "zero or more")] | None = None
+    flange_distance: PositiveLength | None = None
+    bearing_outer_radius: PositiveLength | None = None
+    flange_radius: PositiveLength | None = None
+    guide_width: PositiveLength | None = None
+    guide_height: PositiveLength | None = None
+    slider_width: PositiveLength | None = None
+    slider_height: PositiveLength | None = None
+    slider_length: PositiveLength | None = None
+    corner_radius: Annotated[float, Quantity("m", "zero or more")] | None = None
+    roll: Annotated[float, Quantity("rad")] | None = None
+    offset: Length = 0.0
+    geometry: Literal["coal", "closed-form"] = "coal"
+    load: Literal["point", "distributed"] = "point"
+    strips: Annotated[int, Field(ge=2, multiple_of=2)] = 16
+    sectors: Annotated[int, Field(ge=3)] = 16
+    flange_modulus: Annotated[float, Quantity("N/m**3", "positive")] | None = None
+    approach_speed_floor: PositiveSpeed = 1e-4
+    maximum_depth: PositiveLength | None = None
+    journal_material: str | None = None
+    bearing_material: str | None = None
+    normal: LawSpec | None = None
+    radial: LawChange | None = None
+    axial: LawChange | None = None
+    friction: LawSpec = Field(default_factory=lambda: LawSpec(law="none"))
+
+    @model_validator(mode="before")
+    @classmethod
+    def _read_laws(cls, data: Any) -> Any:
+        """Read the laws together: the unit of a parameter may depend on one in a sister table."""
+        if not isinstance(data, Mapping):
+            return data
+        return dict(data) | _read_law_tables(data)
+
+    @model_validator(mode="after")
+    def _check_dimensions(self) -> Self:
+        for pair in (RADIAL_PLAY, AXIAL_PLAY):
+            if all(getattr(self, name) is not None for name in pair):
+                refuse(f"must have exactly one of {' and '.join(pair)}, got both")
+        for name, rule, other in _ORDER:
+            value, limit = getattr(self, name), getattr(self, other)
+            if value is not None and limit is not None and not _HOLDS[rule](value, limit):
+                refuse(f"must be {rule} {other} = {limit:g} m, got {value:g} m", name, value=value)
+        return self
+
+    @model_validator(mode="after")
+    def _check_laws(self) -> Self:
+        """Refuse laws that do not accept their parameters, and for contacts that occur incomplete ones."""
+        for kind in KINDS:
+            law, change = self.law(kind), self._change(kind)
+            if law is None:
+                if kind in self.kinds:
+                    refuse("is missing; it names the law of the contact and its parameters", "normal")
+                continue
+            places = dict.fromkeys(change.parameters if change else (), kind)
+            table = kind if change is not None and change.law is not None else "normal"
+            _check_law(law, "normal", kind in self.kinds, table, places)
+        _check_law(self.friction, "friction", bool(self.kinds), "friction", {})
+        return self
+
+    def _change(self, kind: Kind) -> LawChange | None:
+        return self.radial if kind == "radial" else self.axial
+
+    def law(self, kind: Kind) -> LawSpec | None:
+        """Return the normal law of a kind of contact: the common one, with what its own table changes."""
+        return changed_law(self.normal, self._change(kind))
+
+
+def law_tables(joint: Clearance) -> dict[str, dict[str, Any]]:
+    """Return a joint's normal laws as a file has them, with the units that depend on other parameters.
+
+    So the stiffness of a law of one exponent is not taken for that of another, laid over it.
+    """
+    known = laws("normal")
+    found = {}
+    for place in ("normal", *KINDS):
+        table: LawSpec | LawChange | None = getattr(joint, place)
+        if table is None:
+            continue
+        common = joint.normal if joint.normal is not None else table
+        law = table.law or common.law or ""
+        outer = common.parameters if law == common.law else {}
+        dissipation = table.dissipation or (common.dissipation if law == common.law else None)
+        units = {
+            name: unit_of(name, law, known, outer | table.parameters, dissipation)
+            for name in table.parameters
+        }
+        found[place] = flat(table) | {name: f"{table.parameters[name]!r} {units[name]}" for name in units}
+    return found
+
+
+def check_play(joint: Clearance, pair: tuple[str, str]) -> None:
+    if all(getattr(joint, name) is None for name in pair):
+        refuse(f"must have exactly one of {' and '.join(pair)}, got neither")
+
+
+def _check_law(law: LawSpec, family: Family, complete: bool, table: str, places: Mapping[str, str]) -> None:
+    """Refuse a law that does not accept its parameters.
+
+    Args:
+        law: The law as it is used.
+        family: Which laws it is one of.
+        complete: Whether to refuse one, too, that lacks parameters.
+        table: Table in which the law stands.
+        places: Table in which a parameter stands, by name, where it is another.
+    """
+    known = laws(family)
+    missing = missing_parameters(law, known)
+    if missing and not complete:
+        return
+    for name in missing:
+        takes = ", ".join(declared_parameters(law.law, known, law.dissipation))
+        refuse(f"is missing; law {title(law)} takes {takes}", places.get(name, table), name)
+    broken = check_values(law, family)
+    if broken is not None:
+        name, text = broken
+        refuse(text, places.get(name, table), name)
+
+
+def _read_law_tables(data: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the law tables of a joint, their parameters in SI units."""
+    tables = {name: data[name] for name in ("normal", "radial", "axial", "friction") if name in data}
+    families: tuple[Family, ...] = ("normal", "friction")
+    for family in families:
+        if isinstance(tables.get(family), Mapping | LawSpec):
+            tables[family] = read_law(flat(tables[family]), laws(family), family)
+    if tables.get("normal") is not None and not isinstance(tables["normal"], LawSpec):
+        return tables  # refused for its normal law
+    for kind in KINDS:
+        if isinstance(tables.get(kind), Mapping | LawSpec | LawChange):
+            tables[kind] = read_change(flat(tables[kind]), tables.get("normal"), kind)
+    return tables
