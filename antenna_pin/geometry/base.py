@@ -65,8 +65,12 @@ class ClearanceGeometry(Protocol):
     """Shape of a joint with play: a row of candidate contacts, and what its freedom is like.
 
     A kind of joint with play is one class of this protocol, in a file of its own and in
-    ``geometry.SHAPES``.
+    ``geometry/__init__.py``.
     """
+
+    @property
+    def kind(self) -> str:
+        """What results and readers call it: revolute, planar, ..."""
 
     @property
     def contact_places(self) -> tuple[ContactPlace, ...]:

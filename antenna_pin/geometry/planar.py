@@ -35,6 +35,7 @@ class PlanarClearance:
         journal_radius: R_j, below R_i [m].
     """
 
+    kind: ClassVar[str] = "planar"
     planar: ClassVar[bool] = True
     motion: ClassVar[Motion | None] = "turn"
     half_length: ClassVar[float | None] = None

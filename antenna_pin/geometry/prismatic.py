@@ -53,6 +53,7 @@ class PrismaticClearance:
         corners; this is its extension to three dimensions.
     """
 
+    kind: ClassVar[str] = "prismatic"
     planar: ClassVar[bool] = False
     motion: ClassVar[Motion] = "slide"
 

@@ -74,6 +74,7 @@ class RevoluteClearance:
         approximates.
     """
 
+    kind: ClassVar[str] = "revolute"
     planar: ClassVar[bool] = False
     motion: ClassVar[Motion] = "turn"
 

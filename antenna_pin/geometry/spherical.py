@@ -40,6 +40,7 @@ class SphericalClearance:
         Chen and Cui (2021), equations (6)-(9).
     """
 
+    kind: ClassVar[str] = "spherical"
     planar: ClassVar[bool] = False
     motion: ClassVar[Motion | None] = None
     half_length: ClassVar[float | None] = None

@@ -20,8 +20,7 @@ Location = tuple[str | int, ...]
 """Where a value stands: the keys and indices that lead to it."""
 
 # Tables whose entries are one of several classes; pydantic puts the class into the location, after the name.
-_TAGGED = {
-    "clearance": ("contact", "planar", "spherical", "prismatic", "ideal", "constraint"),
+TAGGED: dict[str, tuple[str, ...]] = {
     "drives": tuple(DRIVES),
     "events": ("angle", "rate", "time", "gap", "force"),
 }
@@ -268,7 +267,7 @@ def located_lines(error: ValidationError) -> list[Line]:
     lines: list[Line] = []
     for detail in error.errors(include_url=False):
         location = tuple(item for item in detail["loc"] if item != "[key]")
-        if len(location) > 2 and location[2] in _TAGGED.get(str(location[0]), ()):
+        if len(location) > 2 and location[2] in TAGGED.get(str(location[0]), ()):
             location = (*location[:2], *location[3:])
         lines.append((location, detail))
     return lines

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, ClassVar, Literal, Self, get_args
 
 from pydantic import model_validator
 
 from antenna_pin.errors import InvalidParameterError, ScenarioError
-from antenna_pin.scenario._base import PositiveLength, refuse
+from antenna_pin.scenario._base import TAGGED, PositiveLength, refuse
 from antenna_pin.scenario._clearance import (
     AXIAL_PLAY,
     KINDS,
@@ -259,3 +259,7 @@ class PrismaticClearance(TouchingSpec):
 
 ClearanceSpec = ContactClearance | PlanarClearance | SphericalClearance | PrismaticClearance | IdealClearance
 """A joint with play; ``model`` says which class it is."""
+
+TAGGED["clearance"] = tuple(
+    model for cls in get_args(ClearanceSpec) for model in get_args(cls.model_fields["model"].annotation)
+)

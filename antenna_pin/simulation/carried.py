@@ -16,24 +16,11 @@ from scipy.spatial.transform import Rotation
 
 from antenna_pin.contact import DISSIPATIONS, FRICTION_LAWS, NORMAL_LAWS, DampedContact
 from antenna_pin.dynamics import System
-from antenna_pin.geometry import (
-    PlanarClearance,
-    PrismaticClearance,
-    RevoluteClearance,
-    SphericalClearance,
-)
 from antenna_pin.joints import ClearanceJoint
 from antenna_pin.mechanism import frame_aligning_z
 from antenna_pin.readable import number
 
 __all__ = ["carried_joints", "mechanism_attributes"]
-
-_KINDS = {
-    RevoluteClearance: "revolute",
-    PlanarClearance: "planar",
-    SphericalClearance: "spherical",
-    PrismaticClearance: "prismatic",
-}
 
 
 def mechanism_attributes(system: System) -> dict[str, str]:
@@ -61,7 +48,7 @@ def mechanism_attributes(system: System) -> dict[str, str]:
 def carried_joints(system: System) -> dict[str, dict[str, Any]]:
     """Return what every clearance joint is, by name.
 
-    Each has ``kind`` (revolute, planar or spherical), ``dimensions`` of its shape [m], ``bearing_body`` and
+    Each has ``kind`` (revolute, planar, ...), ``dimensions`` of its shape [m], ``bearing_body`` and
     ``journal_body`` (links), and ``bearing_placement`` and ``journal_placement``: seven numbers, the frame's
     position [m] and attitude (quaternion xyzw) in that link's frame. Its ``contacts``, by name, have
     ``kind``, ``end``, ``normal_law``, ``depth_limit`` [m] and what sets it, ``limited_by``; beside them stand
@@ -129,7 +116,7 @@ def _place(system: System, joint: ClearanceJoint) -> dict[str, Any]:
     if links[child].inertial is None and len(mounts) == 1:
         in_child, child = np.linalg.inv(urdf.placement(mounts[0].name)) @ own, mounts[0].child
     return {
-        "kind": _KINDS[type(joint.geometry)],
+        "kind": joint.geometry.kind,
         "dimensions": dataclasses.asdict(cast(Any, joint.geometry)),
         "bearing_body": urdf.joint(joint.name).parent,
         "bearing_placement": _seven(urdf.placement(joint.name) @ own),
