@@ -14,32 +14,9 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from antenna_pin.errors import InvalidParameterError
+from antenna_pin.material import Material
 
 __all__ = ["MATERIALS", "MATERIAL_PAIRS", "Material", "MaterialPair", "material_pairs"]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Material:
-    """An isotropic linear-elastic material.
-
-    Attributes:
-        young: Young's modulus E [Pa].
-        poisson: Poisson's ratio nu, in (-1, 0.5] [-].
-        density: Mass density [kg/m^3]; not needed for contact.
-        source: Where the numbers come from.
-    """
-
-    young: float
-    poisson: float
-    density: float = math.nan
-    source: str = ""
-
-    def __post_init__(self) -> None:
-        """Check the constants."""
-        if not 0.0 < self.young < math.inf:
-            raise InvalidParameterError(self, "young", "positive and finite [Pa]")
-        if not -1.0 < self.poisson <= 0.5:
-            raise InvalidParameterError(self, "poisson", "in (-1, 0.5]")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -7,7 +7,8 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from antenna_pin.changes import JointChange, JointVariant, LinkChange, ShapeChange
-from antenna_pin.scenario._base import Quantity, Spec, Vector, Vector3
+from antenna_pin.material import Material
+from antenna_pin.scenario._base import Spec, Vector, Vector3
 from antenna_pin.scenario._made import MadeSpec, reads
 
 __all__ = ["JointSpec", "LinkSpec", "MaterialSpec", "MechanismSpec", "ShapeSpec"]
@@ -55,17 +56,6 @@ class MechanismSpec(Spec):
     joints: dict[str, JointSpec] = Field(default_factory=dict)
 
 
-class MaterialSpec(Spec):
-    """An isotropic linear-elastic material.
-
-    Attributes:
-        young: Young's modulus [Pa].
-        poisson: Poisson's ratio [-].
-        density: [kg/m^3]; None where not needed.
-        source: Where the numbers come from.
-    """
-
-    young: Annotated[float, Quantity("Pa", "positive")]
-    poisson: Annotated[float, Quantity("1", "above -1 and at most 0.5")]
-    density: Annotated[float, Quantity("kg/m**3", "positive")] | None = None
-    source: str = ""
+@reads(Material)
+class MaterialSpec(MadeSpec):
+    """An isotropic linear-elastic material."""

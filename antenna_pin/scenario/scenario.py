@@ -92,7 +92,8 @@ class Scenario(Spec):
         from antenna_pin import contact
 
         if name in self.materials:
-            return contact.Material(**self.materials[name].model_dump(exclude_none=True))
+            made: Material = self.materials[name].build()
+            return made
         if name not in contact.MATERIALS:
             raise UnknownNameError("Scenario", "material", name, {*self.materials, *contact.MATERIALS})
         return contact.MATERIALS[name]

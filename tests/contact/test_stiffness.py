@@ -71,10 +71,10 @@ def test_refuses_a_journal_that_does_not_fit(journal):
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        ({"young": 0.0, "poisson": 0.3}, "Material: young must be positive and finite [Pa], got 0.0"),
-        ({"young": math.nan, "poisson": 0.3}, "Material: young must be positive and finite [Pa], got nan"),
-        ({"young": 1e9, "poisson": 0.6}, "Material: poisson must be in (-1, 0.5], got 0.6"),
-        ({"young": 1e9, "poisson": -1.0}, "Material: poisson must be in (-1, 0.5], got -1.0"),
+        ({"young": 0.0, "poisson": 0.3}, "Material: young must be positive and finite, got 0.0"),
+        ({"young": math.nan, "poisson": 0.3}, "Material: young must be positive and finite, got nan"),
+        ({"young": 1e9, "poisson": 0.6}, "Material: poisson must be above -1 and at most 0.5, got 0.6"),
+        ({"young": 1e9, "poisson": -1.0}, "Material: poisson must be above -1 and at most 0.5, got -1.0"),
     ],
 )
 def test_refuses_what_is_no_material(given, message):
