@@ -32,6 +32,7 @@ RECORD = "antenna_pin/simulation/record.py"
 SETTINGS = "antenna_pin/simulation/scales.py"
 REVOLUTE = "antenna_pin/geometry/_revolute_kernels.py"
 INTEGRATE = "antenna_pin/integrate/_kernels.py"
+MANIFOLD = "antenna_pin/integrate/_manifold_kernels.py"
 STEPPER = "antenna_pin/integrate/stepper.py"
 
 TEST_JOINT = "tests/joints/test_clearance.py"
@@ -262,8 +263,8 @@ MUTANTS = (
     _compiled(
         "angular momenta about the world's origin",
         AUDIT_KERNELS,
-        "dx, dy, dz = own[9] + sx - cx, own[10] + sy - cy, own[11] + sz - cz\n",
-        "dx, dy, dz = own[9] + sx, own[10] + sy, own[11] + sz\n",
+        "dx, dy, dz = own.origin[0] + sx - cx, own.origin[1] + sy - cy, own.origin[2] + sz - cz\n",
+        "dx, dy, dz = own.origin[0] + sx, own.origin[1] + sy, own.origin[2] + sz\n",
         TEST_AUDIT,
     ),
     _compiled(
@@ -293,8 +294,8 @@ MUTANTS = (
     _python(
         "gross work counts signs",
         LEDGER_KERNELS,
-        "    rates[x + 1] = abs(power)\n",
-        "    rates[x + 1] = power\n",
+        "    works.gross_work = abs(power)\n",
+        "    works.gross_work = power\n",
         TEST_ELEMENTS,
         TEST_RUN,
         *("-k", "drive"),
@@ -379,7 +380,7 @@ MUTANTS = (
     _compiled(
         "peaks at the points of a step only",
         INSPECT,
-        "        refine = force > 0.0 and 1.05 * force > record[c, PEAK_FORCE]\n",
+        "        refine = force > 0.0 and 1.05 * force > peak.force\n",
         "        refine = False\n",
         TEST_IMPACTS,
         *("-k", "closed_form or hertz_depth"),
@@ -547,7 +548,7 @@ MUTANTS = (
     # --- integrate
     _python(
         "averaged velocities on the group",
-        INTEGRATE,
+        MANIFOLD,
         "    out[r, j] = wx + 0.5 * cx + f * (y * cz - z * cy)\n",
         "    out[r, j] = wx\n",
         TEST_MANIFOLD,
@@ -556,7 +557,7 @@ MUTANTS = (
     ),
     _python(
         "the inverse Jacobian's last term has a wrong factor",
-        INTEGRATE,
+        MANIFOLD,
         "        f = (1.0 - 0.5 * angle / math.tan(0.5 * angle)) / square\n",
         "        f = 1.0 / 12.0\n",
         TEST_MANIFOLD,
@@ -564,7 +565,7 @@ MUTANTS = (
     ),
     _python(
         "the rotation's series is short of a term",
-        INTEGRATE,
+        MANIFOLD,
         "        f = 0.5 * (1.0 - square / 24.0 * (1.0 - square / 80.0 * (1.0 - square / 168.0)))\n",
         "        f = 0.5 * (1.0 - square / 24.0)\n",
         TEST_MANIFOLD,

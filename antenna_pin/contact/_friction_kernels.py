@@ -25,6 +25,7 @@ __all__ = [
 ]
 
 DEFLECTION_SIZE = 3
+DWELL = DEFLECTION_SIZE  # where in a state its dwell stands
 
 FRICTIONLESS = 0.0
 VELOCITY_BASED = 1.0
@@ -285,8 +286,8 @@ def bristle_force(
     elif kind == GONTHIER:
         dwelling = record(own, GONTHIER_LAW)
         s, follow, fade = _gonthier(mu_d, v_s, sigma_0, sigma_1, dwelling.rounding_speed, speed)
-        dwell = state[start + 3]
-        rates[rate_start + 3] = (s - dwell) / (dwelling.dwell_time if s >= dwell else sigma_1 / sigma_0)
+        dwell = state[start + DWELL]
+        rates[rate_start + DWELL] = (s - dwell) / (dwelling.dwell_time if s >= dwell else sigma_1 / sigma_0)
         limit = mu_d + (mu_s - mu_d) * dwell
     rates[rate_start] = follow * vx - fade * zx
     rates[rate_start + 1] = follow * vy - fade * zy

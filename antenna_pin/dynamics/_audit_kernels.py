@@ -36,202 +36,240 @@ RIGID = 3
 ROTATION = 4
 PLANE = 5
 
-# Of a moving body in the world: rotation (row-major), origin, velocity of the origin, angular velocity.
-PLACE_SIZE = 18
-# Of a state: energies, momenta about the mass centre, their scales; then the mass centre.
-KINETIC = 0
-GRAVITY = 1
-LINEAR = 2
-ANGULAR = 5
-LINEAR_SCALE = 8
-ANGULAR_SCALE = 9
-AUDIT_SIZE = 10
+# Where a body is in the world, or by its joint: rotation and origin [m], velocity of the origin [m/s] and
+# angular velocity [rad/s].
+PLACE = layout(
+    ("rotation", np.float64, (3, 3)),
+    ("origin", np.float64, (3,)),
+    ("velocity", np.float64, (3,)),
+    ("spin", np.float64, (3,)),
+)
+# What a state has: energies [J] (those stored in contacts and springs are others' to write), momenta, the
+# angular one about the mass centre, and their scales [kg m/s, kg m^2/s].
+AUDIT = layout(
+    ("kinetic", np.float64),
+    ("contacts", np.float64),
+    ("springs", np.float64),
+    ("gravity", np.float64),
+    ("linear", np.float64, (3,)),
+    ("angular", np.float64, (3,)),
+    ("linear_scale", np.float64),
+    ("angular_scale", np.float64),
+)
 
 
 @inlined
 def _about_axis(axis: Any, c: float, s: float, m: Any) -> None:
-    """Write the rotation about an axis by an angle of cosine c and sine s into m[0:9], row-major."""
+    """Write the rotation about an axis by an angle of cosine c and sine s."""
     x, y, z = axis[0], axis[1], axis[2]
     t = 1.0 - c
-    m[0], m[1], m[2] = c + t * x * x, t * x * y - s * z, t * x * z + s * y
-    m[3], m[4], m[5] = t * x * y + s * z, c + t * y * y, t * y * z - s * x
-    m[6], m[7], m[8] = t * x * z - s * y, t * y * z + s * x, c + t * z * z
+    m[0, 0], m[0, 1], m[0, 2] = c + t * x * x, t * x * y - s * z, t * x * z + s * y
+    m[1, 0], m[1, 1], m[1, 2] = t * x * y + s * z, c + t * y * y, t * y * z - s * x
+    m[2, 0], m[2, 1], m[2, 2] = t * x * z - s * y, t * y * z + s * x, c + t * z * z
 
 
 @inlined
 def _of_quaternion(q: Any, i: int, m: Any) -> None:
-    """Write the rotation of the quaternion (xyzw) at q[i:] into m[0:9], row-major."""
+    """Write the rotation of the quaternion (xyzw) at q[i:]."""
     x, y, z, w = q[i], q[i + 1], q[i + 2], q[i + 3]
-    m[0], m[1], m[2] = 1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)
-    m[3], m[4], m[5] = 2.0 * (x * y + z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - x * w)
-    m[6], m[7], m[8] = 2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y)
+    m[0, 0], m[0, 1], m[0, 2] = 1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)
+    m[1, 0], m[1, 1], m[1, 2] = 2.0 * (x * y + z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - x * w)
+    m[2, 0], m[2, 1], m[2, 2] = 2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y)
 
 
 @inlined
-def _relative(body: Any, y: Any, nq: int, m: Any, way: Any) -> None:
-    """Write how a joint places and moves its body.
+def _relative(body: Any, y: Any, nq: int, way: Any) -> None:
+    """Write how a joint places and moves its body, in a ``PLACE``.
 
-    Into m its rotation; into way the displacement in the joint's frame, and in the body's own the velocities,
-    linear and angular.
+    Its rotation; its displacement in the joint's frame; its velocities in the body's own.
     """
     i, j = body.q, nq + body.v
     axis = body.axis
-    for k in range(9):
-        way[k] = 0.0
+    for k in range(3):
+        way.origin[k] = 0.0
+        way.velocity[k] = 0.0
+        way.spin[k] = 0.0
     if body.kind == FIXED_AXIS or body.kind == CIRCLE:
         if body.kind == CIRCLE:
-            _about_axis(axis, y[i], y[i + 1], m)
+            _about_axis(axis, y[i], y[i + 1], way.rotation)
         else:
-            _about_axis(axis, math.cos(y[i]), math.sin(y[i]), m)
+            _about_axis(axis, math.cos(y[i]), math.sin(y[i]), way.rotation)
         for k in range(3):
-            way[6 + k] = axis[k] * y[j]
+            way.spin[k] = axis[k] * y[j]
     elif body.kind == SLIDE:
-        _about_axis(axis, 1.0, 0.0, m)
+        _about_axis(axis, 1.0, 0.0, way.rotation)
         for k in range(3):
-            way[k] = axis[k] * y[i]
-            way[3 + k] = axis[k] * y[j]
+            way.origin[k] = axis[k] * y[i]
+            way.velocity[k] = axis[k] * y[j]
     elif body.kind == RIGID:
-        _of_quaternion(y, i + 3, m)
+        _of_quaternion(y, i + 3, way.rotation)
         for k in range(3):
-            way[k] = y[i + k]
-            way[3 + k] = y[j + k]
-            way[6 + k] = y[j + 3 + k]
+            way.origin[k] = y[i + k]
+            way.velocity[k] = y[j + k]
+            way.spin[k] = y[j + 3 + k]
     elif body.kind == ROTATION:
-        _of_quaternion(y, i, m)
+        _of_quaternion(y, i, way.rotation)
         for k in range(3):
-            way[6 + k] = y[j + k]
+            way.spin[k] = y[j + k]
     else:
-        c, s = y[i + 2], y[i + 3]
-        m[0], m[1], m[2] = c, -s, 0.0
-        m[3], m[4], m[5] = s, c, 0.0
-        m[6], m[7], m[8] = 0.0, 0.0, 1.0
-        way[0], way[1] = y[i], y[i + 1]
-        way[3], way[4] = y[j], y[j + 1]
-        way[8] = y[j + 2]
+        m, c, s = way.rotation, y[i + 2], y[i + 3]
+        m[0, 0], m[0, 1], m[0, 2] = c, -s, 0.0
+        m[1, 0], m[1, 1], m[1, 2] = s, c, 0.0
+        m[2, 0], m[2, 1], m[2, 2] = 0.0, 0.0, 1.0
+        way.origin[0], way.origin[1] = y[i], y[i + 1]
+        way.velocity[0], way.velocity[1] = y[j], y[j + 1]
+        way.spin[2] = y[j + 2]
 
 
 @kernel
-def audit_state(y: Any, nq: int, tree: Any, gravity: Any, work: Any, out: Any) -> None:
-    """Write the energies and momenta of a state into out[0:AUDIT_SIZE].
+def audit_state(y: Any, nq: int, tree: Any, gravity: Any, places: Any, audits: Any) -> None:
+    """Write the energies and momenta of a state but those of contacts and springs.
 
     Args:
         y: State, q and v first.
         nq: Where v starts in it.
         tree: Bodies, parents first.
         gravity: (3,) [m/s^2].
-        work: To write to, (bodies + 2, PLACE_SIZE).
-        out: [kinetic, gravity [J], linear (3) [kg m/s], angular (3) [kg m^2/s], both scales].
+        places: To write to, PLACE, (bodies + 1,).
+        audits: To write to, AUDIT, (1,).
     """
     bodies = tree.shape[0]
-    m, way = work[bodies], work[bodies + 1]
-    for k in range(AUDIT_SIZE):
-        out[k] = 0.0
+    out = audits[0]
+    way = places[bodies]
+    out.kinetic = out.linear_scale = out.angular_scale = 0.0
+    for k in range(3):
+        out.linear[k] = 0.0
+        out.angular[k] = 0.0
     mass = 0.0
     cx = cy = cz = 0.0
     for b in range(bodies):
-        body = tree[b]
-        _relative(body, y, nq, m, way)
-        own = work[b]
-        # The joint's frame in the world, into own; then the joint's motion on top of it.
+        body, own = tree[b], places[b]
+        _relative(body, y, nq, way)
         if body.parent < 0:
-            for k in range(3):
-                own[9 + k] = body.position[k]
-                own[12 + k] = 0.0
-                own[15 + k] = 0.0
-                for n in range(3):
-                    own[3 * k + n] = body.rotation[k, n]
+            _place_on_world(body, own)
         else:
-            on = work[body.parent]
-            for k in range(3):
-                own[15 + k] = on[15 + k]
-                own[9 + k] = on[9 + k]
-                for n in range(3):
-                    own[9 + k] += on[3 * k + n] * body.position[n]
-                    own[3 * k + n] = (
-                        on[3 * k] * body.rotation[0, n]
-                        + on[3 * k + 1] * body.rotation[1, n]
-                        + on[3 * k + 2] * body.rotation[2, n]
-                    )
-        r0, r1, r2, r3, r4, r5, r6, r7, r8 = (
-            own[0],
-            own[1],
-            own[2],
-            own[3],
-            own[4],
-            own[5],
-            own[6],
-            own[7],
-            own[8],
-        )
-        own[9] += r0 * way[0] + r1 * way[1] + r2 * way[2]
-        own[10] += r3 * way[0] + r4 * way[1] + r5 * way[2]
-        own[11] += r6 * way[0] + r7 * way[1] + r8 * way[2]
-        for n in range(3):
-            own[n] = r0 * m[n] + r1 * m[3 + n] + r2 * m[6 + n]
-            own[3 + n] = r3 * m[n] + r4 * m[3 + n] + r5 * m[6 + n]
-            own[6 + n] = r6 * m[n] + r7 * m[3 + n] + r8 * m[6 + n]
+            _place_on(body, places[body.parent], own)
+        _move(own, way)
         if body.parent >= 0:
-            on = work[body.parent]
-            dx, dy, dz = own[9] - on[9], own[10] - on[10], own[11] - on[11]
-            own[12] = on[12] + on[16] * dz - on[17] * dy
-            own[13] = on[13] + on[17] * dx - on[15] * dz
-            own[14] = on[14] + on[15] * dy - on[16] * dx
+            _carry(places[body.parent], own)
+        r = own.rotation
         for k in range(3):
-            own[12 + k] += own[3 * k] * way[3] + own[3 * k + 1] * way[4] + own[3 * k + 2] * way[5]
-            own[15 + k] += own[3 * k] * way[6] + own[3 * k + 1] * way[7] + own[3 * k + 2] * way[8]
-        # Its mass centre from its origin, and its momenta, in the world.
-        c = body.centre
-        sx = own[0] * c[0] + own[1] * c[1] + own[2] * c[2]
-        sy = own[3] * c[0] + own[4] * c[1] + own[5] * c[2]
-        sz = own[6] * c[0] + own[7] * c[1] + own[8] * c[2]
+            own.velocity[k] += (
+                r[k, 0] * way.velocity[0] + r[k, 1] * way.velocity[1] + r[k, 2] * way.velocity[2]
+            )
+            own.spin[k] += r[k, 0] * way.spin[0] + r[k, 1] * way.spin[1] + r[k, 2] * way.spin[2]
+        sx, sy, sz = _lever(body, own)
         mass += body.mass
-        cx += body.mass * (own[9] + sx)
-        cy += body.mass * (own[10] + sy)
-        cz += body.mass * (own[11] + sz)
-        _momenta(body, own, sx, sy, sz, m)
-        for k in range(3):
-            out[LINEAR + k] += m[k]
-        out[KINETIC] += m[6]
+        cx += body.mass * (own.origin[0] + sx)
+        cy += body.mass * (own.origin[1] + sy)
+        cz += body.mass * (own.origin[2] + sz)
+        px, py, pz, _, _, _, kinetic = _momenta(body, own, sx, sy, sz)
+        out.linear[0] += px
+        out.linear[1] += py
+        out.linear[2] += pz
+        out.kinetic += kinetic
     cx, cy, cz = cx / mass, cy / mass, cz / mass
-    out[GRAVITY] = -mass * (gravity[0] * cx + gravity[1] * cy + gravity[2] * cz)
+    out.gravity = -mass * (gravity[0] * cx + gravity[1] * cy + gravity[2] * cz)
     for b in range(bodies):
-        body = tree[b]
-        own = work[b]
-        c = body.centre
-        sx = own[0] * c[0] + own[1] * c[1] + own[2] * c[2]
-        sy = own[3] * c[0] + own[4] * c[1] + own[5] * c[2]
-        sz = own[6] * c[0] + own[7] * c[1] + own[8] * c[2]
-        _momenta(body, own, sx, sy, sz, m)
-        px, py, pz = m[0], m[1], m[2]
-        dx, dy, dz = own[9] + sx - cx, own[10] + sy - cy, own[11] + sz - cz
-        lx = m[3] + dy * pz - dz * py
-        ly = m[4] + dz * px - dx * pz
-        lz = m[5] + dx * py - dy * px
-        out[ANGULAR] += lx
-        out[ANGULAR + 1] += ly
-        out[ANGULAR + 2] += lz
+        body, own = tree[b], places[b]
+        sx, sy, sz = _lever(body, own)
+        px, py, pz, hx, hy, hz, _ = _momenta(body, own, sx, sy, sz)
+        dx, dy, dz = own.origin[0] + sx - cx, own.origin[1] + sy - cy, own.origin[2] + sz - cz
+        lx = hx + dy * pz - dz * py
+        ly = hy + dz * px - dx * pz
+        lz = hz + dx * py - dy * px
+        out.angular[0] += lx
+        out.angular[1] += ly
+        out.angular[2] += lz
         if body.counts != 0:
-            out[LINEAR_SCALE] += math.sqrt(px * px + py * py + pz * pz)
-            out[ANGULAR_SCALE] += math.sqrt(lx * lx + ly * ly + lz * lz)
+            out.linear_scale += math.sqrt(px * px + py * py + pz * pz)
+            out.angular_scale += math.sqrt(lx * lx + ly * ly + lz * lz)
 
 
 @inlined
-def _momenta(body: Any, own: Any, sx: float, sy: float, sz: float, m: Any) -> None:
-    """Write linear and angular momentum about its own mass centre, and the kinetic energy, into m[0:7]."""
-    wx, wy, wz = own[15], own[16], own[17]
-    ux = own[12] + wy * sz - wz * sy
-    uy = own[13] + wz * sx - wx * sz
-    uz = own[14] + wx * sy - wy * sx
+def _place_on_world(body: Any, own: Any) -> None:
+    """Write the frame of a joint on the world."""
+    for k in range(3):
+        own.origin[k] = body.position[k]
+        own.velocity[k] = 0.0
+        own.spin[k] = 0.0
+        for n in range(3):
+            own.rotation[k, n] = body.rotation[k, n]
+
+
+@inlined
+def _place_on(body: Any, on: Any, own: Any) -> None:
+    """Write the frame of a joint on a body, which turns with it."""
+    for k in range(3):
+        own.spin[k] = on.spin[k]
+        own.origin[k] = on.origin[k]
+        for n in range(3):
+            own.origin[k] += on.rotation[k, n] * body.position[n]
+            own.rotation[k, n] = (
+                on.rotation[k, 0] * body.rotation[0, n]
+                + on.rotation[k, 1] * body.rotation[1, n]
+                + on.rotation[k, 2] * body.rotation[2, n]
+            )
+
+
+@inlined
+def _move(own: Any, way: Any) -> None:
+    """Turn and displace a joint's frame, in place, by what the joint does: the body's frame."""
+    m = way.rotation
+    for k in range(3):
+        a, b, c = own.rotation[k, 0], own.rotation[k, 1], own.rotation[k, 2]
+        own.origin[k] += a * way.origin[0] + b * way.origin[1] + c * way.origin[2]
+        for n in range(3):
+            own.rotation[k, n] = a * m[0, n] + b * m[1, n] + c * m[2, n]
+
+
+@inlined
+def _carry(on: Any, own: Any) -> None:
+    """Write the velocity that a body's origin has from the body that it is on."""
+    dx = own.origin[0] - on.origin[0]
+    dy = own.origin[1] - on.origin[1]
+    dz = own.origin[2] - on.origin[2]
+    own.velocity[0] = on.velocity[0] + on.spin[1] * dz - on.spin[2] * dy
+    own.velocity[1] = on.velocity[1] + on.spin[2] * dx - on.spin[0] * dz
+    own.velocity[2] = on.velocity[2] + on.spin[0] * dy - on.spin[1] * dx
+
+
+@inlined
+def _lever(body: Any, own: Any) -> tuple[float, float, float]:
+    """Mass centre of a body from its origin, in the world [m]."""
+    r, c = own.rotation, body.centre
+    return (
+        r[0, 0] * c[0] + r[0, 1] * c[1] + r[0, 2] * c[2],
+        r[1, 0] * c[0] + r[1, 1] * c[1] + r[1, 2] * c[2],
+        r[2, 0] * c[0] + r[2, 1] * c[1] + r[2, 2] * c[2],
+    )
+
+
+@inlined
+def _momenta(
+    body: Any, own: Any, sx: float, sy: float, sz: float
+) -> tuple[float, float, float, float, float, float, float]:
+    """Linear and angular momentum of a body about its own mass centre, in the world, and kinetic energy."""
+    wx, wy, wz = own.spin[0], own.spin[1], own.spin[2]
+    ux = own.velocity[0] + wy * sz - wz * sy
+    uy = own.velocity[1] + wz * sx - wx * sz
+    uz = own.velocity[2] + wx * sy - wy * sx
     # In the body's own axes.
-    ax = own[0] * wx + own[3] * wy + own[6] * wz
-    ay = own[1] * wx + own[4] * wy + own[7] * wz
-    az = own[2] * wx + own[5] * wy + own[8] * wz
+    r = own.rotation
+    ax = r[0, 0] * wx + r[1, 0] * wy + r[2, 0] * wz
+    ay = r[0, 1] * wx + r[1, 1] * wy + r[2, 1] * wz
+    az = r[0, 2] * wx + r[1, 2] * wy + r[2, 2] * wz
     inertia = body.inertia
     hx = inertia[0, 0] * ax + inertia[0, 1] * ay + inertia[0, 2] * az
     hy = inertia[1, 0] * ax + inertia[1, 1] * ay + inertia[1, 2] * az
     hz = inertia[2, 0] * ax + inertia[2, 1] * ay + inertia[2, 2] * az
-    m[0], m[1], m[2] = body.mass * ux, body.mass * uy, body.mass * uz
-    m[3] = own[0] * hx + own[1] * hy + own[2] * hz
-    m[4] = own[3] * hx + own[4] * hy + own[5] * hz
-    m[5] = own[6] * hx + own[7] * hy + own[8] * hz
-    m[6] = 0.5 * (m[0] * ux + m[1] * uy + m[2] * uz + ax * hx + ay * hy + az * hz)
+    px, py, pz = body.mass * ux, body.mass * uy, body.mass * uz
+    return (
+        px,
+        py,
+        pz,
+        r[0, 0] * hx + r[0, 1] * hy + r[0, 2] * hz,
+        r[1, 0] * hx + r[1, 1] * hy + r[1, 2] * hz,
+        r[2, 0] * hx + r[2, 1] * hy + r[2, 2] * hz,
+        0.5 * (px * ux + py * uy + pz * uz + ax * hx + ay * hy + az * hz),
+    )

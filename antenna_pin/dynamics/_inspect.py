@@ -17,13 +17,11 @@ from antenna_pin.integrate._kernels import dense_joints
 from antenna_pin.joints._kernels import contact_forces, contact_geometry, contact_rates
 from antenna_pin.joints._layout_kernels import CLEARANCE, FORCES_GIVEN, joint_at
 from antenna_pin.joints._pose_kernels import journal_state
+from antenna_pin.records import layout
 
 NODES = 4
-# Columns of the record of a contact: largest force [N] and when [s], largest depth [m].
-PEAK_FORCE = 0
-PEAK_TIME = 1
-PEAK_DEPTH = 2
-RECORD_SIZE = 3
+# What is recorded of a contact while it lasts: largest force [N] and when [s], largest depth [m].
+PEAK = layout(("force", "f8"), ("time", "f8"), ("depth", "f8"))
 # What is known of each contact at the points of a step.
 # (Typed, or all that is called with one is compiled for each.)
 GAP: Any = np.int64(0)
@@ -199,22 +197,23 @@ def fill_nodes(nodes: Any, trial: Any) -> None:
 
 
 @kernel
-def track_peaks(t: float, h: float, nodes: Any, record: Any, trial: Any) -> None:
-    """Raise the record of each touching contact to the maxima of this step's dense output."""
+def track_peaks(t: float, h: float, nodes: Any, peaks: Any, trial: Any) -> None:
+    """Raise the peaks of each touching contact (``PEAK``) to the maxima of this step's dense output."""
     memory = trial.memory
     ratio = 0.3819660112501051  # golden section
     for c in range(memory.shape[0]):
         if memory[c].touching == 0.0 or trial.measured[c]:
             continue
+        peak = peaks[c]
         best = 0
         for k in range(1, NODES + 1):
             if nodes[NORMAL_FORCE, k, c] > nodes[NORMAL_FORCE, best, c]:
                 best = k
         force = nodes[NORMAL_FORCE, best, c]
-        if force > record[c, PEAK_FORCE]:
-            record[c, PEAK_FORCE] = force
-            record[c, PEAK_TIME] = t + h * best / NODES
-        refine = force > 0.0 and 1.05 * force > record[c, PEAK_FORCE]
+        if force > peak.force:
+            peak.force = force
+            peak.time = t + h * best / NODES
+        refine = force > 0.0 and 1.05 * force > peak.force
         if refine and best == NODES:
             refine = _value(NORMAL_FORCE, 1.0 - 1e-3, c, trial) > force
         elif refine and best == 0:
@@ -236,12 +235,12 @@ def track_peaks(t: float, h: float, nodes: Any, record: Any, trial: Any) -> None
                     m2 = b - ratio * (b - a)
                     f2 = _value(NORMAL_FORCE, m2, c, trial)
             top = max(f1, f2)
-            if top > record[c, PEAK_FORCE]:
-                record[c, PEAK_FORCE] = top
-                record[c, PEAK_TIME] = t + h * (m1 if f1 > f2 else m2)
+            if top > peak.force:
+                peak.force = top
+                peak.time = t + h * (m1 if f1 > f2 else m2)
         for k in range(NODES + 1):
-            if -nodes[GAP, k, c] > record[c, PEAK_DEPTH]:
-                record[c, PEAK_DEPTH] = -nodes[GAP, k, c]
+            if -nodes[GAP, k, c] > peak.depth:
+                peak.depth = -nodes[GAP, k, c]
         for k in range(NODES):
             if nodes[DEPTH_RATE, k, c] > 0.0 > nodes[DEPTH_RATE, k + 1, c]:
                 m = _root(
@@ -255,13 +254,13 @@ def track_peaks(t: float, h: float, nodes: Any, record: Any, trial: Any) -> None
                     trial,
                 )
                 depth = -_value(GAP, m, c, trial)
-                if depth > record[c, PEAK_DEPTH]:
-                    record[c, PEAK_DEPTH] = depth
+                if depth > peak.depth:
+                    peak.depth = depth
 
 
 @kernel
 def inspect_step(
-    t: float, h: float, until: float, nodes: Any, ignore: Any, limits: Any, record: Any, trial: Any
+    t: float, h: float, until: float, nodes: Any, ignore: Any, limits: Any, peaks: Any, trial: Any
 ) -> tuple[int, float, bool]:
     """Return what happens first within the step: which contact, at what fraction, and whether it is too deep.
 
@@ -293,5 +292,5 @@ def inspect_step(
                 when = theta
                 deep = True
     if first < 0 and until > 1.0:
-        track_peaks(t, h, nodes, record, trial)
+        track_peaks(t, h, nodes, peaks, trial)
     return first, when, deep

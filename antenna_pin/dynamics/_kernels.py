@@ -66,6 +66,9 @@ ELEMENT = layout(
 )
 PARAMETERS = words_of(ELEMENT)
 
+#: A turned angle: its place in x, block of its joint with play or -1, starts of the joint's parts of q and v.
+TURN = layout(("x", "i8"), ("play", "i8"), ("q", "i8"), ("v", "i8"))
+
 
 @inlined
 def head_of(program: Any) -> Any:
@@ -233,20 +236,20 @@ def stored_energy(y: Any, program: Any, memory: Any, table: Any) -> tuple[float,
 def turn_on(program: Any, turns: Any, y: Any) -> float:
     """Bring the turned angles in a state's x up to its configuration; return the fastest rate [rad/s].
 
-    ``turns`` has a row per angle: place in x, block of the joint with play or -1, start in q, start in v.
+    ``turns`` has a record ``TURN`` per angle.
     """
     head = head_of(program)
     x0 = head.nq + head.nv
     fastest = 0.0
     for k in range(turns.shape[0]):
-        at = x0 + turns[k, 0]
-        block = turns[k, 1]
-        i = head.nq + turns[k, 3]
-        if block < 0:
-            angle = math.atan2(y[turns[k, 2] + 1], y[turns[k, 2]])
+        turn = turns[k]
+        at = x0 + turn.x
+        i = head.nq + turn.v
+        if turn.play < 0:
+            angle = math.atan2(y[turn.q + 1], y[turn.q])
             rate = abs(y[i])
         else:
-            j = joint_at(program, block)
+            j = joint_at(program, turn.play)
             angle, _, _ = wrapped_angle(j, y)
             if j.planar != 0:
                 rate = abs(y[i + 2])

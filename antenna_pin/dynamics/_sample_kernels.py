@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from antenna_pin._compile import inlined, kernel
-from antenna_pin.dynamics._audit_kernels import AUDIT_SIZE, audit_state
+from antenna_pin.dynamics._audit_kernels import audit_state
 from antenna_pin.dynamics._inspect import contacts_in
 from antenna_pin.dynamics._kernels import element_state, evaluate, head_of, stored_energy
 from antenna_pin.geometry._kernels import BORE
@@ -32,10 +32,8 @@ SEEN = layout(
     ("contact_force", np.float64, (3,)),
     ("contact_point", np.float64, (3,)),
 )
-# Of a sample beside what ``audit_state`` writes: energy stored in contacts and in springs [J].
-CONTACTS = AUDIT_SIZE
-SPRINGS = AUDIT_SIZE + 1
-ENERGIES = AUDIT_SIZE + 2
+# A drive at a sample: its effort [N m] or [N], the reference that it follows, and how far it is from it.
+EFFORT = layout(("effort", np.float64), ("reference", np.float64), ("error", np.float64))
 
 
 @inlined
@@ -103,7 +101,7 @@ def observe(
     poses: Any,
     scenarios: Any,
     efforts: Any,
-    energies: Any,
+    audits: Any,
 ) -> None:
     """Evaluate the force elements at samples first to last and write what follows from them.
 
@@ -122,14 +120,14 @@ def observe(
         drives: Places of the drives.
         tree: Bodies (``BODY``).
         gravity: (3,) [m/s^2].
-        room: To write to, (bodies + 2, PLACE_SIZE).
+        room: To write to, PLACE, (bodies + 1,).
         scratch: A contact table to write to, CONTACT, (5,).
         forces: Generalized forces, (n, nv).
         contacts: ``SEEN`` of each, (n, contacts).
         poses: Of the journals with the wrenches on them, POSE, (n, joints).
         scenarios: Of contact, radial and axial, (n, joints, 2).
-        efforts: Of the drives, with the reference that they follow and their error, (n, drives, 3).
-        energies: (n, ENERGIES).
+        efforts: Of the drives, ``EFFORT``, (n, drives).
+        audits: Energies and momenta, AUDIT, (n,).
     """
     head = head_of(program)
     nq, nv = head.nq, head.nv
@@ -148,17 +146,16 @@ def observe(
         for c in range(memory.shape[0]):
             _look_at(table[c], contacts[i, c])
         for k in range(drives.shape[0]):
-            own_effort, reference, error = element_state(program, drives[k], times[i], y, nq)
-            efforts[i, k, 0], efforts[i, k, 1], efforts[i, k, 2] = own_effort, reference, error
+            drive = efforts[i, k]
+            drive.effort, drive.reference, drive.error = element_state(program, drives[k], times[i], y, nq)
         for k in range(blocks.shape[0]):
             b = blocks[k]
             own = poses[i, k : k + 1]
             journal_state(joint_at(program, b), y, nq, own[0])
             wrench_on_journal(program, b, own, table)
             _scenario(program, b, own[0], table, scratch, scenarios[i, k])
-        audit_state(y, nq, tree, gravity, room, energies[i])
-        stored = stored_energy(y, program, memory, table)
-        energies[i, CONTACTS], energies[i, SPRINGS] = stored[0], stored[1]
+        audit_state(y, nq, tree, gravity, room, audits[i : i + 1])
+        audits[i].contacts, audits[i].springs = stored_energy(y, program, memory, table)
 
 
 @kernel

@@ -97,17 +97,18 @@ def audit(workspace: Workspace, y: Array) -> Audit:
     """
     model = workspace.model
     tree = body_tree(workspace.system.mechanism)
-    found = np.zeros(_bodies.AUDIT_SIZE)
-    work = np.zeros((len(tree) + 2, _bodies.PLACE_SIZE))
-    _bodies.audit_state(y, model.nq, tree, np.array(model.gravity.linear), work, found)
+    audits = np.zeros(1, _bodies.AUDIT)
+    places = np.zeros(len(tree) + 1, _bodies.PLACE)
+    _bodies.audit_state(y, model.nq, tree, np.array(model.gravity.linear), places, audits)
+    found: Any = audits[0]
     contacts, springs = _kernels.stored_energy(y, workspace.program, workspace.memory, workspace.table)
     return Audit(
-        kinetic=float(found[_bodies.KINETIC]),
-        gravity=float(found[_bodies.GRAVITY]),
+        kinetic=float(found.kinetic),
+        gravity=float(found.gravity),
         contacts=contacts + energy_of_python_laws(workspace),
         springs=springs,
-        linear=found[_bodies.LINEAR : _bodies.LINEAR + 3],
-        angular=found[_bodies.ANGULAR : _bodies.ANGULAR + 3],
-        linear_scale=float(found[_bodies.LINEAR_SCALE]),
-        angular_scale=float(found[_bodies.ANGULAR_SCALE]),
+        linear=found.linear,
+        angular=found.angular,
+        linear_scale=float(found.linear_scale),
+        angular_scale=float(found.angular_scale),
     )

@@ -33,23 +33,25 @@ class Observed:
         pose: Of the journals in their bearings, with force and moment of the contacts on them about their
             centres, bearing axes, POSE, (n, joints).
         scenario: Of contact, radial and axial, (n, joints, 2).
-        effort: Of the drives [N m], the reference that they follow and the error [rad], NaN where they follow
-            none, (n, drives, 3).
-        stored: Energy: kinetic, of contacts, of springs, of gravity, (n, 4) [J].
-        linear: Momentum, world axes, (n, 3) [kg m/s].
-        angular: About the mass centre, world axes, (n, 3) [kg m^2/s].
-        scale: Of both momenta (see :class:`antenna_pin.dynamics.Audit`), (n, 2).
+        effort: Of the drives ``effort`` [N m], ``reference`` that they follow and ``error`` [rad], both NaN
+            where they follow none, ``EFFORT``, (n, drives).
+        audit: Energies and momenta, with the names and units of :class:`antenna_pin.dynamics.Audit`, AUDIT,
+            (n,).
     """
 
     acceleration: Array
     contact: NDArray[Any]
     pose: NDArray[Any]
     scenario: NDArray[np.int8]
-    effort: Array
-    stored: Array
-    linear: Array
-    angular: Array
-    scale: Array
+    effort: NDArray[Any]
+    audit: NDArray[Any]
+
+    @property
+    def energy(self) -> Array:
+        """All that is stored, (n,) [J]."""
+        audit = self.audit
+        total: Array = audit["kinetic"] + audit["contacts"] + audit["springs"] + audit["gravity"]
+        return total
 
 
 def observed(
@@ -71,8 +73,8 @@ def observed(
     contact = np.zeros((n, contacts), dtype=_sample_kernels.SEEN)
     pose = np.zeros((n, joints), POSE)
     scenario = np.zeros((n, joints, 2), dtype=np.int8)
-    effort = np.zeros((n, len(system.drives), 3))
-    energies = np.zeros((n, _sample_kernels.ENERGIES))
+    effort = np.zeros((n, len(system.drives)), _sample_kernels.EFFORT)
+    audits = np.zeros(n, _audit_kernels.AUDIT)
     rates = np.zeros(model.nv + system.manifold.nx)
     given = (
         np.ascontiguousarray(times, dtype=float),
@@ -86,14 +88,14 @@ def observed(
         np.array(list(system.drive_blocks.values()), dtype=np.int64),
         tree,
         np.array(model.gravity.linear),
-        np.zeros((len(tree) + 2, _audit_kernels.PLACE_SIZE)),
+        np.zeros(len(tree) + 1, _audit_kernels.PLACE),
         np.zeros(5, CONTACT),
         forces,
         contact,
         pose,
         scenario,
         effort,
-        energies,
+        audits,
     )
     if workspace.paths or system.callables:
         for i in range(n):
@@ -102,24 +104,19 @@ def observed(
             workspace.measure(states[i])
             workspace.apply_elements(times[i], states[i], rates)
             _sample_kernels.observe(i, i + 1, True, *given)
-            energies[i, _sample_kernels.CONTACTS] += energy_of_python_laws(workspace)
+            audits["contacts"][i] += energy_of_python_laws(workspace)
     else:
         changes = [i for i in range(n) if i == 0 or programs[i] is not programs[i - 1]]
         for first, last in zip(changes, [*changes[1:], n], strict=True):
             workspace.program[:] = programs[first]
             _sample_kernels.observe(first, last, False, *given)
-    kept = _audit_kernels
-    stored = [kept.KINETIC, _sample_kernels.CONTACTS, _sample_kernels.SPRINGS, kept.GRAVITY]
     return Observed(
         acceleration=_accelerations(workspace, states, forces),
         contact=contact,
         pose=pose,
         scenario=scenario,
         effort=effort,
-        stored=energies[:, stored],
-        linear=energies[:, kept.LINEAR : kept.LINEAR + 3],
-        angular=energies[:, kept.ANGULAR : kept.ANGULAR + 3],
-        scale=energies[:, [kept.LINEAR_SCALE, kept.ANGULAR_SCALE]],
+        audit=audits,
     )
 
 

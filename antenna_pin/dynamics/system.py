@@ -85,14 +85,14 @@ class System:
         head["nq"], head["nv"] = self.model.nq, self.model.nv
         head["contacts"], head["rows"] = len(self.contact_names), self.rows
         slots = {name: self.mechanism.joint(name) for name in self.turn_x}
-        #: What :func:`_kernels.turn_on` needs to know of the turned angles.
+        #: The turned angles as :func:`_kernels.turn_on` takes them, ``TURN``.
         self.turns = np.array(
             [
-                [x, self.clearance_blocks.get(name, -1), slots[name].q.start, slots[name].v.start]
+                (x, self.clearance_blocks.get(name, -1), slots[name].q.start, slots[name].v.start)
                 for name, x in self.turn_x.items()
             ],
-            dtype=np.int64,
-        ).reshape(-1, 4)
+            dtype=_kernels.TURN,
+        )
         self.manifold = Manifold(spaces(self.model), blocks.x)
 
     def _turning(self) -> dict[str, int]:

@@ -4,11 +4,17 @@ from __future__ import annotations
 
 from typing import Any
 
-from antenna_pin._compile import inlined
+from antenna_pin._compile import inlined, record
+from antenna_pin.records import layout, words_of
+
+# The integrals of a drive in x, in the order of ``Drive.integrals``.
+WORKS = layout(("work", "f8"), ("gross_work", "f8"))
+WORKS_WORDS = words_of(WORKS)
 
 
 @inlined
 def write_work(words: Any, at: int, rate: float, power: float, rates: Any, x: int) -> None:
     """Work and gross work of a drive: what it puts in, and the integral of its size."""
-    rates[x] = power
-    rates[x + 1] = abs(power)
+    works = record(rates[x : x + WORKS_WORDS], WORKS)
+    works.work = power
+    works.gross_work = abs(power)

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from antenna_pin._compile import record
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.integrate import _kernels
+from antenna_pin.integrate import _manifold_kernels as _kernels
 
 __all__ = ["KINDS", "Manifold"]
 
@@ -25,6 +27,12 @@ KINDS = {
 }
 
 
+def _laid_out(nq: int, nv: int, nx: int, factors: NDArray[Any]) -> NDArray[np.int64]:
+    """Return a space as flat numbers."""
+    head = np.array([(nq, nv, nx, len(factors))], dtype=_kernels.SPACE)
+    return np.concatenate([head.view(np.int64), factors.view(np.int64)])
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Manifold:
     """A product of configuration spaces, in order, and ``nx`` plain numbers behind.
@@ -35,6 +43,7 @@ class Manifold:
     Attributes:
         kinds: Kind of each factor.
         nx: How many plain numbers follow q and v in a state.
+        layout: The space as the kernels take it: ``SPACE``, and a ``FACTOR`` for each joint.
     """
 
     kinds: tuple[str, ...]
@@ -43,37 +52,40 @@ class Manifold:
 
     def __post_init__(self) -> None:
         """Lay the factors out."""
-        numbers, i, j = [], 0, 0
+        factors, i, j = [], 0, 0
         for kind in self.kinds:
             if kind not in KINDS:
                 raise InvalidParameterError("Manifold", "kinds", f"of {sorted(KINDS)}", kind)
             code, nq, nv = KINDS[kind]
-            numbers += [code, i, j, nv]
+            factors.append((code, i, j, nv))
             i += nq
             j += nv
-        layout = np.array([i, j, self.nx, len(self.kinds), *numbers], dtype=np.int64)
+        layout = _laid_out(i, j, self.nx, np.array(factors, dtype=_kernels.FACTOR))
         object.__setattr__(self, "layout", layout)
+
+    @property
+    def _space(self) -> Any:
+        return record(self.layout[: _kernels.SPACE_WORDS], _kernels.SPACE)
 
     def part(self, factors: Sequence[int], *, plain: bool) -> NDArray[np.int64]:
         """Return the layout of some factors only, with or without the plain numbers."""
-        rows = self.layout[4:].reshape(-1, 4)[list(factors)]
-        head = [self.nq, self.nv, self.nx if plain else 0, len(rows)]
-        return np.array([*head, *rows.ravel()], dtype=np.int64)
+        every = self.layout[_kernels.SPACE_WORDS :].view(_kernels.FACTOR)
+        return _laid_out(self.nq, self.nv, self.nx if plain else 0, every[list(factors)])
 
     @property
     def nq(self) -> int:
         """Numbers in a configuration."""
-        return int(self.layout[0])
+        return int(self._space.nq)
 
     @property
     def nv(self) -> int:
         """Numbers in a velocity."""
-        return int(self.layout[1])
+        return int(self._space.nv)
 
     @property
     def size(self) -> int:
         """Numbers in a state [q, v, x]."""
-        return int(self.layout[:3].sum())
+        return self.nq + self.nv + self.nx
 
     def compose(self, q: ArrayLike, u: ArrayLike) -> Array:
         """Return q o exp(u): the configuration reached from q by the chart coordinates u, (nq,).

@@ -47,7 +47,7 @@ class Episodes:
 
     Attributes:
         all: Episodes in the order of their onsets.
-        record: Largest force [N], when [s], largest depth [m] of each contact that touches, (contacts, 3).
+        peaks: Largest force [N], when [s], largest depth [m] of each contact that touches, PEAK, (contacts,).
     """
 
     def __init__(self, workspace: Workspace, stepper: Stepper, samples: Samples, begin: float) -> None:
@@ -59,9 +59,9 @@ class Episodes:
         self.begin = begin
         contacts = len(system.contact_names)
         self.all: list[Episode] = []
-        self.record = np.zeros((contacts, _inspect.RECORD_SIZE))
+        self.peaks = np.zeros(contacts, _inspect.PEAK)
         self._open: list[Episode | None] = [None] * contacts
-        self._peaks: list[tuple[float, Array, Array] | None] = [None] * contacts
+        self._at_peaks: list[tuple[float, Array, Array] | None] = [None] * contacts
         self._floors = system.approach_speed_floors
         self._bristles = [j.stride - BRISTLES for j in system.clearances for _ in j.contact_names]
 
@@ -87,7 +87,7 @@ class Episodes:
         mass = self.workspace.effective_mass(self.stepper.start[: self.system.manifold.size], c)
         self.workspace.memory[c] = 1.0, speed, mass
         episode = Episode(contact=c, onset=self.stepper.t, approach_speed=speed, effective_mass=mass)
-        self.record[c] = (0.0, self.stepper.t, 0.0)
+        self.peaks[c] = (0.0, self.stepper.t, 0.0)
         x = self.stepper.start[self.system.model.nq + self.system.model.nv :]
         # What the contact has integrated before; taken off at its end.
         episode.impulse = -float(x[self.system.impulse_x[c]])
@@ -119,11 +119,11 @@ class Episodes:
         if episode is None:
             return
         x = self.stepper.start[self.system.model.nq + self.system.model.nv :]
-        episode.peak_force, episode.peak_time, episode.peak_depth = self.record[c].tolist()
-        peak = self._peaks[c]
+        episode.peak_force, episode.peak_time, episode.peak_depth = self.peaks[c].item()
+        peak = self._at_peaks[c]
         if peak is not None and peak[0] >= self.begin:
             self.samples.insert(*peak)
-            self._peaks[c] = None
+            self._at_peaks[c] = None
         episode.impulse += float(x[self.system.impulse_x[c]])
         episode.dissipated += self._lost(c, x)
 
@@ -136,12 +136,12 @@ class Episodes:
         for c, episode in enumerate(self._open):
             if episode is None:
                 continue
-            moment = float(self.record[c, _inspect.PEAK_TIME])
-            kept = self._peaks[c]
+            moment = float(self.peaks[c].time)
+            kept = self._at_peaks[c]
             if t < moment <= t + h and (kept is None or kept[0] != moment):
                 state = np.empty(self.system.manifold.size)
                 self.stepper.interpolate((moment - t) / h, state)
-                self._peaks[c] = (moment, state, self.workspace.memory.copy())
+                self._at_peaks[c] = (moment, state, self.workspace.memory.copy())
 
     # --- as a value -----------------------------------------------------------------------------------------
 
@@ -159,10 +159,10 @@ class Episodes:
             )
             self._open[one.contact] = episode
             self.all.append(episode)
-            self.record[one.contact] = one.peak
+            self.peaks[one.contact] = one.peak
             if one.peak_state.size:
                 kept = memory_records(one.peak_memory)
-                self._peaks[one.contact] = (one.peak[1], one.peak_state.copy(), kept)
+                self._at_peaks[one.contact] = (one.peak[1], one.peak_state.copy(), kept)
 
     def value(self) -> tuple[OpenContact, ...]:
         """Return the contacts that touch, as a state holds them."""
@@ -170,7 +170,7 @@ class Episodes:
         for c, episode in enumerate(self._open):
             if episode is None:
                 continue
-            kept = self._peaks[c]
+            kept = self._at_peaks[c]
             contacts.append(
                 OpenContact(
                     contact=c,
@@ -179,7 +179,7 @@ class Episodes:
                     effective_mass=episode.effective_mass,
                     impulse=episode.impulse,
                     dissipated=episode.dissipated,
-                    peak=tuple(self.record[c].tolist()),
+                    peak=self.peaks[c].item(),
                     peak_state=np.zeros(0) if kept is None else kept[1].copy(),
                     peak_memory=np.zeros((0, 3)) if kept is None else memory_numbers(kept[2]),
                 )

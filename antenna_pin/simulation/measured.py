@@ -140,8 +140,8 @@ class Measured:
                     found = Found(c, theta, True)
         return found
 
-    def track_depths(self, record: NDArray[np.float64]) -> None:
-        """Raise the largest depth of those that touch to the maximum of the dense output."""
+    def track_depths(self, peaks: NDArray[Any]) -> None:
+        """Raise the largest depth of those that touch, in the run's ``PEAK``, to the dense output's."""
         for c in self.contacts:
             if not self._workspace.memory[c].touching:
                 continue
@@ -150,4 +150,4 @@ class Measured:
             for k in range(len(POINTS) - 1):
                 if rates[k] > 0.0 > rates[k + 1]:
                     least = min(least, gap(_root(rate, POINTS[k], POINTS[k + 1])))
-            record[c, _inspect.PEAK_DEPTH] = max(record[c, _inspect.PEAK_DEPTH], -least)
+            peaks[c].depth = max(peaks[c].depth, -least)

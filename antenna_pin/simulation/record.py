@@ -80,7 +80,7 @@ class _Seen:
     @cached_property
     def energy_error(self) -> Array:
         """Error of the energy balance [J]."""
-        stored = self.found.stored.sum(axis=1)
+        stored = self.found.energy
         error = stored - stored[0]
         for happening in self.run.happened:
             error[self.times >= happening.time] -= happening.energy
@@ -199,9 +199,9 @@ def _derivative(seen: _Seen) -> Values:
     tracking = effort[:, [drive.tracks for drive in seen.system.drives.values()]]
     return {
         "a": seen.found.acceleration,
-        "drive_torque": effort[:, :, 0],
-        "control_reference": tracking[:, :, 1],
-        "control_error": tracking[:, :, 2],
+        "drive_torque": effort["effort"],
+        "control_reference": tracking["reference"],
+        "control_error": tracking["error"],
     }
 
 
@@ -254,14 +254,16 @@ def _ledger(seen: _Seen) -> Values:
 
 
 def _audit(seen: _Seen) -> Values:
-    found = seen.found
-    energies = ("kinetic_energy", "contact_energy", "spring_energy", "gravity_energy")
+    audit = seen.found.audit
     return {
-        **{name: found.stored[:, k] for k, name in enumerate(energies)},
-        "linear_momentum": found.linear,
-        "angular_momentum": found.angular,
-        "momentum_scale": found.scale[:, 0],
-        "angular_momentum_scale": found.scale[:, 1],
+        "kinetic_energy": audit["kinetic"],
+        "contact_energy": audit["contacts"],
+        "spring_energy": audit["springs"],
+        "gravity_energy": audit["gravity"],
+        "linear_momentum": audit["linear"],
+        "angular_momentum": audit["angular"],
+        "momentum_scale": audit["linear_scale"],
+        "angular_momentum_scale": audit["angular_scale"],
     }
 
 
@@ -328,14 +330,15 @@ _SOURCES: tuple[Callable[[_Seen], Values], ...] = (
 
 def _conservation(seen: _Seen) -> dict[str, Any]:
     """Return how well what must be kept was kept, relative to scales that do not pass through zero."""
-    system, found = seen.system, seen.found
+    system, audit = seen.system, seen.found.audit
     result: dict[str, Any] = {"energy_error": float(np.abs(seen.energy_error).max())}
     gross = float(seen.since[-1, system.gross_work_x].sum())
     result["gross_work"] = gross
     result["energy_error_relative"] = result["energy_error"] / gross if gross > 0.0 else None
     conserved = system.mechanism.base == "free" and not np.any(system.model.gravity.linear)
-    for k, (name, values) in enumerate((("linear", found.linear), ("angular", found.angular))):
-        scale = float(found.scale[:, k].max())
+    for name in ("linear", "angular"):
+        values = audit[name]
+        scale = float(audit[f"{name}_scale"].max())
         drift = float(np.abs(values - values[0]).max())
         result[f"{name}_momentum_drift"] = drift if conserved else None
         result[f"{name}_momentum_scale"] = scale

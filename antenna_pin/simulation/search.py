@@ -96,7 +96,7 @@ class ContactSearch:
                 self._nodes,
                 self.ignore,
                 self.limits,
-                self.episodes.record,
+                self.episodes.peaks,
                 self._trial,
             )
         )
@@ -108,14 +108,14 @@ class ContactSearch:
         """Bring the contacts' record up to the end of a trial step in which none changes."""
         stepper = self.stepper
         _inspect.fill_nodes(self._nodes, self._trial)
-        _inspect.track_peaks(stepper.t, stepper.h, self._nodes, self.episodes.record, self._trial)
+        _inspect.track_peaks(stepper.t, stepper.h, self._nodes, self.episodes.peaks, self._trial)
         self._track_in_python()
 
     def _track_in_python(self) -> None:
         """Raise the largest force of contacts that are asked in Python to the maximum of the dense output."""
-        self._measured.track_depths(self.episodes.record)
+        self._measured.track_depths(self.episodes.peaks)
         t, h = self.stepper.t, self.stepper.h
-        memory, record = self.workspace.memory, self.episodes.record
+        memory, peaks = self.workspace.memory, self.episodes.peaks
         for c, law in self._python_laws:
             if memory[c].touching == 0.0:
                 continue
@@ -132,7 +132,7 @@ class ContactSearch:
             values = [lack(theta) for theta in POINTS]
             best = int(np.argmin(values))
             theta, value = POINTS[best], values[best]
-            if -value > 0.95 * record[c, _inspect.PEAK_FORCE]:
+            if -value > 0.95 * peaks[c].force:
                 found = minimize_scalar(
                     lack,
                     bounds=(POINTS[max(best - 1, 0)], POINTS[min(best + 1, _inspect.NODES)]),
@@ -141,9 +141,9 @@ class ContactSearch:
                 )
                 if found.fun < value:
                     theta, value = float(found.x), float(found.fun)
-            if -value > record[c, _inspect.PEAK_FORCE]:
-                record[c, _inspect.PEAK_FORCE] = -value
-                record[c, _inspect.PEAK_TIME] = t + theta * h
+            if -value > peaks[c].force:
+                peaks[c].force = -value
+                peaks[c].time = t + theta * h
 
     def lack(self, c: int, target: float = 0.0) -> Callable[[], float]:
         """Return a function that tells how much longer the trial step should be [s].

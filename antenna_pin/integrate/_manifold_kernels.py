@@ -1,0 +1,169 @@
+"""Configurations of a product of joint spaces: steps on it, and rates in the chart about a point, compiled.
+
+A configuration q0 o exp(u) has chart coordinates u about q0, and u' follows from v by the inverse of the
+exponential's derivative. Rigid motions are charted as position times rotation, R^3 x SO(3): p = p0 + u_p in
+the axes of the parent, R = R0 exp(u_w).
+
+``layout`` is the space as flat numbers: ``SPACE``, and a ``FACTOR`` for each joint.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from antenna_pin import records
+from antenna_pin._compile import inlined, record
+
+VECTOR = 0  # q' = v
+CIRCLE = 1  # (cos, sin)
+PLANE = 2  # (x, y, cos, sin), v = (linear in body axes, rate)
+ROTATION = 3  # quaternion xyzw, v in body axes
+RIGID = 4  # position, quaternion xyzw; v = (linear, angular) in body axes
+
+
+# Sizes of q, v and x, and how many factors the configurations have; as many ``FACTOR`` follow.
+SPACE = records.layout(("nq", "i8"), ("nv", "i8"), ("nx", "i8"), ("factors", "i8"))
+# A factor: what it is, where it starts in q and in v, its numbers in v.
+FACTOR = records.layout(("kind", "i8"), ("q", "i8"), ("v", "i8"), ("nv", "i8"))
+SPACE_WORDS = records.words_of(SPACE)
+FACTOR_WORDS = records.words_of(FACTOR)
+
+
+@inlined
+def space_of(layout: Any) -> Any:
+    """Return the head of a layout."""
+    return record(layout[:SPACE_WORDS], SPACE)
+
+
+@inlined
+def factor_of(layout: Any, number: int) -> Any:
+    """Return one of the factors that a layout lists."""
+    at = SPACE_WORDS + number * FACTOR_WORDS
+    return record(layout[at : at + FACTOR_WORDS], FACTOR)
+
+
+@inlined
+def _turn(q0: Any, r0: int, i: int, ux: float, uy: float, uz: float, q: Any, r: int) -> None:
+    """Write q0 * exp(u / 2) for the quaternions at column i of rows r0 and r, made unit again."""
+    square = ux * ux + uy * uy + uz * uz
+    if square < 1e-4:
+        # sin(t/2)/t and cos(t/2) to round-off for t < 0.01.
+        f = 0.5 * (1.0 - square / 24.0 * (1.0 - square / 80.0 * (1.0 - square / 168.0)))
+        w = 1.0 - square / 8.0 * (1.0 - square / 48.0 * (1.0 - square / 120.0))
+    else:
+        angle = math.sqrt(square)
+        f = math.sin(0.5 * angle) / angle
+        w = math.cos(0.5 * angle)
+    x, y, z = f * ux, f * uy, f * uz
+    a, b, c, s = q0[r0, i], q0[r0, i + 1], q0[r0, i + 2], q0[r0, i + 3]
+    qx = s * x + a * w + b * z - c * y
+    qy = s * y + b * w + c * x - a * z
+    qz = s * z + c * w + a * y - b * x
+    qw = s * w - a * x - b * y - c * z
+    scale = 1.0 / math.sqrt(qx * qx + qy * qy + qz * qz + qw * qw)
+    q[r, i] = qx * scale
+    q[r, i + 1] = qy * scale
+    q[r, i + 2] = qz * scale
+    q[r, i + 3] = qw * scale
+
+
+@inlined
+def retract(layout: Any, q0: Any, r0: int, u: Any, ru: int, q: Any, r: int) -> None:
+    """Write q[r] = q0[r0] o exp(u[ru]).
+
+    Arrays and rows come apart, because a view of a row costs more than the sum it is for.
+    """
+    for f in range(space_of(layout).factors):
+        factor = factor_of(layout, f)
+        kind, i, j = factor.kind, factor.q, factor.v
+        if kind == VECTOR:
+            for k in range(factor.nv):
+                q[r, i + k] = q0[r0, i + k] + u[ru, j + k]
+        elif kind == RIGID:
+            q[r, i] = q0[r0, i] + u[ru, j]
+            q[r, i + 1] = q0[r0, i + 1] + u[ru, j + 1]
+            q[r, i + 2] = q0[r0, i + 2] + u[ru, j + 2]
+            _turn(q0, r0, i + 3, u[ru, j + 3], u[ru, j + 4], u[ru, j + 5], q, r)
+        elif kind == ROTATION:
+            _turn(q0, r0, i, u[ru, j], u[ru, j + 1], u[ru, j + 2], q, r)
+        else:
+            if kind == PLANE:
+                q[r, i] = q0[r0, i] + u[ru, j]
+                q[r, i + 1] = q0[r0, i + 1] + u[ru, j + 1]
+                i += 2
+                j += 2
+            c = math.cos(u[ru, j])
+            s = math.sin(u[ru, j])
+            qc = q0[r0, i] * c - q0[r0, i + 1] * s
+            qs = q0[r0, i] * s + q0[r0, i + 1] * c
+            scale = 1.0 / math.sqrt(qc * qc + qs * qs)
+            q[r, i] = qc * scale
+            q[r, i + 1] = qs * scale
+
+
+@inlined
+def _unwind(x: float, y: float, z: float, wx: float, wy: float, wz: float, out: Any, r: int, j: int) -> None:
+    """Write the rate of the rotation vector (x, y, z) for a body angular velocity w.
+
+    It is w times the inverse right Jacobian of SO(3).
+    """
+    cx = y * wz - z * wy
+    cy = z * wx - x * wz
+    cz = x * wy - y * wx
+    square = x * x + y * y + z * z
+    if square < 1e-2:
+        # (1 - (t/2) cot(t/2)) / t^2 to round-off for t < 0.1.
+        f = 1.0 / 12.0 + square / 720.0 * (
+            1.0 + square / 42.0 * (1.0 + square / 40.0 * (1.0 + square / 39.6))
+        )
+    else:
+        angle = math.sqrt(square)
+        f = (1.0 - 0.5 * angle / math.tan(0.5 * angle)) / square
+    out[r, j] = wx + 0.5 * cx + f * (y * cz - z * cy)
+    out[r, j + 1] = wy + 0.5 * cy + f * (z * cx - x * cz)
+    out[r, j + 2] = wz + 0.5 * cz + f * (x * cy - y * cx)
+
+
+@inlined
+def chart_rate(layout: Any, u: Any, ru: int, y: Any, ry: int, out: Any, r: int) -> None:
+    """Write the rate of u[ru] into out[r] for the state y[ry] = [q, v], whose q is q0 o exp(u)."""
+    start = space_of(layout).nq
+    for f in range(space_of(layout).factors):
+        factor = factor_of(layout, f)
+        kind, i, j = factor.kind, factor.q, factor.v
+        k = start + j
+        if kind == VECTOR:
+            for n in range(factor.nv):
+                out[r, j + n] = y[ry, k + n]
+        elif kind == RIGID:
+            # p' = R v
+            a, b1, c, w = y[ry, i + 3], y[ry, i + 4], y[ry, i + 5], y[ry, i + 6]
+            vx, vy, vz = y[ry, k], y[ry, k + 1], y[ry, k + 2]
+            tx = 2.0 * (b1 * vz - c * vy)
+            ty = 2.0 * (c * vx - a * vz)
+            tz = 2.0 * (a * vy - b1 * vx)
+            out[r, j] = vx + w * tx + b1 * tz - c * ty
+            out[r, j + 1] = vy + w * ty + c * tx - a * tz
+            out[r, j + 2] = vz + w * tz + a * ty - b1 * tx
+            _unwind(
+                u[ru, j + 3],
+                u[ru, j + 4],
+                u[ru, j + 5],
+                y[ry, k + 3],
+                y[ry, k + 4],
+                y[ry, k + 5],
+                out,
+                r,
+                j + 3,
+            )
+        elif kind == ROTATION:
+            _unwind(u[ru, j], u[ru, j + 1], u[ru, j + 2], y[ry, k], y[ry, k + 1], y[ry, k + 2], out, r, j)
+        elif kind == PLANE:
+            c = y[ry, i + 2]
+            s = y[ry, i + 3]
+            out[r, j] = c * y[ry, k] - s * y[ry, k + 1]
+            out[r, j + 1] = s * y[ry, k] + c * y[ry, k + 1]
+            out[r, j + 2] = y[ry, k + 2]
+        else:
+            out[r, j] = y[ry, k]
