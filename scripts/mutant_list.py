@@ -115,7 +115,7 @@ MUTANTS = (
         "            search.ignore[c] = 2\n",
         "            search.ignore[c] = 1\n",
         TEST_GRAZES,
-        *("-k", "just_reaches and 853"),
+        *("-k", "is_marked"),
     ),
     _compiled(
         "one trial only for the step that ends at a contact",

@@ -10,6 +10,7 @@ from antenna_pin.contact import Dahl, Hertz
 from antenna_pin.dynamics import JointSpring, TableDrive
 from antenna_pin.geometry import PlanarClearance
 from antenna_pin.joints import ClearanceJoint
+from antenna_pin.simulation.loop import Run
 
 MASS, PLAY = 2.0, 1e-3
 
@@ -154,3 +155,17 @@ def test_a_graze_costs_no_energy():
     run = simulate(system, duration=2.0 * math.pi / pace, v=[speed, -speed, 0.0, 0.0])
     # Some hundred steps at 1e-8. Left touching, the law of exponent 1 would pull for a step: 2.5e-4.
     assert run.summary()["conservation"]["energy_error"] < 1e-7 * 0.5 * speed**2
+
+
+def test_a_contact_that_touches_and_parts_at_one_instant_is_marked():
+    """A third change there is not believed, or round-off could let them alternate without end."""
+    pace = 20.0
+    system = disc_on_sled(
+        Hertz(stiffness=1e6, exponent=1.0), springs={"s": JointSpring(joint="rail", stiffness=pace**2)}
+    )
+    y = np.array([0.0, 0.0, 0.0, 1.0, 0.0, PLAY * pace, -PLAY * pace, 0.0, 0.0])
+    run = Run(system, system.state(y[:5], y[5:]), 2.0 * math.pi / pace, RunSettings())
+    marks = []
+    run.advance(interrupted=lambda: marks.append(run.state.changed[0]) or False)
+    assert run.outcome is Outcome.COMPLETED
+    assert marks.count(1) == marks.count(2) == 1 and marks.index(2) == marks.index(1) + 1
