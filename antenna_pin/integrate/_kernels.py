@@ -34,6 +34,7 @@ EXTRA_ROWS = 5
 # Rows of a state from dense output: the state, and scratch (typed, for the compiler).
 STATE_ROW: Any = np.int64(0)
 CHART_ROW: Any = np.int64(1)
+FIRST_STAGE: Any = np.int64(0)
 
 
 @kernel
@@ -44,7 +45,7 @@ def begin(stages: int, layout: Any, work: Any) -> None:
         work[stages + START, k] = work[stages + STATE, k]
     for k in range(space.nv):
         work[stages + U, k] = 0.0
-    store(0, stages, layout, work)
+    store(FIRST_STAGE, stages, layout, work)
 
 
 @inlined

@@ -221,9 +221,11 @@ def clearance_joint(
 
 
 @kernel
-def alone(p: Any, y: Any, nq: int, nv: int, memory: Any, table: Any, pose: Any, tau: Any, rates: Any) -> None:
+def alone(
+    p: Any, b: int, y: Any, nq: int, nv: int, memory: Any, table: Any, pose: Any, tau: Any, rates: Any
+) -> None:
     """:func:`clearance_joint` of one joint by itself, called from outside; pose: POSE, (1,)."""
-    clearance_joint(p, 0, y, nq, nv, memory, table, pose[0], tau, rates)
+    clearance_joint(p, b, y, nq, nv, memory, table, pose[0], tau, rates)
 
 
 @kernel

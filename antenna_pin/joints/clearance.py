@@ -319,7 +319,7 @@ class ClearanceJoint:
         path = self.python_path(block, nq)
         if path is not None:
             path.prepare(y, memory, table, everything=True)
-        _kernels.alone(block, y, nq, nv, memory, table, pose, tau, rates)
+        _kernels.alone(block, 0, y, nq, nv, memory, table, pose, tau, rates)
         return JointContacts(
             gap=table["gap"][:n].copy(),
             normal=table["normal"][:n].copy(),
