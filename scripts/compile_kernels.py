@@ -1,0 +1,30 @@
+#!/usr/bin/env python3
+"""Compile the kernels once, before several processes need them: Numba keeps them beside the sources.
+
+Whoever comes first compiles, so two processes that start together compile the same twice. What is compiled is what
+these runs call, which is nearly all that the tests call; what is kept from an earlier time is read.
+"""
+
+from __future__ import annotations
+
+import time
+
+from antenna_pin import load_scenario, simulate
+
+#: Case, overrides: closed form, strips and sectors, coal (its Python path), all that a constraint needs.
+RUNS = (
+    ("bai2020", "case3", ("clearance.elevation.geometry=closed-form",)),
+    ("bai2020", "case3", ()),
+)
+
+
+def main() -> None:
+    """Make the runs."""
+    began = time.perf_counter()
+    for model, case, changes in RUNS:
+        simulate(load_scenario(model, case=case, overrides=list(changes)), duration=0.02)
+        print(f"{time.perf_counter() - began:5.1f} s  {model} {case} {' '.join(changes)}", flush=True)
+
+
+if __name__ == "__main__":
+    main()
