@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Compile the kernels once, before several processes need them: Numba keeps them beside the sources.
 
-Whoever comes first compiles, so two processes that start together compile the same twice. What is compiled is what
-these runs call, which is nearly all that the tests call; what is kept from an earlier time is read.
+Whoever comes first compiles, so two processes that start together compile the same twice. What is compiled is
+what these runs call, which is nearly all that the tests call; what is kept from an earlier time is read.
 """
 
 from __future__ import annotations
