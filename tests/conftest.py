@@ -15,7 +15,11 @@ import numpy as np
 import pytest
 from hypothesis import settings
 
+from antenna_pin import System, Urdf, build_mechanism, simulate
 from antenna_pin.cli import app
+from antenna_pin.contact import Hertz
+from antenna_pin.geometry import PrismaticClearance
+from antenna_pin.joints import ClearanceJoint
 
 # The same examples in every run, and no deadline, because a first example may compile kernels.
 settings.register_profile("repeatable", derandomize=True, deadline=None)
@@ -154,3 +158,41 @@ def _browser() -> Iterator[Any]:
 def page(_browser: Any) -> Page:
     """A page of a real browser without network: ``page.open(path)``, then its pixels, errors and requests."""
     return Page(_browser)
+
+
+SLIDER_URDF = """
+<robot name="slider">
+  <link name="guide"><visual><geometry><box size="0.3 0.06 0.06"/></geometry></visual></link>
+  <link name="sled"><inertial><origin xyz="0.003 0.002 0.01"/><mass value="2"/>
+    <inertia ixx="0.01" iyy="0.012" izz="0.008" ixy="0" ixz="0" iyz="0"/></inertial>
+    <visual><geometry><box size="0.08 0.03 0.02"/></geometry></visual></link>
+  <joint name="slide" type="{kind}"><parent link="guide"/><child link="sled"/>
+    <origin xyz="0.02 0 0.05" rpy="0 0 0.3"/><axis xyz="1 0 0"/>{limit}</joint>
+</robot>
+"""
+
+
+@pytest.fixture(scope="session")
+def slider_run():
+    """A slider thrown through its guide, turned by 0.2 rad; it knocks against all walls."""
+    urdf = Urdf.from_text(SLIDER_URDF.format(kind="floating", limit=""), "slider.urdf")
+    shape = PrismaticClearance(
+        guide_width=30.3e-3,
+        guide_height=20.4e-3,
+        slider_width=30e-3,
+        slider_height=20e-3,
+        slider_length=80e-3,
+        corner_radius=0.5e-3,
+        roll=0.2,
+    )
+    joint = ClearanceJoint(name="slide", geometry=shape, radial=Hertz(stiffness=1e8), backend="closed-form")
+    system = System(build_mechanism(urdf, base="fixed"), clearances=[joint])
+    return simulate(system, duration=0.1, v=np.array([0.3, 0.02, 0.03, 0.2, 0.1, 0.15]))
+
+
+@pytest.fixture(scope="session")
+def ideal_slider_run():
+    """The same without play."""
+    limit = '<limit lower="-9" upper="9" effort="9" velocity="9"/>'
+    urdf = Urdf.from_text(SLIDER_URDF.format(kind="prismatic", limit=limit), "slider.urdf")
+    return simulate(System(build_mechanism(urdf, base="fixed")), duration=0.1, v=np.array([0.3]))

@@ -21,10 +21,18 @@ _Variable: TypeAlias = "tuple[tuple[str, ...], Array, dict[str, str]]"
 
 __all__ = ["Deviation", "DeviationMeasures", "deviation"]
 
-_JOINT = {  # quantity: its variable, that of its derivative
-    "angle": ("motion_angle", "motion_rate"),
-    "rate": ("motion_rate", "motion_acceleration"),
-    "acceleration": ("motion_acceleration", None),
+# By dimension: quantity, what it is called, its variable, that of its derivative.
+_JOINTS: dict[str, tuple[tuple[str, str, str, str | None], ...]] = {
+    "joint": (
+        ("angle", "angle", "motion_angle", "motion_rate"),
+        ("rate", "rate", "motion_rate", "motion_acceleration"),
+        ("acceleration", "acceleration", "motion_acceleration", None),
+    ),
+    "sliding_joint": (
+        ("slide_position", "position", "slide_position", "slide_rate"),
+        ("slide_rate", "rate", "slide_rate", "slide_acceleration"),
+        ("slide_acceleration", "acceleration", "slide_acceleration", None),
+    ),
 }
 _BASE = {
     "position": "velocity",
@@ -63,11 +71,12 @@ class Deviation:
     """A run less the ideal one.
 
     Attributes:
-        data: ``angle`` [rad], ``rate`` [rad/s], ``acceleration`` [rad/s^2] over time and joint; of a free
-            base, over time and axis in world axes, ``base_position`` [m], ``base_attitude`` (rotation vector
-            from the ideal to the run's attitude) [rad], ``base_velocity`` [m/s], ``base_angular_velocity``
-            [rad/s], ``base_acceleration`` [m/s^2], ``base_angular_acceleration`` [rad/s^2]. At the run's
-            samples within the time that both runs cover.
+        data: ``angle`` [rad], ``rate`` [rad/s], ``acceleration`` [rad/s^2] over time and joint;
+            ``slide_position`` [m], ``slide_rate`` [m/s], ``slide_acceleration`` [m/s^2] over time and sliding
+            joint; of a free base, over time and axis in world axes, ``base_position`` [m], ``base_attitude``
+            (rotation vector from the ideal to the run's attitude) [rad], ``base_velocity`` [m/s],
+            ``base_angular_velocity`` [rad/s], ``base_acceleration`` [m/s^2], ``base_angular_acceleration``
+            [rad/s^2]. At the run's samples within the time that both runs cover.
         measures: One per joint and quantity, then per quantity of the base.
     """
 
@@ -115,10 +124,14 @@ def deviation(run: RunLike, ideal: RunLike, joint: str | None = None) -> Deviati
         span = f"{label_of(data)} with {np.count_nonzero(common)} samples from {own[0]:g} to {own[-1]:g} s"
         raise InvalidParameterError("deviation", "run", "of two samples or more while the ideal lasts", span)
     at = time[common]
-    joints = [name for name in names_along(data, "joint") if name in names_along(reference, "joint")]
-    joints = choose("deviation", "joint", joint, joints)
+    shared = {
+        dim: [name for name in names_along(data, dim) if name in names_along(reference, dim)]
+        for dim in _JOINTS
+    }
+    every = [name for names in shared.values() for name in names]
+    chosen = choose("deviation", "joint", joint, every)
     based = "base_position" in data and "base_position" in reference
-    if not joints and not based:
+    if not chosen and not based:
         raise InvalidParameterError(
             "deviation",
             "ideal",
@@ -127,28 +140,33 @@ def deviation(run: RunLike, ideal: RunLike, joint: str | None = None) -> Deviati
         )
     variables: dict[str, _Variable] = {}
     measures: list[DeviationMeasures] = []
-    for quantity, (name, derivative) in _JOINT.items() if joints else ():
-        wanted = variable(data, name, "deviation")
-        values = np.asarray(wanted.sel(joint=joints).values, dtype=float)[common]
-        base_line = np.asarray(variable(reference, name, "deviation").sel(joint=joints).values, dtype=float)
-        slope = None
-        if derivative in reference:
-            slope = np.asarray(reference[derivative].sel(joint=joints).values, dtype=float)
-        variables[quantity] = (
-            ("time", "joint"),
-            values - resampled(own, base_line, at, slope),
-            _attributes(wanted, f"deviation of the {quantity}"),
-        )
-    for k, name in enumerate(joints):
-        for quantity in _JOINT:
-            _, values, attributes = variables[quantity]
-            measures.append(_measures(f"{name} {quantity}", attributes["units"], at, values[:, k]))
+    joints = {dim: [name for name in names if name in chosen] for dim, names in shared.items()}
+    for dim, names in joints.items():
+        for quantity, words, name, derivative in _JOINTS[dim] if names else ():
+            wanted = variable(data, name, "deviation")
+            values = np.asarray(wanted.sel({dim: names}).values, dtype=float)[common]
+            base_line = variable(reference, name, "deviation").sel({dim: names}).values
+            slope = None
+            if derivative in reference:
+                slope = np.asarray(reference[derivative].sel({dim: names}).values, dtype=float)
+            variables[quantity] = (
+                ("time", dim),
+                values - resampled(own, np.asarray(base_line, dtype=float), at, slope),
+                _attributes(wanted, f"deviation of the {words}"),
+            )
+        for k, name in enumerate(names):
+            for quantity, words, *_ in _JOINTS[dim]:
+                _, values, attributes = variables[quantity]
+                measures.append(_measures(f"{name} {words}", attributes["units"], at, values[:, k]))
     if based:
         for name, part in _base(base_motion(data.isel(time=common)), base_motion(reference)).items():
             variables[name] = part
             words = name.replace("_", " ")
             measures.append(_measures(words, part[2]["units"], at, np.linalg.norm(part[1], axis=1)))
-    coords: dict[str, Any] = {"time": ("time", at, {"units": "s", "long_name": "time"}), "joint": joints}
+    coords: dict[str, Any] = {"time": ("time", at, {"units": "s", "long_name": "time"})}
+    coords["joint"] = joints["joint"]
+    if joints["sliding_joint"]:
+        coords["sliding_joint"] = joints["sliding_joint"]
     if based:
         coords["axis"] = data.coords["axis"].values
     described = {"case": str(data.attrs.get("case", "")), "ideal": str(reference.attrs.get("case", ""))}

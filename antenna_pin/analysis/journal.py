@@ -19,9 +19,10 @@ import numpy as np
 import xarray as xr
 from scipy.spatial.transform import Rotation
 
+from antenna_pin.analysis._journal_kinds import JOURNAL_KINDS
 from antenna_pin.analysis._run import RunLike, choose, data_of, label_of, variable
 from antenna_pin.errors import FileFormatError, InvalidParameterError
-from antenna_pin.trajectory import contacts_of, names_along
+from antenna_pin.trajectory import contact_ends, contacts_of, names_along
 
 __all__ = ["bore_load", "clearance_shapes", "journal_motion"]
 
@@ -35,7 +36,7 @@ def clearance_shapes(run: RunLike) -> dict[str, dict[str, Any]]:
         run: A run, or its data.
 
     Returns:
-        By joint: ``kind`` (revolute, planar or spherical), ``dimensions`` [m], ``bearing_body``,
+        By joint: ``kind`` (revolute, planar, spherical or prismatic), ``dimensions`` [m], ``bearing_body``,
         ``journal_body``, and ``bearing_placement`` and ``journal_placement``, position [m] and quaternion
         (xyzw) in that link's frame. Empty if no joint has clearance.
     """
@@ -59,70 +60,72 @@ def journal_motion(run: RunLike, joint: str | None = None) -> xr.Dataset:
     Returns:
         Over time: ``offset`` (time, place, axis) [m], where the journal's axis pierces the cross section at
         each end of the bore ("+" and "-"); of a planar or spherical joint at its "centre", of a ball the
-        offset of its centre. ``eccentricity`` (time, place) [m] and ``eccentricity_ratio`` [-], over the
-        radial clearance; ``tilt`` [rad] and ``axial`` (time), the journal's centre along the axis [m].
-        Attributes: ``joint``, ``kind``, ``radial_clearance`` [m], and of a revolute joint (else NaN)
-        ``axial_clearance`` [m] and ``bore_tilt`` [rad], the tilt at which a centred journal touches the bore.
+        offset of its centre; of a slider its axis at its own ends. ``eccentricity`` (time, place) [m] and
+        ``eccentricity_ratio`` [-], over the radial clearance, of a slider the greater of those over the
+        plays to either side; ``tilt`` [rad], ``twist`` [rad], from -pi to pi about the bearing's axis, and
+        ``axial`` (time), the journal's centre along the axis [m].
+        Attributes: ``joint``, ``kind``, ``spatial`` (whether offsets along the axis count),
+        ``radial_clearance`` [m], the ``outline`` (n, 2) [m] of what rigid parts leave the offset across the
+        axis, with its ``outline_name``, and how far they let a centred journal go, NaN if there is no limit:
+        ``axial_limit`` [m], ``tilt_limit`` and ``twist_limit`` [rad].
+
+    Raises:
+        UnknownNameError: There is no such joint, or its kind is not known here.
     """
     data = data_of(run)
     known = names_along(data, "clearance_joint")
     if not known:
         raise InvalidParameterError("journal_motion", "run", "one with a clearance joint", label_of(data))
     joint = choose("journal_motion", "clearance joint", joint or known[0], known)[0]
-    shape = clearance_shapes(run)[joint]
-    size = shape["dimensions"]
-    centre = variable(data, "journal_position", "journal_motion").sel(clearance_joint=joint)
-    p = np.asarray(centre.values, dtype=float)
-    places, offset, axial_clearance, bore_tilt = ["centre"], p[:, None, :].copy(), np.nan, np.nan
-    if shape["kind"] == "spherical":
-        clearance = size["socket_radius"] - size["ball_radius"]
-        eccentricity = np.linalg.norm(offset, axis=2)
-    else:
-        clearance = size["bearing_radius"] - size["journal_radius"]
-        if shape["kind"] == "revolute":
-            places = ["+", "-"]
-            z = Rotation.from_quat(
-                np.asarray(data["journal_attitude"].sel(clearance_joint=joint).values, dtype=float)
-            ).apply([0.0, 0.0, 1.0])
-            ends = np.array([0.5, -0.5]) * size["bearing_length"]
-            along = (ends - p[:, 2:]) / z[:, 2:]
-            offset = p[:, None, :] + along[:, :, None] * z[:, None, :]
-            axial_clearance = 0.5 * (size["flange_distance"] - size["bearing_length"])
-            # A centred journal touches both ends: R_i cos - L_i / 2 sin = R_j.
-            half = 0.5 * size["bearing_length"]
-            root = np.sqrt(half**2 + (size["bearing_radius"] + size["journal_radius"]) * clearance)
-            bore_tilt = 2.0 * np.arctan2(clearance, half + root)
-        eccentricity = np.hypot(offset[..., 0], offset[..., 1])
+    kind, size = _kind(data, joint, "journal_motion")
+    p, attitude = (
+        np.asarray(variable(data, name, "journal_motion").sel(clearance_joint=joint).values, dtype=float)
+        for name in ("journal_position", "journal_attitude")
+    )
     tilt = np.asarray(variable(data, "journal_tilt", "journal_motion").sel(clearance_joint=joint).values)
+    seen = JOURNAL_KINDS[kind].across(size, p, Rotation.from_quat(attitude).apply([0.0, 0.0, 1.0]))
+    twist = 2.0 * np.arctan2(attitude[:, 2], attitude[:, 3])
+    twist -= 2.0 * np.pi * np.round(twist / (2.0 * np.pi))
     return xr.Dataset(
         {
             "offset": (
                 ("time", "place", "axis"),
-                offset,
+                seen.offset,
                 {"units": "m", "long_name": "journal's axis from the bearing's, bearing axes"},
             ),
             "eccentricity": (
                 ("time", "place"),
-                eccentricity,
+                seen.eccentricity,
                 {"units": "m", "long_name": "its distance from the bearing's axis or centre"},
             ),
             "eccentricity_ratio": (
                 ("time", "place"),
-                eccentricity / clearance,
-                {"units": "1", "long_name": "eccentricity over radial clearance"},
+                seen.ratio,
+                {"units": "1", "long_name": "eccentricity over clearance"},
             ),
             "tilt": ("time", tilt, {"units": "rad", "long_name": "angle between the axes"}),
+            "twist": ("time", twist, {"units": "rad", "long_name": "turn about the bearing's axis"}),
             "axial": ("time", p[:, 2], {"units": "m", "long_name": "journal's centre along the axis"}),
         },
-        coords={"time": data["time"], "place": places, "axis": _AXES},
+        coords={"time": data["time"], "place": list(seen.places), "axis": _AXES},
         attrs={
             "joint": joint,
-            "kind": shape["kind"],
-            "radial_clearance": clearance,
-            "axial_clearance": axial_clearance,
-            "bore_tilt": bore_tilt,
+            "kind": kind,
+            "spatial": JOURNAL_KINDS[kind].spatial,
+            "radial_clearance": seen.clearance,
+            "outline": seen.outline,
+            "outline_name": JOURNAL_KINDS[kind].outline,
+            "axial_limit": seen.axial,
+            "tilt_limit": seen.tilt,
+            "twist_limit": seen.twist,
         },
     )
+
+
+def _kind(data: xr.Dataset, joint: str, place: str) -> tuple[str, dict[str, float]]:
+    """Return a joint's kind, which must be one known here, and its dimensions."""
+    shape = clearance_shapes(data)[joint]
+    return choose(place, "kind of joint", shape["kind"], list(JOURNAL_KINDS))[0], shape["dimensions"]
 
 
 def bore_load(run: RunLike, joint: str | None = None, sectors: int = 36) -> xr.Dataset:
@@ -140,7 +143,7 @@ def bore_load(run: RunLike, joint: str | None = None, sectors: int = 36) -> xr.D
     Returns:
         ``impulse`` (contact, sector) [N s] of the contacts in the bore; ``angle`` (sector), the sector's
         middle from the bearing's x towards its y [rad], of the bearing's surface as seen from its centre. A
-        socket's sectors are counted about its z.
+        socket's sectors are counted about its z, a guide's load lies in the middle of its walls.
     """
     if sectors < 1:
         raise InvalidParameterError("bore_load", "sectors", "at least 1", sectors)
@@ -156,6 +159,11 @@ def bore_load(run: RunLike, joint: str | None = None, sectors: int = 36) -> xr.D
         for name in ("contact_point", "normal_force", "normal_impulse")
     )
     direction = point[..., 0] + 1j * point[..., 1]
+    kind, size = _kind(data, joint, "bore_load")
+    faces = JOURNAL_KINDS[kind].faces
+    if faces is not None:
+        ends = contact_ends(data)
+        direction[:] = [faces(size, ends[name]) for name in contacts]
     direction = direction / np.where(direction == 0.0, 1.0, np.abs(direction))
     loaded = force[:-1] + force[1:] > 0.0
     first, second = (np.where(loaded, weight, 1.0) for weight in (force[:-1], force[1:]))

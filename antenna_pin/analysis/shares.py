@@ -31,8 +31,8 @@ def scenario_shares(run: Trajectory | xr.Dataset) -> xr.DataArray:
 
     Returns:
         Shares [-], (clearance_joint, radial, axial), labelled by the scenarios' names in lower case; they sum
-        to 1 for each joint. No joint, no row, if the run has no clearance joint. A planar or spherical joint
-        knows "none" and "one_point" in the bore and no axial contact.
+        to 1 for each joint. No joint, no row, if the run has no clearance joint. A joint without flanges
+        knows "none" and "one_point" in the bore and no axial contact; that of a slider is any contact.
     """
     data = run.data if isinstance(run, Trajectory) else run
     radial, axial = ([kind.name.lower() for kind in kinds] for kinds in (RadialScenario, AxialScenario))
@@ -126,18 +126,21 @@ def _scenarios(data: xr.Dataset, joint: str) -> tuple[NDArray[np.float64], list[
     for kind in ("radial", "axial"):
         seen = np.asarray(data[f"{kind}_scenario"].sel(clearance_joint=joint).values, dtype=int)
         names = contacts_of(data, joint, flanges=kind == "axial")
-        ends.append(_ends(seen, np.asarray(data["touching"].sel(contact=names).values, dtype=int)))
+        # A joint without flanges knows none and one point, however many of its contacts touch.
+        most = 2 if contacts_of(data, joint, flanges=True) else 1
+        ends.append(_ends(seen, np.asarray(data["touching"].sel(contact=names).values, dtype=int), most))
     return time, ends
 
 
-def _ends(seen: NDArray[np.int_], touching: NDArray[np.int_]) -> _Ends:
+def _ends(seen: NDArray[np.int_], touching: NDArray[np.int_], most: int) -> _Ends:
     """Return the scenarios at the start and at the end of every interval between samples.
 
     Args:
         seen: Scenario at every sample, (n,).
         touching: Whether each contact of the kind touches from a sample on, (n, contacts).
+        most: Points of contact that are told apart.
     """
-    count = touching.sum(axis=1)
+    count = np.minimum(touching.sum(axis=1), most)
     if seen.size < 2:
         return seen, seen
     change = np.any(touching[1:] != touching[:-1], axis=1)

@@ -44,14 +44,20 @@ def _facts(trajectory: Trajectory) -> dict[str, Any]:
     A lean result does not hold the shares.
     """
     from antenna_pin.analysis import scenario_shares
-    from antenna_pin.trajectory import is_lean
+    from antenna_pin.trajectory import contacts_of, is_lean
 
     if is_lean(trajectory.data):
         return trajectory.summary()
     shares = scenario_shares(trajectory)
+    many = {
+        joint
+        for joint in map(str, shares["clearance_joint"].values)
+        if len(contacts_of(trajectory.data, joint)) > 1
+        and not contacts_of(trajectory.data, joint, flanges=True)
+    }
     found = {
         str(joint): {
-            f"radial {radial}, axial {axial}".replace("_", " "): float(share)
+            _pair(str(radial), str(axial), joint in many): float(share)
             for radial, row in zip(shares["radial"].values, table, strict=True)
             for axial, share in zip(shares["axial"].values, row, strict=True)
             if share > 0.0
@@ -59,6 +65,13 @@ def _facts(trajectory: Trajectory) -> dict[str, Any]:
         for joint, table in zip(shares["clearance_joint"].values, shares.values, strict=True)
     }
     return trajectory.summary() | ({"share of time": found} if found else {})
+
+
+def _pair(radial: str, axial: str, many: bool) -> str:
+    """Return a pair of scenarios in words; of a slider's many contacts only whether there is any is known."""
+    if many:
+        return "no contact" if radial == "none" else "contact"
+    return f"radial {radial}, axial {axial}".replace("_", " ")
 
 
 def plot(

@@ -13,6 +13,7 @@ __all__ = [
     "FREE_BASE",
     "MOVING",
     "POINTED",
+    "SLIDING",
     "TOUCHING",
     "TURNING",
     "JointKind",
@@ -65,8 +66,11 @@ def _with_play(run: LabelledRun) -> list[str]:
 
 
 TURNING = JointKind("joint", "a joint that turns about an axis", lambda run: run.joints)
+SLIDING = JointKind("sliding joint", "a joint that slides along its axis", lambda run: run.sliding_joints)
 TOUCHING = JointKind("joint with clearance", "contact in a joint", lambda run: run.clearance_joints)
-MOVING = JointKind("joint", "a joint that moves", lambda run: [*run.joints, *_with_play(run)])
+MOVING = JointKind(
+    "joint", "a joint that moves", lambda run: [*run.joints, *run.sliding_joints, *_with_play(run)]
+)
 
 FREE_BASE = RunKind("a free base", lambda run: "base_position" in run.data)
 POINTED = RunKind("a scenario that says what looks where", lambda run: bool(_described(run, "pointing")))

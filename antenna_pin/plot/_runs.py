@@ -56,8 +56,13 @@ class LabelledRun:
 
     @property
     def joints(self) -> list[str]:
-        """Names of the joints whose motion is recorded."""
+        """Names of the joints that turn about an axis."""
         return names_along(self.data, "joint")
+
+    @property
+    def sliding_joints(self) -> list[str]:
+        """Names of the joints that slide along their axis."""
+        return names_along(self.data, "sliding_joint")
 
     @property
     def contacts(self) -> list[str]:

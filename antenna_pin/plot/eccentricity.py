@@ -37,6 +37,13 @@ from antenna_pin.plot._style import (
 
 _NAMES = {"+": "end +", "-": "end \N{MINUS SIGN}", "centre": "centre"}
 _LOOKS = {"+": (COLOURS[0], "-"), "-": (COLOURS[4], "-"), "centre": (COLOURS[0], "-")}
+# Further panels, of a joint in which rigid parts can move so far only: variable, label, title, unit; limit of
+# a sign or of a size.
+_BOUNDED = (
+    ("tilt", "tilt", "tilt", "rad", (1.0,)),
+    ("axial", "axial place", "axial place", "m", (-1.0, 1.0)),
+    ("twist", "turn", "turn about the axis", "rad", (-1.0, 1.0)),
+)
 _LIMIT: dict[str, Any] = {"color": "#666666", "linewidth": 0.6, "linestyle": ":", "zorder": 1.5}
 
 
@@ -44,11 +51,11 @@ _LIMIT: dict[str, Any] = {"color": "#666666", "linewidth": 0.6, "linestyle": ":"
 def figure_eccentricity(
     runs: Iterable[Run] | Run, *, joint: str | None = None, width: Width = "page"
 ) -> Figure:
-    """Return eccentricity, penetration depth, tilt and axial place of the journal over time, a column a run.
+    """Return eccentricity, penetration depth and further play of the journal over time, a column a run.
 
-    The eccentricity is over the radial clearance: 1 where the surfaces touch. The depth's dots are the
-    largest of every contact episode in the bore. Tilt and axial place are of joints that can move so; dotted
-    lines say how far rigid parts could.
+    The eccentricity is over the clearance: 1 where the surfaces touch. The depth's dots are the largest of
+    every contact episode in the bore. Tilt, axial place, and turn about the axis are of joints in which they
+    have a limit; dotted lines say how far rigid parts could go.
 
     Args:
         runs: Trajectories, or pairs of a label and a dataset.
@@ -59,16 +66,20 @@ def figure_eccentricity(
     joint = choose_joint(TOUCHING, every, joint)
     drawn = [run for run in long_enough(every) if joint in run.clearance_joints]
     motions = [journal_motion(run.data, joint) for run in drawn]
-    free = any(motion.attrs["kind"] == "revolute" for motion in motions)
-    figure, grid, letter = blocks(len(drawn), [True, True, *[True] * (2 * free)], width, 32.0)
+    bounded = [
+        row for row in _BOUNDED if any(np.isfinite(motion.attrs[f"{row[0]}_limit"]) for motion in motions)
+    ]
+    figure, grid, letter = blocks(len(drawn), [True] * (2 + len(bounded)), width, 32.0)
     depths = [_depths(run, joint) for run in drawn]
     deepest = max(float(part.max(initial=0.0)) for sampled, _, peaks in depths for part in (sampled, peaks))
-    tilt, tilt_unit = prefixed("rad", _largest(motions, "tilt", "bore_tilt"))
-    axial, axial_unit = prefixed("m", _largest(motions, "axial", "axial_clearance"))
     depth, depth_unit = prefixed("m", deepest)
     labels = ["eccentricity /\nclearance [-]", f"depth [{depth_unit}]"]
-    labels += [f"tilt [{tilt_unit}]", f"axial place [{axial_unit}]"] * free
-    titles = ("eccentricity", "penetration", "tilt", "axial place")
+    factors = []
+    for name, label, _, unit, _ in bounded:
+        factor, printed = prefixed(unit, _largest(motions, name))
+        factors.append(factor)
+        labels.append(f"{label} [{printed}]")
+    titles = ("eccentricity", "penetration", *(title for _, _, title, _, _ in bounded))
     for column, (run, motion) in enumerate(zip(drawn, motions, strict=True)):
         many = run.time.size > MANY
         panels = [row[column] for row in grid]
@@ -91,21 +102,17 @@ def figure_eccentricity(
             label="largest of each contact episode",
             rasterized=peaks.size > MANY // 20,
         )
-        if motion.attrs["kind"] == "revolute":
-            for axes, values, limits in (
-                (panels[2], tilt * motion["tilt"].values, [tilt * motion.attrs["bore_tilt"]]),
-                (
-                    panels[3],
-                    axial * motion["axial"].values,
-                    [side * axial * motion.attrs["axial_clearance"] for side in (-1.0, 1.0)],
-                ),
-            ):
-                axes.plot(run.time, values, color=COLOURS[0], linewidth=0.5, rasterized=many)
-                for limit in limits:
-                    axes.axhline(limit, **_LIMIT)
-        for axes in panels[2:] if motion.attrs["kind"] != "revolute" else ():
-            axes.text(0.5, 0.6, "none in this joint", transform=axes.transAxes, ha="center")
-        for axes, title in zip(panels, titles, strict=False):
+        for axes, factor, (name, _, _, _, sides) in zip(panels[2:], factors, bounded, strict=True):
+            limit = motion.attrs[f"{name}_limit"]
+            if not np.isfinite(limit):
+                axes.text(0.5, 0.6, "none in this joint", transform=axes.transAxes, ha="center")
+                continue
+            axes.plot(
+                run.time, factor * motion[name].values, color=COLOURS[0], linewidth=0.5, rasterized=many
+            )
+            for side in sides:
+                axes.axhline(side * factor * limit, **_LIMIT)
+        for axes, title in zip(panels, titles, strict=True):
             panel_title(axes, letter[axes], f"{run.label}, {title}")
             axes.set_xlim(run.time[0], run.time[-1])
             few_ticks(axes, 5, 4)
@@ -125,9 +132,10 @@ def figure_eccentricity(
     return figure
 
 
-def _largest(motions: list[xr.Dataset], name: str, limit: str) -> float:
-    """Return the largest size of a variable and of the limits drawn with it."""
-    sizes = [np.append(np.abs(motion[name].values), motion.attrs[limit]) for motion in motions]
+def _largest(motions: list[xr.Dataset], name: str) -> float:
+    """Return the largest size of a variable and of its limit, in the joints where it has one."""
+    limited = [motion for motion in motions if np.isfinite(motion.attrs[f"{name}_limit"])]
+    sizes = [np.append(np.abs(motion[name].values), motion.attrs[f"{name}_limit"]) for motion in limited]
     return float(np.nanmax(np.concatenate(sizes)))
 
 

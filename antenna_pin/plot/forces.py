@@ -33,6 +33,13 @@ from antenna_pin.plot._style import (
 )
 from antenna_pin.trajectory import contact_ends, contact_kinds
 
+# Rows of the figure by the kinds of contact that a joint has: a ball has no axis, a slider no flange.
+_ROWS = {
+    "spherical": ("contact",),
+    "wall": ("transverse",),
+    "axial": ("radial", "axial"),
+    "radial": ("radial",),
+}
 _SAMPLED = "resultant on the journal, as sampled"
 _PEAKS = "peak normal force of each contact episode"
 
@@ -114,13 +121,9 @@ def _comparable(sizes: list[float]) -> bool:
 
 
 def _kinds(runs: list[LabelledRun], joint: str) -> tuple[str, ...]:
-    """Return the kinds of contact that the joint has in any run: in a bore, at flanges; in a socket."""
-    if any(
-        contact_kinds(run.data)[name] == "spherical" for run in runs for name in run.contacts_of(joint)
-    ):  # a ball has no axis
-        return ("contact",)
-    flanged = any(run.contacts_of(joint, flanges=True) for run in runs)
-    return ("radial", "axial") if flanged else ("radial",)
+    """Return the rows for the contacts that the joint has in any run."""
+    found = {contact_kinds(run.data)[name] for run in runs for name in run.contacts_of(joint)}
+    return next((rows for kind, rows in _ROWS.items() if kind in found), ("radial",))
 
 
 def _resultant(run: LabelledRun, joint: str, kinds: tuple[str, ...]) -> dict[str, Array]:
@@ -131,7 +134,8 @@ def _resultant(run: LabelledRun, joint: str, kinds: tuple[str, ...]) -> dict[str
     force = run.values("joint_force", clearance_joint=joint)
     if kinds == ("contact",):
         return {"contact": np.linalg.norm(force, axis=1)}
-    return {"radial": np.hypot(force[:, 0], force[:, 1]), "axial": force[:, 2]}
+    across = np.hypot(force[:, 0], force[:, 1])
+    return {"radial": across, "transverse": across, "axial": force[:, 2]}
 
 
 def _peaks(run: LabelledRun, joint: str, kind: str) -> tuple[Array, Array]:

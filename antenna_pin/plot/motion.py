@@ -8,7 +8,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 
 from antenna_pin.analysis import resampled
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
-from antenna_pin.plot._kinds import TURNING, choose_joint
+from antenna_pin.plot._kinds import SLIDING, TURNING, JointKind, choose_joint
 from antenna_pin.plot._run_figure import RunFigure
 from antenna_pin.plot._runs import LabelledRun, Run, long_enough, too_short, with_reference
 from antenna_pin.plot._style import (
@@ -38,14 +38,39 @@ from antenna_pin.plot._style import (
     styled,
 )
 
-Quantity = Literal["angle", "rate", "acceleration"]
-QUANTITIES: tuple[Quantity, ...] = ("angle", "rate", "acceleration")
-_UNITS = {"angle": "rad", "rate": "rad/s", "acceleration": "rad/s^2"}
-_DERIVATIVE = {"angle": "motion_rate", "rate": "motion_acceleration"}
-
-# Largest half width of the zoom, as a share of the whole span. Accelerations come in spikes: closer.
+Quantity = Literal["angle", "rate", "acceleration", "position", "slide rate", "slide acceleration"]
 _Span = tuple[float, float]
-_HALF_WIDTH = {"angle": 0.05, "rate": 0.05, "acceleration": 0.01}
+
+
+class _Quantity(NamedTuple):
+    """A quantity of a joint's motion."""
+
+    variable: str
+    unit: str
+    derivative: str | None
+    of: JointKind
+    # Largest half width of the zoom, as a share of the whole span.
+    half_width: float = 0.05
+    spiky: bool = False  # as accelerations are in contact: a strip each, and closer
+
+    @property
+    def dim(self) -> str:
+        """Along which the joints are."""
+        return "sliding_joint" if self.of is SLIDING else "joint"
+
+
+MOTIONS: dict[Quantity, _Quantity] = {
+    "angle": _Quantity("motion_angle", "rad", "motion_rate", TURNING),
+    "rate": _Quantity("motion_rate", "rad/s", "motion_acceleration", TURNING),
+    "acceleration": _Quantity("motion_acceleration", "rad/s^2", None, TURNING, 0.01, True),
+    "position": _Quantity("slide_position", "m", "slide_rate", SLIDING),
+    "slide rate": _Quantity("slide_rate", "m/s", "slide_acceleration", SLIDING),
+    "slide acceleration": _Quantity("slide_acceleration", "m/s^2", None, SLIDING, 0.01, True),
+}
+
+
+#: Those of joints that turn.
+QUANTITIES: tuple[Quantity, ...] = tuple(name for name, what in MOTIONS.items() if what.of is TURNING)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -79,54 +104,57 @@ def figure_motion(
 
     Args:
         runs: Trajectories, or pairs of a label and a dataset; of any lengths.
-        quantity: "angle", "rate" or "acceleration" of the joint.
+        quantity: "angle", "rate" or "acceleration" of a joint that turns; "position", "slide rate" or "slide
+            acceleration" of one that slides.
         joint: Name of the joint; the first one with clearance if left out.
         ideal: The run to compare with; the first run without any contact if left out.
         zoom: Start and end of the close view [s].
         width: "column" (88 mm) or "page" (180 mm).
     """
-    if quantity not in QUANTITIES:
-        raise UnknownNameError("figure", "quantity", quantity, QUANTITIES)
+    if quantity not in MOTIONS:
+        raise UnknownNameError("figure", "quantity", quantity, MOTIONS)
     every, reference = with_reference(runs, ideal)
-    name = choose_joint(TURNING, every, joint)
+    what = MOTIONS[quantity]
+    name = choose_joint(what.of, every, joint)
     drawn = long_enough(every)
-    curves = _curves(drawn, reference, name, quantity)
+    curves = _curves(drawn, reference, name, what)
     given = None if zoom is None else _check_zoom(zoom)
-    unit = drawn[0].unit(f"motion_{quantity}", _UNITS[quantity])
-    label = f"{literal(name.replace('_', ' '))} {quantity}"
-    if quantity == "acceleration" and any(not c.is_ideal for c in curves):
-        windows = [given or _zoom([_from_rest(c)], quantity) for c in curves if not c.is_ideal]
+    unit = drawn[0].unit(what.variable, what.unit)
+    label = f"{literal(name.replace('_', ' '))} {quantity.removeprefix('slide ')}"
+    if what.spiky and any(not c.is_ideal for c in curves):
+        windows = [given or _zoom([_from_rest(c)], what) for c in curves if not c.is_ideal]
         figure = _strips(curves, windows, label, unit, width)
     else:
-        figure = _panels(curves, given or _zoom(curves, quantity), label, unit, width)
+        figure = _panels(curves, given or _zoom(curves, what), label, unit, width)
     footnote(figure, too_short(every))
     return figure
 
 
 def _curves(
-    runs: Sequence[LabelledRun], reference: LabelledRun | None, joint: str, quantity: Quantity
+    runs: Sequence[LabelledRun], reference: LabelledRun | None, joint: str, what: _Quantity
 ) -> list[_Curve]:
     """Return what is to be drawn, the ideal run last so that it lies on top."""
     curves: list[_Curve] = []
     colours = iter(COLOURS * (1 + len(runs) // len(COLOURS)))
     for run in runs:
-        if joint not in run.joints:
+        if joint not in what.of.names(run):
             continue
-        time, value = run.time, run.values(f"motion_{quantity}", joint=joint)
+        time, value = run.time, run.values(what.variable, **{what.dim: joint})
         is_ideal = run is reference
         deviation = None
-        if reference is not None and not is_ideal and joint in reference.joints:
-            deviation = value - _resampled(reference, joint, quantity, time)
+        if reference is not None and not is_ideal and joint in what.of.names(reference):
+            deviation = value - _resampled(reference, joint, what, time)
         colour = "black" if is_ideal else next(colours)
         curves.append(_Curve(run.legend if is_ideal else run.label, time, value, deviation, is_ideal, colour))
     return sorted(curves, key=lambda curve: curve.is_ideal)
 
 
-def _resampled(run: LabelledRun, joint: str, quantity: Quantity, time: Array) -> Array:
+def _resampled(run: LabelledRun, joint: str, what: _Quantity, time: Array) -> Array:
     """Return a smooth run's motion at other times; NaN outside its span."""
-    derivative = _DERIVATIVE.get(quantity)
-    slope = run.values(derivative, joint=joint) if derivative and derivative in run.data else None
-    return resampled(run.time, run.values(f"motion_{quantity}", joint=joint), time, slope)
+    place = {what.dim: joint}
+    known = what.derivative is not None and what.derivative in run.data
+    slope = run.values(what.derivative, **place) if known and what.derivative else None
+    return resampled(run.time, run.values(what.variable, **place), time, slope)
 
 
 def _from_rest(curve: _Curve) -> _Curve:
@@ -140,7 +168,7 @@ def _check_zoom(zoom: _Span) -> _Span:
     return float(zoom[0]), float(zoom[1])
 
 
-def _zoom(curves: Sequence[_Curve], quantity: Quantity) -> _Span | None:
+def _zoom(curves: Sequence[_Curve], what: _Quantity) -> _Span | None:
     """Return the span around the largest deviation in which that deviation is a good part of the height."""
     spread = _spread(curves)
     if spread is None:
@@ -151,7 +179,7 @@ def _zoom(curves: Sequence[_Curve], quantity: Quantity) -> _Span | None:
     if size[at] <= 0.0:
         return None
     start, end = float(curve.time[0]), float(curve.time[-1])
-    half = _HALF_WIDTH[quantity] * (end - start)
+    half = what.half_width * (end - start)
     smallest = min(5.0 * float(np.median(np.diff(curve.time))), half)
     smooth = curve.value - np.where(np.isfinite(deviation), deviation, 0.0)
     while half > smallest:
@@ -306,11 +334,11 @@ def _mark(axes: Axes, window: _Span) -> None:
 
 FIGURES = tuple(
     RunFigure(
-        name=f"motion_{quantity}",
-        title=f"{quantity.capitalize()} of {{joint}}",
+        name=what.variable,
+        title=f"{quantity.removeprefix('slide ').capitalize()} of {{joint}}",
         function=figure_motion,
         options={"quantity": quantity},
-        of=TURNING,
+        of=what.of,
     )
-    for quantity in QUANTITIES
+    for quantity, what in MOTIONS.items()
 )

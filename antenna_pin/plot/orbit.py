@@ -12,7 +12,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.colors import Colormap, LogNorm, Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import Circle
+from matplotlib.patches import Polygon
 from matplotlib.projections.polar import PolarAxes
 from matplotlib.ticker import MaxNLocator
 
@@ -64,7 +64,8 @@ def figure_orbit(
 
     A revolute joint has two panels: where the journal's axis passes through the plane of each end of the
     bore. Outside the circle the surfaces are pressed into each other, by a hundredth of the clearance or so.
-    A ball joint has the three projections of its ball's centre.
+    A ball joint has the three projections of its ball's centre. A slider's axis is seen at its own two ends,
+    inside the rectangle that its guide leaves it.
 
     Args:
         runs: Trajectories, or pairs of a label and a dataset.
@@ -78,13 +79,13 @@ def figure_orbit(
     joint = choose_joint(TOUCHING, every, joint)
     drawn = [run for run in long_enough(every) if joint in run.clearance_joints]
     motions = [journal_motion(run.data, joint) for run in drawn]
-    planes = [_PROJECTIONS if motion.attrs["kind"] == "spherical" else _ACROSS for motion in motions]
+    planes = [_PROJECTIONS if motion.attrs["spatial"] else _ACROSS for motion in motions]
     count = sum(motion.sizes["place"] * len(plane) for motion, plane in zip(motions, planes, strict=True))
     note = left_out(every, drawn, "no clearance in this joint")
     figure, panels = _square_panels(width, count, 23.0 if note or too_short(every) else 18.0)
-    # The whole circle is in view, however little the journal has moved.
+    # The whole play is in view, however little the journal has moved.
     largest = max(
-        float(max(np.nanmax(motion["eccentricity"].values), motion.attrs["radial_clearance"]))
+        float(max(np.nanmax(motion["eccentricity"].values), np.abs(motion.attrs["outline"]).max()))
         for motion in motions
     )
     factor, printed = prefixed("m", largest)
@@ -93,7 +94,7 @@ def figure_orbit(
     letter = letters()
     panel = iter(panels)
     for run, motion, plane, load in zip(drawn, motions, planes, loads, strict=True):
-        clearance = factor * motion.attrs["radial_clearance"]
+        outline = factor * motion.attrs["outline"]
         for number, place in enumerate(motion["place"].values):
             offset = factor * motion["offset"].values[:, number]
             for across, up in plane:
@@ -103,7 +104,7 @@ def figure_orbit(
                 else:
                     _loaded_line(axes, offset[:, across], offset[:, up], load[:, number], norm)
                 axes.add_patch(
-                    Circle((0.0, 0.0), clearance, fill=False, edgecolor="black", linewidth=0.6, zorder=1.6)
+                    Polygon(outline, closed=True, fill=False, edgecolor="black", linewidth=0.6, zorder=1.6)
                 )
                 reach = 1.1 * factor * largest
                 axes.set(xlim=(-reach, reach), ylim=(-reach, reach))
@@ -118,7 +119,7 @@ def figure_orbit(
     bar = figure.colorbar(ScalarMappable(norm, _colours(shade)), ax=panels, label=words, **where)
     bar.outline.set_linewidth(0.4)
     handles = [Line2D([], [], color="black", linewidth=0.7)]
-    names = ["clearance circle"]
+    names = [" or ".join(dict.fromkeys(motion.attrs["outline_name"] for motion in motions))]
     if shade == "load":
         handles.append(Line2D([], [], color=_FREE, linewidth=0.7))
         names.append("no contact")
@@ -243,10 +244,14 @@ def figure_bore_load(
         angle, turn = load["angle"].values, 2.0 * np.pi / sectors
         factor, printed = prefixed("N s", float(impulse.sum(axis=0).max(initial=0.0)))
         kinds, ends = contact_kinds(run.data), contact_ends(run.data)
-        below = np.zeros(sectors)
+        stacked: dict[tuple[str, str], Array] = {}
         for contact, taken in zip(load["contact"].values, factor * impulse, strict=True):
             kind, end = kinds[str(contact)], ends[str(contact)]
-            name, colour = looks.get((kind, end), (kind + end, COLOURS[2]))
+            key = ("radial", end[-2:-1]) if kind == "wall" else (kind, end)  # the corner's end of the slider
+            look = looks.get(key, (kind + end, COLOURS[2]))
+            stacked[look] = stacked.get(look, 0.0) + taken
+        below = np.zeros(sectors)
+        for (name, colour), taken in stacked.items():
             bars: dict[str, Any] = {"width": turn, "color": colour, "edgecolor": "white", "linewidth": 0.25}
             axes.bar(angle, taken, label=name, bottom=below, **bars)
             below = below + taken

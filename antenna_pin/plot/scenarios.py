@@ -79,7 +79,8 @@ def figure_scenarios(
         _bars(near, span, kind, window)
         whole.axvspan(*window, facecolor=SHADE, edgecolor="#888888", linewidth=0.5, zorder=0.5)
         names = [name.replace("_", " ") for name in str(span[kind].attrs["flag_meanings"]).split()]
-        names = names if flanged[i] else names[:2]  # the others take two contacts
+        if not flanged[i]:  # the others take two points that are told apart
+            names = [names[0], names[1] if len(run.contacts_of(joint)) == 1 else "contact"]
         for axes in (whole, near):
             axes.set_ylim(len(names) - 0.4, -0.6)  # no contact on top
             axes.set_yticks(range(len(names)), names if axes is whole or not page else [""] * len(names))

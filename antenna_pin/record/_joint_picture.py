@@ -16,10 +16,11 @@ from antenna_pin.trajectory import contacts_of
 
 Array = NDArray[np.float64]
 
-_BEARING = (0.34, 0.52, 0.74)
-_REST = (0.34, 0.52, 0.74, 0.10)  # the half that is cut away
+BEARING = (0.34, 0.52, 0.74)
+REST = (0.34, 0.52, 0.74, 0.10)  # the half that is cut away
 JOURNAL = (0.78, 0.79, 0.81)
 MARK = (0.20, 0.22, 0.26)
+TRACES = ("#0072B2", "#009E73")  # of the journal's axis at the +z and -z end
 RIM = (0.16, 0.28, 0.45)
 #: Light to dark, even steps of lightness, so that it can be read without colour: cividis reversed, darkened.
 LOAD_COLOURS = (
@@ -33,9 +34,9 @@ LOAD_COLOURS = (
 )
 
 # The bearing's axis lies across the picture: bearing x, y, z are drawn along y, z, x.
-_TURN = np.array([[0.0, 0.0, 1.0, 0.0], [1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]])
-_DIRECTION = (0.35, -1.0, 0.42)  # of the camera, drawn axes
-_CUT = float(np.arctan2(_DIRECTION[2], _DIRECTION[1]))  # its direction about the bearing's axis [rad]
+TURN = np.array([[0.0, 0.0, 1.0, 0.0], [1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]])
+DIRECTION = (0.35, -1.0, 0.42)  # of the camera, drawn axes
+_CUT = float(np.arctan2(DIRECTION[2], DIRECTION[1]))  # its direction about the bearing's axis [rad]
 
 
 class JointPicture:
@@ -60,7 +61,7 @@ class JointPicture:
     ) -> None:
         self.name, self.place = name, place
         self.scene = Scene()
-        self.scene.place("run", _TURN)
+        self.scene.place("run", TURN)
         self.warnings: list[str] = []
         chosen = data.isel(time=frames.indices)
         self.times = np.asarray(chosen["time"].values, dtype=float)
@@ -136,13 +137,13 @@ class JointPicture:
                 },
             }
             facts.append({"text": "arrows: contact force, length by its square root"})
-        turned = self.extent() @ _TURN[:3, :3].T
+        turned = self.extent() @ TURN[:3, :3].T
         return {
             "commands": self.scene.packed(),
             "actors": [{"name": "run", "times": packed_doubles(self.times), "tracks": self.tracks()}],
             "contacts": contacts,
             "trails": self.trails(),
-            "camera": camera(turned, _DIRECTION),
+            "camera": camera(turned, DIRECTION),
             "facts": facts,
             "warnings": self.warnings,
         }
@@ -150,8 +151,8 @@ class JointPicture:
     def cut_open(self, path: str, inner: Array, outer: Array) -> None:
         """Draw a hollow body of revolution: the half behind, and faintly the half before the cut."""
         quarter = 0.5 * np.pi
-        self.scene.add(path, lathe(inner, outer, _CUT + quarter, _CUT + 3.0 * quarter), _BEARING)
-        self.scene.add(f"{path} cut away", lathe(inner, outer, _CUT - quarter, _CUT + quarter), _REST)
+        self.scene.add(path, lathe(inner, outer, _CUT + quarter, _CUT + 3.0 * quarter), BEARING)
+        self.scene.add(f"{path} cut away", lathe(inner, outer, _CUT - quarter, _CUT + quarter), REST)
 
 
 def length_text(metres: float) -> str:

@@ -6,13 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from antenna_pin.record._joint_picture import JOURNAL, MARK, RIM, Array, JointPicture, length_text
+from antenna_pin.record._joint_picture import JOURNAL, MARK, RIM, TRACES, Array, JointPicture, length_text
 from antenna_pin.record._profiles import line, ring, solid
 from antenna_pin.record.magnified import MagnifiedJournal, default_magnification
 from antenna_pin.record.scene import packed_doubles, packed_floats
 from antenna_pin.record.shapes import lathe
-
-_TRACE = ("#0072B2", "#009E73")
 
 
 class JournalPicture(JointPicture):
@@ -131,7 +129,7 @@ class JournalPicture(JointPicture):
                     "path": "run",
                     "times": packed_doubles(self.times),
                     "points": packed_floats(np.hstack([self.centres[:, k], at])),
-                    "colour": _TRACE[k],
+                    "colour": TRACES[k],
                     "radius": 0.006 * self.radius,
                     "tail": tail,
                     "above": True,

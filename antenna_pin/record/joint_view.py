@@ -8,6 +8,7 @@ from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.record._ball_picture import BallPicture
 from antenna_pin.record._joint_picture import JointPicture
 from antenna_pin.record._journal_picture import JournalPicture
+from antenna_pin.record._slider_picture import SliderPicture
 from antenna_pin.record.key_frames import Impacts, KeyFrames
 from antenna_pin.trajectory import Trajectory
 
@@ -18,6 +19,7 @@ PICTURES: dict[str, type[JointPicture]] = {
     "revolute": JournalPicture,
     "planar": JournalPicture,
     "spherical": BallPicture,
+    "prismatic": SliderPicture,
 }
 
 

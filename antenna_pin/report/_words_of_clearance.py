@@ -8,7 +8,13 @@ from typing import Any, NamedTuple
 
 from antenna_pin.readable import GIVEN, readable
 from antenna_pin.report._runs import ReportedRun
-from antenna_pin.scenario import ContactClearance, PlanarClearance, Scenario, SphericalClearance
+from antenna_pin.scenario import (
+    ContactClearance,
+    PlanarClearance,
+    PrismaticClearance,
+    Scenario,
+    SphericalClearance,
+)
 
 __all__ = ["CLEARANCES", "words_of_carried_clearances", "words_of_clearances"]
 
@@ -51,11 +57,28 @@ def _flanged(spec: ContactClearance) -> list[str]:
     ]
 
 
+def _guide(spec: PrismaticClearance) -> list[str]:
+    size: Any = spec.shape()
+    parts = [
+        f"guide {_length(size.guide_width)} wide and {_length(size.guide_height)} high, slider "
+        f"{_length(size.slider_width)} wide, {_length(size.slider_height)} high and "
+        f"{_length(size.slider_length)} long",
+        f"clearance {_length(0.5 * (size.guide_width - size.slider_width))} to each side along the width, "
+        f"{_length(0.5 * (size.guide_height - size.slider_height))} along the height",
+    ]
+    if size.corner_radius:
+        parts.append(f"slider's edges rounded by {_length(size.corner_radius)}")
+    if size.roll:
+        parts.append(f"section turned by {readable(size.roll, 'rad', GIVEN)} about the axis")
+    return parts
+
+
 #: What is said of each kind of joint that a scenario's table ``[clearance]`` names.
 CLEARANCES: dict[str, ClearanceWords] = {
     "contact": ClearanceWords("a journal with flanges in a bore, held by contact alone", _flanged),
     "planar": ClearanceWords("a journal in a bore, held in the plane by contact alone", _bore),
     "spherical": ClearanceWords("a ball in a socket, held by contact alone", _socket),
+    "prismatic": ClearanceWords("a rectangular slider in a guide, held by contact alone", _guide),
     "constraint": ClearanceWords("without play, by constrained dynamics"),
     "ideal": ClearanceWords("without play"),
 }
@@ -81,12 +104,16 @@ def words_of_clearances(scenario: Scenario) -> Iterator[tuple[str, str]]:
         yield name, "; ".join(parts)
 
 
+#: Of dimensions that are no lengths.
+_UNITS = {"roll": "rad"}
+
+
 def words_of_carried_clearances(run: ReportedRun) -> Iterator[tuple[str, str]]:
     """Yield what the result of a system built in Python tells of its clearance joints."""
     places: dict[str, Any] = json.loads(run.data.attrs.get("clearance_joints", "{}"))
     for name, place in places.items():
         given = ", ".join(
-            f"{key.replace('_', ' ')} {_length(value)}"
+            f"{key.replace('_', ' ')} {readable(value, _UNITS.get(key, 'm'), GIVEN)}"
             for key, value in place["dimensions"].items()
             if isinstance(value, float)
         )

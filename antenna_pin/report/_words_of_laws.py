@@ -13,7 +13,7 @@ from antenna_pin.scenario import Scenario
 __all__ = ["words_of_laws"]
 
 # What contacts of a kind are called, of joints that have several.
-_PLACES = {"radial": "bore", "axial": "flanges"}
+_PLACES = {"radial": "bore", "axial": "flanges", "wall": "walls"}
 
 
 def words_of_laws(run: ReportedRun) -> Iterator[tuple[str, str]]:

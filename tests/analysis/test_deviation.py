@@ -179,3 +179,12 @@ def test_rotation_goes_on_beyond_half_a_turn():
     coarse["base_attitude"][1::2] *= -1.0
     found = deviation(data, coarse)
     assert np.abs(found.data["base_attitude"].values).max() < 3e-4
+
+
+def test_a_slider_deviates_from_the_ideal_one_along_its_way(slider_run, ideal_slider_run):
+    """Without friction nothing but the walls' tilt acts along the guide: the ideal one goes on at 0.3 m/s."""
+    found = deviation(slider_run, ideal_slider_run)
+    assert [one.of for one in found.measures] == ["slide position", "slide rate", "slide acceleration"]
+    away = slider_run.data["slide_position"].values[-1, 0] - 0.3 * 0.1
+    assert found["slide position"].end == pytest.approx(away, rel=1e-9, abs=1e-15)
+    assert found["slide position"].units == "m"

@@ -9,10 +9,12 @@ from antenna_pin.analysis import (
     bore_load,
     clearance_shapes,
     journal_motion,
+    load_statistics,
     scenario_shares,
     scenario_spans,
 )
 from antenna_pin.errors import FileFormatError, InvalidParameterError, UnknownNameError
+from antenna_pin.geometry import PrismaticClearance
 
 
 @pytest.fixture(scope="module")
@@ -38,7 +40,7 @@ def test_offsets_at_the_ends_lie_on_the_journals_axis(space):
         apart = np.cross(offset - data["journal_position"].values[:, 0], z)
         assert np.abs(apart).max() < 1e-17
     assert motion.attrs["kind"] == "revolute"
-    assert motion.attrs["axial_clearance"] == pytest.approx(2e-4, rel=1e-12, abs=0.0)
+    assert motion.attrs["axial_limit"] == pytest.approx(2e-4, rel=1e-12, abs=0.0)
 
 
 def test_gap_at_an_end_is_the_clearance_less_the_eccentricity(space):
@@ -55,7 +57,7 @@ def test_tilt_that_the_bore_allows_lets_a_centred_journal_touch_it(space):
     from antenna_pin.geometry import RevoluteClearance
 
     dimensions = clearance_shapes(space)["elevation"]["dimensions"]
-    tilt = journal_motion(space).attrs["bore_tilt"]
+    tilt = journal_motion(space).attrs["tilt_limit"]
     axis = (np.sin(tilt), 0.0, np.cos(tilt))
     touching = RevoluteClearance(**dimensions).contacts((0.0, 0.0, 0.0), axis)
     # Round-off of radii of 10 mm.
@@ -123,3 +125,48 @@ def test_data_without_dimensions_is_refused(space):
     data.attrs = {"case": "case3"}
     with pytest.raises(FileFormatError, match="dimensions"):
         journal_motion(data)
+
+
+def test_axis_of_a_slider_is_stopped_by_the_rectangle_of_its_play(slider_run):
+    """Where it is neither turned nor tilted; a turned or tilted one touches before by the angle's order."""
+    motion = journal_motion(slider_run)
+    size = clearance_shapes(slider_run)["slide"]["dimensions"]
+    ratio = motion["eccentricity_ratio"].values.max(axis=1)
+    gap = slider_run.data["gap"].values.min(axis=1)
+    apart = ratio <= 1.0
+    assert apart.any() and not apart.all()
+    # A tilted slider's corner is nearer to the axis by half the square of the tilt.
+    assert (gap[~apart] < 0.5 * 15e-3 * motion["tilt"].values.max() ** 2).all()
+    # At the first sample it is centred: all of the play is left, 0.15 mm along the width, at a roll of 0.2.
+    assert gap[0] == pytest.approx(1.5e-4, rel=1e-10)
+    assert np.hypot(*motion.attrs["outline"][0]) == pytest.approx(2.5e-4, rel=1e-12)  # 0.15 and 0.2 mm
+    assert np.arctan2(*motion.attrs["outline"][0][::-1]) == pytest.approx(0.2 + np.arctan2(4, 3), rel=1e-12)
+    shape = PrismaticClearance(**size)
+    turn = Rotation.from_rotvec([0.0, 0.0, motion.attrs["twist_limit"]]).as_matrix()
+    assert min(c.gap for c in shape.contacts(np.zeros(3), turn)) == pytest.approx(0.0, abs=1e-16)
+    # Both tilts at once: each is the limit of its own, exact to second order in it.
+    half = Rotation.from_euler("z", 0.2).as_matrix()
+    corner = [0.5 * size[f"slider_{side}"] - 5e-4 for side in ("width", "height", "length")]
+    play = [0.15e-3, 0.2e-3]
+    both = half @ [-play[1] / corner[2], play[0] / corner[2], 0.0]
+    assert motion.attrs["tilt_limit"] == pytest.approx(np.linalg.norm(both), rel=2e-3)
+
+
+def test_load_of_a_guide_lies_on_its_walls(slider_run):
+    """The impulse of every wall, in four directions at right angles from the roll on."""
+    load = bore_load(slider_run, sectors=36)
+    total = load["impulse"].values.sum(axis=0)
+    loaded = np.flatnonzero(total)
+    assert load["angle"].values[loaded] == pytest.approx(0.2 + np.arange(4) * np.pi / 2, abs=np.pi / 36)
+    ends = slider_run.data["contact_end"].values
+    gained = slider_run.data["normal_impulse"].values[-1]
+    walls = [gained[[end.startswith(wall) for end in ends]].sum() for wall in ("+x", "+y", "-x", "-y")]
+    assert total[loaded] == pytest.approx(walls, rel=1e-12)
+
+
+def test_slider_touches_or_does_not(slider_run):
+    shares = scenario_shares(slider_run).sel(clearance_joint="slide")
+    assert float(shares.sum()) == pytest.approx(1.0, rel=1e-12)
+    touched = load_statistics(slider_run)["joint_contact_share"].values[0]
+    # Samples are at every change but at most half an output step apart from it otherwise.
+    assert float(shares.sel(radial="one_point", axial="none")) == pytest.approx(touched, abs=1e-9)

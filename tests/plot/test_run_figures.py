@@ -39,7 +39,7 @@ from antenna_pin.plot import (
     paper_figures,
     save_figures,
 )
-from antenna_pin.plot._kinds import MOVING, TOUCHING
+from antenna_pin.plot._kinds import MOVING, SLIDING, TOUCHING
 
 
 @pytest.fixture(scope="module")
@@ -93,7 +93,7 @@ def test_orbit_stays_inside_the_clearance_circle_but_for_the_depth(real_runs):
         (orbit,) = (each for each in axes.collections if isinstance(each, LineCollection))
         points = np.array([piece[0] for piece in orbit.get_segments()] + [orbit.get_segments()[-1][1]])
         radius = np.hypot(*points.T) / factor
-        clearance = axes.patches[0].radius / factor
+        clearance = np.hypot(*axes.patches[0].get_xy()[0]) / factor
         assert clearance == pytest.approx(2e-4, rel=1e-9, abs=0.0)
         depth = -data["gap"].sel(contact=contact).values
         np.testing.assert_allclose(radius - clearance, depth, rtol=0.0, atol=0.33e-6)
@@ -121,7 +121,7 @@ def test_orbit_of_a_ball_has_three_projections(real_runs):
 
 def test_the_whole_circle_is_in_view_before_the_journal_has_moved(real_runs):
     axes = figure_orbit(("case3", real_runs["case3"].isel(time=slice(0, 2)))).axes[0]
-    assert axes.get_xlim()[1] > axes.patches[0].radius > 0.5 * axes.get_xlim()[1]
+    assert axes.get_xlim()[1] > np.abs(axes.patches[0].get_xy()).max() > 0.5 * axes.get_xlim()[1]
 
 
 def test_orbit_shaded_by_load_leaves_flight_grey(real_runs):
@@ -318,7 +318,9 @@ def test_spectrogram_has_a_panel_per_run_with_contact(runs):
 # --- all of them ---
 
 MADE_UP = ("motion_angle", "motion_rate", "motion_acceleration", "contact_forces", "energy", "momentum")
-FIGURES = [name for name in CATALOGUE if name not in MADE_UP]  # test_figures.py has those
+SLIDES = [name for name, figure in CATALOGUE.items() if figure.of is SLIDING]
+FIGURES = [name for name in CATALOGUE if name not in (*MADE_UP, *SLIDES)]  # test_figures.py has those
+STANDARD = [name for name, figure in CATALOGUE.items() if figure.standard and name not in SLIDES]
 
 
 @pytest.mark.parametrize("width", ["column", "page"])
@@ -335,6 +337,25 @@ def test_no_two_labels_overlap_and_none_is_cut_off(runs, readable, name, width):
 def test_rigs_of_all_kinds_of_joints_can_be_read(rigs, readable, name):
     """Impacts of single bodies: components that are zero, steps, spectra of few decades."""
     readable(CATALOGUE[name].draw(rigs))
+
+
+@pytest.mark.parametrize("width", ["column", "page"])
+def test_figures_of_a_slider_and_of_its_ideal_joint_can_be_read(
+    slider_run, ideal_slider_run, readable, width
+):
+    allowed = list(allowed_figures([("play", slider_run), ("no play", ideal_slider_run)]))
+    assert {*SLIDES, *(name for name in STANDARD if CATALOGUE[name].touching)} < {
+        each.figure.name for each in allowed
+    }
+    for each in allowed:
+        readable(each.draw([("play", slider_run), ("no play", ideal_slider_run)], width=width))
+
+
+def test_play_of_a_slider_is_drawn_as_its_rectangle(slider_run):
+    """0.15 mm and 0.2 mm to each side, turned by 0.2 rad."""
+    axes, c, s = figure_orbit(("play", slider_run)).axes[0], np.cos(0.2), np.sin(0.2)
+    corners = axes.patches[0].get_xy() / factor_of(axes.get_xlabel(), "m") @ [[c, -s], [s, c]]
+    assert corners[:4] == pytest.approx(np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]) * [1.5e-4, 2e-4])
 
 
 @pytest.mark.parametrize("name", [name for name in FIGURES if CATALOGUE[name].touching])
@@ -363,8 +384,7 @@ def test_the_standard_set_of_real_runs(runs, tmp_path, monkeypatch):
     monkeypatch.setattr("antenna_pin.plot.files._save", lambda figure, path: path)  # drawing takes the time
     said = []
     written = save_figures(runs[::2], tmp_path, ("svg",), on_left_out=lambda *words: said.append(words))
-    names = [name for name, figure in CATALOGUE.items() if figure.standard]
-    assert [path.stem for path in written] == names
+    assert [path.stem for path in written] == STANDARD
     assert said == []
 
 
@@ -375,7 +395,7 @@ def test_what_runs_are_about_is_drawn_of_each_joint_with_clearance(runs, rigs):
         return [(each.figure.name, each.joint) for each in allowed_figures(runs, **options)]
 
     names = [name for name, _ in drawn(runs)]
-    assert names == [name for name, figure in CATALOGUE.items() if figure.standard]
+    assert names == STANDARD
     assert {joint for _, joint in drawn(runs)} == {"elevation", None}
     alone = dict(drawn(runs[:1]))
     assert alone["motion_angle"] == alone["joint_load"] == "elevation" and "contact_forces" not in alone

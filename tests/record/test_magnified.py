@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from antenna_pin.geometry import PlanarClearance, RevoluteClearance, SphericalClearance
+from antenna_pin.geometry import PlanarClearance, PrismaticClearance, RevoluteClearance, SphericalClearance
 from antenna_pin.record.magnified import MagnifiedBall, MagnifiedJournal, default_magnification
+from antenna_pin.record.magnified_slider import MagnifiedSlider
 
 M = 100.0
 COVERED = dict(
@@ -129,3 +130,42 @@ def test_ball_joint():
 @pytest.mark.parametrize(("clearance", "factor"), [(0.2e-3, 100.0), (50e-6, 200.0), (1e-6, 1000.0)])
 def test_magnification_is_chosen_from_100_to_1000(clearance, factor):
     assert default_magnification(10e-3, clearance) == factor
+
+
+GUIDE = dict(
+    guide_width=30.3e-3,
+    guide_height=20.4e-3,
+    slider_width=30e-3,
+    slider_height=20e-3,
+    slider_length=80e-3,
+    corner_radius=0.5e-3,
+    roll=0.2,
+)
+
+
+def test_slider():
+    """Drawn gaps are the real ones magnified at any tilt; a mark is where its drawn corner touches."""
+    geometry = PrismaticClearance(**GUIDE)
+    shape = MagnifiedSlider.of(GUIDE, M)
+    rng = np.random.default_rng(5)
+    position = rng.uniform(-1.0, 1.0, (100, 3)) * [1.5e-4, 1.5e-4, 0.5]
+    turned = Rotation.from_rotvec(rng.uniform(-1.0, 1.0, (100, 3)) * [6e-3, 6e-3, 2e-2])
+    gap, _ = recorded(geometry, position, turned.as_matrix())
+    assert (gap < 0.0).any(axis=0).all() and (gap > 0.0).any(axis=0).all()
+    attitude = turned.as_quat()
+    placed = shape.slider(position, attitude)
+    for k, place in enumerate(geometry.contact_places):
+        signs = {place.end[i + 1]: 1.0 if place.end[i] == "+" else -1.0 for i in (0, 2, 4)}
+        wall, sign = "xy".index(place.end[1]), 1.0 if place.end[0] == "+" else -1.0
+        corner = shape.turn @ (0.5 * shape.size * [signs["x"], signs["y"], signs["z"]])
+        drawn = (placed[:, :, :3] @ corner + placed[:, :, 3]) @ shape.turn  # section axes
+        # Round-off of lengths of 15 mm, which the factor stretches.
+        assert 0.5 * shape.guide[wall] - sign * drawn[:, wall] == pytest.approx(M * gap[:, k], abs=1e-13)
+        # The mark: on the wall, below the centre of the corner's rounding, which is r from its other side.
+        mark = shape.point(place.end, position, attitude) @ shape.turn
+        assert sign * mark[:, wall] == pytest.approx(0.5 * shape.guide[wall], rel=1e-14)
+        other = 1 - wall
+        beside = drawn[:, other] - signs["xy"[other]] * 0.5e-3
+        assert mark[:, other] == pytest.approx(beside, abs=1e-15)
+    # Along the axis the picture goes along, in true size.
+    assert np.abs(placed[:, 2, 3]).max() == 0.0
