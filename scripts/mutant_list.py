@@ -40,6 +40,10 @@ TEST_DISTRIBUTED = "tests/joints/test_distributed.py"
 TEST_ELEMENTS = "tests/dynamics/test_elements.py"
 TEST_DRIVES = "tests/elements/test_drives.py"
 TEST_PD = "tests/elements/test_pd.py"
+WITHOUT_RUNS = (
+    "-k",
+    "not moves_a_joint_with_play",
+)  # in Python a trial step that is rejected warns of overflow
 TEST_AUDIT = "tests/dynamics/test_audit.py"
 TEST_HINGE = "tests/dynamics/test_hinge.py"
 TEST_GAPS = "tests/geometry/test_gaps.py"
@@ -322,6 +326,7 @@ MUTANTS = (
         "    rate = pd.rate + pd.amplitude * omega * math.cos(turned)\n",
         "    rate = pd.rate\n",
         TEST_PD,
+        *WITHOUT_RUNS,
     ),
     _python(
         "a controller's torque has no limit below",
@@ -329,6 +334,7 @@ MUTANTS = (
         "min(max(demand(words, at, t, angle, rate), -limit), limit)",
         "min(demand(words, at, t, angle, rate), limit)",
         TEST_PD,
+        *WITHOUT_RUNS,
     ),
     _equivalent(
         "a table's point belongs to the piece before it",

@@ -92,7 +92,15 @@ def dissipation(request):
 
 @pytest.fixture(params=instances(NORMAL_LAWS, lambda law: hasattr(law, "hysteresis")))
 def restitution_law(request):
-    """Laws of the form K depth^n (1 + chi rate / approach speed)."""
+    """Laws of the form f(depth) (1 + chi rate / approach speed)."""
+    return request.param
+
+
+@pytest.fixture(
+    params=instances(NORMAL_LAWS, lambda law: hasattr(law, "hysteresis") and hasattr(law, "stiffness"))
+)
+def power_law(request):
+    """Those of them whose f(depth) is K depth^n."""
     return request.param
 
 

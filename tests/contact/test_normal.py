@@ -216,18 +216,18 @@ def test_force_is_linear_in_the_rate_until_it_would_pull(restitution_law):
         )
 
 
-def test_elastic_force_is_the_power_law(restitution_law):
+def test_elastic_force_is_the_power_law(power_law):
     for depth in DEPTHS:
-        expected = restitution_law.stiffness * depth**restitution_law.exponent
+        expected = power_law.stiffness * depth**power_law.exponent
         # Round-off of the power.
-        assert restitution_law.elastic_force(depth) == pytest.approx(expected, rel=1e-15, abs=0.0)
+        assert power_law.elastic_force(depth) == pytest.approx(expected, rel=1e-15, abs=0.0)
 
 
-def test_the_slope_is_continuous_at_touchdown_above_exponent_one(restitution_law):
+def test_the_slope_is_continuous_at_touchdown_above_exponent_one(power_law):
     """f / depth -> 0: force and slope leave zero together."""
-    depths, n = (1e-6, 1e-9, 1e-12), restitution_law.exponent
-    slopes = [restitution_law.force(d, 0.1, 0.1) / d / restitution_law.stiffness for d in depths]
-    expected = [(1.0 + restitution_law.hysteresis) * d ** (n - 1.0) for d in depths]
+    depths, n = (1e-6, 1e-9, 1e-12), power_law.exponent
+    slopes = [power_law.force(d, 0.1, 0.1) / d / power_law.stiffness for d in depths]
+    expected = [(1.0 + power_law.hysteresis) * d ** (n - 1.0) for d in depths]
     assert slopes == pytest.approx(expected, rel=1e-14, abs=0.0)  # round-off
     if n > 1.0:
         assert slopes[2] < slopes[1] < slopes[0]
