@@ -112,7 +112,9 @@ def dataset(run: Run, title: str, case: str, versions: dict[str, str], *, lean: 
     times = np.array(run.samples.times)
     states = np.concatenate(run.samples.states).reshape(len(times), -1)
     contacts = len(run.system.contact_names)
-    memories = np.concatenate(run.samples.memories).astype(MEMORY).reshape(len(times), contacts)
+    # By their bytes: NumPy compares the fields of each array of records with those of the first.
+    together = bytearray().join([memory.tobytes() for memory in run.samples.memories])
+    memories = np.frombuffer(together, MEMORY).reshape(len(times), contacts)
     found = observed(run.system, times, states, memories, run.samples.programs)
     seen = _Seen(run, times, states, memories, found)
     values: dict[str, Any] = {}
