@@ -67,7 +67,7 @@ class Workspace:
             start = system.clearance_blocks[joint.name]
             head = self.program[start : start + JOINT_WORDS].view(JOINT)
             block = self.program[start : start + int(head["length"][0])]
-            path = joint.python_path(block, self.model.nq)
+            path = joint.python_path(block, self.memory, self.table, self.model.nq)
             if path is not None:
                 self.paths.append(path)
         #: Those whose gaps are what a backend measures and nothing else.
@@ -109,12 +109,12 @@ class Workspace:
         """
         _inspect.contacts_in(y, self.program, self._pose, self.table)
         for path in self.paths:
-            path.prepare(y, self.memory, self.table, everything=True)
+            path.prepare(y, everything=True)
 
     def apply_elements(self, t: float, y: Array, rates: Array) -> None:
         """Evaluate the elements: ``tau``, the contacts' ``table``, and x rates behind rates[nv]."""
         for path in self.paths:
-            path.prepare(y, self.memory, self.table)
+            path.prepare(y)
         for on, (block, slot, drive) in zip(self._on, self.system.callables, strict=True):
             if on[0] == 0.0:
                 continue

@@ -8,37 +8,79 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin._compile import kernel
-from antenna_pin.geometry._revolute_kernels import bore_contact, flange_contact
-from antenna_pin.records import layout
+import numpy as np
+
+from antenna_pin._compile import inlined, kernel, record
+from antenna_pin.geometry._revolute_kernels import REVOLUTE, bore_contact, flange_contact
+from antenna_pin.records import layout, words_of
 
 #: Placement of H in J.
 FRAME = layout(("rotation", "f8", (3, 3)), ("origin", "f8", (3,)))
-#: The search on an end circle: the point asked, in J (read by coal) and in H [m]; its angle on the circle
-#: [rad]; whether the journal's axis passes through the circle; normal in H and gap [m].
+#: The search on an end circle: the point asked, in J (read by coal) and in H [m]; where the circle stands, in
+#: half lengths, and the point's angle on it [rad]; whether the journal's axis passes through the circle;
+#: normal in H and gap [m], infinite until it is asked.
 END = layout(
     ("in_journal", "f8", (3,)),
     ("in_bearing", "f8", (3,)),
+    ("side", "f8"),
     ("angle", "f8"),
     ("inside", "i8"),
     ("normal", "f8", (3,)),
     ("gap", "f8"),
 )
-#: coal's answer about a flange, in J: distance [m], normal from bearing to journal, nearest point [m].
+#: coal's answer about a flange, in J: distance [m], infinite until it is asked, normal from bearing to
+#: journal, nearest point [m].
 FLANGE_ANSWER = layout(("gap", "f8"), ("normal", "f8", (3,)), ("point", "f8", (3,)))
+
+# What the kernels are given is one flat array with all of that in it: each array that Python hands over takes
+# its time, twice that if it is one of records. Where REVOLUTE, FRAME, END at +z and at -z, and the
+# FLANGE_ANSWERs begin in it, and its size.
+SHAPE_AT = 0
+FRAME_AT = SHAPE_AT + words_of(REVOLUTE)
+END_WORDS = words_of(END)
+ENDS_AT = FRAME_AT + words_of(FRAME)
+ANSWER_WORDS = words_of(FLANGE_ANSWER)
+ANSWERS_AT = ENDS_AT + 2 * END_WORDS
+WORDS = ANSWERS_AT + 2 * ANSWER_WORDS
+# Which END is which, in a type that coal_start is compiled for once.
+_UPPER: Any = np.int64(0)
+_LOWER: Any = np.int64(1)
+
+
+@inlined
+def _shape_in(work: Any) -> Any:
+    return record(work[SHAPE_AT:FRAME_AT], REVOLUTE)
+
+
+@inlined
+def _frame_in(work: Any) -> Any:
+    return record(work[FRAME_AT:ENDS_AT], FRAME)
+
+
+@inlined
+def _end_in(work: Any, k: int) -> Any:
+    return record(work[ENDS_AT + k * END_WORDS : ENDS_AT + (k + 1) * END_WORDS], END)
+
+
+@inlined
+def _answer_in(work: Any, k: int) -> Any:
+    return record(work[ANSWERS_AT + k * ANSWER_WORDS : ANSWERS_AT + (k + 1) * ANSWER_WORDS], FLANGE_ANSWER)
 
 
 @kernel
-def coal_place(shape: Any, pose: Any, frame: Any, ends: Any) -> None:
+def coal_place(work: Any, pose: Any) -> tuple[bool, bool]:
     """Place the bearing in the journal frame and start the search on both end circles.
 
     Args:
-        shape: REVOLUTE, (1,).
+        work: Flat, WORDS; its FRAME and ENDs are filled: at +z, at -z.
         pose: POSE, (1,).
-        frame: FRAME, (1,), to be filled.
-        ends: END, (2,), to be filled: at +z, at -z.
+
+    Returns:
+        Whether the journal's axis passes through the circles, so that there is something to ask.
     """
-    at = frame[0]
+    at = _frame_in(work)
+    for k in range(2):
+        _answer_in(work, k).gap = math.inf
     ox, oy, oz = pose[0].centre[0], pose[0].centre[1], pose[0].centre[2]
     zx, zy, zz = pose[0].axis[0], pose[0].axis[1], pose[0].axis[2]
     # Smallest rotation taking the z axis to z: R = I + [k] + [k]^2 / (1 + zz), k = e_z x z.
@@ -65,30 +107,34 @@ def coal_place(shape: Any, pose: Any, frame: Any, ends: Any) -> None:
     at.rotation[2, 2] = zz
     for i in range(3):
         at.origin[i] = -(at.rotation[i, 0] * ox + at.rotation[i, 1] * oy + at.rotation[i, 2] * oz)
-    for k in range(2):
-        coal_start(shape, 1.0 - 2.0 * k, pose, frame, ends, k)
+    return coal_start(work, _UPPER, 1.0, pose), coal_start(work, _LOWER, -1.0, pose)
 
 
 @kernel
-def coal_start(shape: Any, side: float, pose: Any, frame: Any, ends: Any, k: int) -> None:
-    """Start the search on the circle at ``side`` times half the length, in ends[k]."""
+def coal_start(work: Any, k: int, side: float, pose: Any) -> bool:
+    """Start the search on the circle at ``side`` times half the length; whether END k is to be asked."""
     # Towards the side of the bore that the journal axis is nearest to, where it cuts the circle's plane.
     ox, oy, oz = pose[0].centre[0], pose[0].centre[1], pose[0].centre[2]
     zx, zy, zz = pose[0].axis[0], pose[0].axis[1], pose[0].axis[2]
-    radius = shape[0].bearing_radius
-    lift = (side * shape[0].half_length - oz) / zz if zz != 0.0 else 0.0
+    shape, end = _shape_in(work), _end_in(work, k)
+    radius = shape.bearing_radius
+    lift = (side * shape.half_length - oz) / zz if zz != 0.0 else 0.0
     cx = ox + lift * zx
     cy = oy + lift * zy
-    ends[k].angle = math.atan2(cy, cx) if (cx != 0.0 or cy != 0.0) else 0.0
-    ends[k].inside = 1 if zz != 0.0 and cx * cx + cy * cy <= radius * radius else 0
-    _place_point(shape[0], side, frame[0], ends[k])
+    inside = bool(zz != 0.0 and cx * cx + cy * cy <= radius * radius)
+    end.side = side
+    end.gap = math.inf
+    end.angle = math.atan2(cy, cx) if (cx != 0.0 or cy != 0.0) else 0.0
+    end.inside = 1 if inside else 0
+    _place_point(shape, _frame_in(work), end)
+    return inside
 
 
 @kernel
-def _place_point(shape: Any, side: float, frame: Any, end: Any) -> None:
+def _place_point(shape: Any, frame: Any, end: Any) -> None:
     end.in_bearing[0] = shape.bearing_radius * math.cos(end.angle)
     end.in_bearing[1] = shape.bearing_radius * math.sin(end.angle)
-    end.in_bearing[2] = side * shape.half_length
+    end.in_bearing[2] = end.side * shape.half_length
     for i in range(3):
         end.in_journal[i] = (
             frame.rotation[i, 0] * end.in_bearing[0]
@@ -99,21 +145,20 @@ def _place_point(shape: Any, side: float, frame: Any, end: Any) -> None:
 
 
 @kernel
-def coal_turn(shape: Any, side: float, frame: Any, ends: Any, k: int, normal: Any, gap: float) -> bool:
-    """Make one Newton step of d gap / d phi = 0 from coal's gap and normal (in J); True when done.
+def coal_turn(work: Any, k: int, normal: Any, gap: float) -> bool:
+    """Make one Newton step of d gap / d phi = 0 in END k from coal's gap and normal (in J); True when done.
 
     The derivative of the gap along the circle is -n . dQ/dphi; its own derivative follows from the curvature
     of the distance to a line. Once the step is below 1e-5 rad, gap and normal are carried over it to second
     and first order, which is exact to 1e-10 in the normal and far below round-off in the gap: no further
     query is needed. Where the minimum is so flat that its angle is lost in round-off the gap decides.
     """
-    at = frame[0]
-    end = ends[k]
+    shape, at, end = _shape_in(work), _frame_in(work), _end_in(work, k)
     nx, ny, nz = normal[0], normal[1], normal[2]
     hx = at.rotation[0, 0] * nx + at.rotation[1, 0] * ny + at.rotation[2, 0] * nz
     hy = at.rotation[0, 1] * nx + at.rotation[1, 1] * ny + at.rotation[2, 1] * nz
     hz = at.rotation[0, 2] * nx + at.rotation[1, 2] * ny + at.rotation[2, 2] * nz
-    radius = shape[0].bearing_radius
+    radius = shape.bearing_radius
     qx, qy = end.in_bearing[0], end.in_bearing[1]
     tx = -qy
     ty = qx
@@ -122,7 +167,7 @@ def coal_turn(shape: Any, side: float, frame: Any, ends: Any, k: int, normal: An
     # axis and Q'' = -(qx, qy, 0).
     zx, zy, zz = at.rotation[2, 0], at.rotation[2, 1], at.rotation[2, 2]
     along = tx * zx + ty * zy
-    span = gap + shape[0].journal_radius
+    span = gap + shape.journal_radius
     curvature = (radius * radius - along * along - slope * slope) / span + hx * qx + hy * qy
     if curvature > 0.0:
         step = -slope / curvature
@@ -146,33 +191,38 @@ def coal_turn(shape: Any, side: float, frame: Any, ends: Any, k: int, normal: An
     end.normal[2] = hz * scale
     end.gap = gap - gain if done else gap
     end.angle += step
-    _place_point(shape[0], side, at, end)
+    _place_point(shape, at, end)
     return done
 
 
 @kernel
-def coal_collect(shape: Any, pose: Any, frame: Any, ends: Any, answers: Any, table: Any, row: int) -> None:
+def coal_collect(work: Any, pose: Any, table: Any, row: int) -> None:
     """Turn coal's answers into the four rows of the table, in H.
 
-    The bore's stand in ``ends``, the flanges' in ``answers``. Of a cylinder exactly parallel to the normal,
-    up to a tilt of some 1e-12, coal takes the middle of the end face for the nearest point, 1e-10 of half its
-    length too far out: that is put right. Where the axis of the journal passes outside an end circle, which
-    parts cannot do, the closed form's gap stands.
+    The bore's stand in the ENDs of ``work``, the flanges' in its FLANGE_ANSWERs. Of a cylinder exactly
+    parallel to the normal, up to a tilt of some 1e-12, coal takes the middle of the end face for the nearest
+    point, 1e-10 of half its length too far out: that is put right. Where the axis of the journal passes
+    outside an end circle, which parts cannot do, the closed form's gap stands. A row that was not asked for
+    stays as it is.
     """
-    at = frame[0]
-    dimensions = shape[0]
+    dimensions, at = _shape_in(work), _frame_in(work)
     for k in range(2):
         out = table[row + k]
-        if ends[k].inside == 0:
+        end = _end_in(work, k)
+        if end.inside == 0:
             bore_contact(dimensions, 1.0 - 2.0 * k, pose[0], out)
             continue
-        out.gap = ends[k].gap
+        if end.gap == math.inf:
+            continue
+        out.gap = end.gap
         for i in range(3):
-            out.normal[i] = ends[k].normal[i]
-            out.point[i] = ends[k].in_bearing[i]
+            out.normal[i] = end.normal[i]
+            out.point[i] = end.in_bearing[i]
     for k in range(2):
         out = table[row + 2 + k]
-        answer = answers[k]
+        answer = _answer_in(work, k)
+        if answer.gap == math.inf:
+            continue
         out.gap = answer.gap
         nx, ny, nz = answer.normal[0], answer.normal[1], answer.normal[2]
         for i in range(3):

@@ -11,7 +11,7 @@ Functors are built once; a query only moves a transform.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import coal
@@ -24,6 +24,7 @@ from antenna_pin.geometry._patch_kernels import APART, sector_contacts, strip_co
 __all__ = ["CoalRevolute"]
 
 _MAX_QUERIES = 12
+_ALL = (1.0, 1.0, 1.0, 1.0)
 
 
 class CoalRevolute:
@@ -63,54 +64,58 @@ class CoalRevolute:
         self._identity = coal.Transform3s()
         self._at_point = coal.Transform3s()
         self._at_bearing = coal.Transform3s()
-        self._frame = np.zeros(1, _kernels.FRAME)
-        self._rotation: NDArray[np.float64] = self._frame["rotation"][0]
-        self._origin: NDArray[np.float64] = self._frame["origin"][0]
-        self._ends = np.zeros(2, _kernels.END)
-        self._asked = tuple(self._ends["in_journal"])
-        self._inside = self._ends["inside"]
-        self._answers = np.zeros(2, _kernels.FLANGE_ANSWER)
-        self._gaps = self._answers["gap"]
-        self._normals = self._answers["normal"]
-        self._points = self._answers["point"]
+        # All that the kernels read and write, and parts of it by name.
+        self._work = np.zeros(_kernels.WORDS)
+        self._work[_kernels.SHAPE_AT : _kernels.FRAME_AT] = dimensions.view(np.float64)
+        frame = self._work[_kernels.FRAME_AT : _kernels.ENDS_AT].view(_kernels.FRAME)
+        self._rotation: NDArray[np.float64] = frame["rotation"][0]
+        self._origin: NDArray[np.float64] = frame["origin"][0]
+        self._ends = self._work[_kernels.ENDS_AT : _kernels.ANSWERS_AT].view(_kernels.END)
+        answers = self._work[_kernels.ANSWERS_AT :].view(_kernels.FLANGE_ANSWER)
+        self._gaps = answers["gap"]
+        self._normals = tuple(answers["normal"])
+        self._points = tuple(answers["point"])
+        self._search = self._searching()
 
     def query(
         self, pose: NDArray[Any], table: NDArray[Any], row: int, wanted: Sequence[float] | None = None
     ) -> None:
         """Fill the four rows (see :class:`antenna_pin.geometry.Distances`)."""
-        _kernels.coal_place(self._shape, pose, self._frame, self._ends)
-        result = self._result
-        request = self._request
-        identity = self._identity
-        gaps = self._gaps
-        normals = self._normals
-        for k in range(2):
-            if (wanted is None or wanted[k]) and self._inside[k]:
-                self._search(1.0 - 2.0 * k, k)
-        if self._covers:
-            self._at_bearing.setTransform(self._rotation, self._origin)
-            for k, functor in enumerate(self._axial):
-                if wanted is not None and not wanted[2 + k]:
-                    continue
-                result.clear()
-                gaps[k] = functor(self._at_bearing, identity, request, result)
-                # coal's normal runs from the bearing to the flange's half-space: that is into the journal.
-                normals[k] = result.normal
-                self._points[k] = result.getNearestPoint1()
-        else:
-            self._query_small_flanges(wanted)
-        _kernels.coal_collect(self._shape, pose, self._frame, self._ends, self._answers, table, row)
+        if wanted is None:
+            wanted = _ALL
+        elif not any(wanted):
+            return
+        upper, lower = _kernels.coal_place(self._work, pose)
+        if upper and wanted[0]:
+            self._search(0)
+        if lower and wanted[1]:
+            self._search(1)
+        if wanted[2] or wanted[3]:
+            if self._covers:
+                self._query_large_flanges(wanted)
+            else:
+                self._query_small_flanges(wanted)
+        _kernels.coal_collect(self._work, pose, table, row)
 
-    def _search(self, side: float, k: int) -> None:
-        """Find the deepest point of the circle at ``side`` times half the length, from where ends[k] is."""
-        point = self._asked[k]
-        for _ in range(_MAX_QUERIES):
-            self._at_point.setTranslation(point)
-            self._result.clear()
-            gap = self._radial(self._at_point, self._identity, self._request, self._result)
-            normal = self._result.normal
-            if _kernels.coal_turn(self._shape, side, self._frame, self._ends, k, normal, gap):
-                break
+    def _searching(self) -> Callable[[int], None]:
+        """Return what finds the deepest point of an end circle, from where END k is.
+
+        What it needs is looked at once: it is called for each contact of each evaluation.
+        """
+        work, asked, identity = self._work, tuple(self._ends["in_journal"]), self._identity
+        at_point, result, request, radial = self._at_point, self._result, self._request, self._radial
+        turn = _kernels.coal_turn
+
+        def search(k: int) -> None:
+            point = asked[k]
+            for _ in range(_MAX_QUERIES):
+                at_point.setTranslation(point)
+                result.clear()
+                gap = radial(at_point, identity, request, result)
+                if turn(work, k, result.normal, gap):
+                    break
+
+        return search
 
     def query_patches(
         self,
@@ -137,16 +142,15 @@ class CoalRevolute:
             first: Row of the first strip.
         """
         shape = self._shape
-        _kernels.coal_place(shape, pose, self._frame, self._ends)
+        _kernels.coal_place(self._work, pose)
         strip_contacts(shape[0], strips, pose[0], table, row, first)
         for k in range(strips):
             if table["gap"][first + k] == APART:
                 continue
             side = (2.0 * k + 1.0) / strips - 1.0
-            _kernels.coal_start(shape, side, pose, self._frame, self._ends, 0)
-            if not self._inside[0]:
+            if not _kernels.coal_start(self._work, 0, side, pose):
                 continue
-            self._search(side, 0)
+            self._search(0)
             table["gap"][first + k] = self._ends["gap"][0]
             table["normal"][first + k] = self._ends["normal"][0]
             table["point"][first + k] = self._ends["in_bearing"][0]
@@ -168,19 +172,31 @@ class CoalRevolute:
                 table["gap"][r] = functor(self._at_point, self._identity, self._request, self._result)
                 table["normal"][r] = rotation.T @ self._result.normal
 
-    def _query_small_flanges(self, wanted: Sequence[float] | None) -> None:
+    def _query_large_flanges(self, wanted: Sequence[float]) -> None:
+        self._at_bearing.setTransform(self._rotation, self._origin)
+        result = self._result
+        for k, functor in enumerate(self._axial):
+            if not wanted[2 + k]:
+                continue
+            result.clear()
+            self._gaps[k] = functor(self._at_bearing, self._identity, self._request, result)
+            # coal's normal runs from the bearing to the flange's half-space: that is into the journal.
+            self._normals[k][:] = result.normal
+            self._points[k][:] = result.getNearestPoint1()
+
+    def _query_small_flanges(self, wanted: Sequence[float]) -> None:
         # Solid discs behind each flange face, asked against the half-spaces inside the bearing's end faces.
         # Both are asked in H, where the half-spaces stand, and the answers carried to J.
         rotation = self._rotation  # of H in J
         centre = -rotation.T @ self._origin  # journal centre in H
         axis = rotation[2]
         for k, (functor, side) in enumerate(zip(self._axial, (1.0, -1.0), strict=True)):
-            if wanted is not None and not wanted[2 + k]:
+            if not wanted[2 + k]:
                 continue
             self._at_bearing.setTransform(
                 np.ascontiguousarray(rotation.T), centre + side * self._to_disc * axis
             )
             self._result.clear()
             self._gaps[k] = functor(self._at_bearing, self._identity, self._request, self._result)
-            self._normals[k] = -(rotation @ self._result.normal)
-            self._points[k] = rotation @ self._result.getNearestPoint1() + self._origin
+            self._normals[k][:] = -(rotation @ self._result.normal)
+            self._points[k][:] = rotation @ self._result.getNearestPoint1() + self._origin

@@ -133,11 +133,15 @@ class ClearanceJoint:
         kinds = (place.kind for place in self.geometry.contact_places)
         return tuple(self.axial if kind == "axial" and self.axial else self.radial for kind in kinds)
 
-    def python_path(self, block: Array, nq: int) -> PythonPath | None:
+    def python_path(
+        self, block: Array, memory: NDArray[Any], table: NDArray[Any], nq: int
+    ) -> PythonPath | None:
         """Return what of the joint happens in Python in a run, or None if nothing does.
 
         Args:
             block: The joint's numbers, as they stand in a system's program.
+            memory: Contact memory of the system.
+            table: Contact table of the system.
             nq: Size of the configuration.
         """
         if self.compiled and self.backend == "closed-form":
@@ -148,7 +152,8 @@ class ClearanceJoint:
         elif self.backend == "coal":
             backend = self.geometry.coal(block[: _layout.JOINT_WORDS].view(_layout.JOINT)["axes"][0])
         friction = None if self.compiled else self.friction
-        return PythonPath(block, nq, backend, self.normal_laws, friction, backend is self.backend)
+        measured = backend is self.backend
+        return PythonPath(block, memory, table, nq, backend, self.normal_laws, friction, measured)
 
     @property
     def depth_limits(self) -> tuple[float, ...]:
@@ -316,9 +321,9 @@ class ClearanceJoint:
             )
         tau = np.zeros(nv)
         rates = np.zeros(nv + x.size)
-        path = self.python_path(block, nq)
+        path = self.python_path(block, memory, table, nq)
         if path is not None:
-            path.prepare(y, memory, table, everything=True)
+            path.prepare(y, everything=True)
         _kernels.alone(block, 0, y, nq, nv, memory, table, pose, tau, rates)
         return JointContacts(
             gap=table["gap"][:n].copy(),

@@ -24,6 +24,8 @@ __all__ = ["LawInRun", "PythonPath", "has_code", "range_of"]
 
 Array = NDArray[np.float64]
 
+_ROW = ("gap", "rate", "slip", "force", "friction", "elastic")
+
 
 def has_code(law: object) -> bool:
     """Whether a law runs compiled."""
@@ -72,6 +74,8 @@ class PythonPath:
 
     Args:
         block: The joint's numbers.
+        memory: Contact memory of the system, :data:`antenna_pin.records.MEMORY`.
+        table: Contact table of the system, :data:`antenna_pin.records.CONTACT`.
         nq: Size of the configuration: where the velocities start in a state.
         distances: What measures its gaps; None for the compiled closed form.
         laws: Its normal laws, one for each contact.
@@ -82,6 +86,8 @@ class PythonPath:
     def __init__(
         self,
         block: Array,
+        memory: NDArray[Any],
+        table: NDArray[Any],
         nq: int,
         distances: Distances | None,
         laws: Sequence[NormalLaw],
@@ -104,6 +110,12 @@ class PythonPath:
         self._distributed = bool(head["distributed"][0])
         self._pose = np.zeros(1, POSE)
         self._distances = distances
+        self._table = table
+        # The joint's rows by name, looked up once: a look-up costs as much as a query of coal.
+        rows = slice(self.row, self.row + len(self.laws))
+        self._memory = memory[rows]
+        self._touching: Array = memory["touching"][rows]
+        self._rows: dict[str, Array] = {name: table[name][rows] for name in _ROW}
 
     def locate(self, y: Array, table: NDArray[Any]) -> None:
         """Fill gap, normal, point, rate and slip of all of the joint's rows, as the backend measures them."""
@@ -112,17 +124,15 @@ class PythonPath:
         self._distances.query(self._pose, table, self.row)
         _kernels.rates_alone(self._block, 0, table, self._pose)
 
-    def prepare(self, y: Array, memory: NDArray[Any], table: NDArray[Any], everything: bool = False) -> None:
+    def prepare(self, y: Array, everything: bool = False) -> None:
         """Fill the joint's rows of the table as far as its mode says they are given.
 
         Args:
             y: State [q, v, x].
-            memory: Contact memory of the system, :data:`antenna_pin.records.MEMORY`.
-            table: Contact table of the system, :data:`antenna_pin.records.CONTACT`.
             everything: Ask the backend for contacts that do not touch, too; they have no force, whatever
                 their gap.
         """
-        row = self.row
+        row, table = self.row, self._table
         distances = self._distances
         if distances is None:
             _kernels.geometry_alone(self._block, 0, y, self._nq, table, self._pose)
@@ -135,30 +145,30 @@ class PythonPath:
                     self._pose, patches.strips, nodes, patches.radius, table, row, patches.first
                 )
             else:
-                mine = slice(row, row + len(self.laws))
-                wanted = None if everything else memory["touching"][mine].tolist()
-                distances.query(self._pose, table, row, wanted)
+                distances.query(self._pose, table, row, None if everything else self._touching.tolist())
         if not self.compiled or (everything and self.measured):
             _kernels.rates_alone(self._block, 0, table, self._pose)
         if not self.compiled:
-            self._apply_laws(memory, table)
+            self._apply_laws()
 
-    def _apply_laws(self, memory: NDArray[Any], table: NDArray[Any]) -> None:
-        friction = self._friction
+    def _apply_laws(self) -> None:
+        friction, rows = self._friction, self._rows
         code = friction.code() if has_code(friction) else None
-        for r, law in enumerate(self.laws, self.row):
-            out = table[r]
-            out.force = out.elastic = 0.0
-            out.friction = 0.0
-            depth = -out.gap
-            remembered = memory[r]
-            if remembered.touching == 0.0 or depth <= 0.0:
+        rows["force"][:] = 0.0
+        rows["elastic"][:] = 0.0
+        rows["friction"][:] = 0.0
+        gaps = rows["gap"].tolist()
+        for k, touching in enumerate(self._touching.tolist()):
+            depth = -gaps[k]
+            if touching == 0.0 or depth <= 0.0:
                 continue
-            elastic, force = law.forces(depth, out.rate, remembered.approach_speed, remembered.effective_mass)
-            out.force = force
-            out.elastic = elastic
-            speed = float(np.linalg.norm(out.slip))
+            _, approach_speed, mass = self._memory[k].item()
+            elastic, force = self.laws[k].forces(depth, float(rows["rate"][k]), approach_speed, mass)
+            rows["force"][k] = force
+            rows["elastic"][k] = elastic
+            slip = rows["slip"][k]
+            speed = math.sqrt(slip.dot(slip))
             if code is not None:
-                out.friction = friction_force(code, force, *out.slip.tolist())
+                rows["friction"][k] = friction_force(code, force, *slip.tolist())
             elif speed > 0.0:
-                out.friction = -friction.coefficient(speed) * force / speed * out.slip
+                rows["friction"][k] = -friction.coefficient(speed) * force / speed * slip

@@ -43,6 +43,19 @@ def coal_table(poses):
     return np.array([seven(row) for row in rows])
 
 
+def test_coal_leaves_the_rows_that_it_is_not_asked_for(poses):
+    """What a sample says of a contact that is apart is what was measured, not where a search begins."""
+    backend = poses.shape.coal(np.eye(3))
+    for pair in zip(poses.centre[:20], poses.axis[:20], strict=True):
+        rows = np.zeros(4, CONTACT)
+        pose = pose_of(*pair)
+        backend.query(pose, rows, 0)
+        measured = seven(rows)
+        for wanted in (*np.eye(4).tolist(), [0.0] * 4):
+            backend.query(pose, rows, 0, wanted)
+            np.testing.assert_array_equal(seven(rows), measured)
+
+
 def test_radial_gap_is_the_least_distance_to_the_journal(poses, table):
     # 10,000 poses and both ends. Grids find the minimum to (1e-9 rad)^2; the rest is round-off of 1e-18 m.
     assert np.abs(table[:, :2, 0] - poses.bore).max() < 1e-12
