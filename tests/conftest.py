@@ -173,10 +173,9 @@ SLIDER_URDF = """
 
 
 @pytest.fixture(scope="session")
-def slider_run():
-    """A slider thrown through its guide, turned by 0.2 rad; it knocks against all walls."""
-    urdf = Urdf.from_text(SLIDER_URDF.format(kind="floating", limit=""), "slider.urdf")
-    shape = PrismaticClearance(
+def guide():
+    """Dimensions of a slider in its guide."""
+    return dict(
         guide_width=30.3e-3,
         guide_height=20.4e-3,
         slider_width=30e-3,
@@ -185,6 +184,13 @@ def slider_run():
         corner_radius=0.5e-3,
         roll=0.2,
     )
+
+
+@pytest.fixture(scope="session")
+def slider_run(guide):
+    """A slider thrown through its guide, turned by 0.2 rad; it knocks against all walls."""
+    urdf = Urdf.from_text(SLIDER_URDF.format(kind="floating", limit=""), "slider.urdf")
+    shape = PrismaticClearance(**guide)
     joint = ClearanceJoint(name="slide", geometry=shape, radial=Hertz(stiffness=1e8), backend="closed-form")
     system = System(build_mechanism(urdf, base="fixed"), clearances=[joint])
     return simulate(system, duration=0.1, v=np.array([0.3, 0.02, 0.03, 0.2, 0.1, 0.15]))

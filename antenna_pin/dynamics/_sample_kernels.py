@@ -12,7 +12,7 @@ from antenna_pin.dynamics._audit_kernels import audit_state
 from antenna_pin.dynamics._inspect import contacts_in
 from antenna_pin.dynamics._kernels import element_state, evaluate, head_of, stored_energy
 from antenna_pin.geometry._kernels import BORE
-from antenna_pin.geometry._revolute_kernels import bore_contact, contact_scenario, flange_contact
+from antenna_pin.geometry._revolute_kernels import contact_scenario, revolute_contacts
 from antenna_pin.joints._kernels import wrench_on_journal
 from antenna_pin.joints._layout_kernels import ALL_COMPILED, joint_at, primitive_of, revolute_of
 from antenna_pin.joints._pose_kernels import journal_state, motion_angle, unwrapped
@@ -67,10 +67,7 @@ def _scenario(p: Any, b: int, pose: Any, table: Any, scratch: Any, out: Any) -> 
             for k in range(4):  # the rows of the contacts are those of the closed form
                 scratch[k] = table[j.row + k]
         else:
-            for k in range(2):
-                side = 1.0 - 2.0 * k
-                bore_contact(shape, side, pose, scratch[k])
-                flange_contact(shape, side, pose, scratch[2 + k])
+            revolute_contacts(shape, pose, scratch)
         out[0], out[1] = contact_scenario(shape, pose, scratch, 0, scratch[4])
         return
     for r in range(j.row, j.row + j.contacts):

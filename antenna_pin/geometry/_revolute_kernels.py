@@ -198,6 +198,15 @@ def flange_contact(shape: Any, side: float, pose: Any, out: Any) -> None:
 
 
 @kernel
+def revolute_contacts(shape: Any, pose: Any, table: Any) -> None:
+    """Fill the first four rows of a table: bore at +z and -z, flange at +z and -z."""
+    for k in range(2):
+        side = 1.0 - 2.0 * k
+        bore_contact(shape, side, pose, table[k])
+        flange_contact(shape, side, pose, table[2 + k])
+
+
+@kernel
 def contact_scenario(shape: Any, pose: Any, table: Any, row: int, spare: Any) -> tuple[int, int]:
     """Classify the penetrations of rows ``row`` to ``row + 3`` of a table; the row ``spare`` is scratch.
 
@@ -237,8 +246,5 @@ def contact_scenario(shape: Any, pose: Any, table: Any, row: int, spare: Any) ->
 def scenario_in(dimensions: Any, poses: Any, table: Any) -> tuple[int, int]:
     """Return the contact scenario of poses[0], filling the five rows of a table; REVOLUTE and POSE, (1,)."""
     shape, pose = dimensions[0], poses[0]
-    for k in range(2):
-        side = 1.0 - 2.0 * k
-        bore_contact(shape, side, pose, table[k])
-        flange_contact(shape, side, pose, table[2 + k])
+    revolute_contacts(shape, pose, table)
     return contact_scenario(shape, pose, table, 0, table[4])

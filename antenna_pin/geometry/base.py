@@ -107,6 +107,44 @@ class ClearanceGeometry(Protocol):
         """Return what asks coal for the same distances; ``axes`` as of :meth:`candidates`."""
 
 
+class Shape:
+    """What all shapes have beside what their protocol asks for."""
+
+    __slots__ = ()
+
+    def contacts(
+        self: ClearanceGeometry, p_HJ: ArrayLike, attitude: ArrayLike = (0.0, 0.0, 1.0)
+    ) -> tuple[ContactPoint, ...]:
+        """Return the candidate contacts of a pose (:func:`antenna_pin.geometry.pose_of`), in closed form."""
+        return points_of_table(closed_form(self, pose_of(p_HJ, attitude)))
+
+
+class _Radii(Protocol):
+    """The two radii of a round part in a round hollow [m]."""
+
+    @property
+    def bearing_radius(self) -> float: ...
+
+    @property
+    def journal_radius(self) -> float: ...
+
+
+class RoundShape(Shape):
+    """A round part in a round hollow."""
+
+    __slots__ = ()
+
+    @property
+    def section_radius(self: _Radii) -> float:
+        """R_i, the size of the hollow [m]."""
+        return self.bearing_radius
+
+    @property
+    def radial_clearance(self: _Radii) -> float:
+        """C_r, the hollow's radius less that of the part inside [m]."""
+        return self.bearing_radius - self.journal_radius
+
+
 def pose_of(p_HJ: ArrayLike, attitude: ArrayLike) -> NDArray[Any]:
     """Return a journal's pose at rest as a record, (1,).
 

@@ -13,12 +13,9 @@ from antenna_pin.geometry import _kernels
 from antenna_pin.geometry._round_kernels import ROUND
 from antenna_pin.geometry.base import (
     ContactPlace,
-    ContactPoint,
     Motion,
-    closed_form,
+    RoundShape,
     flat,
-    points_of_table,
-    pose_of,
     require_lengths,
 )
 from antenna_pin.geometry.coal_round import CoalPlanar
@@ -27,7 +24,7 @@ __all__ = ["PlanarClearance"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class PlanarClearance:
+class PlanarClearance(RoundShape):
     """A journal in a bore that keeps its plane: radial play only, one candidate contact.
 
     Attributes:
@@ -52,16 +49,6 @@ class PlanarClearance:
             )
 
     @property
-    def section_radius(self) -> float:
-        """R_i, the size of the hollow [m]."""
-        return self.bearing_radius
-
-    @property
-    def radial_clearance(self) -> float:
-        """C_r [m]."""
-        return self.bearing_radius - self.journal_radius
-
-    @property
     def contact_places(self) -> tuple[ContactPlace, ...]:
         """The one candidate contact."""
         return (ContactPlace("radial"),)
@@ -73,7 +60,3 @@ class PlanarClearance:
     def coal(self, axes: ArrayLike) -> CoalPlanar:
         """Return what asks coal for the same distance."""
         return CoalPlanar(self.bearing_radius, self.journal_radius)
-
-    def contacts(self, p_HJ: ArrayLike, attitude: ArrayLike = (0.0, 0.0, 1.0)) -> tuple[ContactPoint, ...]:
-        """Return the one candidate contact; the attitude does not matter."""
-        return points_of_table(closed_form(self, pose_of(p_HJ, attitude)))

@@ -15,12 +15,9 @@ from antenna_pin.geometry import _kernels
 from antenna_pin.geometry._corner_kernels import CORNER
 from antenna_pin.geometry.base import (
     ContactPlace,
-    ContactPoint,
     Motion,
-    closed_form,
+    Shape,
     flat,
-    points_of_table,
-    pose_of,
     require_lengths,
 )
 from antenna_pin.geometry.coal_prismatic import CoalPrismatic
@@ -31,7 +28,7 @@ _SIGNS = ((1.0, "+"), (-1.0, "-"))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class PrismaticClearance:
+class PrismaticClearance(Shape):
     r"""A rectangular slider with rounded edges in a rectangular guide: a prismatic joint with play.
 
     The slider may touch each of the guide's four walls with the four corners of its own on that side: sixteen
@@ -131,7 +128,3 @@ class PrismaticClearance:
     def coal(self, axes: ArrayLike) -> CoalPrismatic:
         """Return what asks coal for the same distances."""
         return CoalPrismatic(self.candidates(axes))
-
-    def contacts(self, p_HJ: ArrayLike, attitude: ArrayLike) -> tuple[ContactPoint, ...]:
-        """Return the candidate contacts of a pose (:func:`antenna_pin.geometry.pose_of`)."""
-        return points_of_table(closed_form(self, pose_of(p_HJ, attitude)))

@@ -14,11 +14,9 @@ from antenna_pin.geometry import _kernels, _revolute_kernels
 from antenna_pin.geometry._revolute_kernels import REVOLUTE, scenario_in
 from antenna_pin.geometry.base import (
     ContactPlace,
-    ContactPoint,
     Motion,
-    closed_form,
+    RoundShape,
     flat,
-    points_of_table,
     pose_of,
     require_lengths,
 )
@@ -47,7 +45,7 @@ class AxialScenario(IntEnum):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class RevoluteClearance:
+class RevoluteClearance(RoundShape):
     r"""A journal with two flanges in a bearing, with radial and axial play.
 
     Radial contact is sought on the bearing's two end circles, axial contact on the outer edges of its end
@@ -124,16 +122,6 @@ class RevoluteClearance:
         )
 
     @property
-    def section_radius(self) -> float:
-        """R_i, the size of the hollow [m]."""
-        return self.bearing_radius
-
-    @property
-    def radial_clearance(self) -> float:
-        """C_r [m]."""
-        return self.bearing_radius - self.journal_radius
-
-    @property
     def axial_clearance(self) -> float:
         """C_a [m]."""
         return 0.5 * (self.flange_distance - self.bearing_length)
@@ -174,10 +162,6 @@ class RevoluteClearance:
     def coal(self, axes: ArrayLike) -> CoalRevolute:
         """Return what asks coal for the same distances."""
         return CoalRevolute(self.dimensions())
-
-    def contacts(self, p_HJ: ArrayLike, attitude: ArrayLike) -> tuple[ContactPoint, ...]:
-        """Return the four candidate contacts of a pose (:func:`antenna_pin.geometry.pose_of`)."""
-        return points_of_table(closed_form(self, pose_of(p_HJ, attitude)))
 
     def scenario(self, p_HJ: ArrayLike, attitude: ArrayLike) -> tuple[RadialScenario, AxialScenario]:
         """Return the contact scenario of a pose (:func:`antenna_pin.geometry.pose_of`)."""

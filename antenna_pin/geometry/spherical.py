@@ -13,12 +13,9 @@ from antenna_pin.geometry import _kernels
 from antenna_pin.geometry._round_kernels import ROUND
 from antenna_pin.geometry.base import (
     ContactPlace,
-    ContactPoint,
     Motion,
-    closed_form,
+    RoundShape,
     flat,
-    points_of_table,
-    pose_of,
     require_lengths,
 )
 from antenna_pin.geometry.coal_round import CoalSpherical
@@ -27,7 +24,7 @@ __all__ = ["SphericalClearance"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class SphericalClearance:
+class SphericalClearance(RoundShape):
     """A ball in a socket with play: one candidate contact, on the line of the two centres.
 
     The socket is taken as a whole sphere: it holds the ball in every direction.
@@ -67,16 +64,6 @@ class SphericalClearance:
         return self.ball_radius
 
     @property
-    def section_radius(self) -> float:
-        """R_i, the size of the hollow [m]."""
-        return self.bearing_radius
-
-    @property
-    def radial_clearance(self) -> float:
-        """Socket radius minus ball radius [m]."""
-        return self.socket_radius - self.ball_radius
-
-    @property
     def contact_places(self) -> tuple[ContactPlace, ...]:
         """The one candidate contact."""
         return (ContactPlace("spherical"),)
@@ -88,7 +75,3 @@ class SphericalClearance:
     def coal(self, axes: ArrayLike) -> CoalSpherical:
         """Return what asks coal for the same distance."""
         return CoalSpherical(self.bearing_radius, self.journal_radius)
-
-    def contacts(self, p_HJ: ArrayLike, attitude: ArrayLike = (0.0, 0.0, 1.0)) -> tuple[ContactPoint, ...]:
-        """Return the one candidate contact; the attitude does not matter."""
-        return points_of_table(closed_form(self, pose_of(p_HJ, attitude)))

@@ -132,21 +132,10 @@ def test_magnification_is_chosen_from_100_to_1000(clearance, factor):
     assert default_magnification(10e-3, clearance) == factor
 
 
-GUIDE = dict(
-    guide_width=30.3e-3,
-    guide_height=20.4e-3,
-    slider_width=30e-3,
-    slider_height=20e-3,
-    slider_length=80e-3,
-    corner_radius=0.5e-3,
-    roll=0.2,
-)
-
-
-def test_slider():
+def test_slider(guide):
     """Drawn gaps are the real ones magnified at any tilt; a mark is where its drawn corner touches."""
-    geometry = PrismaticClearance(**GUIDE)
-    shape = MagnifiedSlider.of(GUIDE, M)
+    geometry = PrismaticClearance(**guide)
+    shape = MagnifiedSlider.of(guide, M)
     rng = np.random.default_rng(5)
     position = rng.uniform(-1.0, 1.0, (100, 3)) * [1.5e-4, 1.5e-4, 0.5]
     turned = Rotation.from_rotvec(rng.uniform(-1.0, 1.0, (100, 3)) * [6e-3, 6e-3, 2e-2])
