@@ -12,6 +12,9 @@ from antenna_pin.errors import MechanismError, UnknownNameError
 # Moments are decimal numbers; a flat plate obeys the triangle rule with equality, up to their round-off.
 _TRIANGLE_ROUND_OFF = 1e-9
 
+# Joints whose massless link has its motion decided by what it carries.
+_ONE_AXIS = ("revolute", "continuous", "prismatic")
+
 
 def check(robot: Any, where: str, allow_impossible_inertia: Collection[str]) -> None:
     """Refuse what is not a mechanism.
@@ -31,12 +34,16 @@ def check(robot: Any, where: str, allow_impossible_inertia: Collection[str]) -> 
     for link in robot.links:
         if link.inertial is not None:
             _check_inertial(link, where, link.name in allow_impossible_inertia)
-    for first, group in rigid_groups(robot).items():
-        if first != root_link(robot) and all(link.inertial is None for link in group):
-            mover = next(joint.name for joint in robot.joints if joint.child == first)
+    groups = rigid_groups(robot)
+    for first, group in groups.items():
+        if first == root_link(robot) or any(link.inertial is not None for link in group):
+            continue
+        mover = next(joint for joint in robot.joints if joint.child == first)
+        if mover.type not in _ONE_AXIS or not _carries_mass(robot, groups, group):
             raise MechanismError(
-                f"{where}: link {first!r} is moved by joint {mover!r} and must have an <inertial>, got none; "
-                "only a link fixed to one that has it may go without"
+                f"{where}: link {first!r} is moved by joint {mover.name!r} and must have an <inertial>, got "
+                "none; a link may go without if it is fixed to one that has it, or if a hinge or a slide "
+                "moves it and it carries one by a moving joint, as the cross of a universal joint"
             )
 
 
@@ -63,6 +70,16 @@ def rigid_groups(robot: Any) -> dict[str, list[Any]]:
             names.extend(fixed.get(name, ()))
         groups[first] = [links[name] for name in names]
     return groups
+
+
+def _carries_mass(robot: Any, groups: dict[str, list[Any]], group: list[Any]) -> bool:
+    """Whether a link with mass hangs on a massless body by moving joints."""
+    names = {link.name for link in group}
+    carried = (groups[j.child] for j in robot.joints if j.parent in names and j.child in groups)
+    return any(
+        any(link.inertial is not None for link in body) or _carries_mass(robot, groups, body)
+        for body in carried
+    )
 
 
 def _check_tree(robot: Any, where: str) -> None:

@@ -25,6 +25,9 @@ JointKind = Literal["revolute", "continuous", "prismatic", "floating", "planar",
 Sizes (nq, nv): revolute and prismatic (1, 1); continuous (2, 1) with q = (cos, sin); floating (7, 6) with
 q = (x, y, z, quaternion xyzw); planar (4, 3) with q = (x, y, cos, sin)."""
 
+# Least eigenvalue of the mass matrix scaled to ones on its diagonal; below it is round-off.
+_NO_INERTIA = 1e-12
+
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class JointSlot:
@@ -139,6 +142,7 @@ def build_mechanism(urdf: Urdf, base: Base = "free", gravity: Sequence[float] = 
     if model.nv == 0:
         raise MechanismError(f"{urdf.where}: nothing moves: the base is fixed and so is every joint")
     _check_mass(model, urdf)
+    _check_massless(model, urdf)
     model.gravity = pin.Motion(acceleration, np.zeros(3))
     bodies = {first: _body_name(group) for first, group in groups.items()}
     first_links = {joint.name: joint.child for joint in urdf.robot.joints} | {"root_joint": urdf.root}
@@ -178,6 +182,28 @@ def _slot(model: Any, urdf: Urdf, name: str) -> JointSlot:
 
 def _body_name(group: list[Any]) -> str:
     return str(next((link.name for link in group if link.inertial is not None), group[0].name))
+
+
+def _check_massless(model: Any, urdf: Urdf) -> None:
+    """Refuse massless bodies that nothing they carry gives an inertia to, as hinges on one line."""
+    if all(inertia.mass > 0.0 for inertia in list(model.inertias)[1:]):
+        return
+    # Not at zero: axes may lie on one line there and nowhere else.
+    somewhere = pin.integrate(model, pin.neutral(model), 0.1 + 0.01 * np.arange(model.nv))
+    matrix = np.array(pin.crba(model, model.createData(), somewhere))
+    matrix = np.triu(matrix) + np.triu(matrix, 1).T
+    scale = 1.0 / np.sqrt(np.maximum(np.diag(matrix), np.finfo(float).tiny))
+    if np.linalg.eigvalsh(scale[:, None] * matrix * scale)[0] > _NO_INERTIA:
+        return
+    idle = [
+        name
+        for name, inertia in zip(list(model.names)[1:], list(model.inertias)[1:], strict=True)
+        if not inertia.mass > 0.0
+    ]
+    raise MechanismError(
+        f"{urdf.where}: the massless links moved by {', '.join(idle)} must have their motion decided by what "
+        "they carry, got joints that move without any inertia; two of one chain turn or slide along one line"
+    )
 
 
 def _check_mass(model: Any, urdf: Urdf) -> None:

@@ -54,7 +54,7 @@ class Urdf:
     It is its text and nothing else, so writing it and reading it again gives the same mechanism. At
     construction it refuses XML that is not well-formed; missing, repeated or unknown names; loops and several
     roots; masses that are not positive; inertias that no body can have; axes of no length; mimic joints;
-    links that move without an inertial.
+    links that move without an inertial and carry none by a moving joint.
 
     Position limits of joints are not simulated, nor are their damping and friction (see
     :attr:`not_simulated`).

@@ -174,7 +174,8 @@ REFUSED = {
     "moves without inertial": (
         pair(hinge(), ""),
         "u.urdf: link 'b' is moved by joint 'j' and must have an <inertial>, got none; "
-        "only a link fixed to one that has it may go without",
+        "a link may go without if it is fixed to one that has it, or if a hinge or a slide moves it and it "
+        "carries one by a moving joint, as the cross of a universal joint",
     ),
     "no geometry": (
         pair(hinge(), BODY + "<visual/>"),
