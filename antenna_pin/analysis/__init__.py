@@ -3,6 +3,7 @@
 from antenna_pin.analysis.attitude import interpolate_attitude, interpolation_error
 from antenna_pin.analysis.base import base_motion
 from antenna_pin.analysis.bodies import body_poses, body_twists, joint_loads, mechanism_of
+from antenna_pin.analysis.body import body_deviation, body_motion, moved_body
 from antenna_pin.analysis.deviation import Deviation, DeviationMeasures, deviation
 from antenna_pin.analysis.growth import Growth, growth_of
 from antenna_pin.analysis.impacts import impact_statistics, impacts
@@ -48,6 +49,8 @@ __all__ = [
     "TiltRange",
     "UniformSignal",
     "base_motion",
+    "body_deviation",
+    "body_motion",
     "body_poses",
     "body_twists",
     "bore_load",
@@ -65,6 +68,7 @@ __all__ = [
     "journal_motion",
     "load_statistics",
     "mechanism_of",
+    "moved_body",
     "pointing_error",
     "pointing_indices",
     "possible_scenarios",

@@ -6,7 +6,8 @@ import numpy as np
 import xarray as xr
 from scipy.spatial.transform import Rotation
 
-from antenna_pin.analysis._run import Array, RunLike, data_of, label_of, variable
+from antenna_pin.analysis._motion import motion_dataset
+from antenna_pin.analysis._run import RunLike, data_of, label_of, variable
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["base_motion"]
@@ -42,41 +43,13 @@ def base_motion(run: RunLike) -> xr.Dataset:
         for name in ("v", "a")
     )
     linear = a[:, :3] + np.cross(v[:, 3:], v[:, :3])
-    columns = {
-        "position": (np.asarray(data["base_position"].values, dtype=float), "m", "base's origin"),
-        "rotation": (
-            _unwrapped((turn * turn[0].inv()).as_rotvec()),
-            "rad",
-            "base's rotation since the start",
-        ),
-        "velocity": (turn.apply(v[:, :3]), "m/s", "velocity of the base's origin"),
-        "angular_velocity": (turn.apply(v[:, 3:]), "rad/s", "base's angular velocity"),
-        "acceleration": (turn.apply(linear), "m/s^2", "acceleration of the base's origin"),
-        "angular_acceleration": (turn.apply(a[:, 3:]), "rad/s^2", "base's angular acceleration"),
-    }
-    variables = {
-        name: (("time", "axis"), values, {"units": units, "long_name": f"{meaning}, world axes"})
-        for name, (values, units, meaning) in columns.items()
-    }
-    variables["attitude"] = (
-        ("time", "quaternion"),
+    return motion_dataset(
+        data,
+        "base",
         attitude,
-        {"units": "1", "long_name": "base in the world, quaternion"},
+        position=np.asarray(data["base_position"].values, dtype=float),
+        velocity=turn.apply(v[:, :3]),
+        angular_velocity=turn.apply(v[:, 3:]),
+        acceleration=turn.apply(linear),
+        angular_acceleration=turn.apply(a[:, 3:]),
     )
-    coords = {name: data.coords[name] for name in ("time", "axis", "quaternion") if name in data.coords}
-    return xr.Dataset(variables, coords=coords, attrs={"case": data.attrs.get("case", "")})
-
-
-def _unwrapped(vectors: Array) -> Array:
-    """Return rotation vectors that go on beyond pi instead of jumping to the other side."""
-    result = vectors.copy()
-    if np.linalg.norm(vectors, axis=1).max(initial=0.0) < 3.0:
-        return result
-    for i in range(1, len(result)):
-        angle = np.linalg.norm(result[i])
-        if angle == 0.0:
-            continue
-        axis = result[i] / angle
-        turns = np.round((axis @ result[i - 1] - angle) / (2.0 * np.pi))
-        result[i] += 2.0 * np.pi * turns * axis
-    return result

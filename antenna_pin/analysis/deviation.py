@@ -7,10 +7,9 @@ from typing import Any, TypeAlias
 
 import numpy as np
 import xarray as xr
-from scipy.spatial.transform import Rotation
 
+from antenna_pin.analysis._motion import motion_deviation
 from antenna_pin.analysis._run import Array, RunLike, choose, data_of, label_of, sample_times, variable
-from antenna_pin.analysis.attitude import interpolate_attitude
 from antenna_pin.analysis.base import base_motion
 from antenna_pin.analysis.growth import Growth, growth_of
 from antenna_pin.analysis.sampled import resampled, time_rms
@@ -33,13 +32,6 @@ _JOINTS: dict[str, tuple[tuple[str, str, str, str | None], ...]] = {
         ("slide_rate", "rate", "slide_rate", "slide_acceleration"),
         ("slide_acceleration", "acceleration", "slide_acceleration", None),
     ),
-}
-_BASE = {
-    "position": "velocity",
-    "velocity": "acceleration",
-    "acceleration": None,
-    "angular_velocity": "angular_acceleration",
-    "angular_acceleration": None,
 }
 
 
@@ -159,10 +151,11 @@ def deviation(run: RunLike, ideal: RunLike, joint: str | None = None) -> Deviati
                 _, values, attributes = variables[quantity]
                 measures.append(_measures(f"{name} {words}", attributes["units"], at, values[:, k]))
     if based:
-        for name, part in _base(base_motion(data.isel(time=common)), base_motion(reference)).items():
-            variables[name] = part
-            words = name.replace("_", " ")
-            measures.append(_measures(words, part[2]["units"], at, np.linalg.norm(part[1], axis=1)))
+        apart = motion_deviation(base_motion(data.isel(time=common)), base_motion(reference), "base")
+        for name, part in apart.items():
+            variables[f"base_{name}"] = (("time", "axis"), part.values, part.attrs)
+            words = f"base {name.replace('_', ' ')}"
+            measures.append(_measures(words, part.attrs["units"], at, np.linalg.norm(part.values, axis=1)))
     coords: dict[str, Any] = {"time": ("time", at, {"units": "s", "long_name": "time"})}
     coords["joint"] = joints["joint"]
     if joints["sliding_joint"]:
@@ -175,29 +168,6 @@ def deviation(run: RunLike, ideal: RunLike, joint: str | None = None) -> Deviati
 
 def _attributes(like: xr.DataArray, long_name: str) -> dict[str, str]:
     return {"units": str(like.attrs.get("units", "")), "long_name": long_name}
-
-
-def _base(run: xr.Dataset, ideal: xr.Dataset) -> dict[str, _Variable]:
-    """Return the base's deviations, world axes."""
-    at, own = run["time"].values, ideal["time"].values
-    found: dict[str, _Variable] = {}
-    for name, derivative in _BASE.items():
-        slope = None if derivative is None else ideal[derivative].values
-        found[f"base_{name}"] = (
-            ("time", "axis"),
-            np.asarray(run[name].values - resampled(own, ideal[name].values, at, slope)),
-            _attributes(run[name], f"deviation of the base's {name.replace('_', ' ')}, world axes"),
-        )
-    turn = Rotation.from_quat(ideal["attitude"].values)
-    body_rate = turn.inv().apply(ideal["angular_velocity"].values)
-    attitude = interpolate_attitude(at, own, turn, body_rate)
-    turned = (Rotation.from_quat(run["attitude"].values) * attitude.inv()).as_rotvec()
-    words = {"units": "rad", "long_name": "rotation from the ideal to the run's attitude, world axes"}
-    return {
-        "base_position": found.pop("base_position"),
-        "base_attitude": (("time", "axis"), np.asarray(turned), words),
-        **found,
-    }
 
 
 def _measures(of: str, units: str, time: Array, values: Array) -> DeviationMeasures:

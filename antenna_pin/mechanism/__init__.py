@@ -2,7 +2,7 @@
 
 from antenna_pin.changes import JOINT_VARIANTS, JointChange, JointVariant, LinkChange, ShapeChange
 from antenna_pin.mechanism.frames import frame_aligning_z, quaternions, roll_pitch_yaw
-from antenna_pin.mechanism.kinematics import link_poses, link_twists
+from antenna_pin.mechanism.kinematics import link_motion, link_poses, link_twists
 from antenna_pin.mechanism.loads import transmitted_wrenches
 from antenna_pin.mechanism.model import Base, JointKind, JointSlot, Mechanism, build_mechanism
 from antenna_pin.mechanism.urdf import Urdf
@@ -20,6 +20,7 @@ __all__ = [
     "Urdf",
     "build_mechanism",
     "frame_aligning_z",
+    "link_motion",
     "link_poses",
     "link_twists",
     "quaternions",

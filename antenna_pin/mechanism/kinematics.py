@@ -10,7 +10,7 @@ from antenna_pin.errors import InvalidParameterError
 from antenna_pin.mechanism.frames import quaternions
 from antenna_pin.mechanism.model import Mechanism
 
-__all__ = ["link_poses", "link_twists"]
+__all__ = ["link_motion", "link_poses", "link_twists"]
 
 Array = NDArray[np.float64]
 
@@ -65,6 +65,41 @@ def link_twists(mechanism: Mechanism, q: ArrayLike, v: ArrayLike) -> Array:
         for k, frame in enumerate(frames):
             twists[i, k] = pin.getFrameVelocity(model, data, frame, pin.ReferenceFrame.LOCAL).vector
     return twists
+
+
+def link_motion(
+    mechanism: Mechanism, link: str, q: ArrayLike, v: ArrayLike, a: ArrayLike
+) -> tuple[Array, Array]:
+    """Return how the frame of one link moves, in world axes.
+
+    Args:
+        mechanism: The mechanism.
+        link: Its name.
+        q: Configurations, (n, nq).
+        v: Generalized velocities, (n, nv).
+        a: Generalized accelerations, (n, nv).
+
+    Returns:
+        Its attitudes (n, 3, 3) [-], and (n, 5, 3) in world axes: position [m], velocity [m/s], angular
+        velocity [rad/s], acceleration of the origin as seen from the world [m/s^2], angular acceleration
+        [rad/s^2].
+    """
+    model = mechanism.model
+    states = [
+        _rows("link_motion", name, values, width)
+        for name, values, width in zip("qva", (q, v, a), (model.nq, model.nv, model.nv), strict=True)
+    ]
+    data, frame = model.createData(), mechanism.frame(link)
+    world = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
+    attitudes, found = np.zeros((states[0].shape[0], 3, 3)), np.zeros((states[0].shape[0], 5, 3))
+    for i, (qi, vi, ai) in enumerate(zip(*states, strict=True)):
+        pin.forwardKinematics(model, data, qi, vi, ai)
+        place = pin.updateFramePlacement(model, data, frame)
+        twist = pin.getFrameVelocity(model, data, frame, world)
+        second = pin.getFrameClassicalAcceleration(model, data, frame, world)
+        attitudes[i] = place.rotation
+        found[i] = (place.translation, twist.linear, twist.angular, second.linear, second.angular)
+    return attitudes, found
 
 
 def _rows(place: str, name: str, value: ArrayLike, width: int) -> Array:
