@@ -2,34 +2,85 @@
 
 ``load_scenario("bai2020", case="case3")`` returns a :class:`Scenario`. A file has a base and named cases that
 are laid over it; values may be overridden from outside. A bare number is SI, text carries its unit.
+
+The names below are loaded when first used: the classes that check the parts of a scenario take a while to be
+made, and who only lists what there is needs none of them.
 """
 
-from antenna_pin.scenario._made import MadeSpec
-from antenna_pin.scenario.clearance import (
-    ClearanceSpec,
-    ContactClearance,
-    IdealClearance,
-    PlanarClearance,
-    PrismaticClearance,
-    SphericalClearance,
-)
-from antenna_pin.scenario.drives import DRIVE_SPECS, DriveSpec, SpringSpec
-from antenna_pin.scenario.events import AngleEvent, EventSpec, ForceEvent, GapEvent, RateEvent, TimeEvent
-from antenna_pin.scenario.initial import InitialBaseSpec, InitialJointSpec, InitialSpec
-from antenna_pin.scenario.integrator import IntegratorSpec, OutputSpec, ScalesSpec
-from antenna_pin.scenario.laws import LawChange, LawSpec
-from antenna_pin.scenario.load import load_scenario
-from antenna_pin.scenario.mechanism import JointSpec, LinkSpec, MaterialSpec, MechanismSpec, ShapeSpec
-from antenna_pin.scenario.pointing import OrbitSpec, PointingSpec
-from antenna_pin.scenario.scenario import Scenario
-from antenna_pin.scenario.shipped import (
-    CaseSummary,
-    ScenarioSummary,
-    list_scenarios,
-    models_path,
-    scenario_cases,
-)
-from antenna_pin.scenario.write import scenario_toml
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from antenna_pin.scenario._made import MadeSpec
+    from antenna_pin.scenario.clearance import (
+        ClearanceSpec,
+        ContactClearance,
+        IdealClearance,
+        PlanarClearance,
+        PrismaticClearance,
+        SphericalClearance,
+    )
+    from antenna_pin.scenario.drives import DRIVE_SPECS, DriveSpec, SpringSpec
+    from antenna_pin.scenario.events import AngleEvent, EventSpec, ForceEvent, GapEvent, RateEvent, TimeEvent
+    from antenna_pin.scenario.initial import InitialBaseSpec, InitialJointSpec, InitialSpec
+    from antenna_pin.scenario.integrator import IntegratorSpec, OutputSpec, ScalesSpec
+    from antenna_pin.scenario.laws import LawChange, LawSpec
+    from antenna_pin.scenario.load import load_scenario
+    from antenna_pin.scenario.mechanism import JointSpec, LinkSpec, MaterialSpec, MechanismSpec, ShapeSpec
+    from antenna_pin.scenario.pointing import OrbitSpec, PointingSpec
+    from antenna_pin.scenario.scenario import Scenario
+    from antenna_pin.scenario.shipped import (
+        CaseSummary,
+        ScenarioSummary,
+        list_scenarios,
+        models_path,
+        scenario_cases,
+    )
+    from antenna_pin.scenario.write import scenario_toml
+
+_HOMES = {
+    "AngleEvent": "events",
+    "CaseSummary": "shipped",
+    "ClearanceSpec": "clearance",
+    "ContactClearance": "clearance",
+    "DRIVE_SPECS": "drives",
+    "DriveSpec": "drives",
+    "EventSpec": "events",
+    "ForceEvent": "events",
+    "GapEvent": "events",
+    "IdealClearance": "clearance",
+    "InitialBaseSpec": "initial",
+    "InitialJointSpec": "initial",
+    "InitialSpec": "initial",
+    "IntegratorSpec": "integrator",
+    "JointSpec": "mechanism",
+    "LawChange": "laws",
+    "LawSpec": "laws",
+    "LinkSpec": "mechanism",
+    "MadeSpec": "_made",
+    "MaterialSpec": "mechanism",
+    "MechanismSpec": "mechanism",
+    "OrbitSpec": "pointing",
+    "OutputSpec": "integrator",
+    "PlanarClearance": "clearance",
+    "PointingSpec": "pointing",
+    "PrismaticClearance": "clearance",
+    "RateEvent": "events",
+    "ScalesSpec": "integrator",
+    "Scenario": "scenario",
+    "ScenarioSummary": "shipped",
+    "ShapeSpec": "mechanism",
+    "SphericalClearance": "clearance",
+    "SpringSpec": "drives",
+    "TimeEvent": "events",
+    "list_scenarios": "shipped",
+    "load_scenario": "load",
+    "models_path": "shipped",
+    "scenario_cases": "shipped",
+    "scenario_toml": "write",
+}
 
 __all__ = [
     "DRIVE_SPECS",
@@ -72,3 +123,13 @@ __all__ = [
     "scenario_cases",
     "scenario_toml",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    if name in _HOMES:
+        return getattr(importlib.import_module(f"antenna_pin.scenario.{_HOMES[name]}"), name)
+    raise AttributeError(f"module 'antenna_pin.scenario' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})
