@@ -45,6 +45,7 @@ WITHOUT_RUNS = (
     "not moves_a_joint_with_play",
 )  # in Python a trial step that is rejected warns of overflow
 TEST_AUDIT = "tests/dynamics/test_audit.py"
+TEST_SAMPLES = "tests/dynamics/test_samples.py"
 TEST_HINGE = "tests/dynamics/test_hinge.py"
 TEST_GAPS = "tests/geometry/test_gaps.py"
 TEST_SCENARIOS = "tests/geometry/test_scenarios.py"
@@ -105,6 +106,20 @@ MUTANTS = (
         "    change = 2.0 * (z * dz + s * ds) / square\n",
         "    return 0.0, 0.0\n    change = 2.0 * (z * dz + s * ds) / square\n",
         TEST_RECORD,
+    ),
+    _compiled(
+        "contacts that are apart at a sample are recorded as they were before",
+        SAMPLE_KERNELS,
+        "            _apart_in(y, program, memory, pose[0], table)\n",
+        "",
+        TEST_SAMPLES,
+    ),
+    _compiled(
+        "with distributed load the rows of a bore that does not touch are old",
+        JOINTS,
+        "patch_geometry(p, b, pose, table, not bore, not flanges)",
+        "patch_geometry(p, b, pose, table, False, not flanges)",
+        TEST_SAMPLES,
     ),
     _compiled(
         "a new contact keeps the bristles of the one before",
@@ -194,7 +209,7 @@ MUTANTS = (
     _compiled(
         "the ledger forgets the dampers",
         RECORD,
-        "        (1.0, system.damper_x),\n",
+        '    "dissipation_damper": 1.0,\n',
         "",
         TEST_RUN,
         *("-k", "damped_oscillator"),

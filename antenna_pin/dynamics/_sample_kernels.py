@@ -9,12 +9,18 @@ import numpy as np
 
 from antenna_pin._compile import inlined, kernel
 from antenna_pin.dynamics._audit_kernels import audit_state
-from antenna_pin.dynamics._inspect import contacts_in
-from antenna_pin.dynamics._kernels import element_state, evaluate, head_of, stored_energy
+from antenna_pin.dynamics._kernels import (
+    HEADER,
+    block_at,
+    element_state,
+    evaluate,
+    head_of,
+    stored_energy,
+)
 from antenna_pin.geometry._kernels import BORE
 from antenna_pin.geometry._revolute_kernels import contact_scenario, revolute_contacts
-from antenna_pin.joints._kernels import wrench_on_journal
-from antenna_pin.joints._layout_kernels import ALL_COMPILED, joint_at, primitive_of, revolute_of
+from antenna_pin.joints._kernels import apart_geometry, wrench_on_journal
+from antenna_pin.joints._layout_kernels import ALL_COMPILED, CLEARANCE, joint_at, primitive_of, revolute_of
 from antenna_pin.joints._pose_kernels import journal_state, motion_angle, unwrapped
 from antenna_pin.records import MEMORY, POSE, layout, words_of
 
@@ -34,6 +40,18 @@ SEEN = layout(
 )
 # A drive at a sample: its effort [N m] or [N], the reference that it follows, and how far it is from it.
 EFFORT = layout(("effort", np.float64), ("reference", np.float64), ("error", np.float64))
+
+
+@inlined
+def _apart_in(y: Any, program: Any, memory: Any, pose: Any, table: Any) -> None:
+    """Fill gap, normal and point of the contacts that do not touch: the evaluation fills all the rest."""
+    nq = head_of(program).nq
+    b = HEADER
+    while b < program.shape[0] and block_at(program, b).kind == CLEARANCE:
+        j = joint_at(program, b)
+        journal_state(j, y, nq, pose)
+        apart_geometry(program, b, pose, memory, table)
+        b += j.length
 
 
 @inlined
@@ -64,10 +82,10 @@ def _scenario(p: Any, b: int, pose: Any, table: Any, scratch: Any, out: Any) -> 
     if primitive_of(p, b, 0) == BORE:
         shape = revolute_of(p, b, 0)
         if j.mode == ALL_COMPILED and j.distributed == 0:
-            for k in range(4):  # the rows of the contacts are those of the closed form
-                scratch[k] = table[j.row + k]
-        else:
-            revolute_contacts(shape, pose, scratch)
+            # The rows of the contacts are those of the closed form.
+            out[0], out[1] = contact_scenario(shape, pose, table, j.row, scratch[4])
+            return
+        revolute_contacts(shape, pose, scratch)
         out[0], out[1] = contact_scenario(shape, pose, scratch, 0, scratch[4])
         return
     for r in range(j.row, j.row + j.contacts):
@@ -136,7 +154,7 @@ def observe(
         if not given:
             for c in range(memory.shape[0]):
                 memory[c] = memories[i, c]
-            contacts_in(y, program, pose, table)
+            _apart_in(y, program, memory, pose[0], table)
             evaluate(times[i], y, program, work, rates)
         for k in range(nv):
             forces[i, k] = work[k]

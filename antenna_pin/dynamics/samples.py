@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import compress, pairwise
 from typing import Any
 
 import numpy as np
@@ -106,8 +108,9 @@ def observed(
             _sample_kernels.observe(i, i + 1, True, *given)
             audits["contacts"][i] += energy_of_python_laws(workspace)
     else:
-        changes = [i for i in range(n) if i == 0 or programs[i] is not programs[i - 1]]
-        for first, last in zip(changes, [*changes[1:], n], strict=True):
+        changed = map(operator.is_not, programs[1:], programs)
+        changes = [0, *compress(range(1, n), changed), n]
+        for first, last in pairwise(changes):
             workspace.program[:] = programs[first]
             _sample_kernels.observe(first, last, False, *given)
     return Observed(
@@ -121,10 +124,9 @@ def observed(
 
 
 def _accelerations(workspace: Workspace, states: Array, forces: Array) -> Array:
-    """Return the generalized accelerations under generalized forces, (n, nv)."""
+    """Turn generalized forces into the accelerations under them, in place, (n, nv)."""
     model = workspace.model
     q, v = states[:, : model.nq], states[:, model.nq : model.nq + model.nv]
-    found = np.zeros((len(states), model.nv))
     # A call for many samples is half of the time, of so many that they stay in the processor's cache; a
     # Pinocchio without OpenMP does not have it.
     if not workspace.system.hinges and hasattr(pin, "abaInParallel"):
@@ -135,11 +137,11 @@ def _accelerations(workspace: Workspace, states: Array, forces: Array) -> Array:
             given = [column[:, : part.stop - first] for column in columns]
             for column, array in zip(given, (q, v, forces), strict=True):
                 column[:] = array[part].T
-            pin.abaInParallel(1, pool, *given, found.T[:, part])
-        return found
+            pin.abaInParallel(1, pool, *given, forces.T[:, part])
+        return forces
     for i, sample in enumerate(zip(q, v, forces, strict=True)):
-        found[i] = workspace.acceleration(*sample)
-    return found
+        forces[i] = workspace.acceleration(*sample)
+    return forces
 
 
 def joint_motion(system: System, states: Array, accelerations: Array) -> tuple[list[str], Array]:

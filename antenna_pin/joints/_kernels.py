@@ -77,6 +77,20 @@ def touching_geometry(p: Any, b: int, pose: Any, memory: Any, table: Any) -> Non
 
 
 @inlined
+def apart_geometry(p: Any, b: int, pose: Any, memory: Any, table: Any) -> None:
+    """Fill gap, normal and point of the contacts that :func:`touching_geometry` leaves out."""
+    j = joint_at(p, b)
+    if j.distributed != 0:
+        bore = memory[j.row].touching != 0.0 or memory[j.row + 1].touching != 0.0
+        flanges = memory[j.row + 2].touching != 0.0 or memory[j.row + 3].touching != 0.0
+        patch_geometry(p, b, pose, table, not bore, not flanges)
+        return
+    for k in range(j.contacts):
+        if memory[j.row + k].touching == 0.0:
+            candidate_contact(p, candidate_at(b, k), pose, table[j.row + k])
+
+
+@inlined
 def contact_rates(p: Any, b: int, pose: Any, table: Any) -> None:
     """Fill depth rate and slip of a joint's contacts; with distributed load of its loaded strips too.
 

@@ -23,6 +23,9 @@ from antenna_pin.readable import number
 __all__ = ["carried_joints", "mechanism_attributes"]
 
 
+_NAMES = {cls: name for names in (NORMAL_LAWS, DISSIPATIONS, FRICTION_LAWS) for name, cls in names.items()}
+
+
 def mechanism_attributes(system: System) -> dict[str, str]:
     """Return the attributes of a dataset that describe the mechanism.
 
@@ -98,8 +101,7 @@ def _law(law: Any) -> dict[str, Any]:
             if "exponent" in unit:
                 unit = unit.replace("exponent", number(law.exponent, 6))
             parameters[item.name] = [float(value), unit]
-    known = {cls: name for names in (NORMAL_LAWS, DISSIPATIONS, FRICTION_LAWS) for name, cls in names.items()}
-    return {"law": known.get(type(law), type(law).__name__), "parameters": parameters}
+    return {"law": _NAMES.get(type(law), type(law).__name__), "parameters": parameters}
 
 
 def _place(system: System, joint: ClearanceJoint) -> dict[str, Any]:

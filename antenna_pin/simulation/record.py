@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -36,6 +36,21 @@ _RATE_NAMES = {
     "planar": ("vx", "vy", "wz"),
     "spherical": ("wx", "wy", "wz"),
 }
+# Variables of the ledger, by the places in x where a system integrates them; what of it enters the balance.
+_LEDGER = {
+    "drive_work": "work_x",
+    "drive_gross_work": "gross_work_x",
+    "dissipation_normal": "lost_normal_x",
+    "dissipation_friction": "lost_friction_x",
+    "normal_impulse": "impulse_x",
+    "dissipation_damper": "damper_x",
+}
+_BALANCE = {
+    "drive_work": -1.0,
+    "dissipation_normal": 1.0,
+    "dissipation_friction": 1.0,
+    "dissipation_damper": 1.0,
+}
 
 
 @dataclass(eq=False)
@@ -62,10 +77,11 @@ class _Seen:
         return self.states[:, nq : nq + self.system.model.nv]
 
     @cached_property
-    def since(self) -> Array:
+    def ledger(self) -> dict[str, Array]:
         """What the elements have integrated since the first sample: a run that goes on has its own ledger."""
         x = self.states[:, self.system.model.nq + self.system.model.nv :]
-        return np.asarray(x - x[0])
+        places = {name: getattr(self.system, place) for name, place in _LEDGER.items()}
+        return {name: x[:, columns] - x[0, columns] for name, columns in places.items()}
 
     @cached_property
     def joints(self) -> tuple[list[str], Array]:
@@ -84,19 +100,9 @@ class _Seen:
         error = stored - stored[0]
         for happening in self.run.happened:
             error[self.times >= happening.time] -= happening.energy
-        for sign, columns in _ledger_columns(self.system):
-            error += sign * self.since[:, columns].sum(axis=1)
+        for name, sign in _BALANCE.items():
+            error += sign * self.ledger[name].sum(axis=1)
         return np.asarray(error)
-
-
-def _ledger_columns(system: System) -> list[tuple[float, Any]]:
-    """Return what leaves the balance, and what enters it: sign and places in x."""
-    return [
-        (-1.0, system.work_x),
-        (1.0, system.lost_normal_x),
-        (1.0, system.lost_friction_x),
-        (1.0, system.damper_x),
-    ]
 
 
 def dataset(run: Run, title: str, case: str, versions: dict[str, str], *, lean: bool = False) -> xr.Dataset:
@@ -110,11 +116,9 @@ def dataset(run: Run, title: str, case: str, versions: dict[str, str], *, lean: 
         lean: Whether to leave out the series: a result of numbers and contact episodes only.
     """
     times = np.array(run.samples.times)
-    states = np.concatenate(run.samples.states).reshape(len(times), -1)
+    states = _joined(run.samples.states, np.float64).reshape(len(times), -1)
     contacts = len(run.system.contact_names)
-    # By their bytes: NumPy compares the fields of each array of records with those of the first.
-    together = bytearray().join([memory.tobytes() for memory in run.samples.memories])
-    memories = np.frombuffer(together, MEMORY).reshape(len(times), contacts)
+    memories = _joined(run.samples.memories, MEMORY).reshape(len(times), contacts)
     found = observed(run.system, times, states, memories, run.samples.programs)
     seen = _Seen(run, times, states, memories, found)
     values: dict[str, Any] = {}
@@ -133,6 +137,11 @@ def dataset(run: Run, title: str, case: str, versions: dict[str, str], *, lean: 
     }
     free = run.system.mechanism.base == "free"
     return labelled(values, _labels(seen), attributes, free_base=free, lean=lean)
+
+
+def _joined(pieces: Iterable[Any], kind: Any) -> NDArray[Any]:
+    """Return many small arrays, or their bytes, as one; to concatenate them takes three times as long."""
+    return np.frombuffer(bytearray().join(pieces), kind)
 
 
 def _labels(seen: _Seen) -> dict[str, Any]:
@@ -243,16 +252,7 @@ def _attitudes(seen: _Seen) -> Array:
 
 
 def _ledger(seen: _Seen) -> Values:
-    system, since = seen.system, seen.since
-    return {
-        "drive_work": since[:, system.work_x],
-        "drive_gross_work": since[:, system.gross_work_x],
-        "dissipation_normal": since[:, system.lost_normal_x],
-        "dissipation_friction": since[:, system.lost_friction_x],
-        "normal_impulse": since[:, system.impulse_x],
-        "dissipation_damper": since[:, system.damper_x],
-        "energy_error": seen.energy_error,
-    }
+    return {**seen.ledger, "energy_error": seen.energy_error}
 
 
 def _audit(seen: _Seen) -> Values:
@@ -283,7 +283,7 @@ def _motion(seen: _Seen) -> Values:
 
 
 def _summary(seen: _Seen) -> Values:
-    moved, system, total = _motion(seen), seen.system, seen.since[-1]
+    moved, total = _motion(seen), {name: series[-1] for name, series in seen.ledger.items()}
     return {
         "final_angle": moved["motion_angle"][-1],
         "final_rate": moved["motion_rate"][-1],
@@ -291,11 +291,11 @@ def _summary(seen: _Seen) -> Values:
         "final_position": moved["slide_position"][-1],
         "final_slide_rate": moved["slide_rate"][-1],
         "peak_slide_acceleration": np.abs(moved["slide_acceleration"]).max(axis=0),
-        "total_work": total[system.work_x],
-        "total_gross_work": total[system.gross_work_x],
-        "total_normal_loss": total[system.lost_normal_x],
-        "total_friction_loss": total[system.lost_friction_x],
-        "total_damper_loss": total[system.damper_x],
+        "total_work": total["drive_work"],
+        "total_gross_work": total["drive_gross_work"],
+        "total_normal_loss": total["dissipation_normal"],
+        "total_friction_loss": total["dissipation_friction"],
+        "total_damper_loss": total["dissipation_damper"],
     }
 
 
@@ -334,7 +334,7 @@ def _conservation(seen: _Seen) -> dict[str, Any]:
     """Return how well what must be kept was kept, relative to scales that do not pass through zero."""
     system, audit = seen.system, seen.found.audit
     result: dict[str, Any] = {"energy_error": float(np.abs(seen.energy_error).max())}
-    gross = float(seen.since[-1, system.gross_work_x].sum())
+    gross = float(seen.ledger["drive_gross_work"][-1].sum())
     result["gross_work"] = gross
     result["energy_error_relative"] = result["energy_error"] / gross if gross > 0.0 else None
     conserved = system.mechanism.base == "free" and not np.any(system.model.gravity.linear)

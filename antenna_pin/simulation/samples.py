@@ -28,7 +28,8 @@ class Samples:
     Attributes:
         times: [s].
         states: [q, v, x] at each.
-        memories: Contact memory at each.
+        memories: Contact memory at each, MEMORY, as bytes: to copy an array of records takes 20 times as
+            long.
         programs: Program of force elements at each: the same array as long as nothing was changed in it.
         program: That of samples to come.
     """
@@ -41,7 +42,7 @@ class Samples:
         self._end = end
         self.times: list[float] = []
         self.states: list[Array] = []
-        self.memories: list[Array] = []
+        self.memories: list[bytes] = []
         self.programs: list[Array] = []
         self.program = workspace.program.copy()
 
@@ -52,7 +53,7 @@ class Samples:
         """
         if t < self._begin:
             return
-        memory = self._memory.copy()
+        memory = self._memory.tobytes()
         if self.times and t <= self.times[-1]:
             self.states[-1] = y
             self.memories[-1] = memory
@@ -81,14 +82,15 @@ class Samples:
             self.add(min(moment, self._end), state)
 
     def insert(self, t: float, y: Array, memory: Array) -> None:
-        """Put a sample between others in time; one that is there already stays."""
+        """Put a sample with its contact memory between others in time; one that is there already stays."""
         place = bisect.bisect_left(self.times, t)
         if place < len(self.times) and self.times[place] == t:
             return
         # What held at the sample before holds on to the next event.
-        self._put(place, t, y, memory, self.programs[place - 1] if place else self.program)
+        program = self.programs[place - 1] if place else self.program
+        self._put(place, t, y, memory.tobytes(), program)
 
-    def _put(self, place: int, t: float, y: Array, memory: Array, program: Array) -> None:
+    def _put(self, place: int, t: float, y: Array, memory: bytes, program: Array) -> None:
         self.times.insert(place, t)
         self.states.insert(place, y)
         self.memories.insert(place, memory)

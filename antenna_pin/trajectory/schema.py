@@ -322,7 +322,8 @@ def labelled(
         variable.name: xr.Variable(variable.dims, values[variable.name], variable.attributes)
         for variable in variables_of(set(labels) - left_out, free_base)
     }
-    return xr.Dataset(variables, coords=coordinates, attrs=dict(attributes))
+    # Coordinates first: given with the variables they would be merged and compared with them one by one.
+    return xr.Dataset(variables, coords=xr.Coordinates(coordinates), attrs=dict(attributes))
 
 
 def _text(labels: Any) -> Any:

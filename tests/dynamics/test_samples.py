@@ -7,6 +7,7 @@ from antenna_pin import RunSettings, System, load_scenario, simulate
 from antenna_pin.assemble import build_system, initial_state
 from antenna_pin.dynamics import Workspace, audit, observed
 from antenna_pin.elements import CallableDrive
+from antenna_pin.records import MEMORY
 from antenna_pin.simulation.loop import Run
 
 
@@ -27,7 +28,8 @@ def run(request):
 def test_samples_are_evaluated_as_single_states_are(run):
     """The compiled pass, and the calls of Python where coal is asked, against workspace and audit."""
     samples, system = run.samples, run.system
-    times, states, memories = (np.array(x) for x in (samples.times, samples.states, samples.memories))
+    times, states = np.array(samples.times), np.array(samples.states)
+    memories = np.array([np.frombuffer(memory, MEMORY) for memory in samples.memories])
     found = observed(system, times, states, memories, samples.programs)
     workspace = Workspace(system)
     rates = np.zeros(system.model.nv + system.manifold.nx)
@@ -43,6 +45,10 @@ def test_samples_are_evaluated_as_single_states_are(run):
         assert found.energy[i] == pytest.approx(one.energy, rel=1e-15)  # another order of the sum
         for name in found.audit.dtype.names:
             assert np.array_equal(found.audit[name][i], getattr(one, name))
+        # Of all contacts, those apart too: the very same arithmetic.
+        for seen, row in zip(found.contact[i], workspace.table, strict=False):
+            assert (seen["gap"], seen["depth_rate"]) == (row["gap"], row["rate"])
+            assert np.array_equal(seen["contact_point"], row["point"])
         touched += one.contacts > 0.0
     assert touched > 3
 
