@@ -115,9 +115,13 @@ def run(command: str, folder: Path) -> tuple[str, int]:
     before = Path.cwd()
     os.chdir(folder)
     try:
-        if words[0] == "antenna-pin" and "|" not in words:
-            result = CliRunner().invoke(app, words[1:], catch_exceptions=False)
+        if words[0] == "antenna-pin":
+            own, _, rest = command.partition(" | ")
+            result = CliRunner().invoke(app, shlex.split(own)[1:], catch_exceptions=False)
             output, code = result.output, result.exit_code
+            if rest:  # a pipe takes what is said, not what is complained, and its last command's verdict
+                said, code = in_shell(rest, folder, result.stdout)
+                output = result.stderr + said
         elif words[0] == "python" and words[1].startswith("scripts/examples/"):
             with contextlib.redirect_stdout(io.StringIO()) as stream:
                 runpy.run_path(words[1], run_name="__main__")
@@ -130,7 +134,7 @@ def run(command: str, folder: Path) -> tuple[str, int]:
     return "".join(f"{line}\n" for line in lines if line), code
 
 
-def in_shell(command: str, folder: Path) -> tuple[str, int]:
+def in_shell(command: str, folder: Path, given: str = "") -> tuple[str, int]:
     """Return what a shell command prints and its exit code; ``python`` and ``antenna-pin`` are those here."""
     names = folder / "bin"
     names.mkdir(exist_ok=True)
@@ -142,6 +146,7 @@ def in_shell(command: str, folder: Path) -> tuple[str, int]:
     done = subprocess.run(
         command,
         shell=True,
+        input=given,
         env=os.environ | {"PATH": path, "PYTHONPATH": str(ROOT)},
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
