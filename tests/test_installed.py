@@ -1,5 +1,6 @@
 """The wheel works away from the checkout: its models come with it."""
 
+import json
 import os
 import shutil
 import subprocess
@@ -30,12 +31,31 @@ def site(tmp_path_factory):
     return folder / "site"
 
 
-def run(site, folder, *arguments):
-    """Run the installed command line in another folder, before any other copy of the package."""
-    code = "import sys, antenna_pin.cli as cli; print(cli.__file__); sys.argv[0] = 'antenna-pin'; cli.main()"
+#: One process for all commands: each start would import everything anew. What one prints is a JSON string.
+CALLS = """
+import contextlib, io, json, sys
+import antenna_pin.cli as cli
+print(cli.__file__)
+for call in sys.argv[1:]:
+    sys.argv = ["antenna-pin", *call.split()]
+    with contextlib.redirect_stdout(io.StringIO()) as said:
+        try:
+            cli.main()
+        except SystemExit as ended:
+            if ended.code:
+                sys.exit(f"{call}: exit code {ended.code}")
+    print(json.dumps(said.getvalue()))
+"""
+
+
+def run(site, folder, *calls):
+    """Run the installed command line in another folder, before any other copy of the package.
+
+    Returns the lines that each of the calls prints.
+    """
     environment = os.environ | {"PYTHONPATH": str(site), "PYTHONDONTWRITEBYTECODE": "1"}
     done = subprocess.run(
-        [sys.executable, "-P", "-c", code, *arguments],
+        [sys.executable, "-P", "-c", CALLS, *calls],
         cwd=folder,
         env=environment,
         capture_output=True,
@@ -45,27 +65,33 @@ def run(site, folder, *arguments):
     assert done.returncode == 0, done.stderr
     where, *lines = done.stdout.splitlines()
     assert where == str(site / "antenna_pin" / "cli" / "__init__.py")
-    return lines
+    return [json.loads(line).splitlines() for line in lines]
 
 
-def test_shipped_models_are_found_by_name(site, tmp_path):
-    assert run(site, tmp_path, "list")[0].startswith("bai2020: ")
-
-
-def test_a_shipped_scenario_runs(site, tmp_path):
-    lines = run(
-        site, tmp_path, *"run bai2020 --case case1 --duration 0.001 --no-progress --no-summary".split()
+def test_shipped_models_are_found_by_name_and_run(site, tmp_path):
+    listed, ran = run(
+        site,
+        tmp_path,
+        "list",
+        "run bai2020 --case case1 --duration 0.001 --no-progress --no-summary",
     )
-    assert lines == ["saved bai2020-case1.nc"]
+    assert listed[0].startswith("bai2020: ")
+    assert ran == ["saved bai2020-case1.nc"]
     assert (tmp_path / "bai2020-case1.nc").is_file()
 
 
-def test_a_recording_is_made_from_what_is_installed(site, tmp_path):
-    run(site, tmp_path, *"run impact_pair --case contact --duration 0.001 --out a.nc -q".split())
-    assert run(site, tmp_path, *"record a.nc --out a.html".split())[-1] == "saved a.html"
+def test_recordings_and_reports_are_made_from_what_is_installed(site, tmp_path):
+    """Scripts of the player and templates of the report come along."""
+    _, recorded, reported = run(
+        site,
+        tmp_path,
+        "run impact_pair --case contact --duration 0.001 --out a.nc -q",
+        "record a.nc --out a.html",
+        "report a.nc --out b.html --no-figures",
+    )
+    assert recorded[-1] == "saved a.html"
     assert "AntennaPin.mount" in (tmp_path / "a.html").read_text(encoding="utf-8")
-    # So is a report: its templates come along.
-    assert run(site, tmp_path, *"report a.nc --out b.html --no-figures".split())[-1] == "saved b.html"
+    assert reported[-1] == "saved b.html"
 
 
 def test_type_information_and_licence_come_along(site):
