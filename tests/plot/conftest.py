@@ -128,7 +128,8 @@ def make_run(
 
 def check_texts(figure) -> None:
     """Assert that no two texts of a figure overlap, and that none is cut off at its edge."""
-    FigureCanvasAgg(figure).draw()
+    FigureCanvasAgg(figure)
+    figure.draw_without_rendering()  # places everything; no pixel is asked for
     renderer = figure.canvas.get_renderer()
     boxes = []
     for axes in figure.axes:
