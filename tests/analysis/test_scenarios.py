@@ -179,17 +179,16 @@ def test_a_line_is_possible_up_to_the_tilt_stated(depth, bai):
 
 # --- a random search ---------------------------------------------------------------------------------------
 
-SEARCH = 400_000
-ENOUGH = 100_000  # of them within what the contacts allow
+# Poses looked at. A quarter of the long search finds all that is possible too, the rarest pair 51 times.
+SEARCH = pytest.mark.parametrize("n", [100_000, pytest.param(400_000, marks=pytest.mark.slow)])
 
 
-def random_poses(shape, depth, rng, tolerance):
+def random_poses(shape, depth, rng, tolerance, n):
     """Poses near contact: gaps of the deepest end and of the deeper flange within what counts as contact.
 
     Of rigid parts (depth 0) the gaps are from 0 to the tolerance; the tilt is then zero or large enough for
     the tolerance to tell a point from a line or surface.
     """
-    n = SEARCH
     joint = AssembledJoint(shape, depth)
     # Beyond what the bore allows; where the flanges allow less, beyond that; and what a surface allows.
     stops = [min(joint.bore_tilt(depth), 1.0)]
@@ -234,16 +233,17 @@ def assembled(shape, tilt, turn, aside, along, azimuth):
     )
 
 
+@SEARCH
 @cases
-def test_a_random_search_finds_only_what_is_possible(changes, penetration, expected, bai, look):
+def test_a_random_search_finds_only_what_is_possible(changes, penetration, expected, n, bai, look):
     shape = bai(**changes)
     rng = np.random.default_rng(20200828)
     tolerance = 1e-9 if penetration == 0.0 else 0.0
-    tilt, turn, aside, along, azimuth, free = random_poses(shape, penetration, rng, tolerance)
+    tilt, turn, aside, along, azimuth, free = random_poses(shape, penetration, rng, tolerance, n)
     poses = assembled(shape, tilt, turn, aside, along, azimuth)
     if penetration == 0.0:
         # Onto the surface to far below the tolerance: the circle's answer is off by some nm.
-        wanted = rng.uniform(0.0, 0.5 * tolerance, SEARCH)
+        wanted = rng.uniform(0.0, 0.5 * tolerance, n)
         step = 1e-8
         for _ in range(4):
             gaps = look(shape, poses)[0][:, :2].min(axis=1)
@@ -256,7 +256,7 @@ def test_a_random_search_finds_only_what_is_possible(changes, penetration, expec
     gaps, scenarios = look(shape, poses, tolerance)
     # What round-off of some mm, or of the last step above, presses is not excluded by it.
     allowed = (gaps >= -penetration - 1e-13).all(axis=1)
-    assert np.count_nonzero(allowed) > ENOUGH
+    assert np.count_nonzero(allowed) > n / 4
     found = {(R(r), A(a)) for r, a in np.unique(scenarios[allowed], axis=0)}
     assert found <= expected, f"excluded, and found: {found - expected}"
     # All are found but one point at a flange without axial play, whose window is of second order in the tilt.
