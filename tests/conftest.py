@@ -26,6 +26,11 @@ settings.register_profile("repeatable", derandomize=True, deadline=None)
 settings.load_profile("repeatable")
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Put what runs whole commands first: a long test that one worker begins last, the other waits for."""
+    items.sort(key=lambda item: item.path.parent != Path(__file__).parent)
+
+
 # --- the command line ---
 
 
