@@ -13,13 +13,14 @@ from __future__ import annotations
 from antenna_pin.plot._run_figure import RunFigure
 from antenna_pin.plot.audit import figure_energy, figure_momentum
 from antenna_pin.plot.base import BASE_QUANTITIES, figure_base, figure_joints
+from antenna_pin.plot.bodies import BODY_QUANTITIES, figure_body
 from antenna_pin.plot.catalogue import CATALOGUE, Allowed, allowed_figures, run_figure
 from antenna_pin.plot.contact import figure_force_curves, figure_restitution, save_contact_figures
 from antenna_pin.plot.eccentricity import figure_eccentricity
 from antenna_pin.plot.experiment import figure_contact_width, figure_experiment, figures_of_experiment
 from antenna_pin.plot.files import FORMATS, folder_for_figures, rendered, save_figure, save_figures
 from antenna_pin.plot.forces import figure_contact_forces
-from antenna_pin.plot.loads import figure_joint_load
+from antenna_pin.plot.loads import figure_joint_load, figure_steady_force
 from antenna_pin.plot.motion import QUANTITIES, figure_motion
 from antenna_pin.plot.orbit import figure_bore_load, figure_orbit
 from antenna_pin.plot.papers import PAPERS, PaperFigure, paper_figures
@@ -29,6 +30,7 @@ from antenna_pin.plot.spectra import SIGNALS, figure_spectra, figure_spectrogram
 
 __all__ = [
     "BASE_QUANTITIES",
+    "BODY_QUANTITIES",
     "CATALOGUE",
     "FORMATS",
     "PAPERS",
@@ -39,6 +41,7 @@ __all__ = [
     "RunFigure",
     "allowed_figures",
     "figure_base",
+    "figure_body",
     "figure_bore_load",
     "figure_contact_forces",
     "figure_contact_width",
@@ -58,6 +61,7 @@ __all__ = [
     "figure_scenarios",
     "figure_spectra",
     "figure_spectrogram",
+    "figure_steady_force",
     "folder_for_figures",
     "paper_figures",
     "run_figure",

@@ -11,6 +11,7 @@ from antenna_pin.plot._runs import LabelledRun, long_enough
 
 __all__ = [
     "FREE_BASE",
+    "LOOPED",
     "MOVING",
     "POINTED",
     "SLIDING",
@@ -70,6 +71,10 @@ SLIDING = JointKind("sliding joint", "a joint that slides along its axis", lambd
 TOUCHING = JointKind("joint with clearance", "contact in a joint", lambda run: run.clearance_joints)
 MOVING = JointKind(
     "joint", "a joint that moves", lambda run: [*run.joints, *run.sliding_joints, *_with_play(run)]
+)
+
+LOOPED = JointKind(
+    "joint", "a closed loop", lambda run: MOVING.names(run) if "closure" in run.data.dims else []
 )
 
 FREE_BASE = RunKind("a free base", lambda run: "base_position" in run.data)

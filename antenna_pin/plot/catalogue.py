@@ -16,6 +16,7 @@ from antenna_pin.errors import UnknownNameError
 from antenna_pin.plot import (
     audit,
     base,
+    bodies,
     eccentricity,
     forces,
     loads,
@@ -44,6 +45,7 @@ CATALOGUE: dict[str, RunFigure] = {
         *loads.FIGURES,
         *spectra.FIGURES,
         *base.FIGURES,
+        *bodies.FIGURES,
         *pointing.FIGURES,
         *audit.FIGURES,
     )

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from antenna_pin.analysis import joint_loads
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.plot._kinds import MOVING, choose_joint
+from antenna_pin.plot._kinds import LOOPED, MOVING, choose_joint
 from antenna_pin.plot._run_figure import RunFigure
 from antenna_pin.plot._runs import (
     LabelledRun,
@@ -60,14 +60,7 @@ def figure_joint_load(
         width: "column" (88 mm) or "page" (180 mm).
     """
     every, reference = with_reference(runs, ideal)
-    loads = {run.label: joint_loads(run.data)["force"] for run in long_enough(every)}
-    joint = choose_joint(MOVING, every, joint)
-    drawn = [run for run in long_enough(every) if joint in loads[run.label]["moving_joint"]]
-    drawn.sort(key=lambda run: run is reference)
-    forces = [
-        np.linalg.norm(np.asarray(loads[run.label].sel(moving_joint=joint).values, dtype=float), axis=1)
-        for run in drawn
-    ]
+    joint, drawn, forces = _forces(every, reference, joint)
     largest = [float(np.nanmax(force, initial=0.0)) for force in forces]
     overall = max(largest)
     if not overall > 0.0:
@@ -100,6 +93,76 @@ def figure_joint_load(
     return figure
 
 
+@styled
+def figure_steady_force(
+    runs: Iterable[Run] | Run,
+    *,
+    joint: str | None = None,
+    ideal: Run | None = None,
+    zoom: tuple[float, float] | None = None,
+    width: Width = "page",
+) -> Figure:
+    """Return the size of the force through a joint in the second half of all runs, on a linear scale.
+
+    When the impacts of the start have died away; the force is that of inverse dynamics of the recorded
+    motion, as in :func:`figure_joint_load`.
+
+    Args:
+        runs: Trajectories, or pairs of a label and a dataset.
+        joint: Name of the joint; the first one with clearance if left out.
+        ideal: The run to compare with; the first run without any contact if left out.
+        zoom: Start and end of the close view [s]; the last fiftieth of the longest run if left out.
+        width: "column" (88 mm) or "page" (180 mm).
+    """
+    every, reference = with_reference(runs, ideal)
+    joint, drawn, forces = _forces(every, reference, joint)
+    start, end = min(run.time[0] for run in drawn), max(run.time[-1] for run in drawn)
+    middle = 0.5 * (start + end)
+    factor, printed = prefixed(
+        "N", max(_largest(run, force, middle) for run, force in zip(drawn, forces, strict=True))
+    )
+    figure = new_figure(width, 110.0)
+    panels = figure.subplots(2, 1, squeeze=False).ravel()
+    window = zoom or (end - 0.02 * (end - start), end)
+    spans = ((middle, end), window)
+    for axes, span, letter, title in zip(
+        panels, spans, "ab", ("second half of the run", "close view of the shaded span"), strict=True
+    ):
+        for run, force, style in zip(drawn, forces, styles(drawn, reference), strict=True):
+            held = (run.time >= span[0]) & (run.time <= span[1])
+            many = np.count_nonzero(held) > MANY
+            axes.plot(run.time[held], factor * force[held], label=run.legend, rasterized=many, **style)
+        axes.set_xlim(span)
+        few_ticks(axes, 6)
+        panel_title(axes, letter, title)
+        axes.set_xlabel("time [s]")
+        axes.set_ylabel(f"force through {literal(joint.replace('_', ' '))} [{printed}]")
+    panels[0].axvspan(*window, facecolor=SHADE, edgecolor="#888888", linewidth=0.5, zorder=0.5)
+    legend_above(figure, [panels[0]])
+    footnote(figure, too_short(every))
+    return figure
+
+
+def _forces(
+    every: list[LabelledRun], reference: LabelledRun | None, joint: str | None
+) -> tuple[str, list[LabelledRun], list[Array]]:
+    """Return the joint to draw, the runs that have it, the ideal one last, and the sizes of its force [N]."""
+    loads = {run.label: joint_loads(run.data)["force"] for run in long_enough(every)}
+    joint = choose_joint(MOVING, every, joint)
+    drawn = [run for run in long_enough(every) if joint in loads[run.label]["moving_joint"]]
+    drawn.sort(key=lambda run: run is reference)
+    forces = [
+        np.linalg.norm(np.asarray(loads[run.label].sel(moving_joint=joint).values, dtype=float), axis=1)
+        for run in drawn
+    ]
+    return joint, drawn, forces
+
+
+def _largest(run: LabelledRun, force: Array, start: float) -> float:
+    """Return the largest force from a time on [N]."""
+    return float(np.nanmax(force[run.time >= start], initial=0.0))
+
+
 def _around(time: Array, force: Array) -> tuple[float, float]:
     """Return the hundredth of the run around the largest force."""
     start, end = float(time[0]), float(time[-1])
@@ -124,4 +187,11 @@ def _ratios(runs: list[LabelledRun], largest: list[float], reference: LabelledRu
 
 FIGURES = (
     RunFigure(name="joint_load", title="Force through {joint}", function=figure_joint_load, of=MOVING),
+    RunFigure(
+        name="steady_force",
+        title="Force through {joint} in the second half of the run",
+        function=figure_steady_force,
+        of=LOOPED,
+        reported=False,
+    ),
 )

@@ -10,6 +10,8 @@ from scipy.spatial.transform import Rotation
 from antenna_pin import load_scenario, simulate
 from antenna_pin.analysis import (
     base_motion,
+    body_deviation,
+    body_motion,
     bore_load,
     deviation,
     joint_loads,
@@ -20,12 +22,14 @@ from antenna_pin.analysis import (
 from antenna_pin.errors import AntennaPinError, InvalidParameterError, UnknownNameError
 from antenna_pin.plot import (
     BASE_QUANTITIES,
+    BODY_QUANTITIES,
     CATALOGUE,
     PAPERS,
     QUANTITIES,
     SIGNALS,
     allowed_figures,
     figure_base,
+    figure_body,
     figure_bore_load,
     figure_contact_forces,
     figure_eccentricity,
@@ -36,10 +40,11 @@ from antenna_pin.plot import (
     figure_scenarios,
     figure_spectra,
     figure_spectrogram,
+    figure_steady_force,
     paper_figures,
     save_figures,
 )
-from antenna_pin.plot._kinds import MOVING, SLIDING, TOUCHING
+from antenna_pin.plot._kinds import LOOPED, MOVING, SLIDING, TOUCHING
 
 
 @pytest.fixture(scope="module")
@@ -315,12 +320,48 @@ def test_spectrogram_has_a_panel_per_run_with_contact(runs):
         figure_spectrogram(runs, "jerk")
 
 
+# --- bodies, and what goes on once impacts are over ---
+
+
+@pytest.mark.parametrize("quantity", BODY_QUANTITIES)
+def test_the_path_of_a_body_and_its_deviation_component_by_component(runs, quantity):
+    """Of the one that the joint with play moves; panels alternate, the motion and its deviation."""
+    figure = figure_body(runs, quantity)
+    unit = {"position": "m", "velocity": "m/s", "acceleration": "m/s²"}[quantity]
+    assert len(figure.axes) == 6
+    motion = body_motion(runs[2][1], "shaft2")[quantity].values
+    apart = body_deviation(runs[2][1], runs[0][1], "shaft2")[quantity].values
+    for number, axes in enumerate(figure.axes):
+        line = lines_of(axes)["case3"]
+        factor = factor_of(axes.get_ylabel().split("\n" + "linear")[0].replace("\n", " "), unit)
+        expected = (apart if number % 2 else motion)[:, number // 2]
+        np.testing.assert_allclose(line.get_ydata() / factor, expected, rtol=1e-12, atol=1e-15)
+    alone = figure_body(runs[1:], quantity)
+    assert len(alone.axes) == 3  # nothing to compare with
+
+
+def test_the_steady_force_is_that_of_the_second_half(runs):
+    figure = figure_steady_force(runs[2:])
+    whole, near = figure.axes
+    data = runs[2][1]
+    force = np.linalg.norm(joint_loads(data)["force"].sel(moving_joint="elevation").values, axis=1)
+    time = data["time"].values
+    held = time >= 0.5 * time[-1]
+    line = lines_of(whole)["case3"]
+    np.testing.assert_allclose(line.get_xdata(), time[held])
+    factor = factor_of(whole.get_ylabel(), "N")
+    np.testing.assert_allclose(line.get_ydata() / factor, force[held], rtol=1e-12)
+    assert whole.get_yscale() == "linear"
+    assert near.get_xlim() == pytest.approx((0.98 * time[-1], time[-1]))
+
+
 # --- all of them ---
 
 MADE_UP = ("motion_angle", "motion_rate", "motion_acceleration", "contact_forces", "energy", "momentum")
 SLIDES = [name for name, figure in CATALOGUE.items() if figure.of is SLIDING]
+LOOPS = [name for name, figure in CATALOGUE.items() if figure.of is LOOPED]
 FIGURES = [name for name in CATALOGUE if name not in (*MADE_UP, *SLIDES)]  # test_figures.py has those
-STANDARD = [name for name, figure in CATALOGUE.items() if figure.standard and name not in SLIDES]
+STANDARD = [name for name, figure in CATALOGUE.items() if figure.standard and name not in (*SLIDES, *LOOPS)]
 
 
 @pytest.mark.parametrize("width", ["column", "page"])
