@@ -77,9 +77,10 @@ def _compiled(function: _Function, **options: bool) -> _Function:
 
 def _njit(function: Callable[..., Any], **options: bool) -> Any:
     try:
-        return numba.njit(error_model="numpy", _nrt=False, **options)(function)
+        # No entry for C: nothing here asks for an address.
+        return numba.njit(error_model="numpy", _nrt=False, no_cfunc_wrapper=True, **options)(function)
     except KeyError:
-        # The option against counting is Numba's own, not a promised one; without it kernels are slower.
+        # These options are Numba's own, not promised ones; without that against counting kernels are slower.
         return numba.njit(error_model="numpy", **options)(function)
 
 
