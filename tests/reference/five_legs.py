@@ -88,7 +88,7 @@ def platform(*, driven: bool = True, without: tuple[str, ...] = ()) -> Maximal:
         joints[f"p{name}"] = Joint(
             "prismatic", Side(f"swing{name}", o, x, y), Side(f"telescopic{name}", o, x, y)
         )
-        tip, joint = Side(f"telescopic{name}", o, y), Side("platform", PLATFORM_POINTS[k], z)
+        tip, joint = Side(f"telescopic{name}", o, y if k == 0 else z), Side("platform", PLATFORM_POINTS[k], z)
         joints[f"s{name}"] = Joint("universal" if k == 0 else "spherical", tip, joint)
         motions.append(
             Motion(
@@ -140,8 +140,8 @@ def urdf() -> str:
     return "\n".join([*parts, "</robot>\n"])
 
 
-def scenario(name_of_urdf: str) -> str:
-    """Return the scenario: four closures, five motions, nothing given of the start."""
+def scenario() -> str:
+    """Return the scenario of ``loop.urdf``: four closures, five motions, nothing given of the start."""
     parts = [
         f"""\
 format = 1
@@ -149,7 +149,7 @@ title = "4UPS-UPU, all legs driven, the platform on a circle"
 duration = "1 s"
 
 [mechanism]
-urdf = "{name_of_urdf}"
+urdf = "loop.urdf"
 base = "fixed"
 gravity = [{GRAVITY}, 0.0, 0.0]
 """

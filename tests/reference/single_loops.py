@@ -26,7 +26,7 @@ class Loop:
         system: In maximal coordinates.
         start: State to start from, (n, 13).
         tree: Joints of the URDF: name to type, parent, child, axis; each at the child's origin, in its axes.
-        scenario: TOML text, but for the name of the URDF: ``{urdf}``.
+        scenario: TOML text; the URDF is ``loop.urdf``.
     """
 
     name: str
@@ -165,7 +165,7 @@ title = "Four-bar, set going under gravity"
 duration = "1 s"
 
 [mechanism]
-urdf = "{{urdf}}"
+urdf = "loop.urdf"
 base = "fixed"
 gravity = [0.0, 0.0, {-GRAVITY}]
 
@@ -228,7 +228,7 @@ title = "Bricard's ring, let go under gravity"
 duration = "1 s"
 
 [mechanism]
-urdf = "{{urdf}}"
+urdf = "loop.urdf"
 base = "fixed"
 gravity = [0.0, {-GRAVITY}, 0.0]
 
@@ -287,7 +287,8 @@ def spatial_slider_crank() -> Loop:
     end = (-SPATIAL_ROD, 0.0, 0.0)
     joints = {
         "pivot": Joint("revolute", Side(WORLD, SPATIAL_PIVOT, e_x, e_z), Side("crank", o, e_x, e_z)),
-        "ball": Joint("spherical", Side("crank", (0.0, 0.0, SPATIAL_CRANK)), Side("rod", o)),
+        # Its bearing's axes are those of the URDF's joint, the rod's at the start.
+        "ball": Joint("spherical", Side("crank", (0.0, 0.0, SPATIAL_CRANK), rod[:, 2], x), Side("rod", o)),
         "cross": Joint("universal", Side("rod", end, e_y), Side("slider", o, e_z)),
         "guide": Joint("prismatic", Side(WORLD, o, e_x, e_y), Side("slider", o, e_x, e_y)),
     }
@@ -298,7 +299,7 @@ title = "Spatial slider-crank, set going under gravity"
 duration = "1 s"
 
 [mechanism]
-urdf = "{{urdf}}"
+urdf = "loop.urdf"
 base = "fixed"
 gravity = [0.0, 0.0, {-GRAVITY}]
 
