@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from antenna_pin.analysis import body_poses, mechanism_of
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
+from antenna_pin.mechanism import frame_aligning_z
 from antenna_pin.record.key_frames import Impacts, KeyFrames
 from antenna_pin.record.scene import Scene, packed_doubles, packed_floats
 from antenna_pin.record.shapes import Cylinder, Shape, Sphere, corners, visual_shapes
@@ -104,7 +105,7 @@ def mechanism_view(
         "actors": actors,
         "contacts": contacts,
         "trails": trails,
-        "camera": camera(np.concatenate(extent), _DIRECTION),
+        "camera": camera(np.concatenate(extent), _DIRECTION, _upright(run)),
         "facts": facts,
         "warnings": motion.warnings,
     }
@@ -302,12 +303,19 @@ def nice(value: float) -> float:
     return float(f"{digit * power:.1g}")
 
 
-def camera(points: Array, direction: ArrayLike) -> dict[str, Any]:
+def _upright(run: Trajectory) -> Array:
+    """Return the rotation (3, 3) from the world to axes whose z points up: against gravity, if any."""
+    gravity = np.array(mechanism_of(run).model.gravity.linear)
+    return frame_aligning_z(-gravity).T if gravity.any() else np.eye(3)
+
+
+def camera(points: Array, direction: ArrayLike, upright: ArrayLike | None = None) -> dict[str, Any]:
     """Return what the player frames: the outermost of the points, their middle, and from where it looks.
 
     Args:
         points: (n, 3) [m].
-        direction: From the middle to the camera, (3,) [-].
+        direction: From the middle to the camera, (3,) [-]; in axes of which z points up.
+        upright: Rotation from the points' axes to those, (3, 3) [-]; none if left out.
     """
     k = np.arange(256)
     z = 1.0 - (2.0 * k + 1.0) / len(k)
@@ -319,4 +327,5 @@ def camera(points: Array, direction: ArrayLike) -> dict[str, Any]:
         "points": packed_floats(points[outermost]),
         "target": middle.tolist(),
         "direction": np.asarray(direction, dtype=float).tolist(),
+        "upright": np.asarray(np.eye(3) if upright is None else upright, dtype=float).tolist(),
     }

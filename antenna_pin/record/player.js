@@ -13,7 +13,7 @@
 //                                     time before and fade over `wall` seconds, so that no impact is missed
 //   player.render()                   draw now
 //   player.play(), player.pause()     with player.speed, 1 being real time
-//   player.setCamera(position, target) a pinhole camera, 32 degrees high, z up
+//   player.setCamera(position, target) a pinhole camera, 32 degrees high, gravity down
 //   player.resetCamera()              frames the whole motion again
 //   player.project(point)             [x, y] in pixels from the canvas' upper left corner
 //   player.pose(body)                 {position, quaternion xyzw} of a body now, in the world
@@ -437,7 +437,14 @@
       this.actors = data.actors.map((actor) => new Actor(viewer, actor));
       this.contacts = data.contacts ? new Contacts(viewer, data.contacts, this.times) : null;
       this.trails = data.trails.map((trail) => new Trail(viewer, trail));
+      // Which way is up: the world is drawn turned where gravity does not point along its -z.
+      const [a, b, c] = this.upright = data.camera.upright;
+      const turn = new THREE.Matrix4().set(...a, 0, ...b, 0, ...c, 0, 0, 0, 0, 1);
+      viewer.scene.quaternion.multiply(new THREE.Quaternion().setFromRotationMatrix(turn));
+      // The camera is in the scene and does not turn with it.
+      node(viewer, "Cameras/default/rotated").quaternion.copy(viewer.scene.quaternion).invert();
       this.frame = floats(data.camera.points);
+      for (let i = 0; i < this.frame.length; i += 3) this.frame.set(this.turned(this.frame.subarray(i, i + 3)), i);
       this.resize();
       this.observer = new ResizeObserver(() => this.resize());
       this.observer.observe(this.stage);
@@ -616,13 +623,17 @@
       else if (document.fullscreenEnabled) this.root.requestFullscreen();
     }
 
-    // --- camera: the scene's z is up, three.js' is y ---
+    // --- camera: the turned world's z is up, three.js' is y ---
+
+    turned(point) {
+      return this.upright.map((row) => row[0] * point[0] + row[1] * point[1] + row[2] * point[2]);
+    }
 
     // A pinhole camera in the middle of the canvas, FIELD_OF_VIEW high.
     setCamera(position, target) {
       this.moved = true;
       this.viewer.camera.clearViewOffset();
-      this.aim(position, target);
+      this.aim(this.turned(position), this.turned(target));
     }
 
     aim(position, target) {
@@ -656,7 +667,7 @@
       const half = Math.tan(0.5 * camera.fov * Math.PI / 180) / MARGIN;
       const vertical = half * (h - top) / h;
       const horizontal = half * w / h;
-      const middle = target.slice();
+      const middle = this.turned(target);
       let distance = 0;
       for (let pass = 0; pass < 4; pass++) {
         const seen = [];
@@ -680,7 +691,7 @@
 
     project(point) {
       const {camera, renderer} = this.viewer;
-      const [x, y, z] = point;
+      const [x, y, z] = this.turned(point);
       camera.updateMatrixWorld();
       const at = new MeshCat.THREE.Vector3(x, z, -y).project(camera);
       const w = this.canvas.clientWidth, h = this.canvas.clientHeight;

@@ -1,6 +1,8 @@
 """A real browser plays recordings: offline, without complaint, and shows the poses of the run."""
 
+import dataclasses
 import html
+import json
 
 import numpy as np
 import pytest
@@ -40,10 +42,10 @@ def quiet(page):
     return page.errors == [] and page.requests == []
 
 
-def pinhole(point, width, height):
-    """Where a camera at CAMERA that looks at TARGET, z up, sees points, (n, 2) pixels."""
+def pinhole(point, width, height, up=(0.0, 0.0, 1.0)):
+    """Where a camera at CAMERA that looks at TARGET sees points, (n, 2) pixels."""
     back = (CAMERA - TARGET) / np.linalg.norm(CAMERA - TARGET)
-    right = np.cross([0.0, 0.0, 1.0], back)
+    right = np.cross(up, back)
     right /= np.linalg.norm(right)
     axes = np.array([right, np.cross(back, right), back])
     x, y, depth = axes @ (point - CAMERA)
@@ -66,9 +68,15 @@ def test_plays_offline_and_the_picture_changes(opened, clearance_run, ideal_run)
     assert quiet(page)
 
 
-def test_a_mark_is_where_the_trajectory_has_it(opened, clearance_run):
-    """The tip of the boresight, found by its colour, against pose and pinhole camera worked out here."""
-    recording = record(clearance_run, body="reflector", boresight=BORESIGHT)
+@pytest.mark.parametrize(("gravity", "up"), [((0, 0, 0), (0, 0, 1)), ((9.81, 0, 0), (-1, 0, 0))])
+def test_a_mark_is_where_the_trajectory_has_it(opened, clearance_run, gravity, up):
+    """The tip of the boresight, found by its colour, against pose and pinhole camera worked out here.
+
+    Up is against gravity, whichever way it points in the world.
+    """
+    mechanism = json.loads(clearance_run.data.attrs["mechanism"]) | {"gravity": gravity}
+    data = clearance_run.data.assign_attrs(mechanism=json.dumps(mechanism))
+    recording = record(dataclasses.replace(clearance_run, data=data), body="reflector", boresight=BORESIGHT)
     page = opened(recording)
     page.run("recording.setCamera(a[0], a[1]);", CAMERA.tolist(), TARGET.tolist())
     reflector = f"run/{list_of_bodies(clearance_run).index('reflector')}"
@@ -85,7 +93,7 @@ def test_a_mark_is_where_the_trajectory_has_it(opened, clearance_run):
     for index in (0, len(times) // 2, len(times) - 1):
         pose = body_poses(clearance_run, times=[index]).sel(body="reflector").isel(time=0)
         tip = pose["position"].values + Rotation.from_quat(pose["attitude"].values).apply(reach)
-        expected = pinhole(tip, width, height)
+        expected = pinhole(tip, width, height, up)
         marked = np.abs(shown(page, times[index]) - MARK).max(axis=2) <= 2
         rows, columns = np.nonzero(marked)
         assert len(rows) > 20
