@@ -73,13 +73,13 @@ CONTACT = layout(
 MEMORY = layout(("touching", "f8"), ("approach_speed", "f8"), ("effective_mass", "f8"))
 
 #: Pose and twist of a journal in its bearing, all in bearing axes: centre [m], unit axis, sine of the tilt
-#: between the axes, rotation child -> bearing, velocity of the centre [m/s], angular velocity [rad/s]; and
-#: room for the resultant of its contacts about the centre [N, N m].
+#: between the axes, rotation from the axes of the joint's frame on the journal's side, velocity of the centre
+#: [m/s], angular velocity [rad/s]; and room for the resultant of its contacts about the centre [N, N m].
 POSE = layout(
     ("centre", "f8", (3,)),
     ("axis", "f8", (3,)),
     ("sine", "f8"),
-    ("child", "f8", (3, 3)),
+    ("rotation", "f8", (3, 3)),
     ("velocity", "f8", (3,)),
     ("spin", "f8", (3,)),
     ("force", "f8", (3,)),

@@ -58,6 +58,8 @@ TEST_FLANGE = "tests/simulation/test_flange.py"
 TEST_GOING_ON = "tests/simulation/test_going_on.py"
 TEST_RECORD = "tests/simulation/test_record.py"
 TEST_RUN = "tests/simulation/test_run.py"
+TEST_ON_CHILD = "tests/simulation/test_bearing_on_child.py"
+IN_STATES = ("-k", "same_contacts or power or ledger or against")
 TEST_EVENTS = "tests/simulation/test_events.py"
 TEST_TURNS = "tests/simulation/test_turns.py"
 TEST_START = "tests/simulation/test_start_and_end.py"
@@ -322,8 +324,8 @@ MUTANTS = (
     _python(
         "a spring at a tilted journal acts about its axis alone",
         DYNAMICS,
-        "    elif e.about == ABOUT_MOTION:\n",
-        "    elif e.about == -1:\n",
+        "    if e.about == ABOUT_MOTION and j.slides == 0:\n",
+        "    if e.about == -1 and j.slides == 0:\n",
         TEST_ELEMENTS,
         *("-k", "gradient"),
     ),
@@ -431,6 +433,38 @@ MUTANTS = (
         TEST_JOINT,
         "tests/test_assemble.py",
         *("-k", "pose or placed or offset or frame or wherever"),
+    ),
+    _python(
+        "the journal on the parent moves without the child's turning",
+        POSE,
+        "    vx = wz * dy - wy * dz - y[k]\n",
+        "    vx = -y[k]\n",
+        TEST_ON_CHILD,
+        *IN_STATES,
+    ),
+    _python(
+        "the reaction on the child acts at the bearing's centre",
+        POSE,
+        "    mx, my, mz = mx + ry * fz - rz * fy, my + rz * fx - rx * fz, mz + rx * fy - ry * fx\n",
+        "",
+        TEST_ON_CHILD,
+        *IN_STATES,
+    ),
+    _python(
+        "a bearing on the child slides the wrong way",
+        POSE,
+        "        way = ax * (cx - dx) + ay * (cy - dy) + az * (cz - dz)\n",
+        "        way = ax * (dx - cx) + ay * (dy - cy) + az * (dz - cz)\n",
+        TEST_ON_CHILD,
+        *IN_STATES,
+    ),
+    _python(
+        "a drive takes the journal's axis for the bearing's on the child",
+        DYNAMICS,
+        "    elif (e.about == ABOUT_JOURNAL) == (j.on_child != 0):\n",
+        "    elif e.about != ABOUT_JOURNAL:\n",
+        TEST_ON_CHILD,
+        *IN_STATES,
     ),
     _python(
         "slip without the journal's spin",

@@ -7,6 +7,7 @@ import pytest
 from antenna_pin import AntennaPinError, Urdf, build_mechanism, load_scenario, simulate
 from antenna_pin.assemble import build_system, initial_state, urdf_variant
 from antenna_pin.contact import MATERIALS, hertz_stiffness
+from antenna_pin.dynamics import JointMotion
 from antenna_pin.joints._layout_kernels import joint_at
 from antenna_pin.joints._pose_kernels import place_journal, wrapped_angle
 from antenna_pin.records import POSE
@@ -87,14 +88,16 @@ def test_stiffness_follows_from_materials_and_radii_unless_given():
     assert given.radial.stiffness == joint.radial.stiffness
 
 
-def test_initial_state_of_a_journal_is_what_was_asked_in_bearing_axes():
-    """Position, tilt and velocities come back from the contact kernel's pose."""
-    offset = 7e-3
+@pytest.mark.parametrize("bearing_on", ["parent", "child"])
+def test_initial_state_of_a_journal_is_what_was_asked_in_bearing_axes(bearing_on):
+    """Position, tilt and velocities come back from the contact kernel's pose; the angle is the joint's."""
+    offset, sign = 7e-3, 1.0 if bearing_on == "parent" else -1.0
     asked = scenario(
         "initial.joints.elevation={angle=0.7, rate=0.3, journal_position=[1e-4, -5e-5, 8e-5],"
         " journal_tilt=[1e-3, 2e-3, 0], journal_velocity=[1e-3, 2e-3, -3e-3],"
         " journal_angular_velocity=[0.01, -0.02, 0]}",
         f"clearance.elevation.offset={offset}",
+        f"clearance.elevation.bearing_on={bearing_on}",
     )
     system = build_system(asked)
     q, v = initial_state(asked, system)
@@ -105,10 +108,45 @@ def test_initial_state_of_a_journal_is_what_was_asked_in_bearing_axes():
     tilt = pin.exp3(np.array([1e-3, 2e-3, 0.0]))
     assert pose["axis"][0] == pytest.approx(tilt[:, 2], abs=1e-15)
     assert pose["velocity"][0] == pytest.approx([1e-3, 2e-3, -3e-3], abs=1e-16)
-    assert pose["spin"][0] == pytest.approx([0.01, -0.02, 0.3], abs=1e-15)
+    assert pose["spin"][0] == pytest.approx([0.01, -0.02, sign * 0.3], abs=1e-15)
     angle, _, _ = wrapped_angle(joint_at(system.program, block), q)
     # Swing-twist: the tilt about a transverse axis adds no twist to a turn about the axis.
     assert angle == pytest.approx(0.7, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("name", "joint", "overrides", "motion"),
+    [
+        ("bai2020", "elevation", ["clearance.elevation.model=planar"], "angle=0.7, rate=0.3"),
+        ("slider", "slide", [], "position='20 mm', velocity='0.3 m/s'"),
+    ],
+)
+@pytest.mark.parametrize("bearing_on", ["parent", "child"])
+def test_initial_state_across_the_axis_is_the_journals_and_along_it_the_joints(
+    name, joint, overrides, motion, bearing_on
+):
+    """In a plane and in a guide; a joint's angle or position is its child's, wherever the bearing is."""
+    journal = "journal_position=[1e-4, -5e-5, 0], journal_velocity=[1e-3, 2e-3, 0]"
+    asked = load_scenario(
+        name,
+        overrides=[
+            *overrides,
+            f"clearance.{joint}.bearing_on={bearing_on}",
+            f"initial.joints.{joint}={{{motion}, {journal}}}",
+        ],
+    )
+    system, sign = build_system(asked), 1.0 if bearing_on == "parent" else -1.0
+    q, v = initial_state(asked, system)
+    y = system.state(q, v)
+    pose = np.zeros(1, POSE)
+    place_journal(system.program, system.clearance_blocks[joint], y, system.model.nq, pose)
+    # Round-off.
+    along = [0.02, 0.3] if name == "slider" else [0.0, 0.0]
+    assert pose["centre"][0] == pytest.approx([1e-4, -5e-5, sign * along[0]], abs=1e-17)
+    assert pose["velocity"][0] == pytest.approx([1e-3, 2e-3, sign * along[1]], abs=1e-16)
+    assert pose["axis"][0] == pytest.approx([0.0, 0.0, 1.0], abs=1e-15)
+    wanted = (0.02, 0.3) if name == "slider" else (0.7, 0.3)
+    assert JointMotion(system, joint)(y) == pytest.approx(wanted, rel=1e-14)
 
 
 def test_several_clearance_joints_in_one_mechanism():

@@ -50,6 +50,8 @@ def _initial_state(scenario: Scenario, mechanism: Mechanism) -> tuple[Array, Arr
         check_motion(scenario, slot, spec.motion, "initial", "joints", name)
         if slot.kind in ("floating", "planar"):
             _place_journal(scenario, mechanism, slot, spec, q, v)
+            if _bearing_on_child(scenario, slot):
+                _invert(slot, q, v)
             continue
         for key in ("journal_position", "journal_tilt", "journal_velocity", "journal_angular_velocity"):
             given = getattr(spec, key)
@@ -68,9 +70,14 @@ def _initial_state(scenario: Scenario, mechanism: Mechanism) -> tuple[Array, Arr
 def _place_journal(
     scenario: Scenario, mechanism: Mechanism, slot: JointSlot, spec: Any, q: Array, v: Array
 ) -> None:
-    """Write the pose and twist of a journal in its bearing, given in bearing axes, into q and v."""
+    """Write the pose and twist of a journal in its bearing, given in bearing axes, into q and v.
+
+    Angle, position and rate are the joint's; with the bearing on the child the journal's are the opposite.
+    """
     angle = _angle(spec)
     rate = spec.rate if spec.rate is not None else spec.velocity or 0.0
+    if _bearing_on_child(scenario, slot):
+        angle, rate = -angle, -rate
     along, about = (angle, rate), (0.0, 0.0)
     if not slides(scenario, slot):
         along, about = about, along
@@ -99,3 +106,24 @@ def _place_journal(
     omega = turn.T @ axes @ spin
     q[slot.q] = [*(axes @ position + centre - turn @ centre), *pin.Quaternion(turn).coeffs()]
     v[slot.v] = [*(turn.T @ axes @ velocity - np.cross(omega, centre)), *omega]
+
+
+def _bearing_on_child(scenario: Scenario, slot: JointSlot) -> bool:
+    play = scenario.clearance.get(slot.name)
+    return play is not None and play.bearing_on == "child"
+
+
+def _invert(slot: JointSlot, q: Array, v: Array) -> None:
+    """Turn a joint's pose and twist, in q and v those of its parent in its child, into the child's."""
+    if slot.kind == "planar":
+        x, y, cosine, sine = q[slot.q]
+        turn = np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
+        pose = pin.SE3(turn, np.array([x, y, 0.0]))
+        vx, vy, wz = v[slot.v]
+        twist = -pose.act(pin.Motion(np.array([vx, vy, 0.0, 0.0, 0.0, wz])))
+        q[slot.q] = (*pose.inverse().translation[:2], cosine, -sine)
+        v[slot.v] = (*twist.linear[:2], twist.angular[2])
+        return
+    pose = pin.XYZQUATToSE3(q[slot.q])
+    v[slot.v] = -pose.act(pin.Motion(v[slot.v])).vector
+    q[slot.q] = pin.SE3ToXYZQUAT(pose.inverse())

@@ -49,6 +49,7 @@ def clearance_joint(
         friction=FRICTION_LAWS[spec.friction.law](**spec.friction.parameters),
         backend=spec.geometry,
         offset=spec.offset,
+        bearing_on=spec.bearing_on,
         approach_speed_floor=spec.approach_speed_floor,
         maximum_depth=spec.maximum_depth,
         load=spec.load,

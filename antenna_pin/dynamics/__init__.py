@@ -5,7 +5,7 @@ from antenna_pin.dynamics.audit import Audit, audit
 from antenna_pin.dynamics.evaluate import acceleration, contact_memory
 from antenna_pin.dynamics.hinge import Hinge
 from antenna_pin.dynamics.motion import JointMotion
-from antenna_pin.dynamics.samples import Observed, joint_motion, observed, sliding_motion
+from antenna_pin.dynamics.samples import Observed, joint_motion, journal_attitudes, observed, sliding_motion
 from antenna_pin.dynamics.system import System
 from antenna_pin.dynamics.workspace import Workspace
 from antenna_pin.elements import CallableDrive, ConstantDrive, Drive, JointSpring, SineDrive, TableDrive
@@ -28,6 +28,7 @@ __all__ = [
     "audit",
     "contact_memory",
     "joint_motion",
+    "journal_attitudes",
     "observed",
     "sliding_motion",
 ]

@@ -23,8 +23,9 @@ from antenna_pin.elements import _kernels as elements
 from antenna_pin.joints._kernels import clearance_joint, joint_energy
 from antenna_pin.joints._layout_kernels import CLEARANCE, FORCES_GIVEN, joint_at
 from antenna_pin.joints._pose_kernels import (
-    about_bearing,
     along_bearing,
+    axis_of_parent,
+    journal_centre,
     motion_angle,
     unwrapped,
     wrapped_angle,
@@ -45,7 +46,7 @@ PLAY = 2
 
 # What an element acts about at a joint with play, by its number.
 ABOUTS = ("bearing", "journal", "motion")
-ABOUT_BEARING = 0
+ABOUT_JOURNAL = 1
 ABOUT_MOTION = 2
 
 #: Head of an element: what its joint is, starts of the joint's slices of q and v and of its own in x, block
@@ -161,16 +162,16 @@ def _element(p: Any, b: int, t: float, y: Any, nq: int, nv: int, tau: Any, rates
 def _push(j: Any, e: Any, effort: float, gx: float, gy: float, y: Any, nq: int, tau: Any) -> float:
     """Add an effort at a free joint with play to tau; return the rate of that along which it acts."""
     nx, ny, nz = j.axes[0, 2], j.axes[1, 2], j.axes[2, 2]
-    if e.about == ABOUT_BEARING or (e.about == ABOUT_MOTION and j.slides != 0):
-        nx, ny, nz = about_bearing(j, y)
-    elif e.about == ABOUT_MOTION:
+    if e.about == ABOUT_MOTION and j.slides == 0:
         nx += gx * j.axes[0, 0] + gy * j.axes[0, 1]
         ny += gx * j.axes[1, 0] + gy * j.axes[1, 1]
         nz += gx * j.axes[2, 0] + gy * j.axes[2, 1]
+    elif (e.about == ABOUT_JOURNAL) == (j.on_child != 0):
+        nx, ny, nz = axis_of_parent(j, y)
     k = e.v + 3
     rate = 0.0
     if j.slides != 0:
-        cx, cy, cz = j.centre[0], j.centre[1], j.centre[2]
+        cx, cy, cz = journal_centre(j, y)
         mx, my, mz = cy * nz - cz * ny, cz * nx - cx * nz, cx * ny - cy * nx
         tau[k] += effort * mx
         tau[k + 1] += effort * my

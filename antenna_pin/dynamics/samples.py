@@ -16,9 +16,10 @@ from antenna_pin.dynamics import _audit_kernels, _sample_kernels
 from antenna_pin.dynamics.audit import body_tree, energy_of_python_laws
 from antenna_pin.dynamics.system import System
 from antenna_pin.dynamics.workspace import Workspace
+from antenna_pin.mechanism import frame_aligning_z
 from antenna_pin.records import CONTACT, POSE
 
-__all__ = ["Observed", "joint_motion", "observed", "sliding_motion"]
+__all__ = ["Observed", "joint_motion", "journal_attitudes", "observed", "sliding_motion"]
 
 Array = NDArray[np.float64]
 
@@ -187,7 +188,7 @@ def sliding_motion(system: System, states: Array, found: Observed) -> tuple[list
 
     Returns:
         Names, and way, rate and acceleration of each, (joints, n, 3) [m, m/s, m/s^2]; with play those of the
-        journal's centre along the bearing's axis.
+        journal's centre along the bearing's axis, or its opposite with the bearing on the child.
     """
     guided = {joint.name: k for k, joint in enumerate(system.clearances) if joint.geometry.motion == "slide"}
     names, motions = [], []
@@ -197,11 +198,18 @@ def sliding_motion(system: System, states: Array, found: Observed) -> tuple[list
         if slot.name in guided:
             k = guided[slot.name]
             pose, centre = found.pose[:, k], system.clearances[k].offset * slot.axis
-            # In the child's own axes the acceleration of its point at the centre is a + w x v.
-            velocity = v[:, :3] + np.cross(v[:, 3:], centre)
+            # In the child's own axes: the bearing's axis, the journal's centre, and how fast it moves, seen
+            # from the parent, or from the child where the bearing is.
+            if system.clearances[k].bearing_on == "child":
+                sign, axes = -1.0, frame_aligning_z(slot.axis)
+                bearing, centre = axes[:, 2], centre + pose["centre"] @ axes.T
+                velocity = pose["velocity"] @ axes.T
+            else:
+                sign, bearing = 1.0, pose["rotation"][:, 2, :]
+                velocity = v[:, :3] + np.cross(v[:, 3:], centre)
             at_centre = a[:, :3] + np.cross(a[:, 3:], centre) + np.cross(v[:, 3:], velocity)
-            along = np.einsum("ij,ij->i", pose["child"][:, 2, :], at_centre)
-            motion = np.column_stack([pose["centre"][:, 2], pose["velocity"][:, 2], along])
+            along = np.einsum("ij,ij->i", np.broadcast_to(bearing, at_centre.shape), at_centre)
+            motion = np.column_stack([sign * pose["centre"][:, 2], sign * pose["velocity"][:, 2], along])
         elif slot.kind == "prismatic":
             motion = np.column_stack([states[:, slot.q], v, a])
         else:
@@ -209,3 +217,32 @@ def sliding_motion(system: System, states: Array, found: Observed) -> tuple[list
         names.append(slot.name)
         motions.append(motion)
     return names, np.array(motions).reshape(len(names), len(states), 3)
+
+
+def journal_attitudes(system: System, states: Array) -> Array:
+    """Return the attitudes of the journals' frames in their bearings', as quaternions without jumps in sign.
+
+    Args:
+        system: The system.
+        states: (n, nq + nv + nx).
+
+    Returns:
+        (n, joints, 4), xyzw.
+    """
+    result = np.zeros((len(states), len(system.clearances), 4))
+    for k, joint in enumerate(system.clearances):
+        slot = system.mechanism.joint(joint.name)
+        q, found = states[:, slot.q], result[:, k]
+        if slot.kind == "planar":
+            half = 0.5 * np.arctan2(q[:, 3], q[:, 2])
+            found[:, 2], found[:, 3] = np.sin(half), np.cos(half)
+        else:
+            found[:, :3] = q[:, 3:6] @ frame_aligning_z(slot.axis)
+            found[:, 3] = q[:, 6]
+        if joint.bearing_on == "child":
+            found[:, :3] *= -1.0
+        largest = found[0, np.argmax(np.abs(found[0]))]
+        jumps = np.cumsum(np.sum(found[1:] * found[:-1], axis=1) < 0.0) % 2 == 1
+        found[0] *= np.sign(largest)
+        found[1:] *= np.where(jumps, -np.sign(largest), np.sign(largest))[:, None]
+    return result

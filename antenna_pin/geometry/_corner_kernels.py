@@ -29,7 +29,7 @@ def corner_contact(shape: Any, pose: Any, out: Any) -> None:
     for i in range(3):
         place = pose.centre[i]
         for k in range(3):
-            place += pose.child[i, k] * shape.corner[k]
+            place += pose.rotation[i, k] * shape.corner[k]
         gap += shape.wall[i] * place
         out.point[i] = place - shape.radius * shape.wall[i]
         out.normal[i] = shape.wall[i]

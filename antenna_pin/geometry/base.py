@@ -162,14 +162,14 @@ def pose_of(p_HJ: ArrayLike, attitude: ArrayLike) -> NDArray[Any]:
     pose = np.zeros(1, POSE)
     pose["centre"] = p
     if given.ndim == 2:
-        pose["child"] = given
+        pose["rotation"] = given
         axis = given[:, 2]
     else:
         length = float(np.linalg.norm(given))
         if length == 0.0:
             raise InvalidParameterError("contacts", "attitude", "a nonzero vector", given)
         axis = given / length
-        pose["child"] = _smallest_rotation(axis)
+        pose["rotation"] = _smallest_rotation(axis)
     pose["axis"] = axis
     pose["sine"] = math.sqrt(axis[0] ** 2 + axis[1] ** 2)
     return pose

@@ -42,7 +42,7 @@ class CoalPrismatic:
         self, pose: NDArray[Any], table: NDArray[Any], row: int, wanted: Sequence[float] | None = None
     ) -> None:
         """Fill the corners' rows (see :class:`antenna_pin.geometry.Distances`)."""
-        centres = pose["centre"][0] + self._corners @ pose["child"][0].T
+        centres = pose["centre"][0] + self._corners @ pose["rotation"][0].T
         for k, functor in enumerate(self._functors):
             if wanted is not None and not wanted[k]:
                 continue

@@ -30,7 +30,7 @@ class SphericalClearance(RoundShape):
     The socket is taken as a whole sphere: it holds the ball in every direction.
 
     Attributes:
-        socket_radius: Of the hollow sphere, on the parent [m].
+        socket_radius: Of the hollow sphere [m].
         ball_radius: Below the socket's, on the child [m].
 
     References:

@@ -26,8 +26,8 @@ FORCES_GIVEN = 2  # forces too (laws in Python)
 
 #: Starts of the joint's slices of q and v; rows of its contacts; where in x the numbers start that they
 #: integrate, how many each has, and where the turned angle is (-1: none); whether it is a planar joint
-#: (3 freedoms, else 6) and under distributed load; axes of the bearing frame in the joint frame (columns) and
-#: its centre there [m].
+#: (3 freedoms, else 6), under distributed load, slides, and has its bearing on the child; axes of bearing and
+#: journal frame in the joint's frames on parent and child (columns) and their centre there [m].
 JOINT = layout(
     ("kind", "i8"),
     ("length", "i8"),
@@ -42,6 +42,7 @@ JOINT = layout(
     ("planar", "i8"),
     ("distributed", "i8"),
     ("slides", "i8"),
+    ("on_child", "i8"),
     ("axes", "f8", (3, 3)),
     ("centre", "f8", (3,)),
 )

@@ -49,6 +49,8 @@ class ClearanceJoint:
         backend: What measures the gaps: "coal" (distance queries), "closed-form", or an object of your own
             (:class:`antenna_pin.geometry.Distances`).
         offset: Bearing centre from the URDF joint's origin, along the joint's axis [m].
+        bearing_on: Which of the joint's links has the bearing (socket, guide): "parent", its journal then
+            being on the child, or "child".
         approach_speed_floor: Least approach speed that a contact remembers [m/s].
         maximum_depth: Depth at which a run ends, because rigid bodies with contact stiffness no longer
             describe it [m]; a hundredth of the bearing radius if not given.
@@ -66,6 +68,7 @@ class ClearanceJoint:
     friction: FrictionLaw = field(default_factory=NoFriction)
     backend: Literal["coal", "closed-form"] | Distances = "coal"
     offset: float = 0.0
+    bearing_on: Literal["parent", "child"] = "parent"
     approach_speed_floor: float = 1e-4
     maximum_depth: float | None = None
     load: Literal["point", "distributed"] = "point"
@@ -77,6 +80,10 @@ class ClearanceJoint:
         if self.backend not in ("coal", "closed-form") and not hasattr(self.backend, "query"):
             raise InvalidParameterError(
                 f"joint {self.name!r}", "backend", "coal, closed-form or an object with query()", self.backend
+            )
+        if self.bearing_on not in ("parent", "child"):
+            raise InvalidParameterError(
+                f"joint {self.name!r}", "bearing_on", "parent or child", self.bearing_on
             )
         if not 0.0 < self.approach_speed_floor < math.inf:
             raise InvalidParameterError(
@@ -195,8 +202,8 @@ class ClearanceJoint:
         """Return the joint as flat numbers for the fused kernel (:mod:`antenna_pin.joints._layout_kernels`).
 
         Args:
-            axes: Columns are the bearing frame's axes in the joint frame, (3, 3).
-            axis: The joint's axis in the joint frame, (3,).
+            axes: Columns are the axes of bearing and journal frame in the joint's frames, (3, 3).
+            axis: The joint's axis in the joint's frames, (3,).
             q: Start of its configuration in q.
             v: Start of its velocity in v.
             first_contact: Row of its first contact.
@@ -218,6 +225,7 @@ class ClearanceJoint:
         head["x"], head["stride"], head["turn"] = start_x, self.stride, turn
         head["planar"], head["distributed"] = self.planar, distributed
         head["slides"] = self.geometry.motion == "slide"
+        head["on_child"] = self.bearing_on == "child"
         head["axes"] = np.asarray(axes, dtype=float)
         head["centre"] = self.offset * np.asarray(axis, dtype=float)
         for k, (candidate, law) in enumerate(
@@ -256,7 +264,7 @@ class ClearanceJoint:
         """Return the energy that the contacts store in a pose in which all with a gap <= 0 touch [J].
 
         Args:
-            q: Pose of the journal in the bearing (see :meth:`evaluate`), for a joint axis along z.
+            q: The joint's configuration (see :meth:`evaluate`), for a joint axis along z.
         """
         configuration = np.asarray(q, dtype=float)
         nv = 3 if self.planar else 6
@@ -286,9 +294,10 @@ class ClearanceJoint:
         """Return contacts and forces of the joint alone, in one state; not the fast path.
 
         Args:
-            q: Pose of the journal in the bearing, Pinocchio's order: (x, y, z, quaternion xyzw), planar (x,
-                y, cos, sin) [m].
-            v: Twist of the journal in its own axes, linear first, (6,) or (3,) [m/s, rad/s].
+            q: The joint's configuration, the pose of its child in its parent: of the journal in the bearing,
+                or with ``bearing_on = "child"`` the other way round. Pinocchio's order: (x, y, z, quaternion
+                xyzw), planar (x, y, cos, sin) [m].
+            v: Twist of the child in its own axes, linear first, (6,) or (3,) [m/s, rad/s].
             touching: Whether each contact touches; those with a gap <= 0 if not given.
             approach_speed: Of each contact [m/s]; the floor if not given.
             effective_mass: Of each contact [kg]; for laws that take it from there.

@@ -84,9 +84,10 @@ class JointPicture:
         raise NotImplementedError
 
     def _spin(self, chosen: xr.Dataset, name: str) -> Array:
-        """Return the rotation about the bearing's axis (n,) [rad]."""
+        """Return the journal's rotation about the bearing's axis (n,) [rad]; the joint's is its child's."""
         if name in chosen["joint"].values:
-            return np.asarray(chosen["motion_angle"].sel(joint=name).values, dtype=float)
+            angle = np.asarray(chosen["motion_angle"].sel(joint=name).values, dtype=float)
+            return -angle if self.place.get("bearing_on") == "child" else angle
         return np.zeros(len(self.times))
 
     def tracks(self) -> list[dict[str, Any]]:

@@ -93,6 +93,8 @@ def words_of_clearances(scenario: Scenario) -> Iterator[tuple[str, str]]:
         parts = dimensions(spec)
         if spec.offset:
             parts.append(f"{_length(spec.offset)} along the axis from the joint's origin")
+        if spec.bearing_on == "child":
+            parts.append("the bearing is on the joint's child")
         gaps = "coal's distance queries" if spec.geometry == "coal" else "the closed form"
         parts.append(f"gaps by {gaps}")
         if spec.load == "distributed":

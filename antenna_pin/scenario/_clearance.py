@@ -68,6 +68,7 @@ class Clearance(Spec):
         corner_radius: Of the rounding of the slider's edges [m]; None for none.
         roll: Of a guide's section about the axis [rad]; None for none.
         offset: Bearing centre along the joint's axis from the joint's origin [m].
+        bearing_on: Which of the joint's links has the bearing; the other has the journal.
         geometry: What measures the gaps: coal's distance queries or the closed form.
         load: How contact is spread: one force per contact, or over strips of the bore and sectors of the
             flanges.
@@ -105,6 +106,7 @@ class Clearance(Spec):
     corner_radius: Annotated[float, Quantity("m", "zero or more")] | None = None
     roll: Annotated[float, Quantity("rad")] | None = None
     offset: Length = 0.0
+    bearing_on: Literal["parent", "child"] = "parent"
     geometry: Literal["coal", "closed-form"] = "coal"
     load: Literal["point", "distributed"] = "point"
     strips: Annotated[int, Field(ge=2, multiple_of=2)] = 16

@@ -51,11 +51,12 @@ def mechanism_attributes(system: System) -> dict[str, str]:
 def carried_joints(system: System) -> dict[str, dict[str, Any]]:
     """Return what every clearance joint is, by name.
 
-    Each has ``kind`` (revolute, planar, ...), ``dimensions`` of its shape [m], ``bearing_body`` and
-    ``journal_body`` (links), and ``bearing_placement`` and ``journal_placement``: seven numbers, the frame's
-    position [m] and attitude (quaternion xyzw) in that link's frame. Its ``contacts``, by name, have
-    ``kind``, ``end``, ``normal_law``, ``depth_limit`` [m] and what sets it, ``limited_by``; beside them stand
-    ``friction_law``, ``approach_speed_floor`` [m/s], ``backend`` and ``load``. A law has its name, ``law``,
+    Each has ``kind`` (revolute, planar, ...), ``dimensions`` of its shape [m], ``bearing_on`` (parent or
+    child: which of the joint's links), ``bearing_body`` and ``journal_body`` (links), and
+    ``bearing_placement`` and ``journal_placement``: seven numbers, the frame's position [m] and attitude
+    (quaternion xyzw) in that link's frame. Its ``contacts``, by name, have ``kind``, ``end``,
+    ``normal_law``, ``depth_limit`` [m] and what sets it, ``limited_by``; beside them stand ``friction_law``,
+    ``approach_speed_floor`` [m/s], ``backend`` and ``load``. A law has its name, ``law``,
     and its ``parameters`` as used, [value, unit] by name; a law with a dissipation of another has
     ``dissipation``, a law too.
     """
@@ -113,17 +114,22 @@ def _place(system: System, joint: ClearanceJoint) -> dict[str, Any]:
         own[:3, 3] = joint.offset * own[:3, 2]
     in_child, child = own, urdf.joint(joint.name).child
     links = {link.name: link for link in urdf.robot.links}
-    # The massless link of a planar joint carries no shape: what is mounted on it is the journal's body.
+    # The massless link of a planar joint carries no shape: what is mounted on it is the joint's body there.
     mounts = [other for other in urdf.robot.joints if other.parent == child and other.type == "fixed"]
     if links[child].inertial is None and len(mounts) == 1:
         in_child, child = np.linalg.inv(urdf.placement(mounts[0].name)) @ own, mounts[0].child
+    bearing = (urdf.joint(joint.name).parent, _seven(urdf.placement(joint.name) @ own))
+    journal = (child, _seven(in_child))
+    if joint.bearing_on == "child":
+        bearing, journal = journal, bearing
     return {
         "kind": joint.geometry.kind,
         "dimensions": dataclasses.asdict(cast(Any, joint.geometry)),
-        "bearing_body": urdf.joint(joint.name).parent,
-        "bearing_placement": _seven(urdf.placement(joint.name) @ own),
-        "journal_body": child,
-        "journal_placement": _seven(in_child),
+        "bearing_on": joint.bearing_on,
+        "bearing_body": bearing[0],
+        "bearing_placement": bearing[1],
+        "journal_body": journal[0],
+        "journal_placement": journal[1],
     }
 
 

@@ -13,8 +13,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from antenna_pin.dynamics import Observed, System, joint_motion, observed, sliding_motion
-from antenna_pin.mechanism import frame_aligning_z
+from antenna_pin.dynamics import Observed, System, joint_motion, journal_attitudes, observed, sliding_motion
 from antenna_pin.records import MEMORY
 from antenna_pin.simulation.carried import mechanism_attributes
 from antenna_pin.simulation.loop import Run
@@ -223,32 +222,13 @@ def _contact(seen: _Seen) -> Values:
         **{name: contacts[name] for name in contacts.dtype.names or ()},
         "touching": seen.memories["touching"].astype(np.int8),
         "journal_position": pose["centre"],
-        "journal_attitude": _attitudes(seen),
+        "journal_attitude": journal_attitudes(seen.system, seen.states),
         "journal_tilt": np.arctan2(np.hypot(axis[..., 0], axis[..., 1]), axis[..., 2]),
         "joint_force": pose["force"],
         "joint_torque": pose["moment"],
         "radial_scenario": seen.found.scenario[:, :, 0],
         "axial_scenario": seen.found.scenario[:, :, 1],
     }
-
-
-def _attitudes(seen: _Seen) -> Array:
-    """Return the attitudes of the journals' frames in their bearings', (n, joints, 4); no jumps in sign."""
-    result = np.zeros((len(seen.times), len(seen.system.clearances), 4))
-    for k, joint in enumerate(seen.system.clearances):
-        slot = seen.system.mechanism.joint(joint.name)
-        q, found = seen.q[:, slot.q], result[:, k]
-        if slot.kind == "planar":
-            half = 0.5 * np.arctan2(q[:, 3], q[:, 2])
-            found[:, 2], found[:, 3] = np.sin(half), np.cos(half)
-        else:
-            found[:, :3] = q[:, 3:6] @ frame_aligning_z(slot.axis)
-            found[:, 3] = q[:, 6]
-        largest = found[0, np.argmax(np.abs(found[0]))]
-        jumps = np.cumsum(np.sum(found[1:] * found[:-1], axis=1) < 0.0) % 2 == 1
-        found[0] *= np.sign(largest)
-        found[1:] *= np.where(jumps, -np.sign(largest), np.sign(largest))[:, None]
-    return result
 
 
 def _ledger(seen: _Seen) -> Values:
