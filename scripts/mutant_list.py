@@ -10,8 +10,8 @@ ROW = "antenna_pin/joints/_row_kernels.py"
 PATCH = "antenna_pin/joints/_patch_kernels.py"
 DYNAMICS = "antenna_pin/dynamics/_kernels.py"
 INSPECT = "antenna_pin/dynamics/_inspect.py"
-AUDIT = "antenna_pin/dynamics/audit.py"
 AUDIT_KERNELS = "antenna_pin/dynamics/_audit_kernels.py"
+TREE = "antenna_pin/mechanism/tree.py"
 SAMPLE_KERNELS = "antenna_pin/dynamics/_sample_kernels.py"
 CURVE = "antenna_pin/elements/curve.py"
 CURVE_KERNELS = "antenna_pin/elements/_curve_kernels.py"
@@ -276,7 +276,7 @@ MUTANTS = (
     # --- dynamics
     _compiled(
         "the scale of linear momentum includes the bus",
-        AUDIT,
+        TREE,
         '        body["counts"] = not (free and i == 1)\n',
         '        body["counts"] = True\n',
         TEST_AUDIT,

@@ -2,15 +2,24 @@
 
 from __future__ import annotations
 
+from antenna_pin.assemble.closures import closures_of
 from antenna_pin.assemble.laws import clearance_joint
 from antenna_pin.assemble.places import check_known, check_motion
-from antenna_pin.assemble.variant import urdf_variant
-from antenna_pin.dynamics import Hinge, System
+from antenna_pin.assemble.variant import types_as_written, urdf_variant
+from antenna_pin.dynamics import HeldKind, System
 from antenna_pin.mechanism import build_mechanism
 from antenna_pin.scenario import AngleEvent, ForceEvent, GapEvent, RateEvent, Scenario
 from antenna_pin.scenario.clearance import TouchingSpec
 
 __all__ = ["build_system"]
+
+# To what a joint of the URDF is held by constraint.
+_HELD: dict[str, HeldKind] = {
+    "revolute": "revolute",
+    "continuous": "revolute",
+    "prismatic": "prismatic",
+    "floating": "spherical",
+}
 
 
 def build_system(scenario: Scenario) -> System:
@@ -25,6 +34,7 @@ def build_system(scenario: Scenario) -> System:
         for name, spec in specs.items():
             check_known(scenario, [spec.joint], "moving joint", mechanism.joints, place, name, "joint")
             check_motion(scenario, mechanism.joint(spec.joint), spec.motion, place, name)
+    types = types_as_written(scenario)
     system = System(
         mechanism,
         clearances=[
@@ -34,7 +44,12 @@ def build_system(scenario: Scenario) -> System:
         ],
         drives={name: spec.build() for name, spec in scenario.drives.items()},
         springs={name: spec.build() for name, spec in scenario.springs.items()},
-        hinges=[Hinge(joint=name) for name, spec in scenario.clearance.items() if spec.model == "constraint"],
+        held={
+            name: _HELD[types[name]]
+            for name, spec in scenario.clearance.items()
+            if spec.model == "constraint"
+        },
+        closures=closures_of(scenario, mechanism),
     )
     _check_events(scenario, system)
     return system

@@ -9,8 +9,9 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from antenna_pin.assemble.places import check_known, check_motion, slides, where
-from antenna_pin.dynamics import System
-from antenna_pin.errors import ScenarioError
+from antenna_pin.dynamics import System, assemble
+from antenna_pin.elements import Motion
+from antenna_pin.errors import MechanismError, ScenarioError
 from antenna_pin.mechanism import JointSlot, Mechanism, frame_aligning_z
 from antenna_pin.scenario import Scenario
 
@@ -20,13 +21,40 @@ Array = NDArray[np.float64]
 
 
 def initial_state(scenario: Scenario, system: System) -> tuple[Array, Array]:
-    """Return the initial configuration and velocity of a scenario, (nq,) and (nv,)."""
-    return _initial_state(scenario, system.mechanism)
+    """Return the initial configuration and velocity of a scenario, (nq,) and (nv,).
+
+    Where loops are closed or motions prescribed it is assembled
+    (:func:`antenna_pin.dynamics.assembled`): what the scenario gives of a joint is held, unless it is a
+    guess, all else is found.
+
+    Raises:
+        AntennaPinError: What is given cannot be.
+    """
+    q, v = _initial_state(scenario, system.mechanism)
+    if system.plan is None:
+        return q, v
+    held_q, held_v = set(), set()
+    for name, spec in scenario.initial.joints.items():
+        if not spec.guess:
+            if (spec.position, spec.angle) != (None, None):
+                held_q.add(name)
+            if (spec.velocity, spec.rate) != (None, None):
+                held_v.add(name)
+    y = system.state(q, v, initial_angles(scenario, system))
+    try:
+        assemble(system, y, held_q, held_v)
+    except MechanismError as error:
+        raise MechanismError(f"{scenario.name or 'scenario'}: {error}") from None
+    nq = system.model.nq
+    return y[:nq], y[nq : nq + system.model.nv]
 
 
 def initial_angles(scenario: Scenario, system: System) -> dict[str, float]:
     """Return the initial angles of the joints that turn without end, with their whole turns [rad]."""
     known = {name: _angle(spec) for name, spec in scenario.initial.joints.items()}
+    for drive in system.drives.values():
+        if isinstance(drive, Motion):
+            known[drive.joint] = drive.at(0.0)[0]
     return {name: known.get(name, 0.0) for name in system.turn_x}
 
 

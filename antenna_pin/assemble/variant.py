@@ -8,7 +8,23 @@ from antenna_pin.errors import MechanismError
 from antenna_pin.mechanism import JointVariant, Urdf
 from antenna_pin.scenario import Scenario
 
-__all__ = ["urdf_variant"]
+__all__ = ["types_as_written", "urdf_variant"]
+
+
+def types_as_written(scenario: Scenario) -> dict[str, str]:
+    """Return the type that each joint has in the URDF as it is written, by name."""
+    if not any(spec.model == "constraint" for spec in scenario.clearance.values()):
+        return {}
+    return {joint.name: joint.type for joint in _as_written(scenario).robot.joints}
+
+
+def _as_written(scenario: Scenario) -> Urdf:
+    return Urdf.from_text(
+        scenario.urdf_text,
+        str(scenario.urdf_path),
+        allow_impossible_inertia=scenario.mechanism.allow_impossible_inertia,
+        folder=scenario.urdf_path.parent,
+    )
 
 
 def urdf_variant(scenario: Scenario) -> Urdf:
@@ -19,12 +35,7 @@ def urdf_variant(scenario: Scenario) -> Urdf:
         UnknownNameError: A link or joint that it does not have.
     """
     spec = scenario.mechanism
-    urdf = Urdf.from_text(
-        scenario.urdf_text,
-        str(scenario.urdf_path),
-        allow_impossible_inertia=spec.allow_impossible_inertia,
-        folder=scenario.urdf_path.parent,
-    )
+    urdf = _as_written(scenario)
     joints = {joint.name for joint in urdf.robot.joints}
     links = {link.name for link in urdf.robot.links}
     check_known(scenario, spec.joints, "joint", joints, "mechanism.joints")

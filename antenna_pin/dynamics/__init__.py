@@ -1,9 +1,10 @@
-"""Free-floating equations of motion, ideal joints by constraint, force elements, audits."""
+"""Free-floating equations of motion, joints held by constraint, force elements, audits."""
 
 from antenna_pin.dynamics.adjust import Adjustments
+from antenna_pin.dynamics.assembled import assemble, assembled, check_closed, mobility_of
 from antenna_pin.dynamics.audit import Audit, audit
 from antenna_pin.dynamics.evaluate import acceleration, contact_memory
-from antenna_pin.dynamics.hinge import Hinge
+from antenna_pin.dynamics.held import HeldKind
 from antenna_pin.dynamics.motion import JointMotion
 from antenna_pin.dynamics.samples import Observed, joint_motion, journal_attitudes, observed, sliding_motion
 from antenna_pin.dynamics.system import System
@@ -16,7 +17,7 @@ __all__ = [
     "CallableDrive",
     "ConstantDrive",
     "Drive",
-    "Hinge",
+    "HeldKind",
     "JointMotion",
     "JointSpring",
     "Observed",
@@ -25,10 +26,14 @@ __all__ = [
     "TableDrive",
     "Workspace",
     "acceleration",
+    "assemble",
+    "assembled",
     "audit",
+    "check_closed",
     "contact_memory",
     "joint_motion",
     "journal_attitudes",
+    "mobility_of",
     "observed",
     "sliding_motion",
 ]

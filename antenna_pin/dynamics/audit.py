@@ -11,20 +11,11 @@ from numpy.typing import NDArray
 from antenna_pin.dynamics import _audit_kernels as _bodies
 from antenna_pin.dynamics import _kernels
 from antenna_pin.dynamics.workspace import Workspace
-from antenna_pin.mechanism import Mechanism
+from antenna_pin.mechanism import PLACE, body_tree
 
-__all__ = ["Audit", "audit", "body_tree", "energy_of_python_laws"]
+__all__ = ["Audit", "audit", "energy_of_python_laws"]
 
 Array = NDArray[np.float64]
-
-_KINDS = {
-    "revolute": _bodies.FIXED_AXIS,
-    "continuous": _bodies.CIRCLE,
-    "prismatic": _bodies.SLIDE,
-    "floating": _bodies.RIGID,
-    "spherical": _bodies.ROTATION,
-    "planar": _bodies.PLANE,
-}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -57,25 +48,6 @@ class Audit:
         return self.kinetic + self.gravity + self.contacts + self.springs
 
 
-def body_tree(mechanism: Mechanism) -> NDArray[Any]:
-    """Return the moving bodies as the kernels take them, (bodies,) of ``BODY``; parents first."""
-    model = mechanism.model
-    kinds = {slot.joint_id: (_KINDS[slot.kind], slot.axis) for slot in mechanism.joints.values()}
-    free = mechanism.base == "free"
-    if free:
-        kinds[1] = (_bodies.RIGID, np.zeros(3))
-    tree = np.zeros(model.njoints - 1, dtype=_bodies.BODY)
-    for i, body in enumerate(tree, start=1):
-        placement, inertia = model.jointPlacements[i], model.inertias[i]
-        body["parent"] = model.parents[i] - 1
-        body["kind"], body["axis"] = kinds[i]
-        body["q"], body["v"] = model.idx_qs[i], model.idx_vs[i]
-        body["counts"] = not (free and i == 1)
-        body["rotation"], body["position"] = placement.rotation, placement.translation
-        body["mass"], body["centre"], body["inertia"] = inertia.mass, inertia.lever, inertia.inertia
-    return tree
-
-
 def energy_of_python_laws(workspace: Workspace) -> float:
     """Return the energy stored in touching contacts with laws in Python, by the workspace's table [J]."""
     energy = 0.0
@@ -98,7 +70,7 @@ def audit(workspace: Workspace, y: Array) -> Audit:
     model = workspace.model
     tree = body_tree(workspace.system.mechanism)
     audits = np.zeros(1, _bodies.AUDIT)
-    places = np.zeros(len(tree) + 1, _bodies.PLACE)
+    places = np.zeros(len(tree) + 1, PLACE)
     _bodies.audit_state(y, model.nq, tree, np.array(model.gravity.linear), places, audits)
     found: Any = audits[0]
     contacts, springs = _kernels.stored_energy(y, workspace.program, workspace.memory, workspace.table)

@@ -1,4 +1,4 @@
-"""Blocks of a system's program: put together one by one, those of joints with play and of hinges."""
+"""Blocks of a system's program: put together one by one, those of joints with play and held ones."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.dynamics import _kernels
-from antenna_pin.dynamics.hinge import Hinge, hinge_slot
+from antenna_pin.dynamics.held import held_slot
 from antenna_pin.errors import MechanismError
 from antenna_pin.joints import ClearanceJoint
 from antenna_pin.joints import _layout_kernels as _layout
 from antenna_pin.mechanism import JointSlot, Mechanism, frame_aligning_z
 
-__all__ = ["Blocks", "clearance_block", "hinge_block"]
+__all__ = ["Blocks", "clearance_block", "held_block"]
 
 Array = NDArray[np.float64]
 
@@ -63,22 +63,23 @@ def clearance_block(mechanism: Mechanism, joint: ClearanceJoint, row: int, x: in
     return joint.block(axes, axes[:, 2], slot.q.start, slot.v.start, row, x, turn)
 
 
-def hinge_block(mechanism: Mechanism, hinge: Hinge, row: int, x: int, turn: int) -> Array:
-    """Return the block of a hinge: one without contacts, for what drives and springs ask of its axis.
+def held_block(mechanism: Mechanism, name: str, slides: bool, row: int, x: int, turn: int) -> Array:
+    """Return the block of a joint held by constraint: without contacts, for what elements ask of its axis.
 
     Args:
-        mechanism: The hinge's joint must be floating there.
-        hinge: The hinge.
+        mechanism: The joint must be floating there.
+        name: Of the joint.
+        slides: Whether it slides along its axis rather than turning about it.
         row: Of the next contact in a contact table.
         x: Where in x the next numbers start.
-        turn: Place of its turned angle in x.
+        turn: Place of its turned angle in x, or -1.
     """
-    slot = hinge_slot(mechanism, hinge)
+    slot = held_slot(mechanism, name)
     block = np.zeros(_layout.JOINT_WORDS)
     head = block.view(_layout.JOINT)
     head["kind"], head["length"] = _layout.CLEARANCE, len(block)
     head["q"], head["v"], head["row"], head["x"] = slot.q.start, slot.v.start, row, x
-    head["turn"] = turn
+    head["turn"], head["slides"] = turn, slides
     head["axes"] = frame_aligning_z(slot.axis)
     return block
 

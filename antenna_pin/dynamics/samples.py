@@ -13,10 +13,10 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from antenna_pin.dynamics import _audit_kernels, _sample_kernels
-from antenna_pin.dynamics.audit import body_tree, energy_of_python_laws
+from antenna_pin.dynamics.audit import energy_of_python_laws
 from antenna_pin.dynamics.system import System
 from antenna_pin.dynamics.workspace import Workspace
-from antenna_pin.mechanism import frame_aligning_z
+from antenna_pin.mechanism import PLACE, body_tree, frame_aligning_z
 from antenna_pin.records import CONTACT, POSE
 
 __all__ = ["Observed", "joint_motion", "journal_attitudes", "observed", "sliding_motion"]
@@ -40,6 +40,8 @@ class Observed:
             where they follow none, ``EFFORT``, (n, drives).
         audit: Energies and momenta, with the names and units of :class:`antenna_pin.dynamics.Audit`, AUDIT,
             (n,).
+        closure: Force [N] and moment [N m] of each closure (n, closures, 2, 3), by
+            :meth:`antenna_pin.constraints.Constraints.wrenches`; the least ones where some are redundant.
     """
 
     acceleration: Array
@@ -48,6 +50,7 @@ class Observed:
     scenario: NDArray[np.int8]
     effort: NDArray[Any]
     audit: NDArray[Any]
+    closure: Array
 
     @property
     def energy(self) -> Array:
@@ -91,7 +94,7 @@ def observed(
         np.array(list(system.drive_blocks.values()), dtype=np.int64),
         tree,
         np.array(model.gravity.linear),
-        np.zeros(len(tree) + 1, _audit_kernels.PLACE),
+        np.zeros(len(tree) + 1, PLACE),
         np.zeros(5, CONTACT),
         forces,
         contact,
@@ -114,23 +117,51 @@ def observed(
         for first, last in pairwise(changes):
             workspace.program[:] = programs[first]
             _sample_kernels.observe(first, last, False, *given)
+    if workspace.constraints is None:
+        accelerations, closure = _accelerations(model, states, forces), np.zeros((n, 0, 2, 3))
+    else:
+        accelerations, closure = _held(workspace, times, states, forces, programs, effort)
     return Observed(
-        acceleration=_accelerations(workspace, states, forces),
+        acceleration=accelerations,
         contact=contact,
         pose=pose,
         scenario=scenario,
         effort=effort,
         audit=audits,
+        closure=closure,
     )
 
 
-def _accelerations(workspace: Workspace, states: Array, forces: Array) -> Array:
-    """Turn generalized forces into the accelerations under them, in place, (n, nv)."""
-    model = workspace.model
+def _held(
+    workspace: Workspace,
+    times: Array,
+    states: Array,
+    forces: Array,
+    programs: Sequence[Array],
+    effort: NDArray[Any],
+) -> tuple[Array, Array]:
+    """Return accelerations and closures' wrenches; what holds motions goes to ``effort``."""
+    system, constraints = workspace.system, workspace.constraints
+    assert constraints is not None
+    accelerations = np.zeros((len(times), system.model.nv))
+    wrenches = np.zeros((len(times), len(constraints.plan.closures), 2, 3))
+    drives = list(system.drives)
+    columns = [drives.index(name) for name in constraints.plan.motions]
+    for i, (t, y, force) in enumerate(zip(times, states, forces, strict=True)):
+        workspace.program[:] = programs[i]
+        accelerations[i] = workspace.acceleration(float(t), y, force)
+        least = constraints.least_forces()
+        wrenches[i] = constraints.wrenches(least)
+        effort["effort"][i, columns] = constraints.motion_forces(least)
+    return accelerations, wrenches
+
+
+def _accelerations(model: Any, states: Array, forces: Array) -> Array:
+    """Turn generalized forces into the accelerations of a tree under them, in place, (n, nv)."""
     q, v = states[:, : model.nq], states[:, model.nq : model.nq + model.nv]
     # A call for many samples is half of the time, of so many that they stay in the processor's cache; a
     # Pinocchio without OpenMP does not have it.
-    if not workspace.system.hinges and hasattr(pin, "abaInParallel"):
+    if hasattr(pin, "abaInParallel"):
         pool = pin.ModelPool(model, 1)
         columns = [np.zeros((array.shape[1], _AT_ONCE), order="F") for array in (q, v, forces)]
         for first in range(0, len(states), _AT_ONCE):
@@ -140,8 +171,9 @@ def _accelerations(workspace: Workspace, states: Array, forces: Array) -> Array:
                 column[:] = array[part].T
             pin.abaInParallel(1, pool, *given, forces.T[:, part])
         return forces
+    data = model.createData()
     for i, sample in enumerate(zip(q, v, forces, strict=True)):
-        forces[i] = workspace.acceleration(*sample)
+        forces[i] = pin.aba(model, data, *sample)
     return forces
 
 

@@ -9,11 +9,12 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
+from antenna_pin.constraints import WORLD, Closure, DrivenJoint, Plan, make_plan
 from antenna_pin.dynamics import _kernels
-from antenna_pin.dynamics.blocks import Blocks, clearance_block, hinge_block
+from antenna_pin.dynamics.blocks import Blocks, clearance_block, held_block
 from antenna_pin.dynamics.configuration import make_unit, spaces
-from antenna_pin.dynamics.hinge import Hinge
-from antenna_pin.elements import GROSS_WORK, LOSS, WORK, CallableDrive, Drive, Element, JointSpring
+from antenna_pin.dynamics.held import HeldKind, held_closure
+from antenna_pin.elements import GROSS_WORK, LOSS, WORK, Element, JointSpring, Motion
 from antenna_pin.errors import InvalidParameterError, MechanismError, UnknownNameError
 from antenna_pin.integrate import Manifold
 from antenna_pin.joints import ClearanceJoint
@@ -24,6 +25,11 @@ from antenna_pin.records import PROGRAM, place_of
 __all__ = ["System"]
 
 Array = NDArray[np.float64]
+
+
+def names_of(joints: Sequence[ClearanceJoint]) -> list[str]:
+    """Return the names of joints with play."""
+    return [joint.name for joint in joints]
 
 
 class System:
@@ -42,12 +48,13 @@ class System:
     whoever advances the system changes it, at located events only.
 
     Args:
-        mechanism: Its joints named by clearance joints and hinges must be floating (planar for a planar
+        mechanism: Its joints named by clearance joints and held ones must be floating (planar for a planar
             clearance).
         clearances: Joints with play.
-        drives: Torques by name.
+        drives: Torques, and motions that joints are made to follow, by name.
         springs: Springs and dampers by name.
-        hinges: Floating joints held as ideal revolute joints by Pinocchio's constrained dynamics.
+        held: Floating joints of the tree that are held by constraint to what they are ideally, by name.
+        closures: Joints that close loops, by name.
     """
 
     def __init__(
@@ -55,9 +62,10 @@ class System:
         mechanism: Mechanism,
         *,
         clearances: Sequence[ClearanceJoint] = (),
-        drives: Mapping[str, Drive] | None = None,
+        drives: Mapping[str, Element] | None = None,
         springs: Mapping[str, JointSpring] | None = None,
-        hinges: Sequence[Hinge] = (),
+        held: Mapping[str, HeldKind] | None = None,
+        closures: Mapping[str, Closure] | None = None,
     ) -> None:
         """Lay out the state and compose the program of force elements."""
         self.mechanism = mechanism
@@ -65,13 +73,21 @@ class System:
         self.clearances = tuple(clearances)
         self.drives = dict(drives or {})
         self.springs = dict(springs or {})
-        self.hinges = tuple(hinges)
+        self.held = dict(held or {})
+        #: All closures by name, those of joints held by constraint first.
+        self.closures = {name: held_closure(mechanism, name, kind) for name, kind in self.held.items()}
+        for name, closure in (closures or {}).items():
+            if name in self.closures or name in names_of(clearances):
+                raise InvalidParameterError(
+                    "System", f"closures[{name!r}]", "of another name than a joint's", name
+                )
+            self.closures[name] = closure
         self._compose()
 
     # --- layout ---------------------------------------------------------------------------------------------
 
     def _compose(self) -> None:
-        names = [joint.name for joint in self.clearances]
+        names = names_of(self.clearances)
         if len(set(names)) != len(names):
             raise InvalidParameterError("System", "clearances", "of different joints", names)
         #: Place in x of the turned angle of each joint that has one, by name.
@@ -80,6 +96,14 @@ class System:
         self._place_joints(blocks)
         self._place_integrals_of_contacts()
         self._place_elements(blocks)
+        #: Its constraints in numbers; None of a tree that nothing holds.
+        self.plan: Plan | None = None
+        #: Where in x the energy stands that corrections of position and velocity put in, if there are any.
+        self.projection_x = np.zeros(0, dtype=int)
+        if self.closures or self.motions:
+            self.plan = make_plan(self.mechanism, self.closures, self.motions)
+            self.projection_x = np.array([blocks.x])
+            blocks.x += 1
         self.program = np.concatenate(blocks.all)
         head = self.program[: _kernels.HEADER].view(PROGRAM)
         head["nq"], head["nv"] = self.model.nq, self.model.nv
@@ -97,7 +121,7 @@ class System:
 
     def _turning(self) -> dict[str, int]:
         """Return the joints whose configuration knows their angle only but for whole turns, numbered."""
-        about_axis = {hinge.joint for hinge in self.hinges}
+        about_axis = {name for name, kind in self.held.items() if kind == "revolute"}
         about_axis |= {j.name for j in self.clearances if j.geometry.motion == "turn"}
         names = [
             slot.name
@@ -107,9 +131,9 @@ class System:
         return {name: k for k, name in enumerate(names)}
 
     def _place_joints(self, blocks: Blocks) -> None:
-        """Lay out the joints with play and the hinges."""
+        """Lay out the joints with play and those held by constraint."""
         self.contact_names = tuple(name for joint in self.clearances for name in joint.contact_names)
-        #: Where in the program the block of each joint with play, or hinge, stands.
+        #: Where in the program the block of each joint with play, or held one with an axis, stands.
         self.clearance_blocks: dict[str, int] = {}
         row, own = 0, []
         for joint in self.clearances:
@@ -117,9 +141,11 @@ class System:
             own.append(clearance_block(self.mechanism, joint, row, blocks.x, turn))
             self.clearance_blocks[joint.name] = blocks.add(own[-1], joint.contacts * joint.stride)
             row += joint.contacts
-        for hinge in self.hinges:
-            block = hinge_block(self.mechanism, hinge, row, blocks.x, self.turn_x.get(hinge.joint, -1))
-            self.clearance_blocks[hinge.joint] = blocks.add(block, 0)
+        for name, kind in self.held.items():
+            if kind != "spherical":
+                slides = kind == "prismatic"
+                block = held_block(self.mechanism, name, slides, row, blocks.x, self.turn_x.get(name, -1))
+                self.clearance_blocks[name] = blocks.add(block, 0)
         # Strips and sectors of joints with distributed load have their rows behind those of all contacts.
         for joint, block in zip(self.clearances, own, strict=True):
             row += joint.place_strips(block, row)
@@ -149,8 +175,10 @@ class System:
         """Lay out drives and springs."""
         #: Places in x of what elements integrate, by its name; in the order of the elements.
         integrals: dict[str, list[int]] = {}
-        #: Drives in Python: their block, and where in the program their value goes.
-        self.callables: list[tuple[int, int, CallableDrive]] = []
+        #: Elements in Python: their block, and where in the program their numbers go.
+        self.callables: list[tuple[int, slice, Element]] = []
+        #: Joints whose motion is prescribed.
+        self.motions: list[DrivenJoint] = []
         self.drive_blocks: dict[str, int] = {}
         self.spring_blocks: dict[str, int] = {}
         families: tuple[tuple[str, Mapping[str, Element], dict[str, int]], ...] = (
@@ -162,13 +190,37 @@ class System:
                 x = blocks.x
                 block = self.element_block(f"{family} {name!r}", element, x)
                 places[name] = at = blocks.add(block, len(element.integrals))
-                if isinstance(element, CallableDrive):
-                    self.callables.append((at, at + _kernels.PARAMETERS, element))
+                own = at + int(_kernels.PARAMETERS)
+                if element.in_python:
+                    self.callables.append((at, slice(own, at + len(block)), element))
+                if isinstance(element, Motion):
+                    self._check_motion(f"{family} {name!r}", name, element)
+                    kind = element.compiled().KIND
+                    turn = self.turn_x.get(element.joint, -1)
+                    self.motions.append(
+                        DrivenJoint(name=name, joint=element.joint, turn=turn, kind=kind, words=own, x=x)
+                    )
                 for k, integral in enumerate(element.integrals):
                     integrals.setdefault(integral.name, []).append(x + k)
         self.work_x, self.gross_work_x, self.damper_x = (
             np.array(integrals.get(one.name, []), dtype=int) for one in (WORK, GROSS_WORK, LOSS)
         )
+
+    def _check_motion(self, place: str, own: str, motion: Motion) -> None:
+        """Refuse a motion of a joint with play, or one beside another motion or a drive."""
+        slot = self.mechanism.joint(motion.joint)
+        if slot.kind not in ("revolute", "continuous", "prismatic"):
+            raise MechanismError(
+                f"{place}: joint {motion.joint!r} is {slot.kind} here, and only a revolute, continuous or "
+                "prismatic joint without play can be made to follow a motion; drive another joint"
+            )
+        for name, other in self.drives.items():
+            if name != own and other.joint == motion.joint:
+                what = "a motion" if isinstance(other, Motion) else "a drive"
+                raise MechanismError(
+                    f"{place}: joint {motion.joint!r} already has {what}, {name!r}; its motion is "
+                    "prescribed, so take one of the two away"
+                )
 
     def element_block(self, place: str, element: Element, x: int) -> Array:
         """Return the block of an element, or refuse a joint at which it cannot act.
@@ -205,6 +257,13 @@ class System:
         head["about"] = _kernels.ABOUTS.index(element.about)
         head["senses"], head["on"] = element.senses, 1.0
         return block
+
+    @property
+    def keeps_momentum(self) -> bool:
+        """Whether nothing acts on it from outside: a free base, no gravity, no closure with the world."""
+        links = {side.link for closure in self.closures.values() for side in (closure.first, closure.second)}
+        held = WORLD in links - {link.name for link in self.mechanism.urdf.robot.links}
+        return self.mechanism.base == "free" and not held and not np.any(self.model.gravity.linear)
 
     # --- states ---------------------------------------------------------------------------------------------
 

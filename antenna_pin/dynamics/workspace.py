@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
 from typing import Any
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
+from antenna_pin.constraints import Constraints
 from antenna_pin.dynamics import _inspect, _kernels
-from antenna_pin.dynamics.hinge import constrained_acceleration
+from antenna_pin.dynamics._audit_kernels import AUDIT, audit_state
 from antenna_pin.dynamics.system import System
 from antenna_pin.joints import PythonPath
 from antenna_pin.joints._kernels import unit_normal_force
 from antenna_pin.joints._layout_kernels import JOINT, JOINT_WORDS
 from antenna_pin.joints._pose_kernels import place_journal
+from antenna_pin.mechanism import PLACE, body_tree
 from antenna_pin.records import CONTACT, MEMORY, POSE, memory_records, words_of
 
 __all__ = ["Workspace"]
@@ -77,20 +78,37 @@ class Workspace:
             self.program[block : block + _kernels.PARAMETERS].view(_kernels.ELEMENT)["on"]
             for block, _, _ in system.callables
         ]
-        self._accelerate: Callable[[Array, Array, Array], Array] = (
-            constrained_acceleration(system.mechanism, self.data, system.hinges)
-            if system.hinges
-            else partial(pin.aba, self.model, self.data)
-        )
+        self._tree: NDArray[Any] | None = None
+        #: What is held besides the tree; None if nothing is.
+        self.constraints = None if system.plan is None else Constraints(system.plan, self.model, self.data)
 
     @property
     def work(self) -> Array:
         """The array that ``tau``, a pose, ``memory`` and ``table`` are parts of, as the kernels take it."""
         return self._work
 
-    def acceleration(self, q: Array, v: Array, tau: Array) -> Array:
-        """Return the generalized acceleration under a generalized force, ideal hinges held, (nv,)."""
-        return self._accelerate(q, v, tau)
+    def acceleration(self, t: float, y: Array, tau: Array) -> Array:
+        """Return the acceleration of a state under a generalized force, constraints held, (nv,)."""
+        if self.constraints is not None:
+            self.prepare_motions(t, y)
+        return self._accelerate(t, y, tau)
+
+    def _accelerate(self, t: float, y: Array, tau: Array) -> Array:
+        nq, nv = self.model.nq, self.model.nv
+        if self.constraints is None:
+            found: Array = pin.aba(self.model, self.data, y[:nq], y[nq : nq + nv], tau)
+            return found
+        rates = np.zeros(nv + self.manifold.nx)
+        self.constraints.bind(y, self.program, tau, rates)(t)
+        return rates[:nv]
+
+    def prepare_motions(self, t: float, y: Array) -> None:
+        """Write the numbers of elements in Python at time t [s] and state y into the program."""
+        for on, (block, words, element) in zip(self._on, self.system.callables, strict=True):
+            if on[0] == 0.0:
+                continue
+            angle, rate, _, _ = _kernels.joint_motion(self.program, block, y, self.model.nq)
+            self.program[words] = element.given(t, angle, rate)
 
     def locate(self, y: Array, table: NDArray[Any]) -> None:
         """Fill gap, normal, point, rate and slip of all contacts in a table, by what locates their changes.
@@ -115,11 +133,7 @@ class Workspace:
         """Evaluate the elements: ``tau``, the contacts' ``table``, and x rates behind rates[nv]."""
         for path in self.paths:
             path.prepare(y)
-        for on, (block, slot, drive) in zip(self._on, self.system.callables, strict=True):
-            if on[0] == 0.0:
-                continue
-            angle, rate, _, _ = _kernels.joint_motion(self.program, block, y, self.model.nq)
-            self.program[slot] = drive.torque(t, angle, rate)
+        self.prepare_motions(t, y)
         _kernels.evaluate(t, y, self.program, self._work, rates)
 
     def bind(self, y: Array, rates: Array) -> Callable[[float], None]:
@@ -136,14 +150,26 @@ class Workspace:
         q, v, out = y[:nq], y[nq : nq + nv], rates[:nv]
         program, work, tau = self.program, self._work, self.tau
         evaluate, model, data, aba = _kernels.evaluate, self.model, self.data, pin.aba
-        if self.paths or self.system.callables or self.system.hinges:
-            elements, acceleration = self.apply_elements, self._accelerate
+        solve = None if self.constraints is None else self.constraints.bind(y, program, tau, rates)
+        if self.paths or self.system.callables:
+            elements = self.apply_elements
 
             def general(t: float) -> None:
                 elements(t, y, rates)
-                out[:] = acceleration(q, v, tau)
+                if solve is None:
+                    out[:] = aba(model, data, q, v, tau)
+                else:
+                    solve(t)
 
             return general
+
+        if solve is not None:
+
+            def held(t: float) -> None:
+                evaluate(t, y, program, work, rates)
+                solve(t)
+
+            return held
 
         def fused(t: float) -> None:
             evaluate(t, y, program, work, rates)
@@ -154,6 +180,45 @@ class Workspace:
     def derivative(self, t: float, y: Array, rates: Array) -> None:
         """Write [acceleration (nv), rate of x (nx)] at time t [s] and state y into rates."""
         self.bind(y, rates)(t)
+
+    @property
+    def project(self) -> Callable[[float, Array], bool] | None:
+        """What brings the state of a run onto the constraints; None where there are none.
+
+        ``(t, y) -> whether it moved``, in place; the energy that this puts in is booked in x.
+        """
+        return None if self.constraints is None else self._project
+
+    def _project(self, t: float, y: Array) -> bool:
+        assert self.constraints is not None
+        self.prepare_motions(t, y)
+        if self.constraints.closed_at(t, y, self.program):
+            return False
+        before = self._stored(y)
+        self.constraints.project(t, y, self.program, self.retract)
+        y[self.model.nq + self.model.nv + int(self.system.projection_x[0])] += self._stored(y) - before
+        return True
+
+    def hold(self, t: float, y: Array) -> None:
+        """Bring a state that is only looked at onto the constraints, in place, and book nothing."""
+        assert self.constraints is not None
+        self.prepare_motions(t, y)
+        self.constraints.project(t, y, self.program, self.retract)
+
+    def retract(self, y: Array, step: Array) -> None:
+        """Move the configuration in y, in place, by a generalized step, (nv,)."""
+        y[: self.model.nq] = self.manifold.compose(y[: self.model.nq], step)
+
+    def _stored(self, y: Array) -> float:
+        """Energy of a state with the contact memory as it is [J]."""
+        if self._tree is None:
+            self._tree = body_tree(self.system.mechanism)
+            self._room = np.zeros(len(self._tree) + 1, PLACE), np.zeros(1, AUDIT), np.zeros_like(self.table)
+        places, audits, table = self._room
+        self.locate(y, table)
+        audit_state(y, self.model.nq, self._tree, np.array(self.model.gravity.linear), places, audits)
+        contacts, springs = _kernels.stored_energy(y, self.program, self.memory, table)
+        return float(audits[0].kinetic + audits[0].gravity) + contacts + springs
 
     def first_memory(self, y: Array) -> NDArray[Any]:
         """Return the memory of a state without one (:func:`antenna_pin.dynamics.contact_memory`)."""
@@ -181,7 +246,10 @@ class Workspace:
         self.locate(y, table)
         block = self.system.block_of_contact[contact]
         place_journal(self.program, block, y, nq, pose)
-        direction, rest = np.zeros(nv), np.zeros(nv)
+        direction = np.zeros(nv)
         unit_normal_force(self.program, block, pose, table, contact, direction)
-        free = np.array(self._accelerate(y[:nq], rest, rest))
-        return float(1.0 / (direction @ (self._accelerate(y[:nq], rest, direction) - free)))
+        at_rest = y.copy()
+        at_rest[nq : nq + nv] = 0.0
+        # What motions ask for, and gravity, goes in the difference.
+        free = np.array(self._accelerate(0.0, at_rest, np.zeros(nv)))
+        return float(1.0 / (direction @ (self._accelerate(0.0, at_rest, direction) - free)))

@@ -3,6 +3,7 @@
 from antenna_pin.elements.constant import ConstantDrive
 from antenna_pin.elements.element import GROSS_WORK, LOSS, WORK, About, Drive, Element, Integral
 from antenna_pin.elements.given import CallableDrive
+from antenna_pin.elements.motion import CallableMotion, DistanceMotion, Motion, PrescribedMotion
 from antenna_pin.elements.pd import PDController
 from antenna_pin.elements.registry import DRIVES, ELEMENTS
 from antenna_pin.elements.sine import SineDrive
@@ -17,12 +18,16 @@ __all__ = [
     "WORK",
     "About",
     "CallableDrive",
+    "CallableMotion",
     "ConstantDrive",
+    "DistanceMotion",
     "Drive",
     "Element",
     "Integral",
     "JointSpring",
+    "Motion",
     "PDController",
+    "PrescribedMotion",
     "SineDrive",
     "TableDrive",
 ]

@@ -23,3 +23,18 @@ def curve(words: Any, at: int, points: int, t: float) -> tuple[float, float]:
     value = ((words[c] * s + words[c + 1]) * s + words[c + 2]) * s + words[c + 3]
     slope = (3.0 * words[c] * s + 2.0 * words[c + 1]) * s + words[c + 2]
     return float(value), float(slope)
+
+
+@inlined
+def curvature(words: Any, at: int, points: int, t: float) -> float:
+    """Second derivative at time t of the curve at words[at:]."""
+    low = 0
+    high = points - 1
+    while high - low > 1:
+        middle = (low + high) // 2
+        if words[at + middle] <= t:
+            low = middle
+        else:
+            high = middle
+    c = at + points + 4 * low
+    return float(6.0 * words[c] * (t - words[at + low]) + 2.0 * words[c + 1])

@@ -54,8 +54,13 @@ def _no_reference(asked: int, words: Any, at: int, t: float) -> tuple[float, flo
     return math.nan, math.nan
 
 
+def _no_motion(asked: int, words: Any, at: int, t: float) -> tuple[float, float, float]:
+    return math.nan, math.nan, math.nan
+
+
 effort = _chain("effort", _no_kind)
 write_rates = _chain("write_rates", _no_rates)
 stored = _chain("stored", _nothing)
 kink = _chain("kink", _no_kind)
 reference = _chain("reference", _no_reference)
+motion = _chain("motion", _no_motion)

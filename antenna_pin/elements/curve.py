@@ -48,13 +48,17 @@ def points_and_middles(time: Sequence[float]) -> tuple[float, ...]:
     return tuple(sorted((*time, *(0.5 * (a + b) for a, b in pairwise(time)))))
 
 
-def cubics(time: Sequence[float], values: Sequence[float], interpolation: Interpolation) -> tuple[float, ...]:
+def cubics(
+    time: Sequence[float], values: Sequence[float], interpolation: Interpolation | Literal["smooth"]
+) -> tuple[float, ...]:
     """Return a curve through points as kernels take it: the times, then four coefficients for each interval.
 
     Args:
         time: Strictly increasing [s].
         values: One for each.
-        interpolation: "linear", or "cubic" (monotone between points: no overshoot; its slope is continuous).
+        interpolation: "linear", or "cubic" (monotone between points: no overshoot; its slope is continuous),
+            or "smooth" (a spline whose second derivative is continuous, too; its third at the second and the
+            last but one point).
     """
     import numpy as np
 
@@ -63,6 +67,10 @@ def cubics(time: Sequence[float], values: Sequence[float], interpolation: Interp
         from scipy.interpolate import PchipInterpolator
 
         coefficients = PchipInterpolator(t, y).c.T
+    elif interpolation == "smooth":
+        from scipy.interpolate import CubicSpline
+
+        coefficients = CubicSpline(t, y, bc_type="not-a-knot").c.T
     else:
         coefficients = np.zeros((t.size - 1, 4))
         coefficients[:, 2] = np.diff(y) / np.diff(t)

@@ -11,7 +11,8 @@ file of their own, which the class names in ``kernels``:
   written to ``rates[x:]``, with the power that it puts in [W];
 - if it stores energy ``stored(words, at, angle)`` [J];
 - if its effort has kinks ``kink(words, at, t, angle, rate)``, which passes zero there;
-- if it follows a reference ``reference(words, at, t)``: the reference and its rate.
+- if it follows a reference ``reference(words, at, t)``: the reference and its rate;
+- if it prescribes the joint's motion ``motion(words, at, t)``: position, rate and acceleration.
 
 It enters by one line of :mod:`antenna_pin.elements.registry`; everything else follows from there.
 """
@@ -67,6 +68,8 @@ class Element:
     kernels: ClassVar[str]
     senses: ClassVar[bool] = False
     tracks: ClassVar[bool] = False
+    # Whether Python writes the numbers of its record before each evaluation (``given``).
+    in_python: ClassVar[bool] = False
     integrals: ClassVar[tuple[Integral, ...]] = ()
 
     joint: str
@@ -116,6 +119,10 @@ class Element:
         for name, value in self.values().items():
             record[name] = value
         return np.concatenate([record.view(np.float64), np.array(self.tail(), dtype=float)])
+
+    def given(self, t: float, angle: float, rate: float) -> tuple[float, ...]:
+        """Return the numbers of its record at time t [s], angle and rate, if Python writes them."""
+        raise NotImplementedError
 
     def check_joint(self, place: str, slides: bool) -> None:
         """Refuse a joint at which it cannot act.

@@ -21,12 +21,17 @@ class CallableDrive(Drive):
     """
 
     kernels: ClassVar[str] = "_given_kernels"
+    in_python: ClassVar[bool] = True
 
     torque: Callable[[float, float, float], float]
 
     def values(self) -> dict[str, Any]:
         """Return its numbers; the value is written before each evaluation."""
         return {"value": 0.0}
+
+    def given(self, t: float, angle: float, rate: float) -> tuple[float, ...]:
+        """Return the numbers of its record at time t [s]."""
+        return (self.torque(t, angle, rate),)
 
     def words(self, slides: bool) -> str:
         """Return what it is in words."""

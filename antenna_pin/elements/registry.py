@@ -7,8 +7,9 @@ from types import MappingProxyType
 from typing import Any
 
 from antenna_pin.elements.constant import ConstantDrive
-from antenna_pin.elements.element import Drive, Element
+from antenna_pin.elements.element import Element
 from antenna_pin.elements.given import CallableDrive
+from antenna_pin.elements.motion import CallableMotion, DistanceMotion, PrescribedMotion
 from antenna_pin.elements.pd import PDController
 from antenna_pin.elements.sine import SineDrive
 from antenna_pin.elements.spring import JointSpring
@@ -16,17 +17,19 @@ from antenna_pin.elements.table import TableDrive
 
 __all__ = ["DRIVES", "ELEMENTS", "kernel_modules"]
 
-DRIVES: Mapping[str, type[Drive]] = MappingProxyType(
+DRIVES: Mapping[str, type[Element]] = MappingProxyType(
     {
         "constant": ConstantDrive,
         "sine": SineDrive,
         "table": TableDrive,
         "pd": PDController,
+        "motion": PrescribedMotion,
+        "distance": DistanceMotion,
     }
 )
 """Drives by their ``kind`` in ``[drives.NAME]``."""
 
-ELEMENTS: tuple[type[Element], ...] = (*DRIVES.values(), CallableDrive, JointSpring)
+ELEMENTS: tuple[type[Element], ...] = (*DRIVES.values(), CallableDrive, CallableMotion, JointSpring)
 """All elements there are; Python has some that a scenario has not."""
 
 

@@ -22,7 +22,16 @@ from typing import Any
 import numpy as np
 
 from antenna_pin._compile import inlined, kernel
-from antenna_pin.integrate._manifold_kernels import PLANE, RIGID, chart_rate, factor_of, retract, space_of
+from antenna_pin.integrate._manifold_kernels import (
+    PLANE,
+    RIGID,
+    ROTATION,
+    VECTOR,
+    chart_rate,
+    factor_of,
+    retract,
+    space_of,
+)
 
 # Rows of the work array behind the stages' rates.
 U = 0  # chart coordinates of the state being evaluated
@@ -186,6 +195,47 @@ def dense_coefficients(h: float, polynomials: Any, n: int, work: Any, dense: Any
             if w != 0.0:
                 for k in range(n):
                     dense[p, k] += w * work[j, k]
+
+
+@kernel
+def bend(layout: Any, before: Any, after: Any, dense: Any) -> None:
+    """Bend the dense output to a step's end that was moved after the step, by so little that charts agree.
+
+    The move comes in as 3 theta^2 - 2 theta^3: the slopes at both ends stay.
+    """
+    space = space_of(layout)
+    nq, nv = space.nq, space.nv
+    for f in range(space.factors):
+        factor = factor_of(layout, f)
+        kind, i, j = factor.kind, factor.q, factor.v
+        if kind == VECTOR:
+            for k in range(factor.nv):
+                _bend(dense, j + k, after[i + k] - before[i + k])
+            continue
+        if kind == RIGID or kind == PLANE:
+            ways = 3 if kind == RIGID else 2
+            for k in range(ways):
+                _bend(dense, j + k, after[i + k] - before[i + k])
+            i += ways
+            j += ways
+        if kind == RIGID or kind == ROTATION:
+            # Twice the vector part of the quaternion that leads from one to the other.
+            ax, ay, az, aw = before[i], before[i + 1], before[i + 2], before[i + 3]
+            bx, by, bz, bw = after[i], after[i + 1], after[i + 2], after[i + 3]
+            _bend(dense, j, 2.0 * (aw * bx - ax * bw - ay * bz + az * by))
+            _bend(dense, j + 1, 2.0 * (aw * by - ay * bw - az * bx + ax * bz))
+            _bend(dense, j + 2, 2.0 * (aw * bz - az * bw - ax * by + ay * bx))
+        else:
+            _bend(dense, j, before[i] * after[i + 1] - before[i + 1] * after[i])
+    for k in range(nv + space.nx):
+        _bend(dense, nv + k, after[nq + k] - before[nq + k])
+
+
+@inlined
+def _bend(dense: Any, k: int, way: float) -> None:
+    """Bend one component."""
+    dense[1, k] += 3.0 * way
+    dense[2, k] -= 2.0 * way
 
 
 @inlined

@@ -72,6 +72,10 @@ class Stepper:
         self.t = 0.0
         self.h = 0.0
         self.evaluations = 0
+        #: Brings a state at a time onto what holds besides, in place; returns whether it moved.
+        self._project: Callable[[float, Array], bool] | None = getattr(problem, "project", None)
+        self._moved = np.zeros(size)
+        self._has_moved = False
         self._nodes = [float(c) for c in method.nodes]
         self._has_dense = False
 
@@ -98,6 +102,9 @@ class Stepper:
         for i in range(1, last):
             derivative(t + nodes[i] * h)
             stage(i + 1, h, weights, layout, work, True)
+        if self._project is not None:
+            self._moved[:] = self.y
+            self._has_moved = self._project(t + h, self.y)
         derivative(t + h)
         self.evaluations += last
         self.h = h
@@ -121,6 +128,8 @@ class Stepper:
             self.work[method.stages + _kernels.STATE :] = end
         n = 2 * self.manifold.nv + self.manifold.nx
         _kernels.dense_coefficients(self.h, method.polynomials, n, self.work, self.dense)
+        if self._has_moved:
+            _kernels.bend(layout, self._moved, self.y, self.dense)
         self._has_dense = True
 
     def interpolate(self, theta: float, out: Array) -> None:

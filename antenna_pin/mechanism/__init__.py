@@ -5,9 +5,11 @@ from antenna_pin.mechanism.frames import frame_aligning_z, quaternions, roll_pit
 from antenna_pin.mechanism.kinematics import link_motion, link_poses, link_twists
 from antenna_pin.mechanism.loads import transmitted_wrenches
 from antenna_pin.mechanism.model import Base, JointKind, JointSlot, Mechanism, build_mechanism
+from antenna_pin.mechanism.tree import BODY, PLACE, body_tree
 from antenna_pin.mechanism.urdf import Urdf
 
 __all__ = [
+    "BODY",
     "JOINT_VARIANTS",
     "Base",
     "JointChange",
@@ -16,8 +18,10 @@ __all__ = [
     "JointVariant",
     "LinkChange",
     "Mechanism",
+    "PLACE",
     "ShapeChange",
     "Urdf",
+    "body_tree",
     "build_mechanism",
     "frame_aligning_z",
     "link_motion",

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
         PrismaticClearance,
         SphericalClearance,
     )
+    from antenna_pin.scenario.closures import AnchorSpec, ClosureSpec
     from antenna_pin.scenario.drives import DRIVE_SPECS, DriveSpec, SpringSpec
     from antenna_pin.scenario.events import AngleEvent, EventSpec, ForceEvent, GapEvent, RateEvent, TimeEvent
     from antenna_pin.scenario.initial import InitialBaseSpec, InitialJointSpec, InitialSpec
@@ -41,9 +42,11 @@ if TYPE_CHECKING:
     from antenna_pin.scenario.write import scenario_toml
 
 _HOMES = {
+    "AnchorSpec": "closures",
     "AngleEvent": "events",
     "CaseSummary": "shipped",
     "ClearanceSpec": "clearance",
+    "ClosureSpec": "closures",
     "ContactClearance": "clearance",
     "DRIVE_SPECS": "drives",
     "DriveSpec": "drives",
@@ -84,9 +87,11 @@ _HOMES = {
 
 __all__ = [
     "DRIVE_SPECS",
+    "AnchorSpec",
     "AngleEvent",
     "CaseSummary",
     "ClearanceSpec",
+    "ClosureSpec",
     "ContactClearance",
     "DriveSpec",
     "EventSpec",

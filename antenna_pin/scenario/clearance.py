@@ -38,8 +38,8 @@ class IdealClearance(Clearance):
     """A joint modelled without play; dimensions and laws, if given, wait for another case.
 
     Attributes:
-        model: ``ideal``, the joint as the URDF has it, or ``constraint``, a revolute joint by constrained
-            dynamics.
+        model: ``ideal``, the joint as the URDF has it, or ``constraint``, the joint freed and held by
+            constraint to what it is in the URDF; a floating one is held as a ball joint.
     """
 
     model: Literal["ideal", "constraint"]
@@ -52,7 +52,7 @@ class IdealClearance(Clearance):
     @property
     def urdf_types(self) -> tuple[str, ...]:
         """Which types the joint may have in the URDF."""
-        return ("revolute", "continuous", *(() if self.model == "constraint" else ("prismatic",)))
+        return ("revolute", "continuous", "prismatic", *(("floating",) if self.model == "constraint" else ()))
 
 
 class TouchingSpec(Clearance):

@@ -35,6 +35,7 @@ class InitialJointSpec(JointTable):
         journal_tilt: Rotation vector of the journal's tilt, in bearing axes [rad].
         journal_velocity: Of the journal's centre in bearing axes [m/s].
         journal_angular_velocity: Of the journal relative to the bearing, in bearing axes [rad/s].
+        guess: Whether, where loops are closed, what is given is where the search begins rather than held.
     """
 
     position: Annotated[float, Quantity(("rad", "m"))] | None = None
@@ -45,6 +46,7 @@ class InitialJointSpec(JointTable):
     journal_tilt: Rotation | None = None
     journal_velocity: Velocity | None = None
     journal_angular_velocity: AngularVelocity | None = None
+    guess: bool = False
 
     @model_validator(mode="after")
     def _check_pairs(self) -> Self:

@@ -13,6 +13,7 @@ from antenna_pin.scenario._base import PositiveTime, Spec, refuse, refuse_name
 from antenna_pin.scenario._clearance import law_tables
 from antenna_pin.scenario._layers import Source, built, check_drives, read_layer
 from antenna_pin.scenario.clearance import ClearanceSpec
+from antenna_pin.scenario.closures import ClosureSpec
 from antenna_pin.scenario.drives import DRIVE_SPECS, DriveSpec, SpringSpec
 from antenna_pin.scenario.events import EventSpec, number_to_set
 from antenna_pin.scenario.initial import InitialBaseSpec, InitialSpec
@@ -42,6 +43,7 @@ class Scenario(Spec):
         mechanism: The mechanism.
         materials: The scenario's own materials by name; :meth:`material` also knows the shipped ones.
         clearance: Joints with play, by the name of the joint.
+        closures: Joints that close loops, by name.
         drives: By name.
         springs: By name.
         events: What is looked for during the run, by name.
@@ -64,6 +66,7 @@ class Scenario(Spec):
     mechanism: MechanismSpec
     materials: dict[str, MaterialSpec] = Field(default_factory=dict)
     clearance: dict[str, Annotated[ClearanceSpec, Field(discriminator="model")]] = Field(default_factory=dict)
+    closures: dict[str, ClosureSpec] = Field(default_factory=dict)
     drives: dict[str, Annotated[DriveSpec, Field(discriminator="kind")]] = Field(default_factory=dict)
     springs: dict[str, SpringSpec] = Field(default_factory=dict)
     events: dict[str, Annotated[EventSpec, Field(discriminator="kind")]] = Field(default_factory=dict)

@@ -167,6 +167,7 @@ def _labels(seen: _Seen) -> dict[str, Any]:
         ("drive", list(system.drives)),
         ("controller", [name for name, drive in system.drives.items() if drive.tracks]),
         ("spring", list(system.springs)),
+        ("closure", list(system.closures)),
     ):
         if found:
             labels[name] = found
@@ -212,6 +213,8 @@ def _derivative(seen: _Seen) -> Values:
         "drive_torque": effort["effort"],
         "control_reference": tracking["reference"],
         "control_error": tracking["error"],
+        "closure_force": seen.found.closure[:, :, 0],
+        "closure_moment": seen.found.closure[:, :, 1],
     }
 
 
@@ -317,7 +320,7 @@ def _conservation(seen: _Seen) -> dict[str, Any]:
     gross = float(seen.ledger["drive_gross_work"][-1].sum())
     result["gross_work"] = gross
     result["energy_error_relative"] = result["energy_error"] / gross if gross > 0.0 else None
-    conserved = system.mechanism.base == "free" and not np.any(system.model.gravity.linear)
+    conserved = system.keeps_momentum
     for name in ("linear", "angular"):
         values = audit[name]
         scale = float(audit[f"{name}_scale"].max())

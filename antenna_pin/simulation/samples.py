@@ -37,6 +37,7 @@ class Samples:
     def __init__(self, workspace: Workspace, rate: float, begin: float, end: float) -> None:
         """Begin without samples."""
         self._memory = workspace.memory
+        self._workspace = workspace
         self._rate = rate
         self._begin = begin
         self._end = end
@@ -79,13 +80,21 @@ class Samples:
                 state[:] = stepper.y
             else:
                 stepper.interpolate(theta, state)
+            self._hold(moment, state)
             self.add(min(moment, self._end), state)
+
+    def _hold(self, t: float, y: Array) -> None:
+        """Bring a state of the dense output, which is only nearly there, onto the constraints."""
+        if self._workspace.constraints is not None:
+            self._workspace.hold(t, y)
 
     def insert(self, t: float, y: Array, memory: Array) -> None:
         """Put a sample with its contact memory between others in time; one that is there already stays."""
         place = bisect.bisect_left(self.times, t)
         if place < len(self.times) and self.times[place] == t:
             return
+        y = y.copy()
+        self._hold(t, y)
         # What held at the sample before holds on to the next event.
         program = self.programs[place - 1] if place else self.program
         self._put(place, t, y, memory.tobytes(), program)

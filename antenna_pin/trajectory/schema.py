@@ -32,6 +32,7 @@ DIMENSIONS: dict[str, str] = {
     "drive": "drives, by name",
     "controller": "drives that follow a reference, by name",
     "spring": "springs and dampers, by name",
+    "closure": "joints that close loops, or are held by constraint, by name",
     "event": "events of the user's that happened, by name",
     "episode": "contacts from onset to release, in order of onset",
 }
@@ -135,6 +136,12 @@ def _table() -> Iterator[Variable]:
         "time controller",
         ("control_reference", "rad", "angle that the controller follows (a way [m] if it slides)"),
         ("control_error", "rad", "reference less the joint's angle (way [m])"),
+    )
+    yield from _rows(
+        "derivative",
+        "time closure axis",
+        ("closure_force", "N", "force of the closure on its second link, axes of its first side"),
+        ("closure_moment", "N m", "its moment about the second side's point"),
     )
     yield from _rows(
         "contact",

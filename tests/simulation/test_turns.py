@@ -9,7 +9,7 @@ from antenna_pin import RunSettings, System, Urdf, build_mechanism, load_scenari
 from antenna_pin.analysis import deviation
 from antenna_pin.assemble import build_system, initial_angles, initial_state
 from antenna_pin.contact import Hertz
-from antenna_pin.dynamics import CallableDrive, Hinge, JointSpring
+from antenna_pin.dynamics import CallableDrive, JointSpring
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.geometry import PlanarClearance, RevoluteClearance
 from antenna_pin.joints import ClearanceJoint
@@ -49,8 +49,8 @@ def wheel(kind, **elements):
         clearances = (
             ClearanceJoint(name="axle", geometry=geometry, radial=law, axial=law, backend="closed-form"),
         )
-    hinges = (Hinge(joint="axle"),) if kind == "constraint" else ()
-    return System(build_mechanism(urdf, base="fixed"), clearances=clearances, hinges=hinges, **elements)
+    held = {"axle": "revolute"} if kind == "constraint" else {}
+    return System(build_mechanism(urdf, base="fixed"), clearances=clearances, held=held, **elements)
 
 
 def start(system, angle, rate=0.0):

@@ -1,0 +1,32 @@
+"""Closed loops and prescribed motions: what joints must satisfy besides the tree, and how it is held."""
+
+from antenna_pin.constraints.assembly import (
+    Mobility,
+    Unclosed,
+    directions,
+    find_configuration,
+    find_velocity,
+    mobility,
+)
+from antenna_pin.constraints.closure import CLOSURES, WORLD, Anchor, Closure, ClosureKind, Holds
+from antenna_pin.constraints.plan import DrivenJoint, Plan, make_plan
+from antenna_pin.constraints.solver import Constraints
+
+__all__ = [
+    "CLOSURES",
+    "WORLD",
+    "Anchor",
+    "Closure",
+    "ClosureKind",
+    "Constraints",
+    "DrivenJoint",
+    "Holds",
+    "Mobility",
+    "Plan",
+    "Unclosed",
+    "directions",
+    "find_configuration",
+    "find_velocity",
+    "make_plan",
+    "mobility",
+]

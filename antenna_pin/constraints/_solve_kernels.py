@@ -1,0 +1,226 @@
+"""Accelerations, multipliers and corrections under constraints, compiled.
+
+With M = L L^T the rows of J become those of ``J L^-T``, in which the kinetic energy is the sum of squares.
+They are made orthogonal one after another, each time the one of which most is left (QR with pivoting, each
+row twice): rows of which nothing is left are redundant and need not be held. So
+
+    a = L^-T (z + Q mu),    z = L^-1 (tau - h),    R^T (Q^T z + mu) = lack,    R lambda = mu,
+
+and corrections of least kinetic energy come from the same factors.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from antenna_pin._compile import inlined, kernel
+from antenna_pin.constraints._layout_kernels import driven_at, found_in, plan_of
+from antenna_pin.constraints._rows_kernels import write_rows
+from antenna_pin.elements._ledger_kernels import write_work
+
+#: What is left of a row that depends on others, of its length, at most: of true redundancy it is round-off.
+DEPENDENT = 1e-9
+#: Size of the numbers of a row that says nothing, over the plan's length: round-off of products.
+NOTHING = 1e-12
+
+
+@kernel
+def factorize(plan: Any, work: Any, mass: Any) -> None:
+    """Factorize rows that :func:`write_rows` has written, with the mass matrix, (nv, nv)."""
+    head, found = plan_of(plan), found_in(plan, work)
+    nv, rows, root = head.nv, head.rows, head.root
+    for i in range(nv):
+        for j in range(i + 1):
+            total = mass[i, j]
+            for k in range(j):
+                total -= work[root + i * nv + k] * work[root + j * nv + k]
+            if j < i:
+                work[root + i * nv + j] = total / work[root + j * nv + j]
+            else:
+                work[root + i * nv + i] = math.sqrt(total)
+    for r in range(rows):
+        _reduce(plan, work, r)
+        work[head.order + r] = r
+    found.rank = 0
+    found.least = 1.0
+    found.most = 0.0
+    for p in range(rows):
+        best, most = p, -1.0
+        for s in range(p, rows):
+            r = int(work[head.order + s])
+            share = work[head.lengths + 2 * r]
+            if share > most:
+                best, most = s, share
+        if not most > DEPENDENT:
+            found.most = max(most, 0.0)
+            break
+        r = int(work[head.order + best])
+        work[head.order + best] = work[head.order + p]
+        work[head.order + p] = r
+        found.least = min(found.least, most)
+        found.rank = p + 1
+        _orthogonalize(plan, work, p, r)
+
+
+@inlined
+def _reduce(plan: Any, work: Any, r: int) -> None:
+    """Write L^-1 J_r^T; its length, and how much of it is left: all, or nothing if the row says nothing."""
+    head = plan_of(plan)
+    nv, root = head.nv, head.root
+    row, out = head.jacobian + r * nv, head.reduced + r * nv
+    largest = 0.0
+    begin = nv
+    for k in range(nv - 1, -1, -1):
+        work[out + k] = 0.0
+        if work[row + k] != 0.0:
+            begin = k
+            largest = max(largest, abs(work[row + k]))
+    square = 0.0
+    for i in range(begin, nv):
+        total = work[row + i]
+        for k in range(begin, i):
+            total -= work[root + i * nv + k] * work[out + k]
+        total /= work[root + i * nv + i]
+        work[out + i] = total
+        square += total * total
+    work[head.lengths + 2 * r] = 1.0 if largest > NOTHING * head.length else 0.0
+    work[head.lengths + 2 * r + 1] = math.sqrt(square)
+    for p in range(head.rows):
+        work[head.triangle + p * head.rows + r] = 0.0
+
+
+@inlined
+def _orthogonalize(plan: Any, work: Any, p: int, r: int) -> None:
+    """Make row r the direction p, and take it out of all rows that come after it."""
+    head = plan_of(plan)
+    nv, rows, reduced, triangle = head.nv, head.rows, head.reduced, head.triangle
+    own = reduced + r * nv
+    # What round-off has left of the directions before it.
+    for i in range(p):
+        other = reduced + int(work[head.order + i]) * nv
+        inner = 0.0
+        for k in range(nv):
+            inner += work[other + k] * work[own + k]
+        work[triangle + i * rows + r] += inner
+        for k in range(nv):
+            work[own + k] -= inner * work[other + k]
+    square = 0.0
+    for k in range(nv):
+        square += work[own + k] * work[own + k]
+    length = math.sqrt(square)
+    work[triangle + p * rows + r] = length
+    for k in range(nv):
+        work[own + k] /= length
+    for s in range(p + 1, rows):
+        other_row = int(work[head.order + s])
+        if work[head.lengths + 2 * other_row] == 0.0:
+            continue
+        other = reduced + other_row * nv
+        inner = 0.0
+        for k in range(nv):
+            inner += work[own + k] * work[other + k]
+        work[triangle + p * rows + other_row] = inner
+        left = 0.0
+        for k in range(nv):
+            work[other + k] -= inner * work[own + k]
+            left += work[other + k] * work[other + k]
+        work[head.lengths + 2 * other_row] = math.sqrt(left) / work[head.lengths + 2 * other_row + 1]
+
+
+@inlined
+def _forward(plan: Any, work: Any, wanted: int, sign: float, at: int) -> None:
+    """Solve R^T y = sign * wanted for the rows that count; y to work[at:]."""
+    head, rank = plan_of(plan), found_in(plan, work).rank
+    for j in range(rank):
+        r = int(work[head.order + j])
+        total = sign * work[wanted + r]
+        for p in range(j):
+            total -= work[head.triangle + p * head.rows + r] * work[at + p]
+        work[at + j] = total / work[head.triangle + j * head.rows + r]
+
+
+@inlined
+def _from_reduced(plan: Any, work: Any, at: int, out: Any) -> None:
+    """Write L^-T of the numbers at work[at:] into out[:nv]."""
+    head = plan_of(plan)
+    nv, root = head.nv, head.root
+    for i in range(nv - 1, -1, -1):
+        total = work[at + i]
+        for k in range(i + 1, nv):
+            total -= work[root + k * nv + i] * out[k]
+        out[i] = total / work[root + i * nv + i]
+
+
+@kernel
+def correction(plan: Any, work: Any, of_speed: bool, out: Any) -> None:
+    """Write the generalized step that takes the residuals of position (of velocity) away, least in energy."""
+    head = plan_of(plan)
+    nv, first = head.nv, head.scratch
+    second = first + max(nv, head.rows)
+    _forward(plan, work, head.speed if of_speed else head.gap, -1.0, second)
+    for k in range(nv):
+        work[first + k] = 0.0
+    for p in range(found_in(plan, work).rank):
+        direction = head.reduced + int(work[head.order + p]) * nv
+        for k in range(nv):
+            work[first + k] += work[second + p] * work[direction + k]
+    _from_reduced(plan, work, first, out)
+
+
+@kernel
+def accelerate(
+    t: float, y: Any, program: Any, plan: Any, work: Any, effort: Any, mass: Any, bias: Any, rates: Any
+) -> None:
+    """Write accelerations under constraints to rates[:nv], powers of motions behind; multipliers to work.
+
+    Args:
+        t: Time [s].
+        y: State [q, v, x].
+        program: Of the system's elements.
+        plan: Of the constraints.
+        work: To write to.
+        effort: Generalized force of the elements, (nv,).
+        mass: Mass matrix, (nv, nv).
+        bias: Generalized force of gravity and velocities, M a + bias = effort + J^T lambda, (nv,).
+        rates: To write to, (nv + nx,).
+    """
+    head = plan_of(plan)
+    nv, rows, root, first = head.nv, head.rows, head.root, head.scratch
+    second = first + max(nv, rows)
+    write_rows(t, y, program, plan, work)
+    factorize(plan, work, mass)
+    rank = found_in(plan, work).rank
+    for i in range(nv):
+        total = effort[i] - bias[i]
+        for k in range(i):
+            total -= work[root + i * nv + k] * work[first + k]
+        work[first + i] = total / work[root + i * nv + i]
+    _forward(plan, work, head.lack, 1.0, second)
+    for p in range(rank):
+        direction = head.reduced + int(work[head.order + p]) * nv
+        inner = 0.0
+        for k in range(nv):
+            inner += work[direction + k] * work[first + k]
+        work[second + p] -= inner
+    # All inner products first: the directions are at right angles but for round-off.
+    for p in range(rank):
+        direction = head.reduced + int(work[head.order + p]) * nv
+        for k in range(nv):
+            work[first + k] += work[second + p] * work[direction + k]
+    _from_reduced(plan, work, first, rates)
+    for r in range(rows):
+        work[head.force + r] = 0.0
+    for j in range(rank - 1, -1, -1):
+        total = work[second + j]
+        for i in range(j + 1, rank):
+            r = int(work[head.order + i])
+            total -= work[head.triangle + j * rows + r] * work[head.force + r]
+        r = int(work[head.order + j])
+        work[head.force + r] = total / work[head.triangle + j * rows + r]
+    for m in range(head.motions):
+        driven = driven_at(plan, m)
+        rate = y[head.nq + driven.v]
+        scale = 1.0 if driven.slides != 0 else head.length
+        power = scale * work[head.force + driven.row] * rate
+        write_work(program, driven.words, rate, power, rates, nv + driven.x)

@@ -1,0 +1,143 @@
+"""A closure: a joint that closes a loop of the tree, held by constraint."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from antenna_pin.errors import InvalidParameterError
+from antenna_pin.mechanism import frame_aligning_z
+
+__all__ = ["CLOSURES", "WORLD", "Anchor", "Closure", "ClosureKind", "Holds"]
+
+Array = NDArray[np.float64]
+
+ClosureKind = Literal["revolute", "universal", "spherical", "prismatic", "cylindrical", "planar", "fixed"]
+
+#: The name of what does not move, on one side of a closure.
+WORLD = "world"
+
+
+@dataclass(frozen=True, slots=True)
+class Holds:
+    """What a kind of closure holds, in axes of the first side's frame.
+
+    Attributes:
+        along: Axes along which the second side's point is held at the first's.
+        about: Axes about which the sides are held from turning against each other.
+        square: Whether the two sides' axes are held at right angles.
+        axis: Whether the kind has an axis.
+    """
+
+    along: str = ""
+    about: str = ""
+    square: bool = False
+    axis: bool = True
+
+    @property
+    def rows(self) -> int:
+        """How many equations that is."""
+        return len(self.along) + len(self.about) + self.square
+
+
+CLOSURES: Mapping[str, Holds] = MappingProxyType(
+    {
+        "revolute": Holds("xyz", "xy"),
+        "universal": Holds("xyz", square=True),
+        "spherical": Holds("xyz", axis=False),
+        "prismatic": Holds("xy", "xyz"),
+        "cylindrical": Holds("xy", "xy"),
+        "planar": Holds("z", "xy"),
+        "fixed": Holds("xyz", "xyz", axis=False),
+    }
+)
+"""The kinds of closures; z is the axis, of a planar one the normal."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Anchor:
+    """One side of a closure: a frame on a link.
+
+    Attributes:
+        link: Name of the URDF link, or ``world``.
+        rotation: The frame's axes in the link's frame, columns, (3, 3) [-].
+        origin: Its origin there, (3,) [m].
+    """
+
+    link: str
+    rotation: Array
+    origin: Array
+
+    @classmethod
+    def at(
+        cls,
+        link: str,
+        point: tuple[float, float, float] = (0.0, 0.0, 0.0),
+        axis: tuple[float, float, float] = (0.0, 0.0, 1.0),
+        across: tuple[float, float, float] | None = None,
+    ) -> Anchor:
+        """Return the anchor at a point of a link.
+
+        Args:
+            link: Name of the URDF link, or ``world``.
+            point: In the link's frame [m].
+            axis: Direction of the closure's axis in the link's frame; of any length [-].
+            across: A direction across the axis that both sides have in common where a closure holds the turn
+                about the axis; what it has along the axis does not count. Without it links of which the axis
+                has the same components have parallel axes.
+        """
+        z = _unit(axis, "axis")
+        if across is None:
+            rotation = frame_aligning_z(z)
+        else:
+            x = np.asarray(across, dtype=float)
+            x = x - z * (z @ x)
+            if not np.linalg.norm(x) > 1e-6 * np.linalg.norm(across):
+                raise InvalidParameterError("closure", "across", "a direction off the axis", tuple(across))
+            x = x / np.linalg.norm(x)
+            rotation = np.column_stack([x, np.cross(z, x), z])
+        return cls(link=link, rotation=np.array(rotation), origin=np.array(point, dtype=float))
+
+
+def _unit(direction: tuple[float, float, float], name: str) -> Array:
+    vector = np.asarray(direction, dtype=float)
+    if vector.shape != (3,) or not np.isfinite(vector).all() or not np.linalg.norm(vector) > 0.0:
+        raise InvalidParameterError(
+            "closure", name, "a direction: three finite numbers, not all 0", direction
+        )
+    return np.asarray(vector / np.linalg.norm(vector))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Closure:
+    """A joint between two links that are in the tree already.
+
+    Attributes:
+        kind: What it holds (:data:`CLOSURES`). The axis of each side's frame is its z; a universal closure
+            holds the two at right angles, others that have one hold them parallel.
+        first: One side; forces are given in its frame's axes.
+        second: The other; forces are those on its link.
+    """
+
+    kind: ClosureKind
+    first: Anchor
+    second: Anchor
+
+    def __post_init__(self) -> None:
+        """Check the kind, and that there are two links."""
+        if self.kind not in CLOSURES:
+            raise InvalidParameterError(self, "kind", f"one of {', '.join(CLOSURES)}")
+        if self.first.link == self.second.link:
+            raise InvalidParameterError(
+                self, "second", f"on another link than first, {self.first.link!r}", self.second.link
+            )
+
+    @property
+    def holds(self) -> Holds:
+        """What its kind holds."""
+        return CLOSURES[self.kind]

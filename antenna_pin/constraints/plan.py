@@ -1,0 +1,168 @@
+"""The constraints of a system in numbers: its closures and motions, and the tree that they act on."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from antenna_pin.constraints import _layout_kernels as _layout
+from antenna_pin.constraints.closure import WORLD, Anchor, Closure
+from antenna_pin.errors import MechanismError, UnknownNameError
+from antenna_pin.mechanism import Mechanism, body_tree
+from antenna_pin.records import words_of
+
+__all__ = ["DrivenJoint", "Plan", "make_plan"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DrivenJoint:
+    """A joint whose motion is prescribed.
+
+    Attributes:
+        name: Of the drive.
+        joint: Of the joint.
+        turn: Place of the joint's turned angle in x, or -1.
+        kind: Number of the kind of its element.
+        words: Where in the program the element's own record begins.
+        x: Where in x its works are.
+    """
+
+    name: str
+    joint: str
+    turn: int
+    kind: int
+    words: int
+    x: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Plan:
+    """Constraints in numbers.
+
+    Attributes:
+        words: As the kernels take them (:mod:`antenna_pin.constraints._layout_kernels`).
+        size: Of a work array.
+        closures: Their names, in their order.
+        rows: Of each closure, by name: what its rows hold (``along x``, ...), in their order.
+        first_row: Of each closure.
+        motions: Names of the drives that prescribe motions; theirs are the first rows.
+        length: By which turns count against ways [m].
+    """
+
+    words: Array
+    size: int
+    closures: tuple[str, ...]
+    rows: Mapping[str, tuple[str, ...]]
+    first_row: Mapping[str, int]
+    motions: tuple[str, ...]
+    length: float
+
+    @property
+    def count(self) -> int:
+        """Equations in all."""
+        return len(self.motions) + sum(map(len, self.rows.values()))
+
+
+def make_plan(
+    mechanism: Mechanism, closures: Mapping[str, Closure], motions: Sequence[DrivenJoint] = ()
+) -> Plan:
+    """Lay out the constraints of a mechanism.
+
+    Raises:
+        UnknownNameError: A closure on a link that there is not.
+        MechanismError: A closure whose sides are one body.
+    """
+    model = mechanism.model
+    records = np.zeros(len(closures), dtype=_layout.CLOSURE)
+    rows: dict[str, tuple[str, ...]] = {}
+    first_row: dict[str, int] = {}
+    row = len(motions)
+    points = [0.0]
+    for record, (name, closure) in zip(records, closures.items(), strict=True):
+        sides = [_on_body(mechanism, name, side) for side in (closure.first, closure.second)]
+        (first, place), (second, other) = sides
+        if first == second:
+            said = "the world" if first < 0 else f"body {mechanism.bodies[first]!r}"
+            raise MechanismError(
+                f"closure {name!r}: its links {closure.first.link!r} and {closure.second.link!r} are one "
+                f"body, {said}, and cannot move against each other; name links between which a joint moves"
+            )
+        holds = closure.holds
+        record["first"], record["second"], record["row"] = first, second, row
+        record["along"] = [axis in holds.along for axis in "xyz"]
+        record["about"] = [axis in holds.about for axis in "xyz"]
+        record["square"], record["attitude"] = holds.square, holds.about == "xyz"
+        record["first_rotation"], record["first_origin"] = place[:3, :3], place[:3, 3]
+        record["second_rotation"], record["second_origin"] = other[:3, :3], other[:3, 3]
+        points += [float(np.linalg.norm(frame[:3, 3])) for body, frame in sides if body >= 0]
+        rows[name] = (
+            *(f"along {axis}" for axis in holds.along),
+            *(f"about {axis}" for axis in holds.about),
+            *(("at right angles",) if holds.square else ()),
+        )
+        first_row[name] = row
+        row += holds.rows
+    points += [float(np.linalg.norm(placement.translation)) for placement in list(model.jointPlacements)[2:]]
+    length = max(points) or 1.0
+    driven = np.zeros(len(motions), dtype=_layout.DRIVEN)
+    for k, (record, motion) in enumerate(zip(driven, motions, strict=True)):
+        slot = mechanism.joint(motion.joint)
+        record["row"], record["q"], record["v"] = k, slot.q.start, slot.v.start
+        record["slides"], record["turn"] = slot.kind == "prismatic", motion.turn
+        record["kind"], record["words"], record["x"] = motion.kind, motion.words, motion.x
+    tree = body_tree(mechanism)
+    head = np.zeros(1, dtype=_layout.PLAN)
+    size = _place_numbers(head, len(tree), row, model.nv)
+    head["bodies"], head["closures"], head["motions"] = len(tree), len(closures), len(motions)
+    head["rows"], head["nq"], head["nv"], head["length"] = row, model.nq, model.nv, length
+    parts = [part.view(np.float64) for part in (head, tree, records, driven)]
+    return Plan(
+        words=np.concatenate(parts),
+        size=size,
+        closures=tuple(closures),
+        rows=rows,
+        first_row=first_row,
+        motions=tuple(motion.name for motion in motions),
+        length=length,
+    )
+
+
+def _place_numbers(head: NDArray[np.void], bodies: int, rows: int, nv: int) -> int:
+    """Say where in a work array the numbers stand; return its size."""
+    at = (bodies + 3) * _layout.PLACE_WORDS
+    sizes = {
+        "jacobian": rows * nv,
+        "lack": rows,
+        "gap": rows,
+        "speed": rows,
+        "force": rows,
+        "reduced": rows * nv,
+        "lengths": 2 * rows,
+        "triangle": rows * rows,
+        "root": nv * nv,
+        "scratch": 2 * max(nv, rows),
+        "order": rows,
+        "found": words_of(_layout.FOUND),
+    }
+    for name, size in sizes.items():
+        head[name] = at
+        at += size
+    return at
+
+
+def _on_body(mechanism: Mechanism, name: str, side: Anchor) -> tuple[int, Array]:
+    """Return the body that a side is on, -1 for the world, and its frame there, (4, 4)."""
+    frame = np.eye(4)
+    frame[:3, :3], frame[:3, 3] = side.rotation, side.origin
+    links = [link.name for link in mechanism.urdf.robot.links]
+    if side.link not in links:
+        if side.link == WORLD:
+            return -1, frame
+        raise UnknownNameError(f"closure {name!r}", "link", side.link, [*links, WORLD])
+    found = mechanism.model.frames[mechanism.frame(side.link)]
+    return int(found.parentJoint) - 1, np.asarray(found.placement.homogeneous @ frame)

@@ -1,0 +1,204 @@
+"""What a run asks of its constraints: accelerations, corrections, forces."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from antenna_pin.constraints import _layout_kernels as _layout
+from antenna_pin.constraints import _rows_kernels, _solve_kernels
+from antenna_pin.constraints.plan import Plan
+from antenna_pin.mechanism import PLACE
+
+__all__ = ["Constraints"]
+
+Array = NDArray[np.float64]
+
+# Residuals below which nothing is corrected, of ways over the plan's length, turns, and their rates: the
+# round-off of kinematics is some 1e-16 of the length.
+_CLOSED = 1e-14
+_ROUNDS = 8
+_NEAR = 1e-7
+
+
+class Constraints:
+    """A place to solve the equations of motion under constraints; one for each run.
+
+    Args:
+        plan: The constraints.
+        model: ``pin.Model``.
+        data: ``pin.Data`` of the run.
+    """
+
+    def __init__(self, plan: Plan, model: Any, data: Any) -> None:
+        """Allocate everything once."""
+        self.plan = plan
+        self.model = model
+        self.data = data
+        self.work = np.zeros(plan.size)
+        head = plan.words[: _layout.PLAN_WORDS].view(_layout.PLAN)[0]
+        nv, rows = int(head["nv"]), int(head["rows"])
+        self.rows, self.nv = rows, nv
+
+        def part(name: str, *shape: int) -> Array:
+            at = int(head[name])
+            return self.work[at : at + int(np.prod(shape))].reshape(shape)
+
+        #: J, in metres; what accelerations lack; residuals; multipliers.
+        self.jacobian = part("jacobian", rows, nv)
+        self.gap, self.speed, self.force = part("gap", rows), part("speed", rows), part("force", rows)
+        self.triangle, self.order = part("triangle", rows, rows), part("order", rows)
+        self._found = part("found", _layout.FOUND_WORDS).view(_layout.FOUND)
+        self._step = np.zeros(nv)
+        bodies, closures = int(head["bodies"]), int(head["closures"])
+        self._places = self.work[: _layout.PLACE_WORDS * bodies].view(PLACE)
+        at = _layout.PLAN_WORDS + _layout.BODY_WORDS * bodies
+        to = at + _layout.CLOSURE_WORDS * closures
+        self._closures = plan.words[at:to].view(_layout.CLOSURE)
+        slides = plan.words[to:].view(_layout.DRIVEN)["slides"]
+        #: By what the rows of motions are multiplied.
+        self.motion_scales = np.where(slides != 0, 1.0, plan.length)
+
+    @property
+    def found(self) -> Any:
+        """What the last solution found: ``FOUND``."""
+        return self._found[0]
+
+    def bind(self, y: Array, program: Array, effort: Array, rates: Array) -> Callable[[float], None]:
+        """Return the accelerations of a state held in an array, and powers of motions, as a function of time.
+
+        Args:
+            y: State [q, v, x]; read at each call.
+            program: Of the system's elements; read at each call.
+            effort: Generalized force of the elements, (nv,); read at each call.
+            rates: Written at each call, (nv + nx,).
+        """
+        nq = self.model.nq
+        q, v = y[:nq], y[nq : nq + self.nv]
+        model, data, plan, work = self.model, self.data, self.plan.words, self.work
+        crba, bias, accelerate = pin.crba, pin.nonLinearEffects, _solve_kernels.accelerate
+
+        def solve(t: float) -> None:
+            mass = crba(model, data, q)
+            accelerate(t, y, program, plan, work, effort, mass, bias(model, data, q, v), rates)
+
+        return solve
+
+    def residuals(self, t: float, y: Array, program: Array) -> Any:
+        """Write the rows of a state; return ``FOUND`` with the largest residuals."""
+        _rows_kernels.write_rows(t, y, program, self.plan.words, self.work)
+        return self.found
+
+    def factorize(self, q: Array) -> None:
+        """Factorize the rows that were written last."""
+        _solve_kernels.factorize(self.plan.words, self.work, pin.crba(self.model, self.data, q))
+
+    def step(self, *, of_speed: bool) -> Array:
+        """Return the generalized step that takes the residuals away, least in kinetic energy, (nv,).
+
+        The rows must be factorized. The array is the same each time.
+        """
+        _solve_kernels.correction(self.plan.words, self.work, of_speed, self._step)
+        return self._step
+
+    def closed_at(self, t: float, y: Array, program: Array) -> bool:
+        """Whether the residuals of a state are round-off, of positions and of velocities."""
+        self.residuals(t, y, program)
+        return self._in_place() and self._in_motion()
+
+    def _in_place(self) -> bool:
+        found = self.found
+        return bool(found.gap <= _CLOSED * self.plan.length and found.turn <= _CLOSED)
+
+    def _in_motion(self) -> bool:
+        found = self.found
+        return bool(found.speed <= _CLOSED * self.plan.length and found.spin <= _CLOSED)
+
+    def project(self, t: float, y: Array, program: Array, retract: Callable[[Array, Array], None]) -> None:
+        """Bring a state that is nearly there onto the constraints, in place.
+
+        Corrections are the least ones in kinetic energy: momentum stays.
+
+        Args:
+            t: Time [s].
+            y: State [q, v, x].
+            program: Of the system's elements.
+            retract: ``(y, step)``: moves the configuration in y by a generalized step.
+        """
+        nq, nv = self.model.nq, self.nv
+        self.residuals(t, y, program)
+        at_rest = self._in_place()
+        length = self.plan.length
+        last = max(self.found.gap, self.found.turn * length)
+        # The rows hardly turn over such a correction: one factorization serves it all, else there is another.
+        near = last < _NEAR * length
+        self.factorize(y[:nq])
+        for _ in range(_ROUNDS):
+            if at_rest:
+                break
+            retract(y, self.step(of_speed=False))
+            found = self.residuals(t, y, program)
+            now = max(found.gap, found.turn * length)
+            at_rest = self._in_place() or now > 0.5 * last
+            last = now
+            if not near:
+                self.factorize(y[:nq])
+        y[nq : nq + nv] += self.step(of_speed=True)
+
+    def least_forces(self) -> Array:
+        """Return the multipliers of least norm that do what those of the last solution do, (rows,).
+
+        Redundant rows share what their independent ones would carry alone. A turn's row counts with its
+        moment over the plan's length.
+        """
+        rank = int(self.found.rank)
+        order = self.order.astype(int)
+        independent, others = order[:rank], order[rank:]
+        if len(others) == 0:
+            return self.force.copy()
+        triangle = self.triangle[:rank]
+        share = np.linalg.solve(triangle[:, independent], triangle[:, others])
+        own = np.linalg.solve(np.eye(rank) + share @ share.T, self.force[independent])
+        forces = np.zeros(self.rows)
+        forces[independent], forces[others] = own, share.T @ own
+        return forces
+
+    def motion_forces(self, forces: Array) -> Array:
+        """Return the forces [N] and torques [N m] that hold the motions, (motions,).
+
+        Args:
+            forces: Multipliers, (rows,).
+        """
+        return np.asarray(forces[: len(self.motion_scales)] * self.motion_scales)
+
+    def wrenches(self, forces: Array) -> Array:
+        """Return force [N] and moment [N m] of each closure on its second link, (closures, 2, 3).
+
+        In axes of the first side's frame, the moment about the second side's point.
+
+        Args:
+            forces: Multipliers of the state that was solved last, (rows,).
+        """
+        found = np.zeros((len(self._closures), 2, 3))
+        for wrench, closure in zip(found, self._closures, strict=True):
+            row = int(closure["row"])
+            for k in np.flatnonzero(closure["along"]):
+                wrench[0, k] = forces[row]
+                row += 1
+            for k in np.flatnonzero(closure["about"]):
+                wrench[1, k] = self.plan.length * forces[row]
+                row += 1
+            if closure["square"]:
+                first = self._rotation(int(closure["first"])) @ closure["first_rotation"]
+                second = self._rotation(int(closure["second"])) @ closure["second_rotation"]
+                direction = first.T @ np.cross(second[:, 2], first[:, 2])
+                wrench[1] = self.plan.length * forces[row] * direction
+        return found
+
+    def _rotation(self, body: int) -> Array:
+        """Return the rotation of a body in the world, (3, 3)."""
+        return np.eye(3) if body < 0 else np.asarray(self._places[body]["rotation"])

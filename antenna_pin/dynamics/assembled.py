@@ -1,0 +1,212 @@
+"""Initial states of closed loops: assembled, and looked at for what cannot be."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from antenna_pin.constraints import (
+    Mobility,
+    Unclosed,
+    directions,
+    find_configuration,
+    find_velocity,
+    mobility,
+)
+from antenna_pin.dynamics.system import System
+from antenna_pin.dynamics.workspace import Workspace
+from antenna_pin.errors import MechanismError
+from antenna_pin.mechanism import JointSlot
+from antenna_pin.readable import number
+
+__all__ = ["assemble", "assembled", "check_closed", "mobility_of"]
+
+Array = NDArray[np.float64]
+
+# How far from a start its neighbours are in which the rank is looked at, of its largest component [rad or m].
+_BESIDE = 1e-3
+# Residual up to which a state given in Python counts as closed, for it may have been written down.
+_GIVEN = 1e-6
+
+
+def assembled(
+    system: System,
+    q: ArrayLike,
+    v: ArrayLike | None = None,
+    *,
+    held: Collection[str] = (),
+    angles: Mapping[str, float] | None = None,
+) -> tuple[Array, Array]:
+    """Return a configuration and a velocity near to those given that close all loops and follow all motions.
+
+    Journals stay where they are in their bearings, and as fast, but for what their joints leave free; so does
+    a free base.
+
+    Args:
+        system: The system.
+        q: Where the search begins, (nq,).
+        v: Likewise, (nv,); zero if not given.
+        held: Names of joints whose position and velocity are to stay.
+        angles: As for :meth:`System.state`.
+
+    Returns:
+        Configuration (nq,) and velocity (nv,), with residuals below 1e-12.
+
+    Raises:
+        MechanismError: There is none; says what is lacking and where.
+    """
+    y = system.state(q, np.zeros(system.model.nv) if v is None else v, angles)
+    for name in held:
+        system.mechanism.joint(name)
+    assemble(system, y, held, held)
+    nq = system.model.nq
+    return y[:nq], y[nq : nq + system.model.nv]
+
+
+def assemble(system: System, y: Array, held_q: Collection[str], held_v: Collection[str]) -> None:
+    """Do what :func:`assembled` does to a state [q, v, x], in place.
+
+    Args:
+        system: The system.
+        y: The state.
+        held_q: Names of joints whose position is to stay.
+        held_v: Names of joints whose velocity is to stay.
+    """
+    if system.plan is None:
+        return
+    workspace = Workspace(system)
+    constraints = workspace.constraints
+    assert constraints is not None
+    workspace.prepare_motions(0.0, y)
+    program = workspace.program
+    free = _free(system, y, held_q, of_speed=False)
+    unclosed = find_configuration(constraints, y, program, free, workspace.retract)
+    if unclosed is not None:
+        raise MechanismError(_not_closed(system, unclosed, held_q))
+    system.turn_on(y)
+    unclosed = find_velocity(constraints, y, program, _free(system, y, held_v, of_speed=True))
+    if unclosed is not None:
+        unit = "rad/s" if unclosed.turns else "m/s"
+        raise MechanismError(
+            f"initial velocities: contradict {unclosed.row}, which lacks {number(unclosed.residual)} {unit}; "
+            f"{_let_go(held_v)}"
+        )
+    _check_singular(system, workspace, y)
+
+
+def _let_go(held: Collection[str]) -> str:
+    if not held:
+        return "look at the closures' points and axes"
+    return f"let joints be found (guess = true) of those held: {', '.join(sorted(held))}"
+
+
+def _not_closed(system: System, unclosed: Unclosed, held: Collection[str]) -> str:
+    unit = "rad" if unclosed.turns else "m"
+    return (
+        f"initial state: the loops cannot be closed: {unclosed.row} lacks {number(unclosed.residual)} {unit} "
+        f"at best; {_let_go(held)}, or check the dimensions"
+    )
+
+
+def _free(system: System, y: Array, held: Collection[str], *, of_speed: bool) -> Array:
+    """Return the generalized directions in which an initial state may be changed, (nv, k)."""
+    nv = system.model.nv
+    play = {joint.name: joint for joint in system.clearances}
+    columns: list[Array] = []
+    for name, slot in system.mechanism.joints.items():
+        if name in held:
+            continue
+        own = np.eye(nv)[:, slot.v]
+        if name not in play:
+            columns.append(own)
+            continue
+        columns.append(own @ _free_of_play(slot, play[name].geometry.motion, y, of_speed=of_speed))
+    return np.hstack(columns) if columns else np.zeros((nv, 0))
+
+
+def _free_of_play(slot: JointSlot, motion: str | None, y: Array, *, of_speed: bool) -> Array:
+    """Return what a joint with play lets go in its own coordinates, (nv of it, k)."""
+    if slot.kind == "planar":
+        return np.eye(3)[:, 2:]
+    if motion is None:  # a ball in a socket
+        return np.eye(6)[:, 3:]
+    free = np.zeros((6, 1))
+    if motion == "turn":
+        free[3:, 0] = slot.axis
+    elif of_speed:
+        x, z, w, s = y[slot.q][3:7]
+        vector = np.array([x, z, w])
+        # The axis seen from the child.
+        turned = slot.axis - 2.0 * np.cross(vector, s * slot.axis - np.cross(vector, slot.axis))
+        free[:3, 0] = turned
+    else:
+        free[:3, 0] = slot.axis
+    return free
+
+
+def mobility_of(system: System, y: Array) -> Mobility:
+    """Return how a system with constraints can move in a state [q, v, x]."""
+    workspace = Workspace(system)
+    assert workspace.constraints is not None
+    workspace.prepare_motions(0.0, y)
+    return mobility(workspace.constraints, 0.0, y, workspace.program)
+
+
+def check_closed(system: System, y: Array) -> None:
+    """Refuse a state whose loops are open by more than digits that were left out; close it to the last.
+
+    Args:
+        system: The system.
+        y: State [q, v, x], at time zero.
+    """
+    workspace = Workspace(system)
+    constraints = workspace.constraints
+    if constraints is None:
+        return
+    workspace.prepare_motions(0.0, y)
+    found = constraints.residuals(0.0, y, workspace.program)
+    length = constraints.plan.length
+    open_by = max(found.gap / length, found.turn, found.speed / length, found.spin)
+    if not open_by <= _GIVEN:
+        raise MechanismError(
+            f"initial state: its loops are open: {number(found.gap)} m, {number(found.turn)} rad, "
+            f"{number(found.speed)} m/s, {number(found.spin)} rad/s; close it by antenna_pin.assembled"
+        )
+    workspace.hold(0.0, y)
+
+
+def _check_singular(system: System, workspace: Workspace, y: Array) -> None:
+    """Refuse motions that closures do not leave free, and a start where the rank is less than beside it."""
+    constraints = workspace.constraints
+    assert constraints is not None
+    program = workspace.program
+    here = mobility(constraints, 0.0, y, program)
+    beside = here
+    for motions in (True, False):
+        ways = directions(constraints, y, program, motions=motions)
+        if ways.shape[1] == 0:
+            continue
+        way = ways @ np.random.default_rng(4711).normal(size=ways.shape[1])
+        trial = y.copy()
+        workspace.retract(trial, way * (_BESIDE / float(np.abs(way).max())))
+        if motions or not constraints.plan.motions:
+            closed = find_configuration(constraints, trial, program, np.eye(len(way)), workspace.retract)
+            if closed is not None:
+                continue
+        there = mobility(constraints, 0.0, trial, program)
+        beside = max(beside, there, key=lambda one: (one.closed_rank, one.rank))
+        if there.closed_rank > here.closed_rank or there.rank > here.rank:
+            raise MechanismError(
+                f"initial state: a singular position: {here.rank} of {here.closed + here.driven} equations "
+                f"of closures and motions are independent here and {there.rank} beside it, so that the loops "
+                "could go on in more ways than one; start off it"
+            )
+    if here.rank < here.closed_rank + here.driven:
+        names = ", ".join(map(repr, constraints.plan.motions))
+        raise MechanismError(
+            f"motions {names}: the closures leave {here.free} freedoms, and {here.driven} motions prescribe "
+            f"{here.rank - here.closed_rank} of them independently; take motions away, or check the "
+            "closures' points and axes (a URDF's rpy must be exact: 1.5707963267948966, not 1.5708)"
+        )

@@ -1,0 +1,24 @@
+"""A prescribed motion of which Python writes the numbers before each evaluation, compiled."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from antenna_pin._compile import inlined, record
+from antenna_pin.elements._ledger_kernels import write_work
+from antenna_pin.elements._motion_kernels import effort
+from antenna_pin.records import layout, words_of
+
+__all__ = ["KIND", "LAYOUT", "effort", "motion", "write_rates"]
+
+KIND = 17
+LAYOUT = layout(("position", "f8"), ("rate", "f8"), ("acceleration", "f8"))
+SIZE = words_of(LAYOUT)
+write_rates = write_work
+
+
+@inlined
+def motion(words: Any, at: int, t: float) -> tuple[float, float, float]:
+    """Position, its rate and its acceleration."""
+    m = record(words[at : at + SIZE], LAYOUT)
+    return float(m.position), float(m.rate), float(m.acceleration)

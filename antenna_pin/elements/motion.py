@@ -1,0 +1,228 @@
+"""Prescribed motions of joints: position, rate and acceleration as functions of time."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from antenna_pin.elements.curve import check_covers, check_table, cubics, points_and_middles
+from antenna_pin.elements.element import GROSS_WORK, WORK, Element, Integral
+from antenna_pin.errors import InvalidParameterError
+from antenna_pin.parameters import check, parameter
+from antenna_pin.readable import GIVEN, number, readable
+
+__all__ = ["CallableMotion", "DistanceMotion", "Motion", "PrescribedMotion"]
+
+Numbers3 = tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Motion(Element):
+    """Base of the motions that a joint without play is made to follow, exactly.
+
+    What holds it there is a force of constraint, which stands among the drives' in a result, with its work.
+    """
+
+    integrals: ClassVar[tuple[Integral, ...]] = (WORK, GROSS_WORK)
+
+    def at(self, t: float) -> tuple[float, float, float]:
+        """Return position, rate and acceleration at time t [s]."""
+        found = self.compiled().motion(self.words_of_kernel(), 0, t)
+        return float(found[0]), float(found[1]), float(found[2])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PrescribedMotion(Motion):
+    r"""A joint's position as a function of time, to which the joint is held; the sum of what is given.
+
+    .. math::
+
+        \phi(t) = \phi_0 + \omega t + \sum_k c_k t^{k + 2} + A \sin(2 \pi f t + \varphi) + \text{table}(t)
+
+    Attributes:
+        position: Constant part, phi_0 [rad] ([m]).
+        rate: Of the part that grows with time, omega [rad/s] ([m/s]).
+        coefficients: Of t^2, t^3 and so on, c_k, in SI units [rad/s^2, ...] ([m/s^2, ...]).
+        amplitude: Of the part that swings, A [rad] ([m]).
+        frequency: Of the part that swings, f [Hz]; None where nothing swings.
+        phase: Of the part that swings, varphi, at t = 0 [rad].
+        file: Where the part that is a table came from, relative to the scenario's folder; None if there is no
+            such part, or it is given as numbers.
+        time: Of the table, strictly increasing, at least two [s]. A run must lie within them.
+        positions: Of the table, one for each time, joined by cubics whose second derivative is continuous
+            [rad] ([m]).
+    """
+
+    kernels: ClassVar[str] = "_motion_kernels"
+    columns: ClassVar[tuple[str, str]] = ("time", "positions")
+
+    position: float = parameter("rad", sliding="m", default=0.0)
+    rate: float = parameter("rad/s", sliding="m/s", default=0.0)
+    coefficients: tuple[float, ...] = parameter("1", sizes=(0,), default=())
+    amplitude: float = parameter("rad", sliding="m", default=0.0)
+    frequency: float | None = parameter("Hz", rule="positive", default=None)
+    phase: float = parameter("rad", default=0.0)
+    file: str | None = None
+    time: tuple[float, ...] | None = parameter("s", sizes=(0,), default=None, repr=False)
+    positions: tuple[float, ...] | None = parameter("rad", sliding="m", sizes=(0,), default=None, repr=False)
+
+    def __post_init__(self) -> None:
+        """Check the parts."""
+        check(self)
+        if self.amplitude != 0.0 and self.frequency is None:
+            raise InvalidParameterError(self, "frequency", "given beside an amplitude", said="none")
+        if self.frequency is not None and self.amplitude == 0.0:
+            raise InvalidParameterError(self, "amplitude", "given beside a frequency", said="none")
+        if (self.time is None) != (self.positions is None):
+            missing, there = ("positions", "time") if self.positions is None else ("time", "positions")
+            raise InvalidParameterError(self, missing, f"given beside {there}", said="none")
+        if self.time is not None:
+            check_table(self, "positions")
+
+    @property
+    def instants(self) -> tuple[float, ...]:
+        """Points of the table, where the motion's jerk jumps, and the middles between them [s]."""
+        return () if self.time is None else points_and_middles(self.time)
+
+    @property
+    def longest_step(self) -> float:
+        """An eighth of the period [s]."""
+        return math.inf if self.frequency is None else 0.125 / self.frequency
+
+    def values(self) -> dict[str, Any]:
+        """Return its numbers, by the names that its record has for them."""
+        return {
+            "position": self.position,
+            "rate": self.rate,
+            "amplitude": self.amplitude,
+            "angular_frequency": 2.0 * math.pi * (self.frequency or 0.0),
+            "phase": self.phase,
+            "powers": len(self.coefficients),
+            "points": 0 if self.time is None else len(self.time),
+        }
+
+    def tail(self) -> tuple[float, ...]:
+        """Return the polynomial's coefficients, and the curve through the points of the table."""
+        if self.time is None or self.positions is None:
+            return self.coefficients
+        return (*self.coefficients, *cubics(self.time, self.positions, "smooth"))
+
+    def check_span(self, place: str, begin: float, end: float) -> None:
+        """Refuse a run that the table does not cover."""
+        if self.time is not None:
+            check_covers(self.time, place, begin, end)
+
+    def words(self, slides: bool) -> str:
+        """Return what it is in words."""
+
+        def said(name: str) -> str:
+            return readable(getattr(self, name), self.unit(name, slides), GIVEN)
+
+        parts = [said("position")] if self.position else []
+        if self.rate:
+            parts.append(f"{said('rate')} · t")
+        parts += [f"{number(c, GIVEN)} · t^{k}" for k, c in enumerate(self.coefficients, start=2) if c]
+        if self.frequency is not None:
+            phase = f" + {said('phase')}" if self.phase else ""
+            parts.append(f"{said('amplitude')} × sin(2π · {number(self.frequency, GIVEN)} Hz · t{phase})")
+        if self.time is not None:
+            where = "" if self.file is None else f" of {self.file}"
+            parts.append(f"a table{where} of {len(self.time)} points")
+        return f"motion {' + '.join(parts) or 'held at 0'}"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DistanceMotion(Motion):
+    r"""A sliding joint held to the distance between a fixed point and one that moves along a path.
+
+        That is the length of a leg from a base joint to a joint of a platform that moves without turning:
+
+        .. math:: h(t) = \left| r + s + u t + A \sin(2 \pi f t + arphi)
+    ight|
+
+        with a sine for each component, and with its exact derivatives.
+
+    Attributes:
+            offset: r, from the fixed point to the moving one while the path is at its origin, (3,) [m].
+            mean: s, of the path, (3,) [m].
+            velocity: u, of the path, (3,) [m/s].
+            amplitude: A, of the path's swing along each axis, (3,) [m].
+            frequency: f, of the path's swing [Hz]; None where nothing swings.
+            phase: varphi, of each component at t = 0, (3,) [rad].
+    """
+
+    kernels: ClassVar[str] = "_distance_kernels"
+
+    offset: Numbers3 = parameter("m", sizes=(3,))
+    mean: Numbers3 = parameter("m", sizes=(3,), default=(0.0, 0.0, 0.0))
+    velocity: Numbers3 = parameter("m/s", sizes=(3,), default=(0.0, 0.0, 0.0))
+    amplitude: Numbers3 = parameter("m", sizes=(3,), default=(0.0, 0.0, 0.0))
+    frequency: float | None = parameter("Hz", rule="positive", default=None)
+    phase: Numbers3 = parameter("rad", sizes=(3,), default=(0.0, 0.0, 0.0))
+
+    def __post_init__(self) -> None:
+        """Check the parts."""
+        check(self)
+        if any(self.amplitude) and self.frequency is None:
+            raise InvalidParameterError(self, "frequency", "given beside an amplitude", said="none")
+
+    @property
+    def longest_step(self) -> float:
+        """An eighth of the path's period [s]."""
+        return math.inf if self.frequency is None else 0.125 / self.frequency
+
+    def check_joint(self, place: str, slides: bool) -> None:
+        """Refuse a joint that turns."""
+        if not slides:
+            raise InvalidParameterError(place, "joint", "one that slides: it follows a distance", self.joint)
+
+    def values(self) -> dict[str, Any]:
+        """Return its numbers, by the names that its record has for them."""
+        return {
+            "base": [a + b for a, b in zip(self.offset, self.mean, strict=True)],
+            "speed": self.velocity,
+            "amplitude": self.amplitude,
+            "phase": self.phase,
+            "angular_frequency": 2.0 * math.pi * (self.frequency or 0.0),
+        }
+
+    def words(self, slides: bool) -> str:
+        """Return what it is in words."""
+        swing = "" if self.frequency is None else f" that swings at {number(self.frequency, GIVEN)} Hz"
+        return f"motion: distance to a point on a path{swing}"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class CallableMotion(Motion):
+    """A joint's position from Python functions of time.
+
+    Attributes:
+        position: ``t [s] -> [rad]`` ([m]).
+        velocity: Its exact first derivative [rad/s] ([m/s]).
+        acceleration: Its exact second derivative [rad/s^2] ([m/s^2]).
+    """
+
+    kernels: ClassVar[str] = "_given_motion_kernels"
+    in_python: ClassVar[bool] = True
+
+    position: Callable[[float], float]
+    velocity: Callable[[float], float]
+    acceleration: Callable[[float], float]
+
+    def values(self) -> dict[str, Any]:
+        """Return its numbers; they are written before each evaluation."""
+        return {"position": 0.0, "rate": 0.0, "acceleration": 0.0}
+
+    def given(self, t: float, angle: float, rate: float) -> tuple[float, ...]:
+        """Return the numbers of its record at time t [s]."""
+        return float(self.position(t)), float(self.velocity(t)), float(self.acceleration(t))
+
+    def at(self, t: float) -> tuple[float, float, float]:
+        """Return position, rate and acceleration at time t [s]."""
+        return float(self.position(t)), float(self.velocity(t)), float(self.acceleration(t))
+
+    def words(self, slides: bool) -> str:
+        """Return what it is in words."""
+        return "motion: functions in Python"

@@ -1,0 +1,42 @@
+"""The tree of moving bodies in numbers, from a Pinocchio model."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from antenna_pin.mechanism import _tree_kernels as _bodies
+from antenna_pin.mechanism._tree_kernels import BODY, PLACE
+from antenna_pin.mechanism.model import Mechanism
+
+__all__ = ["BODY", "PLACE", "body_tree"]
+
+_KINDS = {
+    "revolute": _bodies.FIXED_AXIS,
+    "continuous": _bodies.CIRCLE,
+    "prismatic": _bodies.SLIDE,
+    "floating": _bodies.RIGID,
+    "spherical": _bodies.ROTATION,
+    "planar": _bodies.PLANE,
+}
+
+
+def body_tree(mechanism: Mechanism) -> NDArray[Any]:
+    """Return the moving bodies as the kernels take them, (bodies,) of ``BODY``; parents first."""
+    model = mechanism.model
+    kinds = {slot.joint_id: (_KINDS[slot.kind], slot.axis) for slot in mechanism.joints.values()}
+    free = mechanism.base == "free"
+    if free:
+        kinds[1] = (_bodies.RIGID, np.zeros(3))
+    tree = np.zeros(model.njoints - 1, dtype=_bodies.BODY)
+    for i, body in enumerate(tree, start=1):
+        placement, inertia = model.jointPlacements[i], model.inertias[i]
+        body["parent"] = model.parents[i] - 1
+        body["kind"], body["axis"] = kinds[i]
+        body["q"], body["v"] = model.idx_qs[i], model.idx_vs[i]
+        body["counts"] = not (free and i == 1)
+        body["rotation"], body["position"] = placement.rotation, placement.translation
+        body["mass"], body["centre"], body["inertia"] = inertia.mass, inertia.lever, inertia.inertia
+    return tree

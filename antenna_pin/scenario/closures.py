@@ -1,0 +1,81 @@
+"""Joints that close loops of the tree."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+
+from antenna_pin.scenario._base import Position, Spec, Vector, Vector3, refuse
+
+__all__ = ["AnchorSpec", "ClosureSpec"]
+
+Direction = Annotated[Vector3, Vector("1")]
+
+# Kinds without an axis.
+_POINTS = ("spherical", "fixed")
+
+
+class AnchorSpec(Spec):
+    """One side of a closure: a place on a link, or a frame.
+
+    Attributes:
+        link: Name of the link, or ``world``.
+        frame: In its place a frame of the URDF, by the name of its link or of a joint: its origin, with its z
+            axis or the joint's own.
+        point: In the link's frame [m]; None for a frame's origin.
+        axis: Direction of the closure's axis in the link's frame, of any length.
+        across: Direction across the axis that both sides have in common, for kinds that hold the turn about
+            the axis; without it links whose ``axis`` has the same components have parallel axes.
+    """
+
+    link: str | None = None
+    frame: str | None = None
+    point: Position | None = None
+    axis: Direction | None = None
+    across: Direction | None = None
+
+    @model_validator(mode="after")
+    def _check_place(self) -> Self:
+        if (self.link is None) == (self.frame is None):
+            got = "neither" if self.link is None else "both"
+            refuse(f"must have exactly one of link and frame, got {got}")
+        if self.link is not None and self.point is None:
+            refuse("is missing; it is a place in the link's frame, such as [0, 0, 0] for its origin", "point")
+        if self.frame is not None and self.point is not None:
+            refuse("must be left out beside frame, whose origin it is; or give link and point", "point")
+        for key in ("axis", "across"):
+            given = getattr(self, key)
+            if given is not None and not any(given):
+                refuse("must be a direction, not all zero", key, value=given)
+        return self
+
+
+class ClosureSpec(Spec):
+    """A joint between two links that are in the tree already; it closes a loop and is held by constraint.
+
+    Attributes:
+        kind: What it is. Of the universal one the two axes stay at right angles, of others that have one they
+            stay parallel; a planar one's axis is the normal of its plane.
+        first: One side; its forces are given in axes of this side's frame, z along the axis.
+        second: The other side; its forces are those on this side's link.
+    """
+
+    kind: Literal["revolute", "universal", "spherical", "prismatic", "cylindrical", "planar", "fixed"]
+    first: AnchorSpec = Field(...)
+    second: AnchorSpec = Field(...)
+
+    @model_validator(mode="after")
+    def _check_sides(self) -> Self:
+        for name in ("first", "second"):
+            side = getattr(self, name)
+            if self.kind not in _POINTS and side.link is not None and side.axis is None:
+                refuse(f"is missing; a {self.kind} closure has an axis on each side", name, "axis")
+        if (self.first.across is None) != (self.second.across is None):
+            missing = "first" if self.first.across is None else "second"
+            refuse("must be given on both sides, or on neither", missing, "across")
+        for key in ("link", "frame"):
+            name = getattr(self.first, key)
+            if name is not None and name == getattr(self.second, key):
+                refuse(f"must be on another link than first, got {name!r}", "second", key)
+        return self
