@@ -24,8 +24,10 @@ from antenna_pin.contact import (
 from antenna_pin.parameters import attribute_docs, parameters_of
 from antenna_pin.scenario import (
     DRIVE_SPECS,
+    AnchorSpec,
     AngleEvent,
     ClearanceSpec,
+    ClosureSpec,
     ContactClearance,
     ForceEvent,
     GapEvent,
@@ -224,6 +226,12 @@ def scenario_table() -> str:
             "A revolute or continuous joint of the URDF. Its laws: `[clearance.JOINT.normal]` and"
             " `[clearance.JOINT.friction]`, [below](#contact-laws-and-friction).",
         ),
+        section(
+            "[closures.NAME]",
+            rows(ClosureSpec, without=("first", "second")),
+            "A joint that closes a loop of the tree ([more](closed-loops.md)).",
+        ),
+        section("[closures.NAME.first], [closures.NAME.second]", rows(AnchorSpec)),
         section("[drives.NAME]", drive_rows()),
         section(
             "[springs.NAME]",

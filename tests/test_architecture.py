@@ -38,7 +38,7 @@ def graph():
         ("meshcat", {"record"}),
         ("selenium", {"record"}),
         ("av", {"record"}),
-        ("pinocchio", {"mechanism", "joints", "dynamics", "assemble", "simulation"}),
+        ("pinocchio", {"mechanism", "joints", "constraints", "dynamics", "assemble", "simulation"}),
         ("coal", {"geometry", "joints"}),
         ("yourdfpy", {"mechanism"}),
         ("typer", {"cli"}),

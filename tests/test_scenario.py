@@ -699,7 +699,8 @@ WHOLE = "law lankarani-nikravesh brings its own; elastic laws are " + ", ".join(
     name for name in contact.NORMAL_LAWS if contact.is_elastic(name)
 )
 TOP = (
-    "format, title, source, duration, mechanism, materials, clearance, drives, springs, events, initial, "
+    "format, title, source, duration, mechanism, materials, clearance, closures, drives, springs, events, "
+    "initial, "
     "integrator, output, pointing"
 )
 
@@ -988,10 +989,14 @@ REFUSALS = [
     ),
     # drives
     ({"drives.motor": 3}, "drives.motor must be a table, got 3"),
-    ({"drives.motor.kind": DELETED}, "drives.motor.kind is missing; give one of constant, sine, table, pd"),
+    (
+        {"drives.motor.kind": DELETED},
+        "drives.motor.kind is missing; give one of constant, sine, table, pd, motion, distance",
+    ),
     (
         {"drives.motor.kind": "constat"},
-        "drives.motor.kind must be one of constant, sine, table, pd, got 'constat'; did you mean constant?",
+        "drives.motor.kind must be one of constant, sine, table, pd, motion, distance, got 'constat'; "
+        "did you mean constant?",
     ),
     ({"drives.motor.value": DELETED}, "drives.motor.value is missing; give a torque [N*m] or a force [N]"),
     (

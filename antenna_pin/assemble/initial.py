@@ -9,11 +9,11 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from antenna_pin.assemble.places import check_known, check_motion, slides, where
-from antenna_pin.dynamics import System, assemble
+from antenna_pin.dynamics import BASE, System, assemble
 from antenna_pin.elements import Motion
 from antenna_pin.errors import MechanismError, ScenarioError
 from antenna_pin.mechanism import JointSlot, Mechanism, frame_aligning_z
-from antenna_pin.scenario import Scenario
+from antenna_pin.scenario import InitialBaseSpec, Scenario
 
 __all__ = ["initial_angles", "initial_state"]
 
@@ -34,6 +34,9 @@ def initial_state(scenario: Scenario, system: System) -> tuple[Array, Array]:
     if system.plan is None:
         return q, v
     held_q, held_v = set(), set()
+    if scenario.initial.base != InitialBaseSpec():
+        held_q.add(BASE)
+        held_v.add(BASE)
     for name, spec in scenario.initial.joints.items():
         if not spec.guess:
             if (spec.position, spec.angle) != (None, None):

@@ -1,7 +1,7 @@
 """Free-floating equations of motion, joints held by constraint, force elements, audits."""
 
 from antenna_pin.dynamics.adjust import Adjustments
-from antenna_pin.dynamics.assembled import assemble, assembled, check_closed, mobility_of
+from antenna_pin.dynamics.assembled import BASE, assemble, assembled, check_closed, mobility_of
 from antenna_pin.dynamics.audit import Audit, audit
 from antenna_pin.dynamics.evaluate import acceleration, contact_memory
 from antenna_pin.dynamics.held import HeldKind
@@ -12,6 +12,7 @@ from antenna_pin.dynamics.workspace import Workspace
 from antenna_pin.elements import CallableDrive, ConstantDrive, Drive, JointSpring, SineDrive, TableDrive
 
 __all__ = [
+    "BASE",
     "Adjustments",
     "Audit",
     "CallableDrive",

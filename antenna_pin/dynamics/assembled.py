@@ -21,9 +21,12 @@ from antenna_pin.errors import MechanismError
 from antenna_pin.mechanism import JointSlot
 from antenna_pin.readable import number
 
-__all__ = ["assemble", "assembled", "check_closed", "mobility_of"]
+__all__ = ["BASE", "assemble", "assembled", "check_closed", "mobility_of"]
 
 Array = NDArray[np.float64]
+
+#: How a free base is called among joints that are held.
+BASE = "base"
 
 # How far from a start its neighbours are in which the rank is looked at, of its largest component [rad or m].
 _BESIDE = 1e-3
@@ -41,14 +44,14 @@ def assembled(
 ) -> tuple[Array, Array]:
     """Return a configuration and a velocity near to those given that close all loops and follow all motions.
 
-    Journals stay where they are in their bearings, and as fast, but for what their joints leave free; so does
-    a free base.
+    Journals stay where they are in their bearings, and as fast, but for what their joints leave free. A free
+    base stays if no closure holds it to the world.
 
     Args:
         system: The system.
         q: Where the search begins, (nq,).
         v: Likewise, (nv,); zero if not given.
-        held: Names of joints whose position and velocity are to stay.
+        held: Names of joints whose position and velocity are to stay; ``base`` is that of a free base.
         angles: As for :meth:`System.state`.
 
     Returns:
@@ -59,7 +62,8 @@ def assembled(
     """
     y = system.state(q, np.zeros(system.model.nv) if v is None else v, angles)
     for name in held:
-        system.mechanism.joint(name)
+        if name != BASE:
+            system.mechanism.joint(name)
     assemble(system, y, held, held)
     nq = system.model.nq
     return y[:nq], y[nq : nq + system.model.nv]
@@ -81,12 +85,12 @@ def assemble(system: System, y: Array, held_q: Collection[str], held_v: Collecti
     assert constraints is not None
     workspace.prepare_motions(0.0, y)
     program = workspace.program
-    free = _free(system, y, held_q, of_speed=False)
+    free = _free(system, y, held_q)
     unclosed = find_configuration(constraints, y, program, free, workspace.retract)
     if unclosed is not None:
         raise MechanismError(_not_closed(system, unclosed, held_q))
     system.turn_on(y)
-    unclosed = find_velocity(constraints, y, program, _free(system, y, held_v, of_speed=True))
+    unclosed = find_velocity(constraints, y, program, _free(system, y, held_v))
     if unclosed is not None:
         unit = "rad/s" if unclosed.turns else "m/s"
         raise MechanismError(
@@ -110,11 +114,13 @@ def _not_closed(system: System, unclosed: Unclosed, held: Collection[str]) -> st
     )
 
 
-def _free(system: System, y: Array, held: Collection[str], *, of_speed: bool) -> Array:
+def _free(system: System, y: Array, held: Collection[str]) -> Array:
     """Return the generalized directions in which an initial state may be changed, (nv, k)."""
     nv = system.model.nv
     play = {joint.name: joint for joint in system.clearances}
     columns: list[Array] = []
+    if system.mechanism.base == "free" and system.closed_to_world and BASE not in held:
+        columns.append(np.eye(nv)[:, :6])
     for name, slot in system.mechanism.joints.items():
         if name in held:
             continue
@@ -122,11 +128,11 @@ def _free(system: System, y: Array, held: Collection[str], *, of_speed: bool) ->
         if name not in play:
             columns.append(own)
             continue
-        columns.append(own @ _free_of_play(slot, play[name].geometry.motion, y, of_speed=of_speed))
+        columns.append(own @ _free_of_play(slot, play[name].geometry.motion, y))
     return np.hstack(columns) if columns else np.zeros((nv, 0))
 
 
-def _free_of_play(slot: JointSlot, motion: str | None, y: Array, *, of_speed: bool) -> Array:
+def _free_of_play(slot: JointSlot, motion: str | None, y: Array) -> Array:
     """Return what a joint with play lets go in its own coordinates, (nv of it, k)."""
     if slot.kind == "planar":
         return np.eye(3)[:, 2:]
@@ -135,14 +141,10 @@ def _free_of_play(slot: JointSlot, motion: str | None, y: Array, *, of_speed: bo
     free = np.zeros((6, 1))
     if motion == "turn":
         free[3:, 0] = slot.axis
-    elif of_speed:
-        x, z, w, s = y[slot.q][3:7]
-        vector = np.array([x, z, w])
-        # The axis seen from the child.
-        turned = slot.axis - 2.0 * np.cross(vector, s * slot.axis - np.cross(vector, slot.axis))
-        free[:3, 0] = turned
     else:
-        free[:3, 0] = slot.axis
+        vector, real = y[slot.q][3:6], y[slot.q][6]
+        # The bearing's axis seen from the child.
+        free[:3, 0] = slot.axis - 2.0 * np.cross(vector, real * slot.axis - np.cross(vector, slot.axis))
     return free
 
 

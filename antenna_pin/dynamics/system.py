@@ -259,11 +259,19 @@ class System:
         return block
 
     @property
+    def closed_to_world(self) -> bool:
+        """Whether a closure holds it to the world."""
+        links = {side.link for closure in self.closures.values() for side in (closure.first, closure.second)}
+        return WORLD in links - {link.name for link in self.mechanism.urdf.robot.links}
+
+    @property
     def keeps_momentum(self) -> bool:
         """Whether nothing acts on it from outside: a free base, no gravity, no closure with the world."""
-        links = {side.link for closure in self.closures.values() for side in (closure.first, closure.second)}
-        held = WORLD in links - {link.name for link in self.mechanism.urdf.robot.links}
-        return self.mechanism.base == "free" and not held and not np.any(self.model.gravity.linear)
+        return (
+            self.mechanism.base == "free"
+            and not self.closed_to_world
+            and not np.any(self.model.gravity.linear)
+        )
 
     # --- states ---------------------------------------------------------------------------------------------
 

@@ -206,8 +206,8 @@ class Workspace:
         self.constraints.project(t, y, self.program, self.retract)
 
     def retract(self, y: Array, step: Array) -> None:
-        """Move the configuration in y, in place, by a generalized step, (nv,)."""
-        y[: self.model.nq] = self.manifold.compose(y[: self.model.nq], step)
+        """Move the configuration in y, in place, by a step in the coordinates of velocities, (nv,)."""
+        y[: self.model.nq] = pin.integrate(self.model, y[: self.model.nq], step)
 
     def _stored(self, y: Array) -> float:
         """Energy of a state with the contact memory as it is [J]."""

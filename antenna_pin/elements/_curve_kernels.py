@@ -8,8 +8,8 @@ from antenna_pin._compile import inlined
 
 
 @inlined
-def curve(words: Any, at: int, points: int, t: float) -> tuple[float, float]:
-    """Value and slope at time t of the curve at words[at:]: the points' times, then cubics between them."""
+def _piece(words: Any, at: int, points: int, t: float) -> int:
+    """Return which of the pieces between a curve's points time t lies in."""
     low = 0
     high = points - 1
     while high - low > 1:
@@ -18,6 +18,13 @@ def curve(words: Any, at: int, points: int, t: float) -> tuple[float, float]:
             low = middle
         else:
             high = middle
+    return low
+
+
+@inlined
+def curve(words: Any, at: int, points: int, t: float) -> tuple[float, float]:
+    """Value and slope at time t of the curve at words[at:]: the points' times, then cubics between them."""
+    low = _piece(words, at, points, t)
     s = t - words[at + low]
     c = at + points + 4 * low
     value = ((words[c] * s + words[c + 1]) * s + words[c + 2]) * s + words[c + 3]
@@ -28,13 +35,6 @@ def curve(words: Any, at: int, points: int, t: float) -> tuple[float, float]:
 @inlined
 def curvature(words: Any, at: int, points: int, t: float) -> float:
     """Second derivative at time t of the curve at words[at:]."""
-    low = 0
-    high = points - 1
-    while high - low > 1:
-        middle = (low + high) // 2
-        if words[at + middle] <= t:
-            low = middle
-        else:
-            high = middle
+    low = _piece(words, at, points, t)
     c = at + points + 4 * low
     return float(6.0 * words[c] * (t - words[at + low]) + 2.0 * words[c + 1])

@@ -137,20 +137,19 @@ class PrescribedMotion(Motion):
 class DistanceMotion(Motion):
     r"""A sliding joint held to the distance between a fixed point and one that moves along a path.
 
-        That is the length of a leg from a base joint to a joint of a platform that moves without turning:
+    That is the length of a leg from a base joint to a joint of a platform that moves without turning:
 
-        .. math:: h(t) = \left| r + s + u t + A \sin(2 \pi f t + arphi)
-    ight|
+    .. math:: h(t) = | r + s + u t + A \sin(2 \pi f t + \varphi) |
 
-        with a sine for each component, and with its exact derivatives.
+    with a sine for each component, and with its exact derivatives.
 
     Attributes:
-            offset: r, from the fixed point to the moving one while the path is at its origin, (3,) [m].
-            mean: s, of the path, (3,) [m].
-            velocity: u, of the path, (3,) [m/s].
-            amplitude: A, of the path's swing along each axis, (3,) [m].
-            frequency: f, of the path's swing [Hz]; None where nothing swings.
-            phase: varphi, of each component at t = 0, (3,) [rad].
+        offset: r, from the fixed point to the moving one while the path is at its origin, (3,) [m].
+        mean: s, of the path, (3,) [m].
+        velocity: u, of the path, (3,) [m/s].
+        amplitude: A, of the path's swing along each axis, (3,) [m].
+        frequency: f, of the path's swing [Hz]; None where nothing swings.
+        phase: varphi, of each component at t = 0, (3,) [rad].
     """
 
     kernels: ClassVar[str] = "_distance_kernels"

@@ -16,6 +16,8 @@ from numpy.typing import NDArray
 from antenna_pin.dynamics import Observed, System, joint_motion, journal_attitudes, observed, sliding_motion
 from antenna_pin.records import MEMORY
 from antenna_pin.simulation.carried import mechanism_attributes
+from antenna_pin.simulation.coordinates import coordinate_names
+from antenna_pin.simulation.held import constraint_attributes
 from antenna_pin.simulation.loop import Run
 from antenna_pin.trajectory.schema import labelled
 
@@ -24,17 +26,7 @@ __all__ = ["dataset"]
 Array = NDArray[np.float64]
 Values = Mapping[str, Any]
 
-_DOF_NAMES = {
-    "floating": ("x", "y", "z", "qx", "qy", "qz", "qw"),
-    "planar": ("x", "y", "cos", "sin"),
-    "continuous": ("cos", "sin"),
-    "spherical": ("qx", "qy", "qz", "qw"),
-}
-_RATE_NAMES = {
-    "floating": ("vx", "vy", "vz", "wx", "wy", "wz"),
-    "planar": ("vx", "vy", "wz"),
-    "spherical": ("wx", "wy", "wz"),
-}
+
 # Variables of the ledger, by the places in x where a system integrates them; what of it enters the balance.
 _LEDGER = {
     "drive_work": "work_x",
@@ -133,6 +125,7 @@ def dataset(run: Run, title: str, case: str, versions: dict[str, str], *, lean: 
         "gap_difference": run.gap_difference,
         "conservation": json.dumps(_conservation(seen)),
         **mechanism_attributes(run.system),
+        **constraint_attributes(run.system, times, states),
     }
     free = run.system.mechanism.base == "free"
     return labelled(values, _labels(seen), attributes, free_base=free, lean=lean)
@@ -146,7 +139,7 @@ def _joined(pieces: Iterable[Any], kind: Any) -> NDArray[Any]:
 def _labels(seen: _Seen) -> dict[str, Any]:
     """Return the labels of all dimensions and coordinates that the system has."""
     system = seen.system
-    configuration, velocity = _coordinate_names(system)
+    configuration, velocity = coordinate_names(system)
     labels: dict[str, Any] = {
         "time": seen.times,
         "axis": ("x", "y", "z"),
@@ -176,18 +169,6 @@ def _labels(seen: _Seen) -> dict[str, Any]:
     if seen.run.events:
         labels["event"] = [one.name for one in seen.run.happened]
     return labels
-
-
-def _coordinate_names(system: System) -> tuple[list[str], list[str]]:
-    configuration, velocity = [], []
-    if system.mechanism.base == "free":
-        configuration += [f"base.{name}" for name in _DOF_NAMES["floating"]]
-        velocity += [f"base.{name}" for name in _RATE_NAMES["floating"]]
-    for slot in system.mechanism.joints.values():
-        for target, names in ((configuration, _DOF_NAMES), (velocity, _RATE_NAMES)):
-            parts = names.get(slot.kind)
-            target += [slot.name] if parts is None else [f"{slot.name}.{part}" for part in parts]
-    return configuration, velocity
 
 
 # --- the sources of the schema: all variables of each ---

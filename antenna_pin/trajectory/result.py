@@ -111,6 +111,12 @@ class Trajectory:
     end: State | None = None
 
     @property
+    def constraints(self) -> dict[str, Any]:
+        """How many closures and motions are held, and how well; {} of a tree that nothing holds."""
+        found: dict[str, Any] = json.loads(self.data.attrs.get("constraints", "{}"))
+        return found
+
+    @property
     def completed(self) -> bool:
         """Whether the run reached the end of its time span, or the event that was to end it."""
         return self.outcome in (Outcome.COMPLETED, Outcome.STOPPED)

@@ -9,9 +9,12 @@ from antenna_pin.elements import (
     DRIVES,
     ELEMENTS,
     CallableDrive,
+    CallableMotion,
     ConstantDrive,
+    DistanceMotion,
     JointSpring,
     PDController,
+    PrescribedMotion,
     SineDrive,
     TableDrive,
     _kernels,
@@ -34,6 +37,23 @@ EXAMPLES = {
         PDController(joint="a", kp=8.0, kd=0.5, limit=2.0, angle=0.25, rate=0.5),
         "controller, kp 8 N m/rad, kd 0.5 N m s/rad, reference 0.25 rad + 0.5 rad/s · t, at most 2 N m",
         8.0 * 0.15 + 0.5 * 0.3,
+    ),
+    PrescribedMotion: (
+        PrescribedMotion(
+            joint="a", position=0.5, rate=2.0, coefficients=(0.0, 3.0), amplitude=4.0, frequency=1.5
+        ),
+        "motion 0.5 rad + 2 rad/s · t + 3 · t^3 + 4 rad × sin(2π · 1.5 Hz · t)",
+        0.0,
+    ),
+    DistanceMotion: (
+        DistanceMotion(joint="a", offset=(1.0, 2.0, 2.0), amplitude=(0.0, 0.1, 0.0), frequency=1.5),
+        "motion: distance to a point on a path that swings at 1.5 Hz",
+        0.0,
+    ),
+    CallableMotion: (
+        CallableMotion(joint="a", position=math.sin, velocity=math.cos, acceleration=lambda t: -math.sin(t)),
+        "motion: functions in Python",
+        0.0,
     ),
     CallableDrive: (CallableDrive(joint="a", torque=lambda t, a, r: 0.0), "a function in Python", 0.0),
     JointSpring: (

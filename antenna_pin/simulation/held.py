@@ -1,0 +1,87 @@
+"""What a result says of closures and motions: what they are, and how well they were held."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from antenna_pin.constraints import Anchor
+from antenna_pin.dynamics import System, Workspace, mobility_of
+
+__all__ = ["constraint_attributes"]
+
+Array = NDArray[np.float64]
+
+
+def constraint_attributes(system: System, times: Array, states: Array) -> dict[str, str]:
+    """Return the attributes of a dataset that describe its constraints; none of a tree that nothing holds.
+
+    ``closures`` (JSON) has of each closure its ``kind`` and, of its two sides, ``first_body``,
+    ``first_placement``, ``second_body`` and ``second_placement``: the link and the frame there, position [m]
+    and attitude (quaternion xyzw). ``constraints`` (JSON) has how many equations there are, of closures and
+    of motions, how many are independent at the start, the freedoms of the tree, those that the closures leave
+    and those that are left, the largest residuals at samples [m, rad, m/s, rad/s] and the energy that
+    corrections of the state after each step put in, in all [J].
+
+    Args:
+        system: The system.
+        times: Of the samples, (n,) [s].
+        states: [q, v, x] at each, (n, size).
+    """
+    if system.plan is None:
+        return {}
+    count = mobility_of(system, states[0])
+    put_in = states[-1, system.model.nq + system.model.nv + system.projection_x[0]]
+    put_in -= states[0, system.model.nq + system.model.nv + system.projection_x[0]]
+    return {
+        "closures": json.dumps(
+            {
+                name: {"kind": one.kind, **_side("first", one.first), **_side("second", one.second)}
+                for name, one in system.closures.items()
+            }
+        ),
+        "constraints": json.dumps(
+            {
+                "closure_equations": count.closed,
+                "closure_rank": count.closed_rank,
+                "motions": count.driven,
+                "rank": count.rank,
+                "freedoms": count.freedoms,
+                "mobility": count.free,
+                "freedoms_left": count.left,
+                **_residuals(system, times, states),
+                "projection_energy": float(put_in),
+            }
+        ),
+    }
+
+
+def _side(name: str, anchor: Anchor) -> dict[str, Any]:
+    quaternion = Rotation.from_matrix(anchor.rotation).as_quat()
+    return {
+        f"{name}_body": anchor.link,
+        f"{name}_placement": [*map(float, anchor.origin), *map(float, quaternion)],
+    }
+
+
+def _residuals(system: System, times: Array, states: Array) -> dict[str, float]:
+    workspace = Workspace(system)
+    constraints = workspace.constraints
+    assert constraints is not None
+    largest = dict.fromkeys(("gap", "turn", "speed", "spin"), 0.0)
+    for t, y in zip(times, states, strict=True):
+        workspace.prepare_motions(float(t), y)
+        found = constraints.residuals(float(t), y, workspace.program)
+        for name, before in largest.items():
+            largest[name] = max(before, float(found[name]))
+    names = {
+        "gap": "position_residual",
+        "turn": "angle_residual",
+        "speed": "velocity_residual",
+        "spin": "rate_residual",
+    }
+    return {names[name]: value for name, value in largest.items()}
