@@ -1,0 +1,112 @@
+"""Closed loops against maximal coordinates, tests/reference, which share nothing with the package.
+
+Both integrate to 1e-12 relative; what is left over a second is 1e-9 at most in either, so 1e-8 is asked.
+"""
+
+from functools import partial
+
+import five_legs
+import numpy as np
+import pytest
+from closed_arm import closed_arm
+from scipy.spatial.transform import Rotation
+from single_loops import bricard, four_bar, spatial_slider_crank
+
+from antenna_pin import load_scenario, simulate
+from antenna_pin.analysis import body_poses, body_twists
+
+KINDS = ("spherical", "revolute", "universal", "prismatic", "cylindrical", "planar", "fixed")
+
+LOOPS = {"four_bar": four_bar, "bricard": bricard, "spatial_slider_crank": spatial_slider_crank}
+LOOPS |= {f"arm_{kind}": partial(closed_arm, kind) for kind in KINDS}
+
+# Closures of the scenario among the joints of the reference, and how many of their loads are not unique.
+CLOSURES = {
+    "four_bar": {"rocker_pin": 3},
+    "bricard": {"pin_6": 1},
+    "spatial_slider_crank": {"ball": 0, "cross": 0},
+    "five_legs": {"s2": 0, "s3": 0, "s4": 0, "s5": 0},
+    **{f"arm_{kind}": {"closure": 0} for kind in KINDS},
+}
+
+
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory):
+    """Each mechanism's run by the package and by the reference, made once."""
+    found = {}
+
+    def run(name):
+        if name not in found:
+            folder = tmp_path_factory.mktemp(name)
+            if name == "five_legs":
+                urdf, scenario = five_legs.urdf(), five_legs.scenario()
+                system, start = five_legs.platform(), None
+            else:
+                loop = LOOPS[name]()
+                urdf, scenario = loop.urdf, loop.scenario
+                system, start = loop.system, loop.start
+            (folder / "loop.urdf").write_text(urdf)
+            (folder / "scenario.toml").write_text(scenario)
+            ours = simulate(load_scenario(folder / "scenario.toml")).data
+            found[name] = ours, system.run(ours["time"].values, start)
+        return found[name]
+
+    return run
+
+
+@pytest.mark.parametrize("name", CLOSURES)
+def test_bodies_are_where_they_are_in_maximal_coordinates(runs, name):
+    ours, reference = runs(name)
+    poses, twists = body_poses(ours), body_twists(ours)
+    assert len(ours["time"]) == (9 if name.startswith("arm") else 21)
+    for body in reference.system.bodies:
+        # The platform's link has its frame at its joint with leg 1.
+        point = five_legs.PLATFORM_POINTS[0] if body == "platform" else (0.0, 0.0, 0.0)
+        at = {"body": body}
+        turn = Rotation.from_quat(poses["attitude"].sel(at).values)
+        velocity = turn.apply(twists["velocity"].sel(at).values)
+        spin = turn.apply(twists["angular_velocity"].sel(at).values)
+        np.testing.assert_allclose(
+            poses["position"].sel(at), reference.position(body, point), atol=1e-8, rtol=0
+        )
+        np.testing.assert_allclose(turn.as_matrix(), reference.rotation(body), atol=1e-8, rtol=0)
+        np.testing.assert_allclose(velocity, reference.velocity(body, point), atol=1e-8, rtol=0)
+        np.testing.assert_allclose(spin, reference.spin(body), atol=1e-8, rtol=0)
+    # Some body did move, or nothing was shown.
+    assert max(np.ptp(reference.position(body), axis=0).max() for body in reference.system.bodies) > 0.05
+
+
+@pytest.mark.parametrize(
+    ("name", "closure", "open_"), [(n, c, k) for n in CLOSURES for c, k in CLOSURES[n].items()]
+)
+def test_what_closures_carry(runs, name, closure, open_):
+    """Force and moment, but for what redundant rows may add to them."""
+    ours, reference = runs(name)
+    at = {"closure": closure}
+    load = np.hstack([ours["closure_force"].sel(at).values, ours["closure_moment"].sel(at).values])
+    expected = np.hstack(reference.load(closure))
+    size = np.abs(expected).max()
+    for row, other, ambiguous in zip(load, expected, reference.ambiguous(closure), strict=True):
+        values = np.linalg.svd(ambiguous, full_matrices=False)
+        kept = values.U[:, values.S > 1e-7] if ambiguous.size else np.zeros((6, 0))
+        assert kept.shape[1] == open_
+        difference = row - other
+        difference -= kept @ (kept.T @ difference)
+        assert np.abs(difference).max() < 1e-8 * size
+
+
+def test_efforts_of_prescribed_motions(runs):
+    """Drive forces of five legs, a kilonewton at most, to 1e-8 of the largest."""
+    ours, reference = runs("five_legs")
+    largest = np.abs(reference.multipliers).max()
+    for k in range(1, 6):
+        effort = ours["drive_torque"].sel(drive=f"leg{k}").values
+        np.testing.assert_allclose(effort, reference.drive(f"p{k}"), rtol=0, atol=1e-8 * largest)
+
+
+def test_the_platform_of_five_driven_legs_is_on_its_path(runs):
+    """In closed form, to round-off: motions are met to round-off, and nothing else is free."""
+    ours, _ = runs("five_legs")
+    link = body_poses(ours).sel(body="platform")
+    path = np.array([five_legs.path(t)[0] for t in ours["time"].values]) + five_legs.PLATFORM_POINTS[0]
+    np.testing.assert_allclose(link["position"], path, rtol=0, atol=1e-12)
