@@ -4,6 +4,15 @@ from antenna_pin.analysis.attitude import interpolate_attitude, interpolation_er
 from antenna_pin.analysis.base import base_motion
 from antenna_pin.analysis.bodies import body_poses, body_twists, joint_loads, mechanism_of
 from antenna_pin.analysis.body import body_deviation, body_motion, moved_body
+from antenna_pin.analysis.closures import (
+    closure_loads,
+    closures_of,
+    drive_loads,
+    drive_power,
+    drives_of,
+    effort_unit,
+    said_of_constraints,
+)
 from antenna_pin.analysis.deviation import Deviation, DeviationMeasures, deviation
 from antenna_pin.analysis.growth import Growth, growth_of
 from antenna_pin.analysis.impacts import impact_statistics, impacts
@@ -56,8 +65,14 @@ __all__ = [
     "bore_load",
     "boresight",
     "clearance_shapes",
+    "closure_loads",
+    "closures_of",
     "deviation",
     "dominant_frequencies",
+    "drive_loads",
+    "drive_power",
+    "drives_of",
+    "effort_unit",
     "error_components",
     "growth_of",
     "impact_statistics",
@@ -73,6 +88,7 @@ __all__ = [
     "pointing_indices",
     "possible_scenarios",
     "resampled",
+    "said_of_constraints",
     "scenario_of",
     "scenario_rows",
     "scenario_shares",

@@ -8,6 +8,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
+from antenna_pin.analysis.closures import closure_wrenches
 from antenna_pin.errors import FileFormatError
 from antenna_pin.mechanism import (
     Mechanism,
@@ -131,7 +132,9 @@ def body_twists(run: Trajectory | xr.Dataset, times: ArrayLike | None = None) ->
 def joint_loads(run: Trajectory | xr.Dataset, times: ArrayLike | None = None) -> xr.Dataset:
     """Return what each moving joint passes from parent to child, by inverse dynamics of the recorded motion.
 
-    It holds for ideal joints and joints with play alike: constraint or contact forces and motor torques.
+    It holds for ideal joints and joints with play alike, in closed loops too: constraint or contact forces
+    and motor torques. Where a loop has redundant equations, what its joints share is that of the result's
+    ``closure_force`` and ``closure_moment``.
 
     Args:
         run: A run, or its data.
@@ -143,7 +146,9 @@ def joint_loads(run: Trajectory | xr.Dataset, times: ArrayLike | None = None) ->
     """
     data = _picked(run, times)
     mechanism = mechanism_of(run)
-    wrenches = transmitted_wrenches(mechanism, _array(data, "q"), _array(data, "v"), _array(data, "a"))
+    q = _array(data, "q")
+    applied = closure_wrenches(data, mechanism, link_poses(mechanism, q)) if "closure" in data.sizes else []
+    wrenches = transmitted_wrenches(mechanism, q, _array(data, "v"), _array(data, "a"), applied)
     dims = ("time", "moving_joint", "axis")
     return xr.Dataset(
         {

@@ -7,6 +7,7 @@ from antenna_pin.constraints.assembly import (
     find_configuration,
     find_velocity,
     mobility,
+    redundancies,
 )
 from antenna_pin.constraints.closure import CLOSURES, WORLD, Anchor, Closure, ClosureKind, Holds
 from antenna_pin.constraints.plan import DrivenJoint, Plan, make_plan
@@ -29,4 +30,5 @@ __all__ = [
     "find_velocity",
     "make_plan",
     "mobility",
+    "redundancies",
 ]

@@ -12,7 +12,15 @@ from numpy.typing import NDArray
 from antenna_pin.constraints._solve_kernels import DEPENDENT, NOTHING
 from antenna_pin.constraints.solver import Constraints
 
-__all__ = ["Mobility", "Unclosed", "find_configuration", "find_velocity", "mobility"]
+__all__ = [
+    "Mobility",
+    "Redundancy",
+    "Unclosed",
+    "find_configuration",
+    "find_velocity",
+    "mobility",
+    "redundancies",
+]
 
 Array = NDArray[np.float64]
 Retract = Callable[[Array, Array], None]
@@ -209,23 +217,65 @@ class Mobility:
 
 def mobility(constraints: Constraints, t: float, y: Array, program: Array) -> Mobility:
     """Return how a mechanism can move in a state."""
+    rows = _reduced(constraints, t, y, program)
+    motions = len(constraints.plan.motions)
+    return Mobility(
+        freedoms=constraints.model.nv,
+        closed=len(rows) - motions,
+        closed_rank=_rank(rows[motions:]),
+        driven=motions,
+        rank=_rank(rows),
+    )
+
+
+def _reduced(constraints: Constraints, t: float, y: Array, program: Array) -> Array:
+    """Return the rows in directions of equal kinetic energy, (rows, nv); zero for one that says nothing."""
     model = constraints.model
     constraints.residuals(t, y, program)
     rows = constraints.jacobian.copy()
     root = np.linalg.cholesky(pin.crba(model, constraints.data, y[: model.nq]))
-    reduced = np.linalg.solve(root, rows.T).T
     says = np.abs(rows).max(axis=1) > NOTHING * constraints.plan.length
-    motions = len(constraints.plan.motions)
-    return Mobility(
-        freedoms=model.nv,
-        closed=len(rows) - motions,
-        closed_rank=_rank(reduced[motions:][says[motions:]]),
-        driven=motions,
-        rank=_rank(reduced[says]),
-    )
+    return np.asarray(np.linalg.solve(root, rows.T).T * says[:, None])
+
+
+@dataclass(frozen=True, slots=True)
+class Redundancy:
+    """That equations of a closure follow from others.
+
+    Attributes:
+        equations: How many could be left out together.
+        among: Each equation that could be left out alone, in words: ``along z`` in axes of the first side.
+    """
+
+    equations: int
+    among: tuple[str, ...]
+
+
+def redundancies(constraints: Constraints, t: float, y: Array, program: Array) -> dict[str, Redundancy]:
+    """Return which closures have equations that the other equations of closures imply, by name.
+
+    Where loops share what is redundant, each of them is named, so that the numbers may add up to more.
+    """
+    plan = constraints.plan
+    rows = _reduced(constraints, t, y, program)[len(plan.motions) :]
+    rank = _rank(rows)
+    found = {}
+    for name, words in plan.rows.items():
+        start = plan.first_row[name] - len(plan.motions)
+        own = range(start, start + len(words))
+        equations = len(words) - (rank - _rank(np.delete(rows, own, axis=0)))
+        if equations > 0:
+            among = (
+                word
+                for row, word in zip(own, words, strict=True)
+                if _rank(np.delete(rows, row, axis=0)) == rank
+            )
+            found[name] = Redundancy(equations, tuple(among))
+    return found
 
 
 def _rank(rows: Array) -> int:
+    rows = rows[rows.any(axis=1)]
     if len(rows) == 0:
         return 0
     unit = rows / np.linalg.norm(rows, axis=1)[:, None]

@@ -1,7 +1,14 @@
 """Free-floating equations of motion, joints held by constraint, force elements, audits."""
 
 from antenna_pin.dynamics.adjust import Adjustments
-from antenna_pin.dynamics.assembled import BASE, assemble, assembled, check_closed, mobility_of
+from antenna_pin.dynamics.assembled import (
+    BASE,
+    assemble,
+    assembled,
+    check_closed,
+    constraint_counts,
+    mobility_of,
+)
 from antenna_pin.dynamics.audit import Audit, audit
 from antenna_pin.dynamics.evaluate import acceleration, contact_memory
 from antenna_pin.dynamics.held import HeldKind
@@ -34,6 +41,7 @@ __all__ = [
     "contact_memory",
     "joint_motion",
     "journal_attitudes",
+    "constraint_counts",
     "mobility_of",
     "observed",
     "sliding_motion",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,6 +15,7 @@ from antenna_pin.constraints import (
     find_configuration,
     find_velocity,
     mobility,
+    redundancies,
 )
 from antenna_pin.dynamics.system import System
 from antenna_pin.dynamics.workspace import Workspace
@@ -21,7 +23,7 @@ from antenna_pin.errors import MechanismError
 from antenna_pin.mechanism import JointSlot
 from antenna_pin.readable import number
 
-__all__ = ["BASE", "assemble", "assembled", "check_closed", "mobility_of"]
+__all__ = ["BASE", "assemble", "assembled", "check_closed", "constraint_counts", "mobility_of"]
 
 Array = NDArray[np.float64]
 
@@ -154,6 +156,38 @@ def mobility_of(system: System, y: Array) -> Mobility:
     assert workspace.constraints is not None
     workspace.prepare_motions(0.0, y)
     return mobility(workspace.constraints, 0.0, y, workspace.program)
+
+
+def constraint_counts(system: System, y: Array) -> dict[str, Any]:
+    """Return how many equations hold a system in a state [q, v, x], and what they leave free.
+
+    ``closure_equations``, ``closure_rank`` (independent ones), ``motions``, ``rank`` (of both), ``freedoms``
+    of the tree, ``mobility`` (what closures leave), ``freedoms_left`` (what both leave), and ``redundant``:
+    of each closure with equations that others imply, how many ``equations`` that are, and ``among`` which.
+    """
+    if system.plan is None:
+        nv = system.model.nv
+        zero = dict.fromkeys(("closure_equations", "closure_rank", "motions", "rank"), 0)
+        return {**zero, "freedoms": nv, "mobility": nv, "freedoms_left": nv, "redundant": {}}
+    count = mobility_of(system, y)
+    found = {}
+    if count.redundant:
+        workspace = Workspace(system)
+        assert workspace.constraints is not None
+        workspace.prepare_motions(0.0, y)
+        found = redundancies(workspace.constraints, 0.0, y, workspace.program)
+    return {
+        "closure_equations": count.closed,
+        "closure_rank": count.closed_rank,
+        "motions": count.driven,
+        "rank": count.rank,
+        "freedoms": count.freedoms,
+        "mobility": count.free,
+        "freedoms_left": count.left,
+        "redundant": {
+            name: {"equations": one.equations, "among": list(one.among)} for name, one in found.items()
+        },
+    }
 
 
 def check_closed(system: System, y: Array) -> None:

@@ -16,6 +16,7 @@ from scipy.spatial.transform import Rotation
 
 from antenna_pin.contact import DISSIPATIONS, FRICTION_LAWS, NORMAL_LAWS, DampedContact
 from antenna_pin.dynamics import System
+from antenna_pin.elements import Element, Motion
 from antenna_pin.joints import ClearanceJoint
 from antenna_pin.mechanism import frame_aligning_z
 from antenna_pin.readable import number
@@ -31,7 +32,8 @@ def mechanism_attributes(system: System) -> dict[str, str]:
 
     ``urdf`` is the text of the variant that was simulated, ``urdf_folder`` the folder of its meshes (empty if
     unknown), ``mechanism`` its base and gravity [m/s^2] and what may have an impossible inertia (JSON), and
-    ``clearance_joints`` what :func:`carried_joints` tells (JSON).
+    ``clearance_joints`` what :func:`carried_joints` tells (JSON). ``drives`` (JSON) has of each its
+    ``joint``, whether that ``slides`` along its axis, and whether it prescribes the joint's ``motion``.
     """
     mechanism = system.mechanism
     return {
@@ -45,7 +47,16 @@ def mechanism_attributes(system: System) -> dict[str, str]:
             }
         ),
         "clearance_joints": json.dumps(carried_joints(system)),
+        "drives": json.dumps({name: _drive(system, drive) for name, drive in system.drives.items()}),
     }
+
+
+def _drive(system: System, drive: Element) -> dict[str, Any]:
+    slot = system.mechanism.joint(drive.joint)
+    slides = slot.kind == "prismatic" or any(
+        joint.name == drive.joint and joint.geometry.motion == "slide" for joint in system.clearances
+    )
+    return {"joint": drive.joint, "slides": slides, "motion": isinstance(drive, Motion)}
 
 
 def carried_joints(system: System) -> dict[str, dict[str, Any]]:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from antenna_pin.constraints import Anchor
-from antenna_pin.dynamics import System, Workspace, mobility_of
+from antenna_pin.dynamics import System, Workspace, constraint_counts
 
 __all__ = ["constraint_attributes"]
 
@@ -24,7 +24,8 @@ def constraint_attributes(system: System, times: Array, states: Array) -> dict[s
     ``first_placement``, ``second_body`` and ``second_placement``: the link and the frame there, position [m]
     and attitude (quaternion xyzw). ``constraints`` (JSON) has how many equations there are, of closures and
     of motions, how many are independent at the start, the freedoms of the tree, those that the closures leave
-    and those that are left, the largest residuals at samples [m, rad, m/s, rad/s] and the energy that
+    and those that are left, where redundant equations are (:func:`antenna_pin.dynamics.constraint_counts`),
+    the largest residuals at samples [m, rad, m/s, rad/s] and the energy that
     corrections of the state after each step put in, in all [J].
 
     Args:
@@ -34,7 +35,6 @@ def constraint_attributes(system: System, times: Array, states: Array) -> dict[s
     """
     if system.plan is None:
         return {}
-    count = mobility_of(system, states[0])
     put_in = states[-1, system.model.nq + system.model.nv + system.projection_x[0]]
     put_in -= states[0, system.model.nq + system.model.nv + system.projection_x[0]]
     return {
@@ -46,13 +46,7 @@ def constraint_attributes(system: System, times: Array, states: Array) -> dict[s
         ),
         "constraints": json.dumps(
             {
-                "closure_equations": count.closed,
-                "closure_rank": count.closed_rank,
-                "motions": count.driven,
-                "rank": count.rank,
-                "freedoms": count.freedoms,
-                "mobility": count.free,
-                "freedoms_left": count.left,
+                **constraint_counts(system, states[0]),
                 **_residuals(system, times, states),
                 "projection_energy": float(put_in),
             }

@@ -14,6 +14,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from antenna_pin.dynamics import Observed, System, joint_motion, journal_attitudes, observed, sliding_motion
+from antenna_pin.elements import Motion
 from antenna_pin.records import MEMORY
 from antenna_pin.simulation.carried import mechanism_attributes
 from antenna_pin.simulation.coordinates import coordinate_names
@@ -159,6 +160,7 @@ def _labels(seen: _Seen) -> dict[str, Any]:
         ("clearance_joint", [joint.name for joint in system.clearances]),
         ("drive", list(system.drives)),
         ("controller", [name for name, drive in system.drives.items() if drive.tracks]),
+        ("motion", [name for name, drive in system.drives.items() if isinstance(drive, Motion)]),
         ("spring", list(system.springs)),
         ("closure", list(system.closures)),
     ):
@@ -248,7 +250,13 @@ def _motion(seen: _Seen) -> Values:
 
 def _summary(seen: _Seen) -> Values:
     moved, total = _motion(seen), {name: series[-1] for name, series in seen.ledger.items()}
+    drives = seen.system.drives.values()
+    closure = np.linalg.norm(seen.found.closure, axis=3).max(axis=0)
+    efforts = np.abs(seen.found.effort["effort"]).max(axis=0)
     return {
+        "peak_effort": efforts[[isinstance(drive, Motion) for drive in drives]],
+        "peak_closure_force": closure[:, 0],
+        "peak_closure_moment": closure[:, 1],
         "final_angle": moved["motion_angle"][-1],
         "final_rate": moved["motion_rate"][-1],
         "peak_acceleration": np.abs(moved["motion_acceleration"]).max(axis=0),

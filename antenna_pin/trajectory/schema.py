@@ -31,6 +31,7 @@ DIMENSIONS: dict[str, str] = {
     "contact": "candidate contacts, by their joint, kind and end",
     "drive": "drives, by name",
     "controller": "drives that follow a reference, by name",
+    "motion": "drives that prescribe their joint's motion, by name",
     "spring": "springs and dampers, by name",
     "closure": "joints that close loops, or are held by constraint, by name",
     "event": "events of the user's that happened, by name",
@@ -252,6 +253,17 @@ def _table() -> Iterator[Variable]:
         "contact",
         ("total_normal_loss", "J", "energy lost to normal contact from start to end"),
         ("total_friction_loss", "J", "energy lost to friction from start to end"),
+    )
+    yield from _rows(
+        "summary",
+        "motion",
+        ("peak_effort", "N m", "largest size at a sample of the torque that holds the motion (a force [N])"),
+    )
+    yield from _rows(
+        "summary",
+        "closure",
+        ("peak_closure_force", "N", "largest force of the closure at a sample"),
+        ("peak_closure_moment", "N m", "largest moment of the closure at a sample"),
     )
     yield from _rows("summary", "spring", ("total_damper_loss", "J", "energy lost in the damper in all"))
     yield from _rows(

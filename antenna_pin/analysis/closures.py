@@ -1,0 +1,218 @@
+"""What the closures of loops and prescribed motions of a run carried, and how many they are."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from scipy.spatial.transform import Rotation
+
+from antenna_pin.analysis._run import Array, RunLike, data_of, sample_times
+from antenna_pin.analysis.sampled import time_rms
+from antenna_pin.mechanism import Mechanism
+from antenna_pin.trajectory import names_along
+
+__all__ = [
+    "closure_loads",
+    "closure_wrenches",
+    "closures_of",
+    "drive_power",
+    "drive_loads",
+    "drives_of",
+    "effort_unit",
+    "said_of_constraints",
+]
+
+
+def closures_of(run: RunLike) -> dict[str, dict[str, Any]]:
+    """Return the closures of a run by name: kind, links and placements, as a result carries them."""
+    found: dict[str, dict[str, Any]] = json.loads(data_of(run).attrs.get("closures", "{}"))
+    return found
+
+
+def drives_of(run: RunLike) -> dict[str, dict[str, Any]]:
+    """Return the drives of a run by name: joint, whether it slides, and whether its motion is prescribed.
+
+    Results of versions that knew no closed loops do not tell.
+    """
+    found: dict[str, dict[str, Any]] = json.loads(data_of(run).attrs.get("drives", "{}"))
+    return found
+
+
+def effort_unit(run: RunLike, drive: str) -> str:
+    """Return the unit of a drive's effort: N at a joint that slides, N m at one that turns."""
+    return "N" if drives_of(run).get(drive, {}).get("slides") else "N m"
+
+
+def closure_wrenches(
+    data: xr.Dataset, mechanism: Mechanism, poses: tuple[Array, Array]
+) -> list[tuple[str, Array]]:
+    """Return what the closures of loops do to links, for :func:`antenna_pin.mechanism.transmitted_wrenches`.
+
+    Closures that hold a joint of the tree are left out: theirs is that joint's own load.
+
+    Args:
+        data: Of a run.
+        mechanism: Its mechanism.
+        poses: Positions [m] and attitudes of all links, of :func:`antenna_pin.mechanism.link_poses`.
+
+    Returns:
+        Links, each with force [N] and moment about the world's origin [N m], (n, 6), world axes.
+    """
+    links = [link.name for link in mechanism.urdf.robot.links]
+    found: list[tuple[str, Array]] = []
+
+    def placed(link: str, local: Array) -> tuple[Array, Rotation]:
+        """Return a frame on a link in the world."""
+        turn = Rotation.from_quat(local[3:])
+        if link not in links:  # the world
+            return local[:3], turn
+        k = links.index(link)
+        attitude = Rotation.from_quat(poses[1][:, k])
+        return poses[0][:, k] + attitude.apply(local[:3]), attitude * turn
+
+    for name, closure in closures_of(data).items():
+        if name in mechanism.joints:
+            continue
+        _, axes = placed(closure["first_body"], np.array(closure["first_placement"]))
+        point, _ = placed(closure["second_body"], np.array(closure["second_placement"]))
+        force = axes.apply(np.asarray(data["closure_force"].sel(closure=name).values, dtype=float))
+        moment = axes.apply(np.asarray(data["closure_moment"].sel(closure=name).values, dtype=float))
+        wrench = np.hstack([force, moment + np.cross(np.broadcast_to(point, force.shape), force)])
+        for link, sign in ((closure["first_body"], -1.0), (closure["second_body"], 1.0)):
+            if link in links:
+                found.append((link, sign * wrench))
+    return found
+
+
+_FORCES = {
+    "peak_force": ("N", "largest force at a sample"),
+    "time_of_peak_force": ("s", "when it was"),
+    "rms_force": ("N", "root mean square of the force"),
+    "peak_moment": ("N m", "largest moment at a sample"),
+    "rms_moment": ("N m", "root mean square of the moment"),
+}
+_EFFORTS = {
+    "peak_effort": ("N m", "largest size of the effort at a sample (N if it slides)"),
+    "time_of_peak_effort": ("s", "when it was"),
+    "rms_effort": ("N m", "root mean square of the effort (N if it slides)"),
+    "peak_power": ("W", "largest size of the power at a sample"),
+    "work": ("J", "work since the start"),
+    "gross_work": ("J", "integral of the size of the power"),
+}
+
+
+def closure_loads(run: RunLike) -> xr.Dataset:
+    """Return what each closure of a run carried: sizes of its force and its moment about its point.
+
+    Args:
+        run: A run, or its data.
+
+    Returns:
+        Over ``closure``: ``peak_force`` [N], ``time_of_peak_force`` [s], ``rms_force`` [N], ``peak_moment``,
+        ``rms_moment`` [N m]; no rows for a run without closures. Where loops have redundant equations, the
+        loads are the least that do.
+    """
+    data = data_of(run)
+    time = sample_times(data, "closure_loads")
+    rows = []
+    for name in names_along(data, "closure"):
+        force, moment = (
+            np.linalg.norm(np.asarray(data[f"closure_{what}"].sel(closure=name).values, dtype=float), axis=1)
+            for what in ("force", "moment")
+        )
+        at = float(time[int(np.argmax(force))])
+        rms = float(time_rms(time, force)), float(time_rms(time, moment))
+        rows.append([float(force.max()), at, rms[0], float(moment.max()), rms[1]])
+    return _table("closure", names_along(data, "closure"), rows, _FORCES)
+
+
+def drive_loads(run: RunLike) -> xr.Dataset:
+    """Return what each drive of a run exerted; of a prescribed motion, what it took to hold it.
+
+    Args:
+        run: A run, or its data.
+
+    Returns:
+        Over ``drive``: ``peak_effort`` [N m] ([N] if it slides), ``time_of_peak_effort`` [s],
+        ``rms_effort``, ``peak_power`` [W], ``work`` and ``gross_work`` [J]; no rows for a run without drives.
+    """
+    data = data_of(run)
+    time = sample_times(data, "drive_loads")
+    rows = []
+    for name in names_along(data, "drive"):
+        effort = np.asarray(data["drive_torque"].sel(drive=name).values, dtype=float)
+        size = np.abs(effort)
+        totals = [float(data[f"total_{what}"].sel(drive=name)) for what in ("work", "gross_work")]
+        at = float(time[int(np.argmax(size))])
+        power = drive_power(data, name)
+        most = float("nan") if power is None else float(np.abs(power).max())
+        rows.append([float(size.max()), at, float(time_rms(time, effort)), most, *totals])
+    return _table("drive", names_along(data, "drive"), rows, _EFFORTS)
+
+
+def drive_power(run: RunLike, drive: str) -> Array | None:
+    """Return the power of a drive [W] at the samples; None where the result does not say of which joint."""
+    data = data_of(run)
+    about = drives_of(run).get(drive)
+    if about is None:
+        return None
+    dimension, rate = ("sliding_joint", "slide_rate") if about["slides"] else ("joint", "motion_rate")
+    if about["joint"] not in names_along(data, dimension):
+        return None
+    effort = np.asarray(data["drive_torque"].sel(drive=drive).values, dtype=float)
+    return np.asarray(effort * data[rate].sel({dimension: about["joint"]}).values)
+
+
+def _table(
+    dimension: str, names: list[str], rows: list[list[float]], columns: Mapping[str, tuple[str, str]]
+) -> xr.Dataset:
+    values = np.array(rows, dtype=float).reshape(len(names), len(columns))
+    return xr.Dataset(
+        {
+            column: ((dimension,), values[:, k], {"units": units, "long_name": meaning})
+            for k, (column, (units, meaning)) in enumerate(columns.items())
+        },
+        coords={dimension: np.array(names, dtype=object) if names else np.zeros(0, dtype="<U1")},
+    )
+
+
+def said_of_constraints(counts: Mapping[str, Any]) -> str:
+    """Return in a sentence how many equations closures and motions are, and what they leave free.
+
+    Args:
+        counts: As of ``Trajectory.constraints``.
+    """
+    equations, rank, motions = (counts[key] for key in ("closure_equations", "closure_rank", "motions"))
+    mobility, left = counts["mobility"], counts["freedoms_left"]
+    parts = [
+        f"{_many(equations, 'equation')} of closures, {rank} independent" if equations else "no closures",
+    ]
+    if equations > rank:
+        parts[0] += f" ({_redundant(counts)})"
+    if motions:
+        of = "motion" if motions == 1 else "motions"
+        parts += [f"{motions} {of}", f"mobility {left} ({mobility} without the {of})"]
+    else:
+        parts.append(f"mobility {mobility}")
+    return "; ".join(parts)
+
+
+def _many(count: int, noun: str) -> str:
+    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
+
+
+def _redundant(counts: Mapping[str, Any]) -> str:
+    """Return how many equations others imply, and of which closures they are."""
+    found = counts["closure_equations"] - counts["closure_rank"]
+    closures = counts.get("redundant", {})
+    shared = sum(one["equations"] for one in closures.values()) > found
+    places = []
+    for name, one in closures.items():
+        exact = len(one["among"]) == one["equations"]
+        rows = ", ".join(one["among"]) if exact else f"{one['equations']} of {', '.join(one['among'])}"
+        places.append(f"{name}: {rows}")
+    return f"{found} redundant{', shared among' if shared else ','} {'; '.join(places)}"
