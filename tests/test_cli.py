@@ -71,7 +71,16 @@ def test_list_has_one_line_per_case(cli):
     lines = said.out.splitlines()
     assert lines[0] == "bai2020: Dual-axis satellite antenna with a 3D revolute clearance joint"
     shipped = [line.split(":")[0] for line in lines if not line.startswith(" ")]
-    assert shipped == ["bai2020", "impact_pair", "pendulum", "slider", "spherical_pendulum", "you2010"]
+    assert shipped == [
+        "bai2020",
+        "chen2021",
+        "impact_pair",
+        "pendulum",
+        "slider",
+        "slider_crank",
+        "spherical_pendulum",
+        "you2010",
+    ]
     assert [line.split()[0] for line in lines[1:8]] == [
         "case1",
         "case1-constraint",

@@ -111,27 +111,30 @@ def figure_steady_force(
         runs: Trajectories, or pairs of a label and a dataset.
         joint: Name of the joint; the first one with clearance if left out.
         ideal: The run to compare with; the first run without any contact if left out.
-        zoom: Start and end of the close view [s]; the last fiftieth of the longest run if left out.
+        zoom: Start and end of the close view [s]; around the largest force of that half if left out.
         width: "column" (88 mm) or "page" (180 mm).
     """
     every, reference = with_reference(runs, ideal)
     joint, drawn, forces = _forces(every, reference, joint)
     start, end = min(run.time[0] for run in drawn), max(run.time[-1] for run in drawn)
     middle = 0.5 * (start + end)
-    factor, printed = prefixed(
-        "N", max(_largest(run, force, middle) for run, force in zip(drawn, forces, strict=True))
-    )
     figure = new_figure(width, 110.0)
     panels = figure.subplots(2, 1, squeeze=False).ravel()
-    window = zoom or (end - 0.02 * (end - start), end)
+    held = [np.where(run.time >= middle, force, 0.0) for run, force in zip(drawn, forces, strict=True)]
+    hardest = max(range(len(drawn)), key=lambda k: float(np.nanmax(held[k])))
+    peak = float(drawn[hardest].time[int(np.nanargmax(held[hardest]))])
+    half = 0.02 * (end - start)
+    centre = min(max(peak, middle + half), end - half)
+    window = zoom or (centre - half, centre + half)
+    factor, printed = prefixed("N", float(np.nanmax(held[hardest])))
     spans = ((middle, end), window)
     for axes, span, letter, title in zip(
         panels, spans, "ab", ("second half of the run", "close view of the shaded span"), strict=True
     ):
         for run, force, style in zip(drawn, forces, styles(drawn, reference), strict=True):
-            held = (run.time >= span[0]) & (run.time <= span[1])
-            many = np.count_nonzero(held) > MANY
-            axes.plot(run.time[held], factor * force[held], label=run.legend, rasterized=many, **style)
+            shown = (run.time >= span[0]) & (run.time <= span[1])
+            many = np.count_nonzero(shown) > MANY
+            axes.plot(run.time[shown], factor * force[shown], label=run.legend, rasterized=many, **style)
         axes.set_xlim(span)
         few_ticks(axes, 6)
         panel_title(axes, letter, title)
@@ -156,11 +159,6 @@ def _forces(
         for run in drawn
     ]
     return joint, drawn, forces
-
-
-def _largest(run: LabelledRun, force: Array, start: float) -> float:
-    """Return the largest force from a time on [N]."""
-    return float(np.nanmax(force[run.time >= start], initial=0.0))
 
 
 def _around(time: Array, force: Array) -> tuple[float, float]:

@@ -6,13 +6,17 @@ Nothing is simulated here: give the runs of the cases, or let ``antenna-pin figu
 from __future__ import annotations
 
 from antenna_pin.errors import UnknownNameError
-from antenna_pin.plot.papers import bai2020, you2010
+from antenna_pin.plot.papers import bai2020, chen2021, you2010
 from antenna_pin.plot.papers._figure import PaperFigure
 
 __all__ = ["PAPERS", "PaperFigure", "paper_figures"]
 
 #: The figures of each paper, by the name of the shipped model that repeats them.
-PAPERS: dict[str, tuple[PaperFigure, ...]] = {"bai2020": bai2020.FIGURES, "you2010": you2010.FIGURES}
+PAPERS: dict[str, tuple[PaperFigure, ...]] = {
+    "bai2020": bai2020.FIGURES,
+    "you2010": you2010.FIGURES,
+    "chen2021": chen2021.FIGURES,
+}
 
 
 def paper_figures(model: str) -> tuple[PaperFigure, ...]:

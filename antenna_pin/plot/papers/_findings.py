@@ -7,15 +7,18 @@ import xarray as xr
 
 from antenna_pin.analysis import (
     base_motion,
+    body_deviation,
     deviation,
     impacts,
     joint_loads,
     journal_motion,
     load_statistics,
+    moved_body,
     settling,
+    time_mean,
 )
 from antenna_pin.errors import AntennaPinError
-from antenna_pin.plot._style import prefixed, three_digits
+from antenna_pin.plot._style import Array, prefixed, three_digits
 from antenna_pin.plot.papers._figure import Cases
 
 
@@ -53,6 +56,45 @@ def of_joints(cases: Cases, quantity: str) -> str:
     """Return the largest deviation of every joint from the ideal run."""
     names = [str(name) for name in next(iter(cases.values()))["joint"].values]
     return ". ".join(deviations(cases, f"{name} {quantity}") for name in names)
+
+
+def of_body(cases: Cases, quantity: str, joint: str) -> str:
+    """Return how far the body that a joint moves is from the ideal run: at most, and in the second half."""
+    (_, ideal), *others = cases.items()
+    body, parts = moved_body(ideal, joint), []
+    for case, data in others:
+        try:
+            apart = body_deviation(data, ideal, body)[quantity]
+        except AntennaPinError as error:
+            parts.append(f"{case}: {error}")
+            continue
+        unit, size = str(apart.attrs["units"]), np.linalg.norm(apart.values, axis=1)
+        late = _second_half(apart["time"].values)
+        words = f"in the second half up to {with_unit(float(size[late].max()), unit)}"
+        if quantity == "position":
+            means = time_mean(apart["time"].values[late], apart.values[late])
+            along = (f"{axis} {with_unit(value, unit)}" for axis, value in zip("xyz", means, strict=True))
+            words += f", in the mean {', '.join(along)}"
+        parts.append(f"{case} up to {with_unit(float(size.max()), unit)}, {words}")
+    return f"deviation of the {body} from the ideal run: {'; '.join(parts)}"
+
+
+def steady_forces(cases: Cases, joint: str) -> str:
+    """Return between which sizes the force through a joint stays in the second half of each run."""
+    parts = []
+    for case, data in cases.items():
+        force = joint_loads(data)["force"].sel(moving_joint=joint)
+        size = np.linalg.norm(force.values, axis=1)[_second_half(np.asarray(force["time"].values))]
+        low, high = float(size.min()), float(size.max())
+        ratio = f", ratio {three_digits(high / low)}" if low > 0.0 else ""
+        parts.append(f"{case} {with_unit(low, 'N')} to {with_unit(high, 'N')}{ratio}")
+    return f"force through {joint} in the second half of the run: {'; '.join(parts)}"
+
+
+def _second_half(time: Array) -> slice:
+    """Return the samples of the second half of a run."""
+    middle = 0.5 * (float(time[0]) + float(time[-1]))
+    return slice(int(np.searchsorted(time, middle)), None)
 
 
 def peak_accelerations(cases: Cases, joint: str) -> str:
