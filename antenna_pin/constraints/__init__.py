@@ -6,8 +6,10 @@ from antenna_pin.constraints.assembly import (
     directions,
     find_configuration,
     find_velocity,
+    least_row,
     mobility,
     redundancies,
+    worst_row,
 )
 from antenna_pin.constraints.closure import CLOSURES, WORLD, Anchor, Closure, ClosureKind, Holds
 from antenna_pin.constraints.plan import DrivenJoint, Plan, make_plan
@@ -28,7 +30,9 @@ __all__ = [
     "directions",
     "find_configuration",
     "find_velocity",
+    "least_row",
     "make_plan",
     "mobility",
     "redundancies",
+    "worst_row",
 ]

@@ -16,9 +16,9 @@ from antenna_pin.records import layout, words_of
 #: Head of a plan. Sizes: bodies, closures, motions, rows of all constraints, nq and nv. Length by which turns
 #: count against ways [m]. Where in a work array the following start: rows of J, (rows, nv); what their
 #: accelerations lack, (rows,); residuals of position and of velocity, (rows,); multipliers, (rows,); the
-#: reduced J, L^-1 J^T by columns, (rows, nv), and what is left of their lengths and was at first, (rows, 2);
-#: the triangle R, (rows, rows); L, (nv, nv); numbers for scratch, (2, max(nv, rows)); the order of rows,
-#: (rows,); ``FOUND``.
+#: reduced J, L^-1 J^T by columns, (rows, nv); what is left of their lengths over a scale, and the scale,
+#: (rows, 2); the triangle R, (rows, rows); L, (nv, nv); numbers for scratch, (2, max(nv, rows)); the order of
+#: rows, (rows,); ``FOUND``.
 PLAN = layout(
     ("bodies", "i8"),
     ("closures", "i8"),
@@ -42,13 +42,14 @@ PLAN = layout(
 )
 PLAN_WORDS = words_of(PLAN)
 
-#: A closure: indices of its two bodies (-1: the world), its first row, which axes of the first frame its
-#: translations and turns are held along and about (0 or 1), whether it holds two axes at right angles, and
-#: all turns; the frames in their bodies: rotation and origin [m].
+#: A closure: indices of its two bodies (-1: the world), its first row and how many it has, which
+#: axes of the first frame its translations and turns are held along and about (0 or 1), whether it holds two
+#: axes at right angles, and all turns; the frames in their bodies: rotation and origin [m].
 CLOSURE = layout(
     ("first", "i8"),
     ("second", "i8"),
     ("row", "i8"),
+    ("rows", "i8"),
     ("along", "i8", (3,)),
     ("about", "i8", (3,)),
     ("square", "i8"),
@@ -76,7 +77,7 @@ DRIVEN = layout(
 DRIVEN_WORDS = words_of(DRIVEN)
 
 #: What solving finds: rank; the least of what was left of a row counted as independent, and the most of one
-#: that was not, of its length [-]; largest residual in ways [m], turns [rad] and their rates.
+#: that was not, over its scale [-]; largest residual in ways [m], turns [rad] and their rates.
 FOUND = layout(
     ("rank", "i8"),
     ("least", "f8"),

@@ -15,11 +15,12 @@ import math
 from typing import Any
 
 from antenna_pin._compile import inlined, kernel
-from antenna_pin.constraints._layout_kernels import driven_at, found_in, plan_of
+from antenna_pin.constraints._layout_kernels import closure_at, driven_at, found_in, plan_of
 from antenna_pin.constraints._rows_kernels import write_rows
 from antenna_pin.elements._ledger_kernels import write_work
 
-#: What is left of a row that depends on others, of its length, at most: of true redundancy it is round-off.
+#: What is left of a row that depends on others, over the longest of its closure, at most: of true redundancy
+#: it is round-off.
 DEPENDENT = 1e-9
 #: Size of the numbers of a row that says nothing, over the plan's length: round-off of products.
 NOTHING = 1e-12
@@ -42,6 +43,9 @@ def factorize(plan: Any, work: Any, mass: Any) -> None:
     for r in range(rows):
         _reduce(plan, work, r)
         work[head.order + r] = r
+    for c in range(head.closures):
+        closure = closure_at(plan, c)
+        _scale(plan, work, closure.row, closure.rows)
     found.rank = 0
     found.least = 1.0
     found.most = 0.0
@@ -64,8 +68,21 @@ def factorize(plan: Any, work: Any, mass: Any) -> None:
 
 
 @inlined
+def _scale(plan: Any, work: Any, first: int, count: int) -> None:
+    """Let the rows of a closure count by the longest of them: where a row vanishes, an equation is lost."""
+    lengths = plan_of(plan).lengths
+    longest = 0.0
+    for r in range(first, first + count):
+        longest = max(longest, work[lengths + 2 * r + 1])
+    for r in range(first, first + count):
+        if work[lengths + 2 * r] != 0.0:
+            work[lengths + 2 * r] = work[lengths + 2 * r + 1] / longest
+        work[lengths + 2 * r + 1] = longest
+
+
+@inlined
 def _reduce(plan: Any, work: Any, r: int) -> None:
-    """Write L^-1 J_r^T; its length, and how much of it is left: all, or nothing if the row says nothing."""
+    """Write L^-1 J_r^T, its length, and whether it says anything: 1 or 0."""
     head = plan_of(plan)
     nv, root = head.nv, head.root
     row, out = head.jacobian + r * nv, head.reduced + r * nv

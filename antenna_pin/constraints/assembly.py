@@ -9,17 +9,20 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from antenna_pin.constraints._solve_kernels import DEPENDENT, NOTHING
+from antenna_pin.constraints._solve_kernels import DEPENDENT
 from antenna_pin.constraints.solver import Constraints
 
 __all__ = [
     "Mobility",
     "Redundancy",
     "Unclosed",
+    "directions",
     "find_configuration",
     "find_velocity",
+    "least_row",
     "mobility",
     "redundancies",
+    "worst_row",
 ]
 
 Array = NDArray[np.float64]
@@ -65,6 +68,19 @@ def _worst(constraints: Constraints, residuals: Array) -> Unclosed:
     row = int(np.argmax(np.abs(residuals)))
     name, turns = names[row]
     return Unclosed(float(abs(residuals[row])) / (constraints.plan.length if turns else 1.0), name, turns)
+
+
+def least_row(constraints: Constraints) -> str:
+    """Return of which row the least was left when rows were last factorized, in words: a closure's first."""
+    names, motions = row_names(constraints), len(constraints.plan.motions)
+    rows = range(motions if constraints.plan.closures else 0, constraints.rows)
+    shares = np.where(constraints.shares[:, 0] > 0.0, constraints.shares[:, 0], np.inf)
+    return names[min(rows, key=lambda row: shares[row])][0]
+
+
+def worst_row(constraints: Constraints) -> str:
+    """Return which row has the largest residual of position, in words, as far as rows were last written."""
+    return _worst(constraints, constraints.gap).row
 
 
 def find_configuration(
@@ -234,8 +250,7 @@ def _reduced(constraints: Constraints, t: float, y: Array, program: Array) -> Ar
     constraints.residuals(t, y, program)
     rows = constraints.jacobian.copy()
     root = np.linalg.cholesky(pin.crba(model, constraints.data, y[: model.nq]))
-    says = np.abs(rows).max(axis=1) > NOTHING * constraints.plan.length
-    return np.asarray(np.linalg.solve(root, rows.T).T * says[:, None])
+    return _scaled(constraints, np.asarray(np.linalg.solve(root, rows.T).T, dtype=float))
 
 
 @dataclass(frozen=True, slots=True)
@@ -274,21 +289,28 @@ def redundancies(constraints: Constraints, t: float, y: Array, program: Array) -
     return found
 
 
+def _scaled(constraints: Constraints, rows: Array) -> Array:
+    """Return rows over the length of the longest one of their closure, motions' over their own."""
+    plan = constraints.plan
+    scales = np.linalg.norm(rows, axis=1)
+    for name, held in plan.rows.items():
+        own = slice(plan.first_row[name], plan.first_row[name] + len(held))
+        scales[own] = scales[own].max()
+    return np.asarray(rows / np.where(scales > 0.0, scales, 1.0)[:, None])
+
+
 def _rank(rows: Array) -> int:
     rows = rows[rows.any(axis=1)]
     if len(rows) == 0:
         return 0
-    unit = rows / np.linalg.norm(rows, axis=1)[:, None]
-    values = np.linalg.svd(unit, compute_uv=False)
-    return int(np.count_nonzero(values > DEPENDENT))
+    return int(np.count_nonzero(np.linalg.svd(rows, compute_uv=False) > DEPENDENT))
 
 
 def directions(constraints: Constraints, y: Array, program: Array, *, motions: bool) -> Array:
     """Return the generalized directions that the constraints leave, (nv, k); with motions held or not."""
     constraints.residuals(0.0, y, program)
-    rows = constraints.jacobian[0 if motions else len(constraints.plan.motions) :]
-    rows = rows[np.abs(rows).max(axis=1) > NOTHING * constraints.plan.length]
+    rows = _scaled(constraints, constraints.jacobian)[0 if motions else len(constraints.plan.motions) :]
     if len(rows) == 0:
         return np.eye(constraints.nv)
-    _, values, right = np.linalg.svd(rows / np.linalg.norm(rows, axis=1)[:, None])
+    _, values, right = np.linalg.svd(rows)
     return np.asarray(right[int(np.count_nonzero(values > DEPENDENT)) :].T)

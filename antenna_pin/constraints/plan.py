@@ -93,7 +93,8 @@ def make_plan(
                 f"body, {said}, and cannot move against each other; name links between which a joint moves"
             )
         holds = closure.holds
-        record["first"], record["second"], record["row"] = first, second, row
+        record["first"], record["second"] = first, second
+        record["row"], record["rows"] = row, holds.rows
         record["along"] = [axis in holds.along for axis in "xyz"]
         record["about"] = [axis in holds.about for axis in "xyz"]
         record["square"], record["attitude"] = holds.square, holds.about == "xyz"

@@ -23,6 +23,8 @@ Array = NDArray[np.float64]
 _CLOSED = 1e-14
 _ROUNDS = 8
 _NEAR = 1e-7
+# Residual over the length that a state may have which counts as closed.
+_OPEN = 1e-11
 
 
 class Constraints:
@@ -52,6 +54,8 @@ class Constraints:
         self.jacobian = part("jacobian", rows, nv)
         self.gap, self.speed, self.force = part("gap", rows), part("speed", rows), part("force", rows)
         self.triangle, self.order = part("triangle", rows, rows), part("order", rows)
+        #: What is left of each row's length over its scale, and the scale.
+        self.shares = part("lengths", rows, 2)
         self._found = part("found", _layout.FOUND_WORDS).view(_layout.FOUND)
         self._step = np.zeros(nv)
         bodies, closures = int(head["bodies"]), int(head["closures"])
@@ -118,7 +122,7 @@ class Constraints:
         found = self.found
         return bool(found.speed <= _CLOSED * self.plan.length and found.spin <= _CLOSED)
 
-    def project(self, t: float, y: Array, program: Array, retract: Callable[[Array, Array], None]) -> None:
+    def project(self, t: float, y: Array, program: Array, retract: Callable[[Array, Array], None]) -> bool:
         """Bring a state that is nearly there onto the constraints, in place.
 
         Corrections are the least ones in kinetic energy: momentum stays.
@@ -128,6 +132,9 @@ class Constraints:
             y: State [q, v, x].
             program: Of the system's elements.
             retract: ``(y, step)``: moves the configuration in y by a generalized step.
+
+        Returns:
+            Whether it is closed; if not, the state is of no use.
         """
         nq, nv = self.model.nq, self.nv
         self.residuals(t, y, program)
@@ -148,6 +155,7 @@ class Constraints:
             if not near:
                 self.factorize(y[:nq])
         y[nq : nq + nv] += self.step(of_speed=True)
+        return bool(last <= _OPEN * length)
 
     def least_forces(self) -> Array:
         """Return the multipliers of least norm that do what those of the last solution do, (rows,).

@@ -6,6 +6,7 @@ from antenna_pin.dynamics.assembled import (
     assemble,
     assembled,
     check_closed,
+    check_motions,
     constraint_counts,
     mobility_of,
 )
@@ -38,6 +39,7 @@ __all__ = [
     "assembled",
     "audit",
     "check_closed",
+    "check_motions",
     "contact_memory",
     "joint_motion",
     "journal_attitudes",

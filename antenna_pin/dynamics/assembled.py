@@ -16,14 +16,24 @@ from antenna_pin.constraints import (
     find_velocity,
     mobility,
     redundancies,
+    worst_row,
 )
 from antenna_pin.dynamics.system import System
 from antenna_pin.dynamics.workspace import Workspace
+from antenna_pin.elements import Motion
 from antenna_pin.errors import MechanismError
 from antenna_pin.mechanism import JointSlot
 from antenna_pin.readable import number
 
-__all__ = ["BASE", "assemble", "assembled", "check_closed", "constraint_counts", "mobility_of"]
+__all__ = [
+    "BASE",
+    "assemble",
+    "assembled",
+    "check_closed",
+    "check_motions",
+    "constraint_counts",
+    "mobility_of",
+]
 
 Array = NDArray[np.float64]
 
@@ -34,6 +44,11 @@ BASE = "base"
 _BESIDE = 1e-3
 # Residual up to which a state given in Python counts as closed, for it may have been written down.
 _GIVEN = 1e-6
+# Angle that axes may be apart by for want of digits [rad].
+_INEXACT = 1e-3
+# Times at which a motion is compared with its joint's limits; most steps in which a run is followed.
+_LOOKS = 1001
+_FOLLOWED = 5000
 
 
 def assembled(
@@ -110,9 +125,12 @@ def _let_go(held: Collection[str]) -> str:
 
 def _not_closed(system: System, unclosed: Unclosed, held: Collection[str]) -> str:
     unit = "rad" if unclosed.turns else "m"
+    exact = ""
+    if unclosed.turns and unclosed.residual < _INEXACT:
+        exact = " (angles must be exact: 1.5707963267948966, not 1.5708)"
     return (
         f"initial state: the loops cannot be closed: {unclosed.row} lacks {number(unclosed.residual)} {unit} "
-        f"at best; {_let_go(held)}, or check the dimensions"
+        f"at best; {_let_go(held)}, or check the dimensions{exact}"
     )
 
 
@@ -213,6 +231,70 @@ def check_closed(system: System, y: Array) -> None:
     workspace.hold(0.0, y)
 
 
+def check_motions(system: System, y: Array, begin: float, end: float) -> None:
+    """Refuse motions that leave their joints' limits in the URDF, or that the loops cannot follow.
+
+    That they can is looked at only where nothing else is free to move.
+
+    Args:
+        system: The system.
+        y: State [q, v, x] at the time ``begin``, closed.
+        begin: Start of the run [s].
+        end: Its end [s].
+    """
+    for name, drive in system.drives.items():
+        if isinstance(drive, Motion):
+            _check_limits(system, name, drive, begin, end)
+    if system.motions and not system.clearances:
+        workspace = Workspace(system)
+        assert workspace.constraints is not None
+        workspace.prepare_motions(begin, y)
+        if mobility(workspace.constraints, begin, y, workspace.program).left == 0:
+            _check_reach(system, workspace, y.copy(), begin, end)
+
+
+def _check_limits(system: System, name: str, motion: Motion, begin: float, end: float) -> None:
+    limit = system.mechanism.urdf.joint(motion.joint).limit
+    if limit is None or system.mechanism.joint(motion.joint).kind == "continuous":
+        return
+    unit = "m" if system.mechanism.joint(motion.joint).kind == "prismatic" else "rad"
+    for t in np.linspace(begin, end, _LOOKS):
+        position = motion.at(float(t))[0]
+        if not limit.lower <= position <= limit.upper:
+            raise MechanismError(
+                f"motion {name!r}: joint {motion.joint!r} must stay from {number(limit.lower)} to "
+                f"{number(limit.upper)} {unit} by its <limit>, got {number(position)} {unit} at t = "
+                f"{number(float(t))} s; change the motion, or the limit in the URDF"
+            )
+
+
+def _check_reach(system: System, workspace: Workspace, y: Array, begin: float, end: float) -> None:
+    """Follow the motions through the run, in steps that no joint turns far in."""
+    constraints = workspace.constraints
+    assert constraints is not None
+    nq, nv = system.model.nq, system.model.nv
+    t = begin
+    for _ in range(_FOLLOWED):
+        if t >= end:
+            return
+        fastest = float(np.abs(y[nq : nq + nv]).max())
+        h = min(end - t, (end - begin) / 50.0, 0.1 / fastest if fastest > 0.0 else np.inf)
+        while True:
+            trial = y.copy()
+            workspace.retract(trial, h * y[nq : nq + nv])
+            workspace.prepare_motions(t + h, trial)
+            if constraints.project(t + h, trial, workspace.program, workspace.retract):
+                break
+            h *= 0.5
+            if h < 1e-9 * (end - begin):
+                raise MechanismError(
+                    f"motions: out of reach from t = {number(t)} s on: {worst_row(constraints)} cannot be "
+                    "closed there; change the motion or the dimensions"
+                )
+        y, t = trial, t + h
+        system.turn_on(y)
+
+
 def _check_singular(system: System, workspace: Workspace, y: Array) -> None:
     """Refuse motions that closures do not leave free, and a start where the rank is less than beside it."""
     constraints = workspace.constraints
@@ -244,5 +326,5 @@ def _check_singular(system: System, workspace: Workspace, y: Array) -> None:
         raise MechanismError(
             f"motions {names}: the closures leave {here.free} freedoms, and {here.driven} motions prescribe "
             f"{here.rank - here.closed_rank} of them independently; take motions away, or check the "
-            "closures' points and axes (a URDF's rpy must be exact: 1.5707963267948966, not 1.5708)"
+            "closures' points and axes"
         )

@@ -195,7 +195,9 @@ class Workspace:
         if self.constraints.closed_at(t, y, self.program):
             return False
         before = self._stored(y)
-        self.constraints.project(t, y, self.program, self.retract)
+        if not self.constraints.project(t, y, self.program, self.retract):
+            y[:] = np.nan  # no state: the step is rejected
+            return True
         y[self.model.nq + self.model.nv + int(self.system.projection_x[0])] += self._stored(y) - before
         return True
 

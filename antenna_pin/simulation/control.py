@@ -9,6 +9,7 @@ from antenna_pin.dynamics import System
 from antenna_pin.elements import Element
 from antenna_pin.integrate import Method
 from antenna_pin.settings import RunSettings
+from antenna_pin.trajectory import Outcome
 
 __all__ = ["StepControl"]
 
@@ -122,7 +123,22 @@ class StepControl:
         order = self.method.error_order
         return (self.method.order if order is None else order) + 1
 
-    def makes_way(self, trials: int, t: float) -> bool:
+    def limit(self, trials: int, t: float, wall: float) -> Outcome | None:
+        """Return the limit that is reached, or that the run makes so little way that it would never end.
+
+        Args:
+            trials: Trial steps made so far.
+            t: How far they went [s].
+            wall: Wall time they took [s].
+        """
+        settings = self.settings
+        if settings.max_steps is not None and trials >= settings.max_steps:
+            return Outcome.STEP_LIMIT
+        if settings.max_wall_time is not None and wall >= settings.max_wall_time:
+            return Outcome.TIME_LIMIT
+        return None if self._makes_way(trials, t) else Outcome.NO_PROGRESS
+
+    def _makes_way(self, trials: int, t: float) -> bool:
         """Whether a run that has made so many trial steps up to t [s] may ever come to its end."""
         if trials - self._paced[0] < _PACE_STEPS:
             return True

@@ -11,13 +11,14 @@ from scipy.spatial.transform import Rotation
 
 from antenna_pin.constraints import Anchor
 from antenna_pin.dynamics import System, Workspace, constraint_counts
+from antenna_pin.simulation.loop import Run
 
 __all__ = ["constraint_attributes"]
 
 Array = NDArray[np.float64]
 
 
-def constraint_attributes(system: System, times: Array, states: Array) -> dict[str, str]:
+def constraint_attributes(run: Run, times: Array, states: Array) -> dict[str, str]:
     """Return the attributes of a dataset that describe its constraints; none of a tree that nothing holds.
 
     ``closures`` (JSON) has of each closure its ``kind`` and, of its two sides, ``first_body``,
@@ -25,14 +26,16 @@ def constraint_attributes(system: System, times: Array, states: Array) -> dict[s
     and attitude (quaternion xyzw). ``constraints`` (JSON) has how many equations there are, of closures and
     of motions, how many are independent at the start, the freedoms of the tree, those that the closures leave
     and those that are left, where redundant equations are (:func:`antenna_pin.dynamics.constraint_counts`),
-    the largest residuals at samples [m, rad, m/s, rad/s] and the energy that
-    corrections of the state after each step put in, in all [J].
+    the largest residuals at samples [m, rad, m/s, rad/s], the energy that corrections of the state after each
+    step put in, in all [J], and the singular positions passed: ``time`` [s] and ``share``, what is left of
+    the least independent equation there.
 
     Args:
-        system: The system.
+        run: The run.
         times: Of the samples, (n,) [s].
         states: [q, v, x] at each, (n, size).
     """
+    system = run.system
     if system.plan is None:
         return {}
     put_in = states[-1, system.model.nq + system.model.nv + system.projection_x[0]]
@@ -49,6 +52,7 @@ def constraint_attributes(system: System, times: Array, states: Array) -> dict[s
                 **constraint_counts(system, states[0]),
                 **_residuals(system, times, states),
                 "projection_energy": float(put_in),
+                "singular": [one._asdict() for one in run.singular.found] if run.singular else [],
             }
         ),
     }

@@ -1,8 +1,8 @@
 """The only time loop: steps, located events, sampling, stopping rules.
 
 A trial step whose error passes is searched, in its dense output, for the first contact that changes and for
-the first of the user's events; if there is one the step is made again to end there, what must change is
-changed, and the integration restarts from that state. So the equations are smooth inside every accepted step.
+the first of the user's events; if there is one the step is made again to end there, what must is changed, and
+the integration restarts from that state. So the equations are smooth inside every accepted step.
 """
 
 from __future__ import annotations
@@ -29,6 +29,7 @@ from antenna_pin.simulation.progress import Progress
 from antenna_pin.simulation.samples import Samples
 from antenna_pin.simulation.scales import scale_vector
 from antenna_pin.simulation.search import ContactSearch
+from antenna_pin.simulation.singular import Singularities
 from antenna_pin.simulation.trials import Trial, Trials
 from antenna_pin.simulation.watch import Crossing, Watch
 from antenna_pin.state import State
@@ -82,6 +83,8 @@ class Run:
             self._watch, self.workspace, self.stepper, self.control, self.samples, self.begin
         )
         self._trials = Trials(self.stepper, self.control)
+        #: Singular positions; None where nothing is held.
+        self.singular = None if system.plan is None else Singularities(Workspace(system))
         self.accepted = 0
         self.wall = 0.0
         self.outcome = Outcome.COMPLETED
@@ -170,7 +173,6 @@ class Run:
 
     @property
     def _here(self) -> Array:
-        """The present state."""
         here: Array = self.stepper.start[: self.system.manifold.size]
         return here
 
@@ -199,31 +201,25 @@ class Run:
                 now = time.perf_counter()
                 if now - reported > _REPORT_INTERVAL:
                     reported = now
-                    progress(self._progress(h, now - began))
+                    progress(Progress(self.stepper.t, self.duration, h, self.accepted, now - began))
         self._next = h
         reached = self.stepper.t
         self._left = dataclasses.replace(self.state, reached=reached)
         self._contacts.close()
         if not self.samples.times or self.samples.times[-1] < self.stepper.t:
             self.samples.add(self.stepper.t, self._here.copy())
+        if self.singular is not None:
+            self.message += self.singular.words()
         self.wall = time.perf_counter() - began
         if progress is not None:
-            progress(self._progress(h, self.wall))
+            progress(Progress(self.stepper.t, self.duration, h, self.accepted, self.wall))
 
     def _may_go_on(self, began: float) -> bool:
-        """Look whether a limit is reached, or the run makes so little way that it would never end."""
-        limit, longest = self.settings.max_steps, self.settings.max_wall_time
         trials = self.accepted + self._trials.rejected + self._trials.relocated
-        if limit is not None and trials >= limit:
-            self._stop(Outcome.STEP_LIMIT)
-        elif longest is not None and time.perf_counter() - began >= longest:
-            self._stop(Outcome.TIME_LIMIT)
-        elif not self.control.makes_way(trials, self.stepper.t):
-            self._stop(Outcome.NO_PROGRESS)
-        return self.outcome is Outcome.COMPLETED
-
-    def _progress(self, h: float, wall: float) -> Progress:
-        return Progress(self.stepper.t, self.duration, h, self.accepted, wall)
+        outcome = self.control.limit(trials, self.stepper.t, time.perf_counter() - began)
+        if outcome is not None:
+            self._stop(outcome)
+        return outcome is None
 
     def _step(self, h: float) -> float:
         """Make one accepted step from the state; return the size to try next."""
@@ -299,7 +295,7 @@ class Run:
         return min(sizes.get(contacts.pattern, following), following * 10.0)
 
     def _restart(self) -> None:
-        """Take up the integration anew, after something has changed at the present state."""
+        """Take up the integration anew, after a change at the present state."""
         self.stepper.refresh()
         self._watch.renew()
 
@@ -341,10 +337,14 @@ class Run:
         if stepper.t > self.duration - 1e-15 * self.duration:
             stepper.t = self.duration
         self.accepted += 1
+        if self.singular is not None:
+            self.singular.look(stepper.t, self._here)
         if self._watch:
             self._watch.renew()
             self._act(self._watch.due())
 
     def _stop(self, outcome: Outcome, what: str = "") -> None:
         self.outcome = outcome
-        self.message = f"at t = {self.stepper.t:.9g} s{what}: {outcome.value}"
+        if outcome in (Outcome.NOT_FINITE, Outcome.STEP_TOO_SMALL) and self.singular and self.singular.near:
+            self.outcome, what = Outcome.NOT_CLOSED, self.singular.near
+        self.message = f"at t = {self.stepper.t:.9g} s{what}: {self.outcome.value}"

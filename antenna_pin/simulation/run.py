@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from antenna_pin.assemble import build_system, initial_angles, initial_state
-from antenna_pin.dynamics import System, Workspace, check_closed
+from antenna_pin.dynamics import System, Workspace, check_closed, check_motions
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.geometry import RevoluteClearance
 from antenna_pin.interruption import interruptible
@@ -107,6 +107,7 @@ def simulate(
         first = system.state(start_q, start_v, angles)
         check_closed(system, first)
         check_start(system, first)
+    check_motions(system, first if start is None else start.y, begin, begin + span)
     if scenario is not None:
         events = (*events_of(scenario), *events)
     check_events(events, system, first if start is None else start.y)

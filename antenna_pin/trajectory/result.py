@@ -46,6 +46,10 @@ class Outcome(Enum):
     STEP_LIMIT = "made as many steps as integrator.max_steps allows; what was computed is kept"
     TIME_LIMIT = "took as long as integrator.max_wall_time allows; what was computed is kept"
     NOT_FINITE = "the state stopped being finite; look at the drives and stiffnesses, or tighten the step"
+    NOT_CLOSED = (
+        "the loops cannot be closed from here on, in a singular position or out of reach; change motions or "
+        "dimensions"
+    )
     OUT_OF_LAW_RANGE = (
         "a contact left the range of its law; choose a law that reaches deeper, or lower the load"
     )

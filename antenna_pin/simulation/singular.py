@@ -1,0 +1,136 @@
+"""Positions in which closures and motions lose an equation: found between the steps of a run, and named."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+from scipy.optimize import minimize_scalar
+
+from antenna_pin.constraints import least_row
+from antenna_pin.dynamics import Workspace
+
+__all__ = ["Singular", "Singularities"]
+
+Array = NDArray[np.float64]
+
+# Of the largest share so far: what counts as a singular position, and what is looked at more closely.
+_SINGULAR = 1e-3
+_SUSPECT = 0.5
+# The same of a state from which a run cannot go on: it comes near as the root of the way that is left.
+_NEAR = 0.05
+_AT_MOST = 100  # to be named: a mechanism that stays singular is one sentence too
+
+
+class Singular(NamedTuple):
+    """A singular position.
+
+    Attributes:
+        time: When it is passed [s].
+        share: How much of the least independent equation is left there, of the most in this run [-].
+    """
+
+    time: float
+    share: float
+
+
+class Singularities:
+    """Watches the share that is left of the least independent equation (``FOUND.least``).
+
+    Where it passes zero, the loops could go on in more ways than one, and forces are not determined. A step
+    may jump over the place, so that the share dips between two states: it is looked at in the middle of every
+    step, on the cubic through both ends, and minimised where it dips.
+
+    Args:
+        workspace: A workspace of its own: nothing of the run's is to change.
+    """
+
+    def __init__(self, workspace: Workspace) -> None:
+        """Begin."""
+        self._workspace = workspace
+        self._model = workspace.model
+        self._last: list[tuple[float, Array, float]] = []
+        self._most = 0.0
+        self._rank = 0
+        self.found: list[Singular] = []
+
+    def look(self, t: float, y: Array) -> None:
+        """Look at the way from the state before to this one.
+
+        Args:
+            t: Time [s].
+            y: State [q, v, x].
+        """
+        here = (t, y.copy(), self._share(t, y))
+        self._most = max(self._most, here[2])
+        states = self._last
+        if states and t > states[-1][0]:
+            before = states[-1]
+            middle = self._between(before, here, 0.5)
+            lower = min(before[2], here[2])
+            if middle < _SUSPECT * lower:
+                self._locate(before, here)
+            elif len(states) == 2 and before[2] < min(states[0][2], here[2], _SUSPECT * self._most):
+                self._locate(states[0], before)
+                self._locate(before, here)
+        self._last = [*states[-1:], here]
+
+    @property
+    def near(self) -> str:
+        """What is nearly lost in the state looked at last, for a message; empty if nothing is."""
+        if not self._last or not self._last[-1][2] < _NEAR * self._most:
+            return ""
+        t, y, _ = self._last[-1]
+        self._share(t, y)
+        assert self._workspace.constraints is not None
+        return f", {least_row(self._workspace.constraints)}"
+
+    def _share(self, t: float, y: Array) -> float:
+        constraints = self._workspace.constraints
+        assert constraints is not None
+        self._workspace.prepare_motions(t, y)
+        constraints.residuals(t, y, self._workspace.program)
+        constraints.factorize(y[: self._model.nq])
+        found = constraints.found
+        self._rank = max(self._rank, int(found.rank))
+        return float(found.least) if found.rank == self._rank else 0.0
+
+    def _between(
+        self, one: tuple[float, Array, float], other: tuple[float, Array, float], theta: float
+    ) -> float:
+        """Return the share on the cubic through two states with their velocities."""
+        nq, nv = self._model.nq, self._model.nv
+        h = other[0] - one[0]
+        start, end = one[1], other[1]
+        way = pin.difference(self._model, start[:nq], end[:nq])
+        first, last = h * start[nq : nq + nv], h * end[nq : nq + nv]
+        step = theta * first + theta**2 * (3.0 * way - 2.0 * first - last)
+        step += theta**3 * (first + last - 2.0 * way)
+        y = start + theta * (end - start)
+        y[:nq] = pin.integrate(self._model, start[:nq], step)
+        return self._share(one[0] + theta * h, y)
+
+    def _locate(self, one: tuple[float, Array, float], other: tuple[float, Array, float]) -> None:
+        """Find the least share between two states, and name it if it is next to nothing."""
+        least = minimize_scalar(
+            lambda theta: self._between(one, other, theta),
+            bounds=(0.0, 1.0),
+            method="bounded",
+            options={"xatol": 1e-9},
+        )
+        time, share = one[0] + float(least.x) * (other[0] - one[0]), float(least.fun) / self._most
+        # A place at the end of one step is found from both sides.
+        known = any(abs(time - found.time) <= other[0] - one[0] for found in self.found[-2:])
+        if share < _SINGULAR and not known and len(self.found) < _AT_MOST:
+            self.found.append(Singular(time, share))
+
+    def words(self) -> str:
+        """Return what is to be said of them, for the end of a run; empty if there are none."""
+        if not self.found:
+            return ""
+        times = ", ".join(f"{found.time:.6g}" for found in self.found[:3])
+        more = f" and {len(self.found) - 3} more" if len(self.found) > 3 else ""
+        place = "a singular position" if len(self.found) == 1 else "singular positions"
+        return f"; passed {place} at t = {times}{more} s, where the loops could go on in more ways than one"
