@@ -36,9 +36,34 @@ _ENTRIES = {
     "largest_approach_speed": ("largest approach speed", "m/s"),
     "impulse": ("impulse", "N s"),
     "dissipated": ("energy lost", "J"),
+    "closure_equations": ("equations of closures", ""),
+    "closure_rank": ("independent equations of closures", ""),
+    "rank": ("independent equations, those of motions among them", ""),
+    "freedoms": ("freedoms of the tree", ""),
+    "mobility": ("freedoms that closures leave", ""),
+    "freedoms_left": ("freedoms that closures and motions leave", ""),
+    "position_residual": ("largest residual of closures and motions", "m"),
+    "angle_residual": ("largest residual of closures and motions", "rad"),
+    "velocity_residual": ("largest residual of closures and motions", "m/s"),
+    "rate_residual": ("largest residual of closures and motions", "rad/s"),
+    "projection_energy": ("energy that corrections put in", "J"),
+    "peak_moment": ("peak moment", "N m"),
+    "peak_torque": ("peak torque", "N m"),
+    "work": ("work", "J"),
 }
+# Entries that tables leave out: what they say is said in a sentence.
+_SAID = ("title", "case", "redundant")
 # Groups of a summary whose name says nothing that their entries do not say.
-_PLAIN_GROUPS = ("counts", "conservation", "motion", "slides", "contacts")
+_PLAIN_GROUPS = (
+    "counts",
+    "conservation",
+    "motion",
+    "slides",
+    "contacts",
+    "constraints",
+    "closures",
+    "motions",
+)
 
 
 def print_summaries(summaries: Sequence[tuple[str, dict[str, Any]]]) -> None:
@@ -91,9 +116,11 @@ def print_rows(
 def _rows(summary: dict[str, Any], group: str = "") -> Iterator[tuple[str, str]]:
     """Yield name and text of every entry of a summary, those of a group after its name."""
     for key, value in summary.items():
+        if key in _SAID:
+            continue
         if isinstance(value, dict):
             yield from _rows(value, group if key in _PLAIN_GROUPS else f"{group}{key} ")
-        elif not (key in ("title", "case") and not group):
+        else:
             name, unit = _ENTRIES.get(key, (key.replace("_", " "), ""))
             yield f"{group}{name}" + (f" [{unit}]" if unit else ""), text_of(value)
 

@@ -1,4 +1,4 @@
-"""``antenna-pin info`` and ``plot``: what results are, and the standard figures of them."""
+"""``antenna-pin info`` and ``plot``: what results and scenarios are, and the standard figures of results."""
 
 from __future__ import annotations
 
@@ -9,13 +9,16 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from antenna_pin.cli._common import (
+    CaseOption,
     FilesArgument,
+    SetOption,
     Width,
     complain,
     figure_folder,
     figure_formats,
     label_of,
     load_result,
+    refuse,
 )
 from antenna_pin.cli._tables import print_summaries
 
@@ -24,18 +27,42 @@ if TYPE_CHECKING:
 
 
 def info(
-    files: FilesArgument,
+    files: Annotated[
+        list[str], typer.Argument(metavar="FILES...", help="Result files of runs, or one scenario.")
+    ],
+    case: CaseOption = None,
+    settings: SetOption = None,
     as_json: Annotated[
         bool, typer.Option("--json", help="Print one JSON object per file, each on one line.")
     ] = False,
 ) -> None:
-    """Say what results are: how they ended, counts, peaks, conservation."""
-    runs = [(path, load_result(path)) for path in files]
+    """Say what results are: how they ended, counts, peaks, conservation; or what a scenario is.
+
+    Of a scenario with closed loops: whether they can be closed, and how many freedoms are left.
+    """
+    from antenna_pin.cli._scenario_info import names_scenario, say_scenario
+
+    if any(map(names_scenario, files)):
+        if len(files) > 1:
+            refuse(f"{' '.join(files)}: give result files (NAME.nc), any number, or one scenario alone")
+        say_scenario(files[0], case, settings, as_json)
+        return
+    for option, given in (("--case", case), ("--set", settings)):
+        if given:
+            refuse(f"{option}: is for scenarios only, and {files[0]} is a result; leave it out")
+    runs = [(path, load_result(path)) for path in map(Path, files)]
     if as_json:
         for path, trajectory in runs:
             typer.echo(json.dumps({"file": str(path), **_facts(trajectory)}, default=str))
         return
     print_summaries([(label_of(trajectory, path), _facts(trajectory)) for path, trajectory in runs])
+    held = [(label_of(trajectory, path), trajectory.constraints) for path, trajectory in runs]
+    if any(counts for _, counts in held):
+        from antenna_pin.analysis import said_of_constraints
+
+        for label, counts in held:
+            if counts:
+                typer.echo(f"{label}: {said_of_constraints(counts)}")
 
 
 def _facts(trajectory: Trajectory) -> dict[str, Any]:

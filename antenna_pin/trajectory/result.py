@@ -22,7 +22,7 @@ from antenna_pin.files import check_writable, replacing
 from antenna_pin.scenario import Scenario
 from antenna_pin.state import State
 from antenna_pin.trajectory.file import FORMAT, read, write
-from antenna_pin.trajectory.read import is_lean
+from antenna_pin.trajectory.read import is_lean, names_along
 from antenna_pin.trajectory.schema import COORDINATES, DIMENSIONS, variables_of
 
 __all__ = ["Counts", "Outcome", "Trajectory", "library_versions"]
@@ -172,7 +172,11 @@ class Trajectory:
         )
 
     def summary(self) -> dict[str, Any]:
-        """Return the run in plain numbers: how it ended, counts, peaks, impulses, conservation (SI units)."""
+        """Return the run in plain numbers: how it ended, counts, peaks, impulses, conservation (SI units).
+
+        Of closed loops and prescribed motions also how many equations they are, how well they were held, and
+        what they carried.
+        """
         data = self.data
         title = data.attrs.get("title", "")
         result: dict[str, Any] = {
@@ -190,6 +194,10 @@ class Trajectory:
         }
         if "sliding_joint" in data.sizes:
             result["slides"] = _by_label(data, "sliding_joint", _SLIDES)
+        if self.constraints:
+            result["constraints"] = self.constraints
+            result["closures"] = _closures(data)
+            result["motions"] = _motions(data)
         if "contact" not in data.sizes:
             return result
         index = data["episode_contact"].values
@@ -246,6 +254,35 @@ _SLIDES = {
     "slide_rate": "final_slide_rate",
     "peak_slide_acceleration": "peak_slide_acceleration",
 }
+
+
+def _closures(data: xr.Dataset) -> dict[str, dict[str, Any]]:
+    """Return what each closure joins and carried at most."""
+    about = json.loads(data.attrs["closures"])
+    return {
+        name: {
+            "kind": one["kind"],
+            "links": [one["first_body"], one["second_body"]],
+            "peak_force": float(data["peak_closure_force"].sel(closure=name)),
+            "peak_moment": float(data["peak_closure_moment"].sel(closure=name)),
+        }
+        for name, one in about.items()
+    }
+
+
+def _motions(data: xr.Dataset) -> dict[str, dict[str, Any]]:
+    """Return what it took to hold each prescribed motion: a force where the joint slides, else a torque."""
+    about = json.loads(data.attrs["drives"])
+    return {
+        name: {
+            "joint": about[name]["joint"],
+            "peak_force" if about[name]["slides"] else "peak_torque": float(
+                data["peak_effort"].sel(motion=name)
+            ),
+            "work": float(data["total_work"].sel(drive=name)),
+        }
+        for name in names_along(data, "motion")
+    }
 
 
 def _by_label(data: xr.Dataset, dim: str, entries: Mapping[str, str]) -> dict[str, dict[str, float]]:

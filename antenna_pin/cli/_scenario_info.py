@@ -1,0 +1,64 @@
+"""What ``antenna-pin info`` says of a scenario: joints, closures and motions, and what they leave free."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import typer
+
+from antenna_pin.cli._common import load
+
+
+def names_scenario(text: str) -> bool:
+    """Whether an argument is a scenario: a TOML file, a folder with one, or the name of a shipped one."""
+    path = Path(text)
+    if path.suffix == ".toml" or path.is_dir():
+        return True
+    if path.suffix or path.exists():
+        return False
+    from antenna_pin.scenario import list_scenarios
+
+    return text in {one.name for one in list_scenarios()}
+
+
+def say_scenario(name: str, case: str | None, settings: Sequence[str] | None, as_json: bool) -> None:
+    """Print what a scenario is."""
+    scenario = load(name, case, settings)
+
+    from antenna_pin.assemble import scenario_facts
+
+    facts = scenario_facts(scenario)
+    if as_json:
+        typer.echo(json.dumps({"scenario": scenario.name, "case": scenario.case or "", **facts}))
+        return
+    case_name = f", case {scenario.case}" if scenario.case else ""
+    typer.echo(f"{scenario.name}{case_name}: {scenario.title}".rstrip(": "))
+    for line in _lines(facts):
+        typer.echo(f"  {line}")
+
+
+def _lines(facts: dict[str, Any]) -> Iterator[str]:
+    from antenna_pin.analysis import said_of_constraints
+
+    counts = facts["constraints"]
+    joints = facts["joints"]
+    many = f"{len(joints)} moving joint" + ("s" if len(joints) != 1 else "")
+    yield f"{facts['base']} base, {many}, {counts['freedoms']} freedoms"
+    for joint, text in joints.items():
+        yield f"joint {joint}: {text}"
+    for closure, one in facts["closures"].items():
+        first, second = one["links"]
+        yield f"closure {closure}: {one['kind']}, {first} - {second}, {_equations(one['equations'])}"
+    for drive, text in facts["drives"].items():
+        yield f"drive {drive}: {text}"
+    yield said_of_constraints(counts)
+    if facts["closures"] or counts["motions"]:
+        gap, turn = facts["residuals"]
+        yield f"the start is closed to {gap:.2g} m and {turn:.2g} rad"
+
+
+def _equations(count: int) -> str:
+    return f"{count} equation" if count == 1 else f"{count} equations"

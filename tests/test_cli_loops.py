@@ -1,0 +1,128 @@
+"""Commands on closed loops and driven joints: a four-bar whose crank is driven, with and without play."""
+
+import json
+
+import pytest
+from driven_four_bar import write_driven_four_bar
+from single_loops import bricard
+
+from antenna_pin import load_scenario, simulate
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A scenario and a result of each of its cases."""
+    folder = tmp_path_factory.mktemp("loops")
+    path = write_driven_four_bar(folder / "driven")
+    for case in ("ideal", "play", "held"):
+        simulate(load_scenario(path, case=case)).save(folder / f"{case}.nc")
+    return folder
+
+
+def printed(said):
+    assert (said.code, said.err) == (0, "")
+    return said.out
+
+
+def refused(said):
+    assert (said.code, said.out) == (2, "")
+    assert said.err.count("\n") == 1
+    return said.err.strip()
+
+
+# --- info of a scenario ---
+
+
+def test_info_counts_what_holds_a_scenario(cli, folder):
+    *lines, closed = printed(cli("info", folder / "driven")).splitlines()
+    assert lines == [
+        "driven, case ideal: Four-bar, its crank driven",
+        "  fixed base, 3 moving joints, 3 freedoms",
+        "  joint drive_pin: continuous",
+        "  joint crank_pin: continuous",
+        "  joint ground_pin: continuous",
+        "  closure rocker_pin: revolute, coupler - rocker, 5 equations",
+        "  drive crank: motion 12\N{NO-BREAK SPACE}rad/s · t, at drive_pin",
+        "  5 equations of closures, 2 independent (3 redundant, rocker_pin: along z, about x, about y); "
+        "1 motion; mobility 0 (1 without the motion)",
+    ]
+    assert closed.startswith("  the start is closed to ")
+
+
+def test_info_counts_the_freedoms_that_play_gives_back(cli, folder):
+    """The pin's five, of which the plane takes its three: with play a loop is not redundant."""
+    said = printed(cli("info", folder / "driven", "--case", "play"))
+    assert "  joint crank_pin: with play (contact)\n" in said
+    assert "5 equations of closures, 5 independent; 1 motion; mobility 2 (3 without the motion)" in said
+    said = printed(cli("info", folder / "driven" / "scenario.toml", "--case", "held"))
+    assert "  joint crank_pin: revolute, held by constraint\n" in said
+    assert "10 equations of closures, 7 independent (3 redundant, shared among crank_pin: " in said
+    assert "mobility 0 (1 without the motion)" in said
+
+
+def test_info_of_a_scenario_as_json(cli, folder):
+    facts = json.loads(printed(cli("info", folder / "driven", "--json")))
+    assert facts["closures"]["rocker_pin"]["links"] == ["coupler", "rocker"]
+    counts = facts["constraints"]
+    assert counts["freedoms"] - counts["rank"] == counts["freedoms_left"] == 0
+    assert counts["redundant"]["rocker_pin"]["equations"] == 3
+    assert max(facts["residuals"]) < 1e-12
+
+
+def test_info_of_a_tree(cli):
+    said = printed(cli("info", "pendulum", "--case", "ideal"))
+    assert said.splitlines()[-1] == "  no closures; mobility 1"
+
+
+def test_info_says_in_one_line_what_cannot_be_closed(cli, folder):
+    change = "closures.rocker_pin.second.point=[0.9, 0, 0]"
+    said = refused(cli("info", folder / "driven", "--set", change))
+    assert "the loops cannot be closed: closure 'rocker_pin' lacks" in said
+
+
+def test_info_takes_one_scenario_or_results(cli, folder):
+    said = refused(cli("info", folder / "driven", folder / "ideal.nc"))
+    assert "give result files (NAME.nc), any number, or one scenario alone" in said
+    assert "--case: is for scenarios only" in refused(cli("info", folder / "ideal.nc", "--case", "play"))
+    assert "--set: is for scenarios only" in refused(cli("info", folder / "ideal.nc", "--set", "duration=1"))
+
+
+# --- info of results ---
+
+
+def test_info_tells_what_closures_and_motions_carried(cli, folder):
+    said = printed(cli("info", folder / "ideal.nc", folder / "play.nc"))
+    for row in (
+        "equations of closures",
+        "freedoms that closures and motions leave",
+        "largest residual of closures and motions [rad/s]",
+        "energy that corrections put in [J]",
+        "rocker_pin links",
+        "rocker_pin peak force [N]",
+        "crank peak torque [N m]",
+        "crank work [J]",
+    ):
+        assert f"\n {row}  " in said
+    assert said.splitlines()[-2].startswith("ideal: 5 equations of closures, 2 independent (3 redundant")
+    assert said.splitlines()[-1] == (
+        "play: 5 equations of closures, 5 independent; 1 motion; mobility 2 (3 without the motion)"
+    )
+
+
+def test_info_of_a_lean_result_is_the_same(cli, folder):
+    cli("run", folder / "driven", "--case", "ideal", "--lean", "--out", "lean.nc", "-q")
+    full, lean = (
+        json.loads(printed(cli("info", path, "--json"))) for path in (folder / "ideal.nc", "lean.nc")
+    )
+    for key in ("constraints", "closures", "motions"):
+        assert lean[key] == full[key]
+
+
+def test_one_of_five_equations_of_bricards_ring_is_redundant(cli, tmp_path):
+    """Which of them does not matter; the rest of the loop holds any one."""
+    loop = bricard()
+    (tmp_path / "loop.urdf").write_text(loop.urdf)
+    (tmp_path / "bricard.toml").write_text(loop.scenario)
+    assert "(1 redundant, pin_6: 1 of along x, along y, along z, about x, about y); mobility 1" in printed(
+        cli("info", "bricard.toml")
+    )
