@@ -45,13 +45,13 @@ def _lines(facts: dict[str, Any]) -> Iterator[str]:
 
     counts = facts["constraints"]
     joints = facts["joints"]
-    many = f"{len(joints)} moving joint" + ("s" if len(joints) != 1 else "")
-    yield f"{facts['base']} base, {many}, {counts['freedoms']} freedoms"
+    moving, freedoms = _many(len(joints), "moving joint"), counts["freedoms"]
+    yield f"{facts['base']} base, {moving}, {_many(freedoms, 'freedom')}"
     for joint, text in joints.items():
         yield f"joint {joint}: {text}"
     for closure, one in facts["closures"].items():
         first, second = one["links"]
-        yield f"closure {closure}: {one['kind']}, {first} - {second}, {_equations(one['equations'])}"
+        yield f"closure {closure}: {one['kind']}, {first} - {second}, {_many(one['equations'], 'equation')}"
     for drive, text in facts["drives"].items():
         yield f"drive {drive}: {text}"
     yield said_of_constraints(counts)
@@ -60,5 +60,5 @@ def _lines(facts: dict[str, Any]) -> Iterator[str]:
         yield f"the start is closed to {gap:.2g} m and {turn:.2g} rad"
 
 
-def _equations(count: int) -> str:
-    return f"{count} equation" if count == 1 else f"{count} equations"
+def _many(count: int, noun: str) -> str:
+    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
