@@ -63,6 +63,13 @@ class Constraints:
         at = _layout.PLAN_WORDS + _layout.BODY_WORDS * bodies
         to = at + _layout.CLOSURE_WORDS * closures
         self._closures = plan.words[at:to].view(_layout.CLOSURE)
+        self._on_axes = self._axes_of_rows()
+        #: Closures that hold two axes at right angles: number and row of that.
+        self._squares = [
+            (c, int(one["row"]) + int(one["rows"]) - 1)
+            for c, one in enumerate(self._closures)
+            if one["square"]
+        ]
         slides = plan.words[to:].view(_layout.DRIVEN)["slides"]
         #: By what the rows of motions are multiplied.
         self.motion_scales = np.where(slides != 0, 1.0, plan.length)
@@ -192,20 +199,27 @@ class Constraints:
             forces: Multipliers of the state that was solved last, (rows,).
         """
         found = np.zeros((len(self._closures), 2, 3))
-        for wrench, closure in zip(found, self._closures, strict=True):
-            row = int(closure["row"])
-            for k in np.flatnonzero(closure["along"]):
-                wrench[0, k] = forces[row]
-                row += 1
-            for k in np.flatnonzero(closure["about"]):
-                wrench[1, k] = self.plan.length * forces[row]
-                row += 1
-            if closure["square"]:
-                first = self._rotation(int(closure["first"])) @ closure["first_rotation"]
-                second = self._rotation(int(closure["second"])) @ closure["second_rotation"]
-                direction = first.T @ np.cross(second[:, 2], first[:, 2])
-                wrench[1] = self.plan.length * forces[row] * direction
+        rows, places, scales = self._on_axes
+        found.reshape(-1)[places] = scales * forces[rows]
+        for c, row in self._squares:
+            closure = self._closures[c]
+            first = self._rotation(int(closure["first"])) @ closure["first_rotation"]
+            second = self._rotation(int(closure["second"])) @ closure["second_rotation"]
+            (ax, ay, az), (bx, by, bz) = first[:, 2], second[:, 2]
+            direction = np.array([by * az - bz * ay, bz * ax - bx * az, bx * ay - by * ax]) @ first
+            found[c, 1] = self.plan.length * forces[row] * direction
         return found
+
+    def _axes_of_rows(self) -> tuple[NDArray[np.int64], NDArray[np.int64], Array]:
+        """Return of each row that is a component of a wrench: itself, its place among these, its scale."""
+        found = []
+        for c, closure in enumerate(self._closures):
+            held = [6 * c + k for k in np.flatnonzero(closure["along"])]
+            held += [6 * c + 3 + k for k in np.flatnonzero(closure["about"])]
+            scales = [1.0 if place % 6 < 3 else self.plan.length for place in held]
+            found += list(zip(range(int(closure["row"]), self.rows), held, scales, strict=False))
+        rows, places, scale = zip(*found, strict=True) if found else ((), (), ())
+        return np.array(rows, dtype=int), np.array(places, dtype=int), np.array(scale, dtype=float)
 
     def _rotation(self, body: int) -> Array:
         """Return the rotation of a body in the world, (3, 3)."""

@@ -258,8 +258,9 @@ def _check_limits(system: System, name: str, motion: Motion, begin: float, end: 
     if limit is None or system.mechanism.joint(motion.joint).kind == "continuous":
         return
     unit = "m" if system.mechanism.joint(motion.joint).kind == "prismatic" else "rad"
+    profile = motion.profile()
     for t in np.linspace(begin, end, _LOOKS):
-        position = motion.at(float(t))[0]
+        position = profile(float(t))[0]
         if not limit.lower <= position <= limit.upper:
             raise MechanismError(
                 f"motion {name!r}: joint {motion.joint!r} must stay from {number(limit.lower)} to "

@@ -29,8 +29,12 @@ class Motion(Element):
 
     def at(self, t: float) -> tuple[float, float, float]:
         """Return position, rate and acceleration at time t [s]."""
-        found = self.compiled().motion(self.words_of_kernel(), 0, t)
-        return float(found[0]), float(found[1]), float(found[2])
+        return self.profile()(t)
+
+    def profile(self) -> Callable[[float], tuple[float, float, float]]:
+        """Return position, rate and acceleration as a function of time, for many times."""
+        motion, words = self.compiled().motion, self.words_of_kernel()
+        return lambda t: motion(words, 0, t)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -214,13 +218,13 @@ class CallableMotion(Motion):
         """Return its numbers; they are written before each evaluation."""
         return {"position": 0.0, "rate": 0.0, "acceleration": 0.0}
 
-    def given(self, t: float, angle: float, rate: float) -> tuple[float, ...]:
+    def given(self, t: float, angle: float, rate: float) -> tuple[float, float, float]:
         """Return the numbers of its record at time t [s]."""
         return float(self.position(t)), float(self.velocity(t)), float(self.acceleration(t))
 
-    def at(self, t: float) -> tuple[float, float, float]:
-        """Return position, rate and acceleration at time t [s]."""
-        return float(self.position(t)), float(self.velocity(t)), float(self.acceleration(t))
+    def profile(self) -> Callable[[float], tuple[float, float, float]]:
+        """Return position, rate and acceleration as a function of time."""
+        return lambda t: self.given(t, 0.0, 0.0)
 
     def words(self, slides: bool) -> str:
         """Return what it is in words."""
