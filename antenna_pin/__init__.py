@@ -16,7 +16,8 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from antenna_pin.assemble import build_system, initial_state, urdf_variant
-    from antenna_pin.dynamics import System
+    from antenna_pin.constraints import Anchor, Closure
+    from antenna_pin.dynamics import System, assembled
     from antenna_pin.errors import AntennaPinError
     from antenna_pin.joints import ClearanceJoint
     from antenna_pin.mechanism import Mechanism, Urdf, build_mechanism
@@ -26,8 +27,10 @@ if TYPE_CHECKING:
     from antenna_pin.trajectory import Counts, Outcome, Trajectory
 
 _HOMES = {
+    "Anchor": "constraints",
     "AntennaPinError": "errors",
     "ClearanceJoint": "joints",
+    "Closure": "constraints",
     "Counts": "trajectory",
     "ErrorScales": "settings",
     "Mechanism": "mechanism",
@@ -38,6 +41,7 @@ _HOMES = {
     "System": "dynamics",
     "Trajectory": "trajectory",
     "Urdf": "mechanism",
+    "assembled": "dynamics",
     "build_mechanism": "mechanism",
     "build_system": "assemble",
     "initial_state": "assemble",
@@ -49,8 +53,10 @@ _HOMES = {
 }
 
 __all__ = [
+    "Anchor",
     "AntennaPinError",
     "ClearanceJoint",
+    "Closure",
     "Counts",
     "ErrorScales",
     "Mechanism",
@@ -61,6 +67,7 @@ __all__ = [
     "System",
     "Trajectory",
     "Urdf",
+    "assembled",
     "build_mechanism",
     "build_system",
     "initial_state",

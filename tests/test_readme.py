@@ -5,7 +5,7 @@ Commands in ```` ```console ```` blocks are run from top to bottom, in a folder 
 the checkout, and what they print must agree but for what differs between machines; blocks marked ``slow``
 are run by the slow tests. To bring blocks up to date::
 
-    python tests/test_readme.py --write [--slow]
+    python tests/test_readme.py --write [--slow] [PAGE.md ...]
 
 Reference tables are made by ``scripts/reference.py``, see ``tests/test_reference.py``.
 """
@@ -252,8 +252,8 @@ def test_pictures_are_small():
 # --- bringing the documents up to date ---
 
 
-def write(slow: bool) -> None:
-    for path in DOCUMENTS:
+def write(slow: bool, names: list[str]) -> None:
+    for path in [path for path in DOCUMENTS if not names or path.name in names]:
         text = with_files(path.read_text())
         with tempfile.TemporaryDirectory() as folder:
 
@@ -269,5 +269,5 @@ def write(slow: bool) -> None:
 
 if __name__ == "__main__":
     if "--write" not in sys.argv:
-        sys.exit("usage: python tests/test_readme.py --write [--slow]")
-    write("--slow" in sys.argv)
+        sys.exit("usage: python tests/test_readme.py --write [--slow] [PAGE.md ...]")
+    write("--slow" in sys.argv, [name for name in sys.argv[1:] if not name.startswith("-")])
