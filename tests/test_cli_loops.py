@@ -126,3 +126,30 @@ def test_one_of_five_equations_of_bricards_ring_is_redundant(cli, tmp_path):
     assert "(1 redundant, pin_6: 1 of along x, along y, along z, about x, about y); mobility 1" in printed(
         cli("info", "bricard.toml")
     )
+
+
+# --- what is refused ---
+
+
+def test_play_at_a_closure_is_refused_with_the_joints_that_could_close_the_loop(cli, folder):
+    """A joint with play is one of the tree; which others of the loop can close it depends on what they do."""
+    law = "normal={law='lankarani-nikravesh', stiffness=1e8, restitution=0.9}"
+    parts = f"model='planar', radial_clearance=1e-4, bearing_radius=0.01, geometry='closed-form', {law}"
+    play = f"clearance.rocker_pin={{{parts}}}"
+    place = "antenna-pin: driven: clearance.rocker_pin: must be a joint of the tree, got a closure; "
+    so_that = "instead, so that rocker_pin can be a joint of the URDF"
+    said = refused(cli("info", folder / "driven", "--set", play))
+    assert said == f"{place}cut the loop at crank_pin or ground_pin {so_that}"
+    said = refused(cli("run", folder / "driven", "--case", "play", "--set", play))
+    assert said == f"{place}cut the loop at ground_pin {so_that}"
+    other = play.replace("rocker_pin", "ground_pin")
+    said = refused(cli("info", folder / "driven", "--case", "play", "--set", play, "--set", other))
+    assert said == (
+        f"{place}all joints of its loop without play (drive_pin) have drives or springs, which act at joints "
+        "of the tree: take them off one of these to cut the loop there"
+    )
+    third = play.replace("rocker_pin", "drive_pin")
+    changes = [part for change in (play, other, third) for part in ("--set", change)]
+    said = refused(cli("info", folder / "driven", "--case", "play", *changes))
+    joints = "crank_pin, drive_pin or ground_pin"
+    assert said == f"{place}nothing is left to cut: give one joint of the loop no play ({joints})"

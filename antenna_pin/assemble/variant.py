@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from antenna_pin.assemble.cuts import check_not_closures
 from antenna_pin.assemble.places import check_known, where
 from antenna_pin.changes import JointChange
 from antenna_pin.errors import MechanismError
@@ -40,6 +41,7 @@ def urdf_variant(scenario: Scenario) -> Urdf:
     links = {link.name for link in urdf.robot.links}
     check_known(scenario, spec.joints, "joint", joints, "mechanism.joints")
     check_known(scenario, spec.links, "link", links, "mechanism.links")
+    check_not_closures(scenario, urdf)
     check_known(scenario, scenario.clearance, "joint", joints, "clearance")
     if scenario.pointing is not None:
         check_known(scenario, [scenario.pointing.body], "link", links, "pointing.body")

@@ -1,0 +1,72 @@
+"""Where else a loop could be cut, for a joint with play that stands among the closures."""
+
+from __future__ import annotations
+
+from antenna_pin.assemble.places import where
+from antenna_pin.errors import ScenarioError
+from antenna_pin.mechanism import Urdf
+from antenna_pin.scenario import AnchorSpec, Scenario
+from antenna_pin.scenario.clearance import TouchingSpec
+
+__all__ = ["check_not_closures"]
+
+
+def check_not_closures(scenario: Scenario, urdf: Urdf) -> None:
+    """Refuse play at a closure: a joint with play is one of the tree, and another joint must close its loop.
+
+    Raises:
+        ScenarioError: It says which joints of the tree could close the loop instead.
+    """
+    for name in scenario.clearance:
+        if name in scenario.closures and name not in {joint.name for joint in urdf.robot.joints}:
+            raise ScenarioError(
+                f"{where(scenario, 'clearance', name)}: must be a joint of the tree, got a closure; "
+                f"{_way_out(scenario, urdf, name)}"
+            )
+
+
+def _way_out(scenario: Scenario, urdf: Urdf, name: str) -> str:
+    types = {joint.name: joint.type for joint in urdf.robot.joints}
+    loop = [joint for joint in _loop(scenario, urdf, name) if types[joint] != "fixed"]
+    ideal = [joint for joint in loop if not isinstance(scenario.clearance.get(joint), TouchingSpec)]
+    if not ideal:
+        which = f" ({_or(loop)})" if loop else ""
+        return f"nothing is left to cut: give one joint of the loop no play{which}"
+    acting = {one.joint for one in (*scenario.drives.values(), *scenario.springs.values())}
+    free = [joint for joint in ideal if joint not in acting]
+    if not free:
+        return (
+            f"all joints of its loop without play ({', '.join(ideal)}) have drives or springs, which act at "
+            "joints of the tree: take them off one of these to cut the loop there"
+        )
+    return f"cut the loop at {_or(free)} instead, so that {name} can be a joint of the URDF"
+
+
+def _or(names: list[str]) -> str:
+    *others, last = names
+    return f"{', '.join(others)} or {last}" if others else last
+
+
+def _loop(scenario: Scenario, urdf: Urdf, name: str) -> list[str]:
+    """Return the joints of the tree between the two sides of a closure."""
+    closure = scenario.closures[name]
+    first, second = (_path(urdf, _link(urdf, side)) for side in (closure.first, closure.second))
+    return [joint for joint in (*first, *second) if (joint in first) != (joint in second)]
+
+
+def _link(urdf: Urdf, side: AnchorSpec) -> str:
+    if side.link is not None:
+        return side.link
+    assert side.frame is not None
+    children: dict[str, str] = {joint.name: joint.child for joint in urdf.robot.joints}
+    return children.get(side.frame, side.frame)
+
+
+def _path(urdf: Urdf, link: str) -> list[str]:
+    """Return the joints from a link to the root; none from the world."""
+    above = {joint.child: joint for joint in urdf.robot.joints}
+    found = []
+    while link in above:
+        found.append(above[link].name)
+        link = above[link].parent
+    return found
