@@ -33,4 +33,6 @@ run = simulate(system, duration=1.0, q=q, v=v)
 print(f"angle of the rocker after 1 s: {run.data.motion_angle.sel(joint='c')[-1].item():.9f} rad")
 print(f"largest force in the closure: {np.linalg.norm(run.data.closure_force[:, 0], axis=1).max():.6f} N")
 held = run.constraints
-print(f"{held['closure_equations']} equations, {held['closure_rank']} independent, mobility {held['mobility']}")
+print(
+    f"{held['closure_equations']} equations, {held['closure_rank']} independent, mobility {held['mobility']}"
+)
