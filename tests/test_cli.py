@@ -360,6 +360,19 @@ def test_figures_of_a_paper_are_numbered_and_listed(cli, tmp_path, drawn_quickly
     assert results == [f"bai2020-{case}.nc" for case in ("case1", "case2-planar", "case3", "case4", "case5")]
 
 
+def test_figures_of_a_closed_loop_are_made(cli, tmp_path, drawn_quickly):
+    said = cli("figures", "chen2021", "--out", "paper", *FAST)
+    assert said.code == 0, said.err
+    names = [line.removeprefix("paper/") for line in said.out.splitlines()]
+    assert [name[:8] for name in names[:-1]] == [f"figure{number:02d}" for number in range(5, 9)]
+    index = (tmp_path / "paper/index.md").read_text()
+    assert "deviation of the platform from the ideal run: friction-005 up to" in index
+    assert "force through s2 in the second half of the run: friction-005 " in index
+    results = sorted(path.name for path in (tmp_path / "paper/runs").iterdir())
+    cases = ("friction-005", "friction-010", "friction-015", "ideal")
+    assert results == [f"chen2021-{case}.nc" for case in cases]
+
+
 def test_figures_use_results_of_the_same_scenario_again(cli, tmp_path, drawn_quickly):
     arguments = ("figures", "bai2020", "--case", "case1", *FAST)
     assert "case1: running 0.03 s" in cli(*arguments, "--out", "first").err
