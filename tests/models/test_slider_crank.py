@@ -23,7 +23,7 @@ SPEED = 5000.0 * 2.0 * math.pi / 60.0  # rad/s
 CRANK, ROD = 0.05, 0.12
 CRANK_MASS, ROD_MASS, SLIDER_MASS = 0.30, 0.21, 0.14
 CRANK_INERTIA, ROD_INERTIA = 1.0e-4, 2.5e-4  # about the mass centres, which are in the middle
-GRAVITY = 9.81
+GRAVITY = 0.0
 
 
 @dataclass(frozen=True)
