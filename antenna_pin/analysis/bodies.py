@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from antenna_pin.analysis.closures import closure_wrenches
+from antenna_pin.analysis._beside_tree import applied_wrenches, passed_by_closures, passed_by_springs
 from antenna_pin.errors import FileFormatError
 from antenna_pin.mechanism import (
     Mechanism,
@@ -132,28 +132,35 @@ def body_twists(run: Trajectory | xr.Dataset, times: ArrayLike | None = None) ->
 def joint_loads(run: Trajectory | xr.Dataset, times: ArrayLike | None = None) -> xr.Dataset:
     """Return what each moving joint passes from parent to child, by inverse dynamics of the recorded motion.
 
-    It holds for ideal joints and joints with play alike, in closed loops too: constraint or contact forces
-    and motor torques. Where a loop has redundant equations, what its joints share is that of the result's
-    ``closure_force`` and ``closure_moment``.
+    It holds for ideal joints and joints with play alike, in closed loops and beside springs between points
+    too: constraint or contact forces and motor torques. Behind the joints of the tree stand the closures of
+    loops, with what they pass from their first link to the second. Where a loop has redundant equations, what
+    its joints share is that of the result's ``closure_force`` and ``closure_moment``, which are the least.
 
     Args:
         run: A run, or its data.
         times: Indices of samples; all if not given.
 
     Returns:
-        ``force`` [N] and ``torque`` about the joint frame's origin on the child [N m], (time, moving_joint,
-        axis), world axes.
+        ``force`` [N] and ``torque`` [N m], (time, moving_joint, axis), world axes; the torque about the joint
+        frame's origin on the child, of a closure about its second side's point.
     """
     data = _picked(run, times)
     mechanism = mechanism_of(run)
-    q = _array(data, "q")
-    applied = closure_wrenches(data, mechanism, link_poses(mechanism, q)) if "closure" in data.sizes else []
-    wrenches = transmitted_wrenches(mechanism, q, _array(data, "v"), _array(data, "a"), applied)
+    closures = passed_by_closures(data, mechanism)
+    applied = applied_wrenches(mechanism, closures + passed_by_springs(data, mechanism))
+    q, v, a = (_array(data, name) for name in "qva")
+    of_closures = [np.hstack([one.force, one.moment])[:, None] for one in closures]
+    wrenches = np.concatenate([transmitted_wrenches(mechanism, q, v, a, applied), *of_closures], axis=1)
     dims = ("time", "moving_joint", "axis")
     return xr.Dataset(
         {
             "force": (dims, wrenches[..., :3], {"units": "N", "long_name": "force through the joint"}),
             "torque": (dims, wrenches[..., 3:], {"units": "N m", "long_name": "torque through the joint"}),
         },
-        coords={"time": data["time"], "moving_joint": list(mechanism.joints), "axis": list(_AXES)},
+        coords={
+            "time": data["time"],
+            "moving_joint": [*mechanism.joints, *(one.name for one in closures)],
+            "axis": list(_AXES),
+        },
     )

@@ -8,16 +8,13 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from scipy.spatial.transform import Rotation
 
 from antenna_pin.analysis._run import Array, RunLike, data_of, sample_times
 from antenna_pin.analysis.sampled import time_rms
-from antenna_pin.mechanism import Mechanism
 from antenna_pin.trajectory import names_along
 
 __all__ = [
     "closure_loads",
-    "closure_wrenches",
     "closures_of",
     "drive_power",
     "drive_loads",
@@ -45,47 +42,6 @@ def drives_of(run: RunLike) -> dict[str, dict[str, Any]]:
 def effort_unit(run: RunLike, drive: str) -> str:
     """Return the unit of a drive's effort: N at a joint that slides, N m at one that turns."""
     return "N" if drives_of(run).get(drive, {}).get("slides") else "N m"
-
-
-def closure_wrenches(
-    data: xr.Dataset, mechanism: Mechanism, poses: tuple[Array, Array]
-) -> list[tuple[str, Array]]:
-    """Return what the closures of loops do to links, for :func:`antenna_pin.mechanism.transmitted_wrenches`.
-
-    Closures that hold a joint of the tree are left out: theirs is that joint's own load.
-
-    Args:
-        data: Of a run.
-        mechanism: Its mechanism.
-        poses: Positions [m] and attitudes of all links, of :func:`antenna_pin.mechanism.link_poses`.
-
-    Returns:
-        Links, each with force [N] and moment about the world's origin [N m], (n, 6), world axes.
-    """
-    links = [link.name for link in mechanism.urdf.robot.links]
-    found: list[tuple[str, Array]] = []
-
-    def placed(link: str, local: Array) -> tuple[Array, Rotation]:
-        """Return a frame on a link in the world."""
-        turn = Rotation.from_quat(local[3:])
-        if link not in links:  # the world
-            return local[:3], turn
-        k = links.index(link)
-        attitude = Rotation.from_quat(poses[1][:, k])
-        return poses[0][:, k] + attitude.apply(local[:3]), attitude * turn
-
-    for name, closure in closures_of(data).items():
-        if name in mechanism.joints:
-            continue
-        _, axes = placed(closure["first_body"], np.array(closure["first_placement"]))
-        point, _ = placed(closure["second_body"], np.array(closure["second_placement"]))
-        force = axes.apply(np.asarray(data["closure_force"].sel(closure=name).values, dtype=float))
-        moment = axes.apply(np.asarray(data["closure_moment"].sel(closure=name).values, dtype=float))
-        wrench = np.hstack([force, moment + np.cross(np.broadcast_to(point, force.shape), force)])
-        for link, sign in ((closure["first_body"], -1.0), (closure["second_body"], 1.0)):
-            if link in links:
-                found.append((link, sign * wrench))
-    return found
 
 
 _FORCES = {
