@@ -86,9 +86,10 @@ POSE = layout(
     ("moment", "f8", (3,)),
 )
 
-#: Head of a system's program, the flat numbers of all its force elements: sizes of q and v, contacts, and
-#: rows of its contact table (contacts, then strips and sectors).
-PROGRAM = layout(("nq", "i8"), ("nv", "i8"), ("contacts", "i8"), ("rows", "i8"))
+#: Head of a system's program, the flat numbers of all its force elements: sizes of q and v, contacts, rows of
+#: its contact table (contacts, then strips and sectors), and where behind the blocks of joints those of
+#: springs between points begin: its end if there are none.
+PROGRAM = layout(("nq", "i8"), ("nv", "i8"), ("contacts", "i8"), ("rows", "i8"), ("points", "i8"))
 
 #: How every block of a program begins: what it is, and how many 8-byte numbers it takes.
 BLOCK = layout(("kind", "i8"), ("length", "i8"))

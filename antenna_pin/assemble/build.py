@@ -5,6 +5,7 @@ from __future__ import annotations
 from antenna_pin.assemble.closures import closures_of
 from antenna_pin.assemble.laws import clearance_joint
 from antenna_pin.assemble.places import check_known, check_motion
+from antenna_pin.assemble.springs import springs_of
 from antenna_pin.assemble.variant import types_as_written, urdf_variant
 from antenna_pin.dynamics import HeldKind, System
 from antenna_pin.mechanism import build_mechanism
@@ -30,10 +31,9 @@ def build_system(scenario: Scenario) -> System:
     """
     urdf = urdf_variant(scenario)
     mechanism = build_mechanism(urdf, scenario.mechanism.base, scenario.mechanism.gravity)
-    for place, specs in (("drives", scenario.drives), ("springs", scenario.springs)):
-        for name, spec in specs.items():
-            check_known(scenario, [spec.joint], "moving joint", mechanism.joints, place, name, "joint")
-            check_motion(scenario, mechanism.joint(spec.joint), spec.motion, place, name)
+    for name, spec in scenario.drives.items():
+        check_known(scenario, [spec.joint], "moving joint", mechanism.joints, "drives", name, "joint")
+        check_motion(scenario, mechanism.joint(spec.joint), spec.motion, "drives", name)
     types = types_as_written(scenario)
     system = System(
         mechanism,
@@ -43,7 +43,7 @@ def build_system(scenario: Scenario) -> System:
             if isinstance(spec, TouchingSpec)
         ],
         drives={name: spec.build() for name, spec in scenario.drives.items()},
-        springs={name: spec.build() for name, spec in scenario.springs.items()},
+        springs=springs_of(scenario, mechanism),
         held={
             name: _HELD[types[name]]
             for name, spec in scenario.clearance.items()

@@ -12,7 +12,7 @@ from antenna_pin.constraints.assembly import (
     worst_row,
 )
 from antenna_pin.constraints.closure import CLOSURES, WORLD, Anchor, Closure, ClosureKind, Holds
-from antenna_pin.constraints.plan import DrivenJoint, Plan, make_plan
+from antenna_pin.constraints.plan import DrivenJoint, Plan, make_plan, on_body
 from antenna_pin.constraints.solver import Constraints
 
 __all__ = [
@@ -33,6 +33,7 @@ __all__ = [
     "least_row",
     "make_plan",
     "mobility",
+    "on_body",
     "redundancies",
     "worst_row",
 ]

@@ -14,7 +14,7 @@ from antenna_pin.errors import MechanismError, UnknownNameError
 from antenna_pin.mechanism import Mechanism, body_tree
 from antenna_pin.records import words_of
 
-__all__ = ["DrivenJoint", "Plan", "make_plan"]
+__all__ = ["DrivenJoint", "Plan", "make_plan", "on_body"]
 
 Array = NDArray[np.float64]
 
@@ -84,7 +84,7 @@ def make_plan(
     row = len(motions)
     points = [0.0]
     for record, (name, closure) in zip(records, closures.items(), strict=True):
-        sides = [_on_body(mechanism, name, side) for side in (closure.first, closure.second)]
+        sides = [on_body(mechanism, f"closure {name!r}", side) for side in (closure.first, closure.second)]
         (first, place), (second, other) = sides
         if first == second:
             said = "the world" if first < 0 else f"body {mechanism.bodies[first]!r}"
@@ -156,14 +156,18 @@ def _place_numbers(head: NDArray[np.void], bodies: int, rows: int, nv: int) -> i
     return at
 
 
-def _on_body(mechanism: Mechanism, name: str, side: Anchor) -> tuple[int, Array]:
-    """Return the body that a side is on, -1 for the world, and its frame there, (4, 4)."""
+def on_body(mechanism: Mechanism, place: str, side: Anchor) -> tuple[int, Array]:
+    """Return the body that a side is on, -1 for the world, and its frame there, (4, 4).
+
+    Raises:
+        UnknownNameError: There is no such link; ``place`` says where it was asked for.
+    """
     frame = np.eye(4)
     frame[:3, :3], frame[:3, 3] = side.rotation, side.origin
     links = [link.name for link in mechanism.urdf.robot.links]
     if side.link not in links:
         if side.link == WORLD:
             return -1, frame
-        raise UnknownNameError(f"closure {name!r}", "link", side.link, [*links, WORLD])
+        raise UnknownNameError(place, "link", side.link, [*links, WORLD])
     found = mechanism.model.frames[mechanism.frame(side.link)]
     return int(found.parentJoint) - 1, np.asarray(found.placement.homogeneous @ frame)

@@ -17,7 +17,15 @@ from antenna_pin.dynamics.motion import JointMotion
 from antenna_pin.dynamics.samples import Observed, joint_motion, journal_attitudes, observed, sliding_motion
 from antenna_pin.dynamics.system import System
 from antenna_pin.dynamics.workspace import Workspace
-from antenna_pin.elements import CallableDrive, ConstantDrive, Drive, JointSpring, SineDrive, TableDrive
+from antenna_pin.elements import (
+    CallableDrive,
+    ConstantDrive,
+    Drive,
+    JointSpring,
+    PointSpring,
+    SineDrive,
+    TableDrive,
+)
 
 __all__ = [
     "BASE",
@@ -30,6 +38,7 @@ __all__ = [
     "JointMotion",
     "JointSpring",
     "Observed",
+    "PointSpring",
     "SineDrive",
     "System",
     "TableDrive",

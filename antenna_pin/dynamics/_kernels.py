@@ -3,7 +3,9 @@
 ``program`` is a list of blocks that starts behind its head (:data:`antenna_pin.records.PROGRAM`). A block
 begins with what it is and how long (:data:`antenna_pin.records.BLOCK`): a clearance joint
 (:mod:`antenna_pin.joints._layout_kernels`), or an element at a joint, of one of the kinds of
-:mod:`antenna_pin.elements`: ``ELEMENT``, then the record of its kind.
+:mod:`antenna_pin.elements`: ``ELEMENT``, then the record of its kind. Behind all of these stand the springs
+between points (:mod:`antenna_pin.dynamics._point_kernels`), which ask where bodies are and have a pass of
+their own.
 
 A configuration knows an angle only but for whole turns. Joints that turn without end (continuous ones and
 those with play) have their *turned angle*, with all its turns, in x: the angle at the last accepted state, to
@@ -202,7 +204,7 @@ def evaluate(t: float, y: Any, program: Any, work: Any, rates: Any) -> None:
     for k in range(nv):
         tau[k] = 0.0
     b = HEADER
-    end = program.shape[0]
+    end = head.points
     while b < end:
         block = block_at(program, b)
         if block.kind == CLEARANCE:
@@ -214,12 +216,13 @@ def evaluate(t: float, y: Any, program: Any, work: Any, rates: Any) -> None:
 
 @kernel
 def stored_energy(y: Any, program: Any, memory: Any, table: Any) -> tuple[float, float]:
-    """Energy stored in touching contacts (compiled laws; gaps from the table) and in springs [J]."""
-    nq = head_of(program).nq
+    """Energy stored in touching contacts (compiled laws; gaps from the table) and in joint springs [J]."""
+    head = head_of(program)
+    nq = head.nq
     contacts = 0.0
     springs = 0.0
     b = HEADER
-    while b < program.shape[0]:
+    while b < head.points:
         block = block_at(program, b)
         if block.kind == CLEARANCE:
             if joint_at(program, b).mode < FORCES_GIVEN:

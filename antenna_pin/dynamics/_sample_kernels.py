@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from antenna_pin._compile import inlined, kernel
+from antenna_pin.dynamics import _point_kernels as _points
 from antenna_pin.dynamics._audit_kernels import audit_state
 from antenna_pin.dynamics._kernels import (
     HEADER,
@@ -117,6 +118,7 @@ def observe(
     scenarios: Any,
     efforts: Any,
     audits: Any,
+    stretches: Any,
 ) -> None:
     """Evaluate the force elements at samples first to last and write what follows from them.
 
@@ -143,6 +145,7 @@ def observe(
         scenarios: Of contact, radial and axial, (n, joints, 2).
         efforts: Of the drives, ``EFFORT``, (n, drives).
         audits: Energies and momenta, AUDIT, (n,).
+        stretches: Of the springs between points, ``STRETCH``, (n, springs).
     """
     head = head_of(program)
     nq, nv = head.nq, head.nv
@@ -156,6 +159,8 @@ def observe(
                 memory[c] = memories[i, c]
             _apart_in(y, program, memory, pose[0], table)
             evaluate(times[i], y, program, work, rates)
+            if stretches.shape[1] > 0:
+                _points.add_forces(y, program, tree, room, work, rates)
         for k in range(nv):
             forces[i, k] = work[k]
         for c in range(memory.shape[0]):
@@ -171,6 +176,9 @@ def observe(
             _scenario(program, b, own[0], table, scratch, scenarios[i, k])
         audit_state(y, nq, tree, gravity, room, audits[i : i + 1])
         audits[i].contacts, audits[i].springs = stored_energy(y, program, memory, table)
+        if stretches.shape[1] > 0:
+            audits[i].springs += _points.stored(program, room)
+            _points.look_at(program, room, stretches[i])
 
 
 @kernel

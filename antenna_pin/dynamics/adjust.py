@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from antenna_pin.dynamics import _kernels
 from antenna_pin.dynamics.system import System
-from antenna_pin.elements import Element
+from antenna_pin.elements import ForceElement
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.parameters import parameters_of
 
@@ -39,7 +39,7 @@ class Adjustments:
         """Begin with the system's own numbers."""
         self._program = program
         self.values: dict[str, float] = {}
-        self.elements: dict[str, Element] = {f"drives.{name}": one for name, one in system.drives.items()}
+        self.elements: dict[str, ForceElement] = {f"drives.{name}": d for name, d in system.drives.items()}
         self.elements |= {f"springs.{name}": one for name, one in system.springs.items()}
         self._blocks = {f"drives.{name}": block for name, block in system.drive_blocks.items()}
         self._blocks |= {f"springs.{name}": block for name, block in system.spring_blocks.items()}
@@ -66,7 +66,7 @@ class Adjustments:
             head = self._program[block : block + _kernels.PARAMETERS].view(_kernels.ELEMENT)
             head["on"] = float(value)
         elif key in keys:
-            changed = dataclasses.replace(source, **{key: float(value)})  # type: ignore[arg-type]
+            changed = dataclasses.replace(source, **{key: float(value)})
             self.elements[element] = changed
             words = changed.words_of_kernel()
             first = block + _kernels.PARAMETERS

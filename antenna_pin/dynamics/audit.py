@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.dynamics import _audit_kernels as _bodies
-from antenna_pin.dynamics import _kernels
+from antenna_pin.dynamics import _kernels, _point_kernels
 from antenna_pin.dynamics.workspace import Workspace
 from antenna_pin.mechanism import PLACE, body_tree
 
@@ -26,7 +26,7 @@ class Audit:
         kinetic: [J].
         gravity: Potential of gravity [J].
         contacts: Stored in touching contacts [J].
-        springs: Stored in joint springs [J].
+        springs: Stored in springs at joints and between points [J].
         linear: Total linear momentum, world axes, (3,) [kg m/s].
         angular: Total angular momentum about the mass centre, world axes, (3,) [kg m^2/s].
         linear_scale: Sum of the magnitudes of the linear momenta of the bodies other than the base [kg m/s].
@@ -78,7 +78,7 @@ def audit(workspace: Workspace, y: Array) -> Audit:
         kinetic=float(found.kinetic),
         gravity=float(found.gravity),
         contacts=contacts + energy_of_python_laws(workspace),
-        springs=springs,
+        springs=springs + _point_kernels.stored(workspace.program, places),
         linear=found.linear,
         angular=found.angular,
         linear_scale=float(found.linear_scale),

@@ -26,13 +26,14 @@ class Blocks:
     Attributes:
         all: The program's head, still zero, and the blocks so far.
         x: Where in x the next block's numbers start.
+        size: How many numbers the program has so far.
     """
 
     def __init__(self, x: int) -> None:
         """Begin with the head."""
         self.all: list[Array] = [np.zeros(_kernels.HEADER)]
         self.x = x
-        self._size = int(_kernels.HEADER)
+        self.size = int(_kernels.HEADER)
 
     def add(self, block: Array, integrals: int) -> int:
         """Put a block at the end; return where in the program it stands.
@@ -41,9 +42,9 @@ class Blocks:
             block: Its numbers; still to be written to, if need be.
             integrals: How many numbers it has in x.
         """
-        at = self._size
+        at = self.size
         self.all.append(block)
-        self._size += len(block)
+        self.size += len(block)
         self.x += integrals
         return at
 

@@ -12,7 +12,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from antenna_pin.dynamics import _audit_kernels, _sample_kernels
+from antenna_pin.dynamics import _audit_kernels, _point_kernels, _sample_kernels
 from antenna_pin.dynamics.audit import energy_of_python_laws
 from antenna_pin.dynamics.system import System
 from antenna_pin.dynamics.workspace import Workspace
@@ -40,6 +40,8 @@ class Observed:
             where they follow none, ``EFFORT``, (n, drives).
         audit: Energies and momenta, with the names and units of :class:`antenna_pin.dynamics.Audit`, AUDIT,
             (n,).
+        stretch: Of the springs between points ``length`` [m], ``tension`` that draws the points together [N]
+            and ``force`` on the second one's link, world axes [N], ``STRETCH``, (n, springs).
         closure: Force [N] and moment [N m] of each closure (n, closures, 2, 3), by
             :meth:`antenna_pin.constraints.Constraints.wrenches`; the least ones where some are redundant.
     """
@@ -50,6 +52,7 @@ class Observed:
     scenario: NDArray[np.int8]
     effort: NDArray[Any]
     audit: NDArray[Any]
+    stretch: NDArray[Any]
     closure: Array
 
     @property
@@ -81,6 +84,7 @@ def observed(
     scenario = np.zeros((n, joints, 2), dtype=np.int8)
     effort = np.zeros((n, len(system.drives)), _sample_kernels.EFFORT)
     audits = np.zeros(n, _audit_kernels.AUDIT)
+    stretch = np.zeros((n, len(system.point_springs)), _point_kernels.STRETCH)
     rates = np.zeros(model.nv + system.manifold.nx)
     given = (
         np.ascontiguousarray(times, dtype=float),
@@ -102,6 +106,7 @@ def observed(
         scenario,
         effort,
         audits,
+        stretch,
     )
     if workspace.paths or system.callables:
         for i in range(n):
@@ -128,6 +133,7 @@ def observed(
         scenario=scenario,
         effort=effort,
         audit=audits,
+        stretch=stretch,
         closure=closure,
     )
 

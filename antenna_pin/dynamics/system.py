@@ -14,7 +14,8 @@ from antenna_pin.dynamics import _kernels
 from antenna_pin.dynamics.blocks import Blocks, clearance_block, held_block
 from antenna_pin.dynamics.configuration import make_unit, spaces
 from antenna_pin.dynamics.held import HeldKind, held_closure
-from antenna_pin.elements import GROSS_WORK, LOSS, WORK, Element, JointSpring, Motion
+from antenna_pin.dynamics.points import point_spring_block
+from antenna_pin.elements import GROSS_WORK, WORK, Element, JointSpring, Motion, PointSpring
 from antenna_pin.errors import InvalidParameterError, MechanismError, UnknownNameError
 from antenna_pin.integrate import Manifold
 from antenna_pin.joints import ClearanceJoint
@@ -52,7 +53,7 @@ class System:
             clearance).
         clearances: Joints with play.
         drives: Torques, and motions that joints are made to follow, by name.
-        springs: Springs and dampers by name.
+        springs: Springs and dampers by name, at joints and between points.
         held: Floating joints of the tree that are held by constraint to what they are ideally, by name.
         closures: Joints that close loops, by name.
     """
@@ -63,7 +64,7 @@ class System:
         *,
         clearances: Sequence[ClearanceJoint] = (),
         drives: Mapping[str, Element] | None = None,
-        springs: Mapping[str, JointSpring] | None = None,
+        springs: Mapping[str, JointSpring | PointSpring] | None = None,
         held: Mapping[str, HeldKind] | None = None,
         closures: Mapping[str, Closure] | None = None,
     ) -> None:
@@ -73,6 +74,8 @@ class System:
         self.clearances = tuple(clearances)
         self.drives = dict(drives or {})
         self.springs = dict(springs or {})
+        #: Those between points.
+        self.point_springs = {n: s for n, s in self.springs.items() if isinstance(s, PointSpring)}
         self.held = dict(held or {})
         #: All closures by name, those of joints held by constraint first.
         self.closures = {name: held_closure(mechanism, name, kind) for name, kind in self.held.items()}
@@ -96,6 +99,7 @@ class System:
         self._place_joints(blocks)
         self._place_integrals_of_contacts()
         self._place_elements(blocks)
+        points = self._place_point_springs(blocks)
         #: Its constraints in numbers; None of a tree that nothing holds.
         self.plan: Plan | None = None
         #: Where in x the energy stands that corrections of position and velocity put in, if there are any.
@@ -107,7 +111,7 @@ class System:
         self.program = np.concatenate(blocks.all)
         head = self.program[: _kernels.HEADER].view(PROGRAM)
         head["nq"], head["nv"] = self.model.nq, self.model.nv
-        head["contacts"], head["rows"] = len(self.contact_names), self.rows
+        head["contacts"], head["rows"], head["points"] = len(self.contact_names), self.rows, points
         slots = {name: self.mechanism.joint(name) for name in self.turn_x}
         #: The turned angles as :func:`_kernels.turn_on` takes them, ``TURN``.
         self.turns = np.array(
@@ -172,7 +176,7 @@ class System:
         self.bristle_x = np.concatenate([np.zeros(0, dtype=int), *bristles])
 
     def _place_elements(self, blocks: Blocks) -> None:
-        """Lay out drives and springs."""
+        """Lay out drives and springs at joints."""
         #: Places in x of what elements integrate, by its name; in the order of the elements.
         integrals: dict[str, list[int]] = {}
         #: Elements in Python: their block, and where in the program their numbers go.
@@ -181,9 +185,10 @@ class System:
         self.motions: list[DrivenJoint] = []
         self.drive_blocks: dict[str, int] = {}
         self.spring_blocks: dict[str, int] = {}
+        at_joints = {n: s for n, s in self.springs.items() if isinstance(s, JointSpring)}
         families: tuple[tuple[str, Mapping[str, Element], dict[str, int]], ...] = (
             ("drive", self.drives, self.drive_blocks),
-            ("spring", self.springs, self.spring_blocks),
+            ("spring", at_joints, self.spring_blocks),
         )
         for family, elements, places in families:
             for name, element in elements.items():
@@ -202,9 +207,21 @@ class System:
                     )
                 for k, integral in enumerate(element.integrals):
                     integrals.setdefault(integral.name, []).append(x + k)
-        self.work_x, self.gross_work_x, self.damper_x = (
-            np.array(integrals.get(one.name, []), dtype=int) for one in (WORK, GROSS_WORK, LOSS)
+        self.work_x, self.gross_work_x = (
+            np.array(integrals.get(one.name, []), dtype=int) for one in (WORK, GROSS_WORK)
         )
+
+    def _place_point_springs(self, blocks: Blocks) -> int:
+        """Lay out springs between points, behind all else; return where in the program they begin."""
+        begin = blocks.size
+        for name, spring in self.point_springs.items():
+            block = point_spring_block(self.mechanism, f"spring {name!r}", spring, blocks.x)
+            self.spring_blocks[name] = blocks.add(block, len(spring.integrals))
+        program = np.concatenate(blocks.all)
+        heads = [program[self.spring_blocks[name] :][: _kernels.PARAMETERS] for name in self.springs]
+        #: Where in x the losses of springs are, in their order.
+        self.damper_x = np.array([int(head.view(_kernels.ELEMENT)["x"][0]) for head in heads], dtype=int)
+        return begin
 
     def _check_motion(self, place: str, own: str, motion: Motion) -> None:
         """Refuse a motion of a joint with play, or one beside another motion or a drive."""
@@ -262,14 +279,24 @@ class System:
     def closed_to_world(self) -> bool:
         """Whether a closure holds it to the world."""
         links = {side.link for closure in self.closures.values() for side in (closure.first, closure.second)}
+        return self._among_worlds(links)
+
+    @property
+    def sprung_to_world(self) -> bool:
+        """Whether a spring between points is fixed to the world."""
+        springs = self.point_springs.values()
+        return self._among_worlds({link for one in springs for link, _ in (one.first, one.second)})
+
+    def _among_worlds(self, links: set[str]) -> bool:
         return WORLD in links - {link.name for link in self.mechanism.urdf.robot.links}
 
     @property
     def keeps_momentum(self) -> bool:
-        """Whether nothing acts on it from outside: a free base, no gravity, no closure with the world."""
+        """Whether nothing acts on it from outside: a free base, no gravity, not held by the world."""
         return (
             self.mechanism.base == "free"
             and not self.closed_to_world
+            and not self.sprung_to_world
             and not np.any(self.model.gravity.linear)
         )
 

@@ -10,7 +10,7 @@ import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.constraints import Constraints
-from antenna_pin.dynamics import _inspect, _kernels
+from antenna_pin.dynamics import _inspect, _kernels, _point_kernels
 from antenna_pin.dynamics._audit_kernels import AUDIT, audit_state
 from antenna_pin.dynamics.system import System
 from antenna_pin.joints import PythonPath
@@ -18,6 +18,7 @@ from antenna_pin.joints._kernels import unit_normal_force
 from antenna_pin.joints._layout_kernels import JOINT, JOINT_WORDS
 from antenna_pin.joints._pose_kernels import place_journal
 from antenna_pin.mechanism import PLACE, body_tree
+from antenna_pin.mechanism._tree_kernels import place_bodies
 from antenna_pin.records import CONTACT, MEMORY, POSE, memory_records, words_of
 
 __all__ = ["Workspace"]
@@ -78,6 +79,11 @@ class Workspace:
             self.program[block : block + _kernels.PARAMETERS].view(_kernels.ELEMENT)["on"]
             for block, _, _ in system.callables
         ]
+        #: The bodies, and room for where they are, if springs between points ask for that.
+        self._bodies: tuple[NDArray[Any], NDArray[Any]] | None = None
+        if system.point_springs:
+            tree = body_tree(system.mechanism)
+            self._bodies = tree, np.zeros(len(tree) + 1, PLACE)
         self._tree: NDArray[Any] | None = None
         #: What is held besides the tree; None if nothing is.
         self.constraints = None if system.plan is None else Constraints(system.plan, self.model, self.data)
@@ -135,6 +141,8 @@ class Workspace:
             path.prepare(y)
         self.prepare_motions(t, y)
         _kernels.evaluate(t, y, self.program, self._work, rates)
+        if self._bodies is not None:
+            _point_kernels.add_forces(y, self.program, *self._bodies, self.tau, rates)
 
     def bind(self, y: Array, rates: Array) -> Callable[[float], None]:
         """Return the derivative of a state held in an array, as a function of time alone.
@@ -151,7 +159,7 @@ class Workspace:
         program, work, tau = self.program, self._work, self.tau
         evaluate, model, data, aba = _kernels.evaluate, self.model, self.data, pin.aba
         solve = None if self.constraints is None else self.constraints.bind(y, program, tau, rates)
-        if self.paths or self.system.callables:
+        if self.paths or self.system.callables or self._bodies is not None:
             elements = self.apply_elements
 
             def general(t: float) -> None:
@@ -220,7 +228,17 @@ class Workspace:
         self.locate(y, table)
         audit_state(y, self.model.nq, self._tree, np.array(self.model.gravity.linear), places, audits)
         contacts, springs = _kernels.stored_energy(y, self.program, self.memory, table)
+        springs += _point_kernels.stored(self.program, places)
         return float(audits[0].kinetic + audits[0].gravity) + contacts + springs
+
+    def lengths(self, y: Array) -> Array:
+        """Return the lengths of the springs between points, (springs,) [m]; 0 where points coincide."""
+        stretches = np.zeros(len(self.system.point_springs), _point_kernels.STRETCH)
+        if self._bodies is not None:
+            tree, places = self._bodies
+            place_bodies(y, self.model.nq, tree, places)
+            _point_kernels.look_at(self.program, places, stretches)
+        return np.asarray(stretches["length"])
 
     def first_memory(self, y: Array) -> NDArray[Any]:
         """Return the memory of a state without one (:func:`antenna_pin.dynamics.contact_memory`)."""

@@ -1,10 +1,11 @@
-"""Force elements at joints: drives, a controller, springs and dampers; numbers in, numbers out."""
+"""Force elements: drives, a controller, springs and dampers at joints, springs between points."""
 
 from antenna_pin.elements.constant import ConstantDrive
-from antenna_pin.elements.element import GROSS_WORK, LOSS, WORK, About, Drive, Element, Integral
+from antenna_pin.elements.element import GROSS_WORK, LOSS, WORK, About, Drive, Element, ForceElement, Integral
 from antenna_pin.elements.given import CallableDrive
 from antenna_pin.elements.motion import CallableMotion, DistanceMotion, Motion, PrescribedMotion
 from antenna_pin.elements.pd import PDController
+from antenna_pin.elements.point_spring import Point, PointSpring
 from antenna_pin.elements.registry import DRIVES, ELEMENTS
 from antenna_pin.elements.sine import SineDrive
 from antenna_pin.elements.spring import JointSpring
@@ -23,10 +24,13 @@ __all__ = [
     "DistanceMotion",
     "Drive",
     "Element",
+    "ForceElement",
     "Integral",
     "JointSpring",
     "Motion",
     "PDController",
+    "Point",
+    "PointSpring",
     "PrescribedMotion",
     "SineDrive",
     "TableDrive",

@@ -1,6 +1,7 @@
 """What a force element is: all that a system, a run, a scenario, a result and a report ask of one.
 
 An element acts at one joint: it sees time, the joint's angle and rate, and gives the torque about its axis.
+(A :class:`ForceElement` may act elsewhere; what is said below of joints does not hold for it then.)
 It is a frozen dataclass whose fields declare themselves (:mod:`antenna_pin.parameters`), beside kernels in a
 file of their own, which the class names in ``kernels``:
 
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-__all__ = ["GROSS_WORK", "LOSS", "WORK", "About", "Drive", "Element", "Integral"]
+__all__ = ["GROSS_WORK", "LOSS", "WORK", "About", "Drive", "Element", "ForceElement", "Integral"]
 
 About = Literal["bearing", "journal", "motion"]
 """What an element acts about at a joint with play: the bearing's axis, the journal's, or as the gradient of
@@ -56,32 +57,16 @@ LOSS = Integral("loss")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Element:
-    """Base of the force elements at a joint; the reaction acts on the joint's parent.
+class ForceElement:
+    """Base of all that acts by numbers of its own, wherever that is."""
 
-    Attributes:
-        joint: Name of the joint.
-    """
-
-    # Its kernels, by the name of their module; whether its effort depends on the joint's motion; whether it
-    # follows a reference; what it integrates.
+    # Its kernels, by the name of their module; what it integrates.
     kernels: ClassVar[str]
-    senses: ClassVar[bool] = False
-    tracks: ClassVar[bool] = False
-    # Whether Python writes the numbers of its record before each evaluation (``given``).
-    in_python: ClassVar[bool] = False
     integrals: ClassVar[tuple[Integral, ...]] = ()
-
-    joint: str
 
     def __post_init__(self) -> None:
         """Check the parameters."""
         check(self)
-
-    @property
-    def about(self) -> About:
-        """What it acts about at a joint with play."""
-        return "motion"
 
     @property
     def instants(self) -> tuple[float, ...]:
@@ -120,18 +105,6 @@ class Element:
             record[name] = value
         return np.concatenate([record.view(np.float64), np.array(self.tail(), dtype=float)])
 
-    def given(self, t: float, angle: float, rate: float) -> tuple[float, ...]:
-        """Return the numbers of its record at time t [s], angle and rate, if Python writes them."""
-        raise NotImplementedError
-
-    def check_joint(self, place: str, slides: bool) -> None:
-        """Refuse a joint at which it cannot act.
-
-        Args:
-            place: Its name, for the message.
-            slides: Whether the joint slides along its axis rather than turning about it.
-        """
-
     def check_span(self, place: str, begin: float, end: float) -> None:
         """Refuse a run that goes beyond the times that it knows of.
 
@@ -149,6 +122,40 @@ class Element:
         """Return the unit of one of its parameters as :mod:`antenna_pin.readable` takes it."""
         found = parameters_of(type(self))[name]
         return (found.sliding if slides and found.sliding else found.unit).replace("*", " ")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Element(ForceElement):
+    """Base of the force elements at a joint; the reaction acts on the joint's parent.
+
+    Attributes:
+        joint: Name of the joint.
+    """
+
+    # Whether its effort depends on the joint's motion; whether it follows a reference.
+    senses: ClassVar[bool] = False
+    tracks: ClassVar[bool] = False
+    # Whether Python writes the numbers of its record before each evaluation (``given``).
+    in_python: ClassVar[bool] = False
+
+    joint: str
+
+    @property
+    def about(self) -> About:
+        """What it acts about at a joint with play."""
+        return "motion"
+
+    def given(self, t: float, angle: float, rate: float) -> tuple[float, ...]:
+        """Return the numbers of its record at time t [s], angle and rate, if Python writes them."""
+        raise NotImplementedError
+
+    def check_joint(self, place: str, slides: bool) -> None:
+        """Refuse a joint at which it cannot act.
+
+        Args:
+            place: Its name, for the message.
+            slides: Whether the joint slides along its axis rather than turning about it.
+        """
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -36,7 +36,7 @@ _STORED = (
     ("drive_work", "work of the drives", "black"),
     ("kinetic_energy", "kinetic energy", COLOURS[0]),
     ("gravity_energy", "gravity, from the start", COLOURS[2]),
-    ("spring_energy", "joint springs", COLOURS[4]),
+    ("spring_energy", "springs", COLOURS[4]),
     ("contact_energy", "elastic energy of the contacts", COLOURS[5]),
 )
 _LOST = (

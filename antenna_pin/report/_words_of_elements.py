@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from antenna_pin.elements import Element
 from antenna_pin.report._runs import ReportedRun
-from antenna_pin.scenario import Scenario
+from antenna_pin.scenario import PointSpringSpec, Scenario
 
 __all__ = ["names_of_elements", "words_of_elements"]
 
@@ -15,6 +15,9 @@ def words_of_elements(scenario: Scenario) -> Iterator[tuple[str, str]]:
     """Yield each drive and each spring of a scenario, with what it does."""
     for family, specs in (("drive", scenario.drives), ("spring", scenario.springs)):
         for name, spec in specs.items():
+            if isinstance(spec, PointSpringSpec):
+                yield f"{family} {name}", spec.build().words()
+                continue
             element: Element = spec.build()
             text = element.words(spec.motion == "translation")
             if element.joint != name:

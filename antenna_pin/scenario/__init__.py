@@ -22,8 +22,8 @@ if TYPE_CHECKING:
         PrismaticClearance,
         SphericalClearance,
     )
-    from antenna_pin.scenario.closures import AnchorSpec, ClosureSpec
-    from antenna_pin.scenario.drives import DRIVE_SPECS, DriveSpec, SpringSpec
+    from antenna_pin.scenario.closures import AnchorSpec, ClosureSpec, PlaceSpec
+    from antenna_pin.scenario.drives import DRIVE_SPECS, AnySpring, DriveSpec, PointSpringSpec, SpringSpec
     from antenna_pin.scenario.events import AngleEvent, EventSpec, ForceEvent, GapEvent, RateEvent, TimeEvent
     from antenna_pin.scenario.initial import InitialBaseSpec, InitialJointSpec, InitialSpec
     from antenna_pin.scenario.integrator import IntegratorSpec, OutputSpec, ScalesSpec
@@ -44,6 +44,7 @@ if TYPE_CHECKING:
 _HOMES = {
     "AnchorSpec": "closures",
     "AngleEvent": "events",
+    "AnySpring": "drives",
     "CaseSummary": "shipped",
     "ClearanceSpec": "clearance",
     "ClosureSpec": "closures",
@@ -67,7 +68,9 @@ _HOMES = {
     "MechanismSpec": "mechanism",
     "OrbitSpec": "pointing",
     "OutputSpec": "integrator",
+    "PlaceSpec": "closures",
     "PlanarClearance": "clearance",
+    "PointSpringSpec": "drives",
     "PointingSpec": "pointing",
     "PrismaticClearance": "clearance",
     "RateEvent": "events",
@@ -89,6 +92,7 @@ __all__ = [
     "DRIVE_SPECS",
     "AnchorSpec",
     "AngleEvent",
+    "AnySpring",
     "CaseSummary",
     "ClearanceSpec",
     "ClosureSpec",
@@ -113,6 +117,8 @@ __all__ = [
     "OutputSpec",
     "PlanarClearance",
     "PrismaticClearance",
+    "PlaceSpec",
+    "PointSpringSpec",
     "PointingSpec",
     "RateEvent",
     "ScalesSpec",

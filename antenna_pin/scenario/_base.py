@@ -23,6 +23,7 @@ Location = tuple[str | int, ...]
 TAGGED: dict[str, tuple[str, ...]] = {
     "drives": tuple(DRIVES),
     "events": ("angle", "rate", "time", "gap", "force"),
+    "springs": ("at a joint", "between points"),
 }
 _BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
 

@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 
 from antenna_pin.scenario._base import Position, Spec, Vector, Vector3, refuse
 
-__all__ = ["AnchorSpec", "ClosureSpec"]
+__all__ = ["AnchorSpec", "ClosureSpec", "PlaceSpec"]
 
 Direction = Annotated[Vector3, Vector("1")]
 
@@ -16,24 +16,18 @@ Direction = Annotated[Vector3, Vector("1")]
 _POINTS = ("spherical", "fixed")
 
 
-class AnchorSpec(Spec):
-    """One side of a closure: a place on a link, or a frame.
+class PlaceSpec(Spec):
+    """A place on a link, or a frame.
 
     Attributes:
         link: Name of the link, or ``world``.
-        frame: In its place a frame of the URDF, by the name of its link or of a joint: its origin, with its z
-            axis or the joint's own.
+        frame: In its place a frame of the URDF, by the name of its link or of a joint: its origin.
         point: In the link's frame [m]; None for a frame's origin.
-        axis: Direction of the closure's axis in the link's frame, of any length.
-        across: Direction across the axis that both sides have in common, for kinds that hold the turn about
-            the axis; without it links whose ``axis`` has the same components have parallel axes.
     """
 
     link: str | None = None
     frame: str | None = None
     point: Position | None = None
-    axis: Direction | None = None
-    across: Direction | None = None
 
     @model_validator(mode="after")
     def _check_place(self) -> Self:
@@ -44,6 +38,25 @@ class AnchorSpec(Spec):
             refuse("is missing; it is a place in the link's frame, such as [0, 0, 0] for its origin", "point")
         if self.frame is not None and self.point is not None:
             refuse("must be left out beside frame, whose origin it is; or give link and point", "point")
+        return self
+
+
+class AnchorSpec(PlaceSpec):
+    """One side of a closure: a place on a link, or a frame.
+
+    Attributes:
+        frame: In its place a frame of the URDF, by the name of its link or of a joint: its origin, with its z
+            axis or the joint's own.
+        axis: Direction of the closure's axis in the link's frame, of any length.
+        across: Direction across the axis that both sides have in common, for kinds that hold the turn about
+            the axis; without it links whose ``axis`` has the same components have parallel axes.
+    """
+
+    axis: Direction | None = None
+    across: Direction | None = None
+
+    @model_validator(mode="after")
+    def _check_directions(self) -> Self:
         for key in ("axis", "across"):
             given = getattr(self, key)
             if given is not None and not any(given):

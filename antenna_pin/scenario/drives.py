@@ -3,16 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, Literal, Self, Union
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, Union
 
-from pydantic import create_model, model_validator
+from pydantic import Discriminator, Field, Tag, create_model, model_validator
 
-from antenna_pin.elements import DRIVES, JointSpring, TableDrive
-from antenna_pin.scenario._base import refuse
+from antenna_pin.elements import DRIVES, JointSpring, PointSpring, TableDrive
+from antenna_pin.scenario._base import TAGGED, refuse
 from antenna_pin.scenario._joint import JointTable
 from antenna_pin.scenario._made import MadeSpec, reads
+from antenna_pin.scenario.closures import PlaceSpec
 
-__all__ = ["DRIVE_SPECS", "DriveSpec", "SpringSpec", "file_columns"]
+__all__ = [
+    "DRIVE_SPECS",
+    "AnySpring",
+    "DriveSpec",
+    "PointSpringSpec",
+    "SpringSpec",
+    "between_points",
+    "file_columns",
+]
+
+_AT_JOINT, _BETWEEN = TAGGED["springs"]
 
 
 class _ElementSpec(JointTable, MadeSpec):
@@ -25,9 +36,68 @@ class SpringSpec(_ElementSpec):
 
     @model_validator(mode="after")
     def _check_something(self) -> Self:
-        if self.stiffness == self.damping == 0.0:
-            refuse("must have a stiffness or a damping above zero, got neither")
+        _ask_for_something(self)
         return self
+
+
+@reads(PointSpring, without=("first", "second"))
+class PointSpringSpec(MadeSpec):
+    """A linear spring and damper between points of two links, or of a link and the world.
+
+    Attributes:
+        first: One end.
+        second: The other, on another link.
+    """
+
+    first: PlaceSpec = Field(...)
+    second: PlaceSpec = Field(...)
+
+    def build(self, **more: Any) -> Any:
+        """Return the spring; ends that are frames have to be given.
+
+        Args:
+            **more: ``first`` and ``second`` as a spring takes them, where the URDF has told.
+        """
+        said = {
+            name: (side.link or side.frame, side.point or (0.0, 0.0, 0.0))
+            for name, side in (("first", self.first), ("second", self.second))
+        }
+        return super().build(**said | more)
+
+    @model_validator(mode="after")
+    def _check_something(self) -> Self:
+        _ask_for_something(self)
+        for key in ("link", "frame"):
+            name = getattr(self.first, key)
+            if name is not None and name == getattr(self.second, key):
+                refuse(f"must be on another link than first, got {name!r}", "second", key)
+        return self
+
+
+def _ask_for_something(spring: MadeSpec) -> None:
+    if spring.stiffness == spring.damping == 0.0:
+        refuse("must have a stiffness or a damping above zero, got neither")
+
+
+def between_points(table: Mapping[str, Any]) -> bool:
+    """Whether a spring's table is that of one between points."""
+    return not {"first", "second"}.isdisjoint(table)
+
+
+def _spring_kind(table: object) -> str:
+    if isinstance(table, Mapping):
+        return _BETWEEN if between_points(table) else _AT_JOINT
+    return _BETWEEN if isinstance(table, PointSpringSpec) else _AT_JOINT
+
+
+if TYPE_CHECKING:
+    AnySpring = SpringSpec | PointSpringSpec
+else:
+    AnySpring = Annotated[
+        Annotated[SpringSpec, Tag(_AT_JOINT)] | Annotated[PointSpringSpec, Tag(_BETWEEN)],
+        Discriminator(_spring_kind),
+    ]
+    """A spring: one that has a ``first`` or a ``second`` end is between points, any other at a joint."""
 
 
 class _TableSpec(_ElementSpec):

@@ -14,7 +14,7 @@ from antenna_pin.scenario._clearance import law_tables
 from antenna_pin.scenario._layers import Source, built, check_drives, read_layer
 from antenna_pin.scenario.clearance import ClearanceSpec
 from antenna_pin.scenario.closures import ClosureSpec
-from antenna_pin.scenario.drives import DRIVE_SPECS, DriveSpec, SpringSpec
+from antenna_pin.scenario.drives import DRIVE_SPECS, AnySpring, DriveSpec, between_points
 from antenna_pin.scenario.events import EventSpec, number_to_set
 from antenna_pin.scenario.initial import InitialBaseSpec, InitialSpec
 from antenna_pin.scenario.integrator import IntegratorSpec, OutputSpec
@@ -68,7 +68,7 @@ class Scenario(Spec):
     clearance: dict[str, Annotated[ClearanceSpec, Field(discriminator="model")]] = Field(default_factory=dict)
     closures: dict[str, ClosureSpec] = Field(default_factory=dict)
     drives: dict[str, Annotated[DriveSpec, Field(discriminator="kind")]] = Field(default_factory=dict)
-    springs: dict[str, SpringSpec] = Field(default_factory=dict)
+    springs: dict[str, AnySpring] = Field(default_factory=dict)
     events: dict[str, Annotated[EventSpec, Field(discriminator="kind")]] = Field(default_factory=dict)
     initial: InitialSpec = Field(default_factory=InitialSpec)
     integrator: IntegratorSpec = Field(default_factory=IntegratorSpec)
@@ -147,10 +147,7 @@ class Scenario(Spec):
         for place in ("drives", "springs"):
             tables = data.get(place)
             if isinstance(tables, Mapping):
-                done[place] = {
-                    name: {"joint": name, **table} if isinstance(table, Mapping) else table
-                    for name, table in tables.items()
-                }
+                done[place] = {name: _at_its_joint(place, name, table) for name, table in tables.items()}
         _check_choice(done, "clearance", "model", get_args(ClearanceSpec))
         _check_choice(done, "drives", "kind", tuple(DRIVE_SPECS.values()))
         _check_choice(done, "events", "kind", get_args(EventSpec))
@@ -175,6 +172,22 @@ class Scenario(Spec):
         if self.mechanism.base == "fixed" and self.initial.base != InitialBaseSpec():
             refuse('must be left out where mechanism.base is "fixed"', "initial", "base")
         return self
+
+
+def _at_its_joint(place: str, name: str, table: object) -> object:
+    """Return the table of a drive or spring with the joint that it is named after, if it is at a joint."""
+    if not isinstance(table, Mapping):
+        return table
+    if place == "springs" and between_points(table):
+        if "joint" in table:
+            refuse(
+                "must be left out beside first and second; a spring is at a joint or between points",
+                place,
+                name,
+                "joint",
+            )
+        return table
+    return {"joint": name, **table}
 
 
 def _check_choice(data: Mapping[str, Any], place: str, key: str, classes: tuple[type[Spec], ...]) -> None:

@@ -34,8 +34,20 @@ def mechanism_attributes(system: System) -> dict[str, str]:
     unknown), ``mechanism`` its base and gravity [m/s^2] and what may have an impossible inertia (JSON), and
     ``clearance_joints`` what :func:`carried_joints` tells (JSON). ``drives`` (JSON) has of each its
     ``joint``, whether that ``slides`` along its axis, and whether it prescribes the joint's ``motion``.
+    ``clearance_joints`` what :func:`carried_joints` tells (JSON). If there are springs between points,
+    ``point_springs`` (JSON) has of each, by name, ``first_body``, ``first_point``, ``second_body`` and
+    ``second_point``: links, and places in their frames [m].
     """
     mechanism = system.mechanism
+    springs = {
+        name: {
+            "first_body": one.first[0],
+            "first_point": one.first[1],
+            "second_body": one.second[0],
+            "second_point": one.second[1],
+        }
+        for name, one in system.point_springs.items()
+    }
     return {
         "urdf": mechanism.urdf.to_xml(),
         "urdf_folder": "" if mechanism.urdf.folder is None else str(mechanism.urdf.folder),
@@ -48,6 +60,7 @@ def mechanism_attributes(system: System) -> dict[str, str]:
         ),
         "clearance_joints": json.dumps(carried_joints(system)),
         "drives": json.dumps({name: _drive(system, drive) for name, drive in system.drives.items()}),
+        **({"point_springs": json.dumps(springs)} if springs else {}),
     }
 
 

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable
 
 from antenna_pin.dynamics import System
-from antenna_pin.elements import Element
+from antenna_pin.elements import ForceElement
 from antenna_pin.integrate import Method
 from antenna_pin.settings import RunSettings
 from antenna_pin.trajectory import Outcome
@@ -54,7 +54,7 @@ class StepControl:
         """Let steps end at further instants [s]."""
         self._breaks = sorted({*self._breaks, *(t for t in instants if 0.0 < t < self.end)})
 
-    def renew(self, elements: Iterable[Element]) -> None:
+    def renew(self, elements: Iterable[ForceElement]) -> None:
         """Look how long a step may be with elements that have changed."""
         self._longest = self.settings.max_step
         if self.method.adaptive:

@@ -20,7 +20,7 @@ from antenna_pin.simulation.carried import mechanism_attributes
 from antenna_pin.simulation.coordinates import coordinate_names
 from antenna_pin.simulation.held import constraint_attributes
 from antenna_pin.simulation.loop import Run
-from antenna_pin.trajectory.schema import labelled
+from antenna_pin.trajectory.labelled import labelled
 
 __all__ = ["dataset"]
 
@@ -162,6 +162,7 @@ def _labels(seen: _Seen) -> dict[str, Any]:
         ("controller", [name for name, drive in system.drives.items() if drive.tracks]),
         ("motion", [name for name, drive in system.drives.items() if isinstance(drive, Motion)]),
         ("spring", list(system.springs)),
+        ("point_spring", list(system.point_springs)),
         ("closure", list(system.closures)),
     ):
         if found:
@@ -190,12 +191,16 @@ def _state(seen: _Seen) -> Values:
 
 def _derivative(seen: _Seen) -> Values:
     effort = seen.found.effort
+    stretch = seen.found.stretch
     tracking = effort[:, [drive.tracks for drive in seen.system.drives.values()]]
     return {
         "a": seen.found.acceleration,
         "drive_torque": effort["effort"],
         "control_reference": tracking["reference"],
         "control_error": tracking["error"],
+        "spring_length": stretch["length"],
+        "spring_tension": stretch["tension"],
+        "spring_force": stretch["force"],
         "closure_force": seen.found.closure[:, :, 0],
         "closure_moment": seen.found.closure[:, :, 1],
     }

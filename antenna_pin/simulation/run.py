@@ -107,6 +107,7 @@ def simulate(
         first = system.state(start_q, start_v, angles)
         check_closed(system, first)
         check_start(system, first)
+        check_lengths(system, first)
     check_motions(system, first if start is None else start.y, begin, begin + span)
     if scenario is not None:
         events = (*events_of(scenario), *events)
@@ -191,6 +192,21 @@ def check_start(system: System, y: np.ndarray) -> None:
                 f"penetration of {name}",
                 f"at most {rule}; start with the journal inside its clearance",
                 float(f"{-row.gap:.6g}"),
+            )
+
+
+def check_lengths(system: System, y: np.ndarray) -> None:
+    """Refuse a start in which a compressed spring between points that coincide has no direction."""
+    workspace = Workspace(system)
+    for (name, spring), length in zip(system.point_springs.items(), workspace.lengths(y), strict=True):
+        if length == 0.0 and spring.free_length > 0.0 and spring.stiffness > 0.0:
+            raise InvalidParameterError(
+                f"spring {name!r}",
+                "length at the start",
+                "above zero, or its force has no direction; start with its points apart, or give it no free "
+                "length",
+                0.0,
+                said="0 m",
             )
 
 

@@ -7,16 +7,15 @@ springs) has no dimension. A *lean* result has no ``time``, and so none of the s
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import xarray as xr
 
 from antenna_pin.geometry import AxialScenario, RadialScenario
 
-__all__ = ["COORDINATES", "DIMENSIONS", "VARIABLES", "Coordinate", "Variable", "labelled", "variables_of"]
+__all__ = ["COORDINATES", "DIMENSIONS", "VARIABLES", "Coordinate", "Variable", "variables_of"]
 
 #: Every dimension and what runs along it.
 DIMENSIONS: dict[str, str] = {
@@ -33,6 +32,7 @@ DIMENSIONS: dict[str, str] = {
     "controller": "drives that follow a reference, by name",
     "motion": "drives that prescribe their joint's motion, by name",
     "spring": "springs and dampers, by name",
+    "point_spring": "those of them that are between points",
     "closure": "joints that close loops, or are held by constraint, by name",
     "event": "events of the user's that happened, by name",
     "episode": "contacts from onset to release, in order of onset",
@@ -140,6 +140,17 @@ def _table() -> Iterator[Variable]:
     )
     yield from _rows(
         "derivative",
+        "time point_spring",
+        ("spring_length", "m", "distance of the spring's points"),
+        ("spring_tension", "N", "force of spring and damper that draws the points together"),
+    )
+    yield from _rows(
+        "derivative",
+        "time point_spring axis",
+        ("spring_force", "N", "force of the spring on its second link, world axes"),
+    )
+    yield from _rows(
+        "derivative",
         "time closure axis",
         ("closure_force", "N", "force of the closure on its second link, axes of its first side"),
         ("closure_moment", "N m", "its moment about the second side's point"),
@@ -183,7 +194,7 @@ def _table() -> Iterator[Variable]:
         "time",
         ("kinetic_energy", "J", "kinetic energy"),
         ("contact_energy", "J", "energy stored in contacts"),
-        ("spring_energy", "J", "energy stored in joint springs"),
+        ("spring_energy", "J", "energy stored in springs, at joints and between points"),
         ("gravity_energy", "J", "potential energy of gravity"),
     )
     yield from _rows(
@@ -302,49 +313,3 @@ def variables_of(dimensions: Collection[str], free_base: bool | None = None) -> 
     for variable in VARIABLES.values():
         if all(dim in dimensions for dim in variable.dims) and (free_base or not variable.free_base):
             yield variable
-
-
-def labelled(
-    values: Mapping[str, Any],
-    labels: Mapping[str, Any],
-    attributes: Mapping[str, Any],
-    *,
-    free_base: bool,
-    lean: bool = False,
-) -> xr.Dataset:
-    """Return a dataset by the schema.
-
-    Args:
-        values: Of each variable, by name.
-        labels: Of each dimension and coordinate, by name; of ``episode`` how many there are.
-        attributes: Of the dataset.
-        free_base: Whether the base is free.
-        lean: Whether to leave the series out.
-
-    Raises:
-        KeyError: The labels' dimensions ask for a variable that is not given.
-    """
-    coordinates: dict[str, xr.Variable] = {}
-    left_out = {"time"} if lean else set()
-    for name in DIMENSIONS:
-        if name == "time" and not lean:
-            coordinates[name] = xr.Variable(name, labels[name], {"units": "s", "long_name": "time"})
-        elif name in labels and name not in ("time", "episode"):
-            coordinates[name] = xr.Variable(name, _text(labels[name]))
-    for coordinate in COORDINATES:
-        if coordinate.dim in labels:
-            text = _text(labels[coordinate.name])
-            coordinates[coordinate.name] = xr.Variable(
-                coordinate.dim, text, {"long_name": coordinate.meaning}
-            )
-    variables = {
-        variable.name: xr.Variable(variable.dims, values[variable.name], variable.attributes)
-        for variable in variables_of(set(labels) - left_out, free_base)
-    }
-    # Coordinates first: given with the variables they would be merged and compared with them one by one.
-    return xr.Dataset(variables, coords=xr.Coordinates(coordinates), attrs=dict(attributes))
-
-
-def _text(labels: Any) -> Any:
-    # Text of a fixed width: of objects xarray asks what they are, for longer than all the rest takes.
-    return np.array(labels, dtype=str)

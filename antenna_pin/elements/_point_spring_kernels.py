@@ -1,0 +1,33 @@
+"""A spring and damper between two points, compiled."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from antenna_pin._compile import inlined, record
+from antenna_pin.records import layout, words_of
+
+KIND = 21
+LAYOUT = layout(("stiffness", "f8"), ("damping", "f8"), ("free_length", "f8"))
+SIZE = words_of(LAYOUT)
+
+
+@inlined
+def tension(words: Any, at: int, length: float, rate: float) -> float:
+    """Force that draws the points together [N], at a distance [m] that grows at a rate [m/s]."""
+    spring = record(words[at : at + SIZE], LAYOUT)
+    return float(spring.stiffness * (length - spring.free_length) + spring.damping * rate)
+
+
+@inlined
+def loss(words: Any, at: int, rate: float) -> float:
+    """Power that the damper takes [W]."""
+    return float(record(words[at : at + SIZE], LAYOUT).damping * rate * rate)
+
+
+@inlined
+def stored(words: Any, at: int, length: float) -> float:
+    """Energy stored [J]."""
+    spring = record(words[at : at + SIZE], LAYOUT)
+    stretch = length - spring.free_length
+    return float(0.5 * spring.stiffness * stretch * stretch)
