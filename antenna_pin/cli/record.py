@@ -67,8 +67,11 @@ def record(
         typer.Option(metavar="WxH", help="Size of pictures in pixels; 1280x720, or 800x450 for a GIF."),
     ] = None,
     key_rate: Annotated[
-        float, typer.Option(help="Key frames per second of the run, besides all impacts.")
-    ] = 500.0,
+        float | None,
+        typer.Option(
+            help="Key frames per second of the run, besides all impacts; 500, or more where bodies turn fast."
+        ),
+    ] = None,
     max_size: Annotated[
         float,
         typer.Option(metavar="MB", help="Size that a page keeps below; key frames are thinned to it."),
@@ -83,7 +86,7 @@ def record(
     check_options(out, kind, at=at, fps=fps, size=size)
     time, pixels = _time(at, "--at"), size_of(size)
     for option, value in (("--key-rate", key_rate), ("--max-size", max_size)):
-        if not (value > 0.0 and math.isfinite(value)):
+        if value is not None and not (value > 0.0 and math.isfinite(value)):
             raise InvalidParameterError("record", option, "positive", value)
     run = load_result(file)
     reference = None if ideal is None else load_result(ideal)

@@ -8,12 +8,17 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from antenna_pin.analysis import body_twists
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["Impacts", "KeyFrames", "impacts_of", "key_frames"]
+__all__ = ["Impacts", "KeyFrames", "impacts_of", "key_frames", "rate_of_turns"]
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
+
+# Largest turn of a body between two key frames [rad], and of how many samples its rate is looked at. The rate
+# that all but a hundredth of them stay below counts: what an impact has spun up is not to be looked at.
+_TURN, _SAMPLES, _SHARE = 0.1, 500, 0.99
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -75,6 +80,17 @@ def impacts_of(data: xr.Dataset, start: float, end: float) -> Impacts:
         contacts=np.asarray(data["episode_contact"].values, dtype=np.int64)[order],
         events=np.array([onset[order], times[order], release[order]]),
     )
+
+
+def rate_of_turns(data: xr.Dataset) -> float:
+    """Return how many key frames per second keep every body's turn between two of them small [Hz].
+
+    Args:
+        data: Of a run.
+    """
+    samples = np.unique(np.linspace(0, data.sizes["time"] - 1, _SAMPLES).astype(int))
+    spin = np.linalg.norm(body_twists(data, samples)["angular_velocity"].values, axis=-1)
+    return float(np.quantile(spin, _SHARE, axis=0).max()) / _TURN
 
 
 def key_frames(

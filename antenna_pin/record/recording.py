@@ -17,7 +17,7 @@ from antenna_pin.errors import InvalidParameterError
 from antenna_pin.files import check_writable, replacing
 from antenna_pin.record import page
 from antenna_pin.record.joint_view import joint_view
-from antenna_pin.record.key_frames import KeyFrames, impacts_of, key_frames
+from antenna_pin.record.key_frames import KeyFrames, impacts_of, key_frames, rate_of_turns
 from antenna_pin.record.mechanism_view import mechanism_view
 from antenna_pin.record.scene import packed_doubles, packed_floats
 from antenna_pin.scenario import Scenario
@@ -26,6 +26,9 @@ from antenna_pin.trajectory import Counts, Outcome, Trajectory, series
 __all__ = ["Recording", "View", "record"]
 
 View = Literal["mechanism", "joint"]
+
+# Key frames per second of a run, and of one that is drawn as a ghost; more where bodies turn fast [Hz].
+_RATE, _GHOST_RATE = 500.0, 200.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -84,7 +87,7 @@ def record(
     magnify: float | None = None,
     body: str | None = None,
     boresight: ArrayLike | None = None,
-    fps: float = 500.0,
+    fps: float | None = None,
     speed: float | None = None,
     start: float | None = None,
     end: float | None = None,
@@ -104,7 +107,8 @@ def record(
         body: Link whose boresight is drawn; the scenario's pointing body if left out. For the mechanism.
         boresight: Its direction in the link's frame, (3,) [-]; the scenario's, or x, if left out. For the
             mechanism.
-        fps: Regular key frames per second of the run [1/s].
+        fps: Regular key frames per second of the run [1/s]; if left out 500, or as many as keep every body's
+            turn between two of them below 0.1 rad.
         speed: Seconds of the run per second at first [-]; if left out, real time or, for a run below 4 s, so
             slow that it takes that long; ten times slower for a joint.
         start: First time recorded [s]; the run's start if left out.
@@ -136,6 +140,8 @@ def record(
     places = _places(run)
     impacts = impacts_of(run.data, first, last)
     times = np.asarray(run.data["time"].values, dtype=float)
+    turning = rate_of_turns(run.data)
+    fps = max(_RATE, turning) if fps is None else fps
     limit = 1e6 * max_megabytes
     most: int | None = None
     for _ in range(6):
@@ -143,7 +149,9 @@ def record(
         if view == "joint":
             seen = joint_view(run, frames, frames.impacts, places, joint, magnify)
         else:
-            ghost = None if ideal is None else (ideal, _ghost_frames(ideal, frames, first, last, most))
+            ghost = (
+                None if ideal is None else (ideal, _ghost_frames(ideal, frames, turning, first, last, most))
+            )
             seen = mechanism_view(run, frames, frames.impacts, places, ghost, line)
         recording = Recording(_data(run, view, frames, seen, fps, speed, first, last), frames)
         size = len(recording.html.encode())
@@ -194,11 +202,11 @@ def _span(run: Trajectory, start: float | None, end: float | None) -> tuple[floa
 
 
 def _ghost_frames(
-    ideal: Trajectory, frames: KeyFrames, first: float, last: float, most: int | None
+    ideal: Trajectory, frames: KeyFrames, turning: float, first: float, last: float, most: int | None
 ) -> KeyFrames:
     times = np.asarray(ideal.data["time"].values, dtype=float)
     nothing = impacts_of(ideal.data, np.inf, np.inf)
-    rate = min(frames.rate, 200.0)
+    rate = min(frames.rate, max(_GHOST_RATE, turning))
     if not ((times >= first) & (times <= last)).any():
         raise InvalidParameterError(
             "recording", "ideal", f"a run with samples between {first:g} and {last:g} s", f"{times[-1]:g} s"

@@ -3,8 +3,10 @@
 import numpy as np
 import pytest
 
+from antenna_pin import load_scenario, simulate
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.record.key_frames import Impacts, key_frames
+from antenna_pin.record import record
+from antenna_pin.record.key_frames import Impacts, key_frames, rate_of_turns
 
 
 def impacts(onsets, peak=1.0):
@@ -69,3 +71,17 @@ def test_one_sample_is_one_frame():
 def test_a_rate_must_be_positive():
     with pytest.raises(InvalidParameterError, match="fps must be positive"):
         key_frames(np.linspace(0.0, 1.0, 5), NONE, 0.0, 0.0, 1.0)
+
+
+def test_bodies_that_turn_fast_get_more_key_frames(clearance_run):
+    """A crank at 5000 rpm, 523.6 rad/s, 0.1 rad from one to the next; its ghost as many; others 500 Hz."""
+    run = simulate(load_scenario("slider_crank", case="ideal"), duration=3e-3)
+    speed = 5000.0 * 2.0 * np.pi / 60.0
+    assert rate_of_turns(run.data) == pytest.approx(10.0 * speed, rel=1e-9)
+    recording = record(run, run)
+    assert recording.frames.rate == pytest.approx(10.0 * speed, rel=1e-9)
+    times = run.data["time"].values[recording.frames.indices]
+    assert np.diff(times).max() * speed < 0.1 + speed * 1e-5  # and a sample's step, 10 us
+    assert len({len(actor["times"]) for actor in recording.data["actors"]}) == 1  # packed alike
+    assert record(clearance_run).frames.rate == 500.0
+    assert record(run, fps=100.0).frames.rate == 100.0
