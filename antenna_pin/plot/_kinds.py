@@ -10,10 +10,12 @@ from antenna_pin.errors import FileFormatError, InvalidParameterError, UnknownNa
 from antenna_pin.plot._runs import LabelledRun, long_enough
 
 __all__ = [
+    "CLOSED",
     "FREE_BASE",
     "LOOPED",
     "MOVING",
     "POINTED",
+    "PRESCRIBED",
     "SLIDING",
     "TOUCHING",
     "TURNING",
@@ -77,6 +79,8 @@ LOOPED = JointKind(
     "joint", "a closed loop", lambda run: MOVING.names(run) if "closure" in run.data.dims else []
 )
 
+CLOSED = RunKind("a closure of a loop", lambda run: "closure" in run.data.sizes)
+PRESCRIBED = RunKind("a prescribed motion", lambda run: "motion" in run.data.sizes)
 FREE_BASE = RunKind("a free base", lambda run: "base_position" in run.data)
 POINTED = RunKind("a scenario that says what looks where", lambda run: bool(_described(run, "pointing")))
 

@@ -79,7 +79,7 @@ CLEARANCES: dict[str, ClearanceWords] = {
     "planar": ClearanceWords("a journal in a bore, held in the plane by contact alone", _bore),
     "spherical": ClearanceWords("a ball in a socket, held by contact alone", _socket),
     "prismatic": ClearanceWords("a rectangular slider in a guide, held by contact alone", _guide),
-    "constraint": ClearanceWords("without play, by constrained dynamics"),
+    "constraint": ClearanceWords("without play, held by constraint"),
     "ideal": ClearanceWords("without play"),
 }
 

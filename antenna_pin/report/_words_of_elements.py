@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from antenna_pin.analysis import drives_of
 from antenna_pin.elements import Element
 from antenna_pin.report._runs import ReportedRun
 from antenna_pin.scenario import PointSpringSpec, Scenario
@@ -29,7 +30,15 @@ def words_of_elements(scenario: Scenario) -> Iterator[tuple[str, str]]:
 
 
 def names_of_elements(run: ReportedRun) -> Iterator[tuple[str, str]]:
-    """Yield the names of drives and springs of a system built in Python, which is all a result tells."""
+    """Yield the names of drives and springs of a system built in Python, and what else a result tells."""
+    about = drives_of(run.run)
     for dimension, word in (("drive", "drives"), ("spring", "springs")):
         if names := run.names(dimension):
-            yield word, ", ".join(names)
+            held = {name: "prescribed motion" for name in names if about.get(name, {}).get("motion")}
+            yield (
+                word,
+                ", ".join(
+                    f"{name} ({held[name]} of {about[name]['joint']})" if name in held else name
+                    for name in names
+                ),
+            )

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from antenna_pin.analysis import mechanism_of
+from antenna_pin.analysis import closures_of, mechanism_of
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.mechanism import Mechanism
 from antenna_pin.readable import GIVEN, number, printed_unit, readable
@@ -17,6 +17,7 @@ from antenna_pin.report._words_of_clearance import (
     words_of_carried_clearances,
     words_of_clearances,
 )
+from antenna_pin.report._words_of_closures import words_of_closures
 from antenna_pin.report._words_of_elements import names_of_elements, words_of_elements
 from antenna_pin.report._words_of_laws import words_of_laws
 from antenna_pin.scenario import PointingSpec, Scenario
@@ -39,6 +40,7 @@ _ORDER = (
     "Scenario",
     "Mechanism",
     "Joints",
+    "Closures",
     "Clearance",
     "Contact and friction",
     "Drives and springs",
@@ -85,6 +87,7 @@ def _words(run: ReportedRun) -> Iterator[tuple[str, Words]]:
     if mechanism is not None:
         yield "Mechanism", dict(_mechanism(mechanism, scenario))
         yield "Joints", dict(_joints(mechanism, scenario, run))
+        yield "Closures", dict(words_of_closures(run, mechanism))
     if scenario is not None:
         yield "Clearance", dict(words_of_clearances(scenario))
         yield "Drives and springs", dict(words_of_elements(scenario))
@@ -151,14 +154,18 @@ def _mechanism(mechanism: Mechanism, scenario: Scenario | None) -> Iterator[tupl
 def _joints(
     mechanism: Mechanism, scenario: Scenario | None, run: ReportedRun
 ) -> Iterator[tuple[str, str]]:  # fmt: skip
+    closures = closures_of(run.run)
     for name, slot in mechanism.joints.items():
         joint = mechanism.urdf.joint(name)
         body = mechanism.bodies[slot.joint_id - 1]
-        text = f"carries {body} on {joint.parent}; {_KINDS[slot.kind]} {_vector(slot.axis)}"
+        kind = closures[name]["kind"] if name in closures else slot.kind  # free in the tree, and held
+        text = f"carries {body} on {joint.parent}; {_KINDS[kind]} {_vector(slot.axis)}"
         if scenario is not None and name in scenario.clearance:
             text += f"; {CLEARANCES[scenario.clearance[name].model].held}"
         elif name in run.names("clearance_joint"):
             text += "; with play, held by contact"
+        elif name in closures:
+            text += "; without play, held by constraint"
         yield name, text
     locked = (
         [] if scenario is None else [n for n, j in scenario.mechanism.joints.items() if j.kind == "locked"]
@@ -172,6 +179,12 @@ def _joints(
 
 def _start(run: ReportedRun, mechanism: Mechanism | None) -> Iterator[tuple[str, str]]:
     data = run.data
+    for k, name in enumerate(run.names("sliding_joint")):
+        way, speed = (float(run.values(f"slide_{key}")[0, k]) for key in ("position", "rate"))
+        yield (
+            name,
+            f"{readable(way, 'm')}, " + (f"sliding at {readable(speed, 'm/s')}" if speed else "at rest"),
+        )
     for k, name in enumerate(run.names("joint")):
         angle, rate = (float(run.values(f"motion_{key}")[0, k]) for key in ("angle", "rate"))
         yield (

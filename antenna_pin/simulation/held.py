@@ -21,7 +21,8 @@ Array = NDArray[np.float64]
 def constraint_attributes(run: Run, times: Array, states: Array) -> dict[str, str]:
     """Return the attributes of a dataset that describe its constraints; none of a tree that nothing holds.
 
-    ``closures`` (JSON) has of each closure its ``kind`` and, of its two sides, ``first_body``,
+    ``closures`` (JSON) has of each closure its ``kind``, how many ``equations`` it is, whether it has an
+    ``axis`` (z of the placements) and, of its two sides, ``first_body``,
     ``first_placement``, ``second_body`` and ``second_placement``: the link and the frame there, position [m]
     and attitude (quaternion xyzw). ``constraints`` (JSON) has how many equations there are, of closures and
     of motions, how many are independent at the start, the freedoms of the tree, those that the closures leave
@@ -43,7 +44,13 @@ def constraint_attributes(run: Run, times: Array, states: Array) -> dict[str, st
     return {
         "closures": json.dumps(
             {
-                name: {"kind": one.kind, **_side("first", one.first), **_side("second", one.second)}
+                name: {
+                    "kind": one.kind,
+                    "equations": one.holds.rows,
+                    "axis": one.holds.axis,
+                    **_side("first", one.first),
+                    **_side("second", one.second),
+                }
                 for name, one in system.closures.items()
             }
         ),

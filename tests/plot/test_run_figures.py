@@ -44,7 +44,7 @@ from antenna_pin.plot import (
     paper_figures,
     save_figures,
 )
-from antenna_pin.plot._kinds import LOOPED, MOVING, SLIDING, TOUCHING
+from antenna_pin.plot._kinds import CLOSED, LOOPED, MOVING, PRESCRIBED, SLIDING, TOUCHING
 
 
 @pytest.fixture(scope="module")
@@ -362,8 +362,10 @@ def test_the_steady_force_is_that_of_the_second_half(runs):
 
 MADE_UP = ("motion_angle", "motion_rate", "motion_acceleration", "contact_forces", "energy", "momentum")
 SLIDES = [name for name, figure in CATALOGUE.items() if figure.of is SLIDING]
-LOOPS = [name for name, figure in CATALOGUE.items() if figure.of is LOOPED]
-FIGURES = [name for name in CATALOGUE if name not in (*MADE_UP, *SLIDES)]  # test_figures.py has those
+CLOSURES = [name for name, figure in CATALOGUE.items() if figure.needs in (CLOSED, PRESCRIBED)]
+LOOPS = [*CLOSURES, *(name for name, figure in CATALOGUE.items() if figure.of is LOOPED)]
+# Other files have those of made-up runs and of closures.
+FIGURES = [name for name in CATALOGUE if name not in (*MADE_UP, *SLIDES, *CLOSURES)]
 STANDARD = [name for name, figure in CATALOGUE.items() if figure.standard and name not in (*SLIDES, *LOOPS)]
 
 

@@ -1,0 +1,147 @@
+"""What closed loops and prescribed motions take: forces of closures, efforts of drives."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterable, Sequence
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from antenna_pin.analysis import closures_of, drive_power, drives_of, effort_unit
+from antenna_pin.plot._compared import ROUND_OFF, Curve, Panel, panels_figure
+from antenna_pin.plot._kinds import CLOSED, PRESCRIBED, RunKind, none_with
+from antenna_pin.plot._run_figure import RunFigure
+from antenna_pin.plot._runs import LabelledRun, Run, left_out, long_enough, styles, too_short, with_reference
+from antenna_pin.plot._style import Array, Width, footnote, styled
+from antenna_pin.trajectory import names_along
+
+_Pick = Callable[[LabelledRun], Array | None]
+
+
+@styled
+def figure_closure_forces(
+    runs: Iterable[Run] | Run, *, ideal: Run | None = None, width: Width = "page"
+) -> Figure:
+    """Return the sizes of the force and the moment of every closure in all runs.
+
+    The moment is that about the closure's point. Where equations of closures are redundant, the loads are the
+    least that do. A closure's moment that is zero to round-off in all runs has no panel. Scales are linear as
+    far as the ideal run reaches and logarithmic beyond, where contacts make spikes.
+
+    Args:
+        runs: Trajectories, or pairs of a label and a dataset; of any lengths.
+        ideal: The run to compare with; the first run without any contact if left out.
+        width: "column" (88 mm) or "page" (180 mm).
+    """
+    every, reference = with_reference(runs, ideal)
+    drawn = _drawn(CLOSED, every, reference)
+    panels: list[Panel] = []
+    for name in dict.fromkeys(name for run in drawn for name in names_along(run.data, "closure")):
+        kind = next(closures_of(run.data)[name]["kind"] for run in drawn if name in closures_of(run.data))
+        for what, unit in (("force", "N"), ("moment", "N m")):
+            panel = _panel(f"{name} ({kind}), {what}", what, unit, drawn, reference, _size(name, what))
+            force = panels[-1].largest if what == "moment" else 0.0
+            if what == "force" or panel.largest > ROUND_OFF * force:
+                panels.append(panel)
+    figure = panels_figure(panels, width, 2, spikes=True)
+    counts = [json.loads(run.data.attrs["constraints"]) for run in drawn]
+    redundant = any(one["closure_equations"] > one["closure_rank"] for one in counts)
+    footnote(
+        figure,
+        "of redundant equations, the least loads that hold the loops" if redundant else "",
+        too_short(every),
+        left_out(every, drawn, "without a closure"),
+    )
+    return figure
+
+
+@styled
+def figure_drive_efforts(
+    runs: Iterable[Run] | Run, *, ideal: Run | None = None, width: Width = "page"
+) -> Figure:
+    """Return what every drive exerts in all runs, and its power beside it; of a motion, what holds it.
+
+    Scales are linear as far as the ideal run reaches and logarithmic beyond, where contacts make spikes.
+
+    Args:
+        runs: Trajectories, or pairs of a label and a dataset; of any lengths.
+        ideal: The run to compare with; the first run without any contact if left out.
+        width: "column" (88 mm) or "page" (180 mm).
+    """
+    every, reference = with_reference(runs, ideal)
+    drawn = _drawn(PRESCRIBED, every, reference)
+    panels: list[Panel] = []
+    for name in dict.fromkeys(name for run in drawn for name in names_along(run.data, "drive")):
+        unit = next(effort_unit(run.data, name) for run in drawn if name in names_along(run.data, "drive"))
+        motion = any(drives_of(run.data).get(name, {}).get("motion") for run in drawn)
+        what = "force" if unit == "N" else "torque"
+        of = f"{'motion' if motion else 'drive'} {name}"
+        panels.append(_panel(f"{of}, {what}", what, unit, drawn, reference, _effort(name)))
+        panels.append(_panel(f"{of}, power", "power", "W", drawn, reference, _power(name)))
+    figure = panels_figure([panel for panel in panels if panel.curves], width, 2, spikes=True)
+    footnote(figure, too_short(every), left_out(every, drawn, "without a prescribed motion"))
+    return figure
+
+
+def _drawn(kind: RunKind, every: Sequence[LabelledRun], reference: LabelledRun | None) -> list[LabelledRun]:
+    """Return the runs of a kind, the one to compare with last, so that it lies on top."""
+    drawn = [run for run in long_enough(every) if kind.holds(run)]
+    if not drawn:
+        raise none_with(kind, every)
+    return sorted(drawn, key=lambda run: run is reference)
+
+
+def _panel(
+    title: str,
+    label: str,
+    unit: str,
+    runs: Sequence[LabelledRun],
+    reference: LabelledRun | None,
+    pick: _Pick,
+) -> Panel:
+    curves = []
+    for run, style in zip(runs, styles(runs, reference), strict=True):
+        values = pick(run)
+        if values is not None:
+            curves.append(Curve(run.legend, run.time, values, style, run is reference))
+    return Panel(title, label, unit, curves, apart=True)
+
+
+def _size(name: str, what: str) -> _Pick:
+    def pick(run: LabelledRun) -> Array | None:
+        if name not in names_along(run.data, "closure"):
+            return None
+        return np.asarray(np.linalg.norm(run.values(f"closure_{what}", closure=name), axis=1))
+
+    return pick
+
+
+def _effort(name: str) -> _Pick:
+    def pick(run: LabelledRun) -> Array | None:
+        return run.values("drive_torque", drive=name) if name in names_along(run.data, "drive") else None
+
+    return pick
+
+
+def _power(name: str) -> _Pick:
+    def pick(run: LabelledRun) -> Array | None:
+        return drive_power(run.data, name) if name in names_along(run.data, "drive") else None
+
+    return pick
+
+
+FIGURES = (
+    RunFigure(
+        name="closure_forces",
+        title="Forces of the closures",
+        function=figure_closure_forces,
+        needs=CLOSED,
+    ),
+    RunFigure(
+        name="drive_efforts",
+        title="What the drives exert",
+        function=figure_drive_efforts,
+        needs=PRESCRIBED,
+    ),
+)
