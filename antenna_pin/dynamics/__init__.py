@@ -1,7 +1,7 @@
 """Free-floating equations of motion, joints held by constraint, force elements, audits."""
 
 from antenna_pin.dynamics.adjust import Adjustments
-from antenna_pin.dynamics.assembled import (
+from antenna_pin.dynamics.assembly import (
     BASE,
     assemble,
     assembled,
