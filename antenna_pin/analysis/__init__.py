@@ -12,6 +12,7 @@ from antenna_pin.analysis.closures import (
     drives_of,
     effort_unit,
     said_of_constraints,
+    said_of_singular,
 )
 from antenna_pin.analysis.deviation import Deviation, DeviationMeasures, deviation
 from antenna_pin.analysis.growth import Growth, growth_of
@@ -89,6 +90,7 @@ __all__ = [
     "possible_scenarios",
     "resampled",
     "said_of_constraints",
+    "said_of_singular",
     "scenario_of",
     "scenario_rows",
     "scenario_shares",

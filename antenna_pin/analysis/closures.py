@@ -11,6 +11,7 @@ import xarray as xr
 
 from antenna_pin.analysis._run import Array, RunLike, data_of, sample_times
 from antenna_pin.analysis.sampled import time_rms
+from antenna_pin.readable import readable
 from antenna_pin.trajectory import names_along
 
 __all__ = [
@@ -21,6 +22,7 @@ __all__ = [
     "drives_of",
     "effort_unit",
     "said_of_constraints",
+    "said_of_singular",
 ]
 
 
@@ -43,6 +45,8 @@ def effort_unit(run: RunLike, drive: str) -> str:
     """Return the unit of a drive's effort: N at a joint that slides, N m at one that turns."""
     return "N" if drives_of(run).get(drive, {}).get("slides") else "N m"
 
+
+_NAMED = 5  # singular positions of which the times are said
 
 _FORCES = {
     "peak_force": ("N", "largest force at a sample"),
@@ -155,6 +159,23 @@ def said_of_constraints(counts: Mapping[str, Any]) -> str:
     else:
         parts.append(f"mobility {mobility}")
     return "; ".join(parts)
+
+
+def said_of_singular(counts: Mapping[str, Any]) -> str:
+    """Return in words when a run passed singular positions; nothing if it did not.
+
+    Args:
+        counts: As of ``Trajectory.constraints``.
+    """
+    found = counts.get("singular", [])
+    if not found:
+        return ""
+    times = ", ".join(readable(one["time"], "s", 4) for one in found[:_NAMED])
+    more = f" and {len(found) - _NAMED} more" if len(found) > _NAMED else ""
+    return (
+        f"passed {_many(len(found), 'singular position')}, at {times}{more}: loops could go on in more ways "
+        "than one there"
+    )
 
 
 def _many(count: int, noun: str) -> str:

@@ -52,7 +52,7 @@ _ENTRIES = {
     "work": ("work", "J"),
 }
 # Entries that tables leave out: what they say is said in a sentence.
-_SAID = ("title", "case", "redundant")
+_SAID = ("title", "case", "redundant", "singular")
 # Groups of a summary whose name says nothing that their entries do not say.
 _PLAIN_GROUPS = (
     "counts",

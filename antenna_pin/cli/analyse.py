@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from antenna_pin.cli._common import complain, label_of, load_result, refuse, writable_file
+from antenna_pin.cli._loops import print_loops
 from antenna_pin.cli._tables import print_rows, text_of
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.files import replacing
@@ -54,7 +55,7 @@ def analyse(
     ] = "1 ms",
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
 ) -> None:
-    """Say what a run shows: deviation, impacts, loads, settling, dominant frequencies."""
+    """Say what a run shows: deviation, impacts, loads, settling, closed loops, dominant frequencies."""
     from antenna_pin.units import quantity
 
     try:
@@ -73,6 +74,8 @@ def analyse(
         found |= _contact(run, gap)
     else:
         notes.append("no joint with clearance: no impacts, loads and settling")
+    if run.constraints:
+        found |= _loops(run)
     found["frequencies"] = _frequencies(run, notes)
     if as_json:
         typer.echo(json.dumps({**found, "notes": notes}))
@@ -126,6 +129,21 @@ def _contact(run: Trajectory, longest_gap: float) -> dict[str, Any]:
                 "decay_r2": _number(one.decay_r2),
             }
             for one in settling(run, longest_gap=longest_gap)
+        ],
+    }
+
+
+def _loops(run: Trajectory) -> dict[str, Any]:
+    """Return how closures and motions were held, and what closures and drives carried."""
+    from antenna_pin.analysis import closure_loads, drive_loads, drives_of, effort_unit
+
+    about = drives_of(run)
+    return {
+        "constraints": run.constraints,
+        "closures": _records(closure_loads(run), "closure"),
+        "drives": [
+            {**one, "units": effort_unit(run, one["of"]), "motion": about[one["of"]]["motion"]}
+            for one in _records(drive_loads(run), "drive")
         ],
     }
 
@@ -189,6 +207,8 @@ def _print(label: str, found: dict[str, Any]) -> None:
     if "loads" in found:
         _print_contacts(label, found)
         _print_settling(label, found["settling"])
+    if "constraints" in found:
+        print_loops(label, found)
     rows = [
         [
             f"{one['of']} [{one['units']}]",

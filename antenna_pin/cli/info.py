@@ -58,11 +58,13 @@ def info(
     print_summaries([(label_of(trajectory, path), _facts(trajectory)) for path, trajectory in runs])
     held = [(label_of(trajectory, path), trajectory.constraints) for path, trajectory in runs]
     if any(counts for _, counts in held):
-        from antenna_pin.analysis import said_of_constraints
+        from antenna_pin.analysis import said_of_constraints, said_of_singular
 
         for label, counts in held:
             if counts:
                 typer.echo(f"{label}: {said_of_constraints(counts)}")
+            if singular := said_of_singular(counts):
+                typer.echo(f"{label}: {singular}")
 
 
 def _facts(trajectory: Trajectory) -> dict[str, Any]:

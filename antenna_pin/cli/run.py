@@ -99,3 +99,6 @@ def urdf(
 
     for written in urdf_variant(chosen).write(path, copy_meshes=copy_meshes):
         typer.echo(f"saved {written}")
+    if chosen.closures:
+        names = ", ".join(chosen.closures)
+        typer.echo(f"note: a URDF is a tree; the closures of the scenario are not in it: {names}")
