@@ -1,12 +1,13 @@
 """Commands on closed loops and driven joints: a four-bar whose crank is driven, with and without play."""
 
+import dataclasses
 import json
 
 import pytest
 from driven_four_bar import write_driven_four_bar
 from single_loops import bricard
 
-from antenna_pin import load_scenario, simulate
+from antenna_pin import Trajectory, load_scenario, simulate
 
 
 @pytest.fixture(scope="module")
@@ -153,3 +154,49 @@ def test_play_at_a_closure_is_refused_with_the_joints_that_could_close_the_loop(
     said = refused(cli("info", folder / "driven", "--case", "play", *changes))
     joints = "crank_pin, drive_pin or ground_pin"
     assert said == f"{place}nothing is left to cut: give one joint of the loop no play ({joints})"
+
+
+# --- other commands ---
+
+
+def test_analyse_tells_what_closures_and_drives_carried(cli, folder):
+    said = printed(cli("analyse", folder / "play.nc", "--ideal", folder / "ideal.nc"))
+    for words in (
+        "play: deviation from the ideal run",
+        "play: impacts and load",
+        "play: forces of closures",
+        "play: what drives exert",
+        "motion crank [N m]",
+        "5 equations of closures, 5 independent; 1 motion; mobility 2 (3 without the motion)",
+    ):
+        assert words in said
+    found = json.loads(printed(cli("analyse", folder / "play.nc", "--json")))
+    facts = json.loads(printed(cli("info", folder / "play.nc", "--json")))
+    (closure,), (drive,) = found["closures"], found["drives"]
+    assert closure["peak_force"] == facts["closures"]["rocker_pin"]["peak_force"]
+    assert drive["peak_effort"] == facts["motions"]["crank"]["peak_torque"]
+    assert (drive["units"], drive["motion"], drive["work"]) == (
+        "N m",
+        True,
+        facts["motions"]["crank"]["work"],
+    )
+
+
+def test_the_urdf_of_a_case_is_a_tree_and_says_so(cli, folder):
+    said = printed(cli("urdf", folder / "driven", "--out", "tree.urdf"))
+    assert said.splitlines()[-1] == (
+        "note: a URDF is a tree; the closures of the scenario are not in it: rocker_pin"
+    )
+
+
+@pytest.mark.parametrize("singular", [[], [{"time": 0.25, "share": 1e-9}, {"time": 0.5, "share": 2e-9}]])
+def test_singular_positions_that_were_passed_are_named(cli, folder, singular):
+    run = Trajectory.load(folder / "ideal.nc")
+    counts = run.constraints | {"singular": singular}
+    data = run.data.assign_attrs(constraints=json.dumps(counts))
+    dataclasses.replace(run, data=data).save("passed.nc")
+    last = printed(cli("info", "passed.nc")).splitlines()[-1]
+    text = (
+        "ideal: passed 2 singular positions, at 0.25 s, 0.5 s: loops could go on in more ways than one there"
+    )
+    assert last.replace("\N{NO-BREAK SPACE}", " ") == text if singular else "mobility" in last

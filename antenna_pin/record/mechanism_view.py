@@ -12,6 +12,7 @@ from scipy.spatial.transform import Rotation
 from antenna_pin.analysis import body_poses, mechanism_of
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.mechanism import frame_aligning_z
+from antenna_pin.record._closure_marks import mark_closures
 from antenna_pin.record.key_frames import Impacts, KeyFrames
 from antenna_pin.record.scene import Scene, packed_doubles, packed_floats
 from antenna_pin.record.shapes import Cylinder, Shape, Sphere, corners, visual_shapes
@@ -95,6 +96,9 @@ def mechanism_view(
             trails.append(ghost.draw_boresight(line, reach, "#6B7684", size))
         motion.warnings += [text for text in ghost.warnings if text not in motion.warnings]
         extent.append(ghost.extent)
+    marks = mark_closures(run, scene, motion.paths, mechanism_of(run).joints, size)
+    if marks is not None:
+        facts.append(marks)
     contacts, arrow_tips = _contacts(run.data, frames, impacts, places, motion, scene, size)
     if contacts is not None:
         extent.append(arrow_tips)
