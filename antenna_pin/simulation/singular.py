@@ -54,6 +54,7 @@ class Singularities:
         self._last: list[tuple[float, Array, float]] = []
         self._most = 0.0
         self._rank = 0
+        self._apart = True  # whether the way since the last place has led away from it
         self.found: list[Singular] = []
 
     def look(self, t: float, y: Array) -> None:
@@ -75,6 +76,7 @@ class Singularities:
             elif len(states) == 2 and before[2] < min(states[0][2], here[2], _SUSPECT * self._most):
                 self._locate(states[0], before)
                 self._locate(before, here)
+        self._apart |= here[2] > 10.0 * _SINGULAR * self._most
         self._last = [*states[-1:], here]
 
     @property
@@ -95,7 +97,7 @@ class Singularities:
         constraints.factorize(y[: self._model.nq])
         found = constraints.found
         self._rank = max(self._rank, int(found.rank))
-        return float(found.least) if found.rank == self._rank else 0.0
+        return float(found.least if found.rank == self._rank else found.most)
 
     def _between(
         self, one: tuple[float, Array, float], other: tuple[float, Array, float], theta: float
@@ -121,10 +123,14 @@ class Singularities:
             options={"xatol": 1e-9},
         )
         time, share = one[0] + float(least.x) * (other[0] - one[0]), float(least.fun) / self._most
-        # A place at the end of one step is found from both sides.
-        known = any(abs(time - found.time) <= other[0] - one[0] for found in self.found[-2:])
-        if share < _SINGULAR and not known and len(self.found) < _AT_MOST:
+        if not share < _SINGULAR:
+            return
+        # A place at the end of a step is found from both sides; short steps find several dips near it.
+        if self.found and (not self._apart or abs(time - self.found[-1].time) <= other[0] - one[0]):
+            self.found[-1] = min(self.found[-1], Singular(time, share), key=lambda place: place.share)
+        elif len(self.found) < _AT_MOST:
             self.found.append(Singular(time, share))
+        self._apart = False
 
     def words(self) -> str:
         """Return what is to be said of them, for the end of a run; empty if there are none."""
