@@ -19,8 +19,8 @@ from antenna_pin.constraints._layout_kernels import closure_at, driven_at, found
 from antenna_pin.constraints._rows_kernels import write_rows
 from antenna_pin.elements._ledger_kernels import write_work
 
-#: What is left of a row that depends on others, over the longest of its closure, at most: of true redundancy
-#: it is round-off.
+#: What is left of a row that depends on others, of its length, at most: of true redundancy it is round-off. A
+#: row that is next to nothing beside those of its closure counts as far as it is something.
 DEPENDENT = 1e-9
 #: The same within a run, where a row is let go. The stages of a step are off the constraints by their errors,
 #: and redundant rows by as much from what they depend on, which is more than round-off. And near a singular
@@ -63,9 +63,13 @@ def factorize(plan: Any, work: Any, mass: Any) -> None:
     for r in range(rows):
         _reduce(plan, work, r)
         work[head.order + r] = r
+    for m in range(head.motions):
+        _scale(plan, work, driven_at(plan, m).row, 1)
     for c in range(head.closures):
         closure = closure_at(plan, c)
-        _scale(plan, work, closure.row, closure.rows)
+        ways = closure.along[0] + closure.along[1] + closure.along[2]
+        _scale(plan, work, closure.row, ways)
+        _scale(plan, work, closure.row + ways, closure.rows - ways)
     found.rank = 0
     found.least = 1.0
     found.most = 0.0
@@ -89,20 +93,24 @@ def factorize(plan: Any, work: Any, mass: Any) -> None:
 
 @inlined
 def _scale(plan: Any, work: Any, first: int, count: int) -> None:
-    """Let the rows of a closure count by the longest of them: where a row vanishes, an equation is lost."""
+    """Let a closure's rows of ways, or of turns, count by their numbers beside the largest of all.
+
+    Where a row vanishes an equation is lost. Numbers of J are geometry: lengths, in which kinetic energies
+    are squares, differ by any factor between ways that turn a body and those that move it.
+    """
     lengths = plan_of(plan).lengths
-    longest = 0.0
+    largest = 0.0
     for r in range(first, first + count):
-        longest = max(longest, work[lengths + 2 * r + 1])
+        largest = max(largest, work[lengths + 2 * r])
     for r in range(first, first + count):
         if work[lengths + 2 * r] != 0.0:
-            work[lengths + 2 * r] = work[lengths + 2 * r + 1] / longest
-        work[lengths + 2 * r + 1] = longest
+            work[lengths + 2 * r] /= largest
+            work[lengths + 2 * r + 1] /= work[lengths + 2 * r]
 
 
 @inlined
 def _reduce(plan: Any, work: Any, r: int) -> None:
-    """Write L^-1 J_r^T, its length, and whether it says anything: 1 or 0."""
+    """Write L^-1 J_r^T, its length, and the largest number of J_r; zero if that is round-off."""
     head = plan_of(plan)
     nv, root = head.nv, head.root
     row, out = head.jacobian + r * nv, head.reduced + r * nv
@@ -120,7 +128,7 @@ def _reduce(plan: Any, work: Any, r: int) -> None:
         total /= work[at + i]
         work[out + i] = total
         square += total * total
-    work[head.lengths + 2 * r] = 1.0 if largest > NOTHING * head.length else 0.0
+    work[head.lengths + 2 * r] = largest if largest > NOTHING * head.length else 0.0
     work[head.lengths + 2 * r + 1] = math.sqrt(square)
     for p in range(head.rows):
         work[head.triangle + p * head.rows + r] = 0.0

@@ -290,13 +290,21 @@ def redundancies(constraints: Constraints, t: float, y: Array, program: Array) -
 
 
 def _scaled(constraints: Constraints, rows: Array) -> Array:
-    """Return rows over the length of the longest one of their closure, motions' over their own."""
+    """Return rows with the length that they count with: that of their largest number in J.
+
+    It is taken over the largest of their closure's, of ways or of turns.
+    """
     plan = constraints.plan
-    scales = np.linalg.norm(rows, axis=1)
+    counts = np.abs(constraints.jacobian).max(axis=1, initial=0.0)
+    counts[: len(plan.motions)] = 1.0
     for name, held in plan.rows.items():
-        own = slice(plan.first_row[name], plan.first_row[name] + len(held))
-        scales[own] = scales[own].max()
-    return np.asarray(rows / np.where(scales > 0.0, scales, 1.0)[:, None])
+        first, end = plan.first_row[name], plan.first_row[name] + len(held)
+        turns = first + sum(row.startswith("along") for row in held)
+        for own in (slice(first, turns), slice(turns, end)):
+            largest = counts[own].max(initial=0.0)
+            counts[own] /= largest if largest > 0.0 else 1.0
+    lengths = np.linalg.norm(rows, axis=1)
+    return np.asarray(rows * (counts / np.where(lengths > 0.0, lengths, 1.0))[:, None])
 
 
 def _rank(rows: Array) -> int:
