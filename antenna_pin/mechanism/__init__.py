@@ -1,6 +1,7 @@
 """From a URDF and its variants to a Pinocchio model."""
 
 from antenna_pin.changes import JOINT_VARIANTS, JointChange, JointVariant, LinkChange, ShapeChange
+from antenna_pin.mechanism.dynamics import ROOM, TreeDynamics
 from antenna_pin.mechanism.frames import frame_aligning_z, quaternions, roll_pitch_yaw
 from antenna_pin.mechanism.kinematics import link_motion, link_poses, link_twists
 from antenna_pin.mechanism.loads import transmitted_wrenches
@@ -19,7 +20,9 @@ __all__ = [
     "LinkChange",
     "Mechanism",
     "PLACE",
+    "ROOM",
     "ShapeChange",
+    "TreeDynamics",
     "Urdf",
     "body_tree",
     "build_mechanism",

@@ -77,7 +77,7 @@ def _of_quaternion(q: Any, i: int, m: Any) -> None:
 
 
 @inlined
-def _relative(body: Any, y: Any, nq: int, way: Any) -> None:
+def relative(body: Any, y: Any, nq: int, way: Any) -> None:
     """Write how a joint places and moves its body, in a ``PLACE``.
 
     Its rotation; its displacement in the joint's frame; its velocities in the body's own.
@@ -134,7 +134,7 @@ def place_bodies(y: Any, nq: int, tree: Any, places: Any) -> None:
     way = places[bodies]
     for b in range(bodies):
         body, own = tree[b], places[b]
-        _relative(body, y, nq, way)
+        relative(body, y, nq, way)
         if body.parent < 0:
             _place_on_world(body, own)
         else:
