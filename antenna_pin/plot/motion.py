@@ -264,7 +264,7 @@ def _panels(curves: Sequence[_Curve], window: _Span | None, label: str, unit: st
         _mark(whole, window)
         panel_title(near, "b", "close view of the shaded span")
         near.set_ylabel(f"{label} [{printed}]")
-        few_ticks(near, 5)
+        few_ticks(near, 5 if width == "page" else 4)
     if deviating:
         apart = next(panels)
         largest = max(float(np.nanmax(np.abs(c.deviation), initial=0.0)) for c in deviating)  # type: ignore[arg-type]
