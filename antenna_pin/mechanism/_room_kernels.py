@@ -14,12 +14,14 @@ from antenna_pin._compile import inlined
 from antenna_pin.mechanism._tree_kernels import relative
 from antenna_pin.records import layout
 
-#: Room for a body, to be written to. Its place in the body that it is on; its velocity; what its joint adds
-#: to it; the acceleration that velocities alone add to that of the body it is on; its acceleration, in which
-#: the ground rises against gravity; the wrench that its joint must give for it. The inertia of what it
-#: carries, in three blocks: force by acceleration, force by angular acceleration, moment by that; whether
-#: there is any. Of a joint that is taken out, of what its accelerations follow: ``driven - ratio a``.
+#: Room for a body, to be written to. Whether it carries any inertia. Its place in the body that it is on; its
+#: velocity; what its joint adds to it; the acceleration that velocities alone add to that of the body it is
+#: on; its acceleration, in which the ground rises against gravity; the wrench that its joint must give for
+#: it. The inertia of what it carries, in three blocks: force by acceleration, force by angular acceleration,
+#: moment by that. Of a joint that is taken out, of what its accelerations follow: ``driven - ratio a``.
+#: It does not begin as PLACE does: Numba would take it for one, which it warns of.
 ROOM = layout(
+    ("carries", np.int64),
     ("rotation", np.float64, (3, 3)),
     ("origin", np.float64, (3,)),
     ("velocity", np.float64, (3,)),
@@ -35,7 +37,6 @@ ROOM = layout(
     ("block_a", np.float64, (6,)),
     ("block_b", np.float64, (9,)),
     ("block_d", np.float64, (6,)),
-    ("carries", np.int64),
     ("ratio", np.float64, (9,)),
     ("driven", np.float64, (6,)),
 )
