@@ -264,7 +264,7 @@ def _panels(curves: Sequence[_Curve], window: _Span | None, label: str, unit: st
         _mark(whole, window)
         panel_title(near, "b", "close view of the shaded span")
         near.set_ylabel(f"{label} [{printed}]")
-        few_ticks(near, 5 if width == "page" else 4)
+        few_ticks(near, 5)
     if deviating:
         apart = next(panels)
         largest = max(float(np.nanmax(np.abs(c.deviation), initial=0.0)) for c in deviating)  # type: ignore[arg-type]
@@ -319,7 +319,12 @@ def _strips(
     for axes in panels[-1]:
         axes.set_xlabel("time [s]")
     for axes in panels.flat:
-        few_ticks(axes, 3 if width == "column" and columns == 2 else 5)
+        few_ticks(axes, 5)
+    if width == "column" and columns == 2:
+        # Times of a close view have more digits.
+        for whole, near in panels:
+            few_ticks(whole, 3)
+            few_ticks(near, 2)
     _, printed = prefixed(unit, 1.0)
     scale = f"\nlinear within ±{limit:g}, logarithmic beyond" if limit is not None else ""
     figure.supylabel(f"{label} [{printed}]{scale}", fontsize=7.5, multialignment="center")
