@@ -190,7 +190,7 @@ def test_forces_that_the_mass_matrix_asks_for_make_the_acceleration(seed):
 
 
 def test_room_is_not_taken_for_a_place():
-    """Numba lets a record stand in for one that it begins as, and warns: where it compiles, not when cached."""
+    """Numba lets a record stand in for one that it begins as, and warns: where nothing is cached."""
     begins = [[(name, *record.fields[name]) for name in record.names] for record in (ROOM, PLACE)]
     assert not set(begins[0]) >= set(begins[1])
 
