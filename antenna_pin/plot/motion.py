@@ -325,6 +325,7 @@ def _strips(
         for whole, near in panels:
             few_ticks(whole, 3)
             few_ticks(near, 2)
+            near.tick_params(axis="x", labelsize=6.0)
     _, printed = prefixed(unit, 1.0)
     scale = f"\nlinear within ±{limit:g}, logarithmic beyond" if limit is not None else ""
     figure.supylabel(f"{label} [{printed}]{scale}", fontsize=7.5, multialignment="center")
