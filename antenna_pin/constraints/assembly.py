@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from antenna_pin.constraints._solve_kernels import DEPENDENT
+from antenna_pin.constraints._solve_kernels import DEPENDENT, NOTHING
 from antenna_pin.constraints.solver import Constraints
 
 __all__ = [
@@ -296,6 +296,7 @@ def _scaled(constraints: Constraints, rows: Array) -> Array:
     """
     plan = constraints.plan
     counts = np.abs(constraints.jacobian).max(axis=1, initial=0.0)
+    counts[counts <= NOTHING * plan.length] = 0.0  # round-off says nothing, beside whatever
     counts[: len(plan.motions)] = 1.0
     for name, held in plan.rows.items():
         first, end = plan.first_row[name], plan.first_row[name] + len(held)
