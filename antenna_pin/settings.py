@@ -8,10 +8,14 @@ from typing import Literal
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.parameters import check, parameter
 
-__all__ = ["ErrorScales", "Method", "RunSettings"]
+__all__ = ["Engine", "ErrorScales", "Method", "RunSettings"]
 
 Method = Literal["rk4", "bogacki-shampine-32", "dormand-prince-54", "dormand-prince-853"]
 """A Runge-Kutta method by name, of ``antenna_pin.integrate.METHODS``."""
+
+
+Engine = Literal["pinocchio", "compiled"]
+"""What makes the steps of a run."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -53,6 +57,8 @@ class RunSettings:
     """How a run is integrated and sampled.
 
     Attributes:
+        engine: What makes the steps: ``pinocchio``, or ``compiled``, all of a step in compiled code, the
+            tree's dynamics included, for systems in which nothing happens in Python.
         method: A Runge-Kutta method by name.
         rtol: Relative tolerance of a step of the adaptive methods [-].
         step: Fixed step of ``rk4`` [s].
@@ -68,6 +74,7 @@ class RunSettings:
         output_form: ``full``, or ``lean`` without series: a result of numbers and contact episodes only.
     """
 
+    engine: Engine = "pinocchio"
     method: Method = "dormand-prince-853"
     rtol: float = parameter("1", rule="between 0 and 1", default=1e-8)
     step: float = parameter("s", rule="positive", default=1e-5)

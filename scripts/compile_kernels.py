@@ -12,10 +12,11 @@ import time
 from antenna_pin import build_system, load_scenario, simulate
 from antenna_pin.mechanism import TreeDynamics
 
-#: Case, overrides: closed form, coal (its Python path), all that a closed loop needs.
+#: Case, overrides: closed form, coal (its Python path), the compiled engine, all that a closed loop needs.
 RUNS = (
     ("bai2020", "case3", ("clearance.elevation.geometry=closed-form",)),
     ("bai2020", "case3", ()),
+    ("bai2020", "case3", ("clearance.elevation.geometry=closed-form", "integrator.engine=compiled")),
     ("slider_crank", "planar", ("clearance.pin.geometry=closed-form",)),
 )
 

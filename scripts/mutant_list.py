@@ -24,7 +24,7 @@ ROWS = "antenna_pin/constraints/_rows_kernels.py"
 SOLVE = "antenna_pin/constraints/_solve_kernels.py"
 SOLVER = "antenna_pin/constraints/solver.py"
 LOOP = "antenna_pin/simulation/loop.py"
-CONTROL = "antenna_pin/simulation/control.py"
+PACE = "antenna_pin/engine/_pace_kernels.py"
 WATCH = "antenna_pin/simulation/watch.py"
 ACTIONS = "antenna_pin/simulation/actions.py"
 EVENTS = "antenna_pin/simulation/events.py"
@@ -150,9 +150,9 @@ MUTANTS = (
     ),
     _compiled(
         "steps pass over a table's points",
-        CONTROL,
-        "        end = self._breaks[0] if self._breaks else self.end\n",
-        "        end = self.end\n",
+        PACE,
+        "    end = p.end if last else breaks[p.next]\n",
+        "    end = p.end\n",
         TEST_RUN,
         *("-k", "table"),
     ),
@@ -174,9 +174,9 @@ MUTANTS = (
     ),
     _compiled(
         "a fast wheel may turn by any angle in a step",
-        CONTROL,
-        "_LARGEST_TURN = 2.0 ",
-        "_LARGEST_TURN = 200.0 ",
+        PACE,
+        "LARGEST_TURN = 2.0 ",
+        "LARGEST_TURN = 200.0 ",
         TEST_TURNS,
         *("-k", "turns_are_counted"),
     ),
@@ -698,7 +698,7 @@ MUTANTS = (
     _python(
         "a restarted step keeps the dense output of the one before",
         STEPPER,
-        "        self.h = h\n        self._has_dense = False\n",
+        "        self.h = h\n        self.has_dense = False\n",
         "        self.h = h\n",
         TEST_STEPPER,
         *("-k", "dense"),

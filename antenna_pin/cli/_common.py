@@ -32,6 +32,13 @@ P = ParamSpec("P")
 R = TypeVar("R")
 
 
+class Engine(StrEnum):
+    """What makes the steps of a run."""
+
+    PINOCCHIO = "pinocchio"
+    COMPILED = "compiled"
+
+
 class Geometry(StrEnum):
     """Backends that find where journal and bearing touch."""
 

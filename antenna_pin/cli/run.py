@@ -11,6 +11,7 @@ from antenna_pin.cli._common import (
     ENDED_EARLY,
     INTERRUPTED,
     CaseOption,
+    Engine,
     Geometry,
     ScenarioArgument,
     SetOption,
@@ -47,6 +48,9 @@ def run(
     geometry: Annotated[
         Geometry | None, typer.Option(help="How gaps are found, for all joints with clearance.")
     ] = None,
+    engine: Annotated[
+        Engine | None, typer.Option(help="What makes the steps; compiled needs --geometry closed-form.")
+    ] = None,
     lean: Annotated[
         bool, typer.Option("--lean", help="Keep numbers and contact episodes only, no series.")
     ] = False,
@@ -56,6 +60,8 @@ def run(
 ) -> None:
     """Simulate a scenario and save the result."""
     changes = [*(settings or ()), *(["output.form=lean"] if lean else ())]
+    if engine is not None:
+        changes.append(f"integrator.engine={engine.value}")
     chosen = load(scenario, case, changes, geometry, duration)
     path = writable_file(out or Path(f"{stem(chosen)}.nc"), ".nc")
 

@@ -77,7 +77,7 @@ class Stepper:
         self._moved = np.zeros(size)
         self._has_moved = False
         self._nodes = [float(c) for c in method.nodes]
-        self._has_dense = False
+        self.has_dense = False
 
     def restart(self, t: float, y: Array) -> None:
         """Make (t, y) the state and evaluate its derivative."""
@@ -85,7 +85,7 @@ class Stepper:
         self.y[:] = y
         self._derivative(t)
         self.evaluations += 1
-        self._has_dense = False
+        self.has_dense = False
         _kernels.begin(self.method.stages, self.manifold.layout, self.work)
 
     def refresh(self) -> None:
@@ -108,13 +108,13 @@ class Stepper:
         derivative(t + h)
         self.evaluations += last
         self.h = h
-        self._has_dense = False
+        self.has_dense = False
         error: float = _kernels.finish(last, h, method.errors, layout, work, self.scales, self.rtol)
         return error if method.adaptive or not math.isfinite(error) else 0.0
 
     def prepare_dense(self) -> None:
         """Compute the dense output of the last trial step, with the stages it needs beyond the step's own."""
-        if self._has_dense:
+        if self.has_dense:
             return
         method = self.method
         layout = self.manifold.layout
@@ -130,7 +130,7 @@ class Stepper:
         _kernels.dense_coefficients(self.h, method.polynomials, n, self.work, self.dense)
         if self._has_moved:
             _kernels.bend(layout, self._moved, self.y, self.dense)
-        self._has_dense = True
+        self.has_dense = True
 
     def interpolate(self, theta: float, out: Array) -> None:
         """Write the state at the fraction theta of the last trial step into out (see ``prepare_dense``)."""
@@ -140,5 +140,5 @@ class Stepper:
     def accept(self) -> None:
         """Make the trial step the state."""
         self.t += self.h
-        self._has_dense = False
+        self.has_dense = False
         _kernels.begin(self.method.stages, self.manifold.layout, self.work)

@@ -143,6 +143,19 @@ class Episodes:
                 self.stepper.interpolate((moment - t) / h, state)
                 self._at_peaks[c] = (moment, state, self.workspace.memory.copy())
 
+    def keep(self, moments: Array, states: Array) -> None:
+        """Keep the states at the largest forces so far that compiled steps have kept.
+
+        Args:
+            moments: When, of each contact; not-a-number for none, (contacts,) [s].
+            states: [q, v, x] there, (contacts, size); copied.
+        """
+        for c, episode in enumerate(self._open):
+            kept, moment = self._at_peaks[c], float(moments[c])
+            if episode is not None and moment == float(self.peaks[c].time):
+                if kept is None or kept[0] != moment:
+                    self._at_peaks[c] = (moment, states[c].copy(), self.workspace.memory.copy())
+
     # --- as a value -----------------------------------------------------------------------------------------
 
     def take_up(self, state: State) -> None:

@@ -8,7 +8,6 @@ the integration restarts from that state. So the equations are smooth inside eve
 from __future__ import annotations
 
 import dataclasses
-import time
 from collections.abc import Callable, Sequence
 
 import numpy as np
@@ -16,7 +15,8 @@ from numpy.typing import NDArray
 
 from antenna_pin.dynamics import System, Workspace
 from antenna_pin.dynamics.workspace import ON_SURFACE
-from antenna_pin.integrate import Stepper, method_named
+from antenna_pin.engine import CompiledStepper
+from antenna_pin.integrate import method_named
 from antenna_pin.records import memory_numbers
 from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.actions import Actions, Happening
@@ -25,7 +25,8 @@ from antenna_pin.simulation.episodes import Episode, Episodes
 from antenna_pin.simulation.events import Event
 from antenna_pin.simulation.kinks import kinks_of
 from antenna_pin.simulation.measured import Found
-from antenna_pin.simulation.progress import Progress
+from antenna_pin.simulation.progress import Progress, Reporter
+from antenna_pin.simulation.quiet import QuietTrials, stepper_of
 from antenna_pin.simulation.samples import Samples
 from antenna_pin.simulation.scales import scale_vector
 from antenna_pin.simulation.search import ContactSearch
@@ -38,8 +39,6 @@ from antenna_pin.trajectory import Counts, Outcome
 __all__ = ["Run"]
 
 Array = NDArray[np.float64]
-
-_REPORT_INTERVAL = 0.1  # [s] of wall time between progress reports
 
 
 class Run:
@@ -71,7 +70,7 @@ class Run:
         self.begin = start.reached if isinstance(start, State) else 0.0
         method = method_named(settings.method)
         scales = scale_vector(system, settings.scales)
-        self.stepper = Stepper(self.workspace, method, scales, settings.rtol)
+        self.stepper = stepper_of(self.workspace, method, scales, settings)
         self.control = StepControl(system, method, settings, self.begin, end)
         self.samples = Samples(self.workspace, settings.output_rate, self.begin, end)
         self._contacts = Episodes(self.workspace, self.stepper, self.samples, self.begin)
@@ -83,6 +82,9 @@ class Run:
             self._watch, self.workspace, self.stepper, self.control, self.samples, self.begin
         )
         self._trials = Trials(self.stepper, self.control)
+        if isinstance(self.stepper, CompiledStepper) and not self._watch:
+            quiet = self.stepper, self.control, self.samples, self._contacts, self._search
+            self._trials = QuietTrials(*quiet)
         #: Singular positions; None where nothing is held.
         self.singular = None if system.plan is None else Singularities(Workspace(system))
         self.accepted = 0
@@ -184,8 +186,7 @@ class Run:
         interrupted: Callable[[], bool] = lambda: False,
     ) -> None:
         """Run to the end, or to what ends it earlier; ``interrupted`` is asked between steps."""
-        began = time.perf_counter()
-        reported = began
+        report = Reporter(progress, self.duration)
         h = self._next
         while self.stepper.t < self.duration:
             self._next = h
@@ -195,39 +196,37 @@ class Run:
             if interrupted():
                 self._stop(Outcome.INTERRUPTED)
                 break
-            if not self._may_go_on(began):
+            if not self._may_go_on(report.wall):
                 break
-            if progress is not None:
-                now = time.perf_counter()
-                if now - reported > _REPORT_INTERVAL:
-                    reported = now
-                    progress(Progress(self.stepper.t, self.duration, h, self.accepted, now - began))
+            report(self.stepper.t, h, self.accepted)
         self._next = h
-        reached = self.stepper.t
-        self._left = dataclasses.replace(self.state, reached=reached)
+        self._left = dataclasses.replace(self.state, reached=self.stepper.t)
         self._contacts.close()
         if not self.samples.times or self.samples.times[-1] < self.stepper.t:
             self.samples.add(self.stepper.t, self._here.copy())
         if self.singular is not None:
             self.message += self.singular.words()
-        self.wall = time.perf_counter() - began
-        if progress is not None:
-            progress(Progress(self.stepper.t, self.duration, h, self.accepted, self.wall))
+        self.wall = report.wall
+        report(self.stepper.t, h, self.accepted, last=True)
 
-    def _may_go_on(self, began: float) -> bool:
+    def _may_go_on(self, wall: float) -> bool:
         trials = self.accepted + self._trials.rejected + self._trials.relocated
-        outcome = self.control.limit(trials, self.stepper.t, time.perf_counter() - began)
+        outcome = self.control.limit(trials, self.stepper.t, wall)
         if outcome is not None:
             self._stop(outcome)
         return outcome is None
 
     def _step(self, h: float) -> float:
-        """Make one accepted step from the state; return the size to try next."""
+        """Make one accepted step, or a stretch; return the size to try next."""
         trial = self._trials.first(h, self._keep)
+        self.accepted += trial.made
+        if not trial.tried:
+            return trial.following
         return self._conclude(trial.following) if trial.passed else self._give_up(trial)
 
-    def _keep(self) -> None:
+    def _keep(self, h: float) -> None:
         """Keep the state before the first step that the run's end cuts."""
+        self._next = h
         if self._left is None:
             self._left = self._state()
 

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import time
+from collections.abc import Callable
 from dataclasses import dataclass
 
-__all__ = ["Progress"]
+__all__ = ["Progress", "Reporter"]
+
+_INTERVAL = 0.1  # [s] of wall time between reports
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,3 +28,32 @@ class Progress:
     step: float
     steps: int
     wall: float
+
+
+class Reporter:
+    """Tells of a run's progress now and then.
+
+    Args:
+        progress: Whom; None for nobody.
+        end: Of the run [s].
+    """
+
+    def __init__(self, progress: Callable[[Progress], None] | None, end: float) -> None:
+        """Begin to take the time."""
+        self._progress = progress
+        self._end = end
+        self._began = self._told = time.perf_counter()
+
+    @property
+    def wall(self) -> float:
+        """Wall time since the beginning [s]."""
+        return time.perf_counter() - self._began
+
+    def __call__(self, t: float, h: float, accepted: int, *, last: bool = False) -> None:
+        """Tell that the run is at t [s], with steps of h [s] and so many made, if it is time to."""
+        if self._progress is None:
+            return
+        now = time.perf_counter()
+        if last or now - self._told > _INTERVAL:
+            self._told = now
+            self._progress(Progress(t, self._end, h, accepted, now - self._began))

@@ -38,8 +38,8 @@ class Samples:
         """Begin without samples."""
         self._memory = workspace.memory
         self._workspace = workspace
-        self._rate = rate
-        self._begin = begin
+        self.rate = rate
+        self.begin = begin
         self._end = end
         self.times: list[float] = []
         self.states: list[Array] = []
@@ -52,7 +52,7 @@ class Samples:
 
         An event may fall on an output time; what holds from the event on is what is kept.
         """
-        if t < self._begin:
+        if t < self.begin:
             return
         memory = self._memory.tobytes()
         if self.times and t <= self.times[-1]:
@@ -65,11 +65,11 @@ class Samples:
     def during(self, stepper: Stepper) -> None:
         """Append the states at the output times within a trial step that is to be accepted."""
         t, h = stepper.t, stepper.h
-        first = math.floor(t * self._rate + 1e-9) + 1
-        last = math.floor((t + h) * self._rate + 1e-9)
-        times = [k / self._rate for k in range(first, last + 1)]
-        if t < self._begin <= t + h and self._begin not in times:
-            times.insert(0, self._begin)
+        first = math.floor(t * self.rate + 1e-9) + 1
+        last = math.floor((t + h) * self.rate + 1e-9)
+        times = [k / self.rate for k in range(first, last + 1)]
+        if t < self.begin <= t + h and self.begin not in times:
+            times.insert(0, self.begin)
         if not times:
             return
         stepper.prepare_dense()
@@ -82,6 +82,16 @@ class Samples:
                 stepper.interpolate(theta, state)
             self._hold(moment, state)
             self.add(min(moment, self._end), state)
+
+    def extend(self, times: Array, states: Array) -> None:
+        """Append samples that follow those there are, between which nothing has changed.
+
+        Args:
+            times: (n,) [s].
+            states: [q, v, x] of each, (n, size); copied.
+        """
+        for t, state in zip(times.tolist(), states, strict=True):
+            self.add(t, state.copy())
 
     def _hold(self, t: float, y: Array) -> None:
         """Bring a state of the dense output, which is only nearly there, onto the constraints."""

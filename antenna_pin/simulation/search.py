@@ -45,14 +45,14 @@ class ContactSearch:
         self.gap_difference = 0.0
         self.table = np.zeros_like(workspace.table)
         self._pose = np.zeros(1, POSE)
-        self._nodes = np.zeros((_inspect.NODE_SIZE, _inspect.NODES + 1, contacts))
+        self.nodes = np.zeros((_inspect.NODE_SIZE, _inspect.NODES + 1, contacts))
         self.limits = np.array([limit for j in system.clearances for limit in j.depth_limits])
         self.reasons = [reason for j in system.clearances for reason in j.limit_reasons]
         plays = [j.geometry.radial_clearance for j in system.clearances for _ in j.contact_names]
         self.tolerances = [1e-9 * play for play in plays]
         self.uses_coal = any(j.backend == "coal" for j in system.clearances)
         factors = [system.mechanism.joint(j.name).joint_id - 1 for j in system.clearances]
-        self._trial = _inspect.Trial(
+        self.trial = _inspect.Trial(
             layout=manifold.part(factors, plain=system.bristle_x.size > 0),
             dense=stepper.dense,
             work=stepper.work,
@@ -66,7 +66,7 @@ class ContactSearch:
             measured=np.zeros(contacts, dtype=np.int64),
         )
         self._measured = Measured(workspace, stepper, self.table)
-        self._trial.measured[list(self._measured.contacts)] = 1
+        self.trial.measured[list(self._measured.contacts)] = 1
         # Laws written in Python or on gaps that a backend measures, by the row of their contact: the compiled
         # inspection cannot evaluate them.
         self._python_laws = [
@@ -93,11 +93,11 @@ class ContactSearch:
                 stepper.t,
                 stepper.h,
                 measured.theta,
-                self._nodes,
+                self.nodes,
                 self.ignore,
                 self.limits,
                 self.episodes.peaks,
-                self._trial,
+                self.trial,
             )
         )
         if found.contact < 0 and measured.theta > 1.0:
@@ -107,8 +107,8 @@ class ContactSearch:
     def track(self) -> None:
         """Bring the contacts' record up to the end of a trial step in which none changes."""
         stepper = self.stepper
-        _inspect.fill_nodes(self._nodes, self._trial)
-        _inspect.track_peaks(stepper.t, stepper.h, self._nodes, self.episodes.peaks, self._trial)
+        _inspect.fill_nodes(self.nodes, self.trial)
+        _inspect.track_peaks(stepper.t, stepper.h, self.nodes, self.episodes.peaks, self.trial)
         self._track_in_python()
 
     def _track_in_python(self) -> None:
@@ -122,10 +122,10 @@ class ContactSearch:
             _, *onset = memory[c].tolist()
 
             def lack(theta: float, c: int = c, law: LawInRun = law, onset: Sequence[float] = onset) -> float:
-                if self._trial.measured[c]:
+                if self.trial.measured[c]:
                     self._measured.at(theta, c)
                 else:
-                    _inspect.contacts_at(theta, self._trial)
+                    _inspect.contacts_at(theta, self.trial)
                 depth = -float(self.table[c].gap)
                 return -law.forces(depth, self.table[c].rate, *onset)[1] if depth > 0.0 else 0.0
 

@@ -23,11 +23,15 @@ class Trial(NamedTuple):
         passed: Whether there is a trial step that passes, in the stepper.
         following: Size to try next [s].
         outcome: Why the run ends, if it does.
+        made: Steps that were accepted already, before it.
+        tried: Whether there is anything to conclude of, beside those.
     """
 
     passed: bool
     following: float
     outcome: Outcome | None = None
+    made: int = 0
+    tried: bool = True
 
 
 class Trials:
@@ -48,24 +52,24 @@ class Trials:
         self._control = control
         self.rejected = self.relocated = 0
 
-    def first(self, h: float, cut: Callable[[], None]) -> Trial:
+    def first(self, h: float, cut: Callable[[float], None]) -> Trial:
         """Try steps until one passes.
 
         Args:
             h: Size to begin with [s].
-            cut: Called before a step is tried that the end of the run has cut.
+            cut: Called before a step is tried that the end of the run has cut, with the size begun with.
         """
         stepper, control = self._stepper, self._control
-        rejected = self.rejected
+        rejected, wished = self.rejected, h
         while True:
-            tried, by_end = control.cut(stepper.t, h)
+            tried, by_end = control.pace.cut(stepper.t, h)
             if by_end:
-                cut()
+                cut(wished)
             if stepper.t + tried == stepper.t:
                 return Trial(False, h, Outcome.STEP_TOO_SMALL)
             error = stepper.attempt(tried)
             if error <= 1.0:
-                return Trial(True, control.following(h, tried, error, self.rejected > rejected))
+                return Trial(True, control.pace.following(h, tried, error, self.rejected > rejected))
             self.rejected += 1
             if self.rejected - rejected >= _REJECTED_IN_A_ROW:
                 return Trial(False, h, Outcome.NO_PROGRESS)
@@ -99,7 +103,7 @@ class Trials:
         return Trial(True, size)
 
     def _shortened(self, tried: float, error: float) -> Trial:
-        h = self._control.shortened(tried, error)
-        if self._control.hopeless(h):
+        h = self._control.pace.shortened(tried, error)
+        if self._control.pace.hopeless(h):
             return Trial(False, h, Outcome.STEP_TOO_SMALL if math.isfinite(error) else Outcome.NOT_FINITE)
         return Trial(False, h)

@@ -1,0 +1,141 @@
+"""The compiled engine: the same runs as by Pinocchio's dynamics, and what it refuses."""
+
+import importlib
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from antenna_pin import RunSettings, System, Urdf, build_mechanism, load_scenario, simulate
+from antenna_pin.dynamics import CallableDrive
+from antenna_pin.errors import MechanismError
+from antenna_pin.simulation import Event
+from antenna_pin.simulation.events import Angle, Mark
+
+SCRIPTS = Path(__file__).parents[2] / "scripts"
+
+
+def run(model, case, duration, engine="compiled", joints=(), **settings):
+    overrides = [f"clearance.{joint}.geometry=closed-form" for joint in joints]
+    overrides += [f"integrator.engine={engine}"]
+    overrides += [f"{key.replace('__', '.')}={value}" for key, value in settings.items()]
+    return simulate(load_scenario(model, case=case, overrides=overrides), duration=duration)
+
+
+def test_the_antenna_moves_as_with_pinocchio():
+    """Over 0.2 s and 35 impacts: the same ones in the same order, the angle to 1e-9 rad."""
+    ours, theirs = (
+        run("bai2020", "case3", 0.2, engine, ["elevation"]) for engine in ("compiled", "pinocchio")
+    )
+    assert ours.data.episode_contact.values.tolist() == theirs.data.episode_contact.values.tolist()
+    angles = [one.data.motion_angle.sel(joint="elevation")[-1].item() for one in (ours, theirs)]
+    assert angles[0] == pytest.approx(angles[1], abs=1e-9)
+    # Single impacts differ by what 35 of them make of round-off.
+    assert ours.data.onset_time.values == pytest.approx(theirs.data.onset_time.values, abs=1e-5)
+    assert ours.data.peak_force.values == pytest.approx(theirs.data.peak_force.values, rel=1e-2)
+    kept = json.loads(ours.data.attrs["conservation"])
+    assert kept["linear_momentum_drift_relative"] < 1e-10
+    assert kept["angular_momentum_drift_relative"] < 1e-10
+    assert kept["energy_error_relative"] < 1e-7
+    assert ours.data.sizes["time"] == theirs.data.sizes["time"]
+
+
+def at_output_times(*runs):
+    """Configurations and velocities at common output times: samples at peaks may coincide but for round-off."""
+    times = np.arange(1, int(1e3 * float(runs[0].data.time[-1]) + 1e-9)) / 1e3
+    found = [one.data.sel(time=times, method="nearest", tolerance=1e-12) for one in runs]
+    return [np.hstack([one.q.values, one.v.values]) for one in found]
+
+
+@pytest.mark.parametrize(
+    ("model", "case", "duration"),
+    [
+        ("bai2020", "case1", 0.1),
+        ("you2010", "planar", 0.02),
+        ("you2010", "3d", 0.02),
+        ("impact_pair", "flange", None),
+        ("pendulum", "contact", 0.05),
+        ("spherical_pendulum", "spatial", 0.05),
+        ("slider", "driven", 0.05),
+    ],
+)
+def test_shipped_trees_move_as_with_pinocchio(model, case, duration):
+    """So shortly that impacts have not made much of round-off, 1e-10 of what moves before the first."""
+    known = load_scenario(model, case=case)
+    joints = [name for name in known.clearance if hasattr(known.clearance[name], "shape")]
+    span = known.duration if duration is None else duration
+    ours, theirs = (run(model, case, span, engine, joints) for engine in ("compiled", "pinocchio"))
+    assert ours.data.sizes.get("episode") == theirs.data.sizes.get("episode")
+    values, expected = at_output_times(ours, theirs)
+    assert np.abs(values - expected).max() <= 1e-5 * np.abs(expected).max()
+    assert np.abs(values[:1] - expected[:1]).max() <= 1e-10 * np.abs(expected[:1]).max()
+
+
+@pytest.mark.parametrize("number", range(5, 13))
+def test_random_mechanisms_move_as_with_pinocchio(monkeypatch, number):
+    """Of all kinds of joints, laws, drives and springs, over the first of their steps."""
+    monkeypatch.syspath_prepend(str(SCRIPTS))
+    drawn = importlib.import_module("scenario_generator").draw_scenario(2024, number)
+    changes = {f"clearance.{name}.geometry": "closed-form" for name in drawn.clearance}
+    ends = []
+    for engine in ("compiled", "pinocchio"):
+        scenario = drawn.with_overrides({**changes, "integrator.engine": engine})
+        ends.append(simulate(scenario, duration=0.1 * drawn.duration))
+    ours, theirs = ends
+    assert ours.outcome == theirs.outcome
+    values, expected = (one.data.q.values[-1] for one in ends)
+    # Errors of the default tolerance, 1e-8, are the same; what impacts make of round-off is not.
+    assert np.abs(values - expected).max() <= 1e-6 * max(1.0, np.abs(expected).max())
+
+
+def test_two_halves_are_the_whole():
+    """Bit for bit, as with Pinocchio."""
+    scenario = load_scenario(
+        "bai2020",
+        case="case3",
+        overrides=["clearance.elevation.geometry=closed-form", "integrator.engine=compiled"],
+    )
+    whole = simulate(scenario, duration=0.06)
+    half = simulate(scenario, duration=0.03)
+    rest = simulate(scenario, duration=0.03, start=half.end)
+    assert rest.end == whole.end
+    assert rest.data.q.values[-1].tolist() == whole.data.q.values[-1].tolist()
+
+
+def test_events_are_located_as_with_pinocchio():
+    """An angle that the antenna passes before its first impact: by one dense output, to round-off."""
+    overrides = ["clearance.elevation.geometry=closed-form"]
+    times = []
+    for engine in ("compiled", "pinocchio"):
+        scenario = load_scenario(
+            "bai2020", case="case3", overrides=[*overrides, f"integrator.engine={engine}"]
+        )
+        passed = Event(name="passed", when=Angle("azimuth", 1e-4), action=Mark())
+        times.append(simulate(scenario, duration=0.05, events=[passed]).data.event_time.values)
+    assert len(times[0]) == len(times[1]) == 1
+    assert times[0] == pytest.approx(times[1], abs=1e-9)
+
+
+BAR = """<robot name="bar"><link name="hull"/><link name="arm"><inertial><mass value="1"/>
+  <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <joint name="pivot" type="continuous"><parent link="hull"/><child link="arm"/><axis xyz="0 0 1"/></joint>
+  </robot>"""
+
+
+def test_what_is_not_compiled_is_refused_by_name():
+    compiled = RunSettings(engine="compiled")
+    with pytest.raises(MechanismError, match="joint 'elevation' has its gaps measured by coal"):
+        run("bai2020", "case3", 0.01)
+    with pytest.raises(MechanismError, match="closures and motions are not compiled"):
+        run("slider_crank", "ideal", 0.001)
+    mechanism = build_mechanism(Urdf.from_text(BAR, "bar.urdf"), "fixed")
+    drive = CallableDrive(joint="pivot", torque=lambda t, angle, rate: 1.0)
+    message = (
+        "engine 'compiled': what acts at joint 'pivot' is a function in Python; give it as a table, or take"
+    )
+    with pytest.raises(MechanismError, match=f"^{re.escape(message)}"):
+        simulate(System(mechanism, drives={"motor": drive}), duration=0.1, settings=compiled)
+    with pytest.raises(ValueError, match="engine"):
+        RunSettings(engine="fortran")
