@@ -43,7 +43,7 @@ def test_the_antenna_moves_as_with_pinocchio():
 
 
 def at_output_times(*runs):
-    """Configurations and velocities at common output times: samples at peaks may coincide but for round-off."""
+    """Configurations and velocities at output times; samples at peaks may coincide but for round-off."""
     times = np.arange(1, int(1e3 * float(runs[0].data.time[-1]) + 1e-9)) / 1e3
     found = [one.data.sel(time=times, method="nearest", tolerance=1e-12) for one in runs]
     return [np.hstack([one.q.values, one.v.values]) for one in found]
