@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 from antenna_pin import simulate
 from antenna_pin.constraints import CLOSURES, Anchor, Closure
 from antenna_pin.dynamics import System, Workspace, assembled, mobility_of
-from antenna_pin.elements import PrescribedMotion
+from antenna_pin.elements import CallableMotion, PrescribedMotion
 from antenna_pin.mechanism import Urdf, build_mechanism
 from antenna_pin.settings import RunSettings
 
@@ -238,3 +238,25 @@ def test_motions_work_enters_the_balance():
     assert float(np.abs(run.data.energy_error).max()) < 1e-7 * work
     angle = run.data.motion_angle.sel(joint="j1").values
     assert angle == pytest.approx(0.4 * np.sin(4.0 * np.pi * run.data.time.values), abs=1e-13)  # held
+
+
+def test_a_motion_from_functions_is_the_same_motion():
+    """Position, rate and acceleration by Python functions: forces and works as by the compiled kind."""
+    omega = 4.0 * np.pi
+    given = CallableMotion(
+        joint="j1",
+        position=lambda t: 0.4 * np.sin(omega * t),
+        velocity=lambda t: 0.4 * omega * np.cos(omega * t),
+        acceleration=lambda t: -0.4 * omega**2 * np.sin(omega * t),
+    )
+    runs = []
+    for motion in (PrescribedMotion(joint="j1", amplitude=0.4, frequency=2.0), given):
+        system, y = closed("spherical", 6, base="fixed", drives={"motor": motion})
+        nq, nv = system.model.nq, system.model.nv
+        # Steps as long with both: functions do not say how long they may be.
+        settings = RunSettings(max_step=0.01)
+        runs.append(simulate(system, duration=0.1, q=y[:nq], v=y[nq : nq + nv], settings=settings))
+    for name in ("q", "v", "drive_torque", "drive_work", "closure_force"):
+        compiled, python = (one.data[name].values for one in runs)
+        # Errors of the default tolerance, 1e-8, and round-off of the functions.
+        assert python == pytest.approx(compiled, abs=1e-9 * np.abs(compiled).max())
