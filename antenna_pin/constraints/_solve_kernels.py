@@ -27,6 +27,13 @@ DEPENDENT = 1e-9
 #: position an equation that is all but lost turns round-off into accelerations, which lead from one way to go
 #: on to another; let go of, it leaves an error of the order of this share's square.
 FAINT = 1e-5
+# Residuals below which nothing is corrected, of ways over the plan's length, turns, and their rates: the
+# round-off of kinematics is some 1e-16 of the length.
+CLOSED = 1e-14
+ROUNDS = 8
+NEAR = 1e-7
+# Residual over the length that a state may have which counts as closed.
+OPEN = 1e-11
 #: Size of the numbers of a row that says nothing, over the plan's length: round-off of products.
 NOTHING = 1e-12
 

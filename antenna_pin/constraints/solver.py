@@ -11,20 +11,13 @@ from numpy.typing import NDArray
 
 from antenna_pin.constraints import _layout_kernels as _layout
 from antenna_pin.constraints import _rows_kernels, _solve_kernels
+from antenna_pin.constraints._solve_kernels import CLOSED, NEAR, OPEN, ROUNDS
 from antenna_pin.constraints.plan import Plan
 from antenna_pin.mechanism import PLACE
 
 __all__ = ["Constraints"]
 
 Array = NDArray[np.float64]
-
-# Residuals below which nothing is corrected, of ways over the plan's length, turns, and their rates: the
-# round-off of kinematics is some 1e-16 of the length.
-_CLOSED = 1e-14
-_ROUNDS = 8
-_NEAR = 1e-7
-# Residual over the length that a state may have which counts as closed.
-_OPEN = 1e-11
 
 
 class Constraints:
@@ -123,11 +116,11 @@ class Constraints:
 
     def _in_place(self) -> bool:
         found = self.found
-        return bool(found.gap <= _CLOSED * self.plan.length and found.turn <= _CLOSED)
+        return bool(found.gap <= CLOSED * self.plan.length and found.turn <= CLOSED)
 
     def _in_motion(self) -> bool:
         found = self.found
-        return bool(found.speed <= _CLOSED * self.plan.length and found.spin <= _CLOSED)
+        return bool(found.speed <= CLOSED * self.plan.length and found.spin <= CLOSED)
 
     def project(self, t: float, y: Array, program: Array, retract: Callable[[Array, Array], None]) -> bool:
         """Bring a state that is nearly there onto the constraints, in place.
@@ -149,9 +142,9 @@ class Constraints:
         length = self.plan.length
         last = max(self.found.gap, self.found.turn * length)
         # The rows hardly turn over such a correction: one factorization serves it all, else there is another.
-        near = last < _NEAR * length
+        near = last < NEAR * length
         self.factorize(y[:nq])
-        for _ in range(_ROUNDS):
+        for _ in range(ROUNDS):
             if at_rest:
                 break
             retract(y, self.step(of_speed=False))
@@ -162,7 +155,7 @@ class Constraints:
             if not near:
                 self.factorize(y[:nq])
         y[nq : nq + nv] += self.step(of_speed=True)
-        return bool(last <= _OPEN * length)
+        return bool(last <= OPEN * length)
 
     def least_forces(self) -> Array:
         """Return the multipliers of least norm that do what those of the last solution do, (rows,).

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 from antenna_pin._compile import kernel
 from antenna_pin.dynamics._inspect import inspect_step
 from antenna_pin.dynamics._kernels import turn_on
+from antenna_pin.engine._hold_kernels import close
 from antenna_pin.engine._pace_kernels import cut, following, hopeless, shortened
 from antenna_pin.engine._step_kernels import attempt, prepare_dense
 from antenna_pin.integrate._kernels import START, STATE, STATE_ROW, begin, dense_state
@@ -48,6 +49,8 @@ class Buffers(NamedTuple):
         states: Of samples, (capacity, size).
         moments: When each contact's force was the largest so far, as its state was kept, (contacts,) [s].
         peaks: That state, (contacts, size).
+        instants: Ends of steps, (budget,) [s].
+        ends: States there, (budget, size); empty where nobody wants to look at them.
         kept: Scratch, (2, size).
         out: Scratch, (2, size).
     """
@@ -56,6 +59,8 @@ class Buffers(NamedTuple):
     states: Any
     moments: Any
     peaks: Any
+    instants: Any
+    ends: Any
     kept: Any
     out: Any
 
@@ -149,9 +154,15 @@ def go_on(
                 dense_state(theta, space, dense, work, stages + START, buffers.out)
                 for i in range(size):
                     row[i] = buffers.out[STATE_ROW, i]
+            if numbers.plan.shape[0] > 0:
+                close(moment, buffers.states, s.samples, space, numbers)
             buffers.times[s.samples] = min(moment, s.end)
             s.samples += 1
         s.t += tried
+        if buffers.ends.shape[0] > 0:
+            buffers.instants[s.accepted] = s.t
+            for i in range(size):
+                buffers.ends[s.accepted, i] = work[stages + STATE, i]
         begin(stages, space, work)
         if search.turns.shape[0] > 0:
             pace[0].spin = turn_on(numbers.program, search.turns, work[stages + START])

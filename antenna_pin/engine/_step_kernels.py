@@ -9,11 +9,14 @@ import math
 from typing import Any, NamedTuple
 
 from antenna_pin._compile import kernel
+from antenna_pin.constraints._solve_kernels import accelerate
 from antenna_pin.dynamics._kernels import evaluate, head_of
 from antenna_pin.dynamics._point_kernels import add_forces
-from antenna_pin.integrate._kernels import RATES, STATE, dense_coefficients, finish, stage, store
+from antenna_pin.engine._hold_kernels import AS_IT_WAS, LOST, MOVED, project
+from antenna_pin.integrate._kernels import RATES, STATE, bend, dense_coefficients, finish, stage, store
 from antenna_pin.integrate._manifold_kernels import space_of
 from antenna_pin.mechanism._dynamics_kernels import aba
+from antenna_pin.mechanism._mass_kernels import mass_and_bias
 
 
 class Numbers(NamedTuple):
@@ -25,7 +28,19 @@ class Numbers(NamedTuple):
         tree: Its bodies, BODY.
         gravity: (3,) [m/s^2].
         room: Of the tree's dynamics, ROOM, (bodies + 1,).
-        places: Of springs between points, PLACE, (bodies + 1,).
+        places: PLACE, (bodies + 1,), scratch.
+        plan: Of the constraints, empty where there are none.
+        held: Their work array.
+        mass: Mass matrix, (nv, nv), scratch.
+        bias: (nv,), scratch.
+        step: (nv,), scratch.
+        pose: POSE, (1,), scratch.
+        table: A contact table, scratch.
+        memory: The contact memory.
+        audit: AUDIT, (1,), scratch.
+        moved: A step's end before it was brought onto the constraints, (size,).
+        flag: Whether it was moved, (1,).
+        booked: Place in a state of the energy that this puts in.
     """
 
     program: Any
@@ -34,6 +49,18 @@ class Numbers(NamedTuple):
     gravity: Any
     room: Any
     places: Any
+    plan: Any
+    held: Any
+    mass: Any
+    bias: Any
+    step: Any
+    pose: Any
+    table: Any
+    memory: Any
+    audit: Any
+    moved: Any
+    flag: Any
+    booked: int
 
 
 class Tableau(NamedTuple):
@@ -65,7 +92,11 @@ def derivative(t: float, y: Any, numbers: Any, rates: Any) -> None:
     evaluate(t, y, program, numbers.work, rates)
     if head.points < program.shape[0]:
         add_forces(y, program, numbers.tree, numbers.places, tau, rates)
-    aba(y, head.nq, numbers.tree, numbers.gravity, tau, numbers.room, rates[: head.nv])
+    if numbers.plan.shape[0] == 0:
+        aba(y, head.nq, numbers.tree, numbers.gravity, tau, numbers.room, rates[: head.nv])
+        return
+    mass_and_bias(y, head.nq, numbers.tree, numbers.gravity, numbers.room, numbers.mass, numbers.bias)
+    accelerate(t, y, program, numbers.plan, numbers.held, tau, numbers.mass, numbers.bias, rates)
 
 
 @kernel
@@ -80,6 +111,13 @@ def attempt(
     for i in range(1, tableau.last):
         derivative(t + tableau.nodes[i] * h, y, numbers, out)
         stage(i + 1, h, tableau.weights, layout, work, True)
+    numbers.flag[0] = AS_IT_WAS
+    if numbers.plan.shape[0] > 0:
+        for k in range(numbers.moved.shape[0]):
+            numbers.moved[k] = y[k]
+        numbers.flag[0] = project(t + h, work, stages + STATE, layout, numbers)
+        if numbers.flag[0] == LOST:
+            return math.nan
     derivative(t + h, y, numbers, out)
     error = finish(tableau.last, h, tableau.errors, layout, work, scales, rtol)
     return float(error if tableau.adaptive != 0 or not math.isfinite(error) else 0.0)
@@ -110,4 +148,6 @@ def prepare_dense(
             work[stages + STATE, k] = kept[0, k]
             work[stages + RATES, k] = kept[1, k]
     dense_coefficients(h, tableau.polynomials, 2 * space.nv + space.nx, work, dense)
+    if numbers.flag[0] == MOVED:
+        bend(layout, numbers.moved, work[stages + STATE], dense)
     return int(stages - first)

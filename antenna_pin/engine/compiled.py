@@ -6,10 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.dynamics import System, Workspace
+from antenna_pin.dynamics._audit_kernels import AUDIT
 from antenna_pin.engine._step_kernels import Numbers, Tableau, attempt, derivative, prepare_dense
 from antenna_pin.errors import MechanismError
 from antenna_pin.integrate import Method, Stepper
 from antenna_pin.mechanism import PLACE, TreeDynamics
+from antenna_pin.records import POSE
 
 __all__ = ["Compiled", "CompiledStepper", "check_compiled"]
 
@@ -20,7 +22,7 @@ def check_compiled(system: System) -> None:
     """Refuse a system that the compiled engine cannot take; say why, and the way out.
 
     Raises:
-        MechanismError: Of what happens in Python, or of constraints.
+        MechanismError: Of what happens in Python.
     """
     way_out = "or take integrator.engine = 'pinocchio'"
     for joint in system.clearances:
@@ -39,10 +41,6 @@ def check_compiled(system: System) -> None:
             f"engine 'compiled': what acts at joint {element.joint!r} is a function in Python; give it as a "
             f"table, {way_out}"
         )
-    if system.plan is not None:
-        raise MechanismError(
-            f"engine 'compiled': closures and motions are not compiled; take away, {way_out}"
-        )
 
 
 class Compiled:
@@ -58,8 +56,9 @@ class Compiled:
 
     def __init__(self, workspace: Workspace) -> None:
         """Compare the tree with Pinocchio's and lay the numbers out."""
-        check_compiled(workspace.system)
-        dynamics = TreeDynamics(workspace.system.mechanism)
+        system = workspace.system
+        check_compiled(system)
+        dynamics, plan = TreeDynamics(system.mechanism), system.plan
         self.numbers = Numbers(
             program=workspace.program,
             work=workspace.work,
@@ -67,6 +66,18 @@ class Compiled:
             gravity=dynamics.gravity,
             room=dynamics.room(),
             places=np.zeros(len(dynamics.tree) + 1, PLACE),
+            plan=np.zeros(0) if plan is None else plan.words,
+            held=np.zeros(0 if plan is None else plan.size),
+            mass=np.zeros((dynamics.nv, dynamics.nv)),
+            bias=np.zeros(dynamics.nv),
+            step=np.zeros(dynamics.nv),
+            pose=np.zeros(1, POSE),
+            table=np.zeros_like(workspace.table),
+            memory=workspace.memory,
+            audit=np.zeros(1, AUDIT),
+            moved=np.zeros(system.manifold.size),
+            flag=np.zeros(1, dtype=np.int64),
+            booked=-1 if plan is None else dynamics.nq + dynamics.nv + int(system.projection_x[0]),
         )
 
 

@@ -82,11 +82,11 @@ class Run:
             self._watch, self.workspace, self.stepper, self.control, self.samples, self.begin
         )
         self._trials = Trials(self.stepper, self.control)
-        if isinstance(self.stepper, CompiledStepper) and not self._watch:
-            quiet = self.stepper, self.control, self.samples, self._contacts, self._search
-            self._trials = QuietTrials(*quiet)
         #: Singular positions; None where nothing is held.
         self.singular = None if system.plan is None else Singularities(Workspace(system))
+        if isinstance(self.stepper, CompiledStepper) and not self._watch:
+            quiet = self.stepper, self.control, self.samples, self._contacts, self._search
+            self._trials = QuietTrials(*quiet, self.singular)
         self.accepted = 0
         self.wall = 0.0
         self.outcome = Outcome.COMPLETED

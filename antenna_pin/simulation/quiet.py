@@ -16,6 +16,7 @@ from antenna_pin.simulation.control import StepControl
 from antenna_pin.simulation.episodes import Episodes
 from antenna_pin.simulation.samples import Samples
 from antenna_pin.simulation.search import ContactSearch
+from antenna_pin.simulation.singular import Singularities
 from antenna_pin.simulation.trials import Trial, Trials
 
 __all__ = ["QuietTrials", "stepper_of"]
@@ -46,6 +47,7 @@ class QuietTrials(Trials):
         samples: Where output goes.
         episodes: The contacts' record.
         search: The contacts' search, whose findings these are.
+        singular: What looks at each step's end; None where nothing is held.
     """
 
     def __init__(
@@ -55,10 +57,12 @@ class QuietTrials(Trials):
         samples: Samples,
         episodes: Episodes,
         search: ContactSearch,
+        singular: Singularities | None,
     ) -> None:
         """Allocate once."""
         super().__init__(stepper, control)
         self._compiled = stepper
+        self._singular = singular
         self._samples, self._episodes = samples, episodes
         size, contacts = stepper.manifold.size, len(episodes)
         self._buffers = _kernels.Buffers(
@@ -66,6 +70,8 @@ class QuietTrials(Trials):
             states=np.zeros((_CAPACITY, size)),
             moments=np.full(contacts, np.nan),
             peaks=np.zeros((contacts, size)),
+            instants=np.zeros(0 if singular is None else _BUDGET),
+            ends=np.zeros((0 if singular is None else _BUDGET, size)),
             kept=stepper.kept,
             out=np.zeros((2, size)),
         )
@@ -128,4 +134,7 @@ class QuietTrials(Trials):
         self._samples.extend(buffers.times[:count], buffers.states[:count])
         self._episodes.keep(buffers.moments, buffers.peaks)
         self.rejected += int(found["rejected"])
+        if self._singular is not None:
+            for k in range(int(found["accepted"])):
+                self._singular.look(float(buffers.instants[k]), buffers.ends[k])
         return int(reason), int(found["accepted"]), float(found["h"])
