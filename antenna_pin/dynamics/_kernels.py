@@ -10,7 +10,7 @@ their own.
 A configuration knows an angle only but for whole turns. Joints that turn without end (continuous ones and
 those with play) have their *turned angle*, with all its turns, in x: the angle at the last accepted state, to
 which every angle of the step from there is the nearest
-(:func:`antenna_pin.joints._pose_kernels.unwrapped`).
+(:func:`antenna_pin.mechanism._tree_kernels.unwrapped`).
 """
 
 from __future__ import annotations
@@ -29,9 +29,9 @@ from antenna_pin.joints._pose_kernels import (
     axis_of_parent,
     journal_centre,
     motion_angle,
-    unwrapped,
     wrapped_angle,
 )
+from antenna_pin.mechanism._tree_kernels import unwrapped
 from antenna_pin.records import BLOCK, CONTACT, MEMORY, POSE, PROGRAM, layout, words_of
 
 # Typed: of a plain constant Numba makes a type of its own, and compiles all that is called with it once more.

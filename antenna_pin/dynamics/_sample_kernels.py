@@ -22,7 +22,8 @@ from antenna_pin.geometry._kernels import BORE
 from antenna_pin.geometry._revolute_kernels import contact_scenario, revolute_contacts
 from antenna_pin.joints._kernels import apart_geometry, wrench_on_journal
 from antenna_pin.joints._layout_kernels import ALL_COMPILED, CLEARANCE, joint_at, primitive_of, revolute_of
-from antenna_pin.joints._pose_kernels import journal_state, motion_angle, unwrapped
+from antenna_pin.joints._pose_kernels import journal_state, motion_angle
+from antenna_pin.mechanism._tree_kernels import unwrapped
 from antenna_pin.records import MEMORY, POSE, layout, words_of
 
 POSE_WORDS = words_of(POSE)

@@ -14,6 +14,7 @@ from typing import Any
 
 from antenna_pin._compile import inlined, kernel
 from antenna_pin.joints._layout_kernels import joint_at
+from antenna_pin.mechanism._tree_kernels import unwrapped
 
 
 @inlined
@@ -172,12 +173,6 @@ def onto_bearing(
     tau[k + 3] -= j.axes[0, 0] * mx + j.axes[0, 1] * my + j.axes[0, 2] * mz + cy * uz - cz * uy
     tau[k + 4] -= j.axes[1, 0] * mx + j.axes[1, 1] * my + j.axes[1, 2] * mz + cz * ux - cx * uz
     tau[k + 5] -= j.axes[2, 0] * mx + j.axes[2, 1] * my + j.axes[2, 2] * mz + cx * uy - cy * ux
-
-
-@inlined
-def unwrapped(angle: float, near: float) -> float:
-    """Return the angle that is ``angle`` but for whole turns and within half a turn of ``near`` [rad]."""
-    return angle + 2.0 * math.pi * math.floor((near - angle) / (2.0 * math.pi) + 0.5)
 
 
 @kernel
