@@ -12,6 +12,7 @@ DYNAMICS = "antenna_pin/dynamics/_kernels.py"
 INSPECT = "antenna_pin/dynamics/_inspect.py"
 AUDIT_KERNELS = "antenna_pin/dynamics/_audit_kernels.py"
 TREE = "antenna_pin/mechanism/tree.py"
+TREE_KERNELS = "antenna_pin/mechanism/_tree_kernels.py"
 SAMPLE_KERNELS = "antenna_pin/dynamics/_sample_kernels.py"
 CURVE = "antenna_pin/elements/curve.py"
 CURVE_KERNELS = "antenna_pin/elements/_curve_kernels.py"
@@ -566,7 +567,7 @@ MUTANTS = (
     ),
     _python(
         "whole turns are rounded down",
-        POSE,
+        TREE_KERNELS,
         "math.floor((near - angle) / (2.0 * math.pi) + 0.5)",
         "math.floor((near - angle) / (2.0 * math.pi))",
         TEST_TURNS,
