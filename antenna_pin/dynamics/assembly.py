@@ -302,7 +302,6 @@ def _check_singular(system: System, workspace: Workspace, y: Array) -> None:
     assert constraints is not None
     program = workspace.program
     here = mobility(constraints, 0.0, y, program)
-    beside = here
     for motions in (True, False):
         ways = directions(constraints, y, program, motions=motions)
         if ways.shape[1] == 0:
@@ -315,7 +314,6 @@ def _check_singular(system: System, workspace: Workspace, y: Array) -> None:
             if closed is not None:
                 continue
         there = mobility(constraints, 0.0, trial, program)
-        beside = max(beside, there, key=lambda one: (one.closed_rank, one.rank))
         if there.closed_rank > here.closed_rank or there.rank > here.rank:
             raise MechanismError(
                 f"initial state: a singular position: {here.rank} of {here.closed + here.driven} equations "

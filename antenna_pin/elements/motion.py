@@ -7,11 +7,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from antenna_pin.elements.curve import check_covers, check_table, cubics, points_and_middles
+from antenna_pin.elements.curve import check_course, check_covers, course_words, cubics, points_and_middles
 from antenna_pin.elements.element import GROSS_WORK, WORK, Element, Integral
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.parameters import check, parameter
-from antenna_pin.readable import GIVEN, number, readable
+from antenna_pin.readable import GIVEN, number
 
 __all__ = ["CallableMotion", "DistanceMotion", "Motion", "PrescribedMotion"]
 
@@ -75,15 +75,7 @@ class PrescribedMotion(Motion):
     def __post_init__(self) -> None:
         """Check the parts."""
         check(self)
-        if self.amplitude != 0.0 and self.frequency is None:
-            raise InvalidParameterError(self, "frequency", "given beside an amplitude", said="none")
-        if self.frequency is not None and self.amplitude == 0.0:
-            raise InvalidParameterError(self, "amplitude", "given beside a frequency", said="none")
-        if (self.time is None) != (self.positions is None):
-            missing, there = ("positions", "time") if self.positions is None else ("time", "positions")
-            raise InvalidParameterError(self, missing, f"given beside {there}", said="none")
-        if self.time is not None:
-            check_table(self, "positions")
+        check_course(self, "positions")
 
     @property
     def instants(self) -> tuple[float, ...]:
@@ -120,20 +112,8 @@ class PrescribedMotion(Motion):
 
     def words(self, slides: bool) -> str:
         """Return what it is in words."""
-
-        def said(name: str) -> str:
-            return readable(getattr(self, name), self.unit(name, slides), GIVEN)
-
-        parts = [said("position")] if self.position else []
-        if self.rate:
-            parts.append(f"{said('rate')} · t")
-        parts += [f"{number(c, GIVEN)} · t^{k}" for k, c in enumerate(self.coefficients, start=2) if c]
-        if self.frequency is not None:
-            phase = f" + {said('phase')}" if self.phase else ""
-            parts.append(f"{said('amplitude')} × sin(2π · {number(self.frequency, GIVEN)} Hz · t{phase})")
-        if self.time is not None:
-            where = "" if self.file is None else f" of {self.file}"
-            parts.append(f"a table{where} of {len(self.time)} points")
+        powers = [f"{number(c, GIVEN)} · t^{k}" for k, c in enumerate(self.coefficients, start=2) if c]
+        parts = course_words(self, "position", powers, slides)
         return f"motion {' + '.join(parts) or 'held at 0'}"
 
 

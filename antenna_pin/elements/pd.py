@@ -6,11 +6,11 @@ import math
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from antenna_pin.elements.curve import check_covers, check_table, cubics, points_and_middles
+from antenna_pin.elements.curve import check_course, check_covers, course_words, cubics, points_and_middles
 from antenna_pin.elements.element import Drive
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.parameters import check, parameter
-from antenna_pin.readable import GIVEN, number, readable
+from antenna_pin.readable import GIVEN, readable
 
 __all__ = ["PDController"]
 
@@ -63,15 +63,7 @@ class PDController(Drive):
         check(self)
         if self.kp == self.kd == 0.0:
             raise InvalidParameterError(self, "kp", "above zero, or kd", said="neither")
-        if self.amplitude != 0.0 and self.frequency is None:
-            raise InvalidParameterError(self, "frequency", "given beside an amplitude", said="none")
-        if self.frequency is not None and self.amplitude == 0.0:
-            raise InvalidParameterError(self, "amplitude", "given beside a frequency", said="none")
-        if (self.time is None) != (self.reference is None):
-            missing, there = ("reference", "time") if self.reference is None else ("time", "reference")
-            raise InvalidParameterError(self, missing, f"given beside {there}", said="none")
-        if self.time is not None:
-            check_table(self, "reference")
+        check_course(self, "reference")
 
     @property
     def has_kinks(self) -> bool:
@@ -119,14 +111,6 @@ class PDController(Drive):
         def said(name: str) -> str:
             return readable(getattr(self, name), self.unit(name, slides), GIVEN)
 
-        parts = [said("angle")] if self.angle else []
-        if self.rate:
-            parts.append(f"{said('rate')} · t")
-        if self.frequency is not None:
-            phase = f" + {said('phase')}" if self.phase else ""
-            parts.append(f"{said('amplitude')} × sin(2π · {number(self.frequency, GIVEN)} Hz · t{phase})")
-        if self.time is not None:
-            where = "" if self.file is None else f" of {self.file}"
-            parts.append(f"a table{where} of {len(self.time)} points")
+        parts = course_words(self, "angle", [], slides)
         text = f"controller, kp {said('kp')}, kd {said('kd')}, reference {' + '.join(parts) or '0'}"
         return text if self.limit is None else f"{text}, at most {said('limit')}"
