@@ -72,6 +72,12 @@ class Constraints:
         """What the last solution found: ``FOUND``."""
         return self._found[0]
 
+    @property
+    def residual(self) -> tuple[float, float, float, float]:
+        """The largest residuals of the rows that were written last [m], [rad], [m/s], [rad/s]."""
+        found = self.found
+        return float(found.gap), float(found.turn), float(found.speed), float(found.spin)
+
     def bind(self, y: Array, program: Array, effort: Array, rates: Array) -> Callable[[float], None]:
         """Return the accelerations of a state held in an array, and powers of motions, as a function of time.
 

@@ -44,6 +44,8 @@ class Observed:
             and ``force`` on the second one's link, world axes [N], ``STRETCH``, (n, springs).
         closure: Force [N] and moment [N m] of each closure (n, closures, 2, 3), by
             :meth:`antenna_pin.constraints.Constraints.wrenches`; the least ones where some are redundant.
+        residual: Largest of closures and motions, of positions [m] and angles [rad] and of their rates [m/s],
+            [rad/s], (n, 4).
     """
 
     acceleration: Array
@@ -54,6 +56,7 @@ class Observed:
     audit: NDArray[Any]
     stretch: NDArray[Any]
     closure: Array
+    residual: Array
 
     @property
     def energy(self) -> Array:
@@ -124,8 +127,9 @@ def observed(
             _sample_kernels.observe(first, last, False, *given)
     if workspace.constraints is None:
         accelerations, closure = _accelerations(model, states, forces), np.zeros((n, 0, 2, 3))
+        residual = np.zeros((n, 4))
     else:
-        accelerations, closure = _held(workspace, times, states, forces, programs, effort)
+        accelerations, closure, residual = _held(workspace, times, states, forces, programs, effort)
     return Observed(
         acceleration=accelerations,
         contact=contact,
@@ -135,6 +139,7 @@ def observed(
         audit=audits,
         stretch=stretch,
         closure=closure,
+        residual=residual,
     )
 
 
@@ -145,12 +150,13 @@ def _held(
     forces: Array,
     programs: Sequence[Array],
     effort: NDArray[Any],
-) -> tuple[Array, Array]:
-    """Return accelerations and closures' wrenches; what holds motions goes to ``effort``."""
+) -> tuple[Array, Array, Array]:
+    """Return accelerations, closures' wrenches and residuals; what holds motions goes to ``effort``."""
     system, constraints = workspace.system, workspace.constraints
     assert constraints is not None
     accelerations = np.zeros((len(times), system.model.nv))
     wrenches = np.zeros((len(times), len(constraints.plan.closures), 2, 3))
+    residuals = np.zeros((len(times), 4))
     drives = list(system.drives)
     columns = [drives.index(name) for name in constraints.plan.motions]
     for i, (t, y, force) in enumerate(zip(times, states, forces, strict=True)):
@@ -159,7 +165,8 @@ def _held(
         least = constraints.least_forces()
         wrenches[i] = constraints.wrenches(least)
         effort["effort"][i, columns] = constraints.motion_forces(least)
-    return accelerations, wrenches
+        residuals[i] = constraints.residual
+    return accelerations, wrenches, residuals
 
 
 def _accelerations(model: Any, states: Array, forces: Array) -> Array:

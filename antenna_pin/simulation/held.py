@@ -10,15 +10,18 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from antenna_pin.constraints import Anchor
-from antenna_pin.dynamics import System, Workspace, constraint_counts
+from antenna_pin.dynamics import Observed, constraint_counts
 from antenna_pin.simulation.loop import Run
 
 __all__ = ["constraint_attributes"]
 
 Array = NDArray[np.float64]
 
+# Of positions, angles and their rates, in the order of ``Observed.residual``.
+_RESIDUALS = ("position_residual", "angle_residual", "velocity_residual", "rate_residual")
 
-def constraint_attributes(run: Run, times: Array, states: Array) -> dict[str, str]:
+
+def constraint_attributes(run: Run, states: Array, found: Observed) -> dict[str, str]:
     """Return the attributes of a dataset that describe its constraints; none of a tree that nothing holds.
 
     ``closures`` (JSON) has of each closure its ``kind``, how many ``equations`` it is, whether it has an
@@ -33,8 +36,8 @@ def constraint_attributes(run: Run, times: Array, states: Array) -> dict[str, st
 
     Args:
         run: The run.
-        times: Of the samples, (n,) [s].
-        states: [q, v, x] at each, (n, size).
+        states: [q, v, x] at the samples, (n, size).
+        found: What the system is there.
     """
     system = run.system
     if system.plan is None:
@@ -57,7 +60,7 @@ def constraint_attributes(run: Run, times: Array, states: Array) -> dict[str, st
         "constraints": json.dumps(
             {
                 **constraint_counts(system, states[0]),
-                **_residuals(system, times, states),
+                **dict(zip(_RESIDUALS, found.residual.max(axis=0).tolist(), strict=True)),
                 "projection_energy": float(put_in),
                 "singular": [one._asdict() for one in run.singular.found] if run.singular else [],
             }
@@ -71,22 +74,3 @@ def _side(name: str, anchor: Anchor) -> dict[str, Any]:
         f"{name}_body": anchor.link,
         f"{name}_placement": [*map(float, anchor.origin), *map(float, quaternion)],
     }
-
-
-def _residuals(system: System, times: Array, states: Array) -> dict[str, float]:
-    workspace = Workspace(system)
-    constraints = workspace.constraints
-    assert constraints is not None
-    largest = dict.fromkeys(("gap", "turn", "speed", "spin"), 0.0)
-    for t, y in zip(times, states, strict=True):
-        workspace.prepare_motions(float(t), y)
-        found = constraints.residuals(float(t), y, workspace.program)
-        for name, before in largest.items():
-            largest[name] = max(before, float(found[name]))
-    names = {
-        "gap": "position_residual",
-        "turn": "angle_residual",
-        "speed": "velocity_residual",
-        "spin": "rate_residual",
-    }
-    return {names[name]: value for name, value in largest.items()}

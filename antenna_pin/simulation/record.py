@@ -126,7 +126,7 @@ def dataset(run: Run, title: str, case: str, versions: dict[str, str], *, lean: 
         "gap_difference": run.gap_difference,
         "conservation": json.dumps(_conservation(seen)),
         **mechanism_attributes(run.system),
-        **constraint_attributes(run, times, states),
+        **constraint_attributes(run, states, found),
     }
     free = run.system.mechanism.base == "free"
     return labelled(values, _labels(seen), attributes, free_base=free, lean=lean)
