@@ -39,8 +39,12 @@ from antenna_pin.scenario import (
     MadeSpec,
     MaterialSpec,
     MechanismSpec,
+    ModalDataSpec,
+    ModeSpec,
+    ModesSpec,
     OrbitSpec,
     OutputSpec,
+    PetalsSpec,
     PlaceSpec,
     PointingSpec,
     PointSpringSpec,
@@ -192,6 +196,21 @@ def drive_rows() -> list[str]:
     return lines
 
 
+def flexible_rows() -> list[str]:
+    """Return the rows of a flexible link: what all have, then what each kind has."""
+    kinds = {"modes": ModesSpec, "petals": PetalsSpec, "modal-data": ModalDataSpec}
+    said = " ".join(f"`{kind}`: {(cls.__doc__ or '').splitlines()[0]}" for kind, cls in kinds.items())
+    lines = [
+        "| `link` | text | the table's name | Name of the link |",
+        f"| `kind` | {', '.join(f'`{kind}`' for kind in kinds)} | required | {said.rstrip('.')} |",
+    ]
+    for kind, cls in kinds.items():
+        for line in rows(cls, without=("link", "kind", "modes")):
+            line = re.sub(r"(\| list of [^|]*\|) required", r"\1 unless `file`", line)
+            lines.append(line.replace("| `", f"| `{kind}`: `", 1))
+    return lines
+
+
 def event_rows() -> list[str]:
     """Return the rows of an event: what all have, then what each kind has."""
     kinds = {"angle": AngleEvent, "rate": RateEvent, "time": TimeEvent, "gap": GapEvent, "force": ForceEvent}
@@ -228,6 +247,13 @@ def scenario_table() -> str:
             "A revolute or continuous joint of the URDF. Its laws: `[clearance.JOINT.normal]` and"
             " `[clearance.JOINT.friction]`, [below](#contact-laws-and-friction).",
         ),
+        section(
+            "[flexible.NAME]",
+            flexible_rows(),
+            "Makes of a rigid link a hub with elastic parts on springs, its mass properties kept"
+            " ([more](flexible.md)).",
+        ),
+        section("[flexible.NAME.modes.MODE]", rows(ModeSpec, without=("motion",)), 'Of `kind = "modes"`.'),
         section(
             "[closures.NAME]",
             rows(ClosureSpec, without=("first", "second")),

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from antenna_pin.assemble.closures import closures_of
+from antenna_pin.assemble.flexible import springs_of_parts
 from antenna_pin.assemble.laws import clearance_joint
 from antenna_pin.assemble.places import check_known, check_motion
 from antenna_pin.assemble.springs import springs_of
-from antenna_pin.assemble.variant import types_as_written, urdf_variant
+from antenna_pin.assemble.variant import types_as_written, variant_and_parts
 from antenna_pin.dynamics import HeldKind, System
 from antenna_pin.mechanism import build_mechanism
 from antenna_pin.scenario import AngleEvent, ForceEvent, GapEvent, RateEvent, Scenario
@@ -29,7 +30,7 @@ def build_system(scenario: Scenario) -> System:
     Raises:
         AntennaPinError: Names, dimensions or laws that do not go together; one line that says where.
     """
-    urdf = urdf_variant(scenario)
+    urdf, parts = variant_and_parts(scenario)
     mechanism = build_mechanism(urdf, scenario.mechanism.base, scenario.mechanism.gravity)
     for name, spec in scenario.drives.items():
         check_known(scenario, [spec.joint], "moving joint", mechanism.joints, "drives", name, "joint")
@@ -43,7 +44,7 @@ def build_system(scenario: Scenario) -> System:
             if isinstance(spec, TouchingSpec)
         ],
         drives={name: spec.build() for name, spec in scenario.drives.items()},
-        springs=springs_of(scenario, mechanism),
+        springs=springs_of(scenario, mechanism) | springs_of_parts(scenario, parts),
         held={
             name: _HELD[types[name]]
             for name, spec in scenario.clearance.items()

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from antenna_pin.assemble.cuts import check_not_closures
+from antenna_pin.assemble.flexible import with_flexible_links
 from antenna_pin.assemble.places import check_known, where
 from antenna_pin.changes import JointChange
 from antenna_pin.errors import MechanismError
+from antenna_pin.flexible import ElasticPart
 from antenna_pin.mechanism import JointVariant, Urdf
 from antenna_pin.scenario import Scenario
 
-__all__ = ["types_as_written", "urdf_variant"]
+__all__ = ["types_as_written", "urdf_variant", "variant_and_parts"]
 
 
 def types_as_written(scenario: Scenario) -> dict[str, str]:
@@ -30,6 +32,16 @@ def _as_written(scenario: Scenario) -> Urdf:
 
 def urdf_variant(scenario: Scenario) -> Urdf:
     """Return the URDF of a scenario's case: joints freed, locked or made planar, and all overrides applied.
+
+    Raises:
+        MechanismError: The URDF is not a mechanism, or a change makes no sense.
+        UnknownNameError: A link or joint that it does not have.
+    """
+    return variant_and_parts(scenario)[0]
+
+
+def variant_and_parts(scenario: Scenario) -> tuple[Urdf, tuple[ElasticPart, ...]]:
+    """Return the URDF of a scenario's case, and the elastic parts of its flexible links.
 
     Raises:
         MechanismError: The URDF is not a mechanism, or a change makes no sense.
@@ -60,10 +72,11 @@ def urdf_variant(scenario: Scenario) -> Urdf:
         # A ball joint has no URDF type: a joint written as floating is taken as it is.
         if kind != "floating":
             variants[name] = clearance.variant
-    return urdf.variant(
+    changed = urdf.variant(
         joints=variants,
         links={name: change.build() for name, change in spec.links.items()},
         origins={
             name: change.build() for name, change in spec.joints.items() if change.build() != JointChange()
         },
     )
+    return with_flexible_links(scenario, changed)

@@ -27,7 +27,7 @@ def plane_names(joint: str) -> tuple[str, str]:
 
 def change_link(robot: Any, name: str, change: LinkChange, where: str) -> None:
     """Write new inertial properties and dimensions into a link."""
-    link = _named(robot, "link", name)
+    link = named(robot, "link", name)
     if (change.mass, change.inertia, change.centre_of_mass) != (None, None, None):
         _change_inertial(link, change, where)
     shapes = [shape for tag in ("visual", "collision") for shape in link.findall(tag)]
@@ -42,16 +42,16 @@ def change_link(robot: Any, name: str, change: LinkChange, where: str) -> None:
 
 def change_joint(robot: Any, name: str, change: JointChange, where: str) -> None:
     """Write a new origin and axis into a joint."""
-    joint = _named(robot, "joint", name)
+    joint = named(robot, "joint", name)
     origin = {"xyz": change.origin_xyz, "rpy": change.origin_rpy}
     if any(origin.values()):
-        _set(_child(joint, "origin"), origin)
+        set_numbers(child_of(joint, "origin"), origin)
     if change.axis is not None:
         if joint.get("type") == "fixed":
             raise MechanismError(
                 f"{where}: joint {name!r} is fixed and has no axis to change, got {change.axis}"
             )
-        _set(_child(joint, "axis"), {"xyz": change.axis})
+        set_numbers(child_of(joint, "axis"), {"xyz": change.axis})
 
 
 def vary_joint(
@@ -67,7 +67,7 @@ def vary_joint(
         origin: (3, 3) orientation of its frame in the parent link [-].
         where: Name of the file, for messages.
     """
-    joint = _named(robot, "joint", name)
+    joint = named(robot, "joint", name)
     kind = joint.get("type")
     if variant == "ideal":
         if kind in ("floating", "planar"):
@@ -85,7 +85,7 @@ def vary_joint(
         )
     for tag in ("limit", "dynamics", "safety_controller", "calibration"):
         for element in joint.findall(tag):
-            _remove(element)
+            remove(element)
     if variant == "locked":
         joint.set("type", "fixed")
     elif variant == "free":
@@ -119,14 +119,14 @@ def _make_planar(robot: Any, joint: Any, axis: Vector3, origin: Matrix3, where: 
     child = joint.find("child").get("link")
     joint.set("type", "planar")
     joint.find("child").set("link", link_name)
-    _set(_child(joint, "origin"), {"rpy": roll_pitch_yaw(origin @ rotation)})
-    _set(_child(joint, "axis"), {"xyz": (0.0, 0.0, 1.0)})
+    set_numbers(child_of(joint, "origin"), {"rpy": roll_pitch_yaw(origin @ rotation)})
+    set_numbers(child_of(joint, "axis"), {"xyz": (0.0, 0.0, 1.0)})
     link = etree.Element("link", name=link_name)
     mount = etree.Element("joint", name=mount_name, type="fixed")
     etree.SubElement(mount, "parent", link=link_name)
     etree.SubElement(mount, "child", link=child)
-    etree.SubElement(mount, "origin", xyz=_text((0.0, 0.0, 0.0)), rpy=_text(roll_pitch_yaw(rotation.T)))
-    etree.SubElement(mount, "axis", xyz=_text(axis))
+    etree.SubElement(mount, "origin", xyz=text_of((0.0, 0.0, 0.0)), rpy=text_of(roll_pitch_yaw(rotation.T)))
+    etree.SubElement(mount, "axis", xyz=text_of(axis))
     etree.indent(mount, level=1)
     for element in (mount, link):
         element.tail = joint.tail
@@ -141,15 +141,16 @@ def _change_inertial(link: Any, change: LinkChange, where: str) -> None:
                 f"{where}: link {link.get('name')!r} has no <inertial>: "
                 "an override must give both mass and inertia"
             )
-        inertial = _child(link, "inertial")
+        inertial = child_of(link, "inertial")
     if change.centre_of_mass is not None:
-        _set(_child(inertial, "origin"), {"xyz": change.centre_of_mass})
+        set_numbers(child_of(inertial, "origin"), {"xyz": change.centre_of_mass})
     if change.mass is not None:
-        _set(_child(inertial, "mass"), {"value": (change.mass,)})
+        set_numbers(child_of(inertial, "mass"), {"value": (change.mass,)})
     if change.inertia is not None:
         values = (*change.inertia, 0.0, 0.0, 0.0)
-        _set(
-            _child(inertial, "inertia"), {key: (value,) for key, value in zip(MOMENTS, values, strict=False)}
+        set_numbers(
+            child_of(inertial, "inertia"),
+            {key: (value,) for key, value in zip(MOMENTS, values, strict=False)},
         )
 
 
@@ -163,14 +164,14 @@ def _change_shape(shape: Any, change: ShapeChange, place: str) -> None:
         if new[key] is not None and key not in known:
             has = ", ".join(known) or "only its file; make another one"
             raise MechanismError(f"{place}: a {geometry.tag} has no {key} to change; it has {has}")
-    _set(geometry, new)
+    set_numbers(geometry, new)
 
 
-def _named(robot: Any, kind: str, name: str) -> Any:
+def named(robot: Any, kind: str, name: str) -> Any:
     return next(element for element in robot.findall(kind) if element.get("name") == name)
 
 
-def _child(element: Any, tag: str) -> Any:
+def child_of(element: Any, tag: str) -> Any:
     """Return the child of that tag, made where there is none."""
     child = element.find(tag)
     if child is None:
@@ -181,13 +182,13 @@ def _child(element: Any, tag: str) -> Any:
     return child
 
 
-def _set(element: Any, new: Mapping[str, Iterable[float] | None]) -> None:
+def set_numbers(element: Any, new: Mapping[str, Iterable[float] | None]) -> None:
     """Write the numbers that are given into attributes, and what they were into the comment behind."""
     was = []
     for key, values in new.items():
         if values is not None:
             was.append(f'{key}="{element.get(key)}"' if key in element.attrib else f"without {key}")
-            element.set(key, _text(values))
+            element.set(key, text_of(values))
     if was:
         _remove_remark(element)
         remark = etree.Comment(f" antenna_pin: was {' '.join(was)} ")
@@ -204,7 +205,7 @@ def _remove_remark(element: Any) -> None:
         element.getparent().remove(after)
 
 
-def _remove(element: Any) -> None:
+def remove(element: Any) -> None:
     """Take an element and its remark out and leave the layout of the text."""
     _remove_remark(element)
     before, parent = element.getprevious(), element.getparent()
@@ -215,6 +216,6 @@ def _remove(element: Any) -> None:
     parent.remove(element)
 
 
-def _text(values: Iterable[float] | Vector3) -> str:
+def text_of(values: Iterable[float] | Vector3) -> str:
     """Return numbers as text that reads back to the same bits."""
     return " ".join(repr(float(value)) for value in np.asarray(tuple(values), dtype=np.float64) + 0.0)

@@ -21,7 +21,8 @@ import yourdfpy
 from antenna_pin.changes import JOINT_VARIANTS, JointChange, JointVariant, LinkChange
 from antenna_pin.errors import MechanismError, UnknownNameError
 from antenna_pin.files import replacing
-from antenna_pin.mechanism import _checks, _edits, _meshes, _xml
+from antenna_pin.flexible import MassProperties, SplitLink
+from antenna_pin.mechanism import _checks, _edits, _meshes, _parts, _xml
 from antenna_pin.mechanism.frames import Vector3
 
 __all__ = ["Urdf"]
@@ -195,6 +196,35 @@ class Urdf:
             if kind not in JOINT_VARIANTS:
                 raise UnknownNameError(f"{self.where}: joint {name!r}", "kind", str(kind), JOINT_VARIANTS)
             _edits.vary_joint(robot, name, kind, moved.axis(name), moved.placement(name)[:3, :3], self.where)
+        return replace(self, text=_xml.write(robot))
+
+    def mass_properties(self, link: str) -> MassProperties:
+        """Return mass, mass centre and inertia of a link in its own frame.
+
+        Raises:
+            MechanismError: It has no inertial.
+        """
+        inertial = self.link(link).inertial
+        if inertial is None:
+            raise MechanismError(f"{self.where}: link {link!r} must have an <inertial>, got none")
+        placement = np.eye(4) if inertial.origin is None else np.asarray(inertial.origin, dtype=float)
+        turn = placement[:3, :3]
+        inertia = turn @ np.asarray(inertial.inertia, dtype=float) @ turn.T
+        return MassProperties.of(inertial.mass, placement[:3, 3], inertia)
+
+    def with_parts(self, link: str, split: SplitLink) -> Urdf:
+        """Return a copy in which a link is a hub with elastic parts, each a link on a joint of its own.
+
+        The parts' joints bear the parts' names, their links ``<part>_body``. URDF has no springs: that of
+        each joint stands in a comment.
+
+        Args:
+            link: Name of the link.
+            split: Its hub and parts.
+        """
+        self.link(link)
+        robot = _xml.parsed(self.text.encode(), "utf-8")
+        _parts.add_parts(robot, link, split, self.where)
         return replace(self, text=_xml.write(robot))
 
     def to_xml(self) -> str:

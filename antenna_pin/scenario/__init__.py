@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from antenna_pin.scenario.closures import AnchorSpec, ClosureSpec, PlaceSpec
     from antenna_pin.scenario.drives import DRIVE_SPECS, AnySpring, DriveSpec, PointSpringSpec, SpringSpec
     from antenna_pin.scenario.events import AngleEvent, EventSpec, ForceEvent, GapEvent, RateEvent, TimeEvent
+    from antenna_pin.scenario.flexible import FlexibleSpec, ModalDataSpec, ModeSpec, ModesSpec, PetalsSpec
     from antenna_pin.scenario.initial import InitialBaseSpec, InitialJointSpec, InitialSpec
     from antenna_pin.scenario.integrator import IntegratorSpec, OutputSpec, ScalesSpec
     from antenna_pin.scenario.laws import LawChange, LawSpec
@@ -52,6 +53,7 @@ _HOMES = {
     "DRIVE_SPECS": "drives",
     "DriveSpec": "drives",
     "EventSpec": "events",
+    "FlexibleSpec": "flexible",
     "ForceEvent": "events",
     "GapEvent": "events",
     "IdealClearance": "clearance",
@@ -65,6 +67,10 @@ _HOMES = {
     "LinkSpec": "mechanism",
     "MadeSpec": "_made",
     "MaterialSpec": "mechanism",
+    "ModalDataSpec": "flexible",
+    "ModeSpec": "flexible",
+    "ModesSpec": "flexible",
+    "PetalsSpec": "flexible",
     "MechanismSpec": "mechanism",
     "OrbitSpec": "pointing",
     "OutputSpec": "integrator",
@@ -99,6 +105,7 @@ __all__ = [
     "ContactClearance",
     "DriveSpec",
     "EventSpec",
+    "FlexibleSpec",
     "ForceEvent",
     "GapEvent",
     "IdealClearance",
@@ -113,8 +120,12 @@ __all__ = [
     "MadeSpec",
     "MaterialSpec",
     "MechanismSpec",
+    "ModalDataSpec",
+    "ModeSpec",
+    "ModesSpec",
     "OrbitSpec",
     "OutputSpec",
+    "PetalsSpec",
     "PlanarClearance",
     "PrismaticClearance",
     "PlaceSpec",

@@ -24,6 +24,7 @@ TAGGED: dict[str, tuple[str, ...]] = {
     "drives": tuple(DRIVES),
     "events": ("angle", "rate", "time", "gap", "force"),
     "springs": ("at a joint", "between points"),
+    "flexible": ("modes", "petals", "modal-data"),
 }
 _BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
 

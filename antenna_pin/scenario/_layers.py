@@ -11,8 +11,10 @@ from typing import Any, TypeVar
 from pydantic import ValidationError
 
 from antenna_pin.errors import ScenarioError, nearest
+from antenna_pin.flexible.table import BadModalTableError, read_modal_table
 from antenna_pin.scenario._base import Location, Place, Spec, dotted, explained, unknown_key
 from antenna_pin.scenario.drives import file_columns
+from antenna_pin.scenario.flexible import has_modal_file, modal_stand_in
 from antenna_pin.scenario.merge import Overrides, merge, read_overrides
 from antenna_pin.scenario.shipped import tables
 from antenna_pin.scenario.table_file import BadTableError, read_table
@@ -105,6 +107,11 @@ def built(kind: type[S], carried: dict[str, Any], source: Source) -> S:
     drives = data.get("drives")
     if isinstance(drives, Mapping):
         data = data | {"drives": {name: _with_table(name, drives[name], folder, source) for name in drives}}
+    flexible = data.get("flexible")
+    if isinstance(flexible, Mapping):
+        data = data | {
+            "flexible": {name: _with_modes(name, flexible[name], folder, source) for name in flexible}
+        }
     urdf = tables(data.get("mechanism")).get("urdf")
     if "urdf_text" not in carried:  # a mechanism without is refused for that
         text = _read_file(urdf, folder, source, "mechanism", "urdf") if isinstance(urdf, str) else ""
@@ -122,9 +129,13 @@ def check_keys(kind: type[Spec], data: Mapping[str, Any], source: Source) -> Non
         raise source.error(unknown_key([*known, "default_case", "cases"], key), key)
 
 
-def check_drives(drives: object, source: Source) -> None:
-    """Refuse a table drive that has its numbers twice."""
-    for name, table in tables(drives).items():
+def check_drives(data: Mapping[str, Any], source: Source) -> None:
+    """Refuse a table drive, or an appendage's modal data, that has its numbers twice."""
+    for name, table in tables(data.get("flexible")).items():
+        if has_modal_file(table) and table.keys() & modal_stand_in().keys():
+            rule = "must have either file, or frequency and participation, got both"
+            raise source.error(rule, "flexible", name)
+    for name, table in tables(data.get("drives")).items():
         columns = file_columns(table) or ("time", "torque")
         if "file" in tables(table) and table.keys() & {*columns}:
             rule = f"must have either file, or {columns[0]} and {columns[1]}, got both"
@@ -151,6 +162,25 @@ def _with_table(name: str, table: Any, folder: Path, source: Source) -> Any:
         where, note, _ = source.place(place)
         raise ScenarioError(f"{where}: {table['file']}, {problem}{note}") from None
     return table | dict(zip(columns, numbers, strict=True))
+
+
+def _with_modes(name: str, table: Any, folder: Path, source: Source) -> Any:
+    """Return a flexible link with the modes of the file it names, if it names one and has none."""
+    if not has_modal_file(table) or table.keys() & modal_stand_in().keys():
+        return table
+    if not isinstance(table["file"], str):
+        return table | modal_stand_in()  # refused for its file
+    place = ("flexible", name, "file")
+    text = _read_file(table["file"], folder, source, *place)
+    try:
+        modes = read_modal_table(text)
+    except BadModalTableError as problem:
+        where, note, _ = source.place(place)
+        raise ScenarioError(f"{where}: {table['file']}, {problem}{note}") from None
+    found: dict[str, Any] = {"frequency": modes.frequency, "participation": modes.participation}
+    if modes.damping_ratio is not None and "damping_ratio" not in table:
+        found["damping_ratio"] = modes.damping_ratio
+    return table | found
 
 
 def _read_file(name: str, folder: Path, source: Source, *location: str) -> str:

@@ -20,6 +20,7 @@ from antenna_pin.scenario._layers import (
     stand_in,
 )
 from antenna_pin.scenario.drives import file_columns
+from antenna_pin.scenario.flexible import has_modal_file, modal_stand_in
 from antenna_pin.scenario.merge import Overrides, merge
 from antenna_pin.scenario.scenario import Scenario
 from antenna_pin.scenario.shipped import find_scenario, read_toml
@@ -68,7 +69,7 @@ def load_scenario(
         "folder": found.path.parent.resolve(),
     }
     source = Source(found.label, base, name, chosen.table, layer)
-    check_drives(source.merged().get("drives"), source)
+    check_drives(source.merged(), source)
     scenario = built(Scenario, carried, source)
     for other, (_, table) in cases.items():
         if other != name:
@@ -108,11 +109,17 @@ def _check_case(source: Source, overrides: Mapping[str, Any]) -> None:
 def _problem_of_case(source: Source, data: dict[str, Any]) -> AntennaPinError | None:
     check_keys(Scenario, data, source)
     drives = data.get("drives")
-    check_drives(drives, source)
+    check_drives(data, source)
     if isinstance(drives, Mapping):
         data["drives"] = {
             name: table | stand_in(table) if file_columns(table) and "file" in table else table
             for name, table in drives.items()
+        }
+    flexible = data.get("flexible")
+    if isinstance(flexible, Mapping):
+        data["flexible"] = {
+            name: table | modal_stand_in() if has_modal_file(table) else table
+            for name, table in flexible.items()
         }
     try:
         Scenario.validated(data | {"urdf_text": ""})

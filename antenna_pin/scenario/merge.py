@@ -22,6 +22,14 @@ _ALTERNATIVES: dict[tuple[str, ...], tuple[tuple[frozenset[str], frozenset[str]]
         (frozenset({"axial_clearance"}), frozenset({"flange_distance"})),
     ),
     ("drives", "*"): ((frozenset({"file"}), frozenset({"time", "torque", "reference"})),),
+    ("flexible", "*"): (
+        (frozenset({"file"}), frozenset({"frequency", "participation"})),
+        (frozenset({"frequency"}), frozenset({"stiffness"})),
+    ),
+    ("flexible", "*", "modes", "*"): (
+        (frozenset({"frequency"}), frozenset({"stiffness"})),
+        (frozenset({"mass"}), frozenset({"inertia"})),
+    ),
     ("pointing", "*"): (
         (frozenset({"altitude"}), frozenset({"period", "rate"})),
         (frozenset({"period"}), frozenset({"rate"})),
@@ -42,7 +50,7 @@ def merge(base: Mapping[str, Any], over: Mapping[str, Any], path: tuple[str, ...
         path: The keys that lead to both.
     """
     merged = dict(base)
-    for one, other in _ALTERNATIVES.get((*path[:-1], "*") if path else (), ()):
+    for one, other in _alternatives(path):
         for given, excluded in ((one, other), (other, one)):
             if given & over.keys():
                 for key in excluded:
@@ -59,6 +67,14 @@ def merge(base: Mapping[str, Any], over: Mapping[str, Any], path: tuple[str, ...
         else:
             merged[key] = value
     return merged
+
+
+def _alternatives(path: tuple[str, ...]) -> Iterator[tuple[frozenset[str], frozenset[str]]]:
+    for pattern, pairs in _ALTERNATIVES.items():
+        if len(pattern) == len(path) and all(
+            key in ("*", seen) for key, seen in zip(pattern, path, strict=True)
+        ):
+            yield from pairs
 
 
 def read_overrides(overrides: Overrides) -> tuple[dict[str, Any], tuple[str, ...]]:

@@ -16,6 +16,7 @@ from antenna_pin.scenario.clearance import ClearanceSpec
 from antenna_pin.scenario.closures import ClosureSpec
 from antenna_pin.scenario.drives import DRIVE_SPECS, AnySpring, DriveSpec, between_points
 from antenna_pin.scenario.events import EventSpec, number_to_set
+from antenna_pin.scenario.flexible import FlexibleSpec, ModesSpec
 from antenna_pin.scenario.initial import InitialBaseSpec, InitialSpec
 from antenna_pin.scenario.integrator import IntegratorSpec, OutputSpec
 from antenna_pin.scenario.mechanism import MaterialSpec, MechanismSpec
@@ -43,6 +44,7 @@ class Scenario(Spec):
         mechanism: The mechanism.
         materials: The scenario's own materials by name; :meth:`material` also knows the shipped ones.
         clearance: Joints with play, by the name of the joint.
+        flexible: Links that bend, by name.
         closures: Joints that close loops, by name.
         drives: By name.
         springs: By name.
@@ -66,6 +68,7 @@ class Scenario(Spec):
     mechanism: MechanismSpec
     materials: dict[str, MaterialSpec] = Field(default_factory=dict)
     clearance: dict[str, Annotated[ClearanceSpec, Field(discriminator="model")]] = Field(default_factory=dict)
+    flexible: dict[str, FlexibleSpec] = Field(default_factory=dict)
     closures: dict[str, ClosureSpec] = Field(default_factory=dict)
     drives: dict[str, Annotated[DriveSpec, Field(discriminator="kind")]] = Field(default_factory=dict)
     springs: dict[str, AnySpring] = Field(default_factory=dict)
@@ -124,6 +127,12 @@ class Scenario(Spec):
             del carried["urdf_text"]
         for joint, clearance in self.clearance.items():
             data["clearance"][joint].update(law_tables(clearance))
+        for name in tables(layer.get("flexible")).keys() & self.flexible.keys():
+            table = data["flexible"][name]
+            if "file" in tables(layer["flexible"][name]) and len(table["damping_ratio"]) == len(
+                table["frequency"]
+            ):
+                table.pop("damping_ratio")  # that of the old file's modes
         # What old units said of a joint's motion does not bind new values.
         joints = tables(layer.get("initial")).get("joints")
         for below, above in (
@@ -134,7 +143,7 @@ class Scenario(Spec):
             for name in tables(above).keys() & below.keys():
                 below[name].pop("motion", None)
         source = Source(f"scenario {self.name}".strip(), data, overrides=layer)
-        check_drives(layer.get("drives"), source)
+        check_drives(layer, source)
         return built(type(self), carried, source)
 
     @model_validator(mode="before")
@@ -148,6 +157,13 @@ class Scenario(Spec):
             tables = data.get(place)
             if isinstance(tables, Mapping):
                 done[place] = {name: _at_its_joint(place, name, table) for name, table in tables.items()}
+        tables = data.get("flexible")
+        if isinstance(tables, Mapping):
+            done["flexible"] = {
+                name: {"link": name, **table} if isinstance(table, Mapping) else table
+                for name, table in tables.items()
+            }
+        _check_choice(done, "flexible", "kind", get_args(get_args(FlexibleSpec)[0]))
         _check_choice(done, "clearance", "model", get_args(ClearanceSpec))
         _check_choice(done, "drives", "kind", tuple(DRIVE_SPECS.values()))
         _check_choice(done, "events", "kind", get_args(EventSpec))
@@ -169,9 +185,24 @@ class Scenario(Spec):
                 refuse(text, "mechanism", "joints", joint, "kind", value=change.kind)
         for name in self.events:
             self.to_set(name)
+        for name, link in self.flexible.items():
+            self._check_shown(name, link)
         if self.mechanism.base == "fixed" and self.initial.base != InitialBaseSpec():
             refuse('must be left out where mechanism.base is "fixed"', "initial", "base")
         return self
+
+    def _check_shown(self, name: str, link: Any) -> None:
+        """Refuse a frequency that the samples cannot show."""
+        for part, frequency in link.build().frequencies.items():
+            if self.output.form == "full" and not 2.0 * frequency < self.output.rate:
+                refuse(
+                    f"must be below half of output.rate = {self.output.rate:g} Hz for samples to show it, "
+                    f"got {frequency:g} Hz; raise output.rate",
+                    "flexible",
+                    name,
+                    *(("modes", part) if isinstance(link, ModesSpec) else ()),
+                    "frequency",
+                )
 
 
 def _at_its_joint(place: str, name: str, table: object) -> object:

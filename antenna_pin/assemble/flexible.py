@@ -1,0 +1,47 @@
+"""The flexible links of a scenario: their parts in the URDF, and the springs that hold them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from antenna_pin.assemble.places import check_known, where
+from antenna_pin.dynamics import JointSpring
+from antenna_pin.errors import ScenarioError
+from antenna_pin.flexible import ElasticPart, split
+from antenna_pin.mechanism import Urdf
+from antenna_pin.scenario import Scenario
+
+__all__ = ["springs_of_parts", "with_flexible_links"]
+
+
+def with_flexible_links(scenario: Scenario, urdf: Urdf) -> tuple[Urdf, tuple[ElasticPart, ...]]:
+    """Return a URDF whose flexible links are hubs with elastic parts, and these parts.
+
+    Raises:
+        AntennaPinError: A link or shape that there is not, or one that a part asks too much of.
+    """
+    found: list[ElasticPart] = []
+    for name, spec in scenario.flexible.items():
+        links = {link.name for link in urdf.robot.links}
+        check_known(scenario, [spec.link], "link", links, "flexible", name, "link")
+        made = split(spec.build(), name, urdf.mass_properties(spec.link), where(scenario, "flexible", name))
+        urdf = urdf.with_parts(spec.link, made)
+        found += made.parts
+    return urdf, tuple(found)
+
+
+def springs_of_parts(scenario: Scenario, parts: Iterable[ElasticPart]) -> dict[str, JointSpring]:
+    """Return the springs of elastic parts by name, which is that of their joint.
+
+    Raises:
+        ScenarioError: A spring of the scenario has the name of a part.
+    """
+    found = {}
+    for part in parts:
+        if part.name in scenario.springs:
+            raise ScenarioError(
+                f"{where(scenario, 'springs', part.name)}: must have another name than an elastic part of a "
+                "flexible link, whose own spring bears it"
+            )
+        found[part.name] = JointSpring(joint=part.name, stiffness=part.stiffness, damping=part.damping)
+    return found

@@ -1,0 +1,96 @@
+"""Flexible links: what makes of a rigid link a hub with elastic parts."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import Field, model_validator
+
+from antenna_pin.flexible import EffectiveMode, EffectiveModes, ModalData, Petals
+from antenna_pin.scenario._base import Spec, refuse
+from antenna_pin.scenario._joint import JointTable
+from antenna_pin.scenario._made import MadeSpec, reads
+
+__all__ = [
+    "FlexibleSpec",
+    "ModalDataSpec",
+    "ModeSpec",
+    "ModesSpec",
+    "PetalsSpec",
+    "has_modal_file",
+    "modal_stand_in",
+]
+
+
+@reads(EffectiveMode)
+class ModeSpec(JointTable, MadeSpec):
+    """A mode as the mass, or the inertia, that answers on the hub."""
+
+    @model_validator(mode="after")
+    def _check_units(self) -> Self:
+        """Refuse the stiffness of the other kind of joint."""
+        wanted = "translation" if self.mass is not None else "rotation"
+        if self.motion not in (None, wanted):
+            unit, what = ("N/m", "mass") if wanted == "translation" else ("N*m/rad", "inertia")
+            refuse(f"must be in {unit}, for the mode has a {what}", "stiffness")
+        return self
+
+
+class _OfLink(Spec):
+    link: str = ""
+
+
+@reads(EffectiveModes, modes=dict[str, ModeSpec])
+class ModesSpec(_OfLink, MadeSpec):
+    """Effective masses and inertias on the hub, side by side.
+
+    Attributes:
+        link: Name of the link.
+        kind: What makes it flexible.
+    """
+
+    kind: Literal["modes"]
+
+
+@reads(Petals)
+class PetalsSpec(_OfLink, MadeSpec):
+    """A dish of petals, hinged at a hub against root springs; at rest they are a paraboloid."""
+
+    kind: Literal["petals"]
+
+
+@reads(ModalData)
+class ModalDataSpec(_OfLink, MadeSpec):
+    """An appendage by its modes with the root held, from a finite-element code.
+
+    Attributes:
+        file: CSV, or a table as NASTRAN prints it, relative to the scenario's folder, instead of
+            ``frequency`` and ``participation`` ([more](flexible.md#modal-data-of-a-finite-element-code)).
+    """
+
+    kind: Literal["modal-data"]
+    file: str | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _check_given(cls, data: Any) -> Any:
+        if isinstance(data, Mapping) and not data.keys() & {"file", "frequency", "participation"}:
+            refuse("must have either file, or frequency and participation, got neither")
+        if isinstance(data, Mapping) and isinstance(data.get("damping_ratio"), int | float | str):
+            return {**data, "damping_ratio": [data["damping_ratio"]]}
+        return data
+
+
+FlexibleSpec = Annotated[ModesSpec | PetalsSpec | ModalDataSpec, Field(discriminator="kind")]
+"""A flexible link; ``kind`` says how."""
+
+
+def has_modal_file(table: object) -> bool:
+    """Whether the table of a flexible link may take its numbers from a file that it names."""
+    return isinstance(table, Mapping) and table.get("kind") == "modal-data" and "file" in table
+
+
+def modal_stand_in() -> dict[str, tuple[float, ...]]:
+    """Return the least that modal data need in place of a file that is not to be read."""
+    return {"frequency": (1.0,), "participation": (1.0, 0.0, 0.0, 0.0, 0.0, 0.0)}

@@ -1,0 +1,193 @@
+"""Elastic parts: what they are to their hub to first order, and that nothing of the link is lost."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from modal_equations import frequencies, linear_frequencies, spatial
+
+from antenna_pin import load_scenario
+from antenna_pin.assemble import build_system, urdf_variant
+from antenna_pin.flexible import EffectiveMode, MassProperties, Petals, realised
+
+REFLECTOR = {"mass": 8.005, "inertia": (1.05956, 0.68297, 0.68297)}
+ROCK = {
+    "frequency": "15 Hz",
+    "damping_ratio": 0.005,
+    "mass": 2.0,
+    "direction": [0, 1, 0],
+    "place": [0.1, 0, 0.2],
+}
+TWIST = {"frequency": "25 Hz", "damping_ratio": 0.01, "inertia": 0.2, "direction": [0.2, 0.3, 1]}
+MODES = {"flexible.reflector": {"kind": "modes", "modes": {"rock": ROCK, "twist": TWIST}}}
+DISH = {
+    "kind": "petals",
+    "petals": 8,
+    "mass": 6.0,
+    "rim_radius": 0.486,
+    "hub_radius": 0.1,
+    "focal_length": 0.12,
+    "vertex": [-0.2755, 0, 0],
+    "frequency": "20 Hz",
+    "damping_ratio": 0.005,
+    "replaces": ["dish"],
+}
+PETALS = {"flexible.reflector": DISH}
+# A screw of a mode, a bending mode of a panel to the side, and one that turns only.
+DATA = {
+    "flexible.reflector": {
+        "kind": "modal-data",
+        "frequency": [12.0, 17.0, 31.0],
+        "participation": [0.6, 0.1, 0.2, 0.05, 0.2, -0.1, 0, 0, 1.0, 0.3, -0.2, 0, 0, 0, 0, 0.05, 0.1, 0.2],
+        "damping_ratio": 0.005,
+        "root_xyz": [-0.2, 0.1, 0.0],
+        "root_rpy": [0.1, -0.4, 2.0],
+    }
+}
+KINDS = pytest.mark.parametrize("overrides", [MODES, PETALS, DATA], ids=["modes", "petals", "modal-data"])
+
+
+def rigid(name: str = "reflector") -> MassProperties:
+    return urdf_variant(load_scenario("bai2020", case="case1")).mass_properties(name)
+
+
+@KINDS
+def test_hub_and_parts_have_mass_centre_and_inertia_of_the_link(overrides: dict[str, Any]):
+    """The parts' numbers go through the URDF's text, as any other tool would read them."""
+    urdf = urdf_variant(load_scenario("bai2020", case="case1", overrides=overrides))
+    total = urdf.mass_properties("reflector").moments
+    for joint in urdf.robot.joints:
+        if joint.parent == "reflector":
+            total = total + urdf.mass_properties(joint.child).moved(urdf.placement(joint.name)).moments
+    found, link = MassProperties.of_moments(total), rigid()
+    assert found.mass == pytest.approx(link.mass, rel=1e-12, abs=0.0)
+    assert np.abs(found.centre - link.centre).max() < 1e-12  # of lengths of 0.1 m
+    assert np.abs(found.inertia - link.inertia).max() < 1e-12
+
+
+@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("least", [False, True])
+def test_every_mode_is_a_body_on_a_joint(seed: int, least: bool, random_link: Any):
+    """Participation, frequency and damping ratio are those asked for, and the body can exist.
+
+    Translations and rotations of all sizes, with a pitch and without, on bodies of any shape.
+    """
+    rng = np.random.default_rng(seed)
+    link = random_link(rng)
+    t, r = (rng.normal(size=3) * 10.0 ** rng.uniform(-5.0, 0.0) for _ in range(2))
+    if seed % 4 == 1:
+        r = np.cross(rng.normal(size=3), t)
+    elif seed % 4 == 2:
+        t = np.zeros(3)
+    elif seed % 4 == 3:
+        r = np.cross(link.centre, t) + rng.normal() * t
+    part = realised("mode", link, t, r, 2.0 * np.pi * 5.0, 0.01, least=least)
+    found = part.participation(np.zeros(3))
+    size = np.linalg.norm(t) * link.gyration + np.linalg.norm(r)
+    # Round-off of a mass put up to a hundred radii of gyration away.
+    assert np.abs(found[:3] - t).max() * link.gyration < 1e-11 * size
+    assert np.abs(found[3:] - r).max() < 1e-11 * size
+    assert part.frequency == pytest.approx(5.0, rel=1e-13, abs=0.0)
+    assert part.damping_ratio == pytest.approx(0.01, rel=1e-13, abs=0.0)
+    assert np.linalg.eigvalsh(part.body.moments)[0] > 0.0
+
+
+def test_a_part_acts_on_its_hub_as_pinocchio_says():
+    """delta is what the joint's column of the mass matrix says, scaled to unit modal mass.
+
+    With the root's acceleration a: M a + delta^T eta'' = F and eta'' + ... + delta a = 0 about the root, in
+    the appendage's axes; M is the rigid link's.
+    """
+    import pinocchio as pin
+
+    scenario = load_scenario("bai2020", case="case1", overrides=DATA)
+    urdf = urdf_variant(scenario)
+    model = pin.buildModelFromXML(urdf.to_xml(), pin.JointModelFreeFlyer())
+    mass = np.array(pin.crba(model, model.createData(), pin.neutral(model)))
+    mass = np.triu(mass) + np.triu(mass, 1).T
+    data = scenario.flexible["reflector"].build()
+    modal, columns = [], [model.joints[model.getJointId(f"reflector_mode{k}")].idx_v for k in (1, 2, 3)]
+    # The root's frame in that of the base, at zero angles: the link's, then the appendage's in it.
+    root = np.array([0.0, 0.5, 1.0]) + np.array(DATA["flexible.reflector"]["root_xyz"])
+    turn = pin.rpy.rpyToMatrix(*DATA["flexible.reflector"]["root_rpy"])
+    for column in columns:
+        linear, angular = mass[:3, column], mass[3:6, column]
+        about = angular - np.cross(root, linear)
+        modal.append(np.concatenate([turn.T @ linear, turn.T @ about]) / np.sqrt(mass[column, column]))
+    assert np.abs(np.array(modal) - data.factors).max() < 1e-12
+    assert np.abs(mass[np.ix_(columns, columns)] - np.diag(np.diag(mass)[columns])).max() < 1e-15
+
+
+@KINDS
+def test_frequencies_with_the_hub_held_are_those_asked_for(overrides: dict[str, Any]):
+    scenario = load_scenario("bai2020", case="case1", overrides=overrides)
+    system = build_system(scenario)
+    found = linear_frequencies(system, ("base", "azimuth", "elevation")) / (2.0 * np.pi)
+    asked = sorted(scenario.flexible["reflector"].build().frequencies.values())
+    assert found == pytest.approx(asked, rel=1e-12, abs=0.0)
+
+
+def test_a_single_mode_on_a_free_base_has_the_frequency_of_the_closed_form():
+    """omega_free = omega / sqrt(1 - delta M^-1 delta^T): of a mass m off the centre on a body of mass M."""
+    link, mass = MassProperties.of(8.0, (0, 0, 0), np.diag([1.0, 0.7, 0.7])), 2.0
+    mode = EffectiveMode(frequency=15.0, mass=mass, direction=(0, 1, 0), place=(0.1, 0.0, 0.2))
+    part = mode.part("rock", link)
+    # Of translation along y m/M, of turning about x (arm 0.2) and about z (arm 0.1).
+    share = mass / 8.0 + mass * 0.2**2 / 1.0 + mass * 0.1**2 / 0.7
+    expected = 15.0 / np.sqrt(1.0 - share)
+    found = frequencies([part], spatial(link)) / (2.0 * np.pi)
+    assert found == pytest.approx(expected, rel=1e-12, abs=0.0)
+
+
+@KINDS
+def test_coupled_frequencies_are_those_of_the_modal_equations(overrides: dict[str, Any]):
+    """Pinocchio's mass matrix of the antenna locked into one body, against M, delta and omega alone.
+
+    To 1e-8: the eigenvalues of a matrix with six zeros, and petals that are six times the same.
+    """
+    locked = {
+        "clearance.elevation": {"replace": True, "model": "ideal"},
+        "mechanism.joints.azimuth.kind": "locked",
+        "drives.azimuth.joint": "elevation",
+    }
+    scenario = load_scenario("bai2020", case="case1", overrides={**overrides, **locked})
+    system = build_system(scenario)
+    found = linear_frequencies(system, ("elevation",))
+    urdf = urdf_variant(load_scenario("bai2020", case="case1"))
+    moments = np.zeros((4, 4))
+    for name, place in (
+        ("body", (0, 0, 0)),
+        ("shaft1", (0, 0, 0.5)),
+        ("shaft2", (0, 0, 1)),
+        ("reflector", (0, 0.5, 1)),
+    ):
+        frame = np.eye(4)
+        frame[:3, 3] = place
+        moments += urdf.mass_properties(name).moved(frame).moments
+    shift = np.eye(4)
+    shift[:3, 3] = (0.0, -0.5, -1.0)
+    whole = MassProperties.of_moments(moments).moved(shift)
+    parts = scenario.flexible["reflector"].build().parts("reflector", rigid())
+    expected = frequencies(parts, spatial(whole))
+    assert found[6:] == pytest.approx(expected, rel=1e-8, abs=0.0)
+
+
+def test_petals_are_the_dish():
+    """All petals together are the even shell: centre on the axis, inertia by integrals along the radius."""
+    numbers = {
+        key: value for key, value in DISH.items() if key not in ("kind", "frequency", "replaces", "vertex")
+    }
+    dish = Petals(frequency=20.0, boresight=(0.0, 0.0, 1.0), **numbers)
+    parts = dish.parts("dish", MassProperties.of(20.0, (0, 0, 0), np.eye(3)))
+    whole = MassProperties.of_moments(sum(part.body.moments for part in parts))
+    f, r = 0.12, np.linspace(0.1, 0.486, 200_001)
+    density = r * np.sqrt(1.0 + (r / (2.0 * f)) ** 2)
+    mean = {k: np.trapezoid(density * r**k, r) / np.trapezoid(density, r) for k in (2, 4)}
+    assert whole.mass == pytest.approx(6.0, rel=1e-14)
+    # The trapezoidal rule errs by the square of a step of 2e-6 m over lengths of 0.1 m.
+    assert whole.centre == pytest.approx([0.0, 0.0, mean[2] / (4.0 * f)], rel=1e-9, abs=1e-14)
+    assert whole.inertia[2, 2] == pytest.approx(6.0 * mean[2], rel=1e-9)
+    across = 6.0 * (0.5 * mean[2] + (mean[4] - mean[2] ** 2) / (16.0 * f**2))
+    assert np.diag(whole.inertia)[:2] == pytest.approx([across, across], rel=1e-9)
