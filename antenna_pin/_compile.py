@@ -17,6 +17,8 @@ import numba
 import numpy as np
 from numba.extending import lower_builtin, type_callable
 
+from antenna_pin._kernel_cache import keep
+
 __all__ = ["composed", "inlined", "kernel", "record", "stamped_files"]
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
@@ -63,15 +65,8 @@ def composed(function: _Function) -> _Function:
 
 
 def _compiled(function: _Function, **options: bool) -> _Function:
-    try:
-        compiled = _njit(function, cache=True, **options)
-    except RuntimeError:
-        # Neither the package's folder nor the user's cache can be written: compile anew in each process.
-        compiled = _njit(function, **options)
-    # With NUMBA_DISABLE_JIT=1 there is nothing to stamp.
-    cache_file = getattr(getattr(compiled, "_cache", None), "_cache_file", None)
-    if cache_file is not None:
-        cache_file._source_stamp = _stamp()
+    compiled = _njit(function, **options)
+    keep(compiled, _stamp())
     return compiled  # type: ignore[no-any-return]
 
 

@@ -1,39 +1,75 @@
-"""Files written complete or not at all, and paths checked before any work is done."""
+"""Files written complete or not at all, sealed, and paths checked before any work is done.
+
+A file is written under a temporary name beside its place and moved there when it is whole and on the disk.
+The temporary one is locked while its process lives, so that what a killed process has left can be told and
+is removed by the next that writes into the folder.
+"""
 
 from __future__ import annotations
 
 import contextlib
+import errno
+import fcntl
+import hashlib
+import io
 import os
-import tempfile
+import secrets
+import stat
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 from antenna_pin.errors import OutputError
 
-__all__ = ["check_writable", "replacing"]
+__all__ = ["PatientFile", "check_writable", "has_whole_seal", "replacing", "seal"]
+
+_PREFIX, _SUFFIX = ".antenna-pin-", ".partial"
+# A file system's block: one that is full takes a name, but not this.
+_BLOCK = 4096
+_SEAL = b"\nantenna_pin sha256 %b\n"
+_SEAL_SIZE = len(_SEAL % (b"0" * 64))
 
 
 def check_writable(path: str | os.PathLike[str]) -> Path:
     """Return the path if a file can be written there; else raise before any work is done.
 
     Raises:
-        OutputError: The folder is missing or not writable, or the path is a folder.
+        OutputError: The folder is missing, not writable or full, the name is too long, or the path is that of
+            a folder or a device.
     """
     target = Path(path)
     folder = target.parent
-    if target.is_dir():
+    try:
+        mode = target.stat().st_mode
+    except FileNotFoundError:
+        mode = stat.S_IFREG
+    except ValueError as error:  # a null character
+        raise OutputError(f"{str(target)!r}: must be the name of a file: {error}; name another") from error
+    except OSError as error:
+        if error.errno == errno.ENOTDIR:
+            mode = stat.S_IFREG  # the folder below is what is wrong
+        else:
+            raise OutputError(
+                f"{_short(target)}: cannot be written: {error.strerror}; choose another name"
+            ) from error
+    if stat.S_ISDIR(mode):
         raise OutputError(f"{target}: the output must be a file, got a folder; name a file in it")
+    if not stat.S_ISREG(mode):
+        raise OutputError(f"{target}: the output must be a file, got a device or pipe; name a file")
     if not folder.is_dir():
         raise OutputError(
             f"{target}: the output's folder {str(folder)!r} does not exist; make it or name another"
         )
     try:
         # Trying is the only test that holds for every user and file system.
-        with tempfile.TemporaryFile(dir=folder):
-            pass
+        with _partial_in(Path(os.path.realpath(target)).parent) as (partial, descriptor):
+            os.write(descriptor, bytes(_BLOCK))
+            os.fsync(descriptor)  # a full or shared disk may say so only now
     except OSError as error:
+        full = error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
         raise OutputError(
-            f"{target}: the output's folder must be writable, got: {error.strerror}; name another folder"
+            f"{target}: the output's folder must be writable, got: {error.strerror}; "
+            f"{'make room or ' if full else ''}name another folder"
         ) from error
     return target
 
@@ -42,20 +78,227 @@ def check_writable(path: str | os.PathLike[str]) -> Path:
 def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
     """Yield a temporary name beside a file; what is written there becomes the file if all goes well.
 
-    Whatever goes wrong, Ctrl-C included, the file is left as it was and nothing stays beside it.
+    Whatever goes wrong, Ctrl-C and a full disk included, the file is left as it was and nothing stays beside
+    it. A link keeps pointing at the file that is written.
 
     Raises:
         OutputError: It cannot be written there.
     """
     target = Path(path)
-    partial = target.parent / f".{target.name}.{os.getpid()}.partial"
     try:
-        yield partial
-        partial.replace(target)
+        final = Path(os.path.realpath(target))
+        with _partial_in(final.parent) as (partial, _):
+            yield partial
+            _flush(partial)
+            partial.replace(final)
     except OutputError:  # an OSError itself, of another file
         raise
     except OSError as error:
         raise OutputError(f"{target}: cannot be written: {error.strerror or error}") from error
+
+
+@contextlib.contextmanager
+def _partial_in(folder: Path) -> Iterator[tuple[Path, int]]:
+    """Yield a new, locked file in a folder, which is removed in the end unless it was moved away."""
+    _sweep(folder)
+    while True:
+        # Short whatever the file is called, and another one in each thread.
+        partial = folder / f"{_PREFIX}{os.getpid()}-{secrets.token_hex(6)}{_SUFFIX}"
+        descriptor = os.open(partial, os.O_CREAT | os.O_EXCL | os.O_RDWR | os.O_CLOEXEC, 0o666)
+        if _locked(descriptor) and _is_there(partial, descriptor):
+            break
+        os.close(descriptor)  # another process swept it away before it was locked
+    try:
+        yield partial, descriptor
     finally:
         with contextlib.suppress(OSError):
             partial.unlink()
+        os.close(descriptor)
+
+
+def _sweep(folder: Path) -> None:
+    """Remove what processes that are gone have left in a folder."""
+    try:
+        with os.scandir(folder) as entries:
+            left = [
+                entry.path
+                for entry in entries
+                if entry.name.startswith(_PREFIX) and entry.name.endswith(_SUFFIX)
+            ]
+    except OSError:  # what is wrong with it is said when the file is made
+        return
+    for path in left:
+        with contextlib.suppress(OSError):
+            descriptor = os.open(path, os.O_RDWR | os.O_CLOEXEC | os.O_NOFOLLOW)
+            try:
+                fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                os.unlink(path)
+            finally:
+                os.close(descriptor)
+
+
+def _locked(descriptor: int) -> bool:
+    """Lock a new file, or return False if somebody else has; a file system without locks is never swept."""
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError as error:
+        return error.errno not in (errno.EWOULDBLOCK, errno.EACCES)
+    return True
+
+
+def _is_there(path: Path, descriptor: int) -> bool:
+    try:
+        return os.path.samestat(os.stat(path), os.fstat(descriptor))
+    except FileNotFoundError:
+        return False
+
+
+def _flush(path: Path) -> None:
+    """Have a file put on the disk, which may be full in truth only now."""
+    descriptor = os.open(path, os.O_RDONLY | os.O_CLOEXEC)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
+
+
+def _short(path: Path, most: int = 60) -> str:
+    """Return a path as a message shows it that is about its length."""
+    text = str(path)
+    return text if len(text) <= most else f"{text[:most]}... ({len(text)} letters)"
+
+
+def seal(path: Path) -> None:
+    """Append a digest of a file to it, by which :func:`has_whole_seal` tells whether it is as it was.
+
+    Readers of formats that know their own length, as HDF5, do not see it.
+    """
+    with path.open("r+b") as file:
+        digest = hashlib.file_digest(file, "sha256").hexdigest()
+        file.seek(0, os.SEEK_END)
+        file.write(_SEAL % digest.encode())
+
+
+def has_whole_seal(path: Path) -> bool | None:
+    """Whether a file is what was sealed; None if it ends in no seal.
+
+    Raises:
+        OSError: It cannot be read.
+    """
+    head, tail = _SEAL.split(b"%b")
+    with path.open("rb") as file:
+        size = file.seek(0, os.SEEK_END) - _SEAL_SIZE
+        if size < 0:
+            return None
+        file.seek(size)
+        found = file.read()
+        if not (found.startswith(head) and found.endswith(tail)):
+            return None
+        file.seek(0)
+        digest = hashlib.sha256()
+        while size > 0:
+            block = file.read(min(size, 1 << 20))
+            if not block:
+                return False
+            digest.update(block)
+            size -= len(block)
+    return found[len(head) : -len(tail)] == digest.hexdigest().encode()
+
+
+class PatientFile(io.RawIOBase):
+    """A file for libraries that cannot stand one that cannot be written: HDF5 crashes where a disk is full.
+
+    All writes succeed. From the first one on that did not, what is written is kept in memory, so that the
+    library stays in a state in which it can be closed; :meth:`check` then says what was wrong.
+
+    Args:
+        path: Of a file, made if missing and emptied.
+    """
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        """Open the file."""
+        self._descriptor = os.open(path, os.O_CREAT | os.O_TRUNC | os.O_RDWR | os.O_CLOEXEC, 0o666)
+        self._place = 0
+        self._kept: list[tuple[int, bytes]] = []
+        self._error: OSError | None = None
+
+    def check(self) -> None:
+        """Raise what the first write that failed has raised."""
+        if self._error is not None:
+            raise self._error
+
+    def write(self, content: Any) -> int:
+        """Write at the current place; always all of it."""
+        rest = memoryview(content).cast("B")
+        size = len(rest)
+        while rest and self._error is None:
+            try:
+                done = os.pwrite(self._descriptor, rest, self._place)
+            except OSError as error:
+                self._error = error
+            else:
+                self._place += done
+                rest = rest[done:]
+        if rest:
+            self._kept.append((self._place, bytes(rest)))
+            self._place += len(rest)
+        return size
+
+    def readinto(self, buffer: Any) -> int:
+        """Read from the current place what was written."""
+        wanted = memoryview(buffer).cast("B")
+        start = self._place
+        end = min(start + len(wanted), self._size())
+        if end <= start:
+            return 0
+        wanted[: end - start] = bytes(end - start)
+        found = os.pread(self._descriptor, end - start, start)
+        wanted[: len(found)] = found
+        for place, content in self._kept:
+            first, last = max(place, start), min(place + len(content), end)
+            if first < last:
+                wanted[first - start : last - start] = content[first - place : last - place]
+        self._place = end
+        return end - start
+
+    def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
+        """Go to a place."""
+        origin = {os.SEEK_SET: 0, os.SEEK_CUR: self._place, os.SEEK_END: self._size()}[whence]
+        self._place = origin + offset
+        return self._place
+
+    def tell(self) -> int:
+        """Return the current place."""
+        return self._place
+
+    def truncate(self, size: int | None = None) -> int:
+        """Make the file as long as asked."""
+        length = self._place if size is None else size
+        if self._error is None:
+            try:
+                os.ftruncate(self._descriptor, length)
+            except OSError as error:
+                self._error = error
+        return length
+
+    def _size(self) -> int:
+        ends = [place + len(content) for place, content in self._kept]
+        return max([os.fstat(self._descriptor).st_size, *ends])
+
+    def readable(self) -> bool:
+        """Whether it can be read: always."""
+        return True
+
+    def writable(self) -> bool:
+        """Whether it can be written: always."""
+        return True
+
+    def seekable(self) -> bool:
+        """Whether it has places to go to: always."""
+        return True
+
+    def close(self) -> None:
+        """Close the file; what it kept in memory is gone."""
+        if not self.closed:
+            os.close(self._descriptor)
+        super().close()

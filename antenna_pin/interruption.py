@@ -1,14 +1,49 @@
-"""Ctrl-C as a flag, for work that must not be left half done."""
+"""Ctrl-C and requests to end as flags, for work that must not be left half done.
+
+A script in Python is left its own ways with SIGTERM and SIGHUP, which mostly end it at once. The command line
+asks that they count as Ctrl-C does, by :func:`ending_by_signals`: batch queues send the one when the time is
+up, terminals the other when they are closed.
+"""
 
 from __future__ import annotations
 
 import signal
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from types import FrameType
+from typing import NoReturn
 
-__all__ = ["interruptible"]
+__all__ = ["Ended", "ended_by", "ending_by_signals", "held_back", "interruptible"]
+
+_ENDING = tuple(
+    number for name in ("SIGTERM", "SIGHUP") if (number := getattr(signal, name, None)) is not None
+)
+
+
+class Ended(KeyboardInterrupt):
+    """SIGTERM or SIGHUP has come: as Ctrl-C."""
+
+
+# The signal that stopped or interrupted work last.
+_last: list[int] = []
+
+
+def ended_by() -> int:
+    """Return the signal that came last; SIGINT if none has."""
+    return _last[-1] if _last else int(signal.SIGINT)
+
+
+def ending_by_signals() -> None:
+    """Let SIGTERM and SIGHUP end work in this process as Ctrl-C does, unless they are ignored (``nohup``)."""
+    for number in _ENDING:
+        if signal.getsignal(number) is signal.SIG_DFL:
+            signal.signal(number, _end)
+
+
+def _end(number: int, frame: FrameType | None) -> NoReturn:
+    _last[:] = [number]
+    raise Ended
 
 
 @contextmanager
@@ -22,14 +57,46 @@ def interruptible() -> Iterator[Callable[[], bool]]:
     def note(number: int, frame: FrameType | None) -> None:
         nonlocal presses
         presses += 1
+        _last[:] = [number]
         if presses > 2:
             raise KeyboardInterrupt
 
-    if threading.current_thread() is not threading.main_thread():
-        yield lambda: False
-        return
-    before = signal.signal(signal.SIGINT, note)
-    try:
+    with _handled_by(note):
         yield lambda: presses > 0
+
+
+@contextmanager
+def held_back() -> Iterator[None]:
+    """Let work be done to its end, such as a file written, before Ctrl-C has its effect."""
+    come: list[int] = []
+    with _handled_by(lambda number, frame: come.append(number)):
+        yield
+    for number in come[:1]:
+        signal.raise_signal(number)
+
+
+@contextmanager
+def _handled_by(handler: Callable[[int, FrameType | None], None]) -> Iterator[None]:
+    """Have Ctrl-C, and the signals that the command line has asked for, handled; not if they are ignored."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    taken = [] if signal.getsignal(signal.SIGINT) in (signal.SIG_IGN, None) else [int(signal.SIGINT)]
+    taken += [number for number in _ENDING if _is_ours(number)]
+    before = {number: signal.signal(number, handler) for number in taken}
+    _handling.append(before)
+    try:
+        yield
     finally:
-        signal.signal(signal.SIGINT, before)
+        _handling.pop()
+        for number, old in before.items():
+            signal.signal(number, old)
+
+
+# What stood before each handler that stands now, the innermost last.
+_handling: list[Mapping[int, object]] = []
+
+
+def _is_ours(number: int) -> bool:
+    """Whether the command line has asked for a signal, handled within another handler or not."""
+    return signal.getsignal(number) is _end or any(number in before for before in _handling)

@@ -3,7 +3,7 @@
 Rooms are imported inside the commands, so ``--help`` and ``list`` do not wait for the mechanics.
 
 Exit codes: 0 done; 2 refused, with one line on the error stream that says why; 3 a run ended before its time
-(its result is saved); 130 interrupted (what was computed is saved).
+(its result is saved); 130, 143, 129 interrupted by Ctrl-C, SIGTERM, SIGHUP (what was computed is saved).
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ import typer
 
 from antenna_pin.cli import analyse, contact, figures, info, pointing, record, report, run
 from antenna_pin.cli._common import one_line_errors
+from antenna_pin.interruption import ending_by_signals
 
 __all__ = ["app", "main"]
 
@@ -30,7 +31,8 @@ app = typer.Typer(
 
 
 def main() -> None:
-    """Run the command line."""
+    """Run the command line, which SIGTERM and SIGHUP end as Ctrl-C does."""
+    ending_by_signals()
     app()
 
 

@@ -8,7 +8,12 @@ from __future__ import annotations
 import contextlib
 import errno
 import functools
+import itertools
+import os
 import signal
+import sys
+import tempfile
+import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from enum import StrEnum
 from pathlib import Path
@@ -17,6 +22,7 @@ from typing import TYPE_CHECKING, Annotated, NoReturn, ParamSpec, TypeVar
 import typer
 
 from antenna_pin.errors import AntennaPinError, OutputError, UnknownNameError
+from antenna_pin.interruption import Ended, ended_by, held_back
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -26,7 +32,9 @@ if TYPE_CHECKING:
 
 REFUSED = 2
 ENDED_EARLY = 3
-INTERRUPTED = 130
+
+#: To which the number of the signal is added that has stopped a command.
+SIGNALLED = 128
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -54,8 +62,9 @@ class Width(StrEnum):
 
 
 def complain(message: str) -> None:
-    """Print one line on the error stream."""
-    typer.echo(f"antenna-pin: {' '.join(message.split())}", err=True)
+    """Print one line on the error stream, if somebody still reads it."""
+    with contextlib.suppress(OSError):
+        typer.echo(f"antenna-pin: {' '.join(message.split())}", err=True)
 
 
 def refuse(message: str) -> NoReturn:
@@ -69,10 +78,14 @@ def one_line_errors(command: Callable[P, R]) -> Callable[P, R]:
     @functools.wraps(command)
     def wrapper(*args: P.args, **kwargs: P.kwargs) -> R:
         try:
-            return command(*args, **kwargs)
-        except KeyboardInterrupt:
+            with warnings.catch_warnings():
+                warnings.showwarning = _said_in_one_line
+                return command(*args, **kwargs)
+        except KeyboardInterrupt as error:
+            _let_go_of_closed_streams()
+            number = ended_by() if isinstance(error, Ended) else signal.SIGINT
             complain("interrupted")
-            raise typer.Exit(INTERRUPTED) from None
+            raise typer.Exit(SIGNALLED + number) from None
         except AntennaPinError as error:
             refuse(str(error))
         except OSError as error:
@@ -82,6 +95,23 @@ def one_line_errors(command: Callable[P, R]) -> Callable[P, R]:
             refuse(f"{where}{error.strerror or error}")
 
     return wrapper
+
+
+def _said_in_one_line(message: Warning | str, *about: object, **more: object) -> None:
+    complain(f"note: {message}")
+
+
+def _let_go_of_closed_streams() -> None:
+    """Let what is printed from here on go nowhere if the terminal has been closed, or printing raises."""
+    for stream in (sys.stdout, sys.stderr):
+        try:
+            number = stream.fileno()
+            os.write(number, b"")
+        except (OSError, ValueError, AttributeError) as error:  # the latter two: not a stream of the system
+            if getattr(error, "errno", None) == errno.EIO:
+                nowhere = os.open(os.devnull, os.O_WRONLY)
+                os.dup2(nowhere, number)
+                os.close(nowhere)
 
 
 ScenarioArgument = Annotated[
@@ -149,12 +179,29 @@ def writable_file(path: Path, suffix: str) -> Path:
 
 @contextlib.contextmanager
 def not_interrupted() -> Iterator[None]:
-    """Let a result be written to its end: a second Ctrl-C must not cost it."""
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
-    try:
+    """Let a result be written, and be said to be, to the end: a second Ctrl-C must not cost it."""
+    _let_go_of_closed_streams()
+    with held_back():
         yield
-    finally:
-        signal.signal(signal.SIGINT, before)
+
+
+def save_result(trajectory: Trajectory, path: Path) -> None:
+    """Write a result; where it cannot be, write it elsewhere and end the command with the place.
+
+    What has taken hours is not thrown away because a disk has filled up meanwhile.
+    """
+    try:
+        trajectory.save(path)
+    except OutputError as error:
+        for folder in dict.fromkeys((os.curdir, tempfile.gettempdir(), os.path.expanduser("~"))):
+            numbers = itertools.count(2)
+            elsewhere = Path(folder, path.name)
+            while os.path.lexists(elsewhere):
+                elsewhere = Path(folder, f"{path.stem}-{next(numbers)}{path.suffix}")
+            with contextlib.suppress(OutputError):
+                trajectory.save(elsewhere)
+                refuse(f"{error}; the result is in {elsewhere} instead")
+        refuse(f"{error}; nor could the result be written to any other folder: make room and run again")
 
 
 def load_result(path: Path) -> Trajectory:

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from antenna_pin.cli._common import INTERRUPTED, complain
+from antenna_pin.cli._common import SIGNALLED, complain
 from antenna_pin.cli._progress import picture_bar
 from antenna_pin.errors import InvalidParameterError, OutputError
+from antenna_pin.interruption import ended_by
 
 if TYPE_CHECKING:
     from antenna_pin.record import Filmed, Recording
@@ -96,4 +97,4 @@ def film(
     typer.echo(f"saved {out}")
     if not done.completed:
         complain(f"interrupted: {out} has the first {done.frames} of {done.planned} pictures")
-        raise typer.Exit(INTERRUPTED)
+        raise typer.Exit(SIGNALLED + ended_by())

@@ -3,11 +3,39 @@
 from __future__ import annotations
 
 import contextlib
+import io
+import sys
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TextIO, cast
 
 if TYPE_CHECKING:
     from antenna_pin.simulation import Progress
+
+
+class _ErrorStream(io.TextIOBase):
+    """The error stream, or nothing once its terminal is closed: a bar must not cost what it tells of."""
+
+    def __init__(self) -> None:
+        self._stream = sys.stderr  # which a bar takes the place of while it is shown
+
+    @property
+    def encoding(self) -> str:  # type: ignore[override]
+        return self._stream.encoding
+
+    def write(self, text: str) -> int:
+        with contextlib.suppress(OSError):
+            self._stream.write(text)
+        return len(text)
+
+    def flush(self) -> None:
+        with contextlib.suppress(OSError):
+            self._stream.flush()
+
+    def isatty(self) -> bool:
+        return self._stream.isatty()
+
+    def fileno(self) -> int:
+        return self._stream.fileno()
 
 
 @contextlib.contextmanager
@@ -27,7 +55,7 @@ def progress_bar(title: str, shown: bool) -> Iterator[Callable[[Progress], None]
         TextColumn("{task.fields[speed]}"),
         TextColumn("{task.fields[step]}"),
         TimeRemainingColumn(compact=True),
-        console=Console(stderr=True),
+        console=Console(file=cast(TextIO, _ErrorStream())),
         expand=True,
         refresh_per_second=5,
     )
@@ -68,7 +96,7 @@ def picture_bar(title: str, shown: bool) -> Iterator[Callable[[int, int], None] 
         MofNCompleteColumn(),
         TextColumn("pictures"),
         TimeRemainingColumn(compact=True),
-        console=Console(stderr=True),
+        console=Console(file=cast(TextIO, _ErrorStream())),
         expand=True,
         refresh_per_second=5,
     )

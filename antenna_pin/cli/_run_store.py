@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import contextlib
+import signal
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from antenna_pin.cli._common import complain, not_interrupted, stem
+from antenna_pin.cli._common import complain, not_interrupted, save_result, stem
 from antenna_pin.cli._progress import progress_bar
 from antenna_pin.errors import FileFormatError
+from antenna_pin.interruption import Ended, ended_by
 
 if TYPE_CHECKING:
     from antenna_pin.scenario import Scenario
@@ -66,14 +69,15 @@ class RunStore:
 
         path = self._free(scenario)
         complain(f"{stem(scenario)}: running {scenario.duration:g} s")
-        with progress_bar(stem(scenario), self.progress) as report:
-            run = simulate(scenario, progress=report)
-        with not_interrupted():
-            run.save(path)
+        with contextlib.ExitStack() as stack:
+            with progress_bar(stem(scenario), self.progress) as report:
+                run = simulate(scenario, progress=report)
+                stack.enter_context(not_interrupted())
+            save_result(run, path)
         self.files[scenario.case] = path
         if run.outcome.name == "INTERRUPTED":
             self.runs[scenario.case] = run  # for the index
-            raise KeyboardInterrupt
+            raise Ended if ended_by() != signal.SIGINT else KeyboardInterrupt
         if not run.completed:
             self.early = True
             complain(f"{stem(scenario)}: {run.message} (the result up to there is in {path} and is drawn)")

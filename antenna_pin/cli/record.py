@@ -114,7 +114,7 @@ def record(
         return
     with not_interrupted():
         recording.save(out)
-    typer.echo(f"saved {out}")
+        typer.echo(f"saved {out}")
 
 
 def _time(text: str | None, option: str) -> float | None:

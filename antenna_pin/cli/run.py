@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from pathlib import Path
 from typing import Annotated
 
@@ -9,7 +10,7 @@ import typer
 
 from antenna_pin.cli._common import (
     ENDED_EARLY,
-    INTERRUPTED,
+    SIGNALLED,
     CaseOption,
     Engine,
     Geometry,
@@ -19,11 +20,13 @@ from antenna_pin.cli._common import (
     label_of,
     load,
     not_interrupted,
+    save_result,
     stem,
     writable_file,
 )
 from antenna_pin.cli._progress import progress_bar
 from antenna_pin.cli._tables import print_summaries
+from antenna_pin.interruption import ended_by
 
 
 def list_scenarios() -> None:
@@ -67,21 +70,22 @@ def run(
 
     from antenna_pin.simulation import simulate
 
-    with progress_bar(stem(chosen), progress and not quiet) as report:
-        trajectory = simulate(chosen, progress=report)
-    with not_interrupted():
-        trajectory.save(path)
-    if summary and not quiet:
-        print_summaries([(label_of(trajectory, path), trajectory.summary())])
-    if not quiet:
-        typer.echo(f"saved {path}")
-    outcome = trajectory.outcome.name
-    if trajectory.completed:
-        if outcome != "COMPLETED" and not quiet:
-            typer.echo(trajectory.message)
-        return
-    complain(f"{stem(chosen)}: {trajectory.message} (the result up to there is in {path})")
-    raise typer.Exit(INTERRUPTED if outcome == "INTERRUPTED" else ENDED_EARLY)
+    with contextlib.ExitStack() as stack:
+        with progress_bar(stem(chosen), progress and not quiet) as report:
+            trajectory = simulate(chosen, progress=report)
+            stack.enter_context(not_interrupted())
+        save_result(trajectory, path)
+        if summary and not quiet:
+            print_summaries([(label_of(trajectory, path), trajectory.summary())])
+        if not quiet:
+            typer.echo(f"saved {path}")
+        outcome = trajectory.outcome.name
+        if trajectory.completed:
+            if outcome != "COMPLETED" and not quiet:
+                typer.echo(trajectory.message)
+            return
+        complain(f"{stem(chosen)}: {trajectory.message} (the result up to there is in {path})")
+    raise typer.Exit(SIGNALLED + ended_by() if outcome == "INTERRUPTED" else ENDED_EARLY)
 
 
 def urdf(

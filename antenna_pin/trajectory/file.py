@@ -2,7 +2,8 @@
 
 A NetCDF 4 file is an HDF5 file in which every dimension is a *scale*, a dataset that others name as their
 axis. Nothing is compressed: of doubles at their full length that saves a quarter of the file and takes four
-times as long as all the rest. Every variable has a checksum, so that a damaged file is not read.
+times as long as all the rest. Behind HDF5's own end stands a digest of the whole file, so that a damaged one
+is not read; every variable has a checksum too, which other readers know.
 """
 
 from __future__ import annotations
@@ -16,6 +17,8 @@ import numpy as np
 import xarray as xr
 
 from antenna_pin.errors import FileFormatError
+from antenna_pin.files import PatientFile, has_whole_seal, seal
+from antenna_pin.interruption import held_back
 from antenna_pin.trajectory.schema import COORDINATES, DIMENSIONS, VARIABLES
 
 __all__ = ["FORMAT", "read", "write"]
@@ -23,6 +26,8 @@ __all__ = ["FORMAT", "read", "write"]
 #: Identifies the file format; others are refused.
 FORMAT = "antenna_pin trajectory 3"
 
+# Says in NetCDF's own attribute that a file is as this module wrote it, and so must end in a seal.
+_WRITER = "antenna_pin=" + FORMAT.rpartition(" ")[2]
 _TEXT = h5py.string_dtype()
 # What belongs to the file, not to the data.
 _OWN = {
@@ -36,43 +41,62 @@ _OWN = {
     "_FillValue",
     "coordinates",
 }
+_CHANGED = (
+    "{}: must be as antenna-pin wrote it, got another checksum: it was damaged, or edited in place; take "
+    "another copy of it, or run the scenario again"
+)
 # NetCDF's own words for a dimension without labels, with its length.
 _NO_VARIABLE = "This is a netCDF dimension but not a netCDF variable.{:10d}"
 
 
 def write(data: xr.Dataset, path: Path) -> None:
-    """Write a dataset, whose variables along ``contact`` tell its coordinates."""
-    with h5py.File(path, "w", track_order=True) as file:
-        file.attrs["_NCProperties"] = f"version=2,h5py={h5py.__version__},hdf5={h5py.version.hdf5_version}"
-        for name, value in data.attrs.items():
-            file.attrs[str(name)] = value
-        scales = {}
-        for number, (name, size) in enumerate(data.sizes.items()):
-            if name in data.coords:
-                scale = _create(file, str(name), data.coords[name].variable)
-            else:
-                scale = file.create_dataset(str(name), shape=(size,), dtype=">f4")
-            scale.make_scale(str(name) if name in data.coords else _NO_VARIABLE.format(size))
-            scale.attrs["_Netcdf4Dimid"] = np.int32(number)
-            scales[name] = scale.ref
-        users: dict[Any, list[tuple[Any, int]]] = {name: [] for name in scales}
-        for name, variable in data.variables.items():
-            if name in scales:
-                continue
-            made = _create(file, str(name), variable)
-            others = [c.name for c in COORDINATES if c.dim in variable.dims and name not in data.coords]
-            if others:
-                made.attrs["coordinates"] = " ".join(others)
-            lists = np.empty(variable.ndim, dtype=h5py.vlen_dtype(h5py.ref_dtype))
-            for axis, dim in enumerate(variable.dims):
-                lists[axis] = np.array([scales[dim]], dtype=h5py.ref_dtype)
-                users[dim].append((made.ref, axis))
-            if variable.ndim:
-                made.attrs.create("DIMENSION_LIST", lists, dtype=h5py.vlen_dtype(h5py.ref_dtype))
-        back = np.dtype([("dataset", h5py.ref_dtype), ("dimension", np.int32)])
-        for name, found in users.items():
-            if found:
-                file[str(name)].attrs.create("REFERENCE_LIST", np.array(found, dtype=back))
+    """Write a dataset, whose variables along ``contact`` tell its coordinates.
+
+    Raises:
+        OSError: It cannot be written there.
+    """
+    # Neither a full disk nor Ctrl-C may reach HDF5, which cannot be stopped on its way.
+    with held_back(), PatientFile(path) as stream:
+        with h5py.File(stream, "w", track_order=True) as file:
+            _fill(file, data, stream)
+        stream.check()
+    seal(path)
+
+
+def _fill(file: Any, data: xr.Dataset, stream: PatientFile) -> None:
+    file.attrs["_NCProperties"] = (
+        f"version=2,{_WRITER},h5py={h5py.__version__},hdf5={h5py.version.hdf5_version}"
+    )
+    for name, value in data.attrs.items():
+        file.attrs[str(name)] = value
+    scales = {}
+    for number, (name, size) in enumerate(data.sizes.items()):
+        if name in data.coords:
+            scale = _create(file, str(name), data.coords[name].variable)
+        else:
+            scale = file.create_dataset(str(name), shape=(size,), dtype=">f4")
+        scale.make_scale(str(name) if name in data.coords else _NO_VARIABLE.format(size))
+        scale.attrs["_Netcdf4Dimid"] = np.int32(number)
+        scales[name] = scale.ref
+    users: dict[Any, list[tuple[Any, int]]] = {name: [] for name in scales}
+    for name, variable in data.variables.items():
+        if name in scales:
+            continue
+        made = _create(file, str(name), variable)
+        stream.check()
+        others = [c.name for c in COORDINATES if c.dim in variable.dims and name not in data.coords]
+        if others:
+            made.attrs["coordinates"] = " ".join(others)
+        lists = np.empty(variable.ndim, dtype=h5py.vlen_dtype(h5py.ref_dtype))
+        for axis, dim in enumerate(variable.dims):
+            lists[axis] = np.array([scales[dim]], dtype=h5py.ref_dtype)
+            users[dim].append((made.ref, axis))
+        if variable.ndim:
+            made.attrs.create("DIMENSION_LIST", lists, dtype=h5py.vlen_dtype(h5py.ref_dtype))
+    back = np.dtype([("dataset", h5py.ref_dtype), ("dimension", np.int32)])
+    for name, found in users.items():
+        if found:
+            file[str(name)].attrs.create("REFERENCE_LIST", np.array(found, dtype=back))
 
 
 def _create(file: Any, name: str, variable: xr.Variable) -> Any:
@@ -97,10 +121,17 @@ def read(source: Path) -> xr.Dataset:
     if not source.is_file():
         raise FileFormatError(f"{source}: no such file; `antenna-pin run` writes one")
     try:
+        whole = has_whole_seal(source)
+        if whole is False:
+            raise FileFormatError(_CHANGED.format(source))
         with h5py.File(source, "r") as file:
+            if whole is None and _WRITER in str(file.attrs.get("_NCProperties")):
+                raise FileFormatError(_CHANGED.format(source))
             attributes = _attributes(file)
             found = attributes.get("format")
             content = _variables(file) if found == FORMAT else {}
+    except FileFormatError:
+        raise
     except (OSError, ValueError, RuntimeError, KeyError, TypeError) as error:  # HDF5 raises any if damaged
         words = " ".join(str(error).split())
         raise FileFormatError(

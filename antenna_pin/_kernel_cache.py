@@ -1,0 +1,141 @@
+"""Machine code of kernels kept in files: checked when it is read, and done without where it cannot be kept.
+
+Numba trusts its files: one that was cut off ends in an error of pickle, one with a flipped bit is called.
+Here every file starts with the digest of the rest and names what it was compiled for; one that does not hold
+counts as not there, so that it is compiled and written anew.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import pickle
+import warnings
+from pathlib import Path
+from typing import Any
+
+try:
+    from numba.core.caching import FunctionCache, IndexDataCacheFile, InTreeCacheLocator, NullCache
+except ImportError:  # none of it is promised by Numba
+    FunctionCache = IndexDataCacheFile = NullCache = object
+
+__all__ = ["KernelCacheWarning", "keep"]
+
+_DIGEST = hashlib.sha256().digest_size
+
+
+class KernelCacheWarning(RuntimeWarning):
+    """Compiled kernels cannot be kept, so that every process compiles them anew."""
+
+
+def keep(dispatcher: Any, stamp: str) -> None:
+    """Let a compiled function be kept in the first folder that can be written, tied to a stamp.
+
+    These are NUMBA_CACHE_DIR, the sources' ``__pycache__`` and the user's cache, in this order. If there is
+    none, a :class:`KernelCacheWarning` says so once, when something has been compiled.
+    """
+    function = getattr(dispatcher, "py_func", None)
+    if function is None:  # NUMBA_DISABLE_JIT=1
+        return
+    try:
+        dispatcher._cache = _KernelCache(function, stamp)
+    except RuntimeError:
+        dispatcher._cache = _NoCache("neither the sources' folder nor the user's cache can be written")
+    except (OSError, AttributeError, TypeError) as error:
+        dispatcher._cache = _NoCache(str(error))
+
+
+class _SealedFiles(IndexDataCacheFile):  # type: ignore[misc]
+    """An index and its entries, each behind its digest."""
+
+    def save(self, key: Any, data: Any) -> None:
+        super().save(key, (key, data))
+
+    def load(self, key: Any) -> Any:
+        """Return an entry, or None if there is none that holds.
+
+        Two processes that compile at once may give two entries one name; the key in it tells them apart.
+        """
+        try:
+            found = super().load(key)
+            return found[1] if found is not None and found[0] == key else None
+        except Exception:  # pickle promises no certain ones
+            return None
+
+    def _load_index(self) -> Any:
+        try:
+            version, stamp, names = self._read(self._index_path)
+        except Exception:
+            return {}
+        return names if (version, stamp) == (self._version, self._source_stamp) else {}
+
+    def _save_index(self, overloads: Any) -> None:
+        self._write(self._index_path, (self._version, self._source_stamp, overloads))
+
+    def _load_data(self, name: str) -> Any:
+        return self._read(self._data_path(name))
+
+    def _save_data(self, name: str, data: Any) -> None:
+        self._write(self._data_path(name), data)
+
+    def _read(self, path: str) -> Any:
+        raw = Path(path).read_bytes()
+        content = raw[_DIGEST:]
+        if hashlib.sha256(content).digest() != raw[:_DIGEST]:
+            raise ValueError(f"{path}: does not hold what was written")
+        return pickle.loads(content)  # noqa: S301 - as Numba does
+
+    def _write(self, path: str, content: Any) -> None:
+        dumped = self._dump(content)
+        with self._open_for_write(path) as file:
+            file.write(hashlib.sha256(dumped).digest() + dumped)
+
+
+class _KernelCache(FunctionCache):  # type: ignore[misc]
+    """What is kept of one function."""
+
+    def __init__(self, function: Any, stamp: str) -> None:
+        super().__init__(function)
+        base = self._impl.filename_base
+        self._cache_file = _SealedFiles(self._cache_path, base, stamp)
+        # Beside the sources may stand what who installed them has compiled, for others to read.
+        beside = InTreeCacheLocator(function, function.__code__.co_filename).get_cache_path()
+        self._beside = None if beside == self._cache_path else _SealedFiles(beside, base, stamp)
+
+    def _load_overload(self, sig: Any, target_context: Any) -> Any:
+        key = self._index_key(sig, target_context.codegen())
+        for files in (self._cache_file, self._beside):
+            data = None if files is None else files.load(key)
+            if data is not None:
+                return self._impl.rebuild(target_context, data)
+        return None
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        try:
+            super().save_overload(sig, data)
+        except OSError as error:  # full, or no longer to be written
+            _tell(f"{self._cache_path}: {error.strerror or error}")
+
+
+class _NoCache(NullCache):  # type: ignore[misc]
+    """Keeps nothing, and says so when there would be something to keep."""
+
+    def __init__(self, reason: str) -> None:
+        self._reason = reason
+
+    def save_overload(self, sig: Any, cres: Any) -> None:
+        _tell(self._reason)
+
+
+_told: list[str] = []
+
+
+def _tell(reason: str) -> None:
+    """Warn, once in a process."""
+    if not _told:
+        _told.append(reason)
+        warnings.warn(
+            f"compiled kernels cannot be kept ({reason}), so that each process compiles them anew, for a "
+            "minute or two; set NUMBA_CACHE_DIR to a folder that can be written",
+            KernelCacheWarning,
+            stacklevel=2,
+        )

@@ -1,0 +1,118 @@
+"""Machine code that is kept: read as it was written, or compiled anew."""
+
+import errno
+import importlib.util
+import os
+import pickle
+import sys
+import warnings
+
+import numba
+import pytest
+
+from antenna_pin import _kernel_cache
+from antenna_pin._kernel_cache import KernelCacheWarning, keep
+
+pytestmark = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled")
+
+_SOURCE = "def twice(x):\n    return 2 * x\n"
+
+
+@pytest.fixture
+def source(tmp_path, monkeypatch):
+    monkeypatch.setattr(_kernel_cache, "_told", [])
+    path = tmp_path / "kernels.py"
+    path.write_text(_SOURCE)
+    return path
+
+
+def compiled(source, stamp="stamp"):
+    """Return the function of a file as another process would have it."""
+    spec = importlib.util.spec_from_file_location("kernels", source)
+    module = importlib.util.module_from_spec(spec)
+    sys.modules["kernels"] = module
+    spec.loader.exec_module(module)
+    function = numba.njit(module.twice)
+    keep(function, stamp)
+    return function
+
+
+def hits(function):
+    return sum(function.stats.cache_hits.values())
+
+
+def files(source, suffix):
+    return sorted((source.parent / "__pycache__").glob(f"*{suffix}"))
+
+
+def test_machine_code_is_kept_for_the_next_process_and_for_the_same_stamp(source):
+    first = compiled(source)
+    assert (first(2), hits(first)) == (4, 0)
+    again = compiled(source)
+    assert (again(2), hits(again)) == (4, 1)
+    other = compiled(source, "another stamp")
+    assert (other(2), hits(other)) == (4, 0)
+
+
+@pytest.mark.parametrize("suffix", [".nbi", ".nbc"])
+@pytest.mark.parametrize(
+    "damage",
+    [
+        lambda content: b"",
+        lambda content: content[: len(content) // 2],
+        lambda content: content[:-1],
+        lambda content: bytes([*content[:40], content[40] ^ 1, *content[41:]]),
+        lambda content: pickle.dumps("another version"),
+        lambda content: os.urandom(len(content)),
+    ],
+    ids=["empty", "half", "cut", "flipped", "other", "random"],
+)
+def test_what_is_damaged_is_compiled_and_kept_anew(source, suffix, damage):
+    compiled(source)(2)
+    (path,) = files(source, suffix)
+    path.write_bytes(damage(path.read_bytes()))
+    anew = compiled(source)
+    assert (anew(2), hits(anew)) == (4, 0)
+    again = compiled(source)
+    assert (again(2), hits(again)) == (4, 1)
+
+
+def test_an_entry_of_other_arguments_is_not_taken(source):
+    """Two processes that compile at once may give one name to two entries."""
+    both = compiled(source)
+    assert both(2) == 4
+    assert both(2.5) == 5.0
+    one, other = files(source, ".nbc")
+    one.write_bytes(other.read_bytes())
+    again = compiled(source)
+    assert (again(2), again(2.5), hits(again)) == (4, 5.0, 1)
+
+
+def test_where_nothing_can_be_kept_it_works_and_is_said_once(source, monkeypatch):
+    """Neither folder can be written: as for a user without a home of a package that is not hers."""
+    monkeypatch.setattr(_kernel_cache.FunctionCache._impl_class, "_locator_classes", [], raising=True)
+    with pytest.warns(KernelCacheWarning, match="cannot be kept .* set NUMBA_CACHE_DIR") as told:
+        assert compiled(source)(2) == 4
+        assert compiled(source)(2.5) == 5.0
+    assert len(told) == 1
+
+
+def test_a_disk_that_fills_up_while_kernels_are_kept_costs_nothing_but_time(source, monkeypatch):
+    def full(*_):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(_kernel_cache._SealedFiles, "_write", full)
+    with pytest.warns(KernelCacheWarning, match="No space left on device"):
+        assert compiled(source)(2) == 4
+
+
+def test_what_stands_beside_the_sources_is_read_by_those_who_cannot_write_there(
+    source, tmp_path, monkeypatch
+):
+    compiled(source)(2)
+    monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path / "own"))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        shared = compiled(source)
+        assert (shared(2), hits(shared)) == (4, 1)
+    assert not [path for path in (tmp_path / "own").rglob("*.nb?")]

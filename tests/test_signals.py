@@ -1,0 +1,157 @@
+"""Ctrl-C, the end of a batch job, a closed terminal: what was computed is kept, and no traceback is seen."""
+
+import os
+import pty
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+from antenna_pin import Outcome, Trajectory
+from antenna_pin.files import replacing
+from antenna_pin.interruption import Ended, ending_by_signals, held_back, interruptible
+
+_ENTRY = "import sys; from antenna_pin._entry import main; sys.argv[0] = 'antenna-pin'; sys.exit(main())"
+_ENDLESS = ("run", "bai2020", "--case", "case1", "--duration", "1e5", "--out", "run.nc")
+
+
+@pytest.fixture
+def endless(tmp_path):
+    """Start a run that would take for ever, with a terminal, and return both when it makes its steps."""
+    made = []
+
+    def start(**options):
+        ours, theirs = pty.openpty()
+        process = subprocess.Popen(
+            [sys.executable, "-c", _ENTRY, *_ENDLESS],
+            cwd=tmp_path,
+            stdin=theirs,
+            stdout=theirs,
+            stderr=theirs,
+            start_new_session=True,
+            **options,
+        )
+        made.append(process)
+        os.close(theirs)
+        assert os.read(ours, 20)  # its bar starts with its first step
+        return process, ours
+
+    yield start
+    for process in made:
+        process.kill()
+        process.wait()
+
+
+def _ended(process, terminal):
+    """Return all that a process still says, and its exit code."""
+    said = b""
+    try:
+        while found := os.read(terminal, 1000):
+            said += found
+    except OSError:  # how a terminal ends
+        pass
+    os.close(terminal)
+    return said.decode(), process.wait(timeout=60)
+
+
+@pytest.fixture
+def as_command_line():
+    """SIGTERM and SIGHUP as the command line takes them, for one test."""
+    before = {number: signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGHUP)}
+    ending_by_signals()
+    yield
+    for number, handler in before.items():
+        signal.signal(number, handler)
+
+
+@pytest.mark.parametrize(
+    ("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129)], ids=str
+)
+def test_what_a_signal_stops_is_saved(tmp_path, endless, number, code):
+    process, terminal = endless()
+    process.send_signal(number)
+    said, ended = _ended(process, terminal)
+    assert ended == code
+    assert "saved run.nc" in said
+    assert "Traceback" not in said
+    assert Trajectory.load(tmp_path / "run.nc").outcome is Outcome.INTERRUPTED
+    assert [path.name for path in tmp_path.iterdir()] == ["run.nc"]
+
+
+def test_a_run_outlives_its_terminal_for_as_long_as_it_takes_to_save(tmp_path, endless):
+    """The bar, the summary and the last words are printed to a terminal that is gone."""
+    process, terminal = endless()
+    os.close(terminal)  # from here on every write raises EIO
+    time.sleep(0.3)
+    process.send_signal(signal.SIGHUP)
+    assert process.wait(timeout=60) == 129
+    assert Trajectory.load(tmp_path / "run.nc").outcome is Outcome.INTERRUPTED
+
+
+def test_nohup_keeps_a_run_alive(endless):
+    process, terminal = endless(preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN))
+    process.send_signal(signal.SIGHUP)
+    time.sleep(0.5)
+    assert process.poll() is None
+    process.send_signal(signal.SIGTERM)
+    assert _ended(process, terminal)[1] == 143
+
+
+def test_ctrl_c_while_modules_are_imported_is_no_traceback(tmp_path):
+    """Sent at times spread over the imports; from the first line of ours on, one line at most is printed."""
+    for delay in (0.0, 0.05, 0.2):
+        ready = _ENTRY.replace("import sys;", "import sys; import antenna_pin._entry; print(flush=True);")
+        process = subprocess.Popen(
+            [sys.executable, "-c", ready, "run", "bai2020"],
+            cwd=tmp_path,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        process.stdout.read(1)
+        time.sleep(delay)
+        process.send_signal(signal.SIGINT)
+        _, err = process.communicate(timeout=120)
+        assert process.returncode in (-signal.SIGINT, 130)
+        assert err in ("", "antenna-pin: interrupted\n")
+
+
+def test_a_script_is_left_its_own_way_with_sigterm():
+    """In Python only Ctrl-C is taken over, or a script of many runs could not be ended."""
+    seen = []
+    before = signal.signal(signal.SIGTERM, lambda number, frame: seen.append(number))
+    try:
+        with interruptible() as interrupted:
+            signal.raise_signal(signal.SIGTERM)
+            assert not interrupted()
+    finally:
+        signal.signal(signal.SIGTERM, before)
+    assert seen == [signal.SIGTERM]
+
+
+def test_signals_count_as_ctrl_c_on_the_command_line(as_command_line):
+    with interruptible() as interrupted:
+        signal.raise_signal(signal.SIGTERM)
+        assert interrupted()
+        with held_back():  # within, too
+            signal.raise_signal(signal.SIGHUP)
+        with pytest.raises(KeyboardInterrupt):  # the third interrupts at once
+            signal.raise_signal(signal.SIGINT)
+    with pytest.raises(Ended):
+        signal.raise_signal(signal.SIGHUP)
+
+
+def test_what_is_held_back_comes_in_the_end(tmp_path, as_command_line):
+    target = tmp_path / "file"
+    with pytest.raises(Ended):
+        with replacing(target) as partial, held_back():
+            signal.raise_signal(signal.SIGTERM)
+            partial.write_text("whole")
+    assert not target.exists()
+    with pytest.raises(KeyboardInterrupt):
+        with held_back(), replacing(target) as partial:
+            signal.raise_signal(signal.SIGINT)
+            partial.write_text("whole")
+    assert target.read_text() == "whole"
