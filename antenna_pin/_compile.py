@@ -19,7 +19,7 @@ from numba.extending import lower_builtin, type_callable
 
 from antenna_pin._kernel_cache import keep
 
-__all__ = ["composed", "inlined", "kernel", "record", "stamped_files"]
+__all__ = ["composed", "inlined", "kernel", "record", "released", "stamped_files"]
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 
@@ -49,6 +49,11 @@ def kernel(function: _Function) -> _Function:
     """
     # Left unsaid, Numba takes over what the caller says for which it is compiled.
     return _compiled(function, forceinline=False)
+
+
+def released(function: _Function) -> _Function:
+    """Compile as a kernel a function that lets other threads of Python run while it does."""
+    return _compiled(function, forceinline=False, nogil=True)
 
 
 def inlined(function: _Function) -> _Function:

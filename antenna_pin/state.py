@@ -104,7 +104,7 @@ class State(_Value):
         memory: Contact memory: touching, approach speed [m/s], effective mass [kg], (contacts, 3).
         contacts: The contacts that touch.
         step: Size to try next [s].
-        sizes: Step sizes by pattern of touching contacts, the latest last: (pattern, [s]).
+        sizes: Step sizes by pattern of touching contacts, (ones and zeros, [s]).
         changed: Of each contact, how often it has changed at this very instant.
         events: What the run's events remember.
         adjusted: Numbers of drives and springs that events have changed: (place, value).

@@ -13,7 +13,7 @@ from antenna_pin.dynamics.assembly import (
 from antenna_pin.dynamics.audit import Audit, audit
 from antenna_pin.dynamics.evaluate import acceleration, contact_memory
 from antenna_pin.dynamics.held import HeldKind
-from antenna_pin.dynamics.motion import JointMotion
+from antenna_pin.dynamics.motion import JointMotion, motion_block
 from antenna_pin.dynamics.samples import Observed, joint_motion, journal_attitudes, observed, sliding_motion
 from antenna_pin.dynamics.system import System
 from antenna_pin.dynamics.workspace import Workspace
@@ -51,6 +51,7 @@ __all__ = [
     "check_motions",
     "contact_memory",
     "joint_motion",
+    "motion_block",
     "journal_attitudes",
     "constraint_counts",
     "mobility_of",

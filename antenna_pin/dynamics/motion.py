@@ -9,9 +9,18 @@ from antenna_pin.dynamics import _kernels
 from antenna_pin.dynamics.system import System
 from antenna_pin.elements import ConstantDrive
 
-__all__ = ["JointMotion"]
+__all__ = ["JointMotion", "motion_block"]
 
 Array = NDArray[np.float64]
+
+
+def motion_block(system: System, joint: str) -> Array:
+    """Return what a kernel needs to know of a joint's motion, as a block of a program behind the system's.
+
+    Raises:
+        AntennaPinError: There is no such joint, or it has no axis.
+    """
+    return system.element_block(f"motion of {joint!r}", ConstantDrive(joint=joint, value=0.0), 0)
 
 
 class JointMotion:
@@ -27,8 +36,7 @@ class JointMotion:
 
     def __init__(self, system: System, joint: str) -> None:
         """Lay out what the kernel needs to know of the joint."""
-        block = system.element_block(f"motion of {joint!r}", ConstantDrive(joint=joint, value=0.0), 0)
-        self._program = np.concatenate([system.program, block])
+        self._program = np.concatenate([system.program, motion_block(system, joint)])
         self._block = system.program.size
         self._nq = system.model.nq
 

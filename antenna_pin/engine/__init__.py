@@ -1,6 +1,6 @@
 """How the steps of a run are made: their pace, and those that nothing interrupts as one compiled loop."""
 
 from antenna_pin.engine.compiled import Compiled, CompiledStepper, check_compiled
-from antenna_pin.engine.pace import Pace
+from antenna_pin.engine.pace import Pace, Sizes
 
-__all__ = ["Compiled", "CompiledStepper", "Pace", "check_compiled"]
+__all__ = ["Compiled", "CompiledStepper", "Pace", "Sizes", "check_compiled"]

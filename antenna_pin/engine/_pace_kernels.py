@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 from antenna_pin._compile import kernel
 from antenna_pin.records import layout
@@ -95,3 +95,52 @@ def shortened(pace: Any, tried: float, error: float) -> float:
 def hopeless(pace: Any, h: float) -> bool:
     """Whether a step shortened to h [s] is not to be tried."""
     return bool(h < pace[0].least or pace[0].adaptive == 0)
+
+
+class Sizes(NamedTuple):
+    """Step sizes by pattern of touching contacts: impacts of one kind need steps of one size.
+
+    Attributes:
+        patterns: Which contacts touch, 0 or 1, (capacity, contacts).
+        sizes: (capacity,) [s].
+        count: How many patterns there are, (1,).
+    """
+
+    patterns: Any
+    sizes: Any
+    count: Any
+
+
+@kernel
+def _number(table: Any, memory: Any) -> int:
+    """Return where the present pattern stands, or how many there are."""
+    count = table.count[0]
+    for k in range(count):
+        same = True
+        for c in range(memory.shape[0]):
+            if (memory[c].touching != 0.0) != (table.patterns[k, c] != 0):
+                same = False
+                break
+        if same:
+            return int(k)
+    return int(count)
+
+
+@kernel
+def note_size(table: Any, memory: Any, h: float) -> None:
+    """Note the step that goes well in the present pattern of touching contacts [s]."""
+    k = _number(table, memory)
+    if k == table.count[0]:
+        if k == table.sizes.shape[0]:  # the loop outside sees to room
+            return
+        table.count[0] = k + 1
+        for c in range(memory.shape[0]):
+            table.patterns[k, c] = 1 if memory[c].touching != 0.0 else 0
+    table.sizes[k] = h
+
+
+@kernel
+def size_after_change(table: Any, memory: Any, h: float) -> float:
+    """Return the step to try in a pattern that has just begun [s], after one of h [s] in another."""
+    k = _number(table, memory)
+    return float(h if k == table.count[0] else min(table.sizes[k], 10.0 * h))

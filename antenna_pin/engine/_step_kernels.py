@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from antenna_pin._compile import kernel
+from antenna_pin._compile import inlined, kernel
 from antenna_pin.constraints._solve_kernels import accelerate
 from antenna_pin.dynamics._kernels import evaluate, head_of
 from antenna_pin.dynamics._point_kernels import add_forces
@@ -36,8 +36,11 @@ class Numbers(NamedTuple):
         step: (nv,), scratch.
         pose: POSE, (1,), scratch.
         table: A contact table, scratch.
+        own: The contact table that the derivative writes.
         memory: The contact memory.
         audit: AUDIT, (1,), scratch.
+        rates: Derivatives, (2, nv + nx), scratch.
+        force: Generalized force, (nv,), scratch.
         moved: A step's end before it was brought onto the constraints, (size,).
         flag: Whether it was moved, (1,).
         booked: Place in a state of the energy that this puts in.
@@ -56,8 +59,11 @@ class Numbers(NamedTuple):
     step: Any
     pose: Any
     table: Any
+    own: Any
     memory: Any
     audit: Any
+    rates: Any
+    force: Any
     moved: Any
     flag: Any
     booked: int
@@ -83,7 +89,7 @@ class Tableau(NamedTuple):
     adaptive: int
 
 
-@kernel
+@inlined
 def derivative(t: float, y: Any, numbers: Any, rates: Any) -> None:
     """Write [acceleration (nv), rate of x (nx)] of a tree at time t [s] and state y."""
     program = numbers.program

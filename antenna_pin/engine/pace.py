@@ -1,14 +1,18 @@
-"""The size of a step, for both engines."""
+"""The sizes of steps, for both engines."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from antenna_pin.engine import _pace_kernels as _kernels
 
-__all__ = ["Pace"]
+__all__ = ["Pace", "Sizes"]
+
+_ROOM = 16  # patterns, to begin with
 
 
 class Pace:
@@ -57,3 +61,57 @@ class Pace:
     def hopeless(self, h: float) -> bool:
         """Whether a step shortened to h [s] is not to be tried."""
         return bool(_kernels.hopeless(self.numbers, h))
+
+
+class Sizes:
+    """Step sizes by pattern of touching contacts: impacts of one kind need steps of one size.
+
+    Args:
+        memory: The contact memory, MEMORY, (contacts,), of which the present pattern is read.
+
+    Attributes:
+        table: As the kernels take it.
+    """
+
+    def __init__(self, memory: NDArray[Any]) -> None:
+        """Begin without patterns."""
+        self._memory = memory
+        self.table = _kernels.Sizes(
+            patterns=np.zeros((_ROOM, len(memory)), dtype=np.uint8),
+            sizes=np.zeros(_ROOM),
+            count=np.zeros(1, dtype=np.int64),
+        )
+
+    def make_room(self) -> None:
+        """Let there be room for a pattern more."""
+        room = len(self.table.sizes)
+        if int(self.table.count[0]) < room:
+            return
+        patterns = np.zeros((2 * room, len(self._memory)), dtype=np.uint8)
+        sizes = np.zeros(2 * room)
+        patterns[:room], sizes[:room] = self.table.patterns, self.table.sizes
+        self.table = self.table._replace(patterns=patterns, sizes=sizes)
+
+    def note(self, h: float) -> None:
+        """Note the step that goes well in the present pattern [s]."""
+        self.make_room()
+        _kernels.note_size(self.table, self._memory, h)
+
+    def after_change(self, h: float) -> float:
+        """Return the step to try in a pattern that has just begun [s], after one of h [s] in another."""
+        return float(_kernels.size_after_change(self.table, self._memory, h))
+
+    def value(self) -> tuple[tuple[str, float], ...]:
+        """Return all of them: which contacts touch, as ones and zeros, and the size [s]."""
+        count = int(self.table.count[0])
+        names = ("".join(map(str, pattern)) for pattern in self.table.patterns[:count].tolist())
+        return tuple(zip(names, self.table.sizes[:count].tolist(), strict=True))
+
+    def take_up(self, sizes: Iterable[tuple[str, float]]) -> None:
+        """Go on with what another run has left."""
+        for name, size in sizes:
+            self.make_room()
+            count = int(self.table.count[0])
+            self.table.patterns[count] = [int(one) for one in name]
+            self.table.sizes[count] = size
+            self.table.count[0] = count + 1

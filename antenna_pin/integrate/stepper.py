@@ -68,7 +68,8 @@ class Stepper:
         self.start = self.work[self.start_row]
         self._derivative = _bound(problem, self.y, self._rates)
         self.dense = np.zeros((method.polynomials.shape[1], size))
-        self._out = np.zeros((2, size))
+        #: Room for a state of the dense output, (2, size).
+        self.out = np.zeros((2, size))
         self.t = 0.0
         self.h = 0.0
         self.evaluations = 0
@@ -134,8 +135,8 @@ class Stepper:
 
     def interpolate(self, theta: float, out: Array) -> None:
         """Write the state at the fraction theta of the last trial step into out (see ``prepare_dense``)."""
-        _kernels.dense_state(theta, self.manifold.layout, self.dense, self.work, self.start_row, self._out)
-        out[:] = self._out[0]
+        _kernels.dense_state(theta, self.manifold.layout, self.dense, self.work, self.start_row, self.out)
+        out[:] = self.out[0]
 
     def accept(self) -> None:
         """Make the trial step the state."""

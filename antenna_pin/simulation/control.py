@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from antenna_pin.dynamics import System
+from antenna_pin.dynamics import Workspace
 from antenna_pin.elements import ForceElement
-from antenna_pin.engine import Pace
+from antenna_pin.engine import Pace, Sizes
 from antenna_pin.integrate import Method
 from antenna_pin.settings import RunSettings
 from antenna_pin.trajectory import Outcome
@@ -20,7 +20,7 @@ class StepControl:
     """What decides how long the next step is.
 
     Args:
-        system: Its drives say where steps must end, and how long they may be.
+        workspace: Drives of its system say where steps must end, and how long they may be.
         method: Of integration.
         settings: How to integrate.
         begin: From when on the run records [s].
@@ -31,7 +31,7 @@ class StepControl:
     """
 
     def __init__(
-        self, system: System, method: Method, settings: RunSettings, begin: float, end: float
+        self, workspace: Workspace, method: Method, settings: RunSettings, begin: float, end: float
     ) -> None:
         """Collect the instants at which steps must end."""
         self.settings = settings
@@ -46,7 +46,8 @@ class StepControl:
             least=settings.min_step,
             end=end,
         )
-        self.sizes: dict[bytes, float] = {}
+        self.sizes = Sizes(workspace.memory)
+        system = workspace.system
         elements = (*system.drives.values(), *system.springs.values())
         self.end_at({t for element in elements for t in element.instants})
         self.renew(elements)

@@ -3,37 +3,26 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.dynamics import Workspace, _inspect
+from antenna_pin.engine import CompiledStepper
+from antenna_pin.engine import _episode_kernels as _kernels
 from antenna_pin.integrate import Stepper
 from antenna_pin.joints._layout_kernels import BRISTLES
-from antenna_pin.records import memory_numbers, memory_records
+from antenna_pin.records import MEMORY, memory_numbers, memory_records
 from antenna_pin.simulation.samples import Samples
 from antenna_pin.state import OpenContact, State
 
-__all__ = ["Episode", "Episodes"]
+__all__ = ["Episodes"]
 
 Array = NDArray[np.float64]
 
-
-@dataclass(slots=True)
-class Episode:
-    """One contact from onset to release."""
-
-    contact: int
-    onset: float
-    approach_speed: float
-    release: float = math.nan
-    peak_force: float = 0.0
-    peak_time: float = math.nan
-    peak_depth: float = 0.0
-    impulse: float = 0.0
-    dissipated: float = 0.0
-    effective_mass: float = math.nan
+_ROOM = 64  # episodes, to begin with
+_TOLERANCE = 1e-9  # of the play, that a gap must come to at an event
 
 
 class Episodes:
@@ -46,7 +35,7 @@ class Episodes:
         begin: From when on the run records [s].
 
     Attributes:
-        all: Episodes in the order of their onsets.
+        book: All of it, in numbers.
         peaks: Largest force [N], when [s], largest depth [m] of each contact that touches, PEAK, (contacts,).
     """
 
@@ -58,21 +47,47 @@ class Episodes:
         self.samples = samples
         self.begin = begin
         contacts = len(system.contact_names)
-        self.all: list[Episode] = []
         self.peaks = np.zeros(contacts, _inspect.PEAK)
-        self._open: list[Episode | None] = [None] * contacts
-        self._at_peaks: list[tuple[float, Array, Array] | None] = [None] * contacts
-        self._floors = system.approach_speed_floors
-        self._bristles = [j.stride - BRISTLES for j in system.clearances for _ in j.contact_names]
+        first = system.model.nq + system.model.nv
+        places = np.zeros(contacts, _kernels.PLACES)
+        places["impulse"] = first + system.impulse_x
+        places["lost_normal"] = first + system.lost_normal_x
+        places["lost_friction"] = first + system.lost_friction_x
+        places["bristle"] = places["impulse"] + BRISTLES
+        places["bristles"] = [j.stride - BRISTLES for j in system.clearances for _ in j.contact_names]
+        places["floor"] = system.approach_speed_floors
+        plays = [j.geometry.radial_clearance for j in system.clearances for _ in j.contact_names]
+        places["tolerance"] = _TOLERANCE * np.array(plays)
+        self.book = _kernels.Book(
+            memory=workspace.memory,
+            peaks=self.peaks,
+            open=np.full(contacts, -1),
+            moments=np.full(contacts, math.nan),
+            states=np.zeros((contacts, system.manifold.size)),
+            memories=np.zeros((contacts, contacts), MEMORY),
+            places=places,
+            episodes=np.zeros(_ROOM, _kernels.EPISODE),
+            count=np.zeros(1, dtype=np.int64),
+        )
 
     def __len__(self) -> int:
         """How many contacts there are, touching or not."""
-        return len(self._open)
+        return len(self.peaks)
 
     @property
-    def pattern(self) -> bytes:
-        """Which contacts touch."""
-        return self.workspace.memory["touching"].tobytes()
+    def all(self) -> NDArray[Any]:
+        """Episodes in the order of their onsets, EPISODE; without those that ended before the run began."""
+        episodes = self.book.episodes[: int(self.book.count[0])]
+        own: NDArray[Any] = episodes[~(episodes["release"] < self.begin)]
+        return own
+
+    def make_room(self) -> None:
+        """Let there be room for an episode more."""
+        if int(self.book.count[0]) < len(self.book.episodes):
+            return
+        grown = np.zeros(2 * len(self.book.episodes), _kernels.EPISODE)
+        grown[: len(self.book.episodes)] = self.book.episodes
+        self.book = self.book._replace(episodes=grown)
 
     def flip(self, c: int, rate: float) -> None:
         """Let a contact touch, at a depth rate [m/s], or part."""
@@ -83,78 +98,40 @@ class Episodes:
 
     def touch(self, c: int, rate: float) -> None:
         """Begin a contact."""
-        speed = max(rate, self._floors[c])
-        mass = self.workspace.effective_mass(self.stepper.start[: self.system.manifold.size], c)
-        self.workspace.memory[c] = 1.0, speed, mass
-        episode = Episode(contact=c, onset=self.stepper.t, approach_speed=speed, effective_mass=mass)
-        self.peaks[c] = (0.0, self.stepper.t, 0.0)
-        x = self.stepper.start[self.system.model.nq + self.system.model.nv :]
-        # What the contact has integrated before; taken off at its end.
-        episode.impulse = -float(x[self.system.impulse_x[c]])
-        episode.dissipated = -self._lost(c, x)
-        self._open[c] = episode
-        self.all.append(episode)
-        # A new contact has new bristles.
-        first = len(self.stepper.start) - len(x) + int(self.system.impulse_x[c]) + BRISTLES
-        self.stepper.start[first : first + self._bristles[c]] = 0.0
+        self.make_room()
+        _kernels.touch(self.book, c, self.stepper.t, rate, self._effective_mass(c), self.stepper.start)
+
+    def _effective_mass(self, c: int) -> float:
+        y = self.stepper.start[: self.system.manifold.size]
+        if isinstance(self.stepper, CompiledStepper):
+            return float(_kernels.effective_mass(c, y, self.stepper.numbers))
+        return self.workspace.effective_mass(y, c)
 
     def release(self, c: int) -> None:
         """End a contact."""
-        self.workspace.memory[c] = 0.0, 0.0, 0.0
-        self._close(c)
-        episode = self._open[c]
-        if episode is not None:
-            episode.release = self.stepper.t
-            if episode.release < self.begin:  # it is the run's that was before
-                self.all.remove(episode)
-        self._open[c] = None
+        _kernels.release(self.book, c, self.stepper.t, self.stepper.start)
+        self._sample(c)
 
     def close(self) -> None:
         """Complete the record of the contacts that still touch at the end of a run."""
         for c in range(len(self)):
-            self._close(c)
+            _kernels.complete(self.book, c, self.stepper.start)
+            self._sample(c)
 
-    def _close(self, c: int) -> None:
-        episode = self._open[c]
-        if episode is None:
-            return
-        x = self.stepper.start[self.system.model.nq + self.system.model.nv :]
-        episode.peak_force, episode.peak_time, episode.peak_depth = self.peaks[c].item()
-        peak = self._at_peaks[c]
-        if peak is not None and peak[0] >= self.begin:
-            self.samples.insert(*peak)
-            self._at_peaks[c] = None
-        episode.impulse += float(x[self.system.impulse_x[c]])
-        episode.dissipated += self._lost(c, x)
-
-    def _lost(self, c: int, x: Array) -> float:
-        return float(x[self.system.lost_normal_x[c]] + x[self.system.lost_friction_x[c]])
+    def _sample(self, c: int) -> None:
+        """Sample what is kept of a contact's largest force."""
+        book = self.book
+        if book.moments[c] >= self.begin:
+            self.samples.insert(float(book.moments[c]), book.states[c], book.memories[c].copy())
+        book.moments[c] = math.nan
 
     def keep_peaks(self) -> None:
         """Keep the state at the largest force so far of each touching contact, to sample it at the end."""
-        t, h = self.stepper.t, self.stepper.h
-        for c, episode in enumerate(self._open):
-            if episode is None:
-                continue
-            moment = float(self.peaks[c].time)
-            kept = self._at_peaks[c]
-            if t < moment <= t + h and (kept is None or kept[0] != moment):
-                state = np.empty(self.system.manifold.size)
-                self.stepper.interpolate((moment - t) / h, state)
-                self._at_peaks[c] = (moment, state, self.workspace.memory.copy())
-
-    def keep(self, moments: Array, states: Array) -> None:
-        """Keep the states at the largest forces so far that compiled steps have kept.
-
-        Args:
-            moments: When, of each contact; not-a-number for none, (contacts,) [s].
-            states: [q, v, x] there, (contacts, size); copied.
-        """
-        for c, episode in enumerate(self._open):
-            kept, moment = self._at_peaks[c], float(moments[c])
-            if episode is not None and moment == float(self.peaks[c].time):
-                if kept is None or kept[0] != moment:
-                    self._at_peaks[c] = (moment, states[c].copy(), self.workspace.memory.copy())
+        stepper = self.stepper
+        layout, out = stepper.manifold.layout, stepper.out
+        _kernels.keep_peaks(
+            stepper.t, stepper.h, layout, stepper.dense, stepper.work, stepper.start_row, out, self.book
+        )
 
     # --- as a value -----------------------------------------------------------------------------------------
 
@@ -162,39 +139,35 @@ class Episodes:
         """Go on with the contacts that touch in a state that a run left."""
         self.workspace.memory[:] = memory_records(state.memory)
         for one in state.contacts:
-            episode = Episode(
-                contact=one.contact,
-                onset=one.onset,
-                approach_speed=one.approach_speed,
-                effective_mass=one.effective_mass,
-                impulse=one.impulse,
-                dissipated=one.dissipated,
-            )
-            self._open[one.contact] = episode
-            self.all.append(episode)
-            self.peaks[one.contact] = one.peak
+            self.make_room()
+            book, c = self.book, one.contact
+            number = int(book.count[0])
+            episode = book.episodes[number]
+            for name in ("contact", "onset", "approach_speed", "effective_mass", "impulse", "dissipated"):
+                episode[name] = getattr(one, name)
+            episode["release"] = episode["peak_time"] = math.nan
+            book.open[c] = number
+            book.count[0] = number + 1
+            self.peaks[c] = one.peak
             if one.peak_state.size:
-                kept = memory_records(one.peak_memory)
-                self._at_peaks[one.contact] = (one.peak[1], one.peak_state.copy(), kept)
+                book.moments[c] = one.peak[1]
+                book.states[c] = one.peak_state
+                book.memories[c] = memory_records(one.peak_memory)
 
     def value(self) -> tuple[OpenContact, ...]:
         """Return the contacts that touch, as a state holds them."""
-        contacts = []
-        for c, episode in enumerate(self._open):
-            if episode is None:
-                continue
-            kept = self._at_peaks[c]
+        contacts, book = [], self.book
+        for c in np.flatnonzero(book.open >= 0).tolist():
+            episode = book.episodes[book.open[c]]
+            names = ("onset", "approach_speed", "effective_mass", "impulse", "dissipated")
+            kept = not math.isnan(book.moments[c])
             contacts.append(
                 OpenContact(
                     contact=c,
-                    onset=episode.onset,
-                    approach_speed=episode.approach_speed,
-                    effective_mass=episode.effective_mass,
-                    impulse=episode.impulse,
-                    dissipated=episode.dissipated,
+                    **{name: float(episode[name]) for name in names},
                     peak=self.peaks[c].item(),
-                    peak_state=np.zeros(0) if kept is None else kept[1].copy(),
-                    peak_memory=np.zeros((0, 3)) if kept is None else memory_numbers(kept[2]),
+                    peak_state=book.states[c].copy() if kept else np.zeros(0),
+                    peak_memory=memory_numbers(book.memories[c]) if kept else np.zeros((0, 3)),
                 )
             )
         return tuple(contacts)

@@ -8,11 +8,11 @@ from antenna_pin.dynamics import System, _kernels
 from antenna_pin.simulation.events import Event, Kink
 from antenna_pin.simulation.moment import Moment
 
-__all__ = ["kinks_of"]
+__all__ = ["Passing", "kinks_of"]
 
 
 @dataclass(frozen=True, slots=True)
-class _Passing:
+class Passing:
     """The function of an element that is zero where its effort has a kink.
 
     Attributes:
@@ -33,7 +33,7 @@ def kinks_of(system: System) -> tuple[Event, ...]:
         ("spring", system.springs, system.spring_blocks),
     )
     return tuple(
-        Event(name=f"{family} {name!r} has a kink", when=_Passing(blocks[name]), action=Kink())
+        Event(name=f"{family} {name!r} has a kink", when=Passing(blocks[name]), action=Kink())
         for family, elements, blocks in families
         for name, element in elements.items()
         if element.has_kinks

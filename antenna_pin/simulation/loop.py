@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +22,7 @@ from antenna_pin.records import memory_numbers
 from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.actions import Actions, Happening
 from antenna_pin.simulation.control import StepControl
-from antenna_pin.simulation.episodes import Episode, Episodes
+from antenna_pin.simulation.episodes import Episodes
 from antenna_pin.simulation.events import Event
 from antenna_pin.simulation.kinks import kinks_of
 from antenna_pin.simulation.measured import Found
@@ -33,6 +34,7 @@ from antenna_pin.simulation.search import ContactSearch
 from antenna_pin.simulation.singular import Singularities
 from antenna_pin.simulation.trials import Trial, Trials
 from antenna_pin.simulation.watch import Crossing, Watch
+from antenna_pin.simulation.watched import is_known
 from antenna_pin.state import State
 from antenna_pin.trajectory import Counts, Outcome
 
@@ -71,7 +73,7 @@ class Run:
         method = method_named(settings.method)
         scales = scale_vector(system, settings.scales)
         self.stepper = stepper_of(self.workspace, method, scales, settings)
-        self.control = StepControl(system, method, settings, self.begin, end)
+        self.control = StepControl(self.workspace, method, settings, self.begin, end)
         self.samples = Samples(self.workspace, settings.output_rate, self.begin, end)
         self._contacts = Episodes(self.workspace, self.stepper, self.samples, self.begin)
         self._search = ContactSearch(self.workspace, self.stepper, self._contacts)
@@ -84,10 +86,9 @@ class Run:
         self._trials = Trials(self.stepper, self.control)
         #: Singular positions; None where nothing is held.
         self.singular = None if system.plan is None else Singularities(Workspace(system))
-        if isinstance(self.stepper, CompiledStepper) and not self._watch:
-            quiet = self.stepper, self.control, self.samples, self._contacts, self._search
+        if isinstance(self.stepper, CompiledStepper) and all(map(is_known, self._watch.events)):
+            quiet = self.stepper, self.control, self.samples, self._contacts, self._search, self._watch
             self._trials = QuietTrials(*quiet, self.singular)
-        self.accepted = 0
         self.wall = 0.0
         self.outcome = Outcome.COMPLETED
         self.message = Outcome.COMPLETED.value
@@ -120,7 +121,7 @@ class Run:
             self._actions.set(place, value)
         self.stepper.restart(state.time, state.y)
         self.control.spin = self.system.turn_on(self.stepper.start)
-        self.control.sizes = {bytes.fromhex(name): size for name, size in state.sizes}
+        self.control.sizes.take_up(state.sizes)
         self._search.ignore[:] = state.changed
         self._next = state.step
         self._watch.take_up(state.events, state.time)
@@ -136,8 +137,8 @@ class Run:
         return self._left if self._left is not None else self._state()
 
     @property
-    def episodes(self) -> list[Episode]:
-        """Contacts from onset to release, in the order of their onsets."""
+    def episodes(self) -> NDArray[Any]:
+        """Contacts from onset to release, in the order of their onsets, EPISODE."""
         return self._contacts.all
 
     @property
@@ -153,7 +154,7 @@ class Run:
     def counts(self) -> Counts:
         """Return what the run took so far."""
         tried = self._trials
-        return Counts(self.accepted, tried.rejected, tried.relocated, self.stepper.evaluations, self.wall)
+        return Counts(tried.accepted, tried.rejected, tried.relocated, self.stepper.evaluations, self.wall)
 
     def _state(self) -> State:
         nq, nv = self.system.model.nq, self.system.model.nv
@@ -167,7 +168,7 @@ class Run:
             memory=memory_numbers(self.workspace.memory),
             contacts=self._contacts.value(),
             step=self._next,
-            sizes=tuple((pattern.hex(), size) for pattern, size in self.control.sizes.items()),
+            sizes=self.control.sizes.value(),
             changed=tuple(self._search.ignore.tolist()),
             events=self._watch.value(),
             adjusted=tuple(self._actions.adjustments.values.items()),
@@ -198,7 +199,7 @@ class Run:
                 break
             if not self._may_go_on(report.wall):
                 break
-            report(self.stepper.t, h, self.accepted)
+            report(self.stepper.t, h, self._trials.accepted)
         self._next = h
         self._left = dataclasses.replace(self.state, reached=self.stepper.t)
         self._contacts.close()
@@ -207,11 +208,10 @@ class Run:
         if self.singular is not None:
             self.message += self.singular.words()
         self.wall = report.wall
-        report(self.stepper.t, h, self.accepted, last=True)
+        report(self.stepper.t, h, self._trials.accepted, last=True)
 
     def _may_go_on(self, wall: float) -> bool:
-        trials = self.accepted + self._trials.rejected + self._trials.relocated
-        outcome = self.control.limit(trials, self.stepper.t, wall)
+        outcome = self.control.limit(self._trials.made, self.stepper.t, wall)
         if outcome is not None:
             self._stop(outcome)
         return outcome is None
@@ -219,7 +219,6 @@ class Run:
     def _step(self, h: float) -> float:
         """Make one accepted step, or a stretch; return the size to try next."""
         trial = self._trials.first(h, self._keep)
-        self.accepted += trial.made
         if not trial.tried:
             return trial.following
         return self._conclude(trial.following) if trial.passed else self._give_up(trial)
@@ -275,7 +274,7 @@ class Run:
         stepper, contacts, search = self.stepper, self._contacts, self._search
         c = found.contact
         sizes = self.control.sizes
-        sizes[contacts.pattern] = following
+        sizes.note(following)
         if found.theta > 0.0:
             trial = self._relocate(found.theta, search.lack(c))
             if not trial.passed:
@@ -291,7 +290,7 @@ class Run:
         search.ignore[c] = 1
         self._restart()
         self.samples.add(stepper.t, self._here.copy())
-        return min(sizes.get(contacts.pattern, following), following * 10.0)
+        return sizes.after_change(following)
 
     def _restart(self) -> None:
         """Take up the integration anew, after a change at the present state."""
@@ -335,7 +334,7 @@ class Run:
             self.control.spin = self.system.turn_on(stepper.start)
         if stepper.t > self.duration - 1e-15 * self.duration:
             stepper.t = self.duration
-        self.accepted += 1
+        self._trials.accepted += 1
         if self.singular is not None:
             self.singular.look(stepper.t, self._here)
         if self._watch:

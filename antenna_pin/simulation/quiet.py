@@ -10,7 +10,9 @@ from numpy.typing import NDArray
 from antenna_pin.dynamics import Workspace
 from antenna_pin.engine import Compiled, CompiledStepper
 from antenna_pin.engine import _loop_kernels as _kernels
+from antenna_pin.engine import _stretch_kernels as _stretch
 from antenna_pin.integrate import Method, Stepper
+from antenna_pin.records import MEMORY
 from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.control import StepControl
 from antenna_pin.simulation.episodes import Episodes
@@ -18,12 +20,14 @@ from antenna_pin.simulation.samples import Samples
 from antenna_pin.simulation.search import ContactSearch
 from antenna_pin.simulation.singular import Singularities
 from antenna_pin.simulation.trials import Trial, Trials
+from antenna_pin.simulation.watch import Watch
+from antenna_pin.simulation.watched import Watched
 
 __all__ = ["QuietTrials", "stepper_of"]
 
 Array = NDArray[np.float64]
 
-_BUDGET = 256  # steps from one look at the clock, at Ctrl-C and at limits to the next
+_BUDGET = 1024  # trial steps from one look at the clock, at Ctrl-C and at limits to the next
 _CAPACITY = 256  # samples
 
 
@@ -39,7 +43,7 @@ def stepper_of(workspace: Workspace, method: Method, scales: Array, settings: Ru
 
 
 class QuietTrials(Trials):
-    """Trials of a compiled run: the steps in which nothing happens are made before the first that is tried.
+    """Trials of a compiled run: steps are made in one loop, up to the first that this one has to see to.
 
     Args:
         stepper: What makes them.
@@ -47,6 +51,7 @@ class QuietTrials(Trials):
         samples: Where output goes.
         episodes: The contacts' record.
         search: The contacts' search, whose findings these are.
+        watch: What is looked for besides.
         singular: What looks at each step's end; None where nothing is held.
     """
 
@@ -57,35 +62,54 @@ class QuietTrials(Trials):
         samples: Samples,
         episodes: Episodes,
         search: ContactSearch,
+        watch: Watch,
         singular: Singularities | None,
     ) -> None:
         """Allocate once."""
         super().__init__(stepper, control)
         self._compiled = stepper
         self._singular = singular
-        self._samples, self._episodes = samples, episodes
+        self._samples, self._episodes, self._watch = samples, episodes, watch
         size, contacts = stepper.manifold.size, len(episodes)
-        self._buffers = _kernels.Buffers(
-            times=np.zeros(_CAPACITY),
-            states=np.zeros((_CAPACITY, size)),
-            moments=np.full(contacts, np.nan),
-            peaks=np.zeros((contacts, size)),
-            instants=np.zeros(0 if singular is None else _BUDGET),
-            ends=np.zeros((0 if singular is None else _BUDGET, size)),
-            kept=stepper.kept,
-            out=np.zeros((2, size)),
-        )
-        self._search = _kernels.Search(
-            nodes=search.nodes,
-            ignore=search.ignore,
-            limits=search.limits,
-            peaks=episodes.peaks,
-            turns=episodes.system.turns,
-        )
-        self._trial = search.trial
-        self._stretch = np.zeros(1, _kernels.STRETCH)
+        ends = 0 if singular is None else _BUDGET
+        capacity = _CAPACITY + 2 * contacts
+        self._stretch = np.zeros(1, _stretch.STRETCH)
         self._stretch["rate"], self._stretch["begin"] = samples.rate, samples.begin
         self._stretch["end"] = control.end
+        self._watched = Watched(watch)
+        self._loop = _stretch.Loop(
+            stretch=self._stretch,
+            pace=control.pace.numbers,
+            breaks=control.pace.breaks,
+            tableau=stepper.tableau,
+            space=stepper.manifold.layout,
+            work=stepper.work,
+            dense=stepper.dense,
+            scales=stepper.scales,
+            rtol=stepper.rtol,
+            numbers=stepper.numbers,
+            search=_stretch.Search(
+                nodes=search.nodes,
+                ignore=search.ignore,
+                limits=search.limits,
+                peaks=episodes.peaks,
+                turns=episodes.system.turns,
+            ),
+            trial=search.trial,
+            buffers=_stretch.Buffers(
+                times=np.zeros(capacity),
+                states=np.zeros((capacity, size)),
+                memories=np.zeros((capacity, contacts), MEMORY),
+                early=np.zeros(capacity, dtype=np.int64),
+                instants=np.zeros(ends),
+                ends=np.zeros((ends, size)),
+                kept=stepper.kept,
+                out=np.zeros((2, size)),
+            ),
+            book=episodes.book,
+            sizes=control.sizes.table,
+            watched=self._watched.numbers,
+        )
 
     def first(self, h: float, cut: Callable[[float], None]) -> Trial:
         """Make steps until one is due in which something happens, or a while has passed; try that one.
@@ -95,45 +119,44 @@ class QuietTrials(Trials):
             cut: As for :meth:`Trials.first`.
         """
         reason, made, h = self._go_on(h)
+        if made and self._watch:
+            self._watch.renew()
         if reason == _kernels.TRIAL_STANDS:
-            return Trial(True, h, made=made)
+            return Trial(True, h)
         if reason == _kernels.STEP_DUE:
-            return super().first(h, cut)._replace(made=made)
-        return Trial(False, h, made=made, tried=False)
+            return super().first(h, cut)
+        return Trial(False, h, tried=False)
+
+    def _budget(self) -> int:
+        """How many trial steps may be made in one go."""
+        most = self._control.settings.max_steps
+        return _BUDGET if most is None else max(1, min(_BUDGET, most - self.made))
 
     def _go_on(self, h: float) -> tuple[int, int, float]:
         """Make steps; return why they ended, how many they were, and the size to try next [s]."""
-        stepper, stretch, buffers = self._compiled, self._stretch, self._buffers
-        for name in ("samples", "accepted", "rejected", "evaluations"):
+        stepper, stretch, episodes, control = self._compiled, self._stretch, self._episodes, self._control
+        for name in ("samples", "accepted", "rejected", "relocated", "evaluations"):
             stretch[name] = 0
-        most = self._control.settings.max_steps
         stretch["t"], stretch["h"] = stepper.t, h
-        stretch["budget"] = _BUDGET if most is None else 1
-        reason = _kernels.go_on(
-            stretch,
-            self._control.pace.numbers,
-            self._control.pace.breaks,
-            stepper.tableau,
-            stepper.manifold.layout,
-            stepper.work,
-            stepper.dense,
-            stepper.scales,
-            stepper.rtol,
-            stepper.numbers,
-            self._search,
-            self._trial,
-            buffers,
-        )
+        stretch["budget"] = self._budget()
+        episodes.make_room()
+        control.sizes.make_room()
+        self._watched.renew()
+        loop = self._loop._replace(breaks=control.pace.breaks, book=episodes.book, sizes=control.sizes.table)
+        reason = _kernels.go_on(loop)
         found = stretch[0]
         stepper.t = float(found["t"])
         stepper.evaluations += int(found["evaluations"])
         stepper.has_dense = reason == _kernels.TRIAL_STANDS
         if stepper.has_dense:
             stepper.h = float(found["tried"])
-        count = int(found["samples"])
-        self._samples.extend(buffers.times[:count], buffers.states[:count])
-        self._episodes.keep(buffers.moments, buffers.peaks)
+        buffers, count = loop.buffers, int(found["samples"])
+        self._samples.extend(
+            buffers.times[:count], buffers.states[:count], buffers.memories[:count], buffers.early[:count]
+        )
         self.rejected += int(found["rejected"])
+        self.relocated += int(found["relocated"])
+        self.accepted += int(found["accepted"])
         if self._singular is not None:
             for k in range(int(found["accepted"])):
                 self._singular.look(float(buffers.instants[k]), buffers.ends[k])

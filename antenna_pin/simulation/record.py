@@ -288,8 +288,8 @@ def _episodes(seen: _Seen) -> Values:
     }
     episodes = seen.run.episodes
     return {
-        **{name: np.array([getattr(e, of) for e in episodes], dtype=float) for of, name in names.items()},
-        "episode_contact": np.array([e.contact for e in episodes], dtype=np.int64),
+        **{name: episodes[of].copy() for of, name in names.items()},
+        "episode_contact": episodes["contact"].copy(),
         "event_time": np.array([one.time for one in seen.run.happened], dtype=float),
         "event_energy": np.array([one.energy for one in seen.run.happened], dtype=float),
     }

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import bisect
 import math
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,9 +53,11 @@ class Samples:
 
         An event may fall on an output time; what holds from the event on is what is kept.
         """
+        self._add(t, y, self._memory.tobytes())
+
+    def _add(self, t: float, y: Array, memory: bytes) -> None:
         if t < self.begin:
             return
-        memory = self._memory.tobytes()
         if self.times and t <= self.times[-1]:
             self.states[-1] = y
             self.memories[-1] = memory
@@ -83,15 +86,20 @@ class Samples:
             self._hold(moment, state)
             self.add(min(moment, self._end), state)
 
-    def extend(self, times: Array, states: Array) -> None:
-        """Append samples that follow those there are, between which nothing has changed.
+    def extend(self, times: Array, states: Array, memories: NDArray[Any], early: NDArray[np.int64]) -> None:
+        """Take over samples that compiled steps have left.
 
         Args:
             times: (n,) [s].
             states: [q, v, x] of each, (n, size); copied.
+            memories: Contact memory at each, MEMORY, (n, contacts).
+            early: Whether it is one of an earlier time, to be put between others, (n,).
         """
-        for t, state in zip(times.tolist(), states, strict=True):
-            self.add(t, state.copy())
+        for t, state, memory, is_early in zip(times.tolist(), states.copy(), memories, early, strict=True):
+            if is_early:
+                self.insert(t, state, memory)
+            else:
+                self._add(t, state, memory.tobytes())
 
     def _hold(self, t: float, y: Array) -> None:
         """Bring a state of the dense output, which is only nearly there, onto the constraints."""

@@ -48,8 +48,7 @@ class ContactSearch:
         self.nodes = np.zeros((_inspect.NODE_SIZE, _inspect.NODES + 1, contacts))
         self.limits = np.array([limit for j in system.clearances for limit in j.depth_limits])
         self.reasons = [reason for j in system.clearances for reason in j.limit_reasons]
-        plays = [j.geometry.radial_clearance for j in system.clearances for _ in j.contact_names]
-        self.tolerances = [1e-9 * play for play in plays]
+        self.tolerances = episodes.book.places["tolerance"].tolist()
         self.uses_coal = any(j.backend == "coal" for j in system.clearances)
         factors = [system.mechanism.joint(j.name).joint_id - 1 for j in system.clearances]
         self.trial = _inspect.Trial(

@@ -23,14 +23,12 @@ class Trial(NamedTuple):
         passed: Whether there is a trial step that passes, in the stepper.
         following: Size to try next [s].
         outcome: Why the run ends, if it does.
-        made: Steps that were accepted already, before it.
         tried: Whether there is anything to conclude of, beside those.
     """
 
     passed: bool
     following: float
     outcome: Outcome | None = None
-    made: int = 0
     tried: bool = True
 
 
@@ -42,6 +40,7 @@ class Trials:
         control: What decides how long they are.
 
     Attributes:
+        accepted: Steps that have been accepted.
         rejected: Trial steps rejected by their error.
         relocated: Trial steps made to end where something happens.
     """
@@ -50,7 +49,12 @@ class Trials:
         """Begin to count."""
         self._stepper = stepper
         self._control = control
-        self.rejected = self.relocated = 0
+        self.accepted = self.rejected = self.relocated = 0
+
+    @property
+    def made(self) -> int:
+        """Trial steps made so far."""
+        return self.accepted + self.rejected + self.relocated
 
     def first(self, h: float, cut: Callable[[float], None]) -> Trial:
         """Try steps until one passes.

@@ -116,6 +116,10 @@ class Watch:
             elif k in self._times:
                 memory.last = t
 
+    def side(self, k: int) -> float:
+        """Return the side that event k was last seen on; 0 if that is not known."""
+        return self._memories[k].side
+
     def value(self) -> tuple[EventMemory, ...]:
         """Return what the events remember."""
         return tuple(

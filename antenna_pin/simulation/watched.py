@@ -1,0 +1,62 @@
+"""What a run looks for, in numbers: compiled steps leave those to it in which something may happen."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from antenna_pin.dynamics import motion_block
+from antenna_pin.engine import _watch_kernels as _kernels
+from antenna_pin.simulation.events import Angle, Event, Force, Gap, Rate, Time
+from antenna_pin.simulation.kinks import Passing
+from antenna_pin.simulation.watch import Watch
+
+__all__ = ["Watched", "is_known"]
+
+
+def is_known(event: Event) -> bool:
+    """Whether compiled code knows an event's function: those of one's own it does not."""
+    return isinstance(event.when, Angle | Rate | Gap | Force | Time | Passing)
+
+
+class Watched:
+    """The events of a run that compiled code knows.
+
+    Args:
+        watch: The run's, of events that :func:`is_known` says yes to.
+
+    Attributes:
+        numbers: As the kernels take them.
+    """
+
+    def __init__(self, watch: Watch) -> None:
+        """Lay them out."""
+        system = watch.moment.system
+        self._watch = watch
+        self._places = [k for k, event in enumerate(watch.events) if not isinstance(event.when, Time)]
+        functions = np.zeros(len(self._places), _kernels.WATCHED)
+        blocks = [system.program]
+        for row, k in zip(functions, self._places, strict=True):
+            event = watch.events[k]
+            when = event.when
+            row["parts"] = event.nodes
+            if isinstance(when, Passing):
+                row["what"], row["where"] = _kernels.KINK, when.block
+            elif isinstance(when, Angle | Rate):
+                row["what"] = _kernels.ANGLE if isinstance(when, Angle) else _kernels.RATE
+                row["where"], row["value"] = sum(map(len, blocks)), when.value
+                blocks.append(motion_block(system, when.joint))
+            elif isinstance(when, Gap | Force):
+                row["what"] = _kernels.GAP if isinstance(when, Gap) else _kernels.FORCE
+                row["where"], row["value"] = watch.moment.contact_number(when.contact), when.value
+        self.numbers = _kernels.Watched(
+            functions=functions,
+            program=np.concatenate(blocks),
+            rates=np.zeros(system.model.nv + system.manifold.nx),
+            instants=np.array(watch.instants, dtype=float),
+            values=np.zeros(2),
+        )
+
+    def renew(self) -> None:
+        """Take over on which sides the functions are."""
+        for row, k in zip(self.numbers.functions, self._places, strict=True):
+            row["side"] = self._watch.side(k)
