@@ -137,6 +137,11 @@ class Run:
         return self._left if self._left is not None else self._state()
 
     @property
+    def accepted(self) -> int:
+        """Steps accepted so far."""
+        return self._trials.accepted
+
+    @property
     def episodes(self) -> NDArray[Any]:
         """Contacts from onset to release, in the order of their onsets, EPISODE."""
         return self._contacts.all

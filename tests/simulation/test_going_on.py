@@ -101,7 +101,7 @@ def test_interrupted_a_hundred_times_it_is_still_the_whole():
     y = system.state(*initial_state(asked, system))
     whole = Run(system, y, 0.06, settings)
     whole.advance()
-    rng, steps = np.random.default_rng(4), whole.counts().accepted
+    rng, steps = np.random.default_rng(4), whole.accepted
     stops = np.sort(rng.choice(np.arange(1, steps), size=100, replace=False))
     start, made = y, 0
     for stop in [*stops.tolist(), None]:
