@@ -27,7 +27,14 @@ _Function = TypeVar("_Function", bound=Callable[..., Any])
 def stamped_files() -> tuple[Path, ...]:
     """Return the files to whose contents compiled code is tied: all kernels, their constants and records."""
     folder = Path(__file__).parent
-    names = ("*/_*kernels.py", "*/_inspect.py", "*/_records.py", "records.py", "elements/registry.py")
+    names = (
+        "*/_*kernels.py",
+        "*/_inspect.py",
+        "*/_records.py",
+        "records.py",
+        "_called.py",
+        "elements/registry.py",
+    )
     return tuple(sorted(path for name in names for path in folder.glob(name)))
 
 

@@ -6,6 +6,7 @@ import math
 from typing import Any
 
 from antenna_pin._compile import inlined, kernel, record
+from antenna_pin.contact._called_kernels import CALLED_WHOLE, CALLED_WHOLE_LAW, called_whole
 from antenna_pin.contact._records import NORMAL_LAW, dissipation_record
 
 CONSERVATIVE = 0.0
@@ -34,6 +35,7 @@ DISSIPATION_RECORDS = {
     SECANT_LOADING: SECANT_LAW,
     STEP: STEP_LAW,
     HYSTERETIC_LOADING: HYSTERETIC_LAW,
+    CALLED_WHOLE: CALLED_WHOLE_LAW,
 }
 
 
@@ -77,6 +79,8 @@ def damped_force(
         closing = max(rate, 0.0)
         force = elastic * (1.0 + float(record(law, HYSTERETIC_LAW).hysteresis * closing / approach_speed))
     else:
+        if kind == CALLED_WHOLE:
+            return called_whole(record(law, CALLED_WHOLE_LAW), depth, rate, approach_speed)
         return _additive_force(law, kind, elastic, depth, rate, mass)
     if depth > 0.0 and force < 0.0:
         return 0.0

@@ -13,6 +13,7 @@ import math
 from typing import Any
 
 from antenna_pin._compile import inlined, kernel, record
+from antenna_pin.contact._called_kernels import CALLED_FRICTION, CALLED_FRICTION_LAW, called_ratio
 from antenna_pin.contact._records import FRICTION_LAW, FRICTION_SIZE, friction_record
 
 __all__ = [
@@ -70,6 +71,7 @@ FRICTION_RECORDS = {
     BENGISU_AKAY: BENGISU_AKAY_LAW,
     LINEAR: LINEAR_LAW,
     BROWN_MCPHEE: BROWN_MCPHEE_LAW,
+    CALLED_FRICTION: CALLED_FRICTION_LAW,
     DAHL: DAHL_LAW,
     LUGRE: LUGRE_LAW,
     GONTHIER: GONTHIER_LAW,
@@ -134,6 +136,8 @@ def _other_friction_ratio(law: Any, kind: float, speed: float, force: float) -> 
         return float(ramp.coefficient_of_friction / max(speed, ramp.regularisation_speed))
     if kind == BROWN_MCPHEE:
         return _brown_mcphee_ratio(record(law, BROWN_MCPHEE_LAW), speed, force)
+    if kind == CALLED_FRICTION:
+        return called_ratio(record(law, CALLED_FRICTION_LAW), speed)
     # A law with bristles has its friction from bristle_force; others there are none.
     return 0.0 if kind >= BRISTLE else math.nan
 

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from antenna_pin._compile import inlined, kernel, record
+from antenna_pin.contact._called_kernels import CALLED, CALLED_LAW, called_energy, called_force
 from antenna_pin.contact._conformal_kernels import (
     BAI_ZHAO,
     BAI_ZHAO_LAW,
@@ -59,6 +60,7 @@ ELASTIC_RECORDS = {
     BAI_ZHAO: BAI_ZHAO_LAW,
     PERSSON: PERSSON_LAW,
     PIN_JOINT: PIN_JOINT_LAW,
+    CALLED: CALLED_LAW,
 }
 
 # Gauss-Legendre on [-1, 1].
@@ -76,6 +78,8 @@ def _other_force(law: Any, kind: float, depth: float) -> float:
         return persson_force(record(law, PERSSON_LAW), depth)
     if kind == PIN_JOINT:
         return pin_joint_force(record(law, PIN_JOINT_LAW), depth)
+    if kind == CALLED:
+        return called_force(record(law, CALLED_LAW), depth)
     return math.nan  # no such kind
 
 
@@ -123,6 +127,8 @@ def _other_energy(law: Any, kind: float, depth: float) -> float:
         return persson_energy(record(law, PERSSON_LAW), depth)
     if kind == BAI_ZHAO and record(law, BAI_ZHAO_LAW).exponent == 1.0:
         return bai_zhao_energy(record(law, BAI_ZHAO_LAW), depth)
+    if kind == CALLED:
+        return called_energy(record(law, CALLED_LAW), depth)
     return _quadrature(law, kind, depth)
 
 

@@ -15,8 +15,10 @@ from typing import ClassVar, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin._called import address_of, is_compiled
 from antenna_pin._compile import record
 from antenna_pin.contact import _friction_kernels as _kernels
+from antenna_pin.contact._called_kernels import CALLED_FRICTION
 from antenna_pin.contact._records import FRICTION_LAW, FRICTION_SIZE, coded
 from antenna_pin.errors import InvalidParameterError
 
@@ -255,10 +257,28 @@ class Threlfall(CompiledFrictionLaw):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class CustomFriction:
-    """A user's own friction coefficient over slip speed; slower than the built-in laws.
+    """A user's own friction coefficient over slip speed; slower than the built-in laws unless it is compiled.
 
     Attributes:
-        coefficient: ``speed [m/s] -> mu [-]``, at least 0.
+        coefficient: ``speed [m/s] -> mu [-]``, at least 0; a plain function, or compiled by ``numba.njit`` or
+            ``numba.cfunc``.
     """
 
     coefficient: Callable[[float], float]
+
+    @property
+    def is_compiled(self) -> bool:
+        """Whether its function is."""
+        return is_compiled(self.coefficient)
+
+    def code(self) -> NDArray[np.float64]:
+        """Return the law as flat numbers, shape (12,): where its function stands in this process.
+
+        Raises:
+            InvalidParameterError: It does not take a float, or does not return one.
+        """
+        code = np.zeros(FRICTION_SIZE)
+        record(code, FRICTION_LAW).kind = CALLED_FRICTION
+        address = address_of(type(self).__name__, "coefficient", self.coefficient, 1)
+        coded(code, _kernels.FRICTION_RECORDS[CALLED_FRICTION], {"address": address})
+        return code

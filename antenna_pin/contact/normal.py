@@ -21,8 +21,10 @@ from typing import Any, ClassVar, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin._called import address_of, is_compiled
 from antenna_pin._compile import record
 from antenna_pin.contact import _kernels
+from antenna_pin.contact._called_kernels import CALLED, CALLED_WHOLE
 from antenna_pin.contact._damping_kernels import CONSERVATIVE
 from antenna_pin.contact._power_kernels import POWER
 from antenna_pin.contact._records import NORMAL_LAW, NORMAL_SIZE, coded
@@ -275,7 +277,10 @@ class Hertz(ElasticLaw):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class CustomNormal:
-    """A user's own normal law from plain or ``numba.njit`` functions; slower than the built-in laws.
+    """A user's own normal law from functions.
+
+    Where all are compiled, by ``numba.njit`` or ``numba.cfunc``, it runs as the built-in laws do, in both
+    engines; from plain ones it is slower: one call from Python per touching contact and evaluation.
 
     Attributes:
         force: ``(depth [m], rate [m/s], approach_speed [m/s]) -> [N]``, called at positive depth only.
@@ -289,3 +294,26 @@ class CustomNormal:
     elastic_force: Callable[[float], float]
     elastic_energy: Callable[[float], float]
     depth_limit: float = math.inf
+
+    @property
+    def is_compiled(self) -> bool:
+        """Whether its functions are."""
+        return is_compiled(self.force, self.elastic_force, self.elastic_energy)
+
+    def code(self) -> NDArray[np.float64]:
+        """Return the law as flat numbers, shape (16,): where its functions stand in this process.
+
+        Raises:
+            InvalidParameterError: A function does not take its floats, or does not return one.
+        """
+        place = type(self).__name__
+        code = elastic_code(
+            CALLED,
+            address=address_of(place, "elastic_force", self.elastic_force, 1),
+            energy=address_of(place, "elastic_energy", self.elastic_energy, 1),
+            limit=self.depth_limit,
+        )
+        record(code, NORMAL_LAW).dissipation = CALLED_WHOLE
+        whole = address_of(place, "force", self.force, 3)
+        coded(code, _kernels.DISSIPATION_RECORDS[CALLED_WHOLE], {"whole": whole, "end": self.depth_limit})
+        return code

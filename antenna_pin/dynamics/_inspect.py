@@ -11,9 +11,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from antenna_pin._compile import kernel
+from antenna_pin._compile import inlined, kernel
 from antenna_pin.dynamics._kernels import HEADER, block_at, head_of
-from antenna_pin.integrate._kernels import dense_joints
+from antenna_pin.integrate._kernels import START, STATE, dense_joint, dense_plain
+from antenna_pin.integrate._manifold_kernels import factor_of
 from antenna_pin.joints._kernels import contact_forces, contact_geometry, contact_rates
 from antenna_pin.joints._layout_kernels import CLEARANCE, FORCES_GIVEN, joint_at
 from antenna_pin.joints._pose_kernels import journal_state
@@ -28,6 +29,7 @@ GAP: Any = np.int64(0)
 DEPTH_RATE: Any = np.int64(1)
 NORMAL_FORCE: Any = np.int64(2)
 NODE_SIZE = 3
+ALL: Any = np.int64(-1)
 
 
 class Trial(NamedTuple):
@@ -60,23 +62,49 @@ class Trial(NamedTuple):
     measured: Any
 
 
-@kernel
-def contacts_at(theta: float, trial: Any) -> None:
-    """Fill the contact table at the fraction theta of a step, in closed form, with compiled laws' forces."""
-    dense_joints(theta, trial.layout, trial.dense, trial.work, trial.start, trial.out)
+@inlined
+def _look(b: int, y: Any, nq: int, nv: int, trial: Any) -> None:
+    """Fill the contact table for the joint whose block stands at b and the state y, forces included."""
     program, pose, table = trial.program, trial.pose, trial.table
-    y = trial.out[0]
+    j = joint_at(program, b)
+    journal_state(j, y, nq, pose[0])
+    contact_geometry(program, b, pose[0], table)
+    contact_rates(program, b, pose[0], table)
+    if j.mode < FORCES_GIVEN:
+        contact_forces(program, b, y, nq + nv, trial.memory, table, trial.rates, nv)
+
+
+@kernel
+def contacts_at(theta: float, trial: Any, contact: int) -> None:
+    """Fill the contact table at the fraction theta of a step, in closed form, with compiled laws' forces.
+
+    Of a contact's joint, or of all if its number is negative.
+    """
+    program, layout = trial.program, trial.layout
     head = head_of(program)
     nq, nv = head.nq, head.nv
+    dense_plain(theta, layout, trial.dense, trial.work, trial.start, trial.out)
     b = HEADER
+    number = 0  # of the joint with play: the layout lists them in the order of their blocks
     while b < program.shape[0] and block_at(program, b).kind == CLEARANCE:
         j = joint_at(program, b)
-        journal_state(j, y, nq, pose[0])
-        contact_geometry(program, b, pose[0], table)
-        contact_rates(program, b, pose[0], table)
-        if j.mode < FORCES_GIVEN:
-            contact_forces(program, b, y, nq + nv, trial.memory, table, trial.rates, nv)
+        if contact < 0 or j.row <= contact < j.row + j.contacts:
+            factor = factor_of(layout, number)
+            dense_joint(theta, factor, nq, nv, trial.dense, trial.work, trial.start, trial.out)
+            _look(b, trial.out[0], nq, nv, trial)
+        number += 1
         b += j.length
+
+
+@kernel
+def _contacts_of(row: int, trial: Any) -> None:
+    """Fill the contact table for the state in one of the stepper's rows."""
+    program = trial.program
+    head = head_of(program)
+    b = HEADER
+    while b < program.shape[0] and block_at(program, b).kind == CLEARANCE:
+        _look(b, trial.work[row], head.nq, head.nv, trial)
+        b += joint_at(program, b).length
 
 
 @kernel
@@ -95,7 +123,7 @@ def contacts_in(y: Any, program: Any, pose: Any, table: Any) -> None:
 @kernel
 def _value(column: int, theta: float, c: int, trial: Any) -> float:
     """Gap, depth rate or normal force of contact c at theta."""
-    contacts_at(theta, trial)
+    contacts_at(theta, trial, c)
     row = trial.table[c]
     if column == GAP:
         return float(row.gap)
@@ -182,14 +210,27 @@ def _crossing(c: int, sign: float, level: float, h: float, nodes: Any, trial: An
 
 
 @kernel
-def fill_nodes(nodes: Any, trial: Any) -> None:
+def fill_nodes(nodes: Any, trial: Any, from_last: bool) -> None:
     """Write gap, depth rate and force of each contact at the points of the step.
 
-    ``nodes`` is (NODE_SIZE, NODES + 1, contacts).
+    ``nodes`` is (NODE_SIZE, NODES + 1, contacts). Its ends are the states themselves, not those of the dense
+    output: so a step may take over (``from_last``) what the last one has found at its end, if nothing has
+    changed since.
     """
     table = trial.table
     for k in range(NODES + 1):
-        contacts_at(k / NODES, trial)
+        if k == 0 and from_last:
+            for c in range(trial.memory.shape[0]):
+                nodes[GAP, 0, c] = nodes[GAP, NODES, c]
+                nodes[DEPTH_RATE, 0, c] = nodes[DEPTH_RATE, NODES, c]
+                nodes[NORMAL_FORCE, 0, c] = nodes[NORMAL_FORCE, NODES, c]
+            continue
+        if k == 0:
+            _contacts_of(trial.start, trial)
+        elif k == NODES:
+            _contacts_of(trial.start + STATE - START, trial)
+        else:
+            contacts_at(k / NODES, trial, ALL)
         for c in range(trial.memory.shape[0]):
             nodes[GAP, k, c] = table[c].gap
             nodes[DEPTH_RATE, k, c] = table[c].rate
@@ -260,7 +301,15 @@ def track_peaks(t: float, h: float, nodes: Any, peaks: Any, trial: Any) -> None:
 
 @kernel
 def inspect_step(
-    t: float, h: float, until: float, nodes: Any, ignore: Any, limits: Any, peaks: Any, trial: Any
+    t: float,
+    h: float,
+    until: float,
+    nodes: Any,
+    ignore: Any,
+    limits: Any,
+    peaks: Any,
+    trial: Any,
+    from_last: bool,
 ) -> tuple[int, float, bool]:
     """Return what happens first within the step: which contact, at what fraction, and whether it is too deep.
 
@@ -269,9 +318,9 @@ def inspect_step(
     then the peaks are tracked too.
 
     A contact marked 2 in ``ignore`` has changed twice at the start already: a third change there is not
-    believed.
+    believed. ``from_last``: see :func:`fill_nodes`.
     """
-    fill_nodes(nodes, trial)
+    fill_nodes(nodes, trial, from_last)
     memory = trial.memory
     first = -1
     when = until

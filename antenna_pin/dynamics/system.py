@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -85,6 +86,11 @@ class System:
                     "System", f"closures[{name!r}]", "of another name than a joint's", name
                 )
             self.closures[name] = closure
+        self._compose()
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Take up what was pickled; where compiled functions of a user's stand is another place here."""
+        self.__dict__.update(state)
         self._compose()
 
     # --- layout ---------------------------------------------------------------------------------------------
@@ -334,8 +340,7 @@ class System:
     def turn_on(self, y: Array) -> float:
         """Bring the turned angles in y, in place, up to its configuration; return the fastest rate [rad/s].
 
-        To be called where a step is accepted: an angle is unique as long as no joint turns by half a turn
-        from there.
+        To be called where a step is accepted: no joint may have turned by half a turn since then.
         """
         return float(_kernels.turn_on(self.program, self.turns, y))
 

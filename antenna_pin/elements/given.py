@@ -13,26 +13,48 @@ __all__ = ["CallableDrive"]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class CallableDrive(Drive):
-    """A torque from a Python function of time and motion; slower than the others.
+    """A torque from a function of time and motion; slower than the others unless it is compiled.
 
     Attributes:
         torque: ``(t [s], angle [rad], rate [rad/s]) -> [N m]``; of a clearance joint the motion angle and its
-            rate. The angle counts whole turns.
+            rate. The angle counts whole turns. A plain function, or compiled by ``numba.njit`` or
+            ``numba.cfunc``.
     """
 
     kernels: ClassVar[str] = "_given_kernels"
-    in_python: ClassVar[bool] = True
 
     torque: Callable[[float, float, float], float]
 
+    @property
+    def called(self) -> bool:
+        """Whether kernels call its function."""
+        from antenna_pin._called import is_compiled
+
+        return is_compiled(self.torque)
+
+    @property
+    def in_python(self) -> bool:  # type: ignore[override]
+        """Whether Python calls its function, before each evaluation."""
+        return not self.called
+
+    @property
+    def senses(self) -> bool:  # type: ignore[override]
+        """Whether its kernel is to know the joint's motion."""
+        return self.called
+
     def values(self) -> dict[str, Any]:
-        """Return its numbers; the value is written before each evaluation."""
-        return {"value": 0.0}
+        """Return its numbers; the value of a plain function is written before each evaluation."""
+        return {"value": 0.0, "address": self._address()}
+
+    def _address(self) -> float:
+        from antenna_pin._called import address_of
+
+        return address_of(type(self).__name__, "torque", self.torque, 3) if self.called else 0.0
 
     def given(self, t: float, angle: float, rate: float) -> tuple[float, ...]:
         """Return the numbers of its record at time t [s]."""
-        return (self.torque(t, angle, rate),)
+        return (self.torque(t, angle, rate), 0.0)
 
     def words(self, slides: bool) -> str:
         """Return what it is in words."""
-        return "a function in Python"
+        return "a compiled function" if self.called else "a function in Python"

@@ -179,7 +179,7 @@ class DistanceMotion(Motion):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class CallableMotion(Motion):
-    """A joint's position from Python functions of time.
+    """A joint's position from functions of time; slower than the others unless all are compiled.
 
     Attributes:
         position: ``t [s] -> [rad]`` ([m]).
@@ -188,24 +188,42 @@ class CallableMotion(Motion):
     """
 
     kernels: ClassVar[str] = "_given_motion_kernels"
-    in_python: ClassVar[bool] = True
 
     position: Callable[[float], float]
     velocity: Callable[[float], float]
     acceleration: Callable[[float], float]
 
-    def values(self) -> dict[str, Any]:
-        """Return its numbers; they are written before each evaluation."""
-        return {"position": 0.0, "rate": 0.0, "acceleration": 0.0}
+    @property
+    def called(self) -> bool:
+        """Whether kernels call its functions."""
+        from antenna_pin._called import is_compiled
 
-    def given(self, t: float, angle: float, rate: float) -> tuple[float, float, float]:
+        return is_compiled(self.position, self.velocity, self.acceleration)
+
+    @property
+    def in_python(self) -> bool:  # type: ignore[override]
+        """Whether Python calls its functions, before each evaluation."""
+        return not self.called
+
+    def values(self) -> dict[str, Any]:
+        """Return its numbers; those of plain functions are written before each evaluation."""
+        numbers = {"position": 0.0, "rate": 0.0, "acceleration": 0.0}
+        if not self.called:
+            return {**numbers, "first": 0.0, "second": 0.0, "third": 0.0}
+        from antenna_pin._called import address_of
+
+        functions = zip(("first", "second", "third"), ("position", "velocity", "acceleration"), strict=True)
+        place = type(self).__name__
+        return numbers | {one: address_of(place, name, getattr(self, name), 1) for one, name in functions}
+
+    def given(self, t: float, angle: float, rate: float) -> tuple[float, ...]:
         """Return the numbers of its record at time t [s]."""
-        return float(self.position(t)), float(self.velocity(t)), float(self.acceleration(t))
+        return (*self.profile()(t), 0.0, 0.0, 0.0)
 
     def profile(self) -> Callable[[float], tuple[float, float, float]]:
         """Return position, rate and acceleration as a function of time."""
-        return lambda t: self.given(t, 0.0, 0.0)
+        return lambda t: (float(self.position(t)), float(self.velocity(t)), float(self.acceleration(t)))
 
     def words(self, slides: bool) -> str:
         """Return what it is in words."""
-        return "motion: functions in Python"
+        return "motion: compiled functions" if self.called else "motion: functions in Python"

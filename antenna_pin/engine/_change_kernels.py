@@ -65,7 +65,7 @@ def _relocate(loop: Loop, c: int, theta: float) -> float:
             break
         size += more
     prepare(loop, s.tried)
-    fill_nodes(loop.search.nodes, loop.trial)
+    fill_nodes(loop.search.nodes, loop.trial, False)
     track_peaks(s.t, s.tried, loop.search.nodes, loop.search.peaks, loop.trial)
     keep(loop, s.tried)
     accept(loop, s.tried)

@@ -32,6 +32,7 @@ def go_on(loop: Loop) -> int:
     s, pace = loop.stretch[0], loop.pace
     contacts = loop.search.ignore.shape[0]
     events = loop.watched.functions.shape[0] + loop.watched.instants.shape[0]
+    from_last = False  # whether the search of the last step knows the contacts at the start of this one
     while s.accepted + s.rejected + s.relocated < s.budget:
         if s.t >= s.end:
             return ENDED
@@ -88,14 +89,17 @@ def go_on(loop: Loop) -> int:
                 loop.search.limits,
                 loop.search.peaks,
                 loop.trial,
+                from_last,
             )
             if c >= 0:
                 if deep:
                     return TRIAL_STANDS
+                from_last = False
                 if change(loop, c, theta):
                     continue
                 s.h = wished  # for the loop outside to come to the same, and to end the run
                 return STEP_DUE
             keep(loop, tried)
+            from_last = True
         accept(loop, tried)
     return PAUSED

@@ -30,6 +30,7 @@ from antenna_pin.integrate._manifold_kernels import (
     chart_rate,
     factor_of,
     retract,
+    retract_factor,
     space_of,
 )
 
@@ -260,17 +261,23 @@ def dense_state(theta: float, layout: Any, dense: Any, work: Any, start: int, ou
     retract(layout, work, start, out, CHART_ROW, out, STATE_ROW)
 
 
-@kernel
-def dense_joints(theta: float, layout: Any, dense: Any, work: Any, start: int, out: Any) -> None:
-    """Write only the parts of a state that a layout lists: some joints, and x if its nx is not 0."""
+@inlined
+def dense_joint(
+    theta: float, factor: Any, nq: int, nv: int, dense: Any, work: Any, start: int, out: Any
+) -> None:
+    """Write only the part of a state that is one joint's."""
+    degree = dense.shape[0]
+    for k in range(factor.v, factor.v + factor.nv):
+        out[CHART_ROW, k] = _term(theta, degree, dense, k)
+        out[STATE_ROW, nq + k] = work[start, nq + k] + _term(theta, degree, dense, nv + k)
+    retract_factor(factor, work, start, out, CHART_ROW, out, STATE_ROW)
+
+
+@inlined
+def dense_plain(theta: float, layout: Any, dense: Any, work: Any, start: int, out: Any) -> None:
+    """Write only the x of a state."""
     space = space_of(layout)
     nq, nv = space.nq, space.nv
     degree = dense.shape[0]
-    for f in range(space.factors):
-        factor = factor_of(layout, f)
-        for k in range(factor.v, factor.v + factor.nv):
-            out[CHART_ROW, k] = _term(theta, degree, dense, k)
-            out[STATE_ROW, nq + k] = work[start, nq + k] + _term(theta, degree, dense, nv + k)
     for k in range(nv + nv, nv + nv + space.nx):
         out[STATE_ROW, nq - nv + k] = work[start, nq - nv + k] + _term(theta, degree, dense, k)
-    retract(layout, work, start, out, CHART_ROW, out, STATE_ROW)

@@ -69,37 +69,42 @@ def _turn(q0: Any, r0: int, i: int, ux: float, uy: float, uz: float, q: Any, r: 
 
 
 @inlined
+def retract_factor(factor: Any, q0: Any, r0: int, u: Any, ru: int, q: Any, r: int) -> None:
+    """Write one factor of q[r] = q0[r0] o exp(u[ru])."""
+    kind, i, j = factor.kind, factor.q, factor.v
+    if kind == VECTOR:
+        for k in range(factor.nv):
+            q[r, i + k] = q0[r0, i + k] + u[ru, j + k]
+    elif kind == RIGID:
+        q[r, i] = q0[r0, i] + u[ru, j]
+        q[r, i + 1] = q0[r0, i + 1] + u[ru, j + 1]
+        q[r, i + 2] = q0[r0, i + 2] + u[ru, j + 2]
+        _turn(q0, r0, i + 3, u[ru, j + 3], u[ru, j + 4], u[ru, j + 5], q, r)
+    elif kind == ROTATION:
+        _turn(q0, r0, i, u[ru, j], u[ru, j + 1], u[ru, j + 2], q, r)
+    else:
+        if kind == PLANE:
+            q[r, i] = q0[r0, i] + u[ru, j]
+            q[r, i + 1] = q0[r0, i + 1] + u[ru, j + 1]
+            i += 2
+            j += 2
+        c = math.cos(u[ru, j])
+        s = math.sin(u[ru, j])
+        qc = q0[r0, i] * c - q0[r0, i + 1] * s
+        qs = q0[r0, i] * s + q0[r0, i + 1] * c
+        scale = 1.0 / math.sqrt(qc * qc + qs * qs)
+        q[r, i] = qc * scale
+        q[r, i + 1] = qs * scale
+
+
+@inlined
 def retract(layout: Any, q0: Any, r0: int, u: Any, ru: int, q: Any, r: int) -> None:
     """Write q[r] = q0[r0] o exp(u[ru]).
 
     Arrays and rows come apart, because a view of a row costs more than the sum it is for.
     """
     for f in range(space_of(layout).factors):
-        factor = factor_of(layout, f)
-        kind, i, j = factor.kind, factor.q, factor.v
-        if kind == VECTOR:
-            for k in range(factor.nv):
-                q[r, i + k] = q0[r0, i + k] + u[ru, j + k]
-        elif kind == RIGID:
-            q[r, i] = q0[r0, i] + u[ru, j]
-            q[r, i + 1] = q0[r0, i + 1] + u[ru, j + 1]
-            q[r, i + 2] = q0[r0, i + 2] + u[ru, j + 2]
-            _turn(q0, r0, i + 3, u[ru, j + 3], u[ru, j + 4], u[ru, j + 5], q, r)
-        elif kind == ROTATION:
-            _turn(q0, r0, i, u[ru, j], u[ru, j + 1], u[ru, j + 2], q, r)
-        else:
-            if kind == PLANE:
-                q[r, i] = q0[r0, i] + u[ru, j]
-                q[r, i + 1] = q0[r0, i + 1] + u[ru, j + 1]
-                i += 2
-                j += 2
-            c = math.cos(u[ru, j])
-            s = math.sin(u[ru, j])
-            qc = q0[r0, i] * c - q0[r0, i + 1] * s
-            qs = q0[r0, i] * s + q0[r0, i + 1] * c
-            scale = 1.0 / math.sqrt(qc * qc + qs * qs)
-            q[r, i] = qc * scale
-            q[r, i + 1] = qs * scale
+        retract_factor(factor_of(layout, f), q0, r0, u, ru, q, r)
 
 
 @kernel

@@ -92,7 +92,7 @@ class ClearanceJoint:
         if self.axial is None and any(place.kind == "axial" for place in self.geometry.contact_places):
             raise InvalidParameterError(f"joint {self.name!r}", "axial", "a normal law", None)
         for law in self.normal_laws:
-            if has_code(law):
+            if isinstance(law, CompiledNormalLaw):
                 check_kinds(f"joint {self.name!r}", law)
         bristles = bool(getattr(self.friction, "states", 0))
         check_load(

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.contact import CompiledNormalLaw, FrictionLaw, NormalLaw
+from antenna_pin.contact import FrictionLaw, NormalLaw
 from antenna_pin.contact._friction_kernels import friction_force
 from antenna_pin.contact._kernels import elastic_energy, elastic_force, normal_force
 from antenna_pin.geometry import Distances
@@ -29,7 +29,7 @@ _ROW = ("gap", "rate", "slip", "force", "friction", "elastic")
 
 def has_code(law: object) -> bool:
     """Whether a law runs compiled."""
-    return hasattr(law, "code")
+    return hasattr(law, "code") and getattr(law, "is_compiled", True)
 
 
 def range_of(law: NormalLaw) -> float:
@@ -51,7 +51,8 @@ class LawInRun:
     def __init__(self, law: NormalLaw) -> None:
         """Compose a compiled law's numbers once."""
         self._law = law
-        self._code = law.code() if isinstance(law, CompiledNormalLaw) else None
+        known: Any = law
+        self._code = known.code() if has_code(law) else None
         self._limit = range_of(law)
 
     def forces(self, depth: float, rate: float, approach_speed: float, mass: float) -> tuple[float, float]:

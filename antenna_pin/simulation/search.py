@@ -97,6 +97,7 @@ class ContactSearch:
                 self.limits,
                 self.episodes.peaks,
                 self.trial,
+                False,
             )
         )
         if found.contact < 0 and measured.theta > 1.0:
@@ -106,7 +107,7 @@ class ContactSearch:
     def track(self) -> None:
         """Bring the contacts' record up to the end of a trial step in which none changes."""
         stepper = self.stepper
-        _inspect.fill_nodes(self.nodes, self.trial)
+        _inspect.fill_nodes(self.nodes, self.trial, False)
         _inspect.track_peaks(stepper.t, stepper.h, self.nodes, self.episodes.peaks, self.trial)
         self._track_in_python()
 
@@ -124,7 +125,7 @@ class ContactSearch:
                 if self.trial.measured[c]:
                     self._measured.at(theta, c)
                 else:
-                    _inspect.contacts_at(theta, self.trial)
+                    _inspect.contacts_at(theta, self.trial, c)
                 depth = -float(self.table[c].gap)
                 return -law.forces(depth, self.table[c].rate, *onset)[1] if depth > 0.0 else 0.0
 

@@ -1,0 +1,162 @@
+"""Laws, drives and motions that are compiled functions of a user's: as the built-in ones, in both engines."""
+
+import dataclasses
+import math
+import pickle
+import subprocess
+import sys
+
+import numba
+import numpy as np
+import pytest
+
+from antenna_pin import RunSettings, System, Urdf, build_mechanism, load_scenario, simulate
+from antenna_pin.assemble import build_system, initial_state
+from antenna_pin.contact import Coulomb, CustomFriction, CustomNormal, DampedContact, FloresDamping, Hertz
+from antenna_pin.elements import CallableDrive, CallableMotion, SineDrive
+from antenna_pin.errors import InvalidParameterError
+
+STIFFNESS, EXPONENT, RESTITUTION = 1e10, 1.5, 0.8
+KNOWN = DampedContact(
+    elastic=Hertz(stiffness=STIFFNESS, exponent=EXPONENT), dissipation=FloresDamping(restitution=RESTITUTION)
+)
+CHI = 8.0 * (1.0 - RESTITUTION) / (5.0 * RESTITUTION)  # of Flores et al.
+
+
+@numba.njit
+def whole(depth, rate, speed):
+    return STIFFNESS * depth**EXPONENT * (1.0 + CHI * rate / speed)
+
+
+@numba.njit
+def elastic(depth):
+    return STIFFNESS * depth**EXPONENT
+
+
+@numba.cfunc("float64(float64)")
+def energy(depth):
+    return STIFFNESS * depth ** (EXPONENT + 1.0) / (EXPONENT + 1.0)
+
+
+@numba.njit
+def coefficient(speed):
+    return 0.1 * speed / math.sqrt(speed**2 + 1e-4)
+
+
+@numba.njit
+def torque(t, angle, rate):
+    return 0.3 * math.sin(20.0 * t)
+
+
+OWN = CustomNormal(force=whole, elastic_force=elastic, elastic_energy=energy)
+
+
+def pair(radial, friction):
+    """A journal thrown into its bore."""
+    scenario = load_scenario("impact_pair", case="planar")
+    made = build_system(scenario)
+    joint = dataclasses.replace(
+        made.clearances[0], radial=radial, axial=None, friction=friction, backend="closed-form"
+    )
+    return System(made.mechanism, clearances=[joint]), initial_state(scenario, made)
+
+
+@pytest.mark.parametrize("engine", ["pinocchio", "compiled"])
+def test_a_law_is_the_built_in_law_that_it_repeats(engine):
+    settings = RunSettings(output_rate=1e4, engine=engine, rtol=1e-10)
+    runs = []
+    for law, friction in (
+        (OWN, CustomFriction(coefficient=coefficient)),
+        (KNOWN, Coulomb(coefficient_of_friction=0.1, regularisation_speed=1e-2)),
+    ):
+        system, (q, v) = pair(law, friction)
+        v = v + np.array([*np.zeros(len(v) - 3), 0.0, 0.02, 1.0])  # askew, so that there is friction
+        runs.append(simulate(system, duration=0.01, q=q, v=v, settings=settings))
+    own, known = runs
+    assert own.data.sizes["episode"] == known.data.sizes["episode"] > 0
+    # The same arithmetic but for the order of products; impacts make a hundredfold of round-off.
+    for name in ("peak_force", "impulse", "dissipated", "onset_time"):
+        assert own.data[name].values == pytest.approx(known.data[name].values, rel=1e-9)
+    assert abs(own.data["energy_error"]).max() < 1e-7 * own.data["kinetic_energy"][0]
+
+
+BAR = """<robot name="bar"><link name="hull"/><link name="arm"><inertial><mass value="1"/>
+  <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <joint name="pivot" type="continuous"><parent link="hull"/><child link="arm"/><axis xyz="0 0 1"/></joint>
+  </robot>"""
+
+
+def bar(**drives):
+    return System(build_mechanism(Urdf.from_text(BAR, "bar.urdf"), "fixed"), drives=drives)
+
+
+@pytest.mark.parametrize("engine", ["pinocchio", "compiled"])
+def test_a_drive_is_the_sine_that_it_repeats(engine):
+    settings = RunSettings(engine=engine, max_step=0.01)
+    own = CallableDrive(joint="pivot", torque=torque)
+    known = SineDrive(joint="pivot", amplitude=0.3, frequency=20.0 / (2.0 * math.pi))
+    angles = [
+        simulate(bar(motor=drive), duration=1.0, settings=settings).data.motion_angle.values[:, 0]
+        for drive in (own, known)
+    ]
+    assert np.abs(angles[0] - angles[1]).max() < 1e-8  # both errors of the tolerance
+
+
+@numba.njit
+def swing(t):
+    return 0.5 * math.sin(3.0 * t)
+
+
+@numba.njit
+def swing_rate(t):
+    return 1.5 * math.cos(3.0 * t)
+
+
+@numba.njit
+def swing_acceleration(t):
+    return -4.5 * math.sin(3.0 * t)
+
+
+@pytest.mark.parametrize("engine", ["pinocchio", "compiled"])
+def test_a_motion_is_followed(engine):
+    motion = CallableMotion(
+        joint="pivot", position=swing, velocity=swing_rate, acceleration=swing_acceleration
+    )
+    run = simulate(bar(motor=motion), duration=1.0, v=[1.5], settings=RunSettings(engine=engine))
+    times = run.data.time.values
+    assert np.abs(run.data.motion_angle.values[:, 0] - 0.5 * np.sin(3.0 * times)).max() < 1e-12
+    # The arm's inertia is 1 kg m^2.
+    assert run.data.drive_torque.values[:, 0] == pytest.approx(-4.5 * np.sin(3.0 * times), abs=1e-9)
+
+
+def test_a_pickled_system_finds_its_functions_in_another_process():
+    """Their places there are others."""
+    system = bar(motor=CallableDrive(joint="pivot", torque=torque))
+    expected = simulate(system, duration=0.1, settings=RunSettings(engine="compiled"))
+    script = (
+        "import sys, pickle; from antenna_pin import RunSettings, simulate; "
+        "padding = [bytearray(1 << 20) for _ in range(7)]; "
+        "run = simulate(pickle.loads(sys.stdin.buffer.read()), duration=0.1, "
+        "settings=RunSettings(engine='compiled')); print(repr(float(run.data.motion_angle[-1, 0])))"
+    )
+    found = subprocess.run(
+        [sys.executable, "-c", script], input=pickle.dumps(system), capture_output=True, check=True
+    )
+    assert float(found.stdout) == float(expected.data.motion_angle[-1, 0])
+
+
+@numba.njit
+def of_two(a, b):
+    return a + b
+
+
+@numba.njit
+def in_words(a):
+    return "much"
+
+
+@pytest.mark.parametrize("wrong", [of_two, in_words])
+def test_a_function_of_another_kind_is_refused(wrong):
+    law = CustomFriction(coefficient=wrong)
+    with pytest.raises(InvalidParameterError, match="coefficient must be a compiled function of 1 float"):
+        pair(OWN, law)
