@@ -15,6 +15,13 @@ from antenna_pin.analysis.closures import (
     said_of_singular,
 )
 from antenna_pin.analysis.deviation import Deviation, DeviationMeasures, deviation
+from antenna_pin.analysis.elastic import (
+    SPIN_WITHIN,
+    elastic_motion,
+    elastic_parts_of,
+    modal_energy,
+    said_of_spin,
+)
 from antenna_pin.analysis.growth import Growth, growth_of
 from antenna_pin.analysis.impacts import impact_statistics, impacts
 from antenna_pin.analysis.journal import bore_load, clearance_shapes, journal_motion
@@ -46,6 +53,7 @@ from antenna_pin.analysis.spectrum import (
 __all__ = [
     "INTERPRETATIONS",
     "SCENARIO_COLUMNS",
+    "SPIN_WITHIN",
     "Antenna",
     "Command",
     "Deviation",
@@ -75,6 +83,8 @@ __all__ = [
     "drives_of",
     "effort_unit",
     "error_components",
+    "elastic_motion",
+    "elastic_parts_of",
     "growth_of",
     "impact_statistics",
     "impacts",
@@ -89,8 +99,10 @@ __all__ = [
     "pointing_indices",
     "possible_scenarios",
     "resampled",
+    "modal_energy",
     "said_of_constraints",
     "said_of_singular",
+    "said_of_spin",
     "scenario_of",
     "scenario_rows",
     "scenario_shares",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from antenna_pin.assemble.closures import closures_of
-from antenna_pin.assemble.flexible import springs_of_parts
+from antenna_pin.assemble.flexible import by_name
 from antenna_pin.assemble.laws import clearance_joint
 from antenna_pin.assemble.places import check_known, check_motion
 from antenna_pin.assemble.springs import springs_of
@@ -44,13 +44,14 @@ def build_system(scenario: Scenario) -> System:
             if isinstance(spec, TouchingSpec)
         ],
         drives={name: spec.build() for name, spec in scenario.drives.items()},
-        springs=springs_of(scenario, mechanism) | springs_of_parts(scenario, parts),
+        springs=springs_of(scenario, mechanism),
         held={
             name: _HELD[types[name]]
             for name, spec in scenario.clearance.items()
             if spec.model == "constraint"
         },
         closures=closures_of(scenario, mechanism),
+        elastic=by_name(scenario, parts),
     )
     _check_events(scenario, system)
     return system

@@ -1,17 +1,16 @@
-"""The flexible links of a scenario: their parts in the URDF, and the springs that hold them."""
+"""The flexible links of a scenario: their parts in the URDF."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 
 from antenna_pin.assemble.places import check_known, where
-from antenna_pin.dynamics import JointSpring
 from antenna_pin.errors import ScenarioError
 from antenna_pin.flexible import ElasticPart, split
 from antenna_pin.mechanism import Urdf
 from antenna_pin.scenario import Scenario
 
-__all__ = ["springs_of_parts", "with_flexible_links"]
+__all__ = ["by_name", "with_flexible_links"]
 
 
 def with_flexible_links(scenario: Scenario, urdf: Urdf) -> tuple[Urdf, tuple[ElasticPart, ...]]:
@@ -30,18 +29,17 @@ def with_flexible_links(scenario: Scenario, urdf: Urdf) -> tuple[Urdf, tuple[Ela
     return urdf, tuple(found)
 
 
-def springs_of_parts(scenario: Scenario, parts: Iterable[ElasticPart]) -> dict[str, JointSpring]:
-    """Return the springs of elastic parts by name, which is that of their joint.
+def by_name(scenario: Scenario, parts: Iterable[ElasticPart]) -> dict[str, ElasticPart]:
+    """Return elastic parts by name, which is also that of their joint and their spring.
 
     Raises:
         ScenarioError: A spring of the scenario has the name of a part.
     """
-    found = {}
-    for part in parts:
-        if part.name in scenario.springs:
+    found = {part.name: part for part in parts}
+    for name in scenario.springs:
+        if name in found:
             raise ScenarioError(
-                f"{where(scenario, 'springs', part.name)}: must have another name than an elastic part of a "
+                f"{where(scenario, 'springs', name)}: must have another name than an elastic part of a "
                 "flexible link, whose own spring bears it"
             )
-        found[part.name] = JointSpring(joint=part.name, stiffness=part.stiffness, damping=part.damping)
     return found

@@ -240,3 +240,18 @@ def save_figures(figures: Mapping[str, Figure], out: Path, suffixes: Sequence[st
 
     for path in save_contact_figures(figures, out, suffixes):
         typer.echo(path)
+
+
+def say_spin(trajectory: Trajectory, before: str) -> None:
+    """Say where elastic parts of a run spun too fast for what they are modelled as.
+
+    Args:
+        trajectory: The run.
+        before: What to say first.
+    """
+    if "elastic_part" not in trajectory.data.sizes:
+        return
+    from antenna_pin.analysis import said_of_spin
+
+    if said := said_of_spin(trajectory):
+        typer.echo(f"{before}{said}")

@@ -50,6 +50,10 @@ _ENTRIES = {
     "peak_moment": ("peak moment", "N m"),
     "peak_torque": ("peak torque", "N m"),
     "work": ("work", "J"),
+    "peak_deflection": ("peak deflection", "rad"),
+    "peak_shift": ("peak deflection", "m"),
+    "peak_elastic_energy": ("peak energy in the spring", "J"),
+    "elastic_loss": ("energy lost in the damper", "J"),
 }
 # Entries that tables leave out: what they say is said in a sentence.
 _SAID = ("title", "case", "redundant", "singular")
@@ -60,6 +64,7 @@ _PLAIN_GROUPS = (
     "motion",
     "slides",
     "contacts",
+    "elastic_parts",
     "constraints",
     "closures",
     "motions",

@@ -19,6 +19,7 @@ from antenna_pin.cli._common import (
     label_of,
     load_result,
     refuse,
+    say_spin,
 )
 from antenna_pin.cli._tables import print_summaries
 
@@ -56,6 +57,8 @@ def info(
             typer.echo(json.dumps({"file": str(path), **_facts(trajectory)}, default=str))
         return
     print_summaries([(label_of(trajectory, path), _facts(trajectory)) for path, trajectory in runs])
+    for path, trajectory in runs:
+        say_spin(trajectory, f"{label_of(trajectory, path)}: ")
     held = [(label_of(trajectory, path), trajectory.constraints) for path, trajectory in runs]
     if any(counts for _, counts in held):
         from antenna_pin.analysis import said_of_constraints, said_of_singular

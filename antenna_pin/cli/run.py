@@ -21,6 +21,7 @@ from antenna_pin.cli._common import (
     load,
     not_interrupted,
     save_result,
+    say_spin,
     stem,
     writable_file,
 )
@@ -79,6 +80,7 @@ def run(
             print_summaries([(label_of(trajectory, path), trajectory.summary())])
         if not quiet:
             typer.echo(f"saved {path}")
+            say_spin(trajectory, "note: ")
         outcome = trajectory.outcome.name
         if trajectory.completed:
             if outcome != "COMPLETED" and not quiet:

@@ -11,6 +11,7 @@ from antenna_pin.dynamics.assembly import (
     mobility_of,
 )
 from antenna_pin.dynamics.audit import Audit, audit
+from antenna_pin.dynamics.deflection import Deflections, deflections
 from antenna_pin.dynamics.evaluate import acceleration, contact_memory
 from antenna_pin.dynamics.held import HeldKind
 from antenna_pin.dynamics.motion import JointMotion, motion_block
@@ -33,6 +34,7 @@ __all__ = [
     "Audit",
     "CallableDrive",
     "ConstantDrive",
+    "Deflections",
     "Drive",
     "HeldKind",
     "JointMotion",
@@ -50,6 +52,7 @@ __all__ = [
     "check_closed",
     "check_motions",
     "contact_memory",
+    "deflections",
     "joint_motion",
     "motion_block",
     "journal_attitudes",

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.dynamics import _kernels
 from antenna_pin.dynamics.held import held_slot
+from antenna_pin.elements import Element, Motion
 from antenna_pin.errors import MechanismError
 from antenna_pin.joints import ClearanceJoint
 from antenna_pin.joints import _layout_kernels as _layout
 from antenna_pin.mechanism import JointSlot, Mechanism, frame_aligning_z
 
-__all__ = ["Blocks", "clearance_block", "held_block"]
+__all__ = ["Blocks", "check_motion", "clearance_block", "held_block"]
 
 Array = NDArray[np.float64]
 
@@ -96,3 +99,30 @@ def _slot(mechanism: Mechanism, joint: ClearanceJoint) -> JointSlot:
             f"{'planar' if joint.planar else 'free'!r}}})"
         )
     return slot
+
+
+def check_motion(
+    place: str, mechanism: Mechanism, drives: Mapping[str, Element], own: str, motion: Motion
+) -> None:
+    """Refuse a motion of a joint with play, or one beside another motion or a drive.
+
+    Args:
+        place: What it is, for the refusal.
+        mechanism: The mechanism.
+        drives: All drives, the motion among them.
+        own: The motion's name.
+        motion: The motion.
+    """
+    slot = mechanism.joint(motion.joint)
+    if slot.kind not in ("revolute", "continuous", "prismatic"):
+        raise MechanismError(
+            f"{place}: joint {motion.joint!r} is {slot.kind} here, and only a revolute, continuous or "
+            "prismatic joint without play can be made to follow a motion; drive another joint"
+        )
+    for name, other in drives.items():
+        if name != own and other.joint == motion.joint:
+            what = "a motion" if isinstance(other, Motion) else "a drive"
+            raise MechanismError(
+                f"{place}: joint {motion.joint!r} already has {what}, {name!r}; its motion is "
+                "prescribed, so take one of the two away"
+            )

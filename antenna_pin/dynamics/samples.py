@@ -16,7 +16,7 @@ from antenna_pin.dynamics import _audit_kernels, _point_kernels, _sample_kernels
 from antenna_pin.dynamics.audit import energy_of_python_laws
 from antenna_pin.dynamics.system import System
 from antenna_pin.dynamics.workspace import Workspace
-from antenna_pin.mechanism import PLACE, body_tree, frame_aligning_z
+from antenna_pin.mechanism import PLACE, JointSlot, body_tree, frame_aligning_z
 from antenna_pin.records import CONTACT, POSE
 
 __all__ = ["Observed", "joint_motion", "journal_attitudes", "observed", "sliding_motion"]
@@ -193,6 +193,8 @@ def _accelerations(model: Any, states: Array, forces: Array) -> Array:
 def joint_motion(system: System, states: Array, accelerations: Array) -> tuple[list[str], Array]:
     """Return the joints that turn about an axis, and their motion; angles with whole turns.
 
+    Not those of elastic parts, whose motion is a deflection (:func:`antenna_pin.dynamics.deflections`).
+
     Args:
         system: The system.
         states: (n, nq + nv + nx).
@@ -204,7 +206,7 @@ def joint_motion(system: System, states: Array, accelerations: Array) -> tuple[l
     """
     nq, nv = system.model.nq, system.model.nv
     names, motions = [], []
-    for slot in system.mechanism.joints.values():
+    for slot in _between_links(system):
         motion = np.zeros((len(states), 3))
         block = system.clearance_blocks.get(slot.name, -1)
         if block >= 0 and slot.name in system.turn_x:
@@ -223,8 +225,13 @@ def joint_motion(system: System, states: Array, accelerations: Array) -> tuple[l
     return names, np.array(motions).reshape(len(names), len(states), 3)
 
 
+def _between_links(system: System) -> list[JointSlot]:
+    """Return the joints of the tree but those of elastic parts."""
+    return [slot for name, slot in system.mechanism.joints.items() if name not in system.elastic]
+
+
 def sliding_motion(system: System, states: Array, found: Observed) -> tuple[list[str], Array]:
-    """Return the joints that slide along an axis, and their motion.
+    """Return the joints that slide along an axis, and their motion; not those of elastic parts.
 
     Args:
         system: The system.
@@ -237,7 +244,7 @@ def sliding_motion(system: System, states: Array, found: Observed) -> tuple[list
     """
     guided = {joint.name: k for k, joint in enumerate(system.clearances) if joint.geometry.motion == "slide"}
     names, motions = [], []
-    for slot in system.mechanism.joints.values():
+    for slot in _between_links(system):
         v = states[:, system.model.nq :][:, slot.v]
         a = found.acceleration[:, slot.v]
         if slot.name in guided:

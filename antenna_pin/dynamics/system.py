@@ -12,12 +12,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.constraints import WORLD, Closure, DrivenJoint, Plan, make_plan
 from antenna_pin.dynamics import _kernels
-from antenna_pin.dynamics.blocks import Blocks, clearance_block, held_block
+from antenna_pin.dynamics.blocks import Blocks, check_motion, clearance_block, held_block
 from antenna_pin.dynamics.configuration import make_unit, spaces
 from antenna_pin.dynamics.held import HeldKind, held_closure
+from antenna_pin.dynamics.parts import springs_and_parts
 from antenna_pin.dynamics.points import point_spring_block
 from antenna_pin.elements import GROSS_WORK, WORK, Element, JointSpring, Motion, PointSpring
 from antenna_pin.errors import InvalidParameterError, MechanismError, UnknownNameError
+from antenna_pin.flexible import ElasticPart
 from antenna_pin.integrate import Manifold
 from antenna_pin.joints import ClearanceJoint
 from antenna_pin.joints import _layout_kernels as _layout
@@ -57,6 +59,7 @@ class System:
         springs: Springs and dampers by name, at joints and between points.
         held: Floating joints of the tree that are held by constraint to what they are ideally, by name.
         closures: Joints that close loops, by name.
+        elastic: Elastic parts of flexible links, by name, which is also that of their joint and their spring.
     """
 
     def __init__(
@@ -68,13 +71,16 @@ class System:
         springs: Mapping[str, JointSpring | PointSpring] | None = None,
         held: Mapping[str, HeldKind] | None = None,
         closures: Mapping[str, Closure] | None = None,
+        elastic: Mapping[str, ElasticPart] | None = None,
     ) -> None:
         """Lay out the state and compose the program of force elements."""
         self.mechanism = mechanism
         self.model = mechanism.model
         self.clearances = tuple(clearances)
         self.drives = dict(drives or {})
-        self.springs = dict(springs or {})
+        #: Elastic parts of flexible links by name; their springs stand behind all others.
+        self.elastic = dict(elastic or {})
+        self.springs = springs_and_parts(springs or {}, self.elastic)
         #: Those between points.
         self.point_springs = {n: s for n, s in self.springs.items() if isinstance(s, PointSpring)}
         self.held = dict(held or {})
@@ -205,7 +211,7 @@ class System:
                 if element.in_python:
                     self.callables.append((at, slice(own, at + len(block)), element))
                 if isinstance(element, Motion):
-                    self._check_motion(f"{family} {name!r}", name, element)
+                    check_motion(f"{family} {name!r}", self.mechanism, self.drives, name, element)
                     kind = element.compiled().KIND
                     turn = self.turn_x.get(element.joint, -1)
                     self.motions.append(
@@ -228,22 +234,6 @@ class System:
         #: Where in x the losses of springs are, in their order.
         self.damper_x = np.array([int(head.view(_kernels.ELEMENT)["x"][0]) for head in heads], dtype=int)
         return begin
-
-    def _check_motion(self, place: str, own: str, motion: Motion) -> None:
-        """Refuse a motion of a joint with play, or one beside another motion or a drive."""
-        slot = self.mechanism.joint(motion.joint)
-        if slot.kind not in ("revolute", "continuous", "prismatic"):
-            raise MechanismError(
-                f"{place}: joint {motion.joint!r} is {slot.kind} here, and only a revolute, continuous or "
-                "prismatic joint without play can be made to follow a motion; drive another joint"
-            )
-        for name, other in self.drives.items():
-            if name != own and other.joint == motion.joint:
-                what = "a motion" if isinstance(other, Motion) else "a drive"
-                raise MechanismError(
-                    f"{place}: joint {motion.joint!r} already has {what}, {name!r}; its motion is "
-                    "prescribed, so take one of the two away"
-                )
 
     def element_block(self, place: str, element: Element, x: int) -> Array:
         """Return the block of an element, or refuse a joint at which it cannot act.

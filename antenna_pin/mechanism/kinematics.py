@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
@@ -43,22 +45,26 @@ def link_poses(mechanism: Mechanism, q: ArrayLike) -> tuple[Array, Array]:
     return poses[..., :3, 3].copy(), quaternions(poses[..., :3, :3])
 
 
-def link_twists(mechanism: Mechanism, q: ArrayLike, v: ArrayLike) -> Array:
+def link_twists(
+    mechanism: Mechanism, q: ArrayLike, v: ArrayLike, links: Sequence[str] | None = None
+) -> Array:
     """Return the twist of every link's frame relative to the world, in the link's own axes.
 
     Args:
         mechanism: The mechanism.
         q: Configurations, (n, nq).
         v: Generalized velocities, (n, nv).
+        links: Which; all, in the URDF's order, if left out.
 
     Returns:
-        Twists (n, links, 6), linear part first [m/s, rad/s]; links in the URDF's order.
+        Twists (n, links, 6), linear part first [m/s, rad/s].
     """
     model = mechanism.model
     configurations = _rows("link_twists", "q", q, model.nq)
     velocities = _rows("link_twists", "v", v, model.nv)
     data = model.createData()
-    frames = [mechanism.frame(link.name) for link in mechanism.urdf.robot.links]
+    names = [link.name for link in mechanism.urdf.robot.links] if links is None else links
+    frames = [mechanism.frame(name) for name in names]
     twists = np.zeros((configurations.shape[0], len(frames), 6))
     for i in range(configurations.shape[0]):
         pin.forwardKinematics(model, data, configurations[i], velocities[i])

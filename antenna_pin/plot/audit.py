@@ -38,11 +38,13 @@ _STORED = (
     ("gravity_energy", "gravity, from the start", COLOURS[2]),
     ("spring_energy", "springs", COLOURS[4]),
     ("contact_energy", "elastic energy of the contacts", COLOURS[5]),
+    ("elastic_energy", "elastic energy of flexible links", COLOURS[3]),
 )
 _LOST = (
     ("dissipation_normal", "lost in normal contact", COLOURS[1]),
     ("dissipation_friction", "lost in friction", COLOURS[3]),
     ("dissipation_damper", "lost in joint dampers", COLOURS[2]),
+    ("dissipation_elastic", "lost in flexible links", COLOURS[5]),
 )
 
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from antenna_pin.analysis import impacts, load_statistics, said_of_singular
+from antenna_pin.analysis import impacts, load_statistics, said_of_singular, said_of_spin
 from antenna_pin.readable import number, readable
 from antenna_pin.report._parts import Row, Section, Table, counts, quantities, shares_row, words
 from antenna_pin.report._runs import ReportedRun, ideal_of, labels_of
@@ -80,6 +80,8 @@ def _warnings(run: ReportedRun) -> Iterator[str]:
             )
     if singular := said_of_singular(run.run.constraints):
         yield f"{singular}."
+    if spun := said_of_spin(data):
+        yield f"{spun}."
     gaps = float(data.attrs.get("gap_difference", 0.0))
     if not gaps <= GAPS_WITHIN:
         yield (

@@ -200,7 +200,8 @@ class Scenario(Spec):
                     f"got {frequency:g} Hz; raise output.rate",
                     "flexible",
                     name,
-                    *(("modes", part) if isinstance(link, ModesSpec) else ()),
+                    # The first is the kind, which messages leave out.
+                    *(("modes", "modes", part) if isinstance(link, ModesSpec) else ()),
                     "frequency",
                 )
 

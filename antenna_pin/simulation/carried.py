@@ -36,7 +36,10 @@ def mechanism_attributes(system: System) -> dict[str, str]:
     ``joint``, whether that ``slides`` along its axis, and whether it prescribes the joint's ``motion``.
     ``clearance_joints`` what :func:`carried_joints` tells (JSON). If there are springs between points,
     ``point_springs`` (JSON) has of each, by name, ``first_body``, ``first_point``, ``second_body`` and
-    ``second_point``: links, and places in their frames [m].
+    ``second_point``: links, and places in their frames [m]. If there are elastic parts, ``elastic_parts``
+    (JSON) has of each, by name, its ``hub`` and its ``body`` (links), whether it ``slides``, its
+    ``frequency`` [Hz] and ``damping_ratio`` [-] with the hub held, and the mass [kg] or moment of inertia
+    [kg m^2] that its joint has ``moved``.
     """
     mechanism = system.mechanism
     springs = {
@@ -61,7 +64,23 @@ def mechanism_attributes(system: System) -> dict[str, str]:
         "clearance_joints": json.dumps(carried_joints(system)),
         "drives": json.dumps({name: _drive(system, drive) for name, drive in system.drives.items()}),
         **({"point_springs": json.dumps(springs)} if springs else {}),
+        **({"elastic_parts": json.dumps(_elastic_parts(system))} if system.elastic else {}),
     }
+
+
+def _elastic_parts(system: System) -> dict[str, dict[str, Any]]:
+    found = {}
+    for name, part in system.elastic.items():
+        joint = system.mechanism.urdf.joint(name)
+        found[name] = {
+            "hub": joint.parent,
+            "body": joint.child,
+            "slides": part.slides,
+            "frequency": part.frequency,
+            "damping_ratio": part.damping_ratio,
+            "moved": part.moved,
+        }
+    return found
 
 
 def _drive(system: System, drive: Element) -> dict[str, Any]:

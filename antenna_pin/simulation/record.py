@@ -5,96 +5,25 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from antenna_pin.dynamics import Observed, System, joint_motion, journal_attitudes, observed, sliding_motion
+from antenna_pin.dynamics import journal_attitudes, observed
 from antenna_pin.elements import Motion
 from antenna_pin.records import MEMORY
 from antenna_pin.simulation.carried import mechanism_attributes
 from antenna_pin.simulation.coordinates import coordinate_names
 from antenna_pin.simulation.held import constraint_attributes
 from antenna_pin.simulation.loop import Run
+from antenna_pin.simulation.seen import Seen
 from antenna_pin.trajectory.labelled import labelled
 
 __all__ = ["dataset"]
 
-Array = NDArray[np.float64]
 Values = Mapping[str, Any]
-
-
-# Variables of the ledger, by the places in x where a system integrates them; what of it enters the balance.
-_LEDGER = {
-    "drive_work": "work_x",
-    "drive_gross_work": "gross_work_x",
-    "dissipation_normal": "lost_normal_x",
-    "dissipation_friction": "lost_friction_x",
-    "normal_impulse": "impulse_x",
-    "dissipation_damper": "damper_x",
-}
-_BALANCE = {
-    "drive_work": -1.0,
-    "dissipation_normal": 1.0,
-    "dissipation_friction": 1.0,
-    "dissipation_damper": 1.0,
-}
-
-
-@dataclass(eq=False)
-class _Seen:
-    """The samples of a run, and what the system is there."""
-
-    run: Run
-    times: Array
-    states: Array
-    memories: NDArray[Any]
-    found: Observed
-
-    @property
-    def system(self) -> System:
-        return self.run.system
-
-    @property
-    def q(self) -> Array:
-        return self.states[:, : self.system.model.nq]
-
-    @property
-    def v(self) -> Array:
-        nq = self.system.model.nq
-        return self.states[:, nq : nq + self.system.model.nv]
-
-    @cached_property
-    def ledger(self) -> dict[str, Array]:
-        """What the elements have integrated since the first sample: a run that goes on has its own ledger."""
-        x = self.states[:, self.system.model.nq + self.system.model.nv :]
-        places = {name: getattr(self.system, place) for name, place in _LEDGER.items()}
-        return {name: x[:, columns] - x[0, columns] for name, columns in places.items()}
-
-    @cached_property
-    def joints(self) -> tuple[list[str], Array]:
-        """Names and motion of the joints that turn."""
-        return joint_motion(self.system, self.states, self.found.acceleration)
-
-    @cached_property
-    def slides(self) -> tuple[list[str], Array]:
-        """Names and motion of the joints that slide."""
-        return sliding_motion(self.system, self.states, self.found)
-
-    @cached_property
-    def energy_error(self) -> Array:
-        """Error of the energy balance [J]."""
-        stored = self.found.energy
-        error = stored - stored[0]
-        for happening in self.run.happened:
-            error[self.times >= happening.time] -= happening.energy
-        for name, sign in _BALANCE.items():
-            error += sign * self.ledger[name].sum(axis=1)
-        return np.asarray(error)
 
 
 def dataset(run: Run, title: str, case: str, versions: dict[str, str], *, lean: bool = False) -> xr.Dataset:
@@ -112,7 +41,7 @@ def dataset(run: Run, title: str, case: str, versions: dict[str, str], *, lean: 
     contacts = len(run.system.contact_names)
     memories = _joined(run.samples.memories, MEMORY).reshape(len(times), contacts)
     found = observed(run.system, times, states, memories, run.samples.programs)
-    seen = _Seen(run, times, states, memories, found)
+    seen = Seen(run, times, states, memories, found)
     values: dict[str, Any] = {}
     for source in _SOURCES:
         values |= source(seen)
@@ -137,7 +66,7 @@ def _joined(pieces: Iterable[Any], kind: Any) -> NDArray[Any]:
     return np.frombuffer(bytearray().join(pieces), kind)
 
 
-def _labels(seen: _Seen) -> dict[str, Any]:
+def _labels(seen: Seen) -> dict[str, Any]:
     """Return the labels of all dimensions and coordinates that the system has."""
     system = seen.system
     configuration, velocity = coordinate_names(system)
@@ -161,7 +90,8 @@ def _labels(seen: _Seen) -> dict[str, Any]:
         ("drive", list(system.drives)),
         ("controller", [name for name, drive in system.drives.items() if drive.tracks]),
         ("motion", [name for name, drive in system.drives.items() if isinstance(drive, Motion)]),
-        ("spring", list(system.springs)),
+        ("spring", [name for name in system.springs if name not in system.elastic]),
+        ("elastic_part", list(system.elastic)),
         ("point_spring", list(system.point_springs)),
         ("closure", list(system.closures)),
     ):
@@ -177,7 +107,7 @@ def _labels(seen: _Seen) -> dict[str, Any]:
 # --- the sources of the schema: all variables of each ---
 
 
-def _state(seen: _Seen) -> Values:
+def _state(seen: Seen) -> Values:
     q, v = seen.q, seen.v
     return {
         "q": q,
@@ -189,7 +119,7 @@ def _state(seen: _Seen) -> Values:
     }
 
 
-def _derivative(seen: _Seen) -> Values:
+def _derivative(seen: Seen) -> Values:
     effort = seen.found.effort
     stretch = seen.found.stretch
     tracking = effort[:, [drive.tracks for drive in seen.system.drives.values()]]
@@ -206,7 +136,7 @@ def _derivative(seen: _Seen) -> Values:
     }
 
 
-def _contact(seen: _Seen) -> Values:
+def _contact(seen: Seen) -> Values:
     contacts, pose = seen.found.contact, seen.found.pose
     axis = pose["axis"]
     return {
@@ -222,16 +152,17 @@ def _contact(seen: _Seen) -> Values:
     }
 
 
-def _ledger(seen: _Seen) -> Values:
+def _ledger(seen: Seen) -> Values:
     return {**seen.ledger, "energy_error": seen.energy_error}
 
 
-def _audit(seen: _Seen) -> Values:
+def _audit(seen: Seen) -> Values:
     audit = seen.found.audit
     return {
         "kinetic_energy": audit["kinetic"],
         "contact_energy": audit["contacts"],
-        "spring_energy": audit["springs"],
+        "spring_energy": seen.spring_energy,
+        "elastic_energy": seen.elastic.energy,
         "gravity_energy": audit["gravity"],
         "linear_momentum": audit["linear"],
         "angular_momentum": audit["angular"],
@@ -240,7 +171,7 @@ def _audit(seen: _Seen) -> Values:
     }
 
 
-def _motion(seen: _Seen) -> Values:
+def _motion(seen: Seen) -> Values:
     turning = seen.joints[1]
     sliding = seen.slides[1]
     return {
@@ -250,10 +181,13 @@ def _motion(seen: _Seen) -> Values:
         "slide_position": sliding[:, :, 0].T,
         "slide_rate": sliding[:, :, 1].T,
         "slide_acceleration": sliding[:, :, 2].T,
+        "deflection": seen.elastic.motion[:, :, 0],
+        "deflection_rate": seen.elastic.motion[:, :, 1],
+        "deflection_acceleration": seen.elastic.motion[:, :, 2],
     }
 
 
-def _summary(seen: _Seen) -> Values:
+def _summary(seen: Seen) -> Values:
     moved, total = _motion(seen), {name: series[-1] for name, series in seen.ledger.items()}
     drives = seen.system.drives.values()
     closure = np.linalg.norm(seen.found.closure, axis=3).max(axis=0)
@@ -273,10 +207,14 @@ def _summary(seen: _Seen) -> Values:
         "total_normal_loss": total["dissipation_normal"],
         "total_friction_loss": total["dissipation_friction"],
         "total_damper_loss": total["dissipation_damper"],
+        "peak_deflection": np.abs(seen.elastic.motion[:, :, 0]).max(axis=0),
+        "peak_elastic_energy": seen.elastic.energy.max(axis=0),
+        "total_elastic_loss": total["dissipation_elastic"],
+        "peak_spin": seen.elastic.spin.max(axis=0),
     }
 
 
-def _episodes(seen: _Seen) -> Values:
+def _episodes(seen: Seen) -> Values:
     names = {
         "onset": "onset_time",
         "release": "release_time",
@@ -295,7 +233,7 @@ def _episodes(seen: _Seen) -> Values:
     }
 
 
-_SOURCES: tuple[Callable[[_Seen], Values], ...] = (
+_SOURCES: tuple[Callable[[Seen], Values], ...] = (
     _state,
     _derivative,
     _contact,
@@ -307,7 +245,7 @@ _SOURCES: tuple[Callable[[_Seen], Values], ...] = (
 )
 
 
-def _conservation(seen: _Seen) -> dict[str, Any]:
+def _conservation(seen: Seen) -> dict[str, Any]:
     """Return how well what must be kept was kept, relative to scales that do not pass through zero."""
     system, audit = seen.system, seen.found.audit
     result: dict[str, Any] = {"energy_error": float(np.abs(seen.energy_error).max())}

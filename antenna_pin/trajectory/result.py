@@ -194,6 +194,8 @@ class Trajectory:
         }
         if "sliding_joint" in data.sizes:
             result["slides"] = _by_label(data, "sliding_joint", _SLIDES)
+        if "elastic_part" in data.sizes:
+            result["elastic_parts"] = _elastic_parts(data)
         if self.constraints:
             result["constraints"] = self.constraints
             result["closures"] = _closures(data)
@@ -254,6 +256,19 @@ _SLIDES = {
     "slide_rate": "final_slide_rate",
     "peak_slide_acceleration": "peak_slide_acceleration",
 }
+
+
+def _elastic_parts(data: xr.Dataset) -> dict[str, dict[str, float]]:
+    """Return how far each elastic part went, [m] if it slides, else [rad], and the energy that it took."""
+    about = json.loads(data.attrs["elastic_parts"])
+    return {
+        name: {
+            "peak_shift" if one["slides"] else "peak_deflection": float(data["peak_deflection"].values[k]),
+            "peak_elastic_energy": float(data["peak_elastic_energy"].values[k]),
+            "elastic_loss": float(data["total_elastic_loss"].values[k]),
+        }
+        for k, (name, one) in enumerate(about.items())
+    }
 
 
 def _closures(data: xr.Dataset) -> dict[str, dict[str, Any]]:

@@ -33,6 +33,7 @@ DIMENSIONS: dict[str, str] = {
     "motion": "drives that prescribe their joint's motion, by name",
     "spring": "springs and dampers, by name",
     "point_spring": "those of them that are between points",
+    "elastic_part": "elastic parts of flexible links, by name",
     "closure": "joints that close loops, or are held by constraint, by name",
     "event": "events of the user's that happened, by name",
     "episode": "contacts from onset to release, in order of onset",
@@ -197,6 +198,16 @@ def _table() -> Iterator[Variable]:
         ("spring_energy", "J", "energy stored in springs, at joints and between points"),
         ("gravity_energy", "J", "potential energy of gravity"),
     )
+    part = "time elastic_part"
+    yield from _rows("audit", part, ("elastic_energy", "J", "energy stored in the part's spring"))
+    yield from _rows("ledger", part, ("dissipation_elastic", "J", "energy lost in the part's damper"))
+    yield from _rows(
+        "motion",
+        part,
+        ("deflection", "rad", "of the part from rest (a way [m] if it slides)"),
+        ("deflection_rate", "rad/s", "its rate (m/s)"),
+        ("deflection_acceleration", "rad/s^2", "its acceleration (m/s^2)"),
+    )
     yield from _rows(
         "ledger",
         "time drive",
@@ -277,6 +288,14 @@ def _table() -> Iterator[Variable]:
         ("peak_closure_moment", "N m", "largest moment of the closure at a sample"),
     )
     yield from _rows("summary", "spring", ("total_damper_loss", "J", "energy lost in the damper in all"))
+    yield from _rows(
+        "summary",
+        "elastic_part",
+        ("peak_deflection", "rad", "largest size of the part's deflection at a sample (a way [m])"),
+        ("peak_elastic_energy", "J", "largest energy in the part's spring at a sample"),
+        ("total_elastic_loss", "J", "energy lost in the part's damper in all"),
+        ("peak_spin", "rad/s", "largest angular speed of the part's hub at a sample"),
+    )
     yield from _rows(
         "episodes",
         "episode",

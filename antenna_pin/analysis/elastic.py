@@ -1,0 +1,105 @@
+"""What the elastic parts of flexible links did, and where their model stops to hold."""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from antenna_pin.analysis._run import Array, RunLike, data_of, sample_times, variable
+from antenna_pin.analysis.sampled import time_rms
+from antenna_pin.readable import number, readable
+from antenna_pin.trajectory import names_along
+
+__all__ = ["SPIN_WITHIN", "elastic_motion", "elastic_parts_of", "modal_energy", "said_of_spin"]
+
+#: Largest spin of a hub over a part's own angular frequency up to which its softening is small: 5 % [-].
+SPIN_WITHIN = 0.3
+
+
+def elastic_parts_of(run: RunLike) -> dict[str, dict[str, Any]]:
+    """Return what the elastic parts of a run are, by name; {} if it has none.
+
+    Each has its ``hub`` and its ``body`` (links), whether it ``slides``, its ``frequency`` [Hz] and
+    ``damping_ratio`` [-] with the hub held, and the mass [kg] or moment of inertia [kg m^2] ``moved``.
+    """
+    found: dict[str, dict[str, Any]] = json.loads(data_of(run).attrs.get("elastic_parts", "{}"))
+    return found
+
+
+def modal_energy(run: RunLike) -> Array:
+    r"""Return the energy of each elastic part against its hub at all samples, (n, parts) [J].
+
+    :math:`\tfrac12 k x^2 + \tfrac12 D \dot x^2`, with the mass or moment of inertia D that its joint moves:
+    with the hub held it only decreases.
+    """
+    data = data_of(run)
+    moved = np.array([one["moved"] for one in elastic_parts_of(data).values()])
+    rate = np.asarray(variable(data, "deflection_rate", "modal energy").values, dtype=float)
+    return np.asarray(data["elastic_energy"].values + 0.5 * moved * rate**2, dtype=float)
+
+
+def elastic_motion(run: RunLike) -> xr.Dataset:
+    """Return key numbers of the elastic parts of a run.
+
+    Args:
+        run: A run, or its data.
+
+    Returns:
+        Over ``elastic_part``: ``peak_deflection`` and ``rms_deflection`` [rad], of parts that slide [m],
+        ``time_of_peak`` [s], ``peak_energy``, that of :func:`modal_energy`, and ``lost`` in the damper [J],
+        ``frequency`` with the hub held [Hz] and ``spin_ratio``, the largest angular speed of the hub over the
+        part's own angular frequency [-].
+    """
+    data = data_of(run)
+    about = elastic_parts_of(data)
+    times = sample_times(data, "elastic parts")
+    deflection = np.asarray(variable(data, "deflection", "elastic parts").values, dtype=float)
+    frequency = np.array([one["frequency"] for one in about.values()])
+    found = {
+        "peak_deflection": np.abs(deflection).max(axis=0),
+        "rms_deflection": np.array([time_rms(times, column) for column in deflection.T]),
+        "time_of_peak": times[np.abs(deflection).argmax(axis=0)],
+        "peak_energy": modal_energy(data).max(axis=0),
+        "lost": np.asarray(data["total_elastic_loss"].values, dtype=float),
+        "frequency": frequency,
+        "spin_ratio": np.asarray(data["peak_spin"].values, dtype=float) / (2.0 * math.pi * frequency),
+    }
+    return xr.Dataset(
+        {name: (("elastic_part",), values) for name, values in found.items()},
+        coords={"elastic_part": list(about)},
+    )
+
+
+def said_of_spin(run: RunLike) -> str:
+    """Return in words whether hubs span so fast that their elastic parts soften; nothing if they did not.
+
+    A mass on a spring that spins with its hub feels the spring less the centrifugal force: its frequency
+    falls, and above a spin of its own angular frequency it runs away. A real structure stiffens.
+    """
+    data = data_of(run)
+    about = elastic_parts_of(data)
+    ratios = {
+        name: float(spin) / (2.0 * math.pi * about[name]["frequency"])
+        for name, spin in zip(
+            names_along(data, "elastic_part"), data["peak_spin"].values if about else (), strict=True
+        )
+    }
+    worst = max(ratios, key=ratios.__getitem__, default=None)
+    if worst is None or not ratios[worst] > SPIN_WITHIN:
+        return ""
+    part, ratio = about[worst], ratios[worst]
+    spin = readable(2.0 * math.pi * part["frequency"] * ratio, "rad/s", 3)
+    own = f"{number(ratio, 2)} of what {worst} swings with ({readable(part['frequency'], 'Hz', 4)})"
+    if ratio >= 1.0:
+        return (
+            f"{part['hub']} spins at up to {spin}, {own}: a mass on a spring runs away there, which no real "
+            "structure does; do not believe its deflection"
+        )
+    return (
+        f"{part['hub']} spins at up to {spin}, {own}: masses on springs soften with spin, by up to "
+        f"{number(100.0 * (1.0 - math.sqrt(1.0 - ratio**2)), 2)} % in frequency, where a structure stiffens"
+    )

@@ -1,0 +1,113 @@
+"""The samples of a run, and what its system is there: where all variables of a result come from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from antenna_pin.dynamics import Deflections, Observed, System, deflections, joint_motion, sliding_motion
+from antenna_pin.simulation.loop import Run
+
+__all__ = ["Seen"]
+
+Array = NDArray[np.float64]
+
+# Variables of the ledger, by the places in x where a system integrates them; what of it enters the balance.
+_LEDGER = {
+    "drive_work": "work_x",
+    "drive_gross_work": "gross_work_x",
+    "dissipation_normal": "lost_normal_x",
+    "dissipation_friction": "lost_friction_x",
+    "normal_impulse": "impulse_x",
+    "dissipation_damper": "damper_x",
+    "dissipation_elastic": "damper_x",
+}
+_BALANCE = {
+    "drive_work": -1.0,
+    "dissipation_normal": 1.0,
+    "dissipation_friction": 1.0,
+    "dissipation_damper": 1.0,
+    "dissipation_elastic": 1.0,
+}
+
+
+@dataclass(eq=False)
+class Seen:
+    """The samples of a run, and what the system is there.
+
+    Attributes:
+        run: The run.
+        times: (n,) [s].
+        states: [q, v, x], (n, nq + nv + nx).
+        memories: Contact memory, MEMORY, (n, contacts).
+        found: What the equations of motion give.
+    """
+
+    run: Run
+    times: Array
+    states: Array
+    memories: NDArray[Any]
+    found: Observed
+
+    @property
+    def system(self) -> System:
+        """The system."""
+        return self.run.system
+
+    @property
+    def q(self) -> Array:
+        """Configurations, (n, nq)."""
+        return self.states[:, : self.system.model.nq]
+
+    @property
+    def v(self) -> Array:
+        """Generalized velocities, (n, nv)."""
+        nq = self.system.model.nq
+        return self.states[:, nq : nq + self.system.model.nv]
+
+    @cached_property
+    def ledger(self) -> dict[str, Array]:
+        """What the elements have integrated since the first sample: a run that goes on has its own ledger."""
+        x = self.states[:, self.system.model.nq + self.system.model.nv :]
+        places = {name: getattr(self.system, place) for name, place in _LEDGER.items()}
+        others = len(self.system.springs) - len(self.system.elastic)  # those of parts stand behind them
+        places["dissipation_damper"] = places["dissipation_damper"][:others]
+        places["dissipation_elastic"] = places["dissipation_elastic"][others:]
+        return {name: x[:, columns] - x[0, columns] for name, columns in places.items()}
+
+    @cached_property
+    def joints(self) -> tuple[list[str], Array]:
+        """Names and motion of the joints that turn."""
+        return joint_motion(self.system, self.states, self.found.acceleration)
+
+    @cached_property
+    def slides(self) -> tuple[list[str], Array]:
+        """Names and motion of the joints that slide."""
+        return sliding_motion(self.system, self.states, self.found)
+
+    @cached_property
+    def elastic(self) -> Deflections:
+        """Motion and energy of the elastic parts."""
+        return deflections(self.system, self.states, self.found.acceleration, self.run.samples.programs)
+
+    @cached_property
+    def spring_energy(self) -> Array:
+        """Stored in springs but those of elastic parts, (n,) [J]."""
+        if len(self.system.springs) == len(self.system.elastic):
+            return np.zeros(len(self.times))  # not the round-off of a difference
+        return np.asarray(self.found.audit["springs"] - self.elastic.energy.sum(axis=1))
+
+    @cached_property
+    def energy_error(self) -> Array:
+        """Error of the energy balance [J]."""
+        stored = self.found.energy
+        error = stored - stored[0]
+        for happening in self.run.happened:
+            error[self.times >= happening.time] -= happening.energy
+        for name, sign in _BALANCE.items():
+            error += sign * self.ledger[name].sum(axis=1)
+        return np.asarray(error)
