@@ -14,7 +14,55 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
+# Of a petal's grid: along the radius, around the axis.
+_ROWS, _COLUMNS = 13, 9
+
 DEFAULT_OUT = Path(__file__).resolve().parents[1] / "models" / "bai2020" / "dish.obj"
+
+
+def petal(
+    inner: float, rim_radius: float, focal_length: float, thickness: float, half_angle: float
+) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.int64]]:
+    """Return vertices [m] and triangles of a sector of that shell, over the y axis and closed all round.
+
+    Args:
+        inner: Least radius [m].
+        rim_radius: Largest radius [m].
+        focal_length: f [m].
+        thickness: Along the normal, half of it to either side [m].
+        half_angle: Half of the angle that it spans [rad].
+    """
+    radius, angle = np.linspace(inner, rim_radius, _ROWS), np.linspace(-half_angle, half_angle, _COLUMNS)
+    slope = radius / (2.0 * focal_length)
+    normal = np.stack([np.ones(_ROWS), -slope]) / np.sqrt(1.0 + slope**2)
+    surfaces = []
+    for side in (0.5, -0.5):
+        x, r = np.stack([radius**2 / (4.0 * focal_length), radius]) + side * thickness * normal
+        surfaces.append(
+            np.stack(
+                [
+                    np.repeat(x, _COLUMNS),
+                    np.outer(r, np.cos(angle)).ravel(),
+                    np.outer(r, np.sin(angle)).ravel(),
+                ],
+                axis=1,
+            )
+        )
+    place = np.arange(_ROWS * _COLUMNS).reshape(_ROWS, _COLUMNS)
+    corners = [place[:-1, :-1], place[1:, :-1], place[1:, 1:], place[:-1, 1:]]
+    a, b, c, d = (one.ravel() for one in corners)
+    hollow = np.vstack([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
+    back = hollow[:, ::-1] + place.size
+    # Around the edge, from hollow side to back: counterclockwise as seen from the hollow side.
+    edge = np.concatenate([place[:-1, 0], place[-1, :-1], place[:0:-1, -1], place[0, :0:-1]])
+    after = np.roll(edge, -1)
+    side_faces = np.vstack(
+        [
+            np.stack([edge, edge + place.size, after + place.size], axis=1),
+            np.stack([edge, after + place.size, after], axis=1),
+        ]
+    )
+    return np.vstack(surfaces), np.vstack([hollow, back, side_faces])
 
 
 def dish(
@@ -89,6 +137,8 @@ def main() -> None:
     parser.add_argument("--rings", type=int, default=16, help="(default: %(default)s)")
     parser.add_argument("--sectors", type=int, default=48, help="(default: %(default)s)")
     parser.add_argument("--out", type=Path, default=DEFAULT_OUT, help="(default: models/bai2020/dish.obj)")
+    parser.add_argument("--petals", type=int, help="write one petal of so many, from --hub-radius on")
+    parser.add_argument("--hub-radius", type=float, default=0.1, help="m (default: %(default)s)")
     options = parser.parse_args()
     if not min(options.rim_radius, options.focal_length, options.thickness) > 0.0:
         parser.error("rim radius, focal length and thickness must be positive")
@@ -100,6 +150,14 @@ def main() -> None:
             *shape
         )
     )
+    if options.petals is not None:
+        if options.petals < 2 or not 0.0 < options.hub_radius < options.rim_radius:
+            parser.error("a dish has 2 petals or more, and they begin inside the rim")
+        # A gap of 2 % between petals, to see them apart.
+        made = petal(options.hub_radius, *shape, 0.98 * math.pi / options.petals)
+        title = f"one of {options.petals} petals of a {title}, from {options.hub_radius:g}"
+        options.out.write_text(obj(*made, title), encoding="ascii")
+        return
     options.out.write_text(obj(*dish(*shape, options.rings, options.sectors), title), encoding="ascii")
 
 

@@ -1563,6 +1563,8 @@ def test_shipped_scenarios_are_listed():
     (bai,) = [summary for summary in list_scenarios() if summary.name == "bai2020"]
     assert bai.title == "Dual-axis satellite antenna with a 3D revolute clearance joint"
     names = ["case1", "case1-constraint", "case2-planar", "case2-contact", "case3", "case4", "case5"]
+    names += ["flexible", "flexible-ideal", "petals", "petals-ideal"]
+    names += [f"nod-{frequency}hz" for frequency in (5, 10, 20, 35, 50)]
     assert [case.name for case in bai.cases] == names
     assert all(case.description for case in bai.cases)
     assert (models_path() / "bai2020" / "scenario.toml").is_file()

@@ -53,6 +53,7 @@ def add_parts(robot: Any, link_name: str, split: SplitLink, where: str) -> None:
     for k, drawn in enumerate(split.hub_drawn):
         _draw(link, drawn, f"hub{k + 1}", np.zeros(3), material)
     last = link
+    taken: set[str] = set()  # a shape that several parts move is on the first
     for part in split.parts:
         for kind, name in (("joint", part.name), ("link", body_name(part.name))):
             if any(element.get("name") == name for element in robot.findall(kind)):
@@ -60,7 +61,7 @@ def add_parts(robot: Any, link_name: str, split: SplitLink, where: str) -> None:
                     f"{where}: {kind} name {name!r} is needed for an elastic part of link {link_name!r}; "
                     "rename yours, or the part"
                 )
-        joint, body = _joint(part, link_name), _body(part, link, material, where)
+        joint, body = _joint(part, link_name), _body(part, link, material, taken, where)
         for element in (joint, body):
             element.tail, last.tail = last.tail, "\n\n  "
             last.addnext(element)
@@ -98,7 +99,7 @@ def _joint(part: ElasticPart, parent: str) -> Any:
     return joint
 
 
-def _body(part: ElasticPart, link: Any, material: Any, where: str) -> Any:
+def _body(part: ElasticPart, link: Any, material: Any, taken: set[str], where: str) -> Any:
     body = etree.Element("link", name=body_name(part.name))
     inertial = etree.SubElement(body, "inertial")
     etree.SubElement(inertial, "origin", xyz=text_of(part.body.centre - part.origin), rpy="0 0 0")
@@ -107,6 +108,9 @@ def _body(part: ElasticPart, link: Any, material: Any, where: str) -> Any:
     etree.SubElement(inertial, "inertia", moments)
     for k, drawn in enumerate(part.drawn):
         if isinstance(drawn, Takes):
+            if drawn.shape in taken:
+                continue
+            taken.add(drawn.shape)
             for element in _shapes(link, drawn.shape, where):
                 _shift(element, -part.origin)
                 element.getparent().remove(element)

@@ -17,6 +17,7 @@ from scipy.spatial.transform import Rotation
 from antenna_pin.contact import DISSIPATIONS, FRICTION_LAWS, NORMAL_LAWS, DampedContact
 from antenna_pin.dynamics import System
 from antenna_pin.elements import Element, Motion
+from antenna_pin.flexible import Takes
 from antenna_pin.joints import ClearanceJoint
 from antenna_pin.mechanism import frame_aligning_z
 from antenna_pin.readable import number
@@ -39,7 +40,8 @@ def mechanism_attributes(system: System) -> dict[str, str]:
     ``second_point``: links, and places in their frames [m]. If there are elastic parts, ``elastic_parts``
     (JSON) has of each, by name, its ``hub`` and its ``body`` (links), whether it ``slides``, its
     ``frequency`` [Hz] and ``damping_ratio`` [-] with the hub held, and the mass [kg] or moment of inertia
-    [kg m^2] that its joint has ``moved``.
+    [kg m^2] that its joint has ``moved``; of parts that move the same shapes the first, on whose body these
+    are, names the others in ``with``.
     """
     mechanism = system.mechanism
     springs = {
@@ -80,7 +82,23 @@ def _elastic_parts(system: System) -> dict[str, dict[str, Any]]:
             "damping_ratio": part.damping_ratio,
             "moved": part.moved,
         }
+        if with_it := _moving_the_same(system, name):
+            found[name]["with"] = with_it
     return found
+
+
+def _moving_the_same(system: System, name: str) -> list[str]:
+    """Return the later elastic parts that move a shape which is on the body of this one."""
+    hub = system.mechanism.urdf.joint(name).parent
+    same = [one for one in system.elastic if system.mechanism.urdf.joint(one).parent == hub]
+    shapes = {part: _shapes(system, part) for part in same}
+    before = set().union(*(shapes[one] for one in same[: same.index(name)]))
+    own = shapes[name] - before
+    return [one for one in same[same.index(name) + 1 :] if shapes[one] & own]
+
+
+def _shapes(system: System, part: str) -> set[str]:
+    return {drawn.shape for drawn in system.elastic[part].drawn if isinstance(drawn, Takes)}
 
 
 def _drive(system: System, drive: Element) -> dict[str, Any]:
