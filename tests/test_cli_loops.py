@@ -197,6 +197,6 @@ def test_singular_positions_that_were_passed_are_named(cli, folder, singular):
     dataclasses.replace(run, data=data).save("passed.nc")
     last = printed(cli("info", "passed.nc")).splitlines()[-1]
     text = (
-        "ideal: passed 2 singular positions, at 0.25 s, 0.5 s: loops could go on in more ways than one there"
+        "passed: passed 2 singular positions, at 0.25 s, 0.5 s: loops could go on in more ways than one there"
     )
     assert last.replace("\N{NO-BREAK SPACE}", " ") == text if singular else "mobility" in last

@@ -214,6 +214,12 @@ def label_of(trajectory: Trajectory, path: Path) -> str:
     return str(trajectory.data.attrs.get("case") or path.stem)
 
 
+def labels_of(paths: Sequence[Path]) -> list[str]:
+    """Return what columns of results are headed by: names of files, or paths where names are the same."""
+    names = [path.stem for path in paths]
+    return names if len(set(names)) == len(names) else [str(path) for path in paths]
+
+
 def figure_formats(text: str) -> list[str]:
     """Return the formats that a comma-separated list names, each once.
 

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+import shutil
+import sys
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import typer
+
+from antenna_pin.cli._layout import Table, laid_out
 
 # How the entries of a summary are called in a table, and their units; others keep their own names.
 _ENTRIES = {
@@ -56,7 +60,7 @@ _ENTRIES = {
     "elastic_loss": ("energy lost in the damper", "J"),
 }
 # Entries that tables leave out: what they say is said in a sentence.
-_SAID = ("title", "case", "redundant", "singular")
+_SAID = ("title", "message", "redundant", "singular")
 # Groups of a summary whose name says nothing that their entries do not say.
 _PLAIN_GROUPS = (
     "counts",
@@ -71,55 +75,39 @@ _PLAIN_GROUPS = (
 )
 
 
-def print_summaries(summaries: Sequence[tuple[str, dict[str, Any]]]) -> None:
-    """Print summaries side by side, one row per figure."""
-    from rich import box
-    from rich.console import Console
-    from rich.table import Table
-
+def print_summaries(summaries: Sequence[tuple[str, Mapping[str, Any]]]) -> None:
+    """Print summaries side by side as far as the lines are long, the others below; one row per figure."""
     columns = [dict(_rows(summary)) for _, summary in summaries]
     titles = dict.fromkeys(str(summary.get("title", "")) for _, summary in summaries)
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, title="; ".join(filter(None, titles)))
-    table.title_justify = "left"
-    table.add_column("", no_wrap=True)
-    for label, _ in summaries:
-        table.add_column(label, justify="right", overflow="fold")
+    rows = []
     for row in dict.fromkeys(name for column in columns for name in column):
-        texts = [column.get(row, "-") for column in columns]
-        if any(text != "-" for text in texts):  # a fixed base keeps no momentum, to take one
-            table.add_row(row, *texts)
-    # Units stand in brackets, which are no markup. A pipe has no width to keep to.
-    console = Console(highlight=False, markup=False)
-    if not console.is_terminal:
-        console = Console(highlight=False, markup=False, width=max(100, 50 + 36 * len(summaries)))
-    console.print(table)
+        rows.append([row, *(text_of(column.get(row)) for column in columns)])
+    head = ["", *(label for label, _ in summaries)]
+    _print(Table(title="; ".join(filter(None, titles)), head=head, rows=rows, sparse=True), pipe=_PAGE)
 
 
-def print_rows(
-    title: str, head: Sequence[str], rows: Sequence[Sequence[str]], justify: Any = "right"
-) -> None:
-    """Print a table, without blanks at the ends of its lines; a pipe has no width to keep to."""
-    from rich import box
-    from rich.console import Console
-    from rich.table import Table
-
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, title=title)
-    table.title_justify = "left"
-    for place, name in enumerate(head):
-        table.add_column(name, justify="left" if place == 0 else justify, overflow="fold")
-    for row in rows:
-        table.add_row(*row)
-    # Units stand in brackets, which are no markup.
-    console = Console(highlight=False, markup=False)
-    if not console.is_terminal:
-        console = Console(highlight=False, markup=False, width=300)
-    with console.capture() as printed:
-        console.print(table)
-    typer.echo("\n".join(line.rstrip() for line in printed.get().splitlines()))
+def print_rows(title: str, head: Sequence[str], rows: Sequence[Sequence[str]], numbers: bool = True) -> None:
+    """Print a table; ``numbers``: those of all columns but the first stand at the right."""
+    _print(Table(title=title, head=head, rows=rows, numbers=numbers), pipe=_ENDLESS)
 
 
-def _rows(summary: dict[str, Any], group: str = "") -> Iterator[tuple[str, str]]:
-    """Yield name and text of every entry of a summary, those of a group after its name."""
+# A pipe has no width to keep to; but files go down at some point, not across.
+_ENDLESS = 300
+_PAGE = 130
+
+
+def _print(table: Table, pipe: int) -> None:
+    width = shutil.get_terminal_size().columns if sys.stdout.isatty() else pipe
+    typer.echo("\n".join(laid_out(table, width)))
+
+
+def flat(summary: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the entries of a summary by the names that a table has for them, with units."""
+    return dict(_rows(summary))
+
+
+def _rows(summary: Mapping[str, Any], group: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield name and value of every entry of a summary, those of a group after its name."""
     for key, value in summary.items():
         if key in _SAID:
             continue
@@ -127,7 +115,7 @@ def _rows(summary: dict[str, Any], group: str = "") -> Iterator[tuple[str, str]]
             yield from _rows(value, group if key in _PLAIN_GROUPS else f"{group}{key} ")
         else:
             name, unit = _ENTRIES.get(key, (key.replace("_", " "), ""))
-            yield f"{group}{name}" + (f" [{unit}]" if unit else ""), text_of(value)
+            yield f"{group}{name}" + (f" [{unit}]" if unit else ""), value
 
 
 def text_of(value: Any) -> str:

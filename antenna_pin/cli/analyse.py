@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import json
 import math
 from collections.abc import Sequence
 from pathlib import Path
@@ -11,11 +9,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from antenna_pin.cli._common import complain, label_of, load_result, refuse, writable_file
+from antenna_pin.cli._common import complain, label_of, load_result, refuse
+from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, exported, parts_of, say_json, write_csv
 from antenna_pin.cli._loops import print_loops
 from antenna_pin.cli._tables import print_rows, text_of
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.files import replacing
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -43,6 +41,8 @@ _ROWS = (
     ("loads", "dissipated", "energy lost [J]"),
 )
 _PEAKS = 3
+# What a CSV file has, one row for each number.
+_PARTS = ("deviation", "impacts", "loads", "settling", "closures", "drives", "frequencies")
 
 
 def analyse(
@@ -53,11 +53,13 @@ def analyse(
     longest_gap: Annotated[
         str, typer.Option(help="Longest time apart that counts as lasting contact ('1 ms').")
     ] = "1 ms",
-    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
+    as_json: JsonOption = False,
+    csv: CsvOption = None,
 ) -> None:
     """Say what a run shows: deviation, impacts, loads, settling, closed loops, dominant frequencies."""
     from antenna_pin.units import quantity
 
+    target = csv_target(csv)
     try:
         gap = float(longest_gap)  # a bare number is SI
     except ValueError:
@@ -77,8 +79,7 @@ def analyse(
     if run.constraints:
         found |= _loops(run)
     found["frequencies"] = _frequencies(run, notes)
-    if as_json:
-        typer.echo(json.dumps({**found, "notes": notes}))
+    if exported({**found, "notes": notes}, parts_of(found, _PARTS), as_json, target):
         return
     _print(label_of(run, file), found)
     for note in notes:
@@ -281,12 +282,11 @@ def impacts(
     strongest: Annotated[
         int | None, typer.Option(metavar="N", min=1, help="List only the N impacts of largest force.")
     ] = None,
-    out: Annotated[
-        Path | None, typer.Option("--csv", metavar="FILE", help="Write them to a CSV file instead.")
-    ] = None,
+    as_json: JsonOption = False,
+    csv: CsvOption = None,
 ) -> None:
     """List the impacts of a run, or export them."""
-    target = None if out is None else writable_file(out, ".csv")
+    target = csv_target(csv)
     run = load_result(file)
     if not run.data.sizes.get("clearance_joint", 0):
         refuse(f"{file}: the run has no joint with clearance and so no impacts; take a case that has one")
@@ -301,8 +301,13 @@ def impacts(
         table = table.isel(impact=np.sort(order))
     columns = [table[name].values for name in _IMPACT]
     flags = [table[name].values for name in _FLAGS]
-    head = ("contact", *_IMPACT.values())
-    if target is None:
+    head = ("contact", *_IMPACT.values(), *_FLAGS.values())
+    if as_json:
+        names = ("contact", *_IMPACT, *_FLAGS)
+        each = zip(table["contact"].values, *columns, *flags, strict=True)
+        found = [dict(zip(names, values, strict=True)) for values in each]
+        say_json({"file": str(file), "impacts": found})
+    if target is None and not as_json:
         rows = [
             [str(contact), *(text_of(float(x)) for x in row), *("yes" if x else "no" for x in marks)]
             for contact, row, marks in zip(
@@ -312,14 +317,7 @@ def impacts(
         if not rows:
             complain(f"{file}: no impacts")
             return
-        narrow = [name.replace(" [", "\n[") for name in (*head, *_FLAGS.values())]
+        narrow = [name.replace(" [", "\n[") for name in head]
         print_rows(f"{label_of(run, file)}: impacts", narrow, rows)
-        return
-    with replacing(target) as partial, partial.open("w", newline="", encoding="utf-8") as stream:
-        writer = csv.writer(stream)
-        writer.writerow((*head, *_FLAGS.values()))
-        for k, contact in enumerate(table["contact"].values):
-            # Shortest text that reads back as the same number; nothing where there is none.
-            numbers = ["" if math.isnan(x[k]) else repr(float(x[k])) for x in columns]
-            writer.writerow([contact, *numbers, *(int(x[k]) for x in flags)])
-    typer.echo(f"saved {target}")
+    if target is not None:
+        write_csv(target, head, zip(table["contact"].values, *columns, *flags, strict=True), silent=as_json)

@@ -6,6 +6,7 @@ Rooms are imported inside the commands, so ``--help`` does not wait for them. Er
 
 from __future__ import annotations
 
+import dataclasses
 import math
 import re
 from collections.abc import Callable
@@ -22,9 +23,11 @@ from antenna_pin.cli._common import (
     figure_formats,
     save_figures,
 )
-from antenna_pin.cli._quantities import bare, clearance_of, list_of, positive_quantity
+from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, exported
+from antenna_pin.cli._quantities import clearance_of, list_of, positive_quantity
 from antenna_pin.cli._tables import fixed_text, length_text, number_text, power_above, print_rows
 from antenna_pin.cli.experiment import experiment
+from antenna_pin.cli.scenarios import scenarios
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 
 app = typer.Typer(
@@ -39,10 +42,11 @@ app = typer.Typer(
 # --- list ---
 
 
-def list_laws() -> None:
+def list_laws(as_json: JsonOption = False, csv: CsvOption = None) -> None:
     """List the laws of every family: what each is, its parameters with units."""
-    from antenna_pin.contact import DISSIPATIONS, FRICTION_LAWS, NORMAL_LAWS, is_elastic
+    from antenna_pin.contact import DISSIPATIONS, FRICTION_LAWS, NORMAL_LAWS, is_elastic, law_parameters
 
+    target = csv_target(csv)
     families = {
         "elastic laws: any dissipation can stand beside them": {
             name: law for name, law in NORMAL_LAWS.items() if is_elastic(name)
@@ -53,9 +57,18 @@ def list_laws() -> None:
         "dissipations: beside an elastic law": DISSIPATIONS,
         "friction laws": FRICTION_LAWS,
     }
+    found = [
+        {"family": title.split(":")[0], "law": name, "what_it_is": _first_line(law), "parameter": parameter}
+        | {"unit": about.unit, "default": about.default, "from_joint": about.from_joint}
+        for title, laws in families.items()
+        for name, law in laws.items()
+        for parameter, about in law_parameters(law).items()
+    ]
+    if exported({"parameters": found}, found, as_json, target):
+        return
     for title, laws in families.items():
         rows = [(name, _first_line(law), _parameters(law)) for name, law in laws.items()]
-        print_rows(title, ("name", "what it is", "parameters"), rows, justify="left")
+        print_rows(title, ("name", "what it is", "parameters"), rows, numbers=False)
     typer.echo(
         "* follows from the joint where a scenario leaves it out: dimensions, materials, effective mass"
     )
@@ -122,11 +135,14 @@ def curve(
     out: FigureOutOption = None,
     formats: FigureFormatOption = "png",
     width: WidthOption = Width.PAGE,
+    as_json: JsonOption = False,
+    csv: CsvOption = None,
 ) -> None:
     """Compare the forces of the elastic laws of one joint at the same depth."""
     from antenna_pin.contact import MATERIALS, NORMAL_LAWS, is_elastic
     from antenna_pin.studies import differing_factor, elastic_laws_of_joint, force_table, laws_left_out
 
+    target = csv_target(csv)
     suffixes = figure_formats(formats)
     radius = positive_quantity(bearing_radius, "m", "--bearing-radius")
     clearance = clearance_of(radial_clearance, radius, "contact curve")
@@ -161,20 +177,27 @@ def curve(
     chosen = {name: holding[name] for name in wanted if name in holding}
     table = force_table(chosen, points)
     limits = {name: law.depth_limit for name, law in chosen.items()}
-    rows = [
-        (
-            name,
-            *map(number_text, forces),
-            length_text(limits[name]) if math.isfinite(limits[name]) else "none",
-        )
+    found = [
+        {"law": name, "depth": depth, "force": force, "depth_limit": limits[name]}
         for name, forces in table.items()
+        for depth, force in zip(points, forces, strict=True)
     ]
-    print_rows("force [N]", ("law", *(f"at {length_text(d)}" for d in points), "depth limit"), rows)
-    for depth, forces in zip(points, zip(*table.values(), strict=True), strict=True):
-        if (factor := differing_factor(forces)) is not None:
-            typer.echo(f"at {length_text(depth)} the laws differ by {factor:.3g} times")
-    for name, reason in left_out.items():
-        typer.echo(f"left out: {name} ({reason})")
+    said = {"forces": found, "left_out": {name: str(reason) for name, reason in left_out.items()}}
+    if not exported(said, found, as_json, target):
+        rows = [
+            (
+                name,
+                *map(number_text, forces),
+                length_text(limits[name]) if math.isfinite(limits[name]) else "none",
+            )
+            for name, forces in table.items()
+        ]
+        print_rows("force [N]", ("law", *(f"at {length_text(d)}" for d in points), "depth limit"), rows)
+        for depth, forces in zip(points, zip(*table.values(), strict=True), strict=True):
+            if (factor := differing_factor(forces)) is not None:
+                typer.echo(f"at {length_text(depth)} the laws differ by {factor:.3g} times")
+        for name, reason in left_out.items():
+            typer.echo(f"left out: {name} ({reason})")
     if out is not None:
         from antenna_pin.plot import figure_force_curves
 
@@ -201,6 +224,8 @@ def restitution(
     out: FigureOutOption = None,
     formats: FigureFormatOption = "png",
     width: WidthOption = Width.PAGE,
+    as_json: JsonOption = False,
+    csv: CsvOption = None,
 ) -> None:
     """Certify dissipations: the restitution each delivers, in closed form and in integrated impacts.
 
@@ -210,6 +235,7 @@ def restitution(
     from antenna_pin.contact import DISSIPATIONS, law_parameters
     from antenna_pin.studies import largest_errors, restitution_table
 
+    target = csv_target(csv)
     suffixes = figure_formats(formats)
     values = list_of(asked, "1", "--asked", positive=False)
     for value in values:
@@ -234,10 +260,10 @@ def restitution(
     if out is not None:
         figure_folder(out)
     rows = restitution_table(chosen, values, simulate=simulate, **impact)
-    print_rows(
-        "restitution [-] and peak depth",
-        ("dissipation", "asked", "closed form", "wall", "free pair", "depth, closed form", "depth, wall"),
-        [
+    found = [dataclasses.asdict(row) for row in rows]
+    if not exported({"restitution": found}, found, as_json, target):
+        names = ("dissipation", "asked", "closed form", "wall", "free pair")
+        lines = [
             (
                 row.dissipation,
                 f"{row.asked:g}",
@@ -245,14 +271,14 @@ def restitution(
                 *(length_text(value, 7) for value in (row.closed_form_depth, row.depth_on_wall)),
             )
             for row in rows
-        ],
-    )
-    if simulate:
-        off, deeper = largest_errors(rows)
-        typer.echo(
-            "closed form against integrated impacts, largest errors:"
-            f" {power_above(off)} in restitution, {power_above(deeper)} of the peak depth"
-        )
+        ]
+        print_rows("restitution [-] and peak depth", (*names, "depth, closed form", "depth, wall"), lines)
+        if simulate:
+            off, deeper = largest_errors(rows)
+            typer.echo(
+                "closed form against integrated impacts, largest errors:"
+                f" {power_above(off)} in restitution, {power_above(deeper)} of the peak depth"
+            )
     if out is not None:
         from antenna_pin.plot import figure_restitution
 
@@ -261,45 +287,6 @@ def restitution(
         save_figures(
             {"restitution": figure_restitution(rows, closed_form=smooth, width=width.value)}, out, suffixes
         )
-
-
-# --- scenarios ---
-
-
-def scenarios(
-    bearing_radius: Annotated[str, typer.Option(help="Radius of the bearing.")] = "10 mm",
-    radial_clearance: Annotated[str, typer.Option(help="Bearing radius minus journal radius.")] = "0.2 mm",
-    bearing_length: Annotated[str, typer.Option(help="Length of the bearing.")] = "50 mm",
-    axial_clearance: Annotated[
-        str, typer.Option(help="Half of what the flanges' distance exceeds the bearing's length by.")
-    ] = "0.2 mm",
-    bearing_outer_radius: Annotated[str, typer.Option(help="Outer radius of the bearing.")] = "12 mm",
-    flange_radius: Annotated[str, typer.Option(help="Radius of the journal's flanges.")] = "14 mm",
-    penetration: Annotated[
-        str, typer.Option(help="Largest depth at any contact; 0 for rigid parts.")
-    ] = "0 mm",
-) -> None:
-    """Say which of the 16 contact scenarios a joint's shape allows, each with a pose or a reason."""
-    from antenna_pin.analysis import SCENARIO_COLUMNS, possible_scenarios, scenario_rows
-    from antenna_pin.geometry import RevoluteClearance
-    from antenna_pin.units import quantity
-
-    radius = positive_quantity(bearing_radius, "m", "--bearing-radius")
-    length = positive_quantity(bearing_length, "m", "--bearing-length")
-    clearance = clearance_of(radial_clearance, radius, "contact scenarios")
-    shape = RevoluteClearance(
-        bearing_radius=radius,
-        journal_radius=radius - clearance,
-        bearing_length=length,
-        flange_distance=length + 2.0 * positive_quantity(axial_clearance, "m", "--axial-clearance"),
-        bearing_outer_radius=positive_quantity(bearing_outer_radius, "m", "--bearing-outer-radius"),
-        flange_radius=positive_quantity(flange_radius, "m", "--flange-radius"),
-    )
-    depth = quantity(bare(penetration), "m", "--penetration")
-    pairs = possible_scenarios(shape, depth)
-    parts = f"parts that penetrate by up to {length_text(depth)}" if depth > 0.0 else "rigid parts"
-    print_rows(f"contact scenarios of {parts}", SCENARIO_COLUMNS, scenario_rows(pairs), justify="left")
-    typer.echo(f"{sum(pair.possible for pair in pairs)} of {len(pairs)} are possible")
 
 
 # In the order in which --help shows them.

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
 import textwrap
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -16,6 +17,7 @@ from antenna_pin.cli._common import (
     figure_formats,
     save_figures,
 )
+from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, exported
 from antenna_pin.cli._quantities import positive_quantity
 from antenna_pin.cli._tables import length_text, percent_text, print_rows
 
@@ -55,16 +57,57 @@ def experiment(
     out: FigureOutOption = None,
     formats: FigureFormatOption = "png",
     width: WidthOption = Width.PAGE,
+    as_json: JsonOption = False,
+    csv: CsvOption = None,
 ) -> None:
     """Hold the laws against the pin joint that Liu et al. measured in 2013."""
-    from antenna_pin.studies import LIU_2013, LIU_2013_PLAYS, experiment_findings, ranked
+    from antenna_pin.studies import experiment_findings
 
+    target = csv_target(csv)
     suffixes = figure_formats(formats)
     radius = positive_quantity(journal_radius, "m", "--journal-radius")
     line = positive_quantity(length, "m", "--length")
     if out is not None:
         figure_folder(out)
     found = experiment_findings(journal_radius=radius, length=line)
+    if not exported(_facts(found), _fits(found), as_json, target):
+        _print(found, radius, line)
+    if out is not None:
+        from antenna_pin.plot import figures_of_experiment
+
+        save_figures(
+            figures_of_experiment(journal_radius=radius, length=line, width=width.value), out, suffixes
+        )
+
+
+def _facts(found: ExperimentFindings) -> dict[str, Any]:
+    """Return the table, as printed and reproduced, and how far every law is from it [m], [N], [-]."""
+    from antenna_pin.studies import LIU_2013
+
+    rows = [
+        dataclasses.asdict(point)
+        | {"hertz_reproduced": found.table.hertz(row), "conformal_reproduced": found.table.conformal(row)}
+        for row, point in enumerate(LIU_2013)
+    ]
+    return {"journal_radius": found.journal_radius, "rows": rows, "fits": _fits(found)}
+
+
+def _fits(found: ExperimentFindings) -> list[dict[str, Any]]:
+    """Return load and error of every law at every point."""
+    from antenna_pin.studies import LIU_2013, ranked
+
+    return [
+        {"law": fit.law, "contacts": fit.contacts, "row": row + 1, "play": point.clearance}
+        | {"displacement": point.depth, "measured": point.load, "load": load, "error": error}
+        for fit in ranked((*found.fits, *found.printed))
+        for row, (point, load, error) in enumerate(zip(LIU_2013, fit.loads, fit.errors, strict=True))
+    ]
+
+
+def _print(found: ExperimentFindings, radius: float, line: float) -> None:
+    """Print the table, the errors of the laws, and what follows."""
+    from antenna_pin.studies import LIU_2013, LIU_2013_PLAYS, ranked
+
     print_rows(
         "Table 1 of Liu et al. 2013: loads [N], as printed and reproduced",
         (
@@ -108,12 +151,6 @@ def experiment(
     )
     for paragraph in _paragraphs(found):
         typer.echo(textwrap.fill(paragraph, 110) + "\n")
-    if out is not None:
-        from antenna_pin.plot import figures_of_experiment
-
-        save_figures(
-            figures_of_experiment(journal_radius=radius, length=line, width=width.value), out, suffixes
-        )
 
 
 def _remark(found: ExperimentFindings, row: int) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -17,11 +16,13 @@ from antenna_pin.cli._common import (
     figure_folder,
     figure_formats,
     label_of,
+    labels_of,
     load_result,
     refuse,
     say_spin,
 )
-from antenna_pin.cli._tables import print_summaries
+from antenna_pin.cli._export import CsvOption, csv_target, rows_of, say_json, write_csv
+from antenna_pin.cli._tables import flat, print_summaries
 
 if TYPE_CHECKING:
     from antenna_pin.trajectory import Trajectory
@@ -36,30 +37,44 @@ def info(
     as_json: Annotated[
         bool, typer.Option("--json", help="Print one JSON object per file, each on one line.")
     ] = False,
+    csv: CsvOption = None,
 ) -> None:
     """Say what results are: how they ended, counts, peaks, conservation; or what a scenario is.
 
-    Of a scenario with closed loops: whether they can be closed, and how many freedoms are left.
+    Of a scenario with closed loops: whether they can be closed, and how many freedoms are left. A CSV file
+    has a row for each result.
     """
     from antenna_pin.cli._scenario_info import names_scenario, say_scenario
+
+    target = csv_target(csv)
 
     if any(map(names_scenario, files)):
         if len(files) > 1:
             refuse(f"{' '.join(files)}: give result files (NAME.nc), any number, or one scenario alone")
+        if csv is not None:
+            refuse(f"--csv: is for results, and {files[0]} is a scenario; --json has what is said of it")
         say_scenario(files[0], case, settings, as_json)
         return
     for option, given in (("--case", case), ("--set", settings)):
         if given:
             refuse(f"{option}: is for scenarios only, and {files[0]} is a result; leave it out")
     runs = [(path, load_result(path)) for path in map(Path, files)]
+    facts = [_facts(trajectory) for _, trajectory in runs]
+    if target is not None:
+        flats = [{"file": str(path), **flat(each)} for (path, _), each in zip(runs, facts, strict=True)]
+        write_csv(target, *rows_of(flats), silent=as_json)
     if as_json:
-        for path, trajectory in runs:
-            typer.echo(json.dumps({"file": str(path), **_facts(trajectory)}, default=str))
+        for (path, _), each in zip(runs, facts, strict=True):
+            say_json({"file": str(path), **each})
+    if as_json or target is not None:
         return
-    print_summaries([(label_of(trajectory, path), _facts(trajectory)) for path, trajectory in runs])
-    for path, trajectory in runs:
-        say_spin(trajectory, f"{label_of(trajectory, path)}: ")
-    held = [(label_of(trajectory, path), trajectory.constraints) for path, trajectory in runs]
+    labels = labels_of([path for path, _ in runs])
+    print_summaries(list(zip(labels, facts, strict=True)))
+    for label, (_, trajectory) in zip(labels, runs, strict=True):
+        if trajectory.outcome.name != "COMPLETED":
+            typer.echo(f"{label}: {trajectory.message}")
+        say_spin(trajectory, f"{label}: ")
+    held = [(label, trajectory.constraints) for label, (_, trajectory) in zip(labels, runs, strict=True)]
     if any(counts for _, counts in held):
         from antenna_pin.analysis import said_of_constraints, said_of_singular
 

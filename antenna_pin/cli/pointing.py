@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import dataclasses
-import json
 import math
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from antenna_pin.cli._common import FilesArgument, label_of, load_result
+from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, say_json, write_csv
 from antenna_pin.cli._tables import print_rows
 from antenna_pin.errors import InvalidParameterError
 
@@ -65,12 +66,15 @@ def pointing(
     up: Annotated[
         str | None, typer.Option(metavar="X,Y,Z", help="Second axis, that clocking is measured by.")
     ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object, in radians.")] = False,
+    as_json: JsonOption = False,
+    csv: CsvOption = None,
 ) -> None:
     """Say how far the boresight is from where it should be: error indices of ECSS-E-ST-60-10C.
 
-    Of several results, levels are told for each statistical interpretation.
+    Of several results, levels are told for each statistical interpretation. Angles are in radians in JSON and
+    CSV.
     """
+    target = csv_target(csv)
     windows = {
         "window": _seconds(window, "--window"),
         "drift_spacing": _seconds(drift_spacing, "--drift-spacing"),
@@ -107,8 +111,13 @@ def pointing(
         "confidence": confidence,
         "resolution": found.attrs["resolution"],
     } | windows
+    indices = _plain(found)
+    if target is not None:
+        names = [str(name) for name in found["component"].values]
+        write_csv(target, ("index", "value", *(f"{name} [rad]" for name in names)), _values(indices), as_json)
     if as_json:
-        typer.echo(json.dumps({**about, "indices": _plain(found), "notes": notes}))
+        say_json({**about, "indices": indices, "notes": notes})
+    if as_json or target is not None:
         return
     labels = dict.fromkeys(label_of(run, path) for path, run in zip(files, runs, strict=True))
     title = f"{', '.join(labels)}: pointing error of {about['body']} against {about['against']}"
@@ -187,6 +196,15 @@ def _plain(found: xr.Dataset) -> dict[str, Any]:
         }
         for kind in found["index"].values
     }
+
+
+def _values(indices: Mapping[str, Any]) -> Iterator[list[Any]]:
+    """Yield index, which value of it, and that of each component."""
+    for kind, one in indices.items():
+        for name in ("extreme", "lowest", "highest"):
+            yield [kind, name, *one[name].values()]
+        for name, level in one["level"].items():
+            yield [kind, f"level, {name}", *level.values()]
 
 
 def _print(title: str, found: xr.Dataset) -> None:

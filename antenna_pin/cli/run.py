@@ -25,8 +25,9 @@ from antenna_pin.cli._common import (
     stem,
     writable_file,
 )
+from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, rows_of, say_json, write_csv
 from antenna_pin.cli._progress import progress_bar
-from antenna_pin.cli._tables import print_summaries
+from antenna_pin.cli._tables import flat, print_summaries
 from antenna_pin.interruption import ended_by
 
 
@@ -61,8 +62,11 @@ def run(
     progress: Annotated[bool, typer.Option(help="Show a progress bar.")] = True,
     summary: Annotated[bool, typer.Option(help="Print a summary of the result.")] = True,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")] = False,
+    as_json: JsonOption = False,
+    csv: CsvOption = None,
 ) -> None:
     """Simulate a scenario and save the result."""
+    target = csv_target(csv)
     changes = [*(settings or ()), *(["output.form=lean"] if lean else ())]
     if engine is not None:
         changes.append(f"integrator.engine={engine.value}")
@@ -76,8 +80,14 @@ def run(
             trajectory = simulate(chosen, progress=report)
             stack.enter_context(not_interrupted())
         save_result(trajectory, path)
-        if summary and not quiet:
-            print_summaries([(label_of(trajectory, path), trajectory.summary())])
+        found = trajectory.summary()
+        if target is not None:
+            write_csv(target, *rows_of([{"file": str(path), **flat(found)}]), silent=quiet or as_json)
+        if as_json:
+            say_json({"file": str(path), **found})
+        quiet = quiet or as_json
+        if summary and not quiet and target is None:
+            print_summaries([(label_of(trajectory, path), found)])
         if not quiet:
             typer.echo(f"saved {path}")
             say_spin(trajectory, "note: ")

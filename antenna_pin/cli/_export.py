@@ -1,0 +1,121 @@
+"""Numbers for programs: one line of JSON on the output, or a CSV file, from the same plain values."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from antenna_pin.cli._common import writable_file
+from antenna_pin.files import replacing
+
+__all__ = [
+    "CsvOption",
+    "JsonOption",
+    "csv_target",
+    "exported",
+    "parts_of",
+    "plain",
+    "rows_of",
+    "say_json",
+    "write_csv",
+]
+
+JsonOption = Annotated[
+    bool, typer.Option("--json", help="Print one JSON object, in SI units, instead of tables.")
+]
+CsvOption = Annotated[
+    Path | None,
+    typer.Option("--csv", metavar="FILE", help="Write the numbers to a CSV file, in SI units, instead."),
+]
+
+
+def csv_target(path: Path | None) -> Path | None:
+    """Return the CSV file to write, if one is asked for, or say what keeps it from being one."""
+    return None if path is None else writable_file(path, ".csv")
+
+
+def say_json(facts: Mapping[str, Any]) -> None:
+    """Print a JSON object on one line; null stands where there is no number."""
+    typer.echo(json.dumps(plain(facts), allow_nan=False))
+
+
+def write_csv(path: Path, head: Sequence[str], rows: Iterable[Sequence[Any]], silent: bool = False) -> None:
+    """Write a CSV file and say so.
+
+    A number is the shortest text that reads back as the same number; a cell is empty where there is none.
+    """
+    with replacing(path) as partial, partial.open("w", newline="", encoding="utf-8") as stream:
+        writer = csv.writer(stream)
+        writer.writerow(head)
+        writer.writerows([_cell(value) for value in row] for row in rows)
+    if not silent:
+        typer.echo(f"saved {path}")
+
+
+def exported(
+    facts: Mapping[str, Any], rows: Sequence[Mapping[str, Any]], as_json: bool, target: Path | None
+) -> bool:
+    """Print a JSON object and write rows as CSV, what is asked for; return whether either is."""
+    if target is not None:
+        write_csv(target, *rows_of(rows), silent=as_json)
+    if as_json:
+        say_json(facts)
+    return as_json or target is not None
+
+
+def rows_of(summaries: Sequence[Mapping[str, Any]]) -> tuple[list[str], list[list[Any]]]:
+    """Return head and rows of a table that has one row for each summary: files go down."""
+    head = list(dict.fromkeys(name for summary in summaries for name in summary))
+    return head, [[summary.get(name) for name in head] for summary in summaries]
+
+
+def parts_of(facts: Mapping[str, Any], names: Sequence[str]) -> list[dict[str, Any]]:
+    """Return part, what it is of, quantity and value of everything in named parts of an analysis.
+
+    A part is a list of tables, each of which says by ``of`` or ``joint`` what it is of.
+    """
+    rows: list[dict[str, Any]] = []
+    for name in names:
+        for one in facts.get(name) or ():
+            about = one.get("of", one.get("joint", ""))
+            for quantity, value in one.items():
+                if quantity in ("of", "joint"):
+                    continue
+                if isinstance(value, (list, tuple)):
+                    value = dict(enumerate(value, 1))
+                many = value.items() if isinstance(value, Mapping) else [("", value)]
+                rows += [
+                    {"part": name, "of": about, "quantity": f"{quantity} {key}".rstrip(), "value": each}
+                    for key, each in many
+                ]
+    return rows
+
+
+def plain(value: Any) -> Any:
+    """Return a value as JSON has them: None for what is no number, texts for what it does not know."""
+    if isinstance(value, Mapping):
+        return {str(key): plain(each) for key, each in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [plain(each) for each in value]
+    if hasattr(value, "item"):
+        value = value.item()
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    return value if value is None or isinstance(value, (bool, int, str)) else str(value)
+
+
+def _cell(value: Any) -> Any:
+    value = plain(value)
+    if value is None:
+        return ""
+    if isinstance(value, bool):
+        return int(value)
+    if isinstance(value, list):
+        return "; ".join(str(_cell(each)) for each in value)
+    return repr(value) if isinstance(value, float) else value
