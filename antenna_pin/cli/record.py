@@ -43,7 +43,10 @@ def record(
     ] = None,
     magnify: Annotated[
         float | None,
-        typer.Option(help="How many times wider the joint's play is drawn; 100 to 1000 by itself."),
+        typer.Option(
+            help="How many times wider the joint's play is drawn, 100 to 1000 by itself; of a mechanism how"
+            " many times larger the deflections of flexible links are, 1 by itself."
+        ),
     ] = None,
     body: Annotated[
         str | None, typer.Option(help="Link whose boresight is drawn; the scenario's if left out.")

@@ -46,10 +46,10 @@ def add_parts(robot: Any, link_name: str, split: SplitLink, where: str) -> None:
     """
     link = named(robot, "link", link_name)
     _write_hub(link, split.hub)
-    for shape in split.removes:
-        for element in _shapes(link, shape, where):
-            remove(element)
-    material = _material(link)
+    replaced = [element for shape in split.removes for element in _shapes(link, shape, where)]
+    material = _material(replaced or link.findall("visual"))
+    for element in replaced:
+        remove(element)
     for k, drawn in enumerate(split.hub_drawn):
         _draw(link, drawn, f"hub{k + 1}", np.zeros(3), material)
     last = link
@@ -137,12 +137,9 @@ def _shift(shape: Any, by: np.ndarray) -> None:
     origin.set("xyz", text_of(place + by))
 
 
-def _material(link: Any) -> Any:
-    """Return the material of a link's first shape that has one."""
-    return next(
-        (shape.find("material") for shape in link.findall("visual") if shape.find("material") is not None),
-        None,
-    )
+def _material(shapes: Iterable[Any]) -> Any:
+    """Return the material of the first shape that has one."""
+    return next((shape.find("material") for shape in shapes if shape.find("material") is not None), None)
 
 
 def _draw(link: Any, drawn: Drawn, name: str, origin: np.ndarray, material: Any) -> None:

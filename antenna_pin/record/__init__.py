@@ -1,6 +1,7 @@
 """Recordings of runs in 3D, and pictures and videos of them by a real browser."""
 
 from antenna_pin.record._browser import BrowserPrograms, find_browser
+from antenna_pin.record.bending import bending_magnification
 from antenna_pin.record.page import shared_head
 from antenna_pin.record.recording import Recording, View, record
 from antenna_pin.record.video import Filmed, check_film, film_times, save_frames, save_picture, save_video
@@ -10,6 +11,7 @@ __all__ = [
     "Filmed",
     "Recording",
     "View",
+    "bending_magnification",
     "check_film",
     "film_times",
     "find_browser",

@@ -9,10 +9,11 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
-from antenna_pin.analysis import body_poses, mechanism_of
+from antenna_pin.analysis import mechanism_of
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.mechanism import frame_aligning_z
 from antenna_pin.record._closure_marks import mark_closures
+from antenna_pin.record.bending import check_bending, drawn_poses, said_of_bending
 from antenna_pin.record.key_frames import Impacts, KeyFrames
 from antenna_pin.record.scene import Scene, packed_doubles, packed_floats
 from antenna_pin.record.shapes import Cylinder, Shape, Sphere, corners, visual_shapes
@@ -57,6 +58,7 @@ def mechanism_view(
     places: dict[str, dict[str, Any]],
     ideal: tuple[Trajectory, KeyFrames] | None = None,
     boresight: tuple[str, ArrayLike] | None = None,
+    magnify: float | None = None,
 ) -> dict[str, Any]:
     """Return the data of a recording that depend on the view (see :class:`Recording`).
 
@@ -67,13 +69,17 @@ def mechanism_view(
         places: Where bearings are (its attribute ``clearance_joints``).
         ideal: A run to be drawn as a ghost, and its key frames.
         boresight: Body and axis of the line to be drawn.
+        magnify: How many times farther elastic parts are drawn out of rest [-]; 1 if left out.
     """
     scene = Scene()
-    motion = _Body(run, frames, "run", scene)
+    factor = check_bending(run, magnify)
+    motion = _Body(run, frames, "run", scene, magnify=factor)
     line = None if boresight is None else Boresight(boresight[0], boresight[1], motion.names)
     size = motion.size
     reach = 0.55 * size
     facts: list[dict[str, Any]] = []
+    if bent := said_of_bending(run, factor):
+        facts.append({"text": bent})
     trails = []
     extent = [motion.extent]
     if line is not None:
@@ -84,7 +90,7 @@ def mechanism_view(
         extent.append(motion.tips[:: max(1, len(motion.tips) // _FRAMED)])
     actors = [motion.actor()]
     if ideal is not None:
-        ghost = _Body(*ideal, "ideal", scene, GHOST)
+        ghost = _Body(*ideal, "ideal", scene, GHOST, factor)
         if not (set(ghost.names) <= set(motion.names) or set(motion.names) <= set(ghost.names)):
             raise InvalidParameterError(
                 "recording", "ideal", "a run of the same mechanism", f"one of {', '.join(ghost.names)}"
@@ -129,8 +135,9 @@ class _Body:
         name: str,
         scene: Scene,
         ghost: tuple[float, float, float, float] | None = None,
+        magnify: float = 1.0,
     ) -> None:
-        poses = body_poses(run, times=frames.indices)
+        poses = drawn_poses(run, frames.indices, magnify)
         self.run = name
         self.trace = f"{name}/trace"
         self.scene = scene

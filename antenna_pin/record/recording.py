@@ -103,7 +103,8 @@ def record(
         ideal: A run whose bodies are drawn as a ghost beside, usually with ideal joints. For the mechanism.
         view: ``mechanism``, all bodies in the world, or ``joint``, a clearance joint close up.
         joint: Which clearance joint; the first one if left out. For a joint.
-        magnify: How many times wider gaps are drawn [-]; 100 to 1000 by its play if left out. For a joint.
+        magnify: Of a joint how many times wider gaps are drawn [-], 100 to 1000 by its play if left out; of a
+            mechanism with flexible links how many times larger their deflections are drawn, 1 if left out.
         body: Link whose boresight is drawn; the scenario's pointing body if left out. For the mechanism.
         boresight: Its direction in the link's frame, (3,) [-]; the scenario's, or x, if left out. For the
             mechanism.
@@ -123,9 +124,7 @@ def record(
     if view not in ("mechanism", "joint"):
         raise InvalidParameterError("recording", "view", "mechanism or joint", view)
     foreign: dict[str, Any] = (
-        {"joint": joint, "magnify": magnify}
-        if view == "mechanism"
-        else {"ideal": ideal, "body": body, "boresight": boresight}
+        {"joint": joint} if view == "mechanism" else {"ideal": ideal, "body": body, "boresight": boresight}
     )
     for name, value in foreign.items():
         if value is not None:
@@ -152,7 +151,7 @@ def record(
             ghost = (
                 None if ideal is None else (ideal, _ghost_frames(ideal, frames, turning, first, last, most))
             )
-            seen = mechanism_view(run, frames, frames.impacts, places, ghost, line)
+            seen = mechanism_view(run, frames, frames.impacts, places, ghost, line, magnify)
         recording = Recording(_data(run, view, frames, seen, fps, speed, first, last), frames)
         size = len(recording.html.encode())
         if size <= limit:

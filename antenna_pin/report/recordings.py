@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from antenna_pin.errors import AntennaPinError
-from antenna_pin.record import View, record, shared_head
+from antenna_pin.record import View, bending_magnification, record, shared_head
 from antenna_pin.report._parts import Embedded, Section
 from antenna_pin.report._runs import ReportedRun, ideal_of
 
@@ -48,6 +48,7 @@ def recordings(runs: Sequence[ReportedRun]) -> Section:
                 None if ghost is None else ghost.run,
                 view=view,
                 joint=joint,
+                magnify=bending_magnification(run.run) if view == "mechanism" else None,
                 fps=RATE,
                 max_megabytes=share,
             )

@@ -50,7 +50,10 @@ def test_pages_by_the_command(files, tmp_path):
         (("--max-size", "nan"), "record: --max-size must be positive, got nan"),
         (("--key-rate", "nan"), "record: --key-rate must be positive, got nan"),
         (("--view", "joint", "--magnify", "-1"), "magnify must be a positive number"),
-        (("--magnify", "200"), "magnify must be left out in the view of a mechanism, got 200.0"),
+        (
+            ("--magnify", "200"),
+            "magnify must be left out in the view of a mechanism without flexible links, got 200.0",
+        ),
         (("--view", "joint", "--body", "reflector"), "body must be left out in the view of a joint"),
     ],
 )
