@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from antenna_pin.dynamics import System, assembled
     from antenna_pin.errors import AntennaPinError
     from antenna_pin.joints import ClearanceJoint
+    from antenna_pin.linear import Modes, modes
     from antenna_pin.mechanism import Mechanism, Urdf, build_mechanism
     from antenna_pin.scenario import Scenario, list_scenarios, load_scenario, models_path
     from antenna_pin.settings import ErrorScales, RunSettings
@@ -34,6 +35,7 @@ _HOMES = {
     "Counts": "trajectory",
     "ErrorScales": "settings",
     "Mechanism": "mechanism",
+    "Modes": "linear",
     "Outcome": "trajectory",
     "Progress": "simulation",
     "RunSettings": "settings",
@@ -48,6 +50,7 @@ _HOMES = {
     "list_scenarios": "scenario",
     "load_scenario": "scenario",
     "models_path": "scenario",
+    "modes": "linear",
     "simulate": "simulation",
     "urdf_variant": "assemble",
 }
@@ -60,6 +63,7 @@ __all__ = [
     "Counts",
     "ErrorScales",
     "Mechanism",
+    "Modes",
     "Outcome",
     "Progress",
     "RunSettings",
@@ -74,6 +78,7 @@ __all__ = [
     "list_scenarios",
     "load_scenario",
     "models_path",
+    "modes",
     "simulate",
     "urdf_variant",
 ]

@@ -38,7 +38,10 @@ def graph():
         ("meshcat", {"record"}),
         ("selenium", {"record"}),
         ("av", {"record"}),
-        ("pinocchio", {"mechanism", "joints", "constraints", "dynamics", "assemble", "simulation"}),
+        (
+            "pinocchio",
+            {"mechanism", "joints", "constraints", "dynamics", "assemble", "simulation", "linear"},
+        ),
         ("coal", {"geometry", "joints"}),
         ("yourdfpy", {"mechanism"}),
         ("typer", {"cli"}),

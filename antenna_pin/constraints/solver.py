@@ -46,6 +46,7 @@ class Constraints:
         #: J, in metres; what accelerations lack; residuals; multipliers.
         self.jacobian = part("jacobian", rows, nv)
         self.gap, self.speed, self.force = part("gap", rows), part("speed", rows), part("force", rows)
+        self.lack = part("lack", rows)
         self.triangle, self.order = part("triangle", rows, rows), part("order", rows)
         #: What is left of each row's length over its scale, and the scale.
         self.shares = part("lengths", rows, 2)

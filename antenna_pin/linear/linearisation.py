@@ -1,0 +1,247 @@
+"""Small motions about a state of a system: mass, damping and stiffness of what its constraints leave free."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+from scipy.linalg import block_diag
+
+from antenna_pin.constraints import directions
+from antenna_pin.dynamics import System, Workspace
+from antenna_pin.errors import InvalidParameterError
+from antenna_pin.linear.constrained import held_by_constraints
+from antenna_pin.linear.forces import ForceDerivatives, Forces
+from antenna_pin.linear.play import At
+
+__all__ = ["Linearisation", "linearise"]
+
+Array = NDArray[np.float64]
+
+# Sine of an angle below which a direction counts as one that is left free.
+_PARALLEL = 1e-9
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Linearisation:
+    r"""The equations of small motions about a state.
+
+    A configuration near that of the state is :math:`q \circ \exp(N s)`, its velocity :math:`v + N w + Y s`
+    in the coordinates of velocities, with the k directions N that closures, motions and what is held leave:
+
+    .. math:: \dot s = w - D s, \qquad
+              \tilde M \dot w + \tilde C w + \tilde K s = N^T f + \tilde F z, \qquad
+              \dot z = B_s s + B_w w + B_z z
+
+    z are bristles of friction, if any. About a state at rest D and Y are zero, and these are the equations
+    of vibration. Geometric stiffness, of constraint forces and of accelerations, is part of K.
+
+    Attributes:
+        at: The state and what is taken of it.
+        directions: N, (nv, k).
+        shift: Y, (nv, k).
+        drift: D, (k, k).
+        mass: (k, k).
+        damping: With the terms of velocities, (k, k).
+        gyroscopic: The same without the dampers' part, (k, k).
+        stiffness: (k, k).
+        bristles: F, B_s, B_w, B_z.
+        forces: Derivatives of the elements' forces in all coordinates.
+        acceleration: Of the state, (nv,).
+        rigid: The six directions in which a free base moves all as one rigid body, as columns of s, (k, 6);
+            (k, 0) where something holds it.
+    """
+
+    at: At
+    directions: Array
+    shift: Array
+    drift: Array
+    mass: Array
+    damping: Array
+    gyroscopic: Array
+    stiffness: Array
+    bristles: tuple[Array, Array, Array, Array]
+    forces: ForceDerivatives
+    acceleration: Array
+    rigid: Array
+
+    @property
+    def system(self) -> System:
+        """The system."""
+        return self.at.system
+
+    @property
+    def still(self) -> bool:
+        """Whether nothing moves in the state."""
+        return not self.at.v.any()
+
+    @property
+    def state_matrix(self) -> Array:
+        """A of the whole linear system, x' = A x + B f with x = [s, w, z], (2 k + bristles, same)."""
+        return self._matrix(self.damping, damped=True)
+
+    @property
+    def undamped_matrix(self) -> Array:
+        """The same without dampers and friction; stuck bristles are springs, (2 k, 2 k)."""
+        return self._matrix(self.gyroscopic, damped=False)
+
+    @property
+    def undamped_stiffness(self) -> Array:
+        """Stiffness with that of stuck bristles, (k, k)."""
+        to_force, _, by_speed, _ = self.bristles
+        return np.asarray(self.stiffness - to_force @ by_speed)
+
+    @property
+    def input_matrix(self) -> Array:
+        """B, by which a generalized force, (nv,), enters the whole linear system."""
+        k, bristles = len(self.mass), self.bristles[0].shape[1]
+        found = np.zeros((2 * k + bristles, self.directions.shape[0]))
+        found[k : 2 * k] = np.linalg.solve(self.mass, self.directions.T)
+        return found
+
+    def _matrix(self, damping: Array, *, damped: bool) -> Array:
+        k = len(self.mass)
+        to_force, by_place, by_speed, by_bristle = self.bristles
+        bristles = to_force.shape[1] if damped else 0
+        found = np.zeros((2 * k + bristles, 2 * k + bristles))
+        found[:k, :k], found[:k, k : 2 * k] = -self.drift, np.eye(k)
+        stiffness = self.stiffness if damped else self.undamped_stiffness
+        right = np.hstack([-stiffness, -damping, to_force[:, :bristles]])
+        found[k : 2 * k] = np.linalg.solve(self.mass, right)
+        if bristles:
+            found[2 * k :] = np.hstack([by_place, by_speed, by_bristle])
+        return found
+
+
+def linearise(at: At) -> Linearisation:
+    """Return the equations of small motions about a state.
+
+    The derivatives of inverse dynamics are Pinocchio's (Carpentier and Mansard 2018, RSS), those of forward
+    dynamics being the same times the inverse of the mass matrix; those of contacts, drives and springs, and
+    of the forces of constraints, are differences of the compiled functions that a run calls.
+
+    Args:
+        at: The state, with what of it is taken.
+
+    Raises:
+        InvalidParameterError: Nothing is left free to move.
+    """
+    system, y = at.system, at.y
+    model = system.model
+    nq, nv = model.nq, model.nv
+    forces = Forces(system, at.time, y, at.memory, at.loads, at.adjusted)
+    derived = forces.derivatives()
+    held = held_by_constraints(system, at.time, y, forces, rest=at.rest)
+    acceleration = held.acceleration.copy()
+    weightless = floats(system)
+    if weightless:
+        # What falls freely does not feel it: gravity moves all alike.
+        base = pin.XYZQUATToSE3(y[:7])
+        acceleration[:3] -= base.rotation.T @ model.gravity.linear
+        model = model.copy()
+        model.gravity = pin.Motion.Zero()
+    v = y[nq : nq + nv]
+    data = model.createData()
+    used = np.zeros(nv) if at.rest else acceleration
+    pin.computeRNEADerivatives(model, data, y[:nq], v, used)
+    by_place, by_speed = (np.array(one).reshape(nv, nv) for one in (data.dtau_dq, data.dtau_dv))
+    mass = np.triu(np.array(pin.crba(model, data, y[:nq])).reshape(nv, nv))
+    mass += np.triu(mass, 1).T
+    n, rigid = free_directions(at, weightless)
+    if n.shape[1] == 0:
+        raise InvalidParameterError(
+            "modes", "hold", "such that something is left free to move", said=", ".join(at.hold) or "none"
+        )
+    # What velocities and accelerations must do as the directions turn, in the complement of N.
+    shift, shift_place, shift_speed = np.zeros_like(n), np.zeros_like(n), np.zeros_like(n)
+    if len(held.jacobian):
+        back = -np.linalg.pinv(held.jacobian, rcond=1e-9)
+        rest = np.eye(nv) - n @ n.T
+        shift = rest @ back @ held.speed @ n
+        lack_place, lack_speed = held.lack
+        shift_place = rest @ back @ (lack_place @ n + lack_speed @ shift)
+        shift_speed = rest @ back @ lack_speed @ n
+    brackets = n.T @ twist_brackets(system, v) @ n
+    gyroscopic = n.T @ (by_speed @ n + mass @ shift_speed)
+    stiffness = n.T @ (
+        (by_place - derived.position - held.force) @ n
+        + (by_speed - derived.rate) @ shift
+        + mass @ shift_place
+    )
+    to_bristles = derived.bristle_rates
+    return Linearisation(
+        at=at,
+        directions=n,
+        shift=shift,
+        drift=np.asarray(brackets),
+        mass=n.T @ mass @ n,
+        damping=gyroscopic - n.T @ derived.rate @ n,
+        gyroscopic=gyroscopic,
+        stiffness=stiffness,
+        bristles=(
+            n.T @ derived.bristle,
+            to_bristles[0] @ n + to_bristles[1] @ shift,
+            to_bristles[1] @ n,
+            to_bristles[2],
+        ),
+        forces=derived,
+        acceleration=acceleration,
+        rigid=rigid,
+    )
+
+
+def floats(system: System) -> bool:
+    """Whether nothing but gravity acts on a system from outside: its base is free, nothing ties it down."""
+    return system.mechanism.base == "free" and not system.closed_to_world and not system.sprung_to_world
+
+
+def free_directions(at: At, floating: bool) -> tuple[Array, Array]:
+    """Return the directions that are left, orthonormal, and the rigid motions of all among them.
+
+    Args:
+        at: The state, with what of it is held.
+        floating: Whether the base may move freely.
+
+    Returns:
+        N, (nv, k), and (k, 6) or (k, 0). A base that floats has its own six directions first.
+    """
+    system, nv = at.system, at.system.model.nv
+    base_too = floating and "base" not in at.hold
+    allowed = at.allowed()
+    if base_too:
+        allowed = allowed[:, 6:]
+    workspace = Workspace(system)
+    if workspace.constraints is not None:
+        workspace.prepare_motions(at.time, at.y)
+        left = directions(workspace.constraints, at.y, workspace.program, motions=True)
+        outside = allowed - left @ (left.T @ allowed)
+        _, sines, right = np.linalg.svd(outside)
+        allowed = allowed @ right[int(np.count_nonzero(sines > _PARALLEL)) :].T
+    if not base_too:
+        return allowed, np.zeros((allowed.shape[1], 0))
+    n = np.hstack([np.eye(nv)[:, :6], allowed])
+    return n, np.eye(n.shape[1])[:, :6]
+
+
+def twist_brackets(system: System, v: Array) -> Array:
+    """Return the matrix of xi -> [v, xi], joint by joint: of a deviation that turns with its joint, (nv, nv).
+
+    With q(t) o exp(xi) near q(t), the velocity is v + xi' + [v, xi].
+    """
+    blocks: list[Any] = []
+    for joint in list(system.model.joints)[1:]:
+        own = v[joint.idx_v : joint.idx_v + joint.nv]
+        name = joint.shortname()
+        if name == "JointModelFreeFlyer":
+            blocks.append(np.array(pin.Motion(own).action))
+        elif name == "JointModelSpherical":
+            blocks.append(np.array(pin.skew(own)))
+        elif name == "JointModelPlanar":
+            six = np.array(pin.Motion(np.array([own[0], own[1], 0.0, 0.0, 0.0, own[2]])).action)
+            blocks.append(six[np.ix_((0, 1, 5), (0, 1, 5))])
+        else:
+            blocks.append(np.zeros((joint.nv, joint.nv)))
+    return np.asarray(block_diag(*blocks))

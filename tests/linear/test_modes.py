@@ -1,0 +1,221 @@
+"""Modes against closed forms and against eigenvalue problems that are written here anew."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from modal_equations import frequencies, linear_frequencies, spatial
+from scipy.linalg import eigh
+
+from antenna_pin import System, Urdf, build_mechanism, build_system, load_scenario, modes
+from antenna_pin.assemble import urdf_variant
+from antenna_pin.dynamics import JointSpring, PointSpring
+from antenna_pin.flexible import MassProperties
+from antenna_pin.linear import linearise, prepared
+
+TAU = 2.0 * np.pi
+
+MODE = {
+    "flexible.reflector": {
+        "kind": "modes",
+        "modes": {
+            "rock": {
+                "frequency": "15 Hz",
+                "damping_ratio": 0.005,
+                "mass": 2.0,
+                "direction": [0, 1, 0],
+                "place": [0.1, 0, 0.2],
+            }
+        },
+    }
+}
+PETALS = {
+    "flexible.reflector": {
+        "kind": "petals",
+        "petals": 8,
+        "mass": 6.0,
+        "rim_radius": 0.486,
+        "hub_radius": 0.1,
+        "focal_length": 0.12,
+        "vertex": [-0.2755, 0, 0],
+        "frequency": "20 Hz",
+        "damping_ratio": 0.005,
+        "replaces": ["dish"],
+    }
+}
+LOCKED = {
+    "clearance.elevation": {"replace": True, "model": "ideal"},
+    "mechanism.joints.azimuth.kind": "locked",
+    "drives.azimuth.joint": "elevation",
+}
+
+
+@pytest.mark.parametrize("base", ["free", "fixed"])
+def test_chain_of_springs(chain: Any, base: str):
+    """Masses in a row: det(K - w^2 M) of the absolute positions, solved without any mechanism."""
+    masses, stiffness = [5.0, 2.0, 1.0, 3.0, 0.5], np.array([400.0, 90.0, 1000.0, 20.0])
+    system = System(
+        chain(masses, base),
+        springs={f"k{k + 1}": JointSpring(joint=f"s{k + 1}", stiffness=c) for k, c in enumerate(stiffness)},
+    )
+    found = modes(system)
+    apart = np.diff(np.eye(5), axis=0)
+    own = apart.T @ np.diag(stiffness) @ apart
+    first = 0 if base == "free" else 1
+    squares = eigh(own[first:, first:], np.diag(masses[first:]), eigvals_only=True)
+    expected = np.sqrt(squares[1 if base == "free" else 0 :]) / TAU
+    # Round-off of eigenvalues over the largest, here 60 times the least.
+    assert found.frequency[-4:] == pytest.approx(expected, rel=1e-13, abs=0.0)
+    assert list(found.data["kind"].values) == ["rigid"] * (6 if base == "free" else 0) + ["elastic"] * 4
+    assert not found.frequency[:-4].any()
+    if base == "fixed":
+        # The whole moving mass answers along x: all but the root's.
+        assert found.data["effective_mass"].sel(component="x").sum() == pytest.approx(6.5, rel=1e-12)
+        assert found.data["rigid_mass"].sel(component="x") == pytest.approx(6.5, rel=1e-12)
+    assert found.data["strain_share"].values[-4:].sum(axis=1) == pytest.approx(np.ones(4), rel=1e-12)
+    assert found.data["kinetic_share"].values.sum(axis=1) == pytest.approx(np.ones(len(found.frequency)))
+
+
+@pytest.mark.parametrize("ratio", [0.0, 0.005, 0.3, 0.999, 1.0005, 4.0])
+def test_one_damped_spring_on_a_free_base(chain: Any, ratio: float):
+    """Two masses on a spring: w^2 = k (1/m + 1/M), and both roots of s^2 + 2 z w s + w^2, over 1 too."""
+    reduced = 1.0 / (1.0 / 5.0 + 1.0 / 2.0)
+    omega = np.sqrt(300.0 / reduced)
+    spring = JointSpring(joint="s1", stiffness=300.0, damping=2.0 * ratio * omega * reduced)
+    found = modes(System(chain([5.0, 2.0]), springs={"k": spring}))
+    assert found.frequency[-1] * TAU == pytest.approx(omega, rel=1e-13, abs=0.0)
+    assert found.data["damped_modulus"].values[-1] * TAU == pytest.approx(omega, rel=1e-12, abs=0.0)
+    # Near critical damping roots move by the square root of round-off, but not their sum and product.
+    assert found.damping_ratio[-1] == pytest.approx(ratio, rel=1e-12, abs=1e-15)
+    swings = abs(found.data["root_imag"].values[-1]) > 0.0
+    assert bool(swings.all()) is (ratio < 1.0)
+
+
+def test_gravity_does_not_touch_what_falls_freely(chain: Any):
+    spring = {"k": JointSpring(joint="s1", stiffness=300.0)}
+    still, falling = (
+        modes(System(chain([5.0, 2.0], "free", g), springs=spring)) for g in ((0, 0, 0), (1, 2, -9))
+    )
+    assert falling.frequency == pytest.approx(still.frequency, rel=1e-13, abs=0.0)
+    assert list(falling.data["kind"].values) == ["rigid"] * 6 + ["elastic"]
+    assert falling.notes == ()
+
+
+def test_a_single_mode_held_and_on_a_free_base():
+    """Held: the frequency asked for; free: omega / sqrt(1 - delta M^-1 delta^T), all else one body."""
+    scenario = load_scenario("bai2020", case="case1", overrides={**MODE, **LOCKED})
+    held = modes(scenario, hold=["base", "elevation"])
+    assert held.frequency == pytest.approx([15.0], rel=1e-12, abs=0.0)
+    assert held.damping_ratio == pytest.approx([0.005], rel=1e-11, abs=0.0)
+    # What the modal data of this mode are: 2 kg along y.
+    assert held.data["effective_mass"].values[0, :3] == pytest.approx([0.0, 2.0, 0.0], abs=1e-13)
+    urdf = urdf_variant(load_scenario("bai2020", case="case1"))
+    moments = np.zeros((4, 4))
+    for name, z, y in (("body", 0, 0), ("shaft1", 0.5, 0), ("shaft2", 1, 0), ("reflector", 1, 0.5)):
+        frame = np.eye(4)
+        frame[:3, 3] = (0, y, z)
+        moments += urdf.mass_properties(name).moved(frame).moments
+    whole = np.linalg.inv(spatial(MassProperties.of_moments(moments)))
+    delta = np.sqrt(2.0) * np.concatenate([[0, 1, 0], np.cross([0.1, 0.5, 1.2], [0, 1, 0])])
+    free = modes(scenario, hold=["elevation"])
+    assert list(free.data["kind"].values) == ["rigid"] * 6 + ["elastic"]
+    expected = 15.0 / np.sqrt(1.0 - delta @ whole @ delta)
+    assert free.frequency[-1] == pytest.approx(expected, rel=1e-12, abs=0.0)
+    # The damper's share grows with the frequency: zeta w = c / 2 of the same shape.
+    assert free.damping_ratio[-1] == pytest.approx(0.005 * expected / 15.0, rel=1e-11, abs=0.0)
+
+
+def test_petals_on_the_free_antenna():
+    """Pinocchio's mass matrix and the springs alone; and M, delta, omega with the antenna one body."""
+    scenario = load_scenario("bai2020", case="case1", overrides=PETALS)
+    system = build_system(scenario)
+    found = modes(system)
+    expected = linear_frequencies(system)[8:] / TAU
+    assert list(found.data["kind"].values) == ["rigid"] * 6 + ["free"] * 2 + ["elastic"] * 8
+    assert found.frequency[8:] == pytest.approx(expected, rel=1e-10, abs=0.0)
+    locked = load_scenario("bai2020", case="case1", overrides={**PETALS, **LOCKED})
+    parts = (
+        scenario.flexible["reflector"]
+        .build()
+        .parts("reflector", urdf_variant(load_scenario("bai2020", case="case1")).mass_properties("reflector"))
+    )
+    # All of the locked antenna as one body, about the reflector's frame.
+    model = build_system(locked).model
+    data = model.createData()
+    pin.framesForwardKinematics(model, data, pin.neutral(model))
+    reflector = data.oMf[model.getFrameId("reflector")]
+    whole = np.zeros((6, 6))
+    for own, place in zip(list(model.inertias)[1:], list(data.oMi)[1:], strict=True):
+        whole += (reflector.inverse() * place).act(own).matrix()
+    expected = frequencies(parts, whole) / TAU
+    assert modes(locked, hold=["elevation"]).frequency[6:] == pytest.approx(expected, rel=1e-8, abs=0.0)
+
+
+def test_derivatives_are_those_of_aba():
+    """M^-1 C and M^-1 K of a moving tree are Pinocchio's derivatives of forward dynamics."""
+    scenario = load_scenario("bai2020", case="case1", overrides=PETALS)
+    system = build_system(scenario)
+    rng = np.random.default_rng(3)
+    model = system.model
+    y = system.state(
+        pin.integrate(model, pin.neutral(model), 0.3 * rng.normal(size=model.nv)), rng.normal(size=model.nv)
+    )
+    linear = linearise(prepared(system, y, moving=True))
+    stiff, damp = np.zeros(model.nv), np.zeros(model.nv)
+    for spring in system.springs.values():
+        v = system.mechanism.joint(spring.joint).v.start
+        stiff[v], damp[v] = spring.stiffness, spring.damping
+    q, v = y[: model.nq], y[model.nq : model.nq + model.nv]
+    # The drives are at zero of their sine.
+    tau = -damp * v
+    for slot in system.mechanism.joints.values():
+        if stiff[slot.v.start]:
+            tau[slot.v] -= stiff[slot.v] * q[slot.q]
+    data = model.createData()
+    pin.computeABADerivatives(model, data, q, v, tau)
+    minv = np.triu(data.Minv) + np.triu(data.Minv, 1).T
+    by_q, by_v = data.ddq_dq - minv * stiff, data.ddq_dv - minv * damp
+    own = np.linalg.solve(linear.mass, np.hstack([-linear.stiffness, -linear.damping]))
+    n = linear.directions
+    scale = np.abs(by_q).max()
+    assert np.abs(n @ own[:, : model.nv] @ n.T - by_q).max() < 1e-10 * scale
+    assert np.abs(n @ own[:, model.nv :] @ n.T - by_v).max() < 1e-10 * np.abs(by_v).max()
+
+
+PENDULUM = """<robot name="p"><link name="w"/><link name="bob"><inertial><origin xyz="0 0 -0.7"/>
+<mass value="2"/><inertia ixx="0.3" iyy="0.2" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<joint name="pin" type="continuous"><parent link="w"/><child link="bob"/><axis xyz="1 0 0"/></joint>
+</robot>"""
+
+
+def test_pendulum_in_gravity_and_upside_down():
+    """(I + m l^2) w^2 = m g l; the other way up it runs away at that rate, and says so."""
+    mechanism = build_mechanism(Urdf.from_text(PENDULUM, "pendulum"), "fixed", (0, 0, -9.81))
+    expected = np.sqrt(2.0 * 9.81 * 0.7 / (0.3 + 2.0 * 0.7**2))
+    down = modes(System(mechanism))
+    assert down.frequency == pytest.approx([expected / TAU], rel=1e-13, abs=0.0)
+    up = modes(System(mechanism), q=[-1.0, 0.0])
+    assert list(up.data["kind"].values) == ["unstable"]
+    assert sorted(up.data["root_real"].values[0]) == pytest.approx([-expected, expected], rel=1e-12)
+    assert any("unstable" in note for note in up.notes)
+
+
+def test_spring_between_points_has_its_geometric_stiffness():
+    """A string under tension T across which a mass moves: k = T / l on both sides, and k along it."""
+    text = """<robot name="s"><link name="m"><inertial><mass value="2"/>
+    <inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link></robot>"""
+    springs = {
+        side: PointSpring(
+            first=("world", (x, 0, 0)), second=("m", (0, 0, 0)), free_length=0.4, stiffness=50.0
+        )
+        for side, x in (("left", -0.5), ("right", 0.5))
+    }
+    found = modes(System(build_mechanism(Urdf.from_text(text, "mass"), "free"), springs=springs))
+    tension = 50.0 * 0.1
+    across, along = np.sqrt(2 * tension / 0.5 / 2.0), np.sqrt(2 * 50.0 / 2.0)
+    assert found.frequency[-3:] * TAU == pytest.approx([across, across, along], rel=1e-10, abs=0.0)
+    # The mass turns about its centre as it likes.
+    assert list(found.data["kind"].values[:3]) == ["free"] * 3
