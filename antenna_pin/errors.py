@@ -20,11 +20,42 @@ __all__ = [
     "ScenarioError",
     "UnknownNameError",
     "nearest",
+    "printable",
 ]
+
+# Letters of a message: more than any needs that was not handed a name or a number without end.
+_HEAD, _TAIL = 800, 300
+# Blanks of all widths, which Python holds not to be printable; a line's end is none of them.
+_BLANKS = "\u00a0\u2007\u2009\u200a\u202f"
+
+
+def printable(text: str) -> str:
+    """Return a text as a terminal may be given it: control characters stand as Python writes them.
+
+    With them a name or a title could command the terminal. A line's end is one of them.
+    """
+    if text.isprintable():
+        return text
+    return "".join(
+        letter if letter.isprintable() or letter in _BLANKS else letter.encode("unicode_escape").decode()
+        for letter in text
+    )
+
+
+def _one_line(text: str) -> str:
+    """Return a message as one line; of one that is too long the middle is left out."""
+    left_out = len(text) - _HEAD - _TAIL
+    if left_out > 0:
+        text = f"{text[:_HEAD]} [... {left_out} letters ...] {text[-_TAIL:]}"
+    return printable(text)
 
 
 class AntennaPinError(Exception):
     """Root of every error that this package raises on purpose."""
+
+    def __init__(self, *arguments: object) -> None:
+        """Take the message as one line."""
+        super().__init__(*(_one_line(one) if isinstance(one, str) else one for one in arguments))
 
 
 class InvalidParameterError(AntennaPinError, ValueError):
@@ -48,7 +79,7 @@ class InvalidParameterError(AntennaPinError, ValueError):
             name = type(place).__name__
             value = getattr(place, parameter, value) if value is None else value
         #: What is wrong, as it reads after the name of the parameter.
-        self.reason = f"must be {rule}, got {repr(value) if said is None else said}"
+        self.reason = f"must be {rule}, got {_repr(value) if said is None else said}"
         super().__init__(f"{name}: {parameter} {self.reason}")
         self.parameter = parameter
 
@@ -90,6 +121,13 @@ class OutputError(AntennaPinError, OSError):
 
 class MissingToolError(AntennaPinError, RuntimeError):
     """A program or an optional package that this needs is not installed, or does not work."""
+
+
+def _repr(value: object) -> str:
+    try:
+        return repr(value)
+    except ValueError:  # an integer of more digits than Python prints
+        return f"a {type(value).__name__} that is too long to print"
 
 
 def nearest(name: str, known: Iterable[str]) -> str | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -9,6 +10,11 @@ from antenna_pin.errors import InvalidParameterError
 from antenna_pin.parameters import check, parameter
 
 __all__ = ["Engine", "ErrorScales", "Method", "RunSettings"]
+
+# Below, the error of a step is round-off, and no step is short enough.
+_LEAST_RTOL = 1e-15
+# Beyond, samples of the smallest mechanism take tens of gigabytes.
+_MOST_SAMPLES = 1e7
 
 Method = Literal["rk4", "bogacki-shampine-32", "dormand-prince-54", "dormand-prince-853"]
 """A Runge-Kutta method by name, of ``antenna_pin.integrate.METHODS``."""
@@ -91,6 +97,11 @@ class RunSettings:
     def __post_init__(self) -> None:
         """Check the settings."""
         check(self)
+        if not isinstance(self.scales, ErrorScales):
+            raise InvalidParameterError(self, "scales", "an ErrorScales", type(self.scales).__name__)
+        if self.rtol < _LEAST_RTOL:
+            rule = f"{_LEAST_RTOL:g} or more, since what is less drowns in round-off"
+            raise InvalidParameterError(self, "rtol", rule, said=f"{self.rtol:g}")
         if not self.min_step < self.max_step:
             raise InvalidParameterError(
                 self, "min_step", f"below max_step = {self.max_step:g} s", said=f"{self.min_step:g} s"
@@ -98,3 +109,25 @@ class RunSettings:
         if self.first_step is not None and not self.min_step <= self.first_step <= self.max_step:
             rule = f"from min_step = {self.min_step:g} s to max_step = {self.max_step:g} s"
             raise InvalidParameterError(self, "first_step", rule, said=f"{self.first_step:g} s")
+
+    def check_span(self, begin: float, end: float) -> None:
+        """Refuse steps and samples with which a run would never come to its end, or outgrow any memory.
+
+        Args:
+            begin: Of the run [s].
+            end: Of the run [s].
+        """
+        span = end - begin
+        name = "step" if self.method == "rk4" else "max_step"
+        step: float = getattr(self, name)
+        unlimited = self.max_steps is None and self.max_wall_time is None
+        least = span / self.max_expected_steps if unlimited else 0.0
+        if step < max(least, math.ulp(end)):
+            told = "integrator.max_expected_steps" if step < least else "round-off of the time"
+            rule = f"{max(least, math.ulp(end)):.3g} s or more in a run of {span:g} s, for {told}"
+            raise InvalidParameterError(self, name, rule, said=f"{step:g} s")
+        if span * self.output_rate > _MOST_SAMPLES:
+            rule = (
+                f"{_MOST_SAMPLES / span:.3g} Hz or less in a run of {span:g} s, for {_MOST_SAMPLES:g} samples"
+            )
+            raise InvalidParameterError(self, "output_rate", rule, said=f"{self.output_rate:g} Hz")

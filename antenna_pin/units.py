@@ -12,6 +12,7 @@ import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import lru_cache
 from numbers import Real
 from typing import Any
@@ -47,9 +48,17 @@ _KINDS = {
 }
 _PURE = ("1", "-", "")
 
-_QUANTITY = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*)", re.DOTALL)
+_QUANTITY = re.compile(r"([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*(.*)", re.DOTALL)
 _NOT_FINITE = re.compile(r"[+-]?(?:nan|inf|infinity)\b.*", re.IGNORECASE | re.DOTALL)
-_UNIT_CHARACTERS = re.compile(r"[\w\s*/^().+\-%°·]*")
+_UNIT_CHARACTERS = re.compile(r"[\w\s*/^().+\-°·]*|%")
+_LONGEST = 100  # letters of a quantity
+_LONGEST_INTEGER = 8192  # bits; Python refuses to print much longer ones
+# An exponent is one number, or a fraction; a power of a power could grow for ever.
+_EXPONENT = r"[+-]?(?:[0-9]{1,2}\.[0-9]*|[0-9]{1,2}(?:/[1-9][0-9]?)?)"
+_POWER = re.compile(rf"\s*(?:\*\*|\^)\s*(?:({_EXPONENT})|\(({_EXPONENT})\))(?!\s*(?:\*\*|\^|[\w.]))")
+_LARGEST_POWER = 100.0
+# Nor is a unit a number, but for the 1 of "1/s".
+_BARE_NUMBER = re.compile(r"(?<![\w.])(?!1(?![\w.]))[0-9.]")
 
 
 class QuantityError(ScenarioError):
@@ -109,7 +118,12 @@ def shown(value: object) -> str:
         return "true" if value else "false"
     if isinstance(value, Mapping):
         return "a table"
-    text = repr(list(value)) if isinstance(value, tuple) else repr(value)
+    if isinstance(value, int) and value.bit_length() > _LONGEST_INTEGER:
+        return f"an integer of {value.bit_length()} bits"
+    try:
+        text = repr(list(value)) if isinstance(value, tuple) else repr(value)
+    except (ValueError, RecursionError):  # an integer as long in it, or a depth without end
+        return f"a {type(value).__name__} too long to print"
     if len(text) > 60 or "\n" in text:
         kind = "an array" if isinstance(value, list | tuple) else f"{type(value).__name__} "
         return kind if kind == "an array" else f"{' '.join(text.split())[:57]}..."
@@ -153,6 +167,8 @@ def _quantity(value: object, units: tuple[str, ...]) -> float:
 
 
 def _from_text(text: str, units: tuple[str, ...]) -> float:
+    if len(text) > _LONGEST:
+        raise _Refused(f" ({len(text)} letters; a quantity has at most {_LONGEST})")
     if _NOT_FINITE.fullmatch(text):
         raise _Refused(" (not finite)")
     match = _QUANTITY.fullmatch(text)
@@ -212,7 +228,11 @@ def _normalised(name: str) -> str:
 @lru_cache(maxsize=1024)
 def _parse_unit(name: str) -> _Unit | None:
     """Return a unit by name, or None for one that is unknown or not a plain multiple (dB, degC)."""
-    if not _UNIT_CHARACTERS.fullmatch(name):
+    base = _POWER.sub("", name)
+    if not _UNIT_CHARACTERS.fullmatch(name) or "**" in base or "^" in base or _BARE_NUMBER.search(base):
+        return None
+    sizes = (max(1.0, float(abs(Fraction(a or b)))) for a, b in _POWER.findall(name))
+    if math.prod(sizes) > _LARGEST_POWER:
         return None
     registry = _registry()
     try:

@@ -30,9 +30,9 @@ def _spoiled(data: xr.Dataset, name: str) -> xr.Dataset:
         (lambda data: _spoiled(data, "q"), "numbers in 'q' that are not finite"),
         (lambda data: data.isel(time=slice(None, None, -1)), "times that are not finite or go back"),
         (lambda data: data.assign_attrs(clearance_joints="{"), "'clearance_joints' that cannot be read"),
-        (lambda data: data.assign_attrs(counts="[]"), "attributes that cannot be read"),
-        (lambda data: data.assign_attrs(outcome="PERHAPS"), "attributes that cannot be read"),
-        (lambda data: data.assign_attrs(scenario="{}"), "attributes that cannot be read"),
+        (lambda data: data.assign_attrs(counts="[]"), "'counts' that cannot be read"),
+        (lambda data: data.assign_attrs(outcome="PERHAPS"), "'outcome' that cannot be read"),
+        (lambda data: data.assign_attrs(scenario="{}"), "'scenario' that cannot be read"),
     ],
 )
 def test_a_result_that_is_not_whole_is_refused(result, tmp_path, cli, change, words):

@@ -1,5 +1,6 @@
 """Ctrl-C, the end of a batch job, a closed terminal: what was computed is kept, and no traceback is seen."""
 
+import contextlib
 import os
 import pty
 import signal
@@ -14,7 +15,9 @@ from antenna_pin.files import replacing
 from antenna_pin.interruption import Ended, ending_by_signals, held_back, interruptible
 
 _ENTRY = "import sys; from antenna_pin._entry import main; sys.argv[0] = 'antenna-pin'; sys.exit(main())"
+# Far longer than any test waits, and yet it ends by itself, whatever becomes of the test that has started it.
 _ENDLESS = ("run", "bai2020", "--case", "case1", "--duration", "1e5", "--out", "run.nc")
+_ENDLESS += ("--set", "integrator.max_wall_time=120 s")
 
 
 @pytest.fixture
@@ -30,7 +33,7 @@ def endless(tmp_path):
             stdin=theirs,
             stdout=theirs,
             stderr=theirs,
-            start_new_session=True,
+            process_group=0,
             **options,
         )
         made.append(process)
@@ -40,7 +43,8 @@ def endless(tmp_path):
 
     yield start
     for process in made:
-        process.kill()
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)
         process.wait()
 
 

@@ -15,12 +15,14 @@ import typer
 
 from antenna_pin.cli import analyse, contact, figures, info, pointing, record, report, run
 from antenna_pin.cli._common import one_line_errors
+from antenna_pin.cli._usage import OneLineGroup
 from antenna_pin.interruption import ending_by_signals
 
 __all__ = ["app", "main"]
 
 app = typer.Typer(
     name="antenna-pin",
+    cls=OneLineGroup,
     help="Simulate mechanisms with imperfect joints on a free-floating base.",
     add_completion=False,
     no_args_is_help=True,

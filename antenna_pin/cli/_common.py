@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Annotated, NoReturn, ParamSpec, TypeVar
 
 import typer
 
-from antenna_pin.errors import AntennaPinError, OutputError, UnknownNameError
+from antenna_pin.errors import AntennaPinError, OutputError, UnknownNameError, printable
 from antenna_pin.interruption import Ended, ended_by, held_back
 
 if TYPE_CHECKING:
@@ -64,7 +64,7 @@ class Width(StrEnum):
 def complain(message: str) -> None:
     """Print one line on the error stream, if somebody still reads it."""
     with contextlib.suppress(OSError):
-        typer.echo(f"antenna-pin: {' '.join(message.split())}", err=True)
+        typer.echo(f"antenna-pin: {printable(' '.join(message.split()))}", err=True)
 
 
 def refuse(message: str) -> NoReturn:

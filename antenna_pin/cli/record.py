@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from enum import StrEnum
-from fractions import Fraction
 from pathlib import Path
 from typing import Annotated
 
@@ -134,9 +133,10 @@ def _direction(text: str) -> list[float]:
 
 
 def _ratio(text: str) -> float:
+    above, _, below = text.partition("/")
     try:
-        return float(Fraction(text))
-    except (ValueError, ZeroDivisionError):
+        return float(above) / (float(below) if below else 1.0)
+    except (ValueError, ZeroDivisionError, OverflowError):
         raise InvalidParameterError(
             "--speed", "speed", "a number or a fraction such as 1/100", text
         ) from None

@@ -27,6 +27,7 @@ Array = NDArray[np.float64]
 
 _STRIPS = 5  # boxes that a petal is drawn as, where there is no mesh
 _THICKNESS = 0.012  # of these boxes, over the rim's radius
+_MOST = 360  # petals: each is a body with a joint of its own
 _NODES = 48  # of the Gauss rule along the radius: exact to round-off, as the integrand is smooth
 
 
@@ -102,8 +103,8 @@ class Petals:
     def __post_init__(self) -> None:
         """Refuse what is no dish."""
         check(self)
-        if self.petals < 2:
-            raise InvalidParameterError(self, "petals", "2 or more")
+        if not 2 <= self.petals <= _MOST:
+            raise InvalidParameterError(self, "petals", f"from 2 to {_MOST}")
         if not self.hub_radius < self.rim_radius:
             rule = f"below rim_radius = {self.rim_radius:g} m"
             raise InvalidParameterError(self, "hub_radius", rule)

@@ -14,6 +14,7 @@ import csv
 import math
 import re
 from dataclasses import dataclass
+from typing import Any
 
 from antenna_pin.errors import FileFormatError
 from antenna_pin.units import shown
@@ -58,13 +59,16 @@ def read_modal_table(text: str) -> ModalTable:
     for line in text.splitlines():
         if line.strip() and not line.lstrip().startswith("#"):
             if line.split(",")[0].strip() == "frequency":
-                return _of_csv(text)
+                rows = csv.reader(text.splitlines())
+                try:
+                    return _of_csv(rows)
+                except csv.Error as error:  # a field of more than 131072 letters
+                    raise BadModalTableError(f"line {rows.line_num}: cannot be read: {error}") from None
             break
     return _of_print(text)
 
 
-def _of_csv(text: str) -> ModalTable:
-    rows = csv.reader(text.splitlines())
+def _of_csv(rows: Any) -> ModalTable:
     header: list[str] | None = None
     frequency: list[float] = []
     damping: list[float] = []

@@ -83,8 +83,11 @@ def copy_all(copies: dict[Path, Path]) -> None:
         copies: Source of each copy, by its target; folders are made.
     """
     for target, source in copies.items():
-        with replacing(target) as partial:
+        try:
             target.parent.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise OutputError(f"{target}: its folder cannot be made: {error.strerror}") from error
+        with replacing(target) as partial:
             shutil.copyfile(source, partial)
 
 

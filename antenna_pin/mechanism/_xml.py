@@ -28,6 +28,22 @@ SHAPES: dict[str, dict[str, int]] = {
 
 _RESERVED = ("universe", "root_joint")
 
+# Elements of which there may be one: of a second the readers take the first, the last or both.
+_SINGLE = {
+    "link": ("inertial",),
+    "inertial": ("origin", "mass", "inertia"),
+    "visual": ("origin", "geometry", "material"),
+    "collision": ("origin", "geometry"),
+    "joint": ("origin", "parent", "child", "axis", "limit", "dynamics", "mimic", "calibration"),
+    "material": ("color", "texture"),
+}
+
+# Letters of a name: it stands in messages, tables and the labels of a result.
+_LONGEST_NAME = 200
+
+# Numbers beyond that cannot be squared.
+_LARGEST = 1e150
+
 MOMENTS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 
 
@@ -48,6 +64,7 @@ def read(data: bytes, where: str, encoding: str | None = None) -> Any:
         raise MechanismError(f"{_at(robot, where)}: the root of a URDF must be <robot>, got <{robot.tag}>")
     _refuse_xacro(robot, where)
     _attribute(robot, "name", where)
+    _refuse_repeated(robot, where)
     _check_names(robot, where)
     for link in robot.findall("link"):
         _check_link(link, where)
@@ -89,6 +106,17 @@ def _refuse_xacro(robot: Any, where: str) -> None:
             )
 
 
+def _refuse_repeated(robot: Any, where: str) -> None:
+    for element in robot.iter(*_SINGLE):
+        for tag in _SINGLE[element.tag]:
+            found = element.findall(tag)
+            if len(found) > 1:
+                raise MechanismError(
+                    f"{_at(found[1], where)}: <{element.tag}> must have one <{tag}>, got {len(found)}, the "
+                    f"first in line {found[0].sourceline}; remove the others"
+                )
+
+
 def _check_names(robot: Any, where: str) -> None:
     """Names are present, unique and not those that Pinocchio gives to its own frames."""
     for kind in ("link", "joint", "material"):
@@ -107,16 +135,17 @@ def _check_names(robot: Any, where: str) -> None:
                 raise MechanismError(
                     f"{where}, line {element.sourceline}: {kind} name {name!r} is Pinocchio's own; rename it"
                 )
+            if len(name) > _LONGEST_NAME or not name.isprintable():
+                got = f"{len(name)} letters" if len(name) > _LONGEST_NAME else repr(name)
+                raise MechanismError(
+                    f"{where}, line {element.sourceline}: {kind} name must be at most {_LONGEST_NAME} "
+                    f"printable letters, got {got}; rename it"
+                )
             seen[name] = element.sourceline
 
 
 def _check_link(link: Any, where: str) -> None:
-    inertials = link.findall("inertial")
-    if len(inertials) > 1:
-        raise MechanismError(
-            f"{_at(inertials[1], where)}: a link must have one <inertial>, got {len(inertials)}"
-        )
-    for inertial in inertials:
+    for inertial in link.findall("inertial"):
         _check_origin(inertial, where)
         _numbers(_child(inertial, "mass", where), "value", (1,), where, required=True)
         inertia = _child(inertial, "inertia", where)
@@ -226,5 +255,9 @@ def _numbers(
         numbers = ()
     if len(numbers) not in counts or not all(math.isfinite(number) for number in numbers):
         got = "none" if text is None else repr(text)
+        raise MechanismError(f"{_at(element, where)}: {rule}, got {got}")
+    if any(abs(number) > _LARGEST for number in numbers):
+        rule = f"<{element.tag}> {name} must be at most {_LARGEST:g} in size"
+        got = repr(text)
         raise MechanismError(f"{_at(element, where)}: {rule}, got {got}")
     return numbers

@@ -144,6 +144,34 @@ class Vector:
         return core_schema.no_info_before_validator_function(self.read, handler(source))
 
 
+@dataclass(frozen=True, slots=True)
+class Count:
+    """Annotation of a whole number.
+
+    Attributes:
+        least: The smallest that it may be.
+        most: The largest.
+        even: Whether it must be even.
+    """
+
+    least: int
+    most: int
+    even: bool = False
+
+    def read(self, value: object) -> int:
+        """Return the number, or refuse it."""
+        whole = isinstance(value, int | float) and not isinstance(value, bool) and value == value // 1
+        if not whole or not self.least <= value <= self.most or (self.even and value % 2):  # type: ignore
+            refuse(f"must be {self}, got {shown(value)}", value=value)
+        return int(value)  # type: ignore[call-overload, no-any-return]
+
+    def __str__(self) -> str:
+        return f"{'an even' if self.even else 'a'} whole number from {self.least} to {self.most}"
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_before_validator_function(self.read, handler(source))
+
+
 Vector3 = tuple[float, float, float]
 
 Length = Annotated[float, Quantity("m")]

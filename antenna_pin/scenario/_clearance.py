@@ -8,7 +8,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self, get_args
 
 from pydantic import Field, model_validator
 
-from antenna_pin.scenario._base import Length, PositiveLength, PositiveSpeed, Quantity, Spec, refuse
+from antenna_pin.scenario._base import Count, Length, PositiveLength, PositiveSpeed, Quantity, Spec, refuse
 from antenna_pin.scenario.laws import (
     Family,
     LawChange,
@@ -109,8 +109,8 @@ class Clearance(Spec):
     bearing_on: Literal["parent", "child"] = "parent"
     geometry: Literal["coal", "closed-form"] = "coal"
     load: Literal["point", "distributed"] = "point"
-    strips: Annotated[int, Field(ge=2, multiple_of=2)] = 16
-    sectors: Annotated[int, Field(ge=3)] = 16
+    strips: Annotated[int, Count(2, 1000, even=True)] = 16
+    sectors: Annotated[int, Count(3, 1000)] = 16
     flange_modulus: Annotated[float, Quantity("N/m**3", "positive")] | None = None
     approach_speed_floor: PositiveSpeed = 1e-4
     maximum_depth: PositiveLength | None = None

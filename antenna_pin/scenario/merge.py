@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import json
-import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import PurePath
 from typing import Any
 
 from antenna_pin.errors import ScenarioError
+from antenna_pin.scenario.toml_text import NotTomlError, read_toml_text, unbounded
 from antenna_pin.units import shown
 
 __all__ = ["Overrides", "merge", "read_overrides"]
@@ -108,6 +108,9 @@ def toml_value(value: object) -> str:
 def _entries(overrides: Overrides) -> Iterator[tuple[str, Any]]:
     if isinstance(overrides, Mapping):
         for key, value in overrides.items():
+            problem = unbounded(value)
+            if problem:
+                raise ScenarioError(f"override {key}: {problem}")
             yield key, _plain(value, key)
         return
     for text in (overrides,) if isinstance(overrides, str) else overrides:
@@ -119,8 +122,8 @@ def _entries(overrides: Overrides) -> Iterator[tuple[str, Any]]:
 
 def _value(text: str) -> Any:
     try:
-        table = tomllib.loads(f"value = {text}")
-    except tomllib.TOMLDecodeError:
+        table = read_toml_text(f"value = {text}")
+    except NotTomlError:
         return text
     value = table["value"]
     plain = len(table) == 1 and isinstance(value, str | int | float | list | dict)  # dates are text here
@@ -129,8 +132,8 @@ def _value(text: str) -> Any:
 
 def _keys(dotted: str) -> list[str]:
     try:
-        table = tomllib.loads(f"{dotted} = 0") if "\n" not in dotted else {}
-    except tomllib.TOMLDecodeError:
+        table = read_toml_text(f"{dotted} = 0") if "\n" not in dotted else {}
+    except NotTomlError:
         table = {}
     if len(table) != 1:
         rule = (

@@ -6,9 +6,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, get_args
 
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
-from antenna_pin.errors import UnknownNameError, nearest
+from antenna_pin.errors import InvalidParameterError, UnknownNameError, nearest
 from antenna_pin.scenario._base import PositiveTime, Spec, refuse, refuse_name
 from antenna_pin.scenario._clearance import law_tables
 from antenna_pin.scenario._layers import Source, built, check_drives, read_layer
@@ -28,6 +28,13 @@ if TYPE_CHECKING:
     from antenna_pin.contact import Material
 
 __all__ = ["Scenario"]
+
+
+def _version(value: object) -> object:
+    """Refuse what counts as 1 in Python only."""
+    if value is True:
+        refuse("must be 1, got true", value=value)
+    return value
 
 
 class Scenario(Spec):
@@ -61,7 +68,7 @@ class Scenario(Spec):
         urdf_text: The text of the URDF.
     """
 
-    format: Literal[1] = 1
+    format: Annotated[Literal[1], BeforeValidator(_version)] = 1
     title: str = ""
     source: str = ""
     duration: PositiveTime
@@ -183,6 +190,7 @@ class Scenario(Spec):
             if change is not None and change.kind is not None:
                 text = f"must be left out: clearance.{joint}.model decides it, got {shown(change.kind)}"
                 refuse(text, "mechanism", "joints", joint, "kind", value=change.kind)
+        self._check_pace()
         for name in self.events:
             self.to_set(name)
         for name, link in self.flexible.items():
@@ -190,6 +198,15 @@ class Scenario(Spec):
         if self.mechanism.base == "fixed" and self.initial.base != InitialBaseSpec():
             refuse('must be left out where mechanism.base is "fixed"', "initial", "base")
         return self
+
+    def _check_pace(self) -> None:
+        """Refuse a run without end."""
+        settings = self.integrator.build(output_rate=self.output.rate)
+        try:
+            settings.check_span(0.0, self.duration)
+        except InvalidParameterError as error:
+            place = {"output_rate": ("output", "rate")}.get(error.parameter, ("integrator", error.parameter))
+            refuse(error.reason, *place)
 
     def _check_shown(self, name: str, link: Any) -> None:
         """Refuse a frequency that the samples cannot show."""

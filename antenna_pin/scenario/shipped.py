@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import os
-import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from antenna_pin.errors import ScenarioError, UnknownNameError
+from antenna_pin.scenario.toml_text import NotTomlError, read_toml_text
 
 __all__ = ["CaseSummary", "ScenarioSummary", "list_scenarios", "models_path", "scenario_cases"]
 
@@ -106,11 +106,11 @@ def find_scenario(name_or_path: str | os.PathLike[str]) -> ScenarioFile:
 def read_toml(path: Path, label: str) -> dict[str, Any]:
     """Return the contents of a TOML file, or refuse it with its label."""
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8-sig"))
+        return read_toml_text(path.read_text(encoding="utf-8-sig"))
     except UnicodeDecodeError as error:
         raise ScenarioError(f"{label}: is not UTF-8 text (byte {error.start})") from None
-    except tomllib.TOMLDecodeError as error:
-        raise ScenarioError(f"{label}: is not TOML: {error}") from None
+    except NotTomlError as error:
+        raise ScenarioError(f"{label}: {error}") from None
     except OSError as error:
         raise ScenarioError(f"{label}: cannot be read: {error.strerror}") from None
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import math
+from typing import Any
 
 from antenna_pin.errors import FileFormatError
 from antenna_pin.units import shown
@@ -22,8 +23,15 @@ def read_table(text: str, columns: tuple[str, str]) -> tuple[tuple[float, ...], 
         text: The file's text.
         columns: Their names, as its header must have them.
     """
-    wanted = ",".join(columns)
     rows = csv.reader(text.splitlines())
+    try:
+        return _columns(rows, columns)
+    except csv.Error as error:  # a field of more than 131072 letters
+        raise BadTableError(f"line {rows.line_num}: cannot be read: {error}") from None
+
+
+def _columns(rows: Any, columns: tuple[str, str]) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    wanted = ",".join(columns)
     header: list[str] | None = None
     times: list[float] = []
     values: list[float] = []

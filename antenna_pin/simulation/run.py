@@ -102,6 +102,7 @@ def simulate(
     start_q = first_q if q is None else np.asarray(q, dtype=float)
     start_v = first_v if v is None else np.asarray(v, dtype=float)
     begin = 0.0 if start is None else start.reached
+    used.check_span(begin, begin + span)
     check_spans(system, begin, begin + span)
     if start is None:
         first = system.state(start_q, start_v, angles)

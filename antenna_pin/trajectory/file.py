@@ -129,7 +129,8 @@ def read(source: Path) -> xr.Dataset:
                 raise FileFormatError(_CHANGED.format(source))
             attributes = _attributes(file)
             found = attributes.get("format")
-            content = _variables(file) if found == FORMAT else {}
+            known = isinstance(found, str) and found == FORMAT
+            content = _variables(file) if known else {}
     except FileFormatError:
         raise
     except (OSError, ValueError, RuntimeError, KeyError, TypeError) as error:  # HDF5 raises any if damaged
@@ -137,7 +138,7 @@ def read(source: Path) -> xr.Dataset:
         raise FileFormatError(
             f"{source}: must be a NetCDF file written by antenna-pin, got: {words}"
         ) from None
-    if found != FORMAT:
+    if not known:
         raise FileFormatError(
             f"{source}: the format must be {FORMAT!r}, got {found!r}; "
             "run the scenario again with this version"

@@ -13,7 +13,6 @@ from functools import cache
 from pathlib import Path
 from typing import Any, Self
 
-import numpy as np
 import xarray as xr
 
 from antenna_pin.card import run_card
@@ -21,9 +20,9 @@ from antenna_pin.errors import FileFormatError
 from antenna_pin.files import check_writable, replacing
 from antenna_pin.scenario import Scenario
 from antenna_pin.state import State
+from antenna_pin.trajectory.check import problem_of
 from antenna_pin.trajectory.file import FORMAT, read, write
-from antenna_pin.trajectory.read import is_lean, names_along
-from antenna_pin.trajectory.schema import COORDINATES, DIMENSIONS, variables_of
+from antenna_pin.trajectory.read import names_along
 
 __all__ = ["Counts", "Outcome", "Trajectory", "library_versions"]
 
@@ -153,22 +152,28 @@ class Trajectory:
         """
         source = Path(path)
         data = read(source)
-        broken = _broken_part(data)
-        try:
-            if broken is None:
-                text, end = data.attrs["scenario"], data.attrs.get("end", "")
+        problem = problem_of(data)
+        if problem is None:
+            name = "outcome"
+            try:
+                outcome = Outcome[data.attrs[name]]
+                name = "counts"
+                counts = Counts(**json.loads(data.attrs[name]))
+                name = "scenario"
+                text = data.attrs[name]
+                scenario = Scenario.model_validate_json(text) if text else None
+                name = "end"
+                text = data.attrs.get(name, "")
+                end = State.from_json(text) if text else None
+            except (KeyError, TypeError, ValueError, RecursionError) as error:
+                problem = f"an attribute {name!r} that cannot be read ({error})"
+            else:
+                message = data.attrs["outcome_message"]
                 return cls(
-                    data=data,
-                    outcome=Outcome[data.attrs["outcome"]],
-                    message=data.attrs["outcome_message"],
-                    counts=Counts(**json.loads(data.attrs["counts"])),
-                    scenario=Scenario.model_validate_json(text) if text else None,
-                    end=State.from_json(end) if end else None,
+                    data=data, outcome=outcome, message=message, counts=counts, scenario=scenario, end=end
                 )
-        except (KeyError, TypeError, ValueError):
-            broken = "attributes that cannot be read"
         raise FileFormatError(
-            f"{source}: must be a whole result of antenna-pin, got {broken}; run the scenario again"
+            f"{source}: must be a whole result of antenna-pin, got {problem}; run the scenario again"
         )
 
     def summary(self) -> dict[str, Any]:
@@ -221,32 +226,6 @@ class Trajectory:
     def _repr_html_(self) -> str:
         """Show the run in a notebook: how it ended, key numbers, a sketch of the motion, and all data."""
         return run_card(self.data, self.summary(), self.completed)
-
-
-def _broken_part(data: xr.Dataset) -> str | None:
-    """Return what a run cannot be read without but the file lacks or has spoiled, in words; None if whole."""
-    wanted = [variable.name for variable in variables_of({str(dim) for dim in data.sizes})]
-    wanted += [dim for dim in data.sizes if dim in DIMENSIONS and dim != "episode"]
-    wanted += [coordinate.name for coordinate in COORDINATES if coordinate.dim in data.sizes]
-    if not is_lean(data):
-        wanted += ["time", "q"]
-    missing = [name for name in wanted if name not in data.variables]
-    if missing:
-        return f"no variable {missing[0]!r}"
-    if not is_lean(data):
-        if data.sizes["time"] == 0:
-            return "no samples"
-        if not np.isfinite(data["time"].values).all() or (np.diff(data["time"].values) < 0.0).any():
-            return "times that are not finite or go back"
-        spoiled = [name for name in ("q", "v") if not np.isfinite(data[name].values).all()]
-        if spoiled:
-            return f"numbers in {spoiled[0]!r} that are not finite"
-    for name in ("clearance_joints", "conservation"):
-        try:
-            json.loads(data.attrs[name])
-        except (KeyError, TypeError, ValueError):
-            return f"an attribute {name!r} that cannot be read"
-    return None
 
 
 # Entries of a summary by their variables.

@@ -161,7 +161,8 @@ REFUSED = {
     ),
     "two inertials": (
         pair(hinge(), BODY + BODY),
-        "u.urdf, line 3: link 'b': a link must have one <inertial>, got 2",
+        "u.urdf, line 3: link 'b': <link> must have one <inertial>, got 2, the first in line 3; "
+        "remove the others",
     ),
     "negative moment": (
         pair(hinge(), body(moments=("-1", "1", "1"))),

@@ -1,0 +1,44 @@
+"""What is wrong with the words of a command, in one line as everything else that is refused."""
+
+from __future__ import annotations
+
+import contextlib
+import functools
+from collections.abc import Iterator
+from typing import Any
+
+from typer.core import TyperGroup
+
+from antenna_pin.cli._common import complain
+
+
+class OneLineGroup(TyperGroup):
+    """Commands whose wrong options and arguments are refused in one line."""
+
+    def make_context(self, *arguments: Any, **options: Any) -> Any:
+        """Read the words that stand before the command."""
+        with _told_in_one_line():
+            return super().make_context(*arguments, **options)
+
+    def invoke(self, *arguments: Any, **options: Any) -> Any:
+        """Read the command's own words, and run it."""
+        with _told_in_one_line():
+            return super().invoke(*arguments, **options)
+
+
+@contextlib.contextmanager
+def _told_in_one_line() -> Iterator[None]:
+    try:
+        yield
+    except Exception as error:
+        # Typer brings a Click of its own, or not; NoArgsIsHelpError shows the help, which is many lines.
+        if hasattr(error, "format_message") and type(error).__name__ != "NoArgsIsHelpError":
+            error.show = functools.partial(_tell, error)  # type: ignore[attr-defined]
+        raise
+
+
+def _tell(error: Any, file: Any = None) -> None:
+    context = getattr(error, "ctx", None)
+    words = error.format_message().rstrip(".").replace("Value error, ", "")
+    way_out = f"; `{context.command_path} --help` tells of all" if context is not None else ""
+    complain(f"{words}{way_out}")

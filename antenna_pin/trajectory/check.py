@@ -1,0 +1,257 @@
+"""Is a file's content a result? All that readers take for granted, looked at once, when it is loaded."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from functools import cache
+from typing import Annotated, Any, Literal
+
+import numpy as np
+import xarray as xr
+from pydantic import AllowInfNan, BaseModel, Field, TypeAdapter, ValidationError
+
+from antenna_pin.trajectory.read import is_lean, names_along
+from antenna_pin.trajectory.schema import COORDINATES, DIMENSIONS, variables_of
+from antenna_pin.units import shown
+
+__all__ = ["problem_of"]
+
+_Number = Annotated[float, AllowInfNan(True)]
+_Finite = Annotated[float, AllowInfNan(False)]
+_Three = Annotated[list[_Finite], Field(min_length=3, max_length=3)]
+_Seven = Annotated[list[_Finite], Field(min_length=7, max_length=7)]
+
+
+class _Conservation(BaseModel):
+    energy_error: _Number | None
+    gross_work: _Number | None
+    energy_error_relative: _Number | None
+    linear_momentum_drift: _Number | None
+    linear_momentum_scale: _Number | None
+    linear_momentum_drift_relative: _Number | None
+    angular_momentum_drift: _Number | None
+    angular_momentum_scale: _Number | None
+    angular_momentum_drift_relative: _Number | None
+
+
+class _Mechanism(BaseModel):
+    base: Literal["free", "fixed"]
+    gravity: _Three
+    allow_impossible_inertia: list[str]
+
+
+class _Law(BaseModel):
+    law: str
+    parameters: dict[str, tuple[_Number, str]]
+    dissipation: _Law | None = None
+
+
+class _Contact(BaseModel):
+    kind: str
+    end: str
+    normal_law: _Law
+    depth_limit: _Number
+    limited_by: str
+
+
+class _Joint(BaseModel):
+    kind: str
+    dimensions: dict[str, _Finite]
+    bearing_on: Literal["parent", "child"]
+    bearing_body: str
+    bearing_placement: _Seven
+    journal_body: str
+    journal_placement: _Seven
+    contacts: dict[str, _Contact]
+    friction_law: _Law
+    approach_speed_floor: _Number
+    backend: str
+    load: str
+
+
+class _Drive(BaseModel):
+    joint: str
+    slides: bool
+    motion: bool
+
+
+class _PointSpring(BaseModel):
+    first_body: str
+    first_point: _Three
+    second_body: str
+    second_point: _Three
+
+
+class _ElasticPart(BaseModel):
+    hub: str
+    body: str
+    slides: bool
+    frequency: _Number
+    damping_ratio: _Number
+    moved: _Number
+
+
+class _Closure(BaseModel):
+    kind: str
+    equations: int
+    axis: bool
+    first_body: str
+    first_placement: _Seven
+    second_body: str
+    second_placement: _Seven
+
+
+# Attributes that are text with JSON: what is in it, and along which dimension its names are.
+_JSON: dict[str, tuple[Any, str]] = {
+    "conservation": (_Conservation, ""),
+    "mechanism": (_Mechanism, ""),
+    "versions": (dict[str, str], ""),
+    "clearance_joints": (dict[str, _Joint], "clearance_joint"),
+    "drives": (dict[str, _Drive], "drive"),
+    "point_springs": (dict[str, _PointSpring], "point_spring"),
+    "elastic_parts": (dict[str, _ElasticPart], "elastic_part"),
+    "closures": (dict[str, _Closure], "closure"),
+    "constraints": (dict[str, Any], ""),
+}
+# Those that are plain text or numbers.
+_PLAIN: dict[str, type] = {
+    "title": str,
+    "case": str,
+    "outcome": str,
+    "outcome_message": str,
+    "counts": str,
+    "scenario": str,
+    "end": str,
+    "urdf": str,
+    "urdf_folder": str,
+    "start": str,
+    "finished": str,
+    "end_time": float,
+    "gap_difference": float,
+    "samples": float,
+}
+# Those that a result may do without.
+_OPTIONAL = {
+    "point_springs",
+    "elastic_parts",
+    "closures",
+    "constraints",
+    "start",
+    "finished",
+    "end",
+    "versions",
+}
+# Dimensions along which there may be nothing.
+_MAY_BE_EMPTY = {"configuration", "coordinate", "joint", "event", "episode"}
+# Dimensions of labels that are always the same.
+_FIXED = {"axis": ["x", "y", "z"], "quaternion": ["x", "y", "z", "w"]}
+
+
+def problem_of(data: xr.Dataset) -> str | None:
+    """Return what of a result a dataset lacks or has spoiled, in words; None if it is whole."""
+    for problems in (_labels, _variables, _numbers, _attributes):
+        for problem in problems(data):
+            return problem
+    return None
+
+
+def _labels(data: xr.Dataset) -> Iterator[str]:
+    for dim, size in data.sizes.items():
+        if dim not in DIMENSIONS:
+            continue
+        if size == 0 and dim not in _MAY_BE_EMPTY:
+            yield "no samples" if dim == "time" else f"nothing along {dim!r}"
+        if dim in ("time", "episode"):
+            continue
+        if dim not in data.variables:
+            yield f"no variable {dim!r}"
+        names = data[dim].values.tolist()
+        if not all(isinstance(name, str) for name in names):
+            yield f"labels in {dim!r} that are not text"
+        if dim != "event" and len(set(names)) < len(names):
+            yield f"labels in {dim!r} that are there twice"
+        if dim in _FIXED and names != _FIXED[str(dim)]:
+            yield f"{dim!r} along which stand {shown(names)}, not {shown(_FIXED[str(dim)])}"
+    for coordinate in COORDINATES:
+        if coordinate.dim in data.sizes and coordinate.name not in data.variables:
+            yield f"no variable {coordinate.name!r}"
+    for inner, outer in (("contact_joint", "clearance_joint"), ("controller", "drive"), ("motion", "drive")):
+        unknown = set(names_along(data, inner)) - set(names_along(data, outer))
+        if unknown:
+            yield f"{min(unknown)!r} in {inner!r} but not in {outer!r}"
+
+
+def _variables(data: xr.Dataset) -> Iterator[str]:
+    wanted = list(variables_of({str(dim) for dim in data.sizes}))
+    names = [variable.name for variable in wanted]
+    names += [] if is_lean(data) else ["time", "q"]
+    for name in names:
+        if name not in data.variables:
+            yield f"no variable {name!r}"
+    for variable in variables_of({str(dim) for dim in data.sizes}, free_base=True):
+        if variable.name not in data.variables:
+            continue
+        found = data[variable.name]
+        if found.dims != variable.dims:
+            yield f"{variable.name!r} along {shown(found.dims)}, not {shown(variable.dims)}"
+        if found.dtype.kind not in "fiub":
+            yield f"no numbers in {variable.name!r}"
+    if not is_lean(data) and data["time"].dtype.kind not in "fiu":
+        yield "no numbers in 'time'"
+
+
+def _numbers(data: xr.Dataset) -> Iterator[str]:
+    if not is_lean(data):
+        times = data["time"].values
+        if not np.isfinite(times).all() or (np.diff(times) < 0.0).any():
+            yield "times that are not finite or go back"
+        for name in ("q", "v"):
+            if not np.isfinite(data[name].values).all():
+                yield f"numbers in {name!r} that are not finite"
+    if "episode" in data.sizes:
+        index = data["episode_contact"].values
+        if index.dtype.kind not in "iu" or (index < 0).any() or (index >= data.sizes["contact"]).any():
+            yield "numbers in 'episode_contact' that are of no contact"
+
+
+def _attributes(data: xr.Dataset) -> Iterator[str]:
+    found = data.attrs
+    needed = {name for name, (_, dim) in _JSON.items() if dim in data.sizes}
+    for name, kind in _PLAIN.items():
+        value = found.get(name)
+        if name not in found and name not in _OPTIONAL:
+            yield f"no attribute {name!r}"
+        elif name in found and not (isinstance(value, str) if kind is str else _is_number(value)):
+            yield f"an attribute {name!r} that cannot be read"
+    for name, (_, dim) in _JSON.items():
+        if name not in found:
+            if name in needed or name not in _OPTIONAL:
+                yield f"no attribute {name!r}"
+            continue
+        problem = _problem_of_json(name, found[name])
+        if problem:
+            yield f"an attribute {name!r} that cannot be read ({problem})"
+        if dim and set(json.loads(found[name])) != set(names_along(data, dim)):
+            yield f"other names in the attribute {name!r} than in {dim!r}"
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and not value < 0.0
+
+
+def _problem_of_json(name: str, text: object) -> str:
+    try:
+        _adapter(name).validate_python(json.loads(text) if isinstance(text, str) else text)
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        place = ".".join(map(str, first["loc"]))
+        return f"{place + ': ' if place else ''}{first['msg']}"
+    except (ValueError, RecursionError) as error:
+        return str(error)
+    return ""
+
+
+@cache
+def _adapter(name: str) -> TypeAdapter[Any]:
+    return TypeAdapter(_JSON[name][0])
