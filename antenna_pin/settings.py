@@ -16,7 +16,7 @@ _LEAST_RTOL = 1e-15
 # Beyond, samples of the smallest mechanism take tens of gigabytes.
 _MOST_SAMPLES = 1e7
 
-Method = Literal["rk4", "bogacki-shampine-32", "dormand-prince-54", "dormand-prince-853"]
+Method = Literal["rk4", "bogacki-shampine-32", "dormand-prince-54", "dormand-prince-853", "radau5"]
 """A Runge-Kutta method by name, of ``antenna_pin.integrate.METHODS``."""
 
 
@@ -65,7 +65,7 @@ class RunSettings:
     Attributes:
         engine: What makes the steps: ``pinocchio``, or ``compiled``, all of a step in compiled code, the
             tree's dynamics included, for systems in which nothing happens in Python.
-        method: A Runge-Kutta method by name.
+        method: A Runge-Kutta method by name; ``radau5`` is implicit, for contact too stiff for the others.
         rtol: Relative tolerance of a step of the adaptive methods [-].
         step: Fixed step of ``rk4`` [s].
         max_step: Longest step [s].

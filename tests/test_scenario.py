@@ -1139,8 +1139,8 @@ REFUSALS = [
     # integrator
     (
         {"integrator.method": "dormand-prince"},
-        "integrator.method must be 'rk4', 'bogacki-shampine-32', 'dormand-prince-54' or "
-        "'dormand-prince-853', "
+        "integrator.method must be 'rk4', 'bogacki-shampine-32', 'dormand-prince-54', "
+        "'dormand-prince-853' or 'radau5', "
         "got 'dormand-prince'; did you mean dormand-prince-54?",
     ),
     ({"integrator.rtol": 0}, "integrator.rtol must be between 0 and 1, got 0"),

@@ -93,6 +93,11 @@ class Workspace:
         """The array that ``tau``, a pose, ``memory`` and ``table`` are parts of, as the kernels take it."""
         return self._work
 
+    @property
+    def coupled(self) -> NDArray[np.int64]:
+        """Places in x of what the derivative depends on: bristles; the rest are integrals."""
+        return np.asarray(self.system.bristle_x, dtype=np.int64)
+
     def acceleration(self, t: float, y: Array, tau: Array) -> Array:
         """Return the acceleration of a state under a generalized force, constraints held, (nv,)."""
         if self.constraints is not None:

@@ -1,7 +1,18 @@
 """Lie-group Runge-Kutta methods: a derivative, a manifold and the group operation, nothing else."""
 
+from antenna_pin.integrate.implicit import ImplicitStepper, made_stepper, newton_of
 from antenna_pin.integrate.manifold import Manifold
 from antenna_pin.integrate.methods import METHODS, Method, method_named
 from antenna_pin.integrate.stepper import Problem, Stepper
 
-__all__ = ["METHODS", "Manifold", "Method", "Problem", "Stepper", "method_named"]
+__all__ = [
+    "METHODS",
+    "ImplicitStepper",
+    "Manifold",
+    "Method",
+    "Problem",
+    "Stepper",
+    "made_stepper",
+    "method_named",
+    "newton_of",
+]

@@ -6,6 +6,7 @@ next step), so every method has a derivative at both ends and a dense output.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
@@ -33,7 +34,7 @@ class Method:
         weights: a_ij, (stages, stages); row ``last`` gives the end of the step.
         nodes: c_i, (stages,).
         last: Index of the main stages' last one, at the end of the step.
-        errors: Weights of the error estimate, (1 or 2, stages).
+        errors: Weights of the error estimate, (1 or 2, stages); an implicit method has another, and zeros.
         polynomials: Dense output, (stages, degree): z(theta) - z(0) = h sum_jp b_jp theta^(p+1) k_j.
     """
 
@@ -46,6 +47,11 @@ class Method:
     last: int
     errors: Array
     polynomials: Array
+
+    @property
+    def implicit(self) -> bool:
+        """Whether its stages depend on one another, so that equations are to be solved for them."""
+        return bool(np.triu(self.weights).any())
 
     @property
     def adaptive(self) -> bool:
@@ -187,9 +193,39 @@ def _dormand_prince_853() -> Method:
     )
 
 
-#: The methods by name: fixed-step RK4, Bogacki-Shampine 3(2), Dormand-Prince 5(4) and 8(5,3).
+def _radau5() -> Method:
+    """Radau IIA: the derivative at the start, the three stages, and the step's end once more.
+
+    Hairer and Wanner, Solving Ordinary Differential Equations II, 2nd ed., IV.5 and IV.8. The dense output is
+    the collocation polynomial: its slopes at the stages are the derivatives there.
+    """
+    root = math.sqrt(6.0)
+    nodes = np.array([(4.0 - root) / 10.0, (4.0 + root) / 10.0, 1.0])
+    weights, polynomials = np.zeros((5, 5)), np.zeros((5, 3))
+    for j, node in enumerate(nodes):
+        a, b = np.delete(nodes, j)
+        # The integral of Lagrange's polynomial that is one at this node and zero at a and b.
+        polynomials[1 + j] = np.array([a * b, -(a + b) / 2.0, 1.0 / 3.0]) / ((node - a) * (node - b))
+    powers = nodes[:, None] ** np.array([1, 2, 3])
+    weights[1:4, 1:4] = powers @ polynomials[1:4].T
+    weights[4] = weights[3]
+    return Method(
+        name="radau5",
+        order=5,
+        error_order=3,
+        dense_order=3,
+        weights=weights,
+        nodes=np.array([0.0, *nodes, 1.0]),
+        last=4,
+        errors=np.zeros((1, 5)),
+        polynomials=polynomials,
+    )
+
+
+#: The methods by name: fixed-step RK4, Bogacki-Shampine 3(2), Dormand-Prince 5(4) and 8(5,3); implicit, for
+#: stiff contact, Radau IIA of order 5(3).
 METHODS: Mapping[str, Method] = MappingProxyType(
-    {m.name: m for m in (_rk4(), _bogacki_shampine(), _dormand_prince_54(), _dormand_prince_853())}
+    {m.name: m for m in (_rk4(), _bogacki_shampine(), _dormand_prince_54(), _dormand_prince_853(), _radau5())}
 )
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.dynamics import Workspace, _inspect
-from antenna_pin.engine import CompiledStepper
+from antenna_pin.engine import CompiledImplicitStepper, CompiledStepper
 from antenna_pin.engine import _episode_kernels as _kernels
 from antenna_pin.integrate import Stepper
 from antenna_pin.joints._layout_kernels import BRISTLES
@@ -103,7 +103,7 @@ class Episodes:
 
     def _effective_mass(self, c: int) -> float:
         y = self.stepper.start[: self.system.manifold.size]
-        if isinstance(self.stepper, CompiledStepper):
+        if isinstance(self.stepper, CompiledStepper | CompiledImplicitStepper):
             return float(_kernels.effective_mass(c, y, self.stepper.numbers))
         return self.workspace.effective_mass(y, c)
 

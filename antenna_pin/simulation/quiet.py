@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.dynamics import Workspace
-from antenna_pin.engine import Compiled, CompiledStepper
+from antenna_pin.engine import Compiled, CompiledImplicitStepper, CompiledStepper
 from antenna_pin.engine import _loop_kernels as _kernels
 from antenna_pin.engine import _stretch_kernels as _stretch
-from antenna_pin.integrate import Method, Stepper
+from antenna_pin.integrate import Method, Stepper, made_stepper
 from antenna_pin.records import MEMORY
 from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.control import StepControl
@@ -37,9 +37,10 @@ def stepper_of(workspace: Workspace, method: Method, scales: Array, settings: Ru
     Raises:
         MechanismError: The system is not one that the compiled engine can take.
     """
-    if settings.engine == "compiled":
-        return CompiledStepper(workspace, Compiled(workspace), method, scales, settings.rtol)
-    return Stepper(workspace, method, scales, settings.rtol)
+    if settings.engine != "compiled":
+        return made_stepper(workspace, method, scales, settings.rtol)
+    kind = CompiledImplicitStepper if method.implicit else CompiledStepper
+    return kind(workspace, Compiled(workspace), method, scales, settings.rtol)
 
 
 class QuietTrials(Trials):

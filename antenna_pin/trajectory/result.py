@@ -36,11 +36,13 @@ class Outcome(Enum):
     STOPPED = "stopped by an event that was to end it"
     INTERRUPTED = "stopped by the user; what was computed is kept"
     STEP_TOO_SMALL = (
-        "the step fell below its floor; soften the contact, loosen rtol or lower integrator.min_step"
+        "the step fell below its floor; take integrator.method = 'radau5', soften the contact, loosen rtol "
+        "or lower integrator.min_step"
     )
     NO_PROGRESS = (
-        "the run makes no way; a force that jumps, or a law or a drive far too stiff does that: look at the "
-        "last samples, loosen rtol, or raise integrator.max_expected_steps"
+        "the run makes no way; a force that jumps does that, or a law or a drive too stiff for an explicit "
+        "method: look at the last samples, take integrator.method = 'radau5', loosen rtol, or raise "
+        "integrator.max_expected_steps"
     )
     STEP_LIMIT = "made as many steps as integrator.max_steps allows; what was computed is kept"
     TIME_LIMIT = "took as long as integrator.max_wall_time allows; what was computed is kept"

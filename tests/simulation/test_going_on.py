@@ -17,7 +17,7 @@ from antenna_pin.errors import AntennaPinError, InvalidParameterError
 from antenna_pin.simulation.loop import Run
 from antenna_pin.state import State
 
-METHODS = ("rk4", "bogacki-shampine-32", "dormand-prince-54", "dormand-prince-853")
+METHODS = ("rk4", "bogacki-shampine-32", "dormand-prince-54", "dormand-prince-853", "radau5")
 LAWS = {
     "as shipped": (),
     "tsuji": ("clearance.elevation.normal={law='tsuji', restitution=0.8, replace=true}",),
