@@ -8,6 +8,7 @@ import numpy as np
 
 from antenna_pin.analysis._run import Array, RunLike, data_of, sample_times
 from antenna_pin.analysis.base import base_motion
+from antenna_pin.analysis.elastic import elastic_parts_of
 from antenna_pin.trajectory import names_along
 
 __all__ = ["RunSignal", "signals"]
@@ -24,15 +25,15 @@ class RunSignal(NamedTuple):
 
 
 def signals(run: RunLike) -> dict[str, RunSignal]:
-    """Return the accelerations of a run's joints and base and the forces in its clearance joints, by name.
+    """Return accelerations of a run's joints and base, deflections, and forces in clearance joints, by name.
 
     Args:
         run: A run, or its data.
 
     Returns:
-        "JOINT acceleration" about the joint's axis, "base acceleration x" and "base angular acceleration x"
-        (y, z) in world axes if the base is free, and "JOINT force x" (y, z) on the journal in bearing axes.
-        A signal that is zero throughout is left out.
+        "JOINT acceleration" about the joint's axis, "PART deflection" of elastic parts, "base acceleration x"
+        and "base angular acceleration x" (y, z) in world axes if the base is free, and "JOINT force x" (y, z)
+        on the journal in bearing axes. A signal that is zero throughout is left out.
     """
     data = data_of(run)
     time = sample_times(data, "signals")
@@ -40,6 +41,9 @@ def signals(run: RunLike) -> dict[str, RunSignal]:
     for name in names_along(data, "joint"):
         values = np.asarray(data["motion_acceleration"].sel(joint=name).values, dtype=float)
         found[f"{name} acceleration"] = RunSignal(time, values, "rad/s^2")
+    for name, part in elastic_parts_of(data).items():
+        values = np.asarray(data["deflection"].sel(elastic_part=name).values, dtype=float)
+        found[f"{name} deflection"] = RunSignal(time, values, "m" if part["slides"] else "rad")
     vectors = []
     if "base_position" in data:
         motion = base_motion(data)

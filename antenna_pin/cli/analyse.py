@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from antenna_pin.cli._common import complain, label_of, load_result, refuse
+from antenna_pin.cli._elastic import print_elastic
 from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, exported, parts_of, say_json, write_csv
 from antenna_pin.cli._loops import print_loops
 from antenna_pin.cli._tables import print_rows, text_of
@@ -42,7 +43,7 @@ _ROWS = (
 )
 _PEAKS = 3
 # What a CSV file has, one row for each number.
-_PARTS = ("deviation", "impacts", "loads", "settling", "closures", "drives", "frequencies")
+_PARTS = ("deviation", "impacts", "loads", "settling", "closures", "drives", "elastic", "frequencies")
 
 
 def analyse(
@@ -78,6 +79,8 @@ def analyse(
         notes.append("no joint with clearance: no impacts, loads and settling")
     if run.constraints:
         found |= _loops(run)
+    if "elastic_part" in run.data.sizes:
+        found["elastic"] = _elastic(run)
     found["frequencies"] = _frequencies(run, notes)
     if exported({**found, "notes": notes}, parts_of(found, _PARTS), as_json, target):
         return
@@ -149,6 +152,16 @@ def _loops(run: Trajectory) -> dict[str, Any]:
     }
 
 
+def _elastic(run: Trajectory) -> list[dict[str, Any]]:
+    from antenna_pin.analysis import elastic_motion, elastic_parts_of
+
+    about = elastic_parts_of(run)
+    return [
+        {**one, "units": "m" if about[one["of"]]["slides"] else "rad"}
+        for one in _records(elastic_motion(run), "elastic_part")
+    ]
+
+
 def _frequencies(run: Trajectory, notes: list[str]) -> list[dict[str, Any]]:
     from antenna_pin.analysis import dominant_frequencies, signals
 
@@ -210,6 +223,8 @@ def _print(label: str, found: dict[str, Any]) -> None:
         _print_settling(label, found["settling"])
     if "constraints" in found:
         print_loops(label, found)
+    if "elastic" in found:
+        print_elastic(label, found["elastic"])
     rows = [
         [
             f"{one['of']} [{one['units']}]",

@@ -18,6 +18,7 @@ from antenna_pin.plot.catalogue import CATALOGUE, Allowed, allowed_figures, run_
 from antenna_pin.plot.closures import figure_closure_forces, figure_drive_efforts
 from antenna_pin.plot.contact import figure_force_curves, figure_restitution, save_contact_figures
 from antenna_pin.plot.eccentricity import figure_eccentricity
+from antenna_pin.plot.elastic import figure_deflection
 from antenna_pin.plot.experiment import figure_contact_width, figure_experiment, figures_of_experiment
 from antenna_pin.plot.files import FORMATS, folder_for_figures, rendered, save_figure, save_figures
 from antenna_pin.plot.forces import figure_contact_forces
@@ -47,6 +48,7 @@ __all__ = [
     "figure_closure_forces",
     "figure_contact_forces",
     "figure_contact_width",
+    "figure_deflection",
     "figure_drive_efforts",
     "figure_eccentricity",
     "figure_energy",

@@ -11,6 +11,7 @@ from antenna_pin.plot._runs import LabelledRun, long_enough
 
 __all__ = [
     "CLOSED",
+    "FLEXIBLE",
     "FREE_BASE",
     "LOOPED",
     "MOVING",
@@ -80,6 +81,7 @@ LOOPED = JointKind(
 )
 
 CLOSED = RunKind("a closure of a loop", lambda run: "closure" in run.data.sizes)
+FLEXIBLE = RunKind("flexible links", lambda run: "elastic_part" in run.data.sizes)
 PRESCRIBED = RunKind("a prescribed motion", lambda run: "motion" in run.data.sizes)
 FREE_BASE = RunKind("a free base", lambda run: "base_position" in run.data)
 POINTED = RunKind("a scenario that says what looks where", lambda run: bool(_described(run, "pointing")))

@@ -16,7 +16,7 @@ from markupsafe import Markup
 
 from antenna_pin.card import in_frame
 from antenna_pin.files import check_writable, replacing
-from antenna_pin.report import contacts, loops, motion, pointing, provenance, results, words
+from antenna_pin.report import contacts, elastic, loops, motion, pointing, provenance, results, words
 from antenna_pin.report._parts import Embedded, Section
 from antenna_pin.report._runs import ReportedRun, Run, reported
 
@@ -85,6 +85,7 @@ def report(
     sections = [
         results.key_results(found),
         loops.loops(found),
+        elastic.elastic_parts(found),
         motion.deviations(found),
         contacts.impact_tables(found),
         contacts.loads(found),

@@ -13,6 +13,7 @@ from antenna_pin.analysis import (
     Growth,
     deviation,
     dominant_frequencies,
+    elastic_parts_of,
 )
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.readable import number, readable
@@ -113,6 +114,10 @@ def frequencies(runs: Sequence[ReportedRun]) -> Section:
     for name in dict.fromkeys(name for run in runs for name in run.names("joint")):
         label = f"acceleration of {name}"
         signals[label], units[label] = _picker("motion_acceleration", "joint", name), "rad/s^2"
+    for name in dict.fromkeys(name for run in runs for name in run.names("elastic_part")):
+        slides = any(elastic_parts_of(run.data).get(name, {}).get("slides") for run in runs)
+        label = f"deflection of {name}"
+        signals[label], units[label] = _picker("deflection", "elastic_part", name), "m" if slides else "rad"
     for name in dict.fromkeys(name for run in runs for name in run.names("clearance_joint")):
         label = f"force on the journal of {name}"
         signals[label], units[label] = _picker("joint_force", "clearance_joint", name), "N"

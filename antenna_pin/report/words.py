@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from antenna_pin.analysis import closures_of, mechanism_of
+from antenna_pin.analysis import closures_of, elastic_parts_of, mechanism_of
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.mechanism import Mechanism
 from antenna_pin.readable import GIVEN, number, printed_unit, readable
@@ -19,6 +19,7 @@ from antenna_pin.report._words_of_clearance import (
 )
 from antenna_pin.report._words_of_closures import words_of_closures
 from antenna_pin.report._words_of_elements import names_of_elements, words_of_elements
+from antenna_pin.report._words_of_flexible import words_of_flexible
 from antenna_pin.report._words_of_laws import words_of_laws
 from antenna_pin.scenario import PointingSpec, Scenario
 
@@ -41,6 +42,7 @@ _ORDER = (
     "Mechanism",
     "Joints",
     "Closures",
+    "Flexible links",
     "Clearance",
     "Contact and friction",
     "Drives and springs",
@@ -88,6 +90,7 @@ def _words(run: ReportedRun) -> Iterator[tuple[str, Words]]:
         yield "Mechanism", dict(_mechanism(mechanism, scenario))
         yield "Joints", dict(_joints(mechanism, scenario, run))
         yield "Closures", dict(words_of_closures(run, mechanism))
+    yield "Flexible links", dict(words_of_flexible(run))
     if scenario is not None:
         yield "Clearance", dict(words_of_clearances(scenario))
         yield "Drives and springs", dict(words_of_elements(scenario))
@@ -154,8 +157,10 @@ def _mechanism(mechanism: Mechanism, scenario: Scenario | None) -> Iterator[tupl
 def _joints(
     mechanism: Mechanism, scenario: Scenario | None, run: ReportedRun
 ) -> Iterator[tuple[str, str]]:  # fmt: skip
-    closures = closures_of(run.run)
+    closures, elastic = closures_of(run.run), elastic_parts_of(run.run)
     for name, slot in mechanism.joints.items():
+        if name in elastic:
+            continue
         joint = mechanism.urdf.joint(name)
         body = mechanism.bodies[slot.joint_id - 1]
         kind = closures[name]["kind"] if name in closures else slot.kind  # free in the tree, and held
