@@ -46,16 +46,22 @@ def slope(function: Callable[[float], Array], steps: Sequence[float] = STEPS) ->
         steps: To be tried, the largest first.
     """
     best, least, rough = np.zeros(0), np.inf, True
+    here = np.array(function(0.0))
+    size = float(np.abs(here).max(initial=0.0))
     for h in steps:
-        odd = np.array([np.array(function(k * h)) - np.array(function(-k * h)) for k in (1, 2, 3)])
-        size = float(np.abs(np.array(function(0.0))).max(initial=0.0))
+        ahead, behind = (np.array([np.array(function(side * k * h)) for k in (1, 2, 3)]) for side in (1, -1))
+        odd, even = ahead - behind, ahead + behind - 2.0 * here
         sixth = np.tensordot(_SIXTH, odd, 1) / h
-        apart = float(np.abs(sixth - np.tensordot(_FOURTH, odd, 1) / h).max(initial=0.0))
-        noise = _ROUND_OFF * size / h
         scale = float(np.abs(sixth).max(initial=0.0))
-        share = max(apart - noise, 0.0) / scale if scale > 0.0 else 0.0
+        noise = _ROUND_OFF * size / h
+        # A kink on the spot is in no odd difference: it is what of the even ones grows like the step.
+        bend = (9.0 * even[0] - even[2]) / (12.0 * h)
+        share, kink = (
+            max(float(np.abs(one).max(initial=0.0)) - noise, 0.0) / scale if scale > 0.0 else 0.0
+            for one in (sixth - np.tensordot(_FOURTH, odd, 1) / h, bend)
+        )
         if share < least:
-            best, least, rough = sixth, share, share > _ROUGH
+            best, least, rough = sixth, share, max(share, kink) > _ROUGH
         if share <= _GOOD:
             break
     return Slope(np.asarray(best, dtype=float), rough)

@@ -193,9 +193,7 @@ def _in_motion(linear: Linearisation) -> Eigen:
             # The base's part follows from its velocity, in axes that turn with it.
             shape = place.astype(complex)
             if first:
-                shape[:first] = np.linalg.solve(
-                    value * np.eye(first) + linear.drift[:first, :first], speed[:first]
-                )
+                shape[:first] = _base_place(linear, complex(value), speed[:first])
             inner = _inner(linear, place)
             alone = inner <= 1e-9 * _inner(linear, shape)
             kept.append((complex(value), shape, "rigid" if alone else "elastic"))
@@ -211,12 +209,17 @@ def _in_motion(linear: Linearisation) -> Eigen:
     if first:
         for j, value in enumerate(damped):
             if abs(value) > tiny:
-                moved[:first, j] = np.linalg.solve(
-                    value * np.eye(first) + linear.drift[:first, :first],
-                    places[k - first : k, j],
-                )
+                moved[:first, j] = _base_place(linear, complex(value), places[k - first : k, j])
     roots, others = _assigned(damped, moved, shape, linear.mass)
     return Eigen(frequency, tuple(one[2] for one in kept), shape, roots, others)
+
+
+def _base_place(linear: Linearisation, value: complex, speed: Complex) -> Complex:
+    """Return where a free base is in a motion of which its velocity is known: (lambda + D) s = w."""
+    first = len(speed)
+    rows = value * np.eye(first) + linear.drift[:first, :first]
+    # Singular where the motion is one of axes that turn alone; then any place will do.
+    return np.asarray(np.linalg.lstsq(rows, speed, rcond=1e-9)[0])
 
 
 def _inner(linear: Linearisation, shape: Complex) -> float:
