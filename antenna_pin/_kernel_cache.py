@@ -7,9 +7,11 @@ counts as not there, so that it is compiled and written anew.
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import pickle
 import warnings
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +20,7 @@ try:
 except ImportError:  # none of it is promised by Numba
     FunctionCache = IndexDataCacheFile = NullCache = object
 
-__all__ = ["KernelCacheWarning", "keep"]
+__all__ = ["KernelCacheWarning", "keep", "told_of_compiling"]
 
 _DIGEST = hashlib.sha256().digest_size
 
@@ -42,6 +44,24 @@ def keep(dispatcher: Any, stamp: str) -> None:
         dispatcher._cache = _NoCache("neither the sources' folder nor the user's cache can be written")
     except (OSError, AttributeError, TypeError) as error:
         dispatcher._cache = _NoCache(str(error))
+
+
+_listeners: list[Callable[[], None]] = []
+
+
+@contextlib.contextmanager
+def told_of_compiling(listener: Callable[[], None]) -> Iterator[None]:
+    """Call a function whenever a kernel is about to be compiled, because no file holds it."""
+    _listeners.append(listener)
+    try:
+        yield
+    finally:
+        _listeners.remove(listener)
+
+
+def _to_be_compiled() -> None:
+    for listener in _listeners:
+        listener()
 
 
 class _SealedFiles(IndexDataCacheFile):  # type: ignore[misc]
@@ -107,6 +127,7 @@ class _KernelCache(FunctionCache):  # type: ignore[misc]
             data = None if files is None else files.load(key)
             if data is not None:
                 return self._impl.rebuild(target_context, data)
+        _to_be_compiled()
         return None
 
     def save_overload(self, sig: Any, data: Any) -> None:
@@ -121,6 +142,9 @@ class _NoCache(NullCache):  # type: ignore[misc]
 
     def __init__(self, reason: str) -> None:
         self._reason = reason
+
+    def load_overload(self, sig: Any, target_context: Any) -> None:
+        _to_be_compiled()
 
     def save_overload(self, sig: Any, cres: Any) -> None:
         _tell(self._reason)

@@ -116,3 +116,16 @@ def test_what_stands_beside_the_sources_is_read_by_those_who_cannot_write_there(
         shared = compiled(source)
         assert (shared(2), hits(shared)) == (4, 1)
     assert not [path for path in (tmp_path / "own").rglob("*.nb?")]
+
+
+def test_who_waits_is_told_of_what_is_compiled(source):
+    """Of a kernel that no file holds, once; and of nothing where it is read."""
+    heard = []
+    with _kernel_cache.told_of_compiling(lambda: heard.append(1)):
+        first = compiled(source)
+        assert first(1) == first(2) - 2 == 2
+        assert heard == [1]
+        assert compiled(source)(1) == 2
+        assert heard == [1]
+    assert first(1.0) == 2.0
+    assert heard == [1]

@@ -1,54 +1,59 @@
 """What a run shows, and what a joint's shape allows: readers of trajectories and geometries."""
 
-from antenna_pin.analysis.attitude import interpolate_attitude, interpolation_error
-from antenna_pin.analysis.base import base_motion
-from antenna_pin.analysis.bodies import body_poses, body_twists, joint_loads, mechanism_of
-from antenna_pin.analysis.body import body_deviation, body_motion, moved_body
-from antenna_pin.analysis.closures import (
-    closure_loads,
-    closures_of,
-    drive_loads,
-    drive_power,
-    drives_of,
-    effort_unit,
-    said_of_constraints,
-    said_of_singular,
-)
-from antenna_pin.analysis.deviation import Deviation, DeviationMeasures, deviation
-from antenna_pin.analysis.elastic import (
-    SPIN_WITHIN,
-    elastic_motion,
-    elastic_parts_of,
-    modal_energy,
-    said_of_spin,
-)
-from antenna_pin.analysis.growth import Growth, growth_of
-from antenna_pin.analysis.impacts import impact_statistics, impacts
-from antenna_pin.analysis.journal import bore_load, clearance_shapes, journal_motion
-from antenna_pin.analysis.loads import load_statistics
-from antenna_pin.analysis.orbit import Orbit
-from antenna_pin.analysis.pointing import Antenna, Command, boresight, pointing_error
-from antenna_pin.analysis.pointing_indices import INTERPRETATIONS, error_components, pointing_indices
-from antenna_pin.analysis.sampled import resampled, time_mean, time_percentiles, time_rms
-from antenna_pin.analysis.scenarios import (
-    SCENARIO_COLUMNS,
-    JournalPose,
-    ScenarioPair,
-    TiltRange,
-    possible_scenarios,
-    scenario_of,
-    scenario_rows,
-)
-from antenna_pin.analysis.settling import Settling, settling, touching_intervals
-from antenna_pin.analysis.shares import scenario_shares, scenario_spans
-from antenna_pin.analysis.signals import RunSignal, signals
-from antenna_pin.analysis.spectrum import (
-    UniformSignal,
-    dominant_frequencies,
-    spectrogram,
-    spectrum,
-    uniform,
-)
+from typing import TYPE_CHECKING
+
+from antenna_pin._lazy import loaded_when_used
+
+if TYPE_CHECKING:
+    from antenna_pin.analysis.attitude import interpolate_attitude, interpolation_error
+    from antenna_pin.analysis.base import base_motion
+    from antenna_pin.analysis.bodies import body_poses, body_twists, joint_loads, mechanism_of
+    from antenna_pin.analysis.body import body_deviation, body_motion, moved_body
+    from antenna_pin.analysis.closures import (
+        closure_loads,
+        closures_of,
+        drive_loads,
+        drive_power,
+        drives_of,
+        effort_unit,
+        said_of_constraints,
+        said_of_singular,
+    )
+    from antenna_pin.analysis.deviation import Deviation, DeviationMeasures, deviation
+    from antenna_pin.analysis.elastic import (
+        SPIN_WITHIN,
+        elastic_motion,
+        elastic_parts_of,
+        modal_energy,
+        said_of_spin,
+    )
+    from antenna_pin.analysis.growth import Growth, growth_of
+    from antenna_pin.analysis.impacts import impact_statistics, impacts
+    from antenna_pin.analysis.journal import bore_load, clearance_shapes, journal_motion
+    from antenna_pin.analysis.loads import load_statistics
+    from antenna_pin.analysis.orbit import Orbit
+    from antenna_pin.analysis.pointing import Antenna, Command, boresight, pointing_error
+    from antenna_pin.analysis.pointing_indices import INTERPRETATIONS, error_components, pointing_indices
+    from antenna_pin.analysis.sampled import resampled, time_mean, time_percentiles, time_rms
+    from antenna_pin.analysis.scenarios import (
+        SCENARIO_COLUMNS,
+        JournalPose,
+        ScenarioPair,
+        TiltRange,
+        possible_scenarios,
+        scenario_of,
+        scenario_rows,
+    )
+    from antenna_pin.analysis.settling import Settling, settling, touching_intervals
+    from antenna_pin.analysis.shares import scenario_shares, scenario_spans
+    from antenna_pin.analysis.signals import RunSignal, signals
+    from antenna_pin.analysis.spectrum import (
+        UniformSignal,
+        dominant_frequencies,
+        spectrogram,
+        spectrum,
+        uniform,
+    )
 
 __all__ = [
     "INTERPRETATIONS",
@@ -117,3 +122,31 @@ __all__ = [
     "touching_intervals",
     "uniform",
 ]
+
+loaded_when_used(
+    __name__,
+    {
+        "attitude": "interpolate_attitude interpolation_error",
+        "base": "base_motion",
+        "bodies": "body_poses body_twists joint_loads mechanism_of",
+        "body": "body_deviation body_motion moved_body",
+        "closures": "closure_loads closures_of drive_loads drive_power drives_of"
+        " effort_unit said_of_constraints said_of_singular",
+        "deviation": "Deviation DeviationMeasures deviation",
+        "elastic": "SPIN_WITHIN elastic_motion elastic_parts_of modal_energy said_of_spin",
+        "growth": "Growth growth_of",
+        "impacts": "impact_statistics impacts",
+        "journal": "bore_load clearance_shapes journal_motion",
+        "loads": "load_statistics",
+        "orbit": "Orbit",
+        "pointing": "Antenna Command boresight pointing_error",
+        "pointing_indices": "INTERPRETATIONS error_components pointing_indices",
+        "sampled": "resampled time_mean time_percentiles time_rms",
+        "scenarios": "SCENARIO_COLUMNS JournalPose ScenarioPair TiltRange"
+        " possible_scenarios scenario_of scenario_rows",
+        "settling": "Settling settling touching_intervals",
+        "shares": "scenario_shares scenario_spans",
+        "signals": "RunSignal signals",
+        "spectrum": "UniformSignal dominant_frequencies spectrogram spectrum uniform",
+    },
+)

@@ -9,7 +9,6 @@ from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import minimize_scalar
 
 from antenna_pin.analysis._polygon import Polygon, Quadratics, RangeMaximum
 
@@ -160,6 +159,8 @@ def extremes(index: Index, size: int) -> tuple[float, float]:
     angles = best[1] + step * np.linspace(-1.0, 1.0, _DIRECTIONS + 1)
     best = max((along(angle), float(angle)) for angle in angles)
     fine = 2.0 * step / _DIRECTIONS
+    from scipy.optimize import minimize_scalar
+
     found = minimize_scalar(
         lambda angle: -along(angle),
         bounds=(best[1] - fine, best[1] + fine),

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
 from antenna_pin.analysis._run import Array
 from antenna_pin.errors import InvalidParameterError
@@ -44,6 +43,8 @@ def resampled(
         if own.size:
             result[wanted == own[0]] = held[0]
         return result
+    from scipy.interpolate import CubicHermiteSpline, CubicSpline  # a quarter of a second
+
     slope = None if derivative is None else np.asarray(derivative, dtype=float)[first]
     if slope is not None and np.isfinite(slope).all():
         spline = CubicHermiteSpline(own, held, slope, extrapolate=False)

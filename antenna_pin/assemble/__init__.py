@@ -1,8 +1,23 @@
 """From a scenario to a system: URDF variant, Pinocchio model, force elements, initial state."""
 
-from antenna_pin.assemble.build import build_system
-from antenna_pin.assemble.facts import scenario_facts
-from antenna_pin.assemble.initial import initial_angles, initial_state
-from antenna_pin.assemble.variant import urdf_variant
+from typing import TYPE_CHECKING
+
+from antenna_pin._lazy import loaded_when_used
+
+if TYPE_CHECKING:
+    from antenna_pin.assemble.build import build_system
+    from antenna_pin.assemble.facts import scenario_facts
+    from antenna_pin.assemble.initial import initial_angles, initial_state
+    from antenna_pin.assemble.variant import urdf_variant
 
 __all__ = ["build_system", "initial_angles", "initial_state", "scenario_facts", "urdf_variant"]
+
+loaded_when_used(
+    __name__,
+    {
+        "build": "build_system",
+        "facts": "scenario_facts",
+        "initial": "initial_angles initial_state",
+        "variant": "urdf_variant",
+    },
+)

@@ -204,10 +204,11 @@ def save_result(trajectory: Trajectory, path: Path) -> None:
         refuse(f"{error}; nor could the result be written to any other folder: make room and run again")
 
 
-def load_result(path: Path) -> Trajectory:
+def load_result(path: Path, scenario: bool = True) -> Trajectory:
+    """Return a result; without its scenario where nobody asks for that, which is quicker."""
     from antenna_pin.trajectory import Trajectory
 
-    return Trajectory.load(path)
+    return Trajectory.load(path, scenario=scenario)
 
 
 def label_of(trajectory: Trajectory, path: Path) -> str:

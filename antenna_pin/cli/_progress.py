@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import io
+import itertools
 import sys
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, TextIO, cast
@@ -40,7 +41,11 @@ class _ErrorStream(io.TextIOBase):
 
 @contextlib.contextmanager
 def progress_bar(title: str, shown: bool) -> Iterator[Callable[[Progress], None] | None]:
-    """Yield what a run reports its progress to: simulated time, speed and step size on the error stream."""
+    """Yield what a run reports its progress to: simulated time, speed and step size on the error stream.
+
+    The speed is in wall seconds per simulated second. While kernels are compiled, at the first run of their
+    kind on a machine, the bar says that instead.
+    """
     if not shown:
         yield None
         return
@@ -60,21 +65,30 @@ def progress_bar(title: str, shown: bool) -> Iterator[Callable[[Progress], None]
         refresh_per_second=5,
     )
     task = bar.add_task(title, total=None, time="", speed="", step="")
+    compiled = itertools.count(1)
+
+    def compiling() -> None:
+        text = f"{title}: compiling, once"
+        bar.update(task, description=text, time=f"kernel {next(compiled)}", speed="", step="")
+        bar.start()
 
     def report(now: Progress) -> None:
-        speed = now.time / now.wall if now.wall > 0.0 else 0.0
         bar.update(
             task,
+            description=title,
             completed=now.time,
             total=now.end,
             time=f"{now.time:.4g} of {now.end:g} s",
-            speed=f"{speed:.3g} s/s",
+            speed=f"{now.wall / now.time:.3g} s/s" if now.time > 0.0 else "",
             step=f"step {_seconds(now.step)}",
         )
         bar.start()  # with the first step: what is refused before leaves no bar behind
 
+    from antenna_pin._kernel_cache import told_of_compiling
+
     try:
-        yield report
+        with told_of_compiling(compiling):
+            yield report
     finally:
         if bar.live.is_started:
             bar.stop()

@@ -65,7 +65,7 @@ def analyse(
         gap = float(longest_gap)  # a bare number is SI
     except ValueError:
         gap = quantity(longest_gap, "s", "--longest-gap")
-    run = load_result(file)
+    run = load_result(file, scenario=False)
     found: dict[str, Any] = {"file": str(file), "case": run.data.attrs.get("case", "")}
     found["outcome"] = run.outcome.name
     notes = [] if run.completed else [f"the run ended early: {run.message}"]
@@ -92,7 +92,7 @@ def analyse(
 def _deviation(run: Trajectory, path: Path, notes: list[str]) -> list[dict[str, Any]]:
     from antenna_pin.analysis import deviation
 
-    reference = load_result(path)
+    reference = load_result(path, scenario=False)
     ends = [float(one.data["time"].values[-1]) for one in (run, reference)]
     if ends[0] > ends[1]:
         notes.append(f"compared with the ideal run up to its end at {ends[1]:g} s")
@@ -302,7 +302,7 @@ def impacts(
 ) -> None:
     """List the impacts of a run, or export them."""
     target = csv_target(csv)
-    run = load_result(file)
+    run = load_result(file, scenario=False)
     if not run.data.sizes.get("clearance_joint", 0):
         refuse(f"{file}: the run has no joint with clearance and so no impacts; take a case that has one")
 

@@ -58,7 +58,7 @@ def info(
     for option, given in (("--case", case), ("--set", settings)):
         if given:
             refuse(f"{option}: is for scenarios only, and {files[0]} is a result; leave it out")
-    runs = [(path, load_result(path)) for path in map(Path, files)]
+    runs = [(path, load_result(path, scenario=False)) for path in map(Path, files)]
     facts = [_facts(trajectory) for _, trajectory in runs]
     if target is not None:
         flats = [{"file": str(path), **flat(each)} for (path, _), each in zip(runs, facts, strict=True)]

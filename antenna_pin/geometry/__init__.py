@@ -1,10 +1,16 @@
 """Where journal and bearing meet and how deep: surfaces, no forces."""
 
-from antenna_pin.geometry.base import ClearanceGeometry, ContactPlace, ContactPoint, Distances, pose_of
-from antenna_pin.geometry.planar import PlanarClearance
-from antenna_pin.geometry.prismatic import PrismaticClearance
-from antenna_pin.geometry.revolute import AxialScenario, RadialScenario, RevoluteClearance
-from antenna_pin.geometry.spherical import SphericalClearance
+from typing import TYPE_CHECKING
+
+from antenna_pin._lazy import loaded_when_used
+
+if TYPE_CHECKING:
+    from antenna_pin.geometry.base import ClearanceGeometry, ContactPlace, ContactPoint, Distances, pose_of
+    from antenna_pin.geometry.planar import PlanarClearance
+    from antenna_pin.geometry.prismatic import PrismaticClearance
+    from antenna_pin.geometry.revolute import RevoluteClearance
+    from antenna_pin.geometry.scenarios import AxialScenario, RadialScenario
+    from antenna_pin.geometry.spherical import SphericalClearance
 
 __all__ = [
     "AxialScenario",
@@ -19,3 +25,15 @@ __all__ = [
     "SphericalClearance",
     "pose_of",
 ]
+
+loaded_when_used(
+    __name__,
+    {
+        "base": "ClearanceGeometry ContactPlace ContactPoint Distances pose_of",
+        "planar": "PlanarClearance",
+        "prismatic": "PrismaticClearance",
+        "revolute": "RevoluteClearance",
+        "scenarios": "AxialScenario RadialScenario",
+        "spherical": "SphericalClearance",
+    },
+)

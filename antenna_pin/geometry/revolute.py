@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from enum import IntEnum
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.geometry import _kernels, _revolute_kernels
+from antenna_pin.geometry import _kernels
 from antenna_pin.geometry._revolute_kernels import REVOLUTE, scenario_in
 from antenna_pin.geometry.base import (
     ContactPlace,
@@ -21,27 +20,10 @@ from antenna_pin.geometry.base import (
     require_lengths,
 )
 from antenna_pin.geometry.coal_revolute import CoalRevolute
+from antenna_pin.geometry.scenarios import AxialScenario, RadialScenario
 from antenna_pin.records import CONTACT
 
 __all__ = ["AxialScenario", "RadialScenario", "RevoluteClearance"]
-
-
-class RadialScenario(IntEnum):
-    """How the journal touches the bore."""
-
-    NONE = _revolute_kernels.NONE
-    ONE_POINT = _revolute_kernels.ONE_POINT
-    TWO_POINTS = _revolute_kernels.TWO_POINTS
-    LINE = _revolute_kernels.EXTENDED
-
-
-class AxialScenario(IntEnum):
-    """How the flanges touch the bearing's end faces."""
-
-    NONE = _revolute_kernels.NONE
-    ONE_POINT = _revolute_kernels.ONE_POINT
-    TWO_POINTS = _revolute_kernels.TWO_POINTS
-    SURFACE = _revolute_kernels.EXTENDED
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

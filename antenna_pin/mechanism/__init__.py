@@ -1,13 +1,18 @@
 """From a URDF and its variants to a Pinocchio model."""
 
+from typing import TYPE_CHECKING
+
+from antenna_pin._lazy import loaded_when_used
 from antenna_pin.changes import JOINT_VARIANTS, JointChange, JointVariant, LinkChange, ShapeChange
-from antenna_pin.mechanism.dynamics import ROOM, TreeDynamics
-from antenna_pin.mechanism.frames import frame_aligning_z, quaternions, roll_pitch_yaw
-from antenna_pin.mechanism.kinematics import link_motion, link_poses, link_twists
-from antenna_pin.mechanism.loads import transmitted_wrenches
-from antenna_pin.mechanism.model import Base, JointKind, JointSlot, Mechanism, build_mechanism
-from antenna_pin.mechanism.tree import BODY, PLACE, body_tree
-from antenna_pin.mechanism.urdf import Urdf
+
+if TYPE_CHECKING:
+    from antenna_pin.mechanism.dynamics import ROOM, TreeDynamics
+    from antenna_pin.mechanism.frames import frame_aligning_z, quaternions, roll_pitch_yaw
+    from antenna_pin.mechanism.kinematics import link_motion, link_poses, link_twists
+    from antenna_pin.mechanism.loads import transmitted_wrenches
+    from antenna_pin.mechanism.model import Base, JointKind, JointSlot, Mechanism, build_mechanism
+    from antenna_pin.mechanism.tree import BODY, PLACE, body_tree
+    from antenna_pin.mechanism.urdf import Urdf
 
 __all__ = [
     "BODY",
@@ -34,3 +39,16 @@ __all__ = [
     "roll_pitch_yaw",
     "transmitted_wrenches",
 ]
+
+loaded_when_used(
+    __name__,
+    {
+        "dynamics": "ROOM TreeDynamics",
+        "frames": "frame_aligning_z quaternions roll_pitch_yaw",
+        "kinematics": "link_motion link_poses link_twists",
+        "loads": "transmitted_wrenches",
+        "model": "Base JointKind JointSlot Mechanism build_mechanism",
+        "tree": "BODY PLACE body_tree",
+        "urdf": "Urdf",
+    },
+)

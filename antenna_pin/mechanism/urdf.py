@@ -16,7 +16,6 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-import yourdfpy
 
 from antenna_pin.changes import JOINT_VARIANTS, JointChange, JointVariant, LinkChange
 from antenna_pin.errors import MechanismError, UnknownNameError
@@ -38,6 +37,8 @@ def _written(text: str, where: str) -> str:
 def _checked(text: str, where: str, allow_impossible_inertia: tuple[str, ...]) -> Any:
     """Return a checked URDF as yourdfpy's objects, which nobody changes."""
     _xml.read(text.encode(), where, "utf-8")
+    import yourdfpy  # which takes half a second, with all that it loads
+
     try:
         robot = yourdfpy.URDF.load(
             io.BytesIO(text.encode()), build_scene_graph=False, load_meshes=False

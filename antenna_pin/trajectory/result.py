@@ -11,18 +11,20 @@ from dataclasses import asdict, dataclass
 from enum import Enum
 from functools import cache
 from pathlib import Path
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import xarray as xr
 
 from antenna_pin.card import run_card
 from antenna_pin.errors import FileFormatError
 from antenna_pin.files import check_writable, replacing
-from antenna_pin.scenario import Scenario
 from antenna_pin.state import State
 from antenna_pin.trajectory.check import problem_of
 from antenna_pin.trajectory.file import FORMAT, read, write
 from antenna_pin.trajectory.read import names_along
+
+if TYPE_CHECKING:
+    from antenna_pin.scenario import Scenario
 
 __all__ = ["Counts", "Outcome", "Trajectory", "library_versions"]
 
@@ -146,8 +148,12 @@ class Trajectory:
         return target
 
     @classmethod
-    def load(cls, path: str | os.PathLike[str]) -> Self:
+    def load(cls, path: str | os.PathLike[str], *, scenario: bool = True) -> Self:
         """Read a file that :meth:`save` wrote.
+
+        Args:
+            path: The file.
+            scenario: Whether its scenario is read, which takes as long as all else.
 
         Raises:
             FileFormatError: It is not such a file, or one of an unknown version of the format.
@@ -163,7 +169,7 @@ class Trajectory:
                 counts = Counts(**json.loads(data.attrs[name]))
                 name = "scenario"
                 text = data.attrs[name]
-                scenario = Scenario.model_validate_json(text) if text else None
+                whole = _scenario(text) if text and scenario else None
                 name = "end"
                 text = data.attrs.get(name, "")
                 end = State.from_json(text) if text else None
@@ -172,7 +178,7 @@ class Trajectory:
             else:
                 message = data.attrs["outcome_message"]
                 return cls(
-                    data=data, outcome=outcome, message=message, counts=counts, scenario=scenario, end=end
+                    data=data, outcome=outcome, message=message, counts=counts, scenario=whole, end=end
                 )
         raise FileFormatError(
             f"{source}: must be a whole result of antenna-pin, got {problem}; run the scenario again"
@@ -228,6 +234,12 @@ class Trajectory:
     def _repr_html_(self) -> str:
         """Show the run in a notebook: how it ended, key numbers, a sketch of the motion, and all data."""
         return run_card(self.data, self.summary(), self.completed)
+
+
+def _scenario(text: str) -> Scenario:
+    from antenna_pin.scenario import Scenario
+
+    return Scenario.model_validate_json(text)
 
 
 # Entries of a summary by their variables.

@@ -6,6 +6,7 @@ import math
 import pytest
 
 from antenna_pin.geometry import AxialScenario, RadialScenario
+from antenna_pin.geometry import _revolute_kernels as kernels
 
 R, A = RadialScenario, AxialScenario
 PRESS = 1e-6  # [m], deeper than any scenario is sensitive to
@@ -117,3 +118,9 @@ def test_a_flange_is_a_surface_once_its_whole_edge_is_pressed(flange_radius, joi
         shape = joint(flange_radius=flange_radius)
         z = -(2e-4 - edge) - share * 2.0 * edge
         assert shape.scenario([0, 0, z], tilted(tilt))[1] == expected, share
+
+
+def test_the_scenarios_have_the_numbers_of_the_kernels():
+    numbers = (kernels.NONE, kernels.ONE_POINT, kernels.TWO_POINTS, kernels.EXTENDED)
+    assert [int(each) for each in RadialScenario] == [int(number) for number in numbers]
+    assert [int(each) for each in AxialScenario] == [int(number) for number in numbers]

@@ -1,0 +1,49 @@
+"""Packages whose names are loaded when they are first used: a command waits for what it needs only."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+import types
+from collections.abc import Mapping
+from typing import Any
+
+__all__ = ["loaded_when_used"]
+
+
+class _Package(types.ModuleType):
+    """A package that finds its names in its files."""
+
+    homes_of_names: dict[str, str]
+
+    def __getattr__(self, name: str) -> Any:
+        try:
+            home = self.homes_of_names[name]
+        except KeyError:
+            raise AttributeError(f"module {self.__name__!r} has no attribute {name!r}") from None
+        value = getattr(importlib.import_module(f"{self.__name__}.{home}"), name)
+        setattr(self, name, value)
+        return value
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        # Python makes a file that was loaded an attribute of its package. A name that the file holds and
+        # that is called like it goes before, or what the package gives depended on who loaded what first.
+        if isinstance(value, types.ModuleType) and self.homes_of_names.get(name) == name:
+            value = getattr(value, name)
+        super().__setattr__(name, value)
+
+    def __dir__(self) -> list[str]:
+        return sorted({*self.__dict__, *self.homes_of_names})
+
+
+def loaded_when_used(package: str, names: Mapping[str, str]) -> None:
+    """Make names of a package available without loading the files that hold them.
+
+    Args:
+        package: Its ``__name__``.
+        names: The names that each file of it holds, separated by blanks, by the file's name.
+    """
+    module = sys.modules[package]
+    homes = {name: home for home, held in names.items() for name in held.split()}
+    module.__dict__["homes_of_names"] = homes
+    module.__class__ = _Package
