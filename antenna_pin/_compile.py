@@ -17,7 +17,7 @@ import numba
 import numpy as np
 from numba.extending import lower_builtin, type_callable
 
-from antenna_pin._kernel_cache import keep
+from antenna_pin._kernel_cache import FORMAT, keep, stand_alone
 
 __all__ = ["composed", "inlined", "kernel", "record", "released", "stamped_files"]
 
@@ -41,7 +41,7 @@ def stamped_files() -> tuple[Path, ...]:
 @cache
 def _stamp() -> str:
     """Return a digest of all kernel files and of Numba's version."""
-    digest = hashlib.sha256(numba.__version__.encode())
+    digest = hashlib.sha256(f"{numba.__version__} {FORMAT}".encode())
     digest.update(Path(__file__).read_bytes())
     for path in stamped_files():
         digest.update(path.read_bytes())
@@ -49,13 +49,15 @@ def _stamp() -> str:
 
 
 def kernel(function: _Function) -> _Function:
-    """Compile a function at its first call and keep the machine code.
+    """Compile a function at its first call and keep the machine code, which stands alone.
 
     Division by zero gives infinity there, not an exception. Nothing may be allocated: references to arrays
     are not counted, which would take as long as all the arithmetic.
     """
     # Left unsaid, Numba takes over what the caller says for which it is compiled.
-    return _compiled(function, forceinline=False)
+    compiled = _compiled(function, forceinline=False)
+    stand_alone(compiled)
+    return compiled
 
 
 def released(function: _Function) -> _Function:

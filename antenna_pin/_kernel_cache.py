@@ -3,24 +3,36 @@
 Numba trusts its files: one that was cut off ends in an error of pickle, one with a flipped bit is called.
 Here every file starts with the digest of the rest and names what it was compiled for; one that does not hold
 counts as not there, so that it is compiled and written anew.
+
+Numba also puts all that a function calls into it and optimises it there once more, so that what is called
+from ten places is compiled ten times over. Here a kernel stands alone (:func:`stand_alone`): its callers know
+its name, and find it when they are loaded.
 """
 
 from __future__ import annotations
 
 import contextlib
+import copy
 import hashlib
+import importlib
 import pickle
 import warnings
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+from llvmlite.binding import add_symbol
+
 try:
+    from numba.core.base import OverloadSelector
     from numba.core.caching import FunctionCache, IndexDataCacheFile, InTreeCacheLocator, NullCache
+    from numba.core.imputils import user_function
 except ImportError:  # none of it is promised by Numba
     FunctionCache = IndexDataCacheFile = NullCache = object
 
-__all__ = ["KernelCacheWarning", "keep", "told_of_compiling"]
+__all__ = ["FORMAT", "KernelCacheWarning", "keep", "stand_alone", "told_of_compiling"]
+
+FORMAT = 2  # of what is kept
 
 _DIGEST = hashlib.sha256().digest_size
 
@@ -62,6 +74,73 @@ def told_of_compiling(listener: Callable[[], None]) -> Iterator[None]:
 def _to_be_compiled() -> None:
     for listener in _listeners:
         listener()
+
+
+def stand_alone(dispatcher: Any) -> None:
+    """Let callers of a compiled function call it by name instead of holding its code.
+
+    What they need is kept with their machine code, and loaded or compiled before that is. Where Numba has
+    changed inside, they hold it, as Numba has it.
+    """
+    if getattr(dispatcher, "py_func", None) is None:  # NUMBA_DISABLE_JIT=1
+        return
+    function = dispatcher.py_func
+    name = f"{function.__module__}:{function.__qualname__}"
+    if name in _ALONE:
+        raise ValueError(f"two kernels are called {name}")
+    _ALONE[name] = dispatcher
+    add_overload = dispatcher.add_overload
+
+    def added(result: Any) -> None:
+        add_overload(result)
+        try:
+            _publish(name, dispatcher.targetctx, result)
+        except AttributeError:
+            return
+
+    dispatcher.add_overload = added
+
+
+#: Kernels that stand alone, by module and name.
+_ALONE: dict[str, Any] = {}
+
+
+def _publish(name: str, context: Any, result: Any) -> None:
+    """Give a compiled function a name that holds in every process, and let it be called by that."""
+    arguments = tuple(result.signature.args)
+    symbol = f"{name}:{hashlib.sha256(str(arguments).encode()).hexdigest()}"
+    add_symbol(symbol, result.library.get_pointer_to_function(result.fndesc.llvm_func_name))
+    called = copy.copy(result.fndesc)
+    called.mangled_name = symbol
+    call = user_function(called, ())
+
+    def noted(context: Any, *rest: Any, **more: Any) -> Any:
+        _needs_of(context.active_code_library).add((name, arguments))
+        return call(context, *rest, **more)
+
+    vars(noted).update(vars(call))
+    overloads = OverloadSelector()
+    overloads.append(noted, call.signature)
+    context._defns[result.entry_point] = overloads
+
+
+def _needs_of(library: Any) -> set[Any]:
+    """Return the set of what machine code calls by name: kernels, each with the types of its arguments."""
+    if "needs" not in vars(library):
+        library.needs = set()
+    needs: set[Any] = library.needs
+    return needs
+
+
+def _all_needs(library: Any) -> set[Any]:
+    needs, seen, left = set(), set(), [library]
+    while left:
+        one = left.pop()
+        if id(one) not in seen:
+            seen.add(id(one))
+            needs |= _needs_of(one)
+            left += getattr(one, "_linking_libraries", [])
+    return needs
 
 
 class _SealedFiles(IndexDataCacheFile):  # type: ignore[misc]
@@ -126,13 +205,22 @@ class _KernelCache(FunctionCache):  # type: ignore[misc]
         for files in (self._cache_file, self._beside):
             data = None if files is None else files.load(key)
             if data is not None:
-                return self._impl.rebuild(target_context, data)
+                needs, code = data
+                for name, arguments in needs:
+                    importlib.import_module(name.partition(":")[0])
+                    _ALONE[name].compile(arguments)
+                result = self._impl.rebuild(target_context, code)
+                _needs_of(result.library).update(needs)
+                return result
         _to_be_compiled()
         return None
 
     def save_overload(self, sig: Any, data: Any) -> None:
         try:
-            super().save_overload(sig, data)
+            if self._impl.check_cachable(data):
+                self._impl.locator.ensure_cache_path()
+                key = self._index_key(sig, data.codegen)
+                self._cache_file.save(key, (_all_needs(data.library), self._impl.reduce(data)))
         except OSError as error:  # full, or no longer to be written
             _tell(f"{self._cache_path}: {error.strerror or error}")
 

@@ -31,7 +31,9 @@ ACTIONS = "antenna_pin/simulation/actions.py"
 EVENTS = "antenna_pin/simulation/events.py"
 TRIALS = "antenna_pin/simulation/trials.py"
 EPISODES = "antenna_pin/simulation/episodes.py"
+EPISODE_KERNELS = "antenna_pin/engine/_episode_kernels.py"
 RECORD = "antenna_pin/simulation/record.py"
+SEEN = "antenna_pin/simulation/seen.py"
 SETTINGS = "antenna_pin/simulation/scales.py"
 REVOLUTE = "antenna_pin/geometry/_revolute_kernels.py"
 INTEGRATE = "antenna_pin/integrate/_kernels.py"
@@ -128,8 +130,8 @@ MUTANTS = (
     ),
     _compiled(
         "a new contact keeps the bristles of the one before",
-        EPISODES,
-        "        self.stepper.start[first : first + self._bristles[c]] = 0.0\n",
+        EPISODE_KERNELS,
+        "    for k in range(place.bristle, place.bristle + place.bristles):\n        y[k] = 0.0\n",
         "",
         TEST_GRAZES,
     ),
@@ -159,17 +161,17 @@ MUTANTS = (
     ),
     _compiled(
         "an impulse counts what the contact had before",
-        EPISODES,
-        "        episode.impulse = -float(x[self.system.impulse_x[c]])\n",
-        "        episode.impulse = 0.0\n",
+        EPISODE_KERNELS,
+        "    episode.impulse = -y[place.impulse]\n",
+        "    episode.impulse = 0.0\n",
         TEST_IMPACTS,
         *("-k", "closed_form"),
     ),
     _compiled(
         "no floor under the approach speed",
-        EPISODES,
-        "        speed = max(rate, self._floors[c])\n",
-        "        speed = max(rate, 1e-9)\n",
+        EPISODE_KERNELS,
+        "    memory.approach_speed = max(rate, place.floor)\n",
+        "    memory.approach_speed = max(rate, 1e-9)\n",
         TEST_IMPACTS,
         *("-k", "at_rest"),
     ),
@@ -184,7 +186,7 @@ MUTANTS = (
     _compiled(
         "sizes of steps are forgotten from one run to the one that goes on",
         LOOP,
-        "        self.control.sizes = {bytes.fromhex(name): size for name, size in state.sizes}\n",
+        "        self.control.sizes.take_up(state.sizes)\n",
         "",
         TEST_GOING_ON,
         *("-k", "two_halves or interrupted"),
@@ -192,7 +194,7 @@ MUTANTS = (
     _compiled(
         "peaks of the dense output are not sampled",
         EPISODES,
-        "            self.samples.insert(*peak)\n",
+        "            self.samples.insert(float(book.moments[c]), book.states[c], book.memories[c].copy())\n",
         "            pass\n",
         TEST_RUN,
         *("-k", "samples_are_at"),
@@ -213,7 +215,7 @@ MUTANTS = (
     ),
     _compiled(
         "the ledger forgets the dampers",
-        RECORD,
+        SEEN,
         '    "dissipation_damper": 1.0,\n',
         "",
         TEST_RUN,

@@ -4,13 +4,14 @@ import errno
 import importlib.util
 import os
 import pickle
+import subprocess
 import sys
 import warnings
 
 import numba
 import pytest
 
-from antenna_pin import _kernel_cache
+from antenna_pin import _kernel_cache, load_scenario, simulate
 from antenna_pin._kernel_cache import KernelCacheWarning, keep
 
 pytestmark = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled")
@@ -129,3 +130,59 @@ def test_who_waits_is_told_of_what_is_compiled(source):
         assert heard == [1]
     assert first(1.0) == 2.0
     assert heard == [1]
+
+
+_PAIR = """\
+import numba
+from antenna_pin._kernel_cache import keep, stand_alone
+def own(x):
+    return 2 * x
+own = numba.njit(own)
+keep(own, "stamp")
+stand_alone(own)
+def caller(x):
+    return own(x) + 1
+caller = numba.njit(caller)
+keep(caller, "stamp")
+"""
+
+_ASKED = """\
+import sys
+sys.path.insert(0, sys.argv[1])
+from kernels import caller, own
+print(caller(3), sum(caller.stats.cache_hits.values()), sum(own.stats.cache_hits.values()))
+"""
+
+
+@pytest.mark.parametrize("damaged", [False, True])
+def test_a_kernel_that_stands_alone_is_found_by_callers_that_are_loaded(source, damaged):
+    """In another process, where it is loaded before them, or compiled anew if what was kept is damaged."""
+    source.write_text(_PAIR)
+
+    def answer():
+        command = [sys.executable, "-c", _ASKED, str(source.parent)]
+        done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=True)
+        return done.stdout.split()
+
+    assert answer() == ["7", "0", "0"]
+    own = next(path for path in files(source, ".nbc") if ".own-" in path.name)
+    if damaged:
+        own.write_bytes(own.read_bytes()[:-40])
+    assert answer() == ["7", "1", "0" if damaged else "1"]
+
+
+def test_callers_hold_nothing_of_a_kernel_that_stands_alone():
+    """Else its machine code would be made once more for each of them, at ten times the time in all."""
+    evaluate = importlib.import_module("antenna_pin.dynamics._kernels").evaluate
+    attempt = importlib.import_module("antenna_pin.engine._step_kernels").attempt
+    scenario = load_scenario(
+        "bai2020",
+        case="case3",
+        overrides=["clearance.elevation.geometry=closed-form", "integrator.engine=compiled"],
+    )
+    simulate(scenario, duration=1e-3)
+    for result in attempt.overloads.values():
+        text = result.library._get_module_for_linking().as_bitcode()
+        for called in evaluate.overloads.values():
+            assert called.fndesc.mangled_name.encode() not in text
+            assert b"antenna_pin.dynamics._kernels:evaluate:" in text

@@ -15,12 +15,12 @@ from typing import ClassVar, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin._called import address_of, is_compiled
 from antenna_pin._compile import record
 from antenna_pin.contact import _friction_kernels as _kernels
 from antenna_pin.contact._called_kernels import CALLED_FRICTION
 from antenna_pin.contact._records import FRICTION_LAW, FRICTION_SIZE, coded
 from antenna_pin.errors import InvalidParameterError
+from antenna_pin.given_functions import address_of, is_compiled
 
 __all__ = [
     "Ambrosio",

@@ -21,7 +21,6 @@ from typing import Any, ClassVar, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin._called import address_of, is_compiled
 from antenna_pin._compile import record
 from antenna_pin.contact import _kernels
 from antenna_pin.contact._called_kernels import CALLED, CALLED_WHOLE
@@ -29,6 +28,7 @@ from antenna_pin.contact._damping_kernels import CONSERVATIVE
 from antenna_pin.contact._power_kernels import POWER
 from antenna_pin.contact._records import NORMAL_LAW, NORMAL_SIZE, coded
 from antenna_pin.errors import InvalidParameterError
+from antenna_pin.given_functions import address_of, is_compiled
 
 __all__ = [
     "CompiledNormalLaw",

@@ -28,7 +28,7 @@ class CallableDrive(Drive):
     @property
     def called(self) -> bool:
         """Whether kernels call its function."""
-        from antenna_pin._called import is_compiled
+        from antenna_pin.given_functions import is_compiled
 
         return is_compiled(self.torque)
 
@@ -47,7 +47,7 @@ class CallableDrive(Drive):
         return {"value": 0.0, "address": self._address()}
 
     def _address(self) -> float:
-        from antenna_pin._called import address_of
+        from antenna_pin.given_functions import address_of
 
         return address_of(type(self).__name__, "torque", self.torque, 3) if self.called else 0.0
 

@@ -196,7 +196,7 @@ class CallableMotion(Motion):
     @property
     def called(self) -> bool:
         """Whether kernels call its functions."""
-        from antenna_pin._called import is_compiled
+        from antenna_pin.given_functions import is_compiled
 
         return is_compiled(self.position, self.velocity, self.acceleration)
 
@@ -210,7 +210,7 @@ class CallableMotion(Motion):
         numbers = {"position": 0.0, "rate": 0.0, "acceleration": 0.0}
         if not self.called:
             return {**numbers, "first": 0.0, "second": 0.0, "third": 0.0}
-        from antenna_pin._called import address_of
+        from antenna_pin.given_functions import address_of
 
         functions = zip(("first", "second", "third"), ("position", "velocity", "acceleration"), strict=True)
         place = type(self).__name__

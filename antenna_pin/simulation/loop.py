@@ -84,11 +84,10 @@ class Run:
             self._watch, self.workspace, self.stepper, self.control, self.samples, self.begin
         )
         self._trials = Trials(self.stepper, self.control)
-        #: Singular positions; None where nothing is held.
         self.singular = None if system.plan is None else Singularities(Workspace(system))
         if isinstance(self.stepper, CompiledStepper) and all(map(is_known, self._watch.events)):
-            quiet = self.stepper, self.control, self.samples, self._contacts, self._search, self._watch
-            self._trials = QuietTrials(*quiet, self.singular)
+            parts = self.samples, self._contacts, self._search, self._watch, self.singular
+            self._trials = QuietTrials(self.stepper, self.control, *parts)
         self.wall = 0.0
         self.outcome = Outcome.COMPLETED
         self.message = Outcome.COMPLETED.value
@@ -197,26 +196,22 @@ class Run:
         while self.stepper.t < self.duration:
             self._next = h
             h = self._step(h)
-            if self.outcome is not Outcome.COMPLETED:
-                break
-            if interrupted():
-                self._stop(Outcome.INTERRUPTED)
-                break
-            if not self._may_go_on(report.wall):
+            if self.outcome is not Outcome.COMPLETED or not self._may_go_on(report.wall, interrupted):
                 break
             report(self.stepper.t, h, self._trials.accepted)
         self._next = h
         self._left = dataclasses.replace(self.state, reached=self.stepper.t)
         self._contacts.close()
-        if not self.samples.times or self.samples.times[-1] < self.stepper.t:
+        if self.samples.last < self.stepper.t:
             self.samples.add(self.stepper.t, self._here.copy())
         if self.singular is not None:
             self.message += self.singular.words()
         self.wall = report.wall
         report(self.stepper.t, h, self._trials.accepted, last=True)
 
-    def _may_go_on(self, wall: float) -> bool:
-        outcome = self.control.limit(self._trials.made, self.stepper.t, wall)
+    def _may_go_on(self, wall: float, interrupted: Callable[[], bool]) -> bool:
+        limit = self.control.limit(self._trials.made, self.stepper.t, wall)
+        outcome = Outcome.INTERRUPTED if interrupted() else limit
         if outcome is not None:
             self._stop(outcome)
         return outcome is None

@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from antenna_pin.dynamics import journal_attitudes, observed
 from antenna_pin.elements import Motion
-from antenna_pin.records import MEMORY
 from antenna_pin.simulation.carried import mechanism_attributes
 from antenna_pin.simulation.coordinates import coordinate_names
 from antenna_pin.simulation.held import constraint_attributes
@@ -36,11 +34,9 @@ def dataset(run: Run, title: str, case: str, versions: dict[str, str], *, lean: 
         versions: Of the libraries.
         lean: Whether to leave out the series: a result of numbers and contact episodes only.
     """
-    times = np.array(run.samples.times)
-    states = _joined(run.samples.states, np.float64).reshape(len(times), -1)
-    contacts = len(run.system.contact_names)
-    memories = _joined(run.samples.memories, MEMORY).reshape(len(times), contacts)
-    found = observed(run.system, times, states, memories, run.samples.programs)
+    samples = run.samples
+    times, states, memories = samples.times.copy(), samples.states.copy(), samples.memories.copy()
+    found = observed(run.system, times, states, memories, samples.programs)
     seen = Seen(run, times, states, memories, found)
     values: dict[str, Any] = {}
     for source in _SOURCES:
@@ -59,11 +55,6 @@ def dataset(run: Run, title: str, case: str, versions: dict[str, str], *, lean: 
     }
     free = run.system.mechanism.base == "free"
     return labelled(values, _labels(seen), attributes, free_base=free, lean=lean)
-
-
-def _joined(pieces: Iterable[Any], kind: Any) -> NDArray[Any]:
-    """Return many small arrays, or their bytes, as one; to concatenate them takes three times as long."""
-    return np.frombuffer(bytearray().join(pieces), kind)
 
 
 def _labels(seen: Seen) -> dict[str, Any]:

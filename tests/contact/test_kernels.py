@@ -5,6 +5,7 @@ import math
 import sys
 from contextlib import contextmanager
 
+import numba
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -21,8 +22,17 @@ from antenna_pin.contact import (
     _friction_kernels,
     _kernels,
 )
+from antenna_pin.contact._called_kernels import (
+    CALLED,
+    CALLED_FRICTION,
+    CALLED_FRICTION_LAW,
+    CALLED_LAW,
+    CALLED_WHOLE,
+    CALLED_WHOLE_LAW,
+)
 from antenna_pin.contact._records import FRICTION_LAW, NORMAL_LAW, dissipation_record
 from antenna_pin.contact.normal import elastic_code
+from antenna_pin.given_functions import address_of
 
 from .conftest import DIMENSIONS, combinations, instances
 
@@ -90,15 +100,23 @@ def test_normal_kernels_equal_their_python(contact):
 
 def test_every_kind_that_is_declared_is_known_to_the_kernels_and_no_other():
     """A kind that a kernel does not know gives NaN, never a silent zero."""
+    one = address_of("law", "one", numba.njit(lambda a: 1.0), 1)
+    three = address_of("law", "three", numba.njit(lambda a, b, c: 1.0), 3)
 
     def normal(elastic, dissipation):
         code = np.ones(_kernels.NORMAL_SIZE)
         record(code, NORMAL_LAW).elastic, record(code, NORMAL_LAW).dissipation = elastic, dissipation
+        if elastic == CALLED:
+            record(code, CALLED_LAW).address = one
+        if dissipation == CALLED_WHOLE:
+            record(code, CALLED_WHOLE_LAW).whole = three
         return _kernels.normal_force(code, 0.01, 0.1, 1.0, 1.0)
 
     def friction(kind):
         code, rates = np.ones(_friction_kernels.FRICTION_SIZE), np.zeros(4)
         record(code, FRICTION_LAW).kind = kind
+        if kind == CALLED_FRICTION:
+            record(code, CALLED_FRICTION_LAW).address = one
         if kind < _friction_kernels.BRISTLE:
             return _friction_kernels.friction_ratio(code, 0.1, 1.0)
         state = np.full(4, 0.1)

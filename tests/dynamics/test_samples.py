@@ -7,7 +7,6 @@ from antenna_pin import RunSettings, System, load_scenario, simulate
 from antenna_pin.assemble import build_system, initial_state
 from antenna_pin.dynamics import Workspace, audit, observed
 from antenna_pin.elements import CallableDrive
-from antenna_pin.records import MEMORY
 from antenna_pin.simulation.loop import Run
 
 
@@ -28,8 +27,7 @@ def run(request):
 def test_samples_are_evaluated_as_single_states_are(run):
     """The compiled pass, and the calls of Python where coal is asked, against workspace and audit."""
     samples, system = run.samples, run.system
-    times, states = np.array(samples.times), np.array(samples.states)
-    memories = np.array([np.frombuffer(memory, MEMORY) for memory in samples.memories])
+    times, states, memories = samples.times, samples.states, samples.memories
     found = observed(system, times, states, memories, samples.programs)
     workspace = Workspace(system)
     rates = np.zeros(system.model.nv + system.manifold.nx)

@@ -1,0 +1,26 @@
+"""Many runs at once: the compiled engine runs without the interpreter's lock, so threads share the cores."""
+
+import os
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+
+from antenna_pin import Trajectory, load_scenario, simulate
+
+CHANGES = ["clearance.elevation.geometry=closed-form", "integrator.engine=compiled", "output.form=lean"]
+
+
+def run(friction: float) -> Trajectory:
+    """Run 0.1 s of case 3 with a coefficient of friction."""
+    changes = [*CHANGES, f"clearance.elevation.friction.coefficient_of_friction={friction}"]
+    return simulate(load_scenario("bai2020", case="case3", overrides=changes), duration=0.1)
+
+
+coefficients = np.linspace(0.0, 0.2, 9)[1:]
+with ThreadPoolExecutor(os.cpu_count()) as pool:
+    runs = list(pool.map(run, coefficients.tolist()))
+for friction, one in zip(coefficients, runs, strict=True):
+    losses = one.data["total_friction_loss"].sum().item() + one.data["total_normal_loss"].sum().item()
+    print(
+        f"friction {friction:5.3f}: largest force {one.data['peak_force'].max():6.1f} N, lost {1e3 * losses:.3f} mJ"
+    )
