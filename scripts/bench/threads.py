@@ -74,11 +74,8 @@ def main() -> int:
 def same(a: Trajectory, b: Trajectory) -> bool:
     """Whether two runs agree to the last bit."""
     data: Any = a.data
-    return all(
-        np.array_equal(data[name], b.data[name], equal_nan=True)
-        for name in data
-        if data[name].dtype.kind != "U"
-    )
+    numbers = [name for name in data if data[name].dtype.kind != "U"]
+    return all(np.array_equal(data[name], b.data[name], equal_nan=True) for name in numbers)
 
 
 if __name__ == "__main__":

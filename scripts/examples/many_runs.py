@@ -20,7 +20,7 @@ coefficients = np.linspace(0.0, 0.2, 9)[1:]
 with ThreadPoolExecutor(os.cpu_count()) as pool:
     runs = list(pool.map(run, coefficients.tolist()))
 for friction, one in zip(coefficients, runs, strict=True):
-    losses = one.data["total_friction_loss"].sum().item() + one.data["total_normal_loss"].sum().item()
+    lost = 1e3 * sum(one.data[f"total_{of}_loss"].sum().item() for of in ("normal", "friction"))
     print(
-        f"friction {friction:5.3f}: largest force {one.data['peak_force'].max():6.1f} N, lost {1e3 * losses:.3f} mJ"
+        f"friction {friction:5.3f}: largest force {one.data['peak_force'].max():6.1f} N, lost {lost:.3f} mJ"
     )
