@@ -84,6 +84,7 @@ _OWN_NUMBERS = (
     "bench/accuracy.py",
     "bench/bai2020.py",
     "bench/effective_mass.py",
+    "bench/flexible.py",
     "random_scenarios.py",
 )
 _ROUND_OFF = (
