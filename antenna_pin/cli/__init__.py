@@ -13,7 +13,7 @@ from typing import Annotated
 
 import typer
 
-from antenna_pin.cli import analyse, contact, figures, info, pointing, record, report, run
+from antenna_pin.cli import analyse, contact, figures, info, modes, pointing, record, report, run
 from antenna_pin.cli._common import one_line_errors
 from antenna_pin.cli._usage import OneLineGroup
 from antenna_pin.interruption import ending_by_signals
@@ -63,6 +63,7 @@ _COMMANDS: dict[str, Callable[..., None]] = {
     "analyse": analyse.analyse,
     "impacts": analyse.impacts,
     "pointing": pointing.pointing,
+    "modes": modes.modes,
     "plot": info.plot,
     "figures": figures.figures,
     "record": record.record,

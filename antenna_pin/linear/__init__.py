@@ -5,9 +5,12 @@ from antenna_pin.linear.forces import ForceDerivatives
 from antenna_pin.linear.linearisation import Linearisation, linearise
 from antenna_pin.linear.of_model import modes
 from antenna_pin.linear.play import At, Play, prepared
+from antenna_pin.linear.response import BORESIGHT, frequency_response, sources_of, targets_of
 from antenna_pin.linear.result import COMPONENTS, Modes, modes_at
+from antenna_pin.linear.swings import swing
 
 __all__ = [
+    "BORESIGHT",
     "COMPONENTS",
     "At",
     "Eigen",
@@ -16,9 +19,13 @@ __all__ = [
     "Linearisation",
     "Modes",
     "Play",
+    "frequency_response",
     "linearise",
     "modes",
     "modes_at",
     "prepared",
     "solve",
+    "sources_of",
+    "swing",
+    "targets_of",
 ]

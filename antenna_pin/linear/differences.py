@@ -19,8 +19,9 @@ STEPS = (1e-2, 1e-3, 1e-4, 1e-6)
 _SIXTH = np.array([45.0, -9.0, 1.0]) / 60.0
 _FOURTH = np.array([8.0, -1.0, 0.0]) / 12.0
 _ROUND_OFF = 4.0 * float(np.finfo(float).eps)
-# Difference of the two orders over the derivative that is good enough; above which the function has a kink.
-_GOOD, _ROUGH = 1e-8, 1e-3
+# Difference of the two orders over the derivative that is good enough; doubt above which there is a kink; and
+# derivatives over the largest that are round-off.
+_GOOD, _ROUGH, _NOTHING = 1e-8, 1e-3, 1e-6
 
 
 class Slope(NamedTuple):
@@ -28,11 +29,11 @@ class Slope(NamedTuple):
 
     Attributes:
         value: Of the shape of the function's value.
-        rough: Whether the function has a kink or jump so near that it has no derivative there.
+        doubt: By how much other differences say otherwise: large beside the value at a kink or a jump.
     """
 
     value: Array
-    rough: bool
+    doubt: float
 
 
 def slope(function: Callable[[float], Array], steps: Sequence[float] = STEPS) -> Slope:
@@ -45,7 +46,7 @@ def slope(function: Callable[[float], Array], steps: Sequence[float] = STEPS) ->
         function: ``(s) -> values``, which may be the same array each time.
         steps: To be tried, the largest first.
     """
-    best, least, rough = np.zeros(0), np.inf, True
+    best, least, doubt = np.zeros(0), np.inf, np.inf
     here = np.array(function(0.0))
     size = float(np.abs(here).max(initial=0.0))
     for h in steps:
@@ -61,16 +62,18 @@ def slope(function: Callable[[float], Array], steps: Sequence[float] = STEPS) ->
             for one in (sixth - np.tensordot(_FOURTH, odd, 1) / h, bend)
         )
         if share < least:
-            best, least, rough = sixth, share, max(share, kink) > _ROUGH
+            best, least, doubt = sixth, share, max(share, kink) * scale
         if share <= _GOOD:
             break
-    return Slope(np.asarray(best, dtype=float), rough)
+    return Slope(np.asarray(best, dtype=float), doubt)
 
 
 def gradient(
     function: Callable[[Array], Array], ways: Array, steps: Sequence[float] = STEPS
 ) -> tuple[Array, NDArray[np.bool_]]:
-    """Return derivatives of a function of a vector at zero along some ways, (values, m), and which are rough.
+    """Return derivatives of a function of a vector at zero along some ways, (values, m), and which are none.
+
+    Along ways of the latter the function has a kink or a jump, there or next to it.
 
     Args:
         function: ``(step) -> values``.
@@ -84,4 +87,7 @@ def gradient(
     found = [along(way) for way in ways.T]
     if not found:
         return np.zeros((len(function(np.zeros(len(ways)))), 0)), np.zeros(0, dtype=bool)
-    return np.column_stack([one.value for one in found]), np.array([one.rough for one in found])
+    table = np.column_stack([one.value for one in found])
+    scales = np.abs(table).max(axis=0, initial=0.0)
+    scales = np.maximum(scales, _NOTHING * float(scales.max()))
+    return table, np.array([one.doubt for one in found]) > _ROUGH * scales

@@ -16,7 +16,7 @@ from antenna_pin.linear.result import Modes, modes_at
 from antenna_pin.scenario import Scenario
 from antenna_pin.simulation import simulate
 from antenna_pin.state import State
-from antenna_pin.trajectory import Trajectory
+from antenna_pin.trajectory import Trajectory, is_lean
 
 __all__ = ["modes"]
 
@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 def modes(
     model: Scenario | System | Trajectory,
     *,
-    at: float | State | None = None,
+    at: float | State | Trajectory | None = None,
     q: ArrayLike | None = None,
     v: ArrayLike | None = None,
     play: Play | Mapping[str, Play] | None = None,
@@ -39,8 +39,8 @@ def modes(
 
     Args:
         model: A scenario or a system; or a run, which means the state that it ended in.
-        at: A time to which a scenario is run first [s], or the state that a run left (``run.end``); the start
-            if not given.
+        at: A time to which a scenario is run first [s], a run for the state that it ended in, or a state; the
+            start if not given.
         q: Configuration instead, (nq,).
         v: Velocity beside q, (nv,); zero if not given.
         play: What joints with play are taken as: ``ideal``, ``free`` in their play, or in ``contact`` as they
@@ -61,13 +61,12 @@ def modes(
         for name, given in (("at", at), ("q", q), ("v", v)):
             if given is not None:
                 raise InvalidParameterError("modes", name, "left out for a run, which has its end", given)
-        at = _end(model)
         if model.scenario is None:
             raise FileFormatError(
                 "modes: a run must carry its scenario to be linearised, got one of a system built in Python; "
-                "give the system, and at = run.end"
+                "give the system, and at = run"
             )
-        model = model.scenario
+        at, model = model, model.scenario
     if at is not None and (q is not None or v is not None):
         raise InvalidParameterError("modes", "q" if q is not None else "v", "left out beside at", "both")
     scenario = model if isinstance(model, Scenario) else None
@@ -79,8 +78,16 @@ def modes(
         at = _reached(model, float(at))
     system = build_system(model) if isinstance(model, Scenario) else model
     more: dict[str, Any] = {}
-    if isinstance(at, State):
-        y = _state_of(system, at)
+    if isinstance(at, Trajectory):
+        end = _end(at)
+        y = _last(system, at, end)
+        touching = at.data["touching"].values[-1] if "touching" in at.data else end.memory[:, 0]
+        # What changed between the state that a run leaves and its end forgets how it came about.
+        known = np.array_equal(np.asarray(touching, dtype=float), end.memory[:, 0])
+        more = {"time": end.reached, "memory": end.memory if known else None, "adjusted": end.adjusted}
+    elif isinstance(at, State):
+        _check_sizes(system, at)
+        y = at.y
         more = {"time": at.time, "memory": at.memory, "adjusted": at.adjusted}
     else:
         y = _start(model, system, q, v)
@@ -103,8 +110,8 @@ def _end(run: Trajectory) -> State:
     return run.end
 
 
-def _reached(model: Scenario | System, time: float) -> State | None:
-    """Return the state at a time, by running up to it; None for the start."""
+def _reached(model: Scenario | System, time: float) -> Trajectory | None:
+    """Return a run up to a time; None for the start."""
     if not 0.0 <= time < np.inf:
         raise InvalidParameterError("modes", "at", "a time of zero or more [s]", time)
     if time == 0.0:
@@ -114,17 +121,27 @@ def _reached(model: Scenario | System, time: float) -> State | None:
         raise InvalidParameterError(
             "modes", "at", "a time that the run reaches", time, said=f"{time:g} s: {run.message}"
         )
-    return _end(run)
+    return run
 
 
-def _state_of(system: System, state: State) -> Array:
+def _last(system: System, run: Trajectory, end: State) -> Array:
+    """Return the state at a run's last instant; the one that it left lies up to two steps before."""
+    _check_sizes(system, end)
+    y = end.y
+    if not is_lean(run.data):
+        nq, nv = system.model.nq, system.model.nv
+        y[:nq], y[nq : nq + nv] = run.data["q"].values[-1], run.data["v"].values[-1]
+        system.turn_on(y)
+    return y
+
+
+def _check_sizes(system: System, state: State) -> None:
     sizes = (system.model.nq, system.model.nv, system.manifold.nx, len(system.contact_names))
     found = (len(state.q), len(state.v), len(state.x), len(state.memory))
     if found != sizes:
         raise InvalidParameterError(
             "modes", "at", f"the state of a run of this system, of sizes {sizes}", said=str(found)
         )
-    return state.y
 
 
 def _start(model: Scenario | System, system: System, q: ArrayLike | None, v: ArrayLike | None) -> Array:

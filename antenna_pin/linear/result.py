@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -37,12 +36,13 @@ class Modes:
 
     Attributes:
         data: Along ``mode``, in rising order of frequency: ``frequency`` and ``damped_modulus`` [Hz],
-            ``damping_ratio`` [-], ``kind`` (rigid, free, elastic, unstable), ``root_real`` and ``root_imag``
-            (both eigenvalues with damping [1/s]), ``shape`` per coordinate of velocity, to unit modal mass,
-            ``body_motion`` (at the mass centre, world axes), ``kinetic_share`` by body, ``strain_share`` by
-            what stores it, and with a base that is held ``participation`` [sqrt(kg), sqrt(kg) m] and
-            ``effective_mass`` [kg, kg m^2] about the base's origin in its axes, with ``rigid_mass`` of the
-            whole. ``shape`` and ``body_motion`` are complex about a state that moves.
+            ``damping_ratio`` [-] (NaN of what does not vibrate), ``kind`` (rigid, free, elastic, unstable),
+            ``root_real`` and ``root_imag`` (both eigenvalues with damping [1/s]), ``shape`` per coordinate of
+            velocity, to unit modal mass, ``body_motion`` (at the mass centre, world axes), ``kinetic_share``
+            by body, ``strain_share`` by what stores it, and with a base that is held ``participation``
+            [sqrt(kg), sqrt(kg) m] and ``effective_mass`` [kg, kg m^2] about the base's origin in its axes,
+            with ``rigid_mass`` of the whole. ``shape`` and ``body_motion`` are complex about a state that
+            moves.
         linearisation: What they are the modes of.
         notes: What is to be known of them, in sentences.
         scenario: Of the mechanism; None for a system built in Python.
@@ -84,31 +84,28 @@ class Modes:
             raise InvalidParameterError("modes", "mode", f"a number from 1 to {last}", mode)
         return np.asarray(self.data["shape"].sel(mode=mode).values, dtype=complex)
 
-    def to_json(self) -> str:
-        """Return the table as one JSON object."""
-        table: dict[str, Any] = {"title": self.data.attrs["title"], "case": self.data.attrs["case"]}
-        table |= {name: self.data.attrs[name] for name in ("time", "play", "loads", "hold")}
+    def to_dict(self) -> dict[str, Any]:
+        """Return the table in plain numbers; complex ones as two lists, None where there is none."""
+        attributes = self.data.attrs
+        table: dict[str, Any] = {
+            name: attributes[name] for name in ("title", "case", "time", "play", "loads", "hold")
+        }
         for dim in ("coordinate", "body", "component", "part"):
             if dim in self.data.coords:
                 table[dim] = [str(name) for name in self.data[dim].values]
         if "rigid_mass" in self.data:
-            table["rigid_mass"] = self.data["rigid_mass"].values.tolist()
+            table["rigid_mass"] = _plain(self.data["rigid_mass"].values)
+        names = [str(name) for name, variable in self.data.data_vars.items() if "mode" in variable.dims]
         table["modes"] = [
-            {"mode": int(mode)}
-            | {name: _plain(self.data[name].sel(mode=mode).values) for name in _of_modes(self.data)}
+            {"mode": int(mode)} | {name: _plain(self.data[name].sel(mode=mode).values) for name in names}
             for mode in self.data["mode"].values
         ]
-        table["notes"] = list(self.notes)
-        return json.dumps(table)
+        return {**table, "notes": list(self.notes)}
 
     def _repr_html_(self) -> str:
         """Show the table in a notebook."""
         columns = ["frequency", "damping_ratio", "kind"]
         return str(self.data[columns].to_dataframe()[columns].to_html())
-
-
-def _of_modes(data: xr.Dataset) -> list[str]:
-    return [str(name) for name, variable in data.data_vars.items() if "mode" in variable.dims]
 
 
 def _plain(values: ArrayLike) -> Any:
@@ -142,14 +139,17 @@ def _table(linear: Linearisation, eigen: Eigen, scenario: Scenario | None) -> xr
     bodies = bodies_of(system, at.q)
     moved = np.einsum("bik,km->mbi", bodies.motion, shapes)
     names, strain = strain_shares(linear, shapes.astype(complex))
+    # Of what does not vibrate neither has a meaning.
+    vibrates = np.array([kind == "elastic" for kind in eigen.kind], dtype=bool)
+    modulus, ratio = (np.where(vibrates, one, np.nan) for one in (eigen.modulus, eigen.damping_ratio))
     variables: dict[str, Any] = {
         "frequency": (("mode",), eigen.frequency / _TAU, {"units": "Hz", "long_name": "undamped"}),
         "damped_modulus": (
             ("mode",),
-            eigen.modulus / _TAU,
+            modulus / _TAU,
             {"units": "Hz", "long_name": "modulus of the damped eigenvalues"},
         ),
-        "damping_ratio": (("mode",), eigen.damping_ratio, {"units": "1", "long_name": "damping ratio"}),
+        "damping_ratio": (("mode",), ratio, {"units": "1", "long_name": "damping ratio"}),
         "kind": (("mode",), np.array(eigen.kind, dtype=str), {"long_name": "what it is"}),
         "root_real": (("mode", "root"), eigen.roots.real, {"units": "1/s", "long_name": "damped eigenvalue"}),
         "root_imag": (("mode", "root"), eigen.roots.imag, {"units": "1/s", "long_name": "damped eigenvalue"}),
@@ -217,7 +217,10 @@ def _notes(linear: Linearisation, eigen: Eigen) -> Sequence[str]:
             "taken to be held by forces that do not change"
         )
     for joint in linear.forces.rough:
-        notes.append(f"at {joint} a force has a kink here, and no derivative: its stiffness is a guess")
+        notes.append(
+            f"at {joint} a force has a kink here, and no derivative: its stiffness is a guess; a flange that "
+            'presses flat has one under load = "point"'
+        )
     if "unstable" in eigen.kind:
         count = eigen.kind.count("unstable")
         modes = "1 mode runs" if count == 1 else f"{count} modes run"

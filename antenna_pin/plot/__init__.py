@@ -27,6 +27,7 @@ from antenna_pin.plot.motion import QUANTITIES, figure_motion
 from antenna_pin.plot.orbit import figure_bore_load, figure_orbit
 from antenna_pin.plot.papers import PAPERS, PaperFigure, paper_figures
 from antenna_pin.plot.pointing import figure_pointing
+from antenna_pin.plot.response import figure_response
 from antenna_pin.plot.scenarios import figure_scenarios
 from antenna_pin.plot.spectra import SIGNALS, figure_spectra, figure_spectrogram
 
@@ -60,6 +61,7 @@ __all__ = [
     "figure_motion",
     "figure_orbit",
     "figure_pointing",
+    "figure_response",
     "figure_restitution",
     "figures_of_experiment",
     "rendered",

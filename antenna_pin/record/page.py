@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import html
 import json
+from collections.abc import Sequence
 from importlib.resources import files
 from typing import Any
 
 from antenna_pin.record.scene import viewer_licences, viewer_script
 
-__all__ = ["embedded", "page", "shared_head"]
+__all__ = ["embedded", "page", "page_of_several", "shared_head"]
 
 
 def _asset(name: str) -> str:
@@ -74,5 +75,36 @@ window.recording = AntennaPin.mount(
 );
 </script>
 </body>
+</html>
+"""
+
+
+def page_of_several(recordings: Sequence[tuple[str, dict[str, Any]]], title: str) -> str:
+    """Return a page that shows several recordings, one below the other, each with its heading.
+
+    Args:
+        recordings: Heading and data of each.
+        title: Of the page.
+    """
+    parts = "".join(
+        f"<h2>{html.escape(heading)}</h2>\n{embedded(data, f'recording-{k}')}"
+        for k, (heading, data) in enumerate(recordings)
+    )
+    said = html.escape(title)
+    return f"""<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<link rel="icon" href="data:,">
+<title>{said}</title>
+<style>
+body {{ margin: 0 auto; max-width: 60rem; padding: 0 1rem 2rem; font: 1rem/1.4 system-ui, sans-serif; }}
+h1 {{ font-size: 1.3rem; }} h2 {{ font-size: 1rem; margin: 1.6rem 0 0.4rem; }}
+</style>
+{shared_head()}</head>
+<body>
+<h1>{said}</h1>
+{parts}</body>
 </html>
 """

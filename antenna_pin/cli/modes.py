@@ -1,0 +1,321 @@
+"""``antenna-pin modes``: natural frequencies, damping, shapes and frequency responses about a state."""
+
+from __future__ import annotations
+
+import math
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from antenna_pin.cli._common import (
+    CaseOption,
+    SetOption,
+    Width,
+    WidthOption,
+    load,
+    load_result,
+    not_interrupted,
+    writable_file,
+)
+from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, exported, plain
+from antenna_pin.cli._quantities import bare
+from antenna_pin.cli._tables import print_rows
+from antenna_pin.errors import InvalidParameterError
+
+if TYPE_CHECKING:
+    from antenna_pin.linear import Modes
+
+# Shares of energy below which a body is not named, and how many are at most.
+_NAMED, _NAMES = 0.05, 3
+_FIGURES = (".png", ".pdf", ".svg")
+
+
+class PlayName(StrEnum):
+    """What joints with play are taken as."""
+
+    IDEAL = "ideal"
+    FREE = "free"
+    CONTACT = "contact"
+
+
+def modes(
+    scenario: Annotated[
+        str,
+        typer.Argument(metavar="SCENARIO", help="Scenario, or a result file: the state that its run left."),
+    ],
+    case: CaseOption = None,
+    at: Annotated[
+        str | None,
+        typer.Option(metavar="TIME|FILE", help="Time to run to first, or result that ended in the state."),
+    ] = None,
+    play: Annotated[
+        PlayName | None,
+        typer.Option(help="What joints with play are taken as; ideal, or contact where they have a load."),
+    ] = None,
+    load_on: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--load",
+            metavar="[JOINT=]X,Y,Z",
+            help="Force that presses the journal into its bearing, in bearing axes [N]. May be repeated.",
+        ),
+    ] = None,
+    approach_speed: Annotated[
+        str | None, typer.Option(help="That contacts under a load remember; their joint's floor by itself.")
+    ] = None,
+    hold: Annotated[
+        list[str] | None,
+        typer.Option(metavar="JOINT", help="Joint that does not move, or base. May be repeated."),
+    ] = None,
+    moving: Annotated[
+        bool, typer.Option("--moving", help="Let velocities and accelerations of the state count.")
+    ] = False,
+    record: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Page that shows the shapes in 3D, NAME.html.")
+    ] = None,
+    mode: Annotated[
+        list[int] | None,
+        typer.Option(metavar="NUMBER", help="Mode to record; all vibrations if left out. May be repeated."),
+    ] = None,
+    amplitude: Annotated[
+        float, typer.Option(help="How much larger shapes are drawn than by themselves.")
+    ] = 1.0,
+    plot: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Figure of a frequency response: png, pdf or svg.")
+    ] = None,
+    source: Annotated[
+        str | None,
+        typer.Option("--from", metavar="SOURCE", help="What swings: drives.NAME, base.fx to base.mz."),
+    ] = None,
+    target: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--to", metavar="TARGET", help="boresight, a joint, base.x to base.rz. May be repeated."
+        ),
+    ] = None,
+    width: WidthOption = Width.PAGE,
+    settings: SetOption = None,
+    as_json: JsonOption = False,
+    csv: CsvOption = None,
+) -> None:
+    """Say how a mechanism swings about a state: natural frequencies, damping ratios, shapes.
+
+    Motions of a free base as one rigid body, and those that nothing resists, are counted, not listed.
+    """
+    table, page = csv_target(csv), None if record is None else writable_file(record, ".html")
+    if plot is not None and plot.suffix not in _FIGURES:
+        raise InvalidParameterError(
+            "modes", "--plot", f"a file that ends in {', '.join(_FIGURES)}", str(plot)
+        )
+    if plot is not None:
+        writable_file(plot, plot.suffix)
+    beside: tuple[tuple[str, object, Path | None, str], ...] = (
+        ("--from", source, plot, "--plot"),
+        ("--to", target, plot, "--plot"),
+        ("--mode", mode, page, "--record"),
+        ("--amplitude", None if amplitude == 1.0 else amplitude, page, "--record"),
+    )
+    for option, given, other, name in beside:
+        if given is not None and other is None:
+            raise InvalidParameterError("modes", option, f"given with {name} FILE", said=str(given))
+    found = _found(scenario, case, settings, at, play, load_on, approach_speed, hold, moving)
+    if page is not None:
+        _record(found, page, mode, amplitude, quiet=as_json)
+    if plot is not None:
+        _plot(found, plot, source, target, width, quiet=as_json)
+    if exported(found.to_dict(), _rows(found), as_json, table):
+        return
+    _print(found)
+
+
+def _found(
+    name: str,
+    case: str | None,
+    settings: list[str] | None,
+    at: str | None,
+    play: PlayName | None,
+    loads: list[str] | None,
+    approach_speed: str | None,
+    hold: list[str] | None,
+    moving: bool,
+) -> Modes:
+    from antenna_pin.linear import modes as linearised
+    from antenna_pin.units import quantity
+
+    more: dict[str, Any] = {}
+    model: Any
+    if name.endswith(".nc"):
+        for option, given in (("--case", case), ("--set", settings), ("--at", at)):
+            if given:
+                raise InvalidParameterError(
+                    "modes", option, "left out for a result, which has its own", said=str(given)
+                )
+        model = load_result(Path(name))
+    else:
+        model = load(name, case, settings)
+        if at is not None and at.endswith(".nc"):
+            more["at"] = load_result(Path(at))
+        elif at is not None:
+            more["at"] = quantity(bare(at), "s", "--at")
+    return linearised(
+        model,
+        play=None if play is None else play.value,
+        load=_loads(loads),
+        approach_speed=None
+        if approach_speed is None
+        else quantity(bare(approach_speed), "m/s", "--approach-speed"),
+        hold=hold or (),
+        moving=moving,
+        **more,
+    )
+
+
+def _loads(texts: list[str] | None) -> Any:
+    found: dict[str, tuple[float, ...]] = {}
+    for text in texts or ():
+        joint, _, numbers = text.rpartition("=")
+        try:
+            x, y, z = (float(part) for part in numbers.split(","))
+        except ValueError:
+            raise InvalidParameterError(
+                "modes", "--load", "three numbers such as 100,0,0, with JOINT= before them or not", text
+            ) from None
+        found[joint] = (x, y, z)
+    if not found:
+        return None
+    return found[""] if list(found) == [""] else found
+
+
+def _record(found: Modes, page: Path, numbers: list[int] | None, amplitude: float, quiet: bool) -> None:
+    from antenna_pin.linear import swing
+    from antenna_pin.record import record_several
+
+    chosen = numbers or found.elastic
+    if not chosen:
+        raise InvalidParameterError(
+            "modes", "--record", "given --mode NUMBER, as nothing vibrates here", str(page)
+        )
+    swings = {f"mode {k}": swing(found, k, amplitude) for k in chosen}
+    with not_interrupted():
+        record_several(swings.values(), page, title=found.data.attrs["title"])
+        if not quiet:
+            typer.echo(f"saved {page}")
+
+
+def _plot(
+    found: Modes, path: Path, source: str | None, targets: list[str] | None, width: Width, quiet: bool
+) -> None:
+    from antenna_pin.linear import frequency_response, sources_of
+    from antenna_pin.plot import figure_response, save_figure
+
+    if source is None:
+        known = sources_of(found)
+        if not known:
+            raise InvalidParameterError(
+                "modes", "--from", "a drive or a free base, of which there is none", ""
+            )
+        source = known[0]
+    figure = figure_response(frequency_response(found, source, targets), width=width.value)
+    save_figure(figure, path.with_suffix(""), [path.suffix[1:]])
+    if not quiet:
+        typer.echo(f"saved {path}")
+
+
+def _rows(found: Modes) -> list[dict[str, Any]]:
+    """Return one row for each mode, by names with units."""
+    data = found.data
+    rows = []
+    for mode in data["mode"].values:
+        one = data.sel(mode=mode)
+        row: dict[str, Any] = {
+            "mode": int(mode),
+            "kind": str(one["kind"].item()),
+            "frequency [Hz]": float(one["frequency"].item()),
+            "damped modulus [Hz]": float(one["damped_modulus"].item()),
+            "damping ratio [-]": float(one["damping_ratio"].item()),
+        }
+        if "effective_mass" in one:
+            for name, value in zip(data["component"].values, one["effective_mass"].values, strict=True):
+                unit = "kg m^2" if str(name).startswith("r") else "kg"
+                row[f"effective mass {name} [{unit}]"] = float(value)
+        for name, value in zip(data["body"].values, one["kinetic_share"].values, strict=True):
+            row[f"kinetic share {name} [-]"] = float(value)
+        if "strain_share" in one:
+            for name, value in zip(data["part"].values, one["strain_share"].values, strict=True):
+                row[f"strain share {name} [-]"] = float(value)
+        rows.append(plain(row))
+    return rows
+
+
+def _print(found: Modes) -> None:
+    data = found.data
+    shown = [k for k, kind in enumerate(data["kind"].values) if kind in ("elastic", "unstable")]
+    head = ["mode", "frequency [Hz]", "damped [Hz]", "damping [%]", "moves most", "stores most"]
+    rows = [
+        [
+            f"{data['mode'].values[k]}{' unstable' if data['kind'].values[k] == 'unstable' else ''}",
+            _number(found.frequency[k]),
+            _number(float(data["damped_modulus"].values[k])),
+            _number(100.0 * found.damping_ratio[k]),
+            _largest(data["body"].values, data["kinetic_share"].values[k]),
+            _largest(data["part"].values, data["strain_share"].values[k]) if "strain_share" in data else "-",
+        ]
+        for k in shown
+    ]
+    title = ", ".join(filter(None, (data.attrs["title"], data.attrs["case"], _taken(found))))
+    if rows:
+        print_rows(title, head, rows, numbers=False)
+    else:
+        typer.echo(title)
+        typer.echo("nothing vibrates")
+    if "effective_mass" in data and shown:
+        _print_masses(found, shown)
+    kinds = list(data["kind"].values)
+    if kinds.count("rigid"):
+        typer.echo(f"beside these {kinds.count('rigid')} motions of all as one rigid body")
+    for note in found.notes:
+        typer.echo(f"note: {note}")
+
+
+def _taken(found: Modes) -> str:
+    attributes = found.data.attrs
+    words = [f"{name} {kind}" for name, kind in attributes["play"].items()]
+    words += [
+        f"{name} under {', '.join(f'{f:g}' for f in load)} N" for name, load in attributes["loads"].items()
+    ]
+    words += [f"{name} held" for name in attributes["hold"]]
+    if attributes["time"] > 0.0:
+        words.append(f"at {attributes['time']:g} s")
+    return "; ".join(words)
+
+
+def _print_masses(found: Modes, shown: list[int]) -> None:
+    data = found.data
+    names = [str(name) for name in data["component"].values]
+    units = ["kg m²" if name.startswith("r") else "kg" for name in names]
+    rows = [
+        [
+            str(int(data["mode"].values[k])),
+            *(_number(float(value)) for value in data["effective_mass"].values[k]),
+        ]
+        for k in shown
+    ]
+    rows.append(
+        ["all modes", *(_number(float(value)) for value in data["effective_mass"].values.sum(axis=0))]
+    )
+    rows.append(["rigid whole", *(_number(float(value)) for value in data["rigid_mass"].values)])
+    head = ["mode", *(f"{name} [{unit}]" for name, unit in zip(names, units, strict=True))]
+    print_rows("effective masses, about the base's origin", head, rows)
+
+
+def _number(value: float) -> str:
+    return f"{value:.6g}" if math.isfinite(value) else "-"
+
+
+def _largest(names: Any, shares: Any) -> str:
+    """Return what has most of an energy, with its share."""
+    order = sorted(range(len(shares)), key=lambda k: -shares[k] if math.isfinite(shares[k]) else 0.0)
+    kept = [k for k in order[:_NAMES] if math.isfinite(shares[k]) and shares[k] >= _NAMED]
+    return ", ".join(f"{names[k]} {100.0 * shares[k]:.0f} %" for k in kept) or "-"

@@ -1,0 +1,239 @@
+"""Frequency responses: from a drive's torque, or a force on the base, to angles and the boresight."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+import pinocchio as pin
+import xarray as xr
+from numpy.typing import ArrayLike, NDArray
+
+from antenna_pin.analysis import Antenna
+from antenna_pin.dynamics import JointMotion, System, Workspace
+from antenna_pin.elements import ConstantDrive, Motion
+from antenna_pin.errors import InvalidParameterError, UnknownNameError
+from antenna_pin.linear.differences import slope
+from antenna_pin.linear.play import At
+from antenna_pin.linear.result import COMPONENTS, Modes
+
+__all__ = ["BORESIGHT", "frequency_response", "sources_of", "targets_of"]
+
+Array = NDArray[np.float64]
+
+#: The target that the antenna's pointing is, as two turns.
+BORESIGHT = "boresight"
+
+_BASE_FORCES = {f"base.{name}": k for k, name in enumerate(("fx", "fy", "fz", "mx", "my", "mz"))}
+_BASE_MOTIONS = {f"base.{name}": k for k, name in enumerate(COMPONENTS)}
+# Regular points, and around each resonance in half widths of its peak, of which there are at most so many.
+_POINTS, _NEAR, _PEAKS = 600, np.linspace(-8.0, 8.0, 33), 40
+_LEAST_WIDTH = 1e-4
+# How far beyond the vibrations the default range goes, and how far above the slowest it ends at most.
+_BELOW, _BEYOND, _DECADES = 0.2, 3.0, 3.0
+
+
+class _Output(NamedTuple):
+    name: str
+    unit: str
+    row: Array  # over the coordinates of velocities, (nv,)
+
+
+def sources_of(modes: Modes) -> list[str]:
+    """Return what a response can start from: drives by name, and forces and moments on a free base."""
+    found = [
+        f"drives.{n}"
+        for n, drive in modes.linearisation.system.drives.items()
+        if not isinstance(drive, Motion)
+    ]
+    return found + (list(_BASE_FORCES) if modes.linearisation.system.mechanism.base == "free" else [])
+
+
+def targets_of(modes: Modes) -> list[str]:
+    """Return what a response can end at: the boresight, joints with an axis, a free base."""
+    system = modes.linearisation.system
+    found = [BORESIGHT] if modes.scenario is not None and modes.scenario.pointing is not None else []
+    ball = {joint.name for joint in system.clearances if joint.geometry.motion is None}
+    held = {name for name, kind in system.held.items() if kind == "spherical"}
+    with_play = {joint.name for joint in system.clearances} | set(system.held)
+    for name, slot in system.mechanism.joints.items():
+        axis = slot.kind in ("revolute", "continuous", "prismatic") or name in with_play
+        if axis and name not in ball | held:
+            found.append(name)
+    return found + (list(_BASE_MOTIONS) if system.mechanism.base == "free" else [])
+
+
+def frequency_response(
+    modes: Modes,
+    source: str,
+    targets: str | Sequence[str] | None = None,
+    frequencies: ArrayLike | None = None,
+) -> xr.Dataset:
+    """Return the steady answer to a force or torque that swings, over its frequency, damping included.
+
+    Args:
+        modes: About which state.
+        source: ``drives.NAME``, that drive's torque (force at a sliding joint), or ``base.fx`` to
+            ``base.mz``, a force or moment at the base's origin along its axes (:func:`sources_of`).
+        targets: ``boresight``, its turns about the antenna's cross and up axes; names of joints, their
+            angles; ``base.x`` to ``base.rz``, of the base's origin in its axes (:func:`targets_of`). The
+            boresight if not given, or the drive's own joint where the scenario points nothing.
+        frequencies: Rising and positive [Hz]; those of the vibrations and beyond if not given, with points
+            close together at resonances.
+
+    Returns:
+        ``response`` (frequency, target), complex, output over input, ``gain`` its magnitude and ``phase``
+        [rad], with ``unit`` of each target. In a state that moves, as far as it stays what it is.
+
+    Raises:
+        AntennaPinError: A source or target that there is not, frequencies that are none.
+    """
+    linear = modes.linearisation
+    known = sources_of(modes)
+    if source not in known:
+        drive = linear.system.drives.get(source.removeprefix("drives."))
+        if isinstance(drive, Motion):
+            raise InvalidParameterError(
+                "response", "source", "a force or torque; this drive prescribes its joint's motion", source
+            )
+        raise UnknownNameError("response", "source", source, known)
+    effort, unit = _effort(linear.at, source)
+    outputs = _outputs(modes, source, targets)
+    grid = _grid(modes) if frequencies is None else _checked(frequencies)
+    matrix, enters = linear.state_matrix, linear.input_matrix @ effort
+    k, n = len(linear.mass), len(enters)
+    leaves = np.zeros((len(outputs), n))
+    leaves[:, :k] = np.array([one.row for one in outputs]) @ linear.directions
+    found = np.zeros((len(grid), len(outputs)), dtype=complex)
+    for i, frequency in enumerate(grid):
+        found[i] = leaves @ np.linalg.solve(2j * np.pi * frequency * np.eye(n) - matrix, enters)
+    return xr.Dataset(
+        {
+            "response": (("frequency", "target"), found, {"long_name": f"over the input, {source}"}),
+            "gain": (("frequency", "target"), np.abs(found), {"long_name": "magnitude of the response"}),
+            "phase": (
+                ("frequency", "target"),
+                np.unwrap(np.angle(found), axis=0),
+                {"units": "rad", "long_name": "phase of the response"},
+            ),
+        },
+        coords={
+            "frequency": ("frequency", grid, {"units": "Hz", "long_name": "frequency of the input"}),
+            "target": [one.name for one in outputs],
+            "unit": ("target", [f"{one.unit}/({unit})" for one in outputs]),
+        },
+        attrs={
+            "title": modes.data.attrs["title"],
+            "case": modes.data.attrs["case"],
+            "source": source,
+            "resonances": [float(f) for f in modes.frequency[modes.frequency > 0.0]],
+        },
+    )
+
+
+def _effort(at: At, source: str) -> tuple[Array, str]:
+    """Return the generalized force of one unit of a source, (nv,), and the unit."""
+    nv = at.system.model.nv
+    if source in _BASE_FORCES:
+        k = _BASE_FORCES[source]
+        return np.eye(nv)[k], "N" if k < 3 else "N m"
+    drive: Any = at.system.drives[source.removeprefix("drives.")]
+    unit = ConstantDrive(joint=drive.joint, value=1.0, axis=drive.axis)
+    alone = System(
+        at.system.mechanism, clearances=at.system.clearances, held=at.system.held, drives={"unit": unit}
+    )
+    workspace = Workspace(alone)
+    y = alone.state(at.q, np.zeros(nv))
+    workspace.apply_elements(at.time, y, np.zeros(nv + alone.manifold.nx))
+    return np.array(workspace.tau), "N" if _slides(at.system, drive.joint) else "N m"
+
+
+def _slides(system: System, joint: str) -> bool:
+    return (
+        system.mechanism.joint(joint).kind == "prismatic"
+        or system.held.get(joint) == "prismatic"
+        or any(one.name == joint and one.geometry.motion == "slide" for one in system.clearances)
+    )
+
+
+def _outputs(modes: Modes, source: str, targets: str | Sequence[str] | None) -> list[_Output]:
+    system = modes.linearisation.system
+    known = targets_of(modes)
+    if targets is None:
+        drive = system.drives.get(source.removeprefix("drives."))
+        targets = BORESIGHT if BORESIGHT in known or drive is None else drive.joint
+    found: list[_Output] = []
+    for name in [targets] if isinstance(targets, str) else list(targets):
+        if name not in known:
+            raise UnknownNameError("response", "target", name, known)
+        if name == BORESIGHT:
+            found += _boresight(modes)
+        elif name in _BASE_MOTIONS:
+            k = _BASE_MOTIONS[name]
+            found.append(_Output(name, "m" if k < 3 else "rad", np.eye(system.model.nv)[k]))
+        else:
+            found.append(_joint(modes.linearisation.at, name))
+    return found
+
+
+def _joint(at: At, name: str) -> _Output:
+    system = at.system
+    motion = JointMotion(system, name)
+    slot = system.mechanism.joint(name)
+    row = np.zeros(system.model.nv)
+    for k in range(slot.v.start, slot.v.stop):
+        e = np.eye(system.model.nv)[k]
+
+        def angle(s: float, e: Array = e) -> Array:
+            y = at.y.copy()
+            y[: system.model.nq] = pin.integrate(system.model, at.q, s * e)
+            return np.array([motion(y)[0]])
+
+        row[k] = slope(angle).value[0]
+    return _Output(name, "m" if _slides(system, name) else "rad", row)
+
+
+def _boresight(modes: Modes) -> list[_Output]:
+    """Return the turns of the looking body about the antenna's cross and up axes in the state."""
+    at = modes.linearisation.at
+    assert modes.scenario is not None and modes.scenario.pointing is not None
+    spec = modes.scenario.pointing
+    antenna = Antenna(body=spec.body, boresight=spec.boresight, up=spec.up)
+    model = at.system.model
+    data = model.createData()
+    frame = at.system.mechanism.frame(antenna.body)
+    pin.computeJointJacobians(model, data, at.q)
+    pin.updateFramePlacements(model, data)
+    own = np.array(pin.getFrameJacobian(model, data, frame, pin.ReferenceFrame.LOCAL)).reshape(6, model.nv)
+    turns = antenna.axes.as_matrix().T @ own[3:]
+    return [_Output(f"{BORESIGHT} {name}", "rad", turns[k]) for k, name in ((1, "cross"), (2, "up"))]
+
+
+def _grid(modes: Modes) -> Array:
+    """Return frequencies from below the slowest vibration to beyond the fastest, close at resonances [Hz]."""
+    some = modes.frequency > 0.0
+    resonances = modes.frequency[some]
+    if len(resonances) == 0:
+        return np.geomspace(0.01, 100.0, _POINTS)
+    low = _BELOW * float(resonances.min())
+    high = min(_BEYOND * float(resonances.max()), low * 10.0**_DECADES)
+    grids = [np.geomspace(low, high, _POINTS)]
+    for frequency, ratio in zip(resonances[:_PEAKS], modes.damping_ratio[some][:_PEAKS], strict=True):
+        width = max(ratio if np.isfinite(ratio) else 0.0, _LEAST_WIDTH)
+        if width < 0.1:
+            grids.append(frequency * (1.0 + width * _NEAR))
+    grid = np.unique(np.concatenate(grids))
+    return np.asarray(grid[(grid >= low) & (grid <= high)])
+
+
+def _checked(frequencies: ArrayLike) -> Array:
+    grid = np.atleast_1d(np.asarray(frequencies, dtype=float))
+    if (
+        grid.ndim != 1
+        or not np.isfinite(grid).all()
+        or not (grid > 0.0).all()
+        or (np.diff(grid) <= 0.0).any()
+    ):
+        raise InvalidParameterError("response", "frequencies", "positive and rising [Hz]", frequencies)
+    return grid
