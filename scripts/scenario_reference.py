@@ -300,6 +300,7 @@ def scenario_table() -> str:
             "[cases.NAME]",
             [
                 "| `description` | text | | One line for `antenna-pin list` |",
+                "| `base` | name of a case | | Case that this one builds on, laid over the tables first |",
                 "| any other | | | Laid over the tables above; a table with `replace = true` replaces its"
                 " like |",
             ],

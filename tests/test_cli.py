@@ -60,6 +60,7 @@ def test_help_names_every_command(cli):
     assert said.code == 0
     for command in ("list", "run", "info", "analyse", "impacts", "plot", "figures", "urdf"):
         assert f"\n  {command} " in said.out
+    assert "--install-completion" in said.out
 
 
 def test_version(cli):

@@ -114,7 +114,7 @@ def test_one_sample_has_an_absolute_error_only(cli, results):
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ((), "got neither an ideal run nor a commanded direction"),
+        ((), "there is nothing to compare with; add --ideal FILE or --direction X,Y,Z"),
         (("--direction", "1,0"), "pointing: --direction must be three numbers such as 1,0,0, got '1,0'"),
         (("--direction", "0,0,0"), "direction must not be zero"),
         (("--direction", "1,0,0", "--window", "1 m"), "--window must be a time [s], got '1 m' (length)"),
@@ -129,5 +129,7 @@ def test_refusals_take_one_line(cli, results, options, message):
 
 
 def test_a_run_whose_scenario_names_no_antenna(cli, results):
-    line = refused(cli("pointing", results / "bare.nc", "--direction", "1,0,0"))
-    assert line.startswith("case4: its scenario must have a table [pointing]")
+    bare, ideal = results / "bare.nc", ("--direction", "1,0,0")
+    assert refused(cli("pointing", bare, *ideal)).endswith("add --body and --boresight")
+    assert refused(cli("pointing", bare, *ideal, "--body", "reflector")).endswith("; add --boresight")
+    assert refused(cli("pointing", bare, *ideal, "--boresight", "1,0,0")).endswith("; add --body")

@@ -24,7 +24,6 @@ app = typer.Typer(
     name="antenna-pin",
     cls=OneLineGroup,
     help="Simulate mechanisms with imperfect joints on a free-floating base.",
-    add_completion=False,
     no_args_is_help=True,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from antenna_pin.cli._common import FilesArgument, label_of, load_result
+from antenna_pin.cli._common import FilesArgument, label_of, load_result, refuse
 from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, say_json, write_csv
 from antenna_pin.cli._tables import print_rows
 from antenna_pin.errors import InvalidParameterError
@@ -85,6 +85,8 @@ def pointing(
 
     from antenna_pin.analysis import Command, error_components, pointing_error, pointing_indices
 
+    for path, run in zip(files, runs, strict=True):
+        _check_options(path, run, {"--ideal": ideal, "--direction": direction}, body, boresight)
     command = None if direction is None else Command(direction=_vector(direction, "--direction"))
     errors, notes = [], []
     for path, run in zip(files, runs, strict=True):
@@ -135,6 +137,19 @@ def _covered(run: Trajectory, ideal: Trajectory, path: Path, notes: list[str]) -
         return run
     notes.append(f"{path}: compared up to the end of the ideal run at {end:g} s")
     return dataclasses.replace(run, data=run.data.isel(time=inside))
+
+
+def _check_options(
+    path: Path, run: Trajectory, against: Mapping[str, Any], body: str | None, boresight: str | None
+) -> None:
+    """Refuse what the scenario does not say and no option does, with the option that would."""
+    known = None if run.scenario is None else run.scenario.pointing
+    missing = [option for option, given in (("--body", body), ("--boresight", boresight)) if given is None]
+    if known is None and missing:
+        refuse(f"{path}: its scenario has no [pointing], what looks where; add {' and '.join(missing)}")
+    commanded = known is not None and known.commanded != "ideal"
+    if not commanded and all(given is None for given in against.values()):
+        refuse(f"{path}: there is nothing to compare with; add --ideal FILE or --direction X,Y,Z")
 
 
 def _antenna(run: Trajectory, body: str | None, boresight: str | None, up: str | None) -> Antenna | None:

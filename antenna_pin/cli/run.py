@@ -31,12 +31,21 @@ from antenna_pin.cli._tables import flat, print_summaries
 from antenna_pin.interruption import ended_by
 
 
-def list_scenarios() -> None:
-    """List the shipped scenarios and their cases."""
+def list_scenarios(
+    scenario: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="[SCENARIO]",
+            help="Shipped name, TOML file or folder to list the cases of; all shipped ones if left out.",
+        ),
+    ] = None,
+) -> None:
+    """List the shipped scenarios and their cases, or the cases of one, such as a file of your own."""
     from antenna_pin.scenario import list_scenarios as shipped
+    from antenna_pin.scenario import scenario_summary
 
-    for name, title, cases in shipped():
-        typer.echo(f"{name}: {title}")
+    for name, title, cases in shipped() if scenario is None else [scenario_summary(scenario)]:
+        typer.echo(f"{name}: {title}".rstrip(": "))
         widest = max((len(case) for case, _ in cases), default=0)
         for case, description in cases:
             typer.echo(f"  {case:<{widest}}  {description}".rstrip())

@@ -48,6 +48,11 @@ class Recording:
     data: dict[str, Any]
     frames: KeyFrames
 
+    def __repr__(self) -> str:
+        """Return one line: title, key frames, impacts."""
+        frames, impacts = len(self.frames.indices), len(self.data["impacts"])
+        return f"<Recording {self.data['title']!r}: {frames} key frames, {impacts} impacts>"
+
     @property
     def html(self) -> str:
         """The whole page, self-contained."""

@@ -23,7 +23,8 @@ MOST = 2000
 # --- impacts ---
 
 _COLUMNS = (
-    ("onset", "at", "s", 6),
+    ("onset", "from", "s", 6),
+    ("peak_time", "peak at", "s", 6),
     ("approach_speed", "approach", "m/s", 3),
     ("peak_force", "peak force", "N", 4),
     ("peak_depth", "depth", "m", 3),
@@ -86,7 +87,7 @@ def _impact_summary(runs: Sequence[ReportedRun], tables: Sequence[xr.Dataset]) -
             (int(np.count_nonzero(table["floored"].values)) for table in tables),
         ),
     ]
-    for name, word, unit, _ in _COLUMNS[1:]:
+    for name, word, unit, _ in _COLUMNS[2:]:
         for said, of in (("median", np.median), ("largest", np.max)):
             if name != "restitution" or said == "median":
                 rows.append(quantities(f"{word}, {said}", column(name, of), unit))

@@ -37,6 +37,10 @@ class Report:
     sections: tuple[Section, ...]
     html: str
 
+    def __repr__(self) -> str:
+        """Return one line: title, sections, size."""
+        return f"<Report {self.title!r}: {len(self.sections)} sections, {1e-6 * len(self.html):.1f} MB>"
+
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write the page; return its path.
 

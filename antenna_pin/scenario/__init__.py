@@ -39,6 +39,7 @@ if TYPE_CHECKING:
         list_scenarios,
         models_path,
         scenario_cases,
+        scenario_summary,
     )
     from antenna_pin.scenario.write import scenario_toml
 
@@ -91,6 +92,7 @@ _HOMES = {
     "load_scenario": "load",
     "models_path": "shipped",
     "scenario_cases": "shipped",
+    "scenario_summary": "shipped",
     "scenario_toml": "write",
 }
 
@@ -143,6 +145,7 @@ __all__ = [
     "load_scenario",
     "models_path",
     "scenario_cases",
+    "scenario_summary",
     "scenario_toml",
 ]
 

@@ -44,6 +44,7 @@ class Source:
         case_table: What the case lays over the file.
         overrides: What is laid over both.
         note: What is to be said after a message about a value of the file.
+        below: The cases that the case builds on, with what they lay over the file, the lowest first.
     """
 
     label: str
@@ -52,24 +53,32 @@ class Source:
     case_table: Mapping[str, Any] = field(default_factory=dict)
     overrides: Mapping[str, Any] = field(default_factory=dict)
     note: str = ""
+    below: tuple[tuple[str, Mapping[str, Any]], ...] = ()
 
     def merged(self) -> dict[str, Any]:
         """Return the layers as one."""
-        return merge(merge(self.base, self.case_table), self.overrides)
+        merged: Mapping[str, Any] = self.base
+        for table in (*(table for _, table in self.below), self.case_table, self.overrides):
+            merged = merge(merged, table)
+        return dict(merged)
 
     def place(self, location: Location) -> Place:
         """Return where a value stands, or is missing: in the file, in its case, or in an override."""
-        if from_layer(self.overrides, location, self.base, self.case_table):
+        lower = [self.base, *(table for _, table in self.below)]
+        if from_layer(self.overrides, location, *lower, self.case_table):
             return Place(f"{self.label}: {dotted(location)}", " (set by an override)")
-        if self.case is not None and from_layer(self.case_table, location, self.base):
-            return Place(f"{self.label}: {dotted(('cases', self.case, *location))}")
+        for case, table in reversed([*self.below, (self.case, self.case_table)]):
+            if case is not None and from_layer(table, location, *lower):
+                return Place(f"{self.label}: {dotted(('cases', case, *location))}")
+            lower = lower[:-1] or lower
         if not location:
             return Place(f"{self.label}:", self.note)
         return Place(f"{self.label}: {dotted(location)}", self.note, self._stale(location[:-1]))
 
     def _stale(self, table: Location) -> str:
         """Say why a key of the file may have become unknown: what is laid over it has changed the kind."""
-        for layer, values in (("an override", self.overrides), (f"case {self.case}", self.case_table)):
+        cases = [(f"case {case}", table) for case, table in ((self.case, self.case_table), *self.below[::-1])]
+        for layer, values in (("an override", self.overrides), *cases):
             for key in ("kind", "law"):
                 if _holds(values, (*table, key)):
                     return f" ({layer} sets {key}: with replace = true beside it, the old keys go)"

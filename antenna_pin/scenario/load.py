@@ -30,10 +30,12 @@ __all__ = ["load_scenario"]
 
 
 class _Case(NamedTuple):
-    """A named case: what it is, and what it lays over the file."""
+    """A named case: what it is, what it lays over the file, and the cases that it builds on."""
 
     description: str
     table: Mapping[str, Any]
+    base: str | None = None
+    below: tuple[tuple[str, Mapping[str, Any]], ...] = ()
 
 
 def load_scenario(
@@ -68,12 +70,13 @@ def load_scenario(
         "overrides": record,
         "folder": found.path.parent.resolve(),
     }
-    source = Source(found.label, base, name, chosen.table, layer)
+    source = Source(found.label, base, name, chosen.table, layer, below=chosen.below)
     check_drives(source.merged(), source)
     scenario = built(Scenario, carried, source)
-    for other, (_, table) in cases.items():
+    for other, one in cases.items():
         if other != name:
-            _check_case(Source(found.label, base, other, table, note=f" (in case {other})"), layer)
+            note = f" (in case {other})"
+            _check_case(Source(found.label, base, other, one.table, note=note, below=one.below), layer)
     return scenario
 
 
@@ -92,8 +95,26 @@ def _take_cases(document: dict[str, Any], label: str) -> tuple[dict[str, _Case],
         description = table.get("description", "")
         if not isinstance(description, str):
             raise ScenarioError(f"{place}.description must be text, got {shown(description)}")
-        cases[name] = _Case(description, {key: value for key, value in table.items() if key != "description"})
-    return cases, default
+        base = table.get("base")
+        if base is not None and not isinstance(base, str):
+            raise ScenarioError(f"{place}.base must be text, the name of a case, got {shown(base)}")
+        own = {key: value for key, value in table.items() if key not in ("description", "base")}
+        cases[name] = _Case(description, own, base)
+    return {name: case._replace(below=_below(name, cases, label)) for name, case in cases.items()}, default
+
+
+def _below(name: str, cases: Mapping[str, _Case], label: str) -> tuple[tuple[str, Mapping[str, Any]], ...]:
+    """Return the cases that a case builds on, with what they lay over the file, the lowest first."""
+    chain = [name]
+    while (base := cases[chain[-1]].base) is not None:
+        place = f"{label}: {dotted(('cases', chain[-1], 'base'))}"
+        if base not in cases:
+            raise UnknownNameError(place, "case", base, cases)
+        if base in chain:
+            circle = " - ".join([*chain, base])
+            raise ScenarioError(f"{place} must be a case that does not build on this one, got {circle}")
+        chain.append(base)
+    return tuple((each, cases[each].table) for each in reversed(chain[1:]))
 
 
 def _check_case(source: Source, overrides: Mapping[str, Any]) -> None:

@@ -7,10 +7,17 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from antenna_pin.errors import ScenarioError, UnknownNameError
+from antenna_pin.errors import ScenarioError, UnknownNameError, printable
 from antenna_pin.scenario.toml_text import NotTomlError, read_toml_text
 
-__all__ = ["CaseSummary", "ScenarioSummary", "list_scenarios", "models_path", "scenario_cases"]
+__all__ = [
+    "CaseSummary",
+    "ScenarioSummary",
+    "list_scenarios",
+    "models_path",
+    "scenario_cases",
+    "scenario_summary",
+]
 
 FILE_NAME = "scenario.toml"
 
@@ -56,31 +63,32 @@ def models_path() -> Path:
 
 def list_scenarios() -> list[ScenarioSummary]:
     """Return the shipped scenarios by name, each with its title and cases. Reads no units, so it is fast."""
-    summaries = []
-    for path in sorted(models_path().glob(f"*/{FILE_NAME}")):
-        name = path.parent.name
-        document = read_toml(path, f"{name}/{FILE_NAME}")
-        cases = document.get("cases", {})
-        summaries.append(
-            ScenarioSummary(
-                name,
-                str(document.get("title", "")),
-                tuple(CaseSummary(case, str(table.get("description", ""))) for case, table in cases.items()),
-            )
-        )
-    return summaries
+    return [scenario_summary(path.parent.name) for path in sorted(models_path().glob(f"*/{FILE_NAME}"))]
+
+
+def scenario_summary(name_or_path: str | os.PathLike[str]) -> ScenarioSummary:
+    """Return name, title and cases of a scenario, shipped or at a path; what is no table is left out.
+
+    Raises:
+        ScenarioError: There is no such file, or it is no TOML.
+    """
+    found = find_scenario(name_or_path)
+    document = read_toml(found.path, found.label)
+    cases = tuple(
+        CaseSummary(case, _one_line(table.get("description")))
+        for case, table in tables(document.get("cases")).items()
+        if isinstance(table, Mapping)
+    )
+    return ScenarioSummary(found.name, _one_line(document.get("title")), cases)
+
+
+def _one_line(text: object) -> str:
+    return printable(" ".join(text.split())) if isinstance(text, str) else ""
 
 
 def scenario_cases(name_or_path: str | os.PathLike[str]) -> tuple[CaseSummary, ...]:
     """Return the cases of a scenario, shipped or at a path, in the file's order; none if it has no cases."""
-    found = find_scenario(name_or_path)
-    cases = read_toml(found.path, found.label).get("cases", {})
-    # What is no table is refused when the scenario is loaded.
-    tables = cases if isinstance(cases, Mapping) else {}
-    return tuple(
-        CaseSummary(case, str(table.get("description", "")) if isinstance(table, Mapping) else "")
-        for case, table in tables.items()
-    )
+    return scenario_summary(name_or_path).cases
 
 
 def find_scenario(name_or_path: str | os.PathLike[str]) -> ScenarioFile:

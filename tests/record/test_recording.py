@@ -127,6 +127,14 @@ def test_the_scenario_says_what_looks_where(clearance_run):
     assert np.cross(tips, axis) == pytest.approx(0.0, abs=1e-6)  # 32-bit floats
 
 
+def test_a_recording_says_what_it_is_in_one_line(clearance_run):
+    said = repr(record(clearance_run))
+    assert said.startswith("<Recording ")
+    assert "key frames" in said
+    assert len(said) < 200
+    assert "\n" not in said
+
+
 def test_data_alone_will_do(clearance_run, tmp_path):
     data = Trajectory.load(clearance_run.save(tmp_path / "run.nc")).data
     assert record(data).html == record(clearance_run).html
