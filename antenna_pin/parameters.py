@@ -24,7 +24,16 @@ from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["RULES", "Parameter", "attribute_docs", "check", "choices_of", "parameter", "parameters_of"]
+__all__ = [
+    "RULES",
+    "Parameter",
+    "attribute_docs",
+    "check",
+    "choices_of",
+    "holds",
+    "parameter",
+    "parameters_of",
+]
 
 RULES: Mapping[str, Callable[[float], bool]] = MappingProxyType(
     {
@@ -160,6 +169,8 @@ def check(owner: Any) -> None:
                 object.__setattr__(owner, item.name, numbers)
             else:
                 _number(owner, item.name, value, item.metadata["rule"])
+                if int in (hints[item.name], *get_args(hints[item.name])) and value != int(value):
+                    raise InvalidParameterError(owner, item.name, "a whole number", value)
         elif (choices := choices_of(hints[item.name])) and value not in choices:
             *first, last = choices
             rule = f"{', '.join(first)} or {last}" if first else last
@@ -175,7 +186,8 @@ def _hints(cls: type[Any]) -> dict[str, Any]:
     return _HINTS[cls]
 
 
-def _holds(value: object, rule: str) -> bool:
+def holds(value: object, rule: str) -> bool:
+    """Return whether a value is a finite number that obeys one of ``RULES``."""
     if isinstance(value, bool | str):
         return False
     try:
@@ -186,7 +198,7 @@ def _holds(value: object, rule: str) -> bool:
 
 
 def _number(owner: object, name: str, value: object, rule: str) -> None:
-    if not _holds(value, rule):
+    if not holds(value, rule):
         said = _FINITE.get(rule, rule)
         raise InvalidParameterError(owner, name, said, value)
 
@@ -198,6 +210,6 @@ def _numbers(owner: object, name: str, value: object, sizes: tuple[int, ...], ru
         entries: tuple[Any, ...] = tuple(value)  # type: ignore[arg-type]
     except TypeError:
         raise InvalidParameterError(owner, name, said, value) from None
-    if (sizes != (0,) and len(entries) not in sizes) or not all(_holds(entry, rule) for entry in entries):
+    if (sizes != (0,) and len(entries) not in sizes) or not all(holds(entry, rule) for entry in entries):
         raise InvalidParameterError(owner, name, said, value)
     return tuple(float(entry) for entry in entries)

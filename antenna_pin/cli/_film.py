@@ -17,7 +17,7 @@ from antenna_pin.interruption import ended_by
 if TYPE_CHECKING:
     from antenna_pin.record import Filmed, Recording
 
-_SIZE = re.compile(r"(\d+)\s*[xX×]\s*(\d+)")
+_SIZE = re.compile(r"([0-9]{1,6})\s*[xX×]\s*([0-9]{1,6})")
 
 
 class Kind(StrEnum):

@@ -27,16 +27,21 @@ from antenna_pin.mechanism.frames import Vector3
 __all__ = ["Urdf"]
 
 
+def _bytes(text: str) -> bytes:
+    """Return a text as UTF-8; what no file can hold, half a letter, makes it XML that is not well-formed."""
+    return text.encode("utf-8", "surrogatepass")
+
+
 @lru_cache(maxsize=64)
 def _written(text: str, where: str) -> str:
     """Return a URDF's text as this package writes it, its syntax checked."""
-    return _xml.write(_xml.read(text.encode(), where, "utf-8"))
+    return _xml.write(_xml.read(_bytes(text), where, "utf-8"))
 
 
 @lru_cache(maxsize=64)  # every run of a study reads the same text again, some more than once
 def _checked(text: str, where: str, allow_impossible_inertia: tuple[str, ...]) -> Any:
     """Return a checked URDF as yourdfpy's objects, which nobody changes."""
-    _xml.read(text.encode(), where, "utf-8")
+    _xml.read(_bytes(text), where, "utf-8")
     import yourdfpy  # which takes half a second, with all that it loads
 
     try:

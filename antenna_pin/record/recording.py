@@ -173,6 +173,8 @@ def record(
 
 def _trajectory(run: Trajectory | xr.Dataset) -> Trajectory:
     """Return a run with what its data alone tell of how it ended and where it came from."""
+    if not isinstance(run, Trajectory | xr.Dataset):
+        raise InvalidParameterError("recording", "run", "a Trajectory or its data", said=type(run).__name__)
     series(run.data if isinstance(run, Trajectory) else run, "recording")
     if isinstance(run, Trajectory):
         return run
@@ -264,8 +266,8 @@ def _data(
     impacts = frames.impacts
     if speed is None:
         speed = _speed(last - first) * (1.0 if view == "mechanism" else 0.1)
-    elif not speed > 0.0:
-        raise InvalidParameterError("recording", "speed", "positive", speed)
+    elif not 0.0 < speed < np.inf:
+        raise InvalidParameterError("recording", "speed", "positive and finite", speed)
     title, case = str(attributes.get("title") or ""), str(attributes.get("case") or "")
     name = run.scenario.name if run.scenario is not None and run.scenario.name else ""
     return {

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import itertools
+import math
 import os
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -15,6 +16,7 @@ import jinja2
 from markupsafe import Markup
 
 from antenna_pin.card import in_frame
+from antenna_pin.errors import InvalidParameterError
 from antenna_pin.files import check_writable, replacing
 from antenna_pin.report import contacts, elastic, loops, motion, pointing, provenance, results, words
 from antenna_pin.report._parts import Embedded, Section
@@ -81,9 +83,11 @@ def report(
             out.
 
     Raises:
-        InvalidParameterError: There is no run.
+        InvalidParameterError: There is no run, or the window has no length.
         FileFormatError: A file is not one of a run.
     """
+    if window is not None and not 0.0 < window < math.inf:
+        raise InvalidParameterError("report", "window", "positive and finite [s]", window)
     found = reported(runs)
     heading = title if title is not None else _title(found)
     sections = [

@@ -9,6 +9,7 @@ from typing import Any
 __all__ = ["NotTomlError", "read_toml_text", "unbounded"]
 
 _DEEPEST = 32  # tables and arrays in each other; a scenario needs eight
+_LONGEST_NUMBER = 4096  # bits of an integer; Python prints no much longer ones
 _LONGEST_KEY = 200  # letters: names stand in messages, tables and the labels of a result
 
 
@@ -54,5 +55,7 @@ def unbounded(document: object) -> str:
                 below += value.values()
             elif isinstance(value, list | tuple):
                 below += value
+            elif isinstance(value, int) and value.bit_length() > _LONGEST_NUMBER:
+                return f"has an integer of {value.bit_length()} bits; write a shorter number"
         level = below
     return f"must be at most {_DEEPEST} tables and arrays deep"

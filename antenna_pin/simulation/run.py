@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import math
 import time
 from collections.abc import Callable, Mapping, Sequence
 from datetime import UTC, datetime
@@ -18,6 +17,7 @@ from antenna_pin.errors import InvalidParameterError
 from antenna_pin.geometry import RevoluteClearance
 from antenna_pin.interruption import interruptible
 from antenna_pin.joints._pose_kernels import place_journal
+from antenna_pin.parameters import holds
 from antenna_pin.records import CONTACT, POSE
 from antenna_pin.scenario import Scenario
 from antenna_pin.settings import RunSettings
@@ -28,6 +28,7 @@ from antenna_pin.simulation.progress import Progress
 from antenna_pin.simulation.record import dataset
 from antenna_pin.state import State
 from antenna_pin.trajectory import Trajectory, library_versions
+from antenna_pin.units import shown
 
 __all__ = ["settings_of", "simulate"]
 
@@ -95,12 +96,12 @@ def simulate(
         used = settings or RunSettings()
     else:
         raise InvalidParameterError("simulate", "model", "a Scenario or a System", type(model).__name__)
-    if not 0.0 < span < math.inf:
+    if not holds(span, "positive"):
         raise InvalidParameterError("simulate", "duration", "positive and finite [s]", span)
     if start is not None:
         check_sizes(system, start)
-    start_q = first_q if q is None else np.asarray(q, dtype=float)
-    start_v = first_v if v is None else np.asarray(v, dtype=float)
+    start_q = first_q if q is None else _numbers("q", q)
+    start_v = first_v if v is None else _numbers("v", v)
     begin = 0.0 if start is None else start.reached
     used.check_span(begin, begin + span)
     check_spans(system, begin, begin + span)
@@ -194,6 +195,13 @@ def check_start(system: System, y: np.ndarray) -> None:
                 f"at most {rule}; start with the journal inside its clearance",
                 float(f"{-row.gap:.6g}"),
             )
+
+
+def _numbers(name: str, given: ArrayLike) -> np.ndarray:
+    try:
+        return np.asarray(given, dtype=float)
+    except (TypeError, ValueError):
+        raise InvalidParameterError("simulate", name, "an array of numbers", said=shown(given)) from None
 
 
 def check_lengths(system: System, y: np.ndarray) -> None:

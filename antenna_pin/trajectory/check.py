@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Iterator
 from functools import cache
 from typing import Annotated, Any, Literal
+from xml.etree import ElementTree
 
 import numpy as np
 import xarray as xr
-from pydantic import AllowInfNan, BaseModel, Field, TypeAdapter, ValidationError
+from pydantic import AfterValidator, AllowInfNan, BaseModel, Field, TypeAdapter, ValidationError
 
 from antenna_pin.trajectory.read import is_lean, names_along
 from antenna_pin.trajectory.schema import COORDINATES, DIMENSIONS, variables_of
@@ -17,10 +19,19 @@ from antenna_pin.units import shown
 
 __all__ = ["problem_of"]
 
+
+def _placed(seven: list[float]) -> list[float]:
+    """Refuse a placement whose quaternion is none."""
+    if abs(math.hypot(*seven[3:]) - 1.0) > _UNIT:
+        raise ValueError("its quaternion should be of length 1")
+    return seven
+
+
+_UNIT = 1e-6  # as of the quaternions of a configuration
 _Number = Annotated[float, AllowInfNan(True)]
 _Finite = Annotated[float, AllowInfNan(False)]
 _Three = Annotated[list[_Finite], Field(min_length=3, max_length=3)]
-_Seven = Annotated[list[_Finite], Field(min_length=7, max_length=7)]
+_Seven = Annotated[list[_Finite], Field(min_length=7, max_length=7), AfterValidator(_placed)]
 
 
 class _Conservation(BaseModel):
@@ -114,6 +125,14 @@ _JSON: dict[str, tuple[Any, str]] = {
     "closures": (dict[str, _Closure], "closure"),
     "constraints": (dict[str, Any], ""),
 }
+# Those of them that name links and joints of the URDF, and by which keys.
+_BODIES = {
+    "clearance_joints": ("bearing_body", "journal_body"),
+    "drives": ("joint",),
+    "point_springs": ("first_body", "second_body"),
+    "elastic_parts": ("hub", "body"),
+    "closures": ("first_body", "second_body"),
+}
 # Those that are plain text or numbers.
 _PLAIN: dict[str, type] = {
     "title": str,
@@ -150,7 +169,7 @@ _FIXED = {"axis": ["x", "y", "z"], "quaternion": ["x", "y", "z", "w"]}
 
 def problem_of(data: xr.Dataset) -> str | None:
     """Return what of a result a dataset lacks or has spoiled, in words; None if it is whole."""
-    for problems in (_labels, _variables, _numbers, _attributes):
+    for problems in (_labels, _attributes, _places, _variables, _numbers):
         for problem in problems(data):
             return problem
     return None
@@ -183,7 +202,8 @@ def _labels(data: xr.Dataset) -> Iterator[str]:
 
 
 def _variables(data: xr.Dataset) -> Iterator[str]:
-    wanted = list(variables_of({str(dim) for dim in data.sizes}))
+    free = json.loads(data.attrs["mechanism"])["base"] == "free"
+    wanted = list(variables_of({str(dim) for dim in data.sizes}, free))
     names = [variable.name for variable in wanted]
     names += [] if is_lean(data) else ["time", "q"]
     for name in names:
@@ -197,6 +217,9 @@ def _variables(data: xr.Dataset) -> Iterator[str]:
             yield f"{variable.name!r} along {shown(found.dims)}, not {shown(variable.dims)}"
         if found.dtype.kind not in "fiub":
             yield f"no numbers in {variable.name!r}"
+        units = found.attrs.get("units", variable.units)
+        if units != variable.units:
+            yield f"{variable.name!r} in {shown(units)}, not in {variable.units!r}"
     if not is_lean(data) and data["time"].dtype.kind not in "fiu":
         yield "no numbers in 'time'"
 
@@ -234,6 +257,26 @@ def _attributes(data: xr.Dataset) -> Iterator[str]:
             yield f"an attribute {name!r} that cannot be read ({problem})"
         if dim and set(json.loads(found[name])) != set(names_along(data, dim)):
             yield f"other names in the attribute {name!r} than in {dim!r}"
+
+
+def _places(data: xr.Dataset) -> Iterator[str]:
+    """Yield what stands on links and joints that the mechanism does not have."""
+    try:
+        robot = ElementTree.fromstring(data.attrs["urdf"])
+    except ElementTree.ParseError as error:
+        yield f"an attribute 'urdf' that cannot be read ({error})"
+        return
+    links = {"world", *(link.get("name") for link in robot.iter("link"))}
+    joints = {joint.get("name") for joint in robot.iter("joint")}
+    for name, keys in _BODIES.items():
+        table = json.loads(data.attrs.get(name, "{}"))
+        for entry, content in table.items():
+            for key in keys:
+                if content[key] not in (joints if key == "joint" else links):
+                    yield f"{key} {content[key]!r} of {entry!r} in the attribute {name!r}, not in its URDF"
+    for name in json.loads(data.attrs["clearance_joints"]):
+        if name not in joints:
+            yield f"{name!r} in the attribute 'clearance_joints' but not in its URDF"
 
 
 def _is_number(value: object) -> bool:

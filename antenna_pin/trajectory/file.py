@@ -133,7 +133,7 @@ def read(source: Path) -> xr.Dataset:
             content = _variables(file) if known else {}
     except FileFormatError:
         raise
-    except (OSError, ValueError, RuntimeError, KeyError, TypeError) as error:  # HDF5 raises any if damaged
+    except Exception as error:  # HDF5 raises any if damaged
         words = " ".join(str(error).split())
         raise FileFormatError(
             f"{source}: must be a NetCDF file written by antenna-pin, got: {words}"
@@ -162,6 +162,8 @@ def _variables(file: Any) -> dict[str, xr.Variable]:
     names |= {variable.name: variable.dims for variable in VARIABLES.values()}
     content = {}
     for name, stored in file.items():
+        if not isinstance(stored, h5py.Dataset):  # a link to nowhere, a group
+            continue
         attributes = _attributes(stored)
         if name in DIMENSIONS:
             if bytes(stored.attrs.get("NAME", b"")).startswith(_NO_VARIABLE[:20].encode()):

@@ -1,0 +1,184 @@
+"""Bad inputs: calls in Python."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any
+
+import numpy as np
+from bad_input_case import MECHANISM, SCENARIO, Case
+from bad_inputs_results import write_result
+
+from antenna_pin import (
+    ErrorScales,
+    RunSettings,
+    Scenario,
+    Trajectory,
+    Urdf,
+    build_mechanism,
+    load_scenario,
+    simulate,
+)
+from antenna_pin.contact import Hertz, LankaraniNikravesh, Tanh
+from antenna_pin.geometry import PlanarClearance, RevoluteClearance, SphericalClearance
+from antenna_pin.record import record
+from antenna_pin.report import report
+from antenna_pin.units import quantity
+
+__all__ = ["cases"]
+
+
+def _scenario(**overrides: Any) -> Scenario:
+    return load_scenario("scenario.toml", overrides={k.replace("__", "."): v for k, v in overrides.items()})
+
+
+def _run() -> Trajectory:
+    return Trajectory.load("run.nc")
+
+
+def _deep(depth: int) -> Any:
+    value: Any = 1.0
+    for _ in range(depth):
+        value = {"a": value}
+    return value
+
+
+def _itself() -> Any:
+    table: dict[str, Any] = {}
+    table["a"] = table
+    return table
+
+
+_HUGE = 10**5000
+
+_CALLS: Mapping[str, tuple[Callable[[], Any], str]] = {
+    "scenario: number for a name": (lambda: load_scenario("3"), "3"),
+    "scenario: name with a null": (lambda: load_scenario("a\0b"), ""),
+    "scenario: name with a surrogate": (lambda: load_scenario("a\ud800"), ""),
+    "scenario: name of 100,000 letters": (lambda: load_scenario("a" * 100_000), "letters"),
+    "scenario: case of no name": (lambda: load_scenario("scenario.toml", case=""), "case"),
+    "override: object": (lambda: _scenario(title=object()), "must be a number"),
+    "override: None": (lambda: _scenario(title=None), "must be a number"),
+    "override: bytes": (lambda: _scenario(title=b"a"), "must be a number"),
+    "override: complex": (lambda: _scenario(duration=1j), "must be a number"),
+    "override: nan": (lambda: _scenario(duration=math.nan), "not finite"),
+    "override: integer of 5,000 digits": (lambda: _scenario(duration=_HUGE), "duration"),
+    "override: tables 2,000 deep": (lambda: _scenario(drives=_deep(2000)), "deep"),
+    "override: a table in itself": (lambda: _scenario(drives=_itself()), "deep"),
+    "override: NumPy matrix": (lambda: _scenario(mechanism__gravity=np.eye(3)), "gravity"),
+    "override: NumPy dates": (lambda: _scenario(duration=np.datetime64("2020-01-01")), "duration"),
+    "override: empty key": (lambda: load_scenario("scenario.toml", overrides={"": 1}), "keys joined by dots"),
+    "override: key with a line end": (lambda: load_scenario("scenario.toml", overrides={"a\nb": 1}), "a\\nb"),
+    "override: text without =": (lambda: load_scenario("scenario.toml", overrides="rtol"), "KEY=VALUE"),
+    "scenario JSON: none": (lambda: Scenario.model_validate_json(""), "JSON"),
+    "scenario JSON: nested": (lambda: Scenario.model_validate_json("[" * 10_000), "JSON"),
+    "scenario JSON: a number": (lambda: Scenario.model_validate_json("3"), ""),
+    "scenario: a list": (lambda: Scenario.model_validate([]), ""),
+    "scenario: nothing": (lambda: Scenario(), "duration is missing"),
+    "settings: rtol 5": (lambda: RunSettings(rtol=5), "rtol must be"),
+    "settings: rtol below round-off": (lambda: RunSettings(rtol=1e-18), "round-off"),
+    "settings: rtol nan": (lambda: RunSettings(rtol=math.nan), "rtol must be"),
+    "settings: rtol text": (lambda: RunSettings(rtol="1e-8"), "rtol must be"),  # type: ignore[arg-type]
+    "settings: rtol of 5,000 digits": (lambda: RunSettings(rtol=_HUGE), "rtol must be"),
+    "settings: min_step > max_step": (lambda: RunSettings(min_step=1.0, max_step=0.1), "min_step must be"),
+    "settings: scales 1": (lambda: RunSettings(scales=1), "scales must be"),  # type: ignore[arg-type]
+    "settings: scales None": (lambda: RunSettings(scales=None), "scales must be"),  # type: ignore[arg-type]
+    "settings: steps of half": (lambda: RunSettings(max_steps=1.5), "max_steps must be"),  # type: ignore[arg-type]
+    "settings: steps zero": (lambda: RunSettings(max_steps=0), "max_steps must be"),
+    "settings: method": (lambda: RunSettings(method="euler"), "method must be"),  # type: ignore[arg-type]
+    "settings: rate infinite": (lambda: RunSettings(output_rate=math.inf), "output_rate must be"),
+    "scales: angle zero": (lambda: ErrorScales(angle=0.0), "angle must be"),
+    "scales: angle true": (lambda: ErrorScales(angle=True), "angle must be"),
+    "simulate: nothing": (lambda: simulate(None), "model must be"),  # type: ignore[arg-type]
+    "simulate: text": (lambda: simulate("bai2020"), "model must be"),  # type: ignore[arg-type]
+    "simulate: duration nan": (lambda: simulate(_scenario(), duration=math.nan), "duration must be"),
+    "simulate: duration text": (lambda: simulate(_scenario(), duration="1 s"), "duration must be"),  # type: ignore[arg-type]
+    "simulate: duration true": (lambda: simulate(_scenario(), duration=True), "duration must be"),
+    "simulate: duration of 5,000 digits": (lambda: simulate(_scenario(), duration=_HUGE), "duration must be"),
+    "simulate: duration without end": (lambda: simulate(_scenario(), duration=1e30), "in a run of"),
+    "simulate: q of text": (lambda: simulate(_scenario(), q=["a"]), "q must"),
+    "simulate: q of one": (lambda: simulate(_scenario(), q=[0.0]), "q must"),
+    "simulate: q nan": (lambda: simulate(_scenario(), q=[math.nan] * 14), "q must"),
+    "simulate: v of one": (lambda: simulate(_scenario(), v=[0.0]), "v must"),
+    "simulate: v infinite": (lambda: simulate(_scenario(), v=[math.inf] * 12), "v must"),
+    "simulate: angles of no joint": (lambda: simulate(_scenario(), angles={"x": 0.0}), "x"),
+    "simulate: start and q": (
+        lambda: simulate(_scenario(), start=_run().end, q=[0.0]),
+        "left out beside start",
+    ),
+    "simulate: start of another": (lambda: simulate(load_scenario("pendulum"), start=_run().end), ""),
+    "simulate: step without end": (
+        lambda: simulate(_scenario(), settings=RunSettings(method="rk4", step=1e-20)),
+        "step must be",
+    ),
+    "simulate: samples without end": (
+        lambda: simulate(_scenario(), settings=RunSettings(output_rate=1e12)),
+        "output_rate must be",
+    ),
+    "load: not there": (lambda: Trajectory.load("no.nc"), "no such file"),
+    "load: a folder": (lambda: Trajectory.load("."), ""),
+    "load: a null": (lambda: Trajectory.load("a\0"), ""),
+    "save: no folder": (lambda: _run().save("no/run.nc"), "does not exist"),
+    "save: a folder": (lambda: _run().save("."), "got a folder"),
+    "save: a null": (lambda: _run().save("a\0.nc"), "file"),
+    "URDF: empty text": (lambda: Urdf.from_text("", "u"), "not well-formed"),
+    "URDF: surrogate": (lambda: Urdf.from_text("<robot name='\ud800'/>", "u"), "not well-formed"),
+    "URDF: null": (lambda: Urdf.from_text("<robot name='\0'/>", "u"), "not well-formed"),
+    "URDF: not there": (lambda: Urdf.load("no.urdf"), "cannot be read"),
+    "URDF: a folder": (lambda: Urdf.load("."), "cannot be read"),
+    "URDF: impossible link": (lambda: Urdf.load("pair.urdf", ["x"]), "'x'"),
+    "URDF: joint unknown": (lambda: Urdf.load("pair.urdf").joint("x"), "'x'"),
+    "URDF: kind of a variant": (lambda: Urdf.load("pair.urdf").variant({"hinge": "x"}), "'x'"),  # type: ignore[dict-item]
+    "URDF: joint of a variant": (lambda: Urdf.load("pair.urdf").variant({"x": "free"}), "'x'"),
+    "URDF: mass of a link without": (lambda: Urdf.load("pair.urdf").mass_properties("x"), "'x'"),
+    "mechanism: base": (lambda: build_mechanism(Urdf.load("pair.urdf"), base="x"), "base"),  # type: ignore[arg-type]
+    "mechanism: gravity of two": (
+        lambda: build_mechanism(Urdf.load("pair.urdf"), gravity=(0.0, 1.0)),  # type: ignore[arg-type]
+        "gravity",
+    ),
+    "mechanism: gravity nan": (
+        lambda: build_mechanism(Urdf.load("pair.urdf"), gravity=(0.0, 0.0, math.nan)),
+        "gravity",
+    ),
+    "law: stiffness negative": (lambda: Hertz(stiffness=-1.0), "stiffness must be"),
+    "law: restitution": (lambda: LankaraniNikravesh(stiffness=1.0, restitution=2.0), "restitution must be"),
+    "law: friction negative": (
+        lambda: Tanh(coefficient_of_friction=-1.0, transition_speed=1.0),
+        "coefficient_of_friction must be",
+    ),
+    "geometry: ball larger than socket": (
+        lambda: SphericalClearance(socket_radius=1.0, ball_radius=2.0),
+        "must be",
+    ),
+    "geometry: journal larger": (lambda: PlanarClearance(bearing_radius=1.0, journal_radius=2.0), "must be"),
+    "geometry: clearance nan": (
+        lambda: RevoluteClearance.from_clearances(
+            bearing_radius=1.0,
+            radial_clearance=math.nan,
+            bearing_length=1.0,
+            axial_clearance=0.1,
+            bearing_outer_radius=2.0,
+            flange_radius=2.0,
+        ),
+        "must be",
+    ),
+    "record: a file": (lambda: record("run.nc"), ""),  # type: ignore[arg-type]
+    "record: speed": (lambda: record(_run(), speed=math.inf), "speed"),
+    "record: view": (lambda: record(_run(), view="side"), "view"),
+    "record: megabytes": (lambda: record(_run(), max_megabytes=-1.0), "max_megabytes"),
+    "report: nothing": (lambda: report([]), ""),
+    "report: a missing file": (lambda: report(["no.nc"]), "no such file"),
+    "report: window": (lambda: report([_run()], window=0.0), "window"),
+    "quantity: a list": (lambda: quantity([1], "m", "here"), "here must be a length"),
+    "quantity: None": (lambda: quantity(None, "m", "here"), "here must be a length"),
+    "quantity: complex": (lambda: quantity(1j, "m", "here"), "here must be a length"),
+    "quantity: 5,000 digits": (lambda: quantity(_HUGE, "m", "here"), "here must be a length"),
+}
+
+
+def cases() -> Iterator[Case]:
+    """Yield all of them."""
+    files = {"pair.urdf": MECHANISM, "scenario.toml": SCENARIO, "run.nc": write_result}
+    for name, (call, says) in _CALLS.items():
+        yield Case("python", name, says, call, files)

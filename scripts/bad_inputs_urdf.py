@@ -1,0 +1,175 @@
+"""Bad inputs: URDF files and the meshes they name."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Iterator
+
+from bad_input_case import MECHANISM, SCENARIO, Case, changed
+
+__all__ = ["cases"]
+
+_COMMAND = ("urdf", "scenario.toml", "--out", "out.urdf")
+
+_MASS = '<mass value="2"/>'
+_INERTIA = '<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/>'
+_BOX = '<box size="0.1 0.1 0.4"/>'
+_AXIS = '<axis xyz="0 1 0"/>'
+_PARENT = '<parent link="stand"/>'
+_CHILD = '<child link="bar"/>'
+_ORIGIN = '<origin xyz="0 0 0" rpy="0 0 0"/>'
+_LIMIT = '<limit lower="-1" upper="1" effort="1" velocity="1"/>'
+_JOINT = MECHANISM[MECHANISM.index("  <joint") : MECHANISM.index('  <link name="bar">')]
+
+# What is wrong: what is replaced, by what, and what must be said.
+_CHANGES: tuple[tuple[str, str, str, str], ...] = (
+    ("unclosed tag", "</robot>", "", "not well-formed XML"),
+    ("text behind the root", "</robot>", "</robot>x", "not well-formed XML"),
+    ("an entity that is unknown", 'name="pair"', 'name="&pair;"', "not well-formed XML"),
+    ("an attribute twice", _MASS, '<mass value="2" value="3"/>', "not well-formed XML"),
+    ("another root", "<robot name", "<model name", "not well-formed XML"),
+    ("no name", '<robot name="pair">', "<robot>", "must have a name"),
+    ("blank name", '<link name="bar">', '<link name=" ">', "must have a name"),
+    ("link without name", '<link name="bar">', "<link>", "must have a name"),
+    ("link twice", '<link name="bar">', '<link name="stand">', "must be unique"),
+    ("joint twice", "  <joint", _JOINT + "  <joint", "must be unique"),
+    ("Pinocchio's own name of a link", '<link name="stand">', '<link name="universe">', "Pinocchio's own"),
+    ("Pinocchio's own name of a joint", 'name="hinge"', 'name="root_joint"', "Pinocchio's own"),
+    ("a link that is not there", _PARENT, '<parent link="stan"/>', "did you mean stand"),
+    ("a child that is not there", _CHILD, '<child link="baz"/>', "baz"),
+    ("a joint of a link to itself", _CHILD, '<child link="stand"/>', "link"),
+    ("no parent", _PARENT, "", "must have a <parent>"),
+    ("no child", _CHILD, "", "must have a <child>"),
+    ("parent without link", _PARENT, "<parent/>", "must have a link"),
+    ("a child of two joints", "  <joint", changed(_JOINT, "hinge", "other") + "  <joint", "child of one"),
+    ("two roots", "</robot>", '<link name="x"/></robot>', "exactly one link must be nobody's child"),
+    ("kind of joint unknown", 'type="revolute"', 'type="revolut"', "did you mean revolute"),
+    ("kind of joint in capitals", 'type="revolute"', 'type="Revolute"', "type must be one of"),
+    ("no kind of joint", ' type="revolute"', "", "must have a type"),
+    ("no limit", _LIMIT, "", "must have a <limit>"),
+    ("limit without effort", ' effort="1"', "", "<limit> effort"),
+    ("negative effort", 'effort="1"', 'effort="-1"', "must not be negative"),
+    ("limit in words", 'lower="-1"', 'lower="low"', "<limit> lower"),
+    ("limit nan", 'upper="1"', 'upper="nan"', "<limit> upper"),
+    ("negative velocity", 'velocity="1"', 'velocity="-0.5"', "must not be negative"),
+    ("axis of no length", _AXIS, '<axis xyz="0 0 0"/>', "axis must be nonzero"),
+    ("axis of two", _AXIS, '<axis xyz="0 1"/>', "3 finite number"),
+    ("axis without numbers", _AXIS, "<axis/>", "<axis> xyz"),
+    ("axis infinite", _AXIS, '<axis xyz="0 inf 0"/>', "3 finite number"),
+    ("axis with commas", _AXIS, '<axis xyz="0,1,0"/>', "3 finite number"),
+    ("origin of four", _ORIGIN, '<origin xyz="0 0 0 0"/>', "<origin> xyz"),
+    ("origin nan", _ORIGIN, '<origin xyz="nan 0 0"/>', "<origin> xyz"),
+    ("origin rpy of two", _ORIGIN, '<origin rpy="0 0"/>', "<origin> rpy"),
+    ("origin overflows", _ORIGIN, '<origin xyz="1e999 0 0"/>', "<origin> xyz"),
+    ("mimic", _LIMIT, _LIMIT + '<mimic joint="hinge"/>', "mimics"),
+    ("damping in words", _LIMIT, _LIMIT + '<dynamics damping="some"/>', "<dynamics> damping"),
+    ("friction nan", _LIMIT, _LIMIT + '<dynamics friction="nan"/>', "<dynamics> friction"),
+    ("two masses", _MASS, _MASS + '<mass value="3"/>', "one <mass>"),
+    ("two inertias", _INERTIA, _INERTIA + _INERTIA, "one <inertia>"),
+    ("two inertials", "<inertial>", f"<inertial>{_MASS}{_INERTIA}</inertial><inertial>", "one <inertial>"),
+    ("two origins of a joint", _ORIGIN, _ORIGIN + _ORIGIN, "one <origin>"),
+    (
+        "two origins of an inertial",
+        '<origin xyz="0 0 -0.2"/>',
+        '<origin xyz="0 0 -0.2"/><origin/>',
+        "one <origin>",
+    ),
+    ("two origins of a shape", "<geometry>", "<origin/><origin/><geometry>", "one <origin>"),
+    ("two axes", _AXIS, _AXIS + '<axis xyz="1 0 0"/>', "one <axis>"),
+    ("two parents", _PARENT, _PARENT + '<parent link="bar"/>', "one <parent>"),
+    ("two children", _CHILD, _CHILD + '<child link="stand"/>', "one <child>"),
+    ("two limits", _LIMIT, _LIMIT + _LIMIT, "one <limit>"),
+    ("two dynamics", _LIMIT, _LIMIT + "<dynamics/><dynamics/>", "one <dynamics>"),
+    ("two mimics", _LIMIT, _LIMIT + '<mimic joint="a"/><mimic joint="b"/>', "mimic"),
+    (
+        "two geometries",
+        "<geometry>",
+        '<geometry><sphere radius="1"/></geometry><geometry>',
+        "one <geometry>",
+    ),
+    ("no mass", _MASS, "", "must have a <mass>"),
+    ("no inertia", _INERTIA, "", "must have a <inertia>"),
+    ("mass without value", _MASS, "<mass/>", "<mass> value"),
+    ("negative mass", _MASS, '<mass value="-2"/>', "mass must be positive"),
+    ("zero mass", _MASS, '<mass value="0"/>', "mass must be positive"),
+    ("mass nan", _MASS, '<mass value="nan"/>', "<mass> value"),
+    ("mass with unit", _MASS, '<mass value="2 kg"/>', "<mass> value"),
+    ("mass with underscore", _MASS, '<mass value="1_0"/>', "<mass> value"),
+    ("mass in other digits", _MASS, '<mass value="\u0662"/>', "<mass> value"),
+    ("mass of 5,000 digits", _MASS, f'<mass value="{"9" * 5000}"/>', "<mass> value"),
+    ("mass too large", _MASS, '<mass value="1e300"/>', "<mass> value must be at most"),
+    ("no moment", ' iyy="1"', "", "<inertia> iyy"),
+    ("negative moment", 'ixx="1"', 'ixx="-1"', "inertia"),
+    ("triangle rule", 'ixx="1"', 'ixx="10"', "inertia"),
+    ("not positive definite", 'ixy="0"', 'ixy="5"', "inertia"),
+    ("moment of zero", 'ixx="1"', 'ixx="0"', "inertia"),
+    ("moment nan", 'ixx="1"', 'ixx="nan"', "<inertia> ixx"),
+    ("moment too large", _INERTIA, _INERTIA.replace('"1"', '"1e308"'), "<inertia> ixx must be at most"),
+    ("box of two", _BOX, '<box size="1 1"/>', "<box> size"),
+    ("box of negative size", _BOX, '<box size="1 1 -1"/>', "must be positive"),
+    ("box of no size", _BOX, "<box/>", "<box> size"),
+    ("cylinder without length", _BOX, '<cylinder radius="1"/>', "<cylinder> length"),
+    ("cylinder of no radius", _BOX, '<cylinder radius="0" length="1"/>', "must be positive"),
+    ("sphere nan", _BOX, '<sphere radius="nan"/>', "<sphere> radius"),
+    ("sphere infinite", _BOX, '<sphere radius="inf"/>', "<sphere> radius"),
+    ("unknown shape", _BOX, '<capsule radius="1"/>', "must hold one of"),
+    ("two shapes", _BOX, _BOX + _BOX, "must hold one of"),
+    ("no shape", _BOX, "", "must hold one of"),
+    ("no geometry", "geometry>", "gemetry>", ""),
+    ("mesh without name", _BOX, "<mesh/>", "must have a filename"),
+    ("mesh scale of two", _BOX, '<mesh filename="a.stl" scale="1 1"/>', "<mesh> scale"),
+    ("colour of three", "0.5 0.5 0.5 1", "0.5 0.5 0.5", "<color> rgba"),
+    ("colour in words", "0.5 0.5 0.5 1", "red", "<color> rgba"),
+    ("material without name", '<material name="grey">', "<material>", "must have a name"),
+    (
+        "a xacro macro",
+        'name="pair">',
+        'name="pair" xmlns:xacro="http://ros.org/wiki/xacro"><xacro:if/>',
+        "xacro",
+    ),
+)
+
+# Whole files.
+_FILES: tuple[tuple[str, str | bytes, str], ...] = (
+    ("empty file", "", "not well-formed XML"),
+    ("white space only", "  \n ", "not well-formed XML"),
+    ("no XML", "hello", "not well-formed XML"),
+    ("zeros", bytes(100), ""),
+    ("another encoding", MECHANISM.replace("bar", "bär").encode("latin-1"), ""),
+    ("UTF-16 without a mark", MECHANISM.encode("utf-16-le"), ""),
+    ("cut off", MECHANISM[: len(MECHANISM) // 2], "not well-formed XML"),
+    ("an SDF", '<sdf version="1.6"><model name="a"/></sdf>', "must be <robot>"),
+    ("no links at all", '<robot name="a"/>', "at least one <link>"),
+    ("nested 10,000 deep", '<robot name="a">' + "<a>" * 10000 + "</a>" * 10000 + "</robot>", "XML"),
+    (
+        "entities that grow",
+        '<!DOCTYPE r [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;&a;&a;&a;&a;&a;&a;&a;">'
+        '<!ENTITY c "&b;&b;&b;&b;&b;&b;&b;&b;&b;&b;"><!ENTITY d "&c;&c;&c;&c;&c;&c;&c;&c;&c;&c;">]>'
+        '<robot name="&d;&d;"/>',
+        "",
+    ),
+    ("a name of 100,000 letters", MECHANISM.replace('"bar"', f'"{"b" * 100_000}"'), "letters"),
+    ("a value of 100,000 letters", MECHANISM.replace('"revolute"', f'"{"b" * 100_000}"'), "type must be"),
+    ("control characters", MECHANISM.replace("pair", "pa\x1bir"), "not well-formed XML"),
+)
+
+_STL = struct.pack("<80xI", 1) + struct.pack("<12fH", *([0.0] * 12), 0)
+
+
+def _mesh(name: str, content: str | bytes, says: str, file: str, **more: str) -> Case:
+    text = changed(MECHANISM, _BOX, f'<mesh filename="{file}"/>')
+    return Case(
+        "urdf", name, says, _COMMAND[:1], {"pair.urdf": text, "scenario.toml": SCENARIO, file: content}
+    )
+
+
+def cases() -> Iterator[Case]:
+    """Yield all of them."""
+    for name, old, new, says in _CHANGES:
+        files = {"pair.urdf": changed(MECHANISM, old, new), "scenario.toml": SCENARIO}
+        yield Case("urdf", name, says, _COMMAND, files)
+    for name, text, says in _FILES:
+        yield Case("urdf", name, says, _COMMAND, {"pair.urdf": text, "scenario.toml": SCENARIO})
+    missing = changed(MECHANISM, _BOX, '<mesh filename="no.stl"/>')
+    files = {"pair.urdf": missing, "scenario.toml": SCENARIO}
+    yield Case("urdf", "a mesh to be copied is missing", "no.stl", (*_COMMAND, "--copy-meshes"), files)
