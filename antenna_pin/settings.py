@@ -9,7 +9,7 @@ from typing import Literal
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.parameters import check, parameter
 
-__all__ = ["Engine", "ErrorScales", "Method", "RunSettings"]
+__all__ = ["Engine", "ErrorScales", "Method", "RunSettings", "choice_for"]
 
 # Below, the error of a step is round-off, and no step is short enough.
 _LEAST_RTOL = 1e-15
@@ -22,6 +22,22 @@ Method = Literal["rk4", "bogacki-shampine-32", "dormand-prince-54", "dormand-pri
 
 Engine = Literal["pinocchio", "compiled"]
 """What makes the steps of a run."""
+
+# From which accuracy on order 5 takes fewer evaluations than order 8, and how much smaller than the error of
+# a run the tolerance of its steps is to be (docs/performance.md, work and precision).
+_ORDER_5_FROM = 1e-6
+_PARTS = 1000.0
+_ACCURACIES = (1e-10, 1e-1)
+
+
+def choice_for(accuracy: float) -> tuple[Method, float]:
+    """Return the method and the tolerance that reach an accuracy with the fewest evaluations.
+
+    Args:
+        accuracy: Wanted relative error of a motion, of impulses and of the largest forces [-].
+    """
+    method: Method = "dormand-prince-54" if accuracy >= _ORDER_5_FROM else "dormand-prince-853"
+    return method, accuracy / _PARTS
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -67,6 +83,8 @@ class RunSettings:
             tree's dynamics included, for systems in which nothing happens in Python.
         method: A Runge-Kutta method by name; ``radau5`` is implicit, for contact too stiff for the others.
         rtol: Relative tolerance of a step of the adaptive methods [-].
+        accuracy: Wanted relative error of a run, of motion, impulses and largest forces, which chooses
+            ``method`` and ``rtol`` in their place; None if they are given [-].
         step: Fixed step of ``rk4`` [s].
         max_step: Longest step [s].
         min_step: A run whose step falls below this ends [s].
@@ -83,6 +101,7 @@ class RunSettings:
     engine: Engine = "pinocchio"
     method: Method = "dormand-prince-853"
     rtol: float = parameter("1", rule="between 0 and 1", default=1e-8)
+    accuracy: float | None = parameter("1", rule="between 0 and 1", default=None)
     step: float = parameter("s", rule="positive", default=1e-5)
     max_step: float = parameter("s", rule="positive", default=1e-2)
     min_step: float = parameter("s", rule="positive", default=1e-14)
@@ -95,8 +114,10 @@ class RunSettings:
     output_form: Literal["full", "lean"] = "full"
 
     def __post_init__(self) -> None:
-        """Check the settings."""
+        """Check the settings, and choose what the accuracy does."""
         check(self)
+        if self.accuracy is not None:
+            self._choose(self.accuracy)
         if not isinstance(self.scales, ErrorScales):
             raise InvalidParameterError(self, "scales", "an ErrorScales", type(self.scales).__name__)
         if self.rtol < _LEAST_RTOL:
@@ -109,6 +130,19 @@ class RunSettings:
         if self.first_step is not None and not self.min_step <= self.first_step <= self.max_step:
             rule = f"from min_step = {self.min_step:g} s to max_step = {self.max_step:g} s"
             raise InvalidParameterError(self, "first_step", rule, said=f"{self.first_step:g} s")
+
+    def _choose(self, accuracy: float) -> None:
+        """Set method and tolerance."""
+        least, most = _ACCURACIES
+        if not least <= accuracy <= most:
+            rule = f"from {least:g} to {most:g}; for what lies beyond set method and rtol"
+            raise InvalidParameterError(self, "accuracy", rule, said=f"{accuracy:g}")
+        for name, chosen in zip(("method", "rtol"), choice_for(accuracy), strict=True):
+            given = getattr(self, name)
+            if given not in (chosen, type(self).__dataclass_fields__[name].default):
+                rule = f"left out beside accuracy = {accuracy:g}, which chooses it"
+                raise InvalidParameterError(self, name, rule, given)
+            object.__setattr__(self, name, chosen)
 
     def check_span(self, begin: float, end: float) -> None:
         """Refuse steps and samples with which a run would never come to its end, or outgrow any memory.

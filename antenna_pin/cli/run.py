@@ -65,6 +65,10 @@ def run(
     engine: Annotated[
         Engine | None, typer.Option(help="What makes the steps; compiled needs --geometry closed-form.")
     ] = None,
+    accuracy: Annotated[
+        float | None,
+        typer.Option(help="Wanted relative error, such as 1e-3: chooses the method and its tolerance."),
+    ] = None,
     lean: Annotated[
         bool, typer.Option("--lean", help="Keep numbers and contact episodes only, no series.")
     ] = False,
@@ -79,6 +83,8 @@ def run(
     changes = [*(settings or ()), *(["output.form=lean"] if lean else ())]
     if engine is not None:
         changes.append(f"integrator.engine={engine.value}")
+    if accuracy is not None:
+        changes.append(f"integrator.accuracy={accuracy!r}")
     chosen = load(scenario, case, changes, geometry, duration)
     path = writable_file(out or Path(f"{stem(chosen)}.nc"), ".nc")
 

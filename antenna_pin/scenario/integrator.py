@@ -2,8 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
+from pydantic import ValidationError, model_validator
+
+from antenna_pin.scenario._base import read_quantity, refuse
 from antenna_pin.scenario._made import MadeSpec, reads
-from antenna_pin.settings import ErrorScales, RunSettings
+from antenna_pin.settings import ErrorScales, RunSettings, choice_for
+from antenna_pin.units import shown
 
 __all__ = ["IntegratorSpec", "OutputSpec", "ScalesSpec"]
 
@@ -16,6 +23,23 @@ class ScalesSpec(MadeSpec):
 @reads(RunSettings, without=("output_rate", "output_form"), scales=ScalesSpec)
 class IntegratorSpec(MadeSpec):
     """How the motion is integrated."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _choose(cls, data: Any) -> Any:
+        """Refuse an accuracy beside what it chooses, and fill that in."""
+        if not isinstance(data, Mapping) or data.get("accuracy") is None:
+            return data
+        try:
+            given = read_quantity(data["accuracy"], "1", "between 0 and 1")
+        except ValidationError:
+            return data  # refused where it is read
+        chosen = dict(zip(("method", "rtol"), choice_for(given), strict=True))
+        for name, value in chosen.items():
+            if data.get(name, value) != value:
+                rule = f"must be left out beside accuracy = {given:g}, which chooses it"
+                refuse(f"{rule}, got {shown(data[name])}; leave out one of them", name)
+        return {**data, **chosen}
 
 
 @reads(

@@ -21,6 +21,7 @@ _ALTERNATIVES: dict[tuple[str, ...], tuple[tuple[frozenset[str], frozenset[str]]
         (frozenset({"radial_clearance"}), frozenset({"journal_radius"})),
         (frozenset({"axial_clearance"}), frozenset({"flange_distance"})),
     ),
+    ("integrator",): ((frozenset({"accuracy"}), frozenset({"method", "rtol"})),),
     ("drives", "*"): ((frozenset({"file"}), frozenset({"time", "torque", "reference"})),),
     ("flexible", "*"): (
         (frozenset({"file"}), frozenset({"frequency", "participation"})),
