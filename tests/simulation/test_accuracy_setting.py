@@ -35,7 +35,8 @@ def test_what_is_laid_over_takes_the_place_of_what_it_excludes():
     rough = given.with_overrides(["integrator.accuracy=1e-3"])
     assert given.integrator.accuracy is None
     assert chosen(rough) == ("dormand-prince-54", 1e-6, 1e-3)
-    assert chosen(rough.with_overrides(["integrator.accuracy=1e-8"])) == ("dormand-prince-853", 1e-8 / 1000, 1e-8)
+    fine = rough.with_overrides(["integrator.accuracy=1e-8"])
+    assert chosen(fine) == ("dormand-prince-853", 1e-8 / 1000, 1e-8)
     assert chosen(rough.with_overrides(["integrator.rtol=1e-9"])) == ("dormand-prince-54", 1e-9, None)
 
 
