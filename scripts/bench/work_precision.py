@@ -91,19 +91,25 @@ def _motion(run: Trajectory, joint: str, duration: float) -> tuple[np.ndarray, n
     )
 
 
+def _totals(run: Trajectory) -> tuple[float, float, float]:
+    """Impulse of all contacts [N s], largest force [N] and energy lost [J] of a run."""
+    data = run.data
+    lost = data.dissipation_normal + data.dissipation_friction
+    return (
+        float(data.normal_impulse.values[-1].sum()),
+        float(data.peak_force.values.max()),
+        float(lost.values[-1].sum()),
+    )
+
+
 def errors_of(run: Trajectory, fine: Trajectory, problem: Problem) -> tuple[float, ...]:
     """Return the errors of a run against a fine one, in the order of ``ERRORS``."""
     found = []
-    for ours, theirs in zip(
-        *(_motion(one, problem.joint, problem.duration) for one in (run, fine)), strict=True
-    ):
-        found.append(float(np.sqrt(np.mean((ours - theirs) ** 2)) / np.abs(theirs).max()))
-    for value in (
-        lambda data: float(data.normal_impulse.values[-1].sum()),
-        lambda data: float(data.peak_force.values.max()),
-        lambda data: float((data.dissipation_normal + data.dissipation_friction).values[-1].sum()),
-    ):
-        found.append(abs(value(run.data) / value(fine.data) - 1.0))
+    motions = (_motion(one, problem.joint, problem.duration) for one in (run, fine))
+    for now, then in zip(*motions, strict=True):
+        found.append(float(np.sqrt(np.mean((now - then) ** 2)) / np.abs(then).max()))
+    ours, theirs = (_totals(one) for one in (run, fine))
+    found += [abs(one / other - 1.0) for one, other in zip(ours, theirs, strict=True)]
     return tuple(found)
 
 
