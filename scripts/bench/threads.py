@@ -18,29 +18,30 @@ import numpy as np
 from bench_tools import CLOSED_FORM, Report, scenario
 from run import bare_aba
 
-from antenna_pin import Trajectory, simulate
+from antenna_pin import Scenario, Trajectory, simulate
 
 RUNS = 1000
 SPAN = 1.0  # [s]
 CHANGES = (CLOSED_FORM, "integrator.engine=compiled", "integrator.accuracy=1e-3", "output.form=lean")
 
 
-def drawn(count: int) -> list[tuple[str, ...]]:
-    """Return the changes of each run."""
+def drawn(count: int) -> list[Scenario]:
+    """Return the scenarios of the runs."""
     rng = np.random.default_rng(7)
-    return [
-        (
-            f"clearance.elevation.radial_clearance='{rng.uniform(0.05, 0.2):.6f} mm'",
-            f"clearance.elevation.friction.coefficient_of_friction={rng.uniform(0.01, 0.2):.6f}",
-            f"clearance.elevation.radial.restitution={rng.uniform(0.6, 0.95):.6f}",
-        )
-        for _ in range(count)
-    ]
+    case = scenario("case3", *CHANGES)
+    joint = "clearance.elevation"
+    changed = []
+    for _ in range(count):
+        play, restitution, friction = rng.uniform((5e-5, 0.6, 0.01), (2e-4, 0.95, 0.15))
+        changes = {f"{joint}.radial_clearance": play, f"{joint}.normal.restitution": restitution}
+        changes |= {f"{joint}.friction.dynamic": friction, f"{joint}.friction.static": 1.5 * friction}
+        changed.append(case.with_overrides(changes))
+    return changed
 
 
-def one(changes: tuple[str, ...]) -> Trajectory:
+def one(case: Scenario) -> Trajectory:
     """Make a run."""
-    return simulate(scenario("case3", *CHANGES, *changes), duration=SPAN)
+    return simulate(case, duration=SPAN)
 
 
 def main() -> int:
@@ -48,7 +49,9 @@ def main() -> int:
     report = Report("threads", __doc__ or "")
     quick = report.parse().quick
     count = 4 if quick else RUNS
+    began = time.perf_counter()
     jobs = drawn(count)
+    reading = time.perf_counter() - began
     one(jobs[0])  # loads what is compiled
     aba = bare_aba()()
     some = jobs[: max(4, count // 10)]
@@ -63,6 +66,7 @@ def main() -> int:
     evaluations = sum(run.counts.evaluations for run in both)
     limit = None if quick else 30.0
     report.add(f"{count} runs of {SPAN:g} s on 2 threads", taken, "s", limit)
+    report.add("making their scenarios, before that", reading, "s")
     report.add("a run on 1 thread", 1e3 * alone, "ms")
     report.add("gain of the second thread", alone * count / taken)
     report.add("evaluations of a run", evaluations / count)
