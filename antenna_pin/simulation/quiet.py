@@ -159,6 +159,6 @@ class QuietTrials(Trials):
         self.relocated += int(found["relocated"])
         self.accepted += int(found["accepted"])
         if self._singular is not None:
-            for k in range(int(found["accepted"])):
-                self._singular.look(float(buffers.instants[k]), buffers.ends[k])
+            ends = int(found["accepted"])
+            self._singular.look_along(buffers.instants[:ends], buffers.ends[:ends])
         return int(reason), int(found["accepted"]), float(found["h"])

@@ -21,6 +21,9 @@ _SINGULAR = 1e-3
 _SUSPECT = 0.5
 # The same of a state from which a run cannot go on: it comes near as the root of the way that is left.
 _NEAR = 0.05
+# How far a mechanism moves from one look to the next, of what is left of the share: angles in rad, ways in its
+# lengths. Shares are sines of angles between its parts, which pass no zero unseen in that.
+_STRIDE = 0.02
 _AT_MOST = 100  # to be named: a mechanism that stays singular is one sentence too
 
 
@@ -55,15 +58,42 @@ class Singularities:
         self._most = 0.0
         self._rank = 0
         self._apart = True  # whether the way since the last place has led away from it
+        constraints = workspace.constraints
+        assert constraints is not None
+        self._weights = np.ones(self._model.nv)
+        for slot in workspace.system.mechanism.joints.values():
+            ways = {"floating": 3, "planar": 2, "prismatic": 1}.get(slot.kind, 0)
+            self._weights[slot.v.start : slot.v.start + ways] = 1.0 / constraints.plan.length
+        self._passed: tuple[float, Array] | None = None  # a state since, that was not looked at
+        self._time = self._way = 0.0
         self.found: list[Singular] = []
 
     def look(self, t: float, y: Array) -> None:
-        """Look at the way from the state before to this one.
+        """Look at the way from the state before to this one, if it is not next to nothing.
 
         Args:
             t: Time [s].
             y: State [q, v, x].
         """
+        self.look_along(np.array([t]), y[np.newaxis])
+
+    def look_along(self, times: Array, states: Array) -> None:
+        """Look at the way along states, (n,) [s] and (n, size)."""
+        nq, nv = self._model.nq, self._model.nv
+        if not len(times):
+            return
+        speeds = np.abs(states[:, nq : nq + nv] * self._weights).max(axis=1)
+        ways = np.cumsum(np.diff(times, prepend=self._time if self._last else times[0]) * speeds)
+        done = -self._way
+        for k, way in enumerate(ways.tolist()):
+            if self._last and way - done < _STRIDE * self._last[-1][2] / self._most:
+                continue
+            self._look(float(times[k]), states[k])
+            done = way
+        self._time, self._way = float(times[-1]), float(ways[-1]) - done
+        self._passed = (self._time, states[-1].copy()) if self._way > 0.0 else None
+
+    def _look(self, t: float, y: Array) -> None:
         here = (t, y.copy(), self._share(t, y))
         self._most = max(self._most, here[2])
         states = self._last
@@ -81,13 +111,20 @@ class Singularities:
 
     @property
     def near(self) -> str:
-        """What is nearly lost in the state looked at last, for a message; empty if nothing is."""
+        """What is nearly lost in the last state, for a message; empty if nothing is."""
+        self.finish()
         if not self._last or not self._last[-1][2] < _NEAR * self._most:
             return ""
         t, y, _ = self._last[-1]
         self._share(t, y)
         assert self._workspace.constraints is not None
         return f", {least_row(self._workspace.constraints)}"
+
+    def finish(self) -> None:
+        """Look at the last state, if it was passed over."""
+        if self._passed is not None:
+            self._look(*self._passed)
+            self._passed, self._way = None, 0.0
 
     def _share(self, t: float, y: Array) -> float:
         constraints = self._workspace.constraints
@@ -134,6 +171,7 @@ class Singularities:
 
     def words(self) -> str:
         """Return what is to be said of them, for the end of a run; empty if there are none."""
+        self.finish()
         if not self.found:
             return ""
         times = ", ".join(f"{found.time:.6g}" for found in self.found[:3])
