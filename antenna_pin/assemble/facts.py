@@ -48,6 +48,9 @@ def _joints(scenario: Scenario, system: System) -> dict[str, str]:
         play = scenario.clearance.get(name)
         if isinstance(play, TouchingSpec):
             found[name] = f"with play ({play.model})"
+        elif name in system.elastic:
+            part, hub = system.elastic[name], system.mechanism.urdf.joint(name).parent
+            found[name] = f"elastic part of {hub}, {part.frequency:g} Hz with the hub held"
         elif name in system.closures:
             found[name] = f"{system.closures[name].kind}, held by constraint"
         else:

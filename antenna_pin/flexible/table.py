@@ -115,7 +115,7 @@ def _of_print(text: str) -> ModalTable:
             section, columns = "", 0
         elif section == "factors" and tuple(words[-6:]) in _AXES:
             columns = 8 if "FREQUENCY" in words else 7
-        elif words and words[0].isdigit() and section == "factors" and columns:
+        elif section == "factors" and columns and _is_row(words):
             if len(words) != columns:
                 raise BadModalTableError(f"{place}: must have {columns} numbers, got {len(words)}")
             mode = int(words[0])
@@ -127,7 +127,7 @@ def _of_print(text: str) -> ModalTable:
             if columns == 8:
                 cycles[mode] = _positive(values[0], place)
             factors[mode] = values[-6:]
-        elif words and words[0].isdigit() and section == "eigenvalues" and len(words) >= 5:
+        elif section == "eigenvalues" and len(words) >= 5 and _is_row(words):
             _read_eigenvalue(words, place, cycles)
     if not factors:
         raise BadModalTableError(
@@ -146,6 +146,12 @@ def _of_print(text: str) -> ModalTable:
     )
 
 
+def _is_row(words: list[str]) -> bool:
+    """Whether a line is one of a table: a page's heading has a number in front too, but words behind it."""
+    numbers = sum(_value(word) is not None for word in words)
+    return len(words) > 1 and words[0].isdigit() and 2 * numbers > len(words)
+
+
 def _read_eigenvalue(words: list[str], place: str, cycles: dict[int, float]) -> None:
     """Read a mode's line: number, [order of extraction,] eigenvalue, rad/s, Hz, [generalized mass, ...]."""
     at = 4 if len(words) == 7 else 3
@@ -159,12 +165,18 @@ def _read_eigenvalue(words: list[str], place: str, cycles: dict[int, float]) -> 
             )
 
 
-def _number(word: str, name: str, place: str) -> float:
+def _value(word: str) -> float | None:
+    """Return a finite number, as it is printed; None if it is none."""
     try:
         number = float(_SHORT.sub(r"\1e\2", word.strip().upper().replace("D", "E").replace("_", "?")))
     except ValueError:
-        number = math.nan
-    if not math.isfinite(number):
+        return None
+    return number if math.isfinite(number) else None
+
+
+def _number(word: str, name: str, place: str) -> float:
+    number = _value(word)
+    if number is None:
         raise BadModalTableError(f"{place}: {name} must be a finite number, got {shown(word.strip())}")
     return number
 

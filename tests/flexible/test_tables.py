@@ -1,0 +1,95 @@
+"""Modal data from text: CSV, printed tables, and what is refused, with its line."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from antenna_pin import AntennaPinError, load_scenario
+from antenna_pin.flexible.table import BadModalTableError, read_modal_table
+
+CSV = """# two modes
+frequency,damping_ratio,tx,ty,tz,rx,ry,rz
+3,0.005,2.2,0,0,0,0,-1.9
+
+18.8,0.01,1.2,0,0.5,0,0,-0.3
+"""
+# As NASTRAN prints it: spaced headings, page headings in between, short exponents.
+PRINT = """1    WING                              NOVEMBER  22, 2026  MSC.NASTRAN 11/22/24   PAGE    12
+0
+                                              R E A L   E I G E N V A L U E S
+   MODE    EXTRACTION      EIGENVALUE          RADIANS           CYCLES          GENERALIZED       GENERALIZED
+    NO.       ORDER                                                                 MASS            STIFFNESS
+        1         1      3.553058E+02      1.884956E+01      3.000000E+00      1.000000E+00      3.553058E+02
+1    WING                              NOVEMBER  22, 2026  MSC.NASTRAN 11/22/24   PAGE    12
+        2         2      1.395361E+04      1.181254E+02      1.880000E+01      1.000000E+00      1.395361E+04
+1    WING                              NOVEMBER  22, 2026  MSC.NASTRAN   PAGE    13
+
+                                MODAL PARTICIPATION FACTORS
+      MODE       T1              T2              T3              R1              R2              R3
+        1     2.200000E+00     0.0             0.0             0.0             0.0            -1.9+0
+1    WING   NOVEMBER  22, 2026  NASTRAN  14
+        2     1.200000D+00     0.0             5.0-1           0.0             0.0            -3.000000E-01
+
+                                MODAL EFFECTIVE MASS FRACTION
+      MODE       T1              T2              T3              R1              R2              R3
+        1     6.1-1            0.0             0.0             0.0             0.0             9.7-1
+"""
+WITH_FREQUENCY = """  P A R T I C I P A T I O N   F A C T O R S
+  MODE  FREQUENCY  X-COMPONENT  Y-COMPONENT  Z-COMPONENT  X-ROTATION  Y-ROTATION  Z-ROTATION
+   1     3.0        2.2          0.0          0.0          0.0         0.0        -1.9
+   2    18.8        1.2          0.0          0.5          0.0         0.0        -0.3
+"""
+FACTORS = (2.2, 0, 0, 0, 0, -1.9, 1.2, 0, 0.5, 0, 0, -0.3)
+
+
+@pytest.mark.parametrize(
+    ("text", "damping"),
+    [(CSV, (0.005, 0.01)), (PRINT, None), (WITH_FREQUENCY, None)],
+    ids=["csv", "print", "x"],
+)
+def test_tables_are_read(text: str, damping: tuple[float, ...] | None):
+    found = read_modal_table(text)
+    assert found.frequency == (3.0, 18.8)
+    assert found.participation == FACTORS
+    assert found.damping_ratio == damping
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("frequency,tx\n1,2\n", "line 1: the header must be frequency,damping_ratio,tx,ty,tz,rx,ry,rz"),
+        (CSV.replace("0,0,-0.3", "0,-0.3"), "line 5: must have 8 values, got 7"),
+        (CSV.replace("18.8", "eighteen"), "line 5: frequency must be a finite number, got 'eighteen'"),
+        (CSV.replace("18.8", "0"), "line 5: frequency must be positive, got 0 Hz; a mode without one is"),
+        ("frequency,tx,ty,tz,rx,ry,rz\n", "line 1: must have at least one mode below the header"),
+        ("nothing\n", "line 1: must be CSV with the header"),
+        (PRINT.replace("1.000000E+00      1.395", "2.5 1.395"),
+         "line 8: the generalized mass of mode 2 must be 1, got 2.5"),
+        (PRINT.replace("        2         2      1.395", "    text 1.395"),
+         "mode 2 of the participation factors"),
+        (WITH_FREQUENCY.replace("0.0        -0.3", "-0.3"), "line 4: must have 8 numbers, got 7"),
+        (WITH_FREQUENCY.replace("   2    18.8", "   1    18.8"),
+         "line 4: mode 1 must stand once, got it again"),
+    ],
+)  # fmt: skip
+def test_what_is_wrong_is_said_with_its_line(text: str, said: str):
+    with pytest.raises(BadModalTableError) as error:
+        read_modal_table(text)
+    assert str(error.value).startswith(said)
+    assert "\n" not in str(error.value)
+
+
+def test_a_scenario_takes_its_modes_from_a_file(tmp_path: Path):
+    """Damping for all modes beside a table that has none; a mistake in the file is one line with its name."""
+    (tmp_path / "modes.f06").write_text(PRINT)
+    table = {"kind": "modal-data", "file": str(tmp_path / "modes.f06"), "damping_ratio": 0.003}
+    overrides = {"flexible.wing": {**table, "link": "body"}}
+    made = load_scenario("bai2020", case="case1", overrides=overrides).flexible["wing"].build()
+    assert made.frequency == (3.0, 18.8)
+    assert made.participation == FACTORS
+    assert made.damping_ratio == (0.003,)
+    (tmp_path / "modes.f06").write_text(PRINT.replace("-1.9+0", "x"))
+    with pytest.raises(AntennaPinError, match=r"modes\.f06.*line 13: a factor must be a finite number"):
+        load_scenario("bai2020", case="case1", overrides=overrides)
