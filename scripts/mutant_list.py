@@ -39,6 +39,9 @@ REVOLUTE = "antenna_pin/geometry/_revolute_kernels.py"
 INTEGRATE = "antenna_pin/integrate/_kernels.py"
 MANIFOLD = "antenna_pin/integrate/_manifold_kernels.py"
 STEPPER = "antenna_pin/integrate/stepper.py"
+IMPLICIT = "antenna_pin/integrate/implicit.py"
+RADAU = "antenna_pin/integrate/_radau_kernels.py"
+NEWTON = "antenna_pin/integrate/_newton_kernels.py"
 
 TEST_JOINT = "tests/joints/test_clearance.py"
 TEST_DISTRIBUTED = "tests/joints/test_distributed.py"
@@ -56,6 +59,7 @@ TEST_GAPS = "tests/geometry/test_gaps.py"
 TEST_SCENARIOS = "tests/geometry/test_scenarios.py"
 TEST_MANIFOLD = "tests/integrate/test_manifold.py"
 TEST_STEPPER = "tests/integrate/test_stepper.py"
+TEST_IMPLICIT = "tests/integrate/test_implicit.py"
 TEST_ORDER = "tests/integrate/test_order.py"
 TEST_GRAZES = "tests/simulation/test_grazes.py"
 TEST_IMPACTS = "tests/simulation/test_impacts.py"
@@ -705,5 +709,47 @@ MUTANTS = (
         "        self.h = h\n",
         TEST_STEPPER,
         *("-k", "dense"),
+    ),
+    _python(
+        "an implicit step's error is estimated with weights exchanged",
+        IMPLICIT,
+        "[-13.0 - 7.0 * root, -13.0 + 7.0 * root, -1.0]",
+        "[-13.0 + 7.0 * root, -13.0 - 7.0 * root, -1.0]",
+        TEST_IMPLICIT,
+    ),
+    _python(
+        "an implicit step keeps the Jacobian of the step before",
+        IMPLICIT,
+        '        super().accept()\n        self.newton.progress["fresh"] = 0\n',
+        "        super().accept()\n",
+        TEST_IMPLICIT,
+    ),
+    _python(
+        "an implicit step that cannot be solved passes",
+        IMPLICIT,
+        "            return _kernels.NOT_SOLVED\n",
+        "            return 0.0\n",
+        TEST_IMPLICIT,
+    ),
+    _python(
+        "an implicit step ends where its error was looked at",
+        RADAU,
+        "        write_state(radau.z, END, stages, layout, work)\n        p.error = estimate(h, ERROR_ROW",
+        "        p.error = estimate(h, ERROR_ROW",
+        TEST_IMPLICIT,
+    ),
+    _python(
+        "Newton's steps of an implicit step end after the second",
+        RADAU,
+        "(rate < 1.0 and rate / (1.0 - rate) * p.step <= wanted)",
+        "p.rounds == 2",
+        TEST_IMPLICIT,
+    ),
+    _python(
+        "a Jacobian's column is that of a difference to rest",
+        NEWTON,
+        "(work[ERROR_ROW, k] - work[0, k]) / way",
+        "work[ERROR_ROW, k] / way",
+        TEST_IMPLICIT,
     ),
 )

@@ -157,6 +157,14 @@ def test_a_rejected_step_leaves_no_trace(body):
     assert (plain.y == tried.y).all()
 
 
+def test_a_step_depends_on_its_start_alone(body):
+    """Bit for bit: no Jacobian and no guess of the step before; so runs can go on from any state."""
+    marched, fresh = march(body(2.0), 0.6, 3, rtol=1e-6), march(body(2.0), 0.6, 0, rtol=1e-6)
+    fresh.restart(marched.t, marched.start[:14])
+    assert marched.attempt(0.2) == fresh.attempt(0.2)
+    assert (marched.y == fresh.y).all()
+
+
 def test_evaluations_are_counted(body):
     counts = []
 
