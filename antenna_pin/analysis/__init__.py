@@ -46,7 +46,7 @@ if TYPE_CHECKING:
     )
     from antenna_pin.analysis.settling import Settling, settling, touching_intervals
     from antenna_pin.analysis.shares import scenario_shares, scenario_spans
-    from antenna_pin.analysis.signals import RunSignal, signals
+    from antenna_pin.analysis.signals import RunSignal, scales_of, signals
     from antenna_pin.analysis.spectrum import (
         UniformSignal,
         dominant_frequencies,
@@ -108,6 +108,7 @@ __all__ = [
     "said_of_constraints",
     "said_of_singular",
     "said_of_spin",
+    "scales_of",
     "scenario_of",
     "scenario_rows",
     "scenario_shares",
@@ -146,7 +147,7 @@ loaded_when_used(
         " possible_scenarios scenario_of scenario_rows",
         "settling": "Settling settling touching_intervals",
         "shares": "scenario_shares scenario_spans",
-        "signals": "RunSignal signals",
+        "signals": "RunSignal scales_of signals",
         "spectrum": "UniformSignal dominant_frequencies spectrogram spectrum uniform",
     },
 )

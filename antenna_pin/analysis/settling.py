@@ -17,6 +17,7 @@ import numpy as np
 import xarray as xr
 
 from antenna_pin.analysis._run import Array, RunLike, choose, data_of, sample_times, variable
+from antenna_pin.analysis.closures import drives_of
 from antenna_pin.analysis.impacts import impacts
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.trajectory import contacts_of, names_along
@@ -25,6 +26,7 @@ __all__ = ["Settling", "settling", "touching_intervals"]
 
 Kind = Literal["bore", "flanges", "any"]
 _LEAST_IMPACTS = 5
+_LEAST_R2 = 0.5  # of an exponential, for approach speeds to decay
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -42,8 +44,8 @@ class Settling:
         last_gap: End of the last interval without contact, however short [s]; NaN if there was none.
         decay_rate: Rate at which approach speeds fall, of the straight line through ln speed over time [1/s];
             NaN for fewer than 5 impacts above the law's floor.
-        decay_r2: Coefficient of determination of that line [-]; a low one says that speeds do not decay
-            exponentially.
+        decay_r2: Coefficient of determination of that line [-].
+        driven: Whether a drive acts on the joint; it may turn the load, and part what had settled.
         curve: Over ``window`` (labelled by its middle, ``time``): ``contact_share`` [-], ``impacts`` begun,
             and their ``largest_approach_speed`` and ``mean_approach_speed`` [m/s] (NaN: no impact).
     """
@@ -58,7 +60,15 @@ class Settling:
     last_gap: float
     decay_rate: float
     decay_r2: float
+    driven: bool
     curve: xr.Dataset
+
+    @property
+    def decays(self) -> bool | None:
+        """Whether approach speeds fall, by a line that explains half of what they do; None: too few."""
+        if not np.isfinite(self.decay_r2):
+            return None
+        return self.decay_rate > 0.0 and self.decay_r2 >= _LEAST_R2
 
 
 def touching_intervals(run: RunLike, contacts: Sequence[str]) -> Array:
@@ -174,6 +184,7 @@ def _settling(
         last_gap=float(gaps[-1, 1]) if gaps.size else float("nan"),
         decay_rate=rate,
         decay_r2=fit,
+        driven=any(drive["joint"] == joint for drive in drives_of(data).values()),
         curve=_curve(table, touching, np.linspace(start, end, windows + 1)),
     )
 

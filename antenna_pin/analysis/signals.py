@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
@@ -11,7 +12,7 @@ from antenna_pin.analysis.base import base_motion
 from antenna_pin.analysis.elastic import elastic_parts_of
 from antenna_pin.trajectory import names_along
 
-__all__ = ["RunSignal", "signals"]
+__all__ = ["RunSignal", "scales_of", "signals"]
 
 _AXES = ("x", "y", "z")
 
@@ -22,6 +23,15 @@ class RunSignal(NamedTuple):
     time: Array  # (n,) [s], uneven
     values: Array  # (n,)
     units: str
+
+
+def scales_of(signals: Iterable[RunSignal]) -> dict[str, float]:
+    """Return the largest size of the signals of each unit: what round-off in any of them is judged by."""
+    found: dict[str, float] = {}
+    for one in signals:
+        sizes = np.abs(one.values[np.isfinite(one.values)])
+        found[one.units] = max(found.get(one.units, 0.0), float(sizes.max(initial=0.0)))
+    return found
 
 
 def signals(run: RunLike) -> dict[str, RunSignal]:

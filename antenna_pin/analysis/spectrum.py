@@ -31,6 +31,7 @@ __all__ = ["UniformSignal", "dominant_frequencies", "spectrogram", "spectrum", "
 
 _OVERSAMPLING = 16
 _LEAST_SAMPLES = 16
+_ROUND_OFF = 1e-10  # of the size of a quantity: what it varies by without a cause
 _LEAST_SHARE = 1e-3  # of the strongest peak, for one to be named beside it
 
 
@@ -163,12 +164,14 @@ def dominant_frequencies(
     rate: float | None = None,
     detrend: Literal["constant", "linear"] = "constant",
     units: str = "",
+    scale: float = 0.0,
 ) -> xr.Dataset:
     r"""Return the strongest periodic parts of a signal, frequencies and amplitudes interpolated between bins.
 
     The mean is taken off and a Hann window laid over the whole signal. Local maxima of its spectrum X
-    count that are above five times the median of their surroundings (an eighth of the band) and above a
-    thousandth of the strongest. With :math:`\alpha` the ratio of the larger neighbour to the maximum,
+    count that are above five times the median of their surroundings (an eighth of the band), above a
+    thousandth of the strongest, and above round-off: 1e-10 of the largest value or of the scale.
+    With :math:`\alpha` the ratio of the larger neighbour to the maximum,
 
     .. math:: f = (k \pm \delta)/T, \quad \delta = \frac{2\alpha - 1}{1 + \alpha}, \qquad
               A = 2 |X_k| \frac{\pi\delta}{\sin\pi\delta} (1 - \delta^2),
@@ -185,11 +188,12 @@ def dominant_frequencies(
         detrend: What is taken off first: the mean, or a straight line, which frees a drifting signal of its
             drift but also bends slow waves.
         units: Of the values.
+        scale: Size of such quantities in the same run, where it is larger than this one's [units].
 
     Returns:
         Over ``peak``, strongest first: ``frequency`` [Hz], ``amplitude`` [units] of the sine and
-        ``contrast``, the maximum over the median around it [-]. Attribute ``resolution``: 1/T [Hz]. No rows
-        if nothing stands out.
+        ``contrast``, the maximum over the median around it [-]. Attributes ``resolution``: 1/T [Hz];
+        ``round_off``: 1 if the whole signal varies by no more than round-off. No rows if nothing stands out.
     """
     even = uniform(time, values, rate)
     if even.values.ndim != 1:
@@ -197,11 +201,12 @@ def dominant_frequencies(
     n = even.values.size
     window = signal.get_window("hann", n)
     size = np.abs(np.fft.rfft(signal.detrend(even.values, type=detrend) * window)) / window.sum()
-    scale = float(np.abs(even.values).max())
+    largest = float(np.abs(even.values).max())
+    round_off = _ROUND_OFF * max(largest, scale)
     around = max(9, n // 16)
-    level = _running_median(size, around) + 1e-15 * scale
+    level = _running_median(size, around) + 1e-15 * largest
     peaks, _ = signal.find_peaks(size)
-    peaks = peaks[(peaks >= 2) & (size[peaks] > 5.0 * level[peaks])]
+    peaks = peaks[(peaks >= 2) & (size[peaks] > 5.0 * level[peaks]) & (2.0 * size[peaks] > round_off)]
     peaks = peaks[np.argsort(-size[peaks], kind="stable")]
     peaks = peaks[size[peaks] >= _LEAST_SHARE * size[peaks].max(initial=0.0)]
     frequency: list[float] = []
@@ -230,7 +235,11 @@ def dominant_frequencies(
             ),
         },
         coords={"peak": np.arange(len(kept))},
-        attrs={"resolution": even.rate / n, "rate": even.rate},
+        attrs={
+            "resolution": even.rate / n,
+            "rate": even.rate,
+            "round_off": int(np.ptp(even.values) <= 2.0 * round_off),
+        },
     )
 
 

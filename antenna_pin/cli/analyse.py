@@ -131,6 +131,8 @@ def _contact(run: Trajectory, longest_gap: float) -> dict[str, Any]:
                 "share_after": _number(one.share_after),
                 "decay_rate": _number(one.decay_rate),
                 "decay_r2": _number(one.decay_r2),
+                "decays": one.decays,
+                "driven": one.driven,
             }
             for one in settling(run, longest_gap=longest_gap)
         ],
@@ -163,12 +165,14 @@ def _elastic(run: Trajectory) -> list[dict[str, Any]]:
 
 
 def _frequencies(run: Trajectory, notes: list[str]) -> list[dict[str, Any]]:
-    from antenna_pin.analysis import dominant_frequencies, signals
+    from antenna_pin.analysis import dominant_frequencies, scales_of, signals
 
     result: list[dict[str, Any]] = []
-    for name, one in signals(run).items():
+    found = signals(run)
+    scales = scales_of(found.values())
+    for name, one in found.items():
         try:
-            peaks = dominant_frequencies(one.time, one.values, _PEAKS)
+            peaks = dominant_frequencies(one.time, one.values, _PEAKS, scale=scales[one.units])
         except InvalidParameterError as error:
             notes.append(f"no frequencies: {error}")
             break
@@ -177,6 +181,7 @@ def _frequencies(run: Trajectory, notes: list[str]) -> list[dict[str, Any]]:
                 "of": name,
                 "units": one.units,
                 "resolution": float(peaks.attrs["resolution"]),
+                "round_off": bool(peaks.attrs["round_off"]),
                 "frequency": [float(x) for x in peaks["frequency"].values],
                 "amplitude": [float(x) for x in peaks["amplitude"].values],
             }
@@ -234,12 +239,15 @@ def _print(label: str, found: dict[str, Any]) -> None:
         for one in found["frequencies"]
         if one["frequency"]
     ]
-    if found["frequencies"] and not rows:
+    quiet = [one["of"] for one in found["frequencies"] if one["round_off"]]
+    if len(found["frequencies"]) > len(quiet) and not rows:
         typer.echo("no frequency stands out")
     if rows:
         title = f"{label}: dominant frequencies [Hz] (amplitude), resolution"
         title += f" {found['frequencies'][0]['resolution']:.3g} Hz"
         print_rows(title, ("", "first", "second", "third"), rows)
+    if quiet:
+        typer.echo(f"nothing above round-off: {', '.join(quiet)}")
 
 
 def _print_contacts(label: str, found: dict[str, Any]) -> None:
@@ -270,10 +278,14 @@ def _print_settling(label: str, found: Sequence[dict[str, Any]]) -> None:
         ("decay_r2", "R2 of an exponential decay [-]"),
     ):
         rows.append([text, *(text_of(one[name]) for one in found)])
+        if name == "decay_rate":
+            rows[-1][1:] = ["no decay" if one["decays"] is False else text_of(one[name]) for one in found]
     print_rows(f"{label}: settling into lasting contact", ("", *(one["joint"] for one in found)), rows)
     for one in found:
         if one["time"] is None:
             typer.echo(f"{one['joint']} does not settle: {one['note']}")
+        elif one["driven"]:
+            typer.echo(f"{one['joint']} is driven: it may part again after the run, as its load turns")
 
 
 _IMPACT = {

@@ -191,8 +191,11 @@ def settlings(runs: Sequence[ReportedRun]) -> Section:
     note = (
         "Settled: from this time on the bore's contacts are never all apart for longer than "
         f"{readable(gap, 's')}. Rate of decay: of the straight line through the logarithm of the approach "
-        "speeds over time."
+        "speeds over time, where that explains half of what they do."
     )
+    driven = list(dict.fromkeys(one.joint for many in found for one in many if one.driven and not one.note))
+    if driven:
+        note += f" Driven, so that they may part again as their load turns: {', '.join(driven)}."
     return Section(key="settling", title="Settling", items=(table,), notes=(note,))
 
 
@@ -210,5 +213,8 @@ def _settling_rows(joint: str, found: Sequence[Settling | None]) -> Iterator[Row
         shares = [s if s is not None and np.isfinite(s) else None for s in shares]
         yield shares_row(f"share of time in contact {word}", shares)
     yield row("last time apart ends at", lambda one: one.last_gap, "s")
-    yield row("rate of decay of approach speeds", lambda one: one.decay_rate, "1/s")
+    yield row("rate of decay of approach speeds", lambda one: one.decay_rate if one.decays else None, "1/s")
+    if any(one is not None and one.decays is False for one in found):
+        said = ("no decay" if one is not None and one.decays is False else "" for one in found)
+        yield words("approach speeds over time", said)
     yield row("how well it fits, R²", lambda one: one.decay_r2, "1")

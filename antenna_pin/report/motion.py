@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 
 import numpy as np
 import xarray as xr
@@ -129,7 +129,13 @@ def frequencies(runs: Sequence[ReportedRun]) -> Section:
             try:
                 values = pick(run)
                 time = run.data["time"].values
-                found.append(None if values is None else dominant_frequencies(time, values, FREQUENCIES))
+                found.append(
+                    None
+                    if values is None
+                    else dominant_frequencies(
+                        time, values, FREQUENCIES, scale=_scale(run, signals, units, units[label])
+                    )
+                )
             except AntennaPinError as error:
                 found.append(None)
                 notes.append(f"{run.label}, {label}: {error}.")
@@ -152,6 +158,18 @@ def frequencies(runs: Sequence[ReportedRun]) -> Section:
     )
 
 
+def _scale(
+    run: ReportedRun,
+    signals: Mapping[str, Callable[[ReportedRun], np.ndarray | None]],
+    units: Mapping[str, str],
+    unit: str,
+) -> float:
+    """Return the largest size of what a run has in a unit, which round-off is judged by."""
+    picked = (pick(run) for label, pick in signals.items() if units[label] == unit)
+    sizes = [np.abs(values[np.isfinite(values)]).max(initial=0.0) for values in picked if values is not None]
+    return float(max(sizes, default=0.0))
+
+
 def _picker(variable: str, dimension: str, name: str) -> Callable[[ReportedRun], np.ndarray | None]:
     def pick(run: ReportedRun) -> np.ndarray | None:
         if name not in run.names(dimension):
@@ -166,7 +184,8 @@ def _frequency_rows(label: str, found: Sequence[xr.Dataset | None], unit: str) -
     yield Row(label)
     most = max(one.sizes["peak"] for one in found if one is not None)
     if not most:
-        yield words("nothing stands out", ("" for _ in found))
+        quiet = all(one is None or one.attrs["round_off"] for one in found)
+        yield words("nothing above round-off" if quiet else "nothing stands out", ("" for _ in found))
     for k in range(most):
         cells = []
         for one in found:

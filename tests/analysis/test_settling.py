@@ -94,8 +94,13 @@ def test_decay_of_speeds_and_the_curve():
     assert found.curve["impacts"].values.tolist() == [2] * 5
     assert found.curve["contact_share"].values == pytest.approx(np.full(5, 0.4), rel=1e-9)
     assert found.curve["largest_approach_speed"].values[0] == pytest.approx(0.2 * math.exp(-0.3))
+    assert found.decays
     few = settling(touches([(1.0, 2.0)], end=5.0), windows=5)[0]
     assert math.isnan(few.decay_rate)
+    assert few.decays is None
+    for speeds in (0.2 * np.exp(3.0 * onset), 0.2 * np.exp(0.1 * (-1.0) ** np.arange(10) - 1e-3 * onset)):
+        (other,) = settling(touches([(t, t + 0.2) for t in onset], end=5.0, speeds=speeds))
+        assert other.decays is False  # they grow; a thousandth a second is lost in what they do else
     assert np.isnan(few.curve["mean_approach_speed"].values[[0, 2, 3, 4]]).all()
 
 

@@ -52,6 +52,18 @@ def test_noise_has_no_dominant_frequency():
     assert dominant_frequencies(np.arange(20_000) / RATE, noise).sizes["peak"] == 0
 
 
+def test_round_off_is_no_signal():
+    """A sine of 1e-13 beside gravity, or beside another axis, is what arithmetic leaves."""
+    small = 1e-13 * np.sin(2 * np.pi * 43.77 * TIME)
+    for values, scale in ((9.81 + small, 0.0), (small, 5.0)):
+        found = dominant_frequencies(TIME, values, scale=scale)
+        assert (found.sizes["peak"], found.attrs["round_off"]) == (0, 1)
+    alone = dominant_frequencies(TIME, small)
+    assert (alone.sizes["peak"], alone.attrs["round_off"]) == (1, 0)
+    beside = dominant_frequencies(TIME, 1e-8 * sines(TIME), scale=1.0)
+    assert (beside.sizes["peak"], beside.attrs["round_off"]) == (2, 0)
+
+
 def test_power_of_a_spectrum_is_the_variance():
     """Parseval; Welch's mean over segments differs from the whole by the ends' share."""
     random = np.random.default_rng(11).standard_normal((TIME.size, 2)) * [1.0, 3.0]
