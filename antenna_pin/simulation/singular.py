@@ -21,8 +21,8 @@ _SINGULAR = 1e-3
 _SUSPECT = 0.5
 # The same of a state from which a run cannot go on: it comes near as the root of the way that is left.
 _NEAR = 0.05
-# How far a mechanism moves from one look to the next, of what is left of the share: angles in rad, ways in its
-# lengths. Shares are sines of angles between its parts: they pass no zero unseen in that.
+# How far a mechanism moves from one look to the next, of what is left of the share: angles in rad, ways in
+# its lengths. Shares are sines of angles between its parts: they pass no zero unseen in that.
 _STRIDE = 0.02
 _AT_MOST = 100  # to be named: a mechanism that stays singular is one sentence too
 

@@ -25,9 +25,8 @@ SPAN = 1.0  # [s]
 LIMITS = {"closed-form": (0.5, 4.0), "coal": (None, None)}
 
 
-def bare_aba() -> Callable[[], float]:
-    """Return a function that times one ``pin.aba`` of the antenna's model [s]."""
-    model = build_system(scenario("case3")).model
+def bare_aba(model: pin.Model) -> Callable[[], float]:
+    """Return a function that times one ``pin.aba`` of a model [s]."""
     names = {"aba": pin.aba, "model": model, "data": model.createData(), "q": pin.neutral(model)}
     names |= {"v": np.full(model.nv, 0.1), "tau": np.zeros(model.nv)}
     timer = timeit.Timer("aba(model, data, q, v, tau)", globals=names)
@@ -40,7 +39,7 @@ def main() -> int:
     report.parser.add_argument("--profile", action="store_true", help="show where the time of a run goes")
     arguments = report.parse()
     repeats, span = (1, 0.1) if arguments.quick else (9, SPAN)
-    bare = bare_aba()
+    bare = bare_aba(build_system(scenario("case3")).model)
     bare()
     for backend, (speed, over) in LIMITS.items():
         if arguments.quick:  # so short a span has more impacts in it, and a larger share of recording

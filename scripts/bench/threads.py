@@ -18,7 +18,7 @@ import numpy as np
 from bench_tools import CLOSED_FORM, Report, scenario
 from run import bare_aba
 
-from antenna_pin import Scenario, Trajectory, simulate
+from antenna_pin import Scenario, Trajectory, build_system, simulate
 
 RUNS = 1000
 SPAN = 1.0  # [s]
@@ -53,7 +53,7 @@ def main() -> int:
     jobs = drawn(count)
     reading = time.perf_counter() - began
     one(jobs[0])  # loads what is compiled
-    aba = bare_aba()()
+    aba = bare_aba(build_system(jobs[0]).model)()
     some = jobs[: max(4, count // 10)]
     began = time.perf_counter()
     serial = [one(job) for job in some]
