@@ -28,7 +28,8 @@ def check_compiled(system: System) -> None:
     for joint in system.clearances:
         if not joint.compiled:
             raise MechanismError(
-                f"engine 'compiled': joint {joint.name!r} has a law in Python; give it another, {way_out}"
+                f"engine 'compiled': joint {joint.name!r} has a law in Python; compile its functions with "
+                f"numba.njit, {way_out}"
             )
         if joint.backend != "closed-form":
             backend = joint.backend if isinstance(joint.backend, str) else type(joint.backend).__name__
@@ -38,8 +39,8 @@ def check_compiled(system: System) -> None:
             )
     for _, _, element in system.callables:
         raise MechanismError(
-            f"engine 'compiled': what acts at joint {element.joint!r} is a function in Python; give it as a "
-            f"table, {way_out}"
+            f"engine 'compiled': what acts at joint {element.joint!r} is a function in Python; compile it with "
+            f"numba.njit, {way_out}"
         )
 
 

@@ -156,7 +156,8 @@ def test_what_is_not_compiled_is_refused_by_name():
     mechanism = build_mechanism(Urdf.from_text(BAR, "bar.urdf"), "fixed")
     drive = CallableDrive(joint="pivot", torque=lambda t, angle, rate: 1.0)
     message = (
-        "engine 'compiled': what acts at joint 'pivot' is a function in Python; give it as a table, or take"
+        "engine 'compiled': what acts at joint 'pivot' is a function in Python; compile it with "
+        "numba.njit, or take"
     )
     with pytest.raises(MechanismError, match=f"^{re.escape(message)}"):
         simulate(System(mechanism, drives={"motor": drive}), duration=0.1, settings=compiled)
