@@ -12,7 +12,7 @@ from scipy.linalg import block_diag
 
 from antenna_pin.constraints import directions
 from antenna_pin.dynamics import System, Workspace
-from antenna_pin.errors import InvalidParameterError
+from antenna_pin.errors import MechanismError
 from antenna_pin.linear.constrained import held_by_constraints
 from antenna_pin.linear.forces import ForceDerivatives, Forces
 from antenna_pin.linear.play import At
@@ -127,7 +127,7 @@ def linearise(at: At) -> Linearisation:
         at: The state, with what of it is taken.
 
     Raises:
-        InvalidParameterError: Nothing is left free to move.
+        MechanismError: Nothing is left free to move.
     """
     system, y = at.system, at.y
     model = system.model
@@ -152,8 +152,10 @@ def linearise(at: At) -> Linearisation:
     mass += np.triu(mass, 1).T
     n, rigid = free_directions(at, weightless)
     if n.shape[1] == 0:
-        raise InvalidParameterError(
-            "modes", "hold", "such that something is left free to move", said=", ".join(at.hold) or "none"
+        names = ", ".join(at.hold) or "none"
+        raise MechanismError(
+            "modes: something must be left free to move, got nothing beside what closures, motions and "
+            f"hold = {names} hold; hold less, or give a driven joint a torque in place of its motion"
         )
     # What velocities and accelerations must do as the directions turn, in the complement of N.
     shift, shift_place, shift_speed = np.zeros_like(n), np.zeros_like(n), np.zeros_like(n)

@@ -79,7 +79,7 @@ def test_slider_crank_about_an_equilibrium(case: str):
 def test_a_loop_that_is_driven_has_nothing_left():
     from antenna_pin import AntennaPinError
 
-    with pytest.raises(AntennaPinError, match="something is left free to move"):
+    with pytest.raises(AntennaPinError, match="something must be left free to move"):
         modes(load_scenario("slider_crank", case="ideal"))
 
 

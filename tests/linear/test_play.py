@@ -181,7 +181,7 @@ def test_in_contact_as_it_is_in_a_run():
         ({"load": [1.0, 0, 2.0]}, "must lie in the joint's plane"),
         ({"load": [1.0, 0, 0], "play": "free"}, "play of hole must be contact, or left out"),
         ({"hold": ["base"]}, "joint 'base' is unknown"),
-        ({"hold": ["hole"]}, "hold must be such that something is left free to move"),
+        ({"hold": ["hole"]}, "something must be left free to move"),
         ({"at": -1.0}, "a time of zero or more"),
         ({"at": 1.0, "q": [0, 0, 1, 0]}, "left out beside at"),
     ],
