@@ -39,8 +39,8 @@ def check_compiled(system: System) -> None:
             )
     for _, _, element in system.callables:
         raise MechanismError(
-            f"engine 'compiled': what acts at joint {element.joint!r} is a function in Python; compile it with "
-            f"numba.njit, {way_out}"
+            f"engine 'compiled': what acts at joint {element.joint!r} is a function in Python; compile it "
+            f"with numba.njit, {way_out}"
         )
 
 
