@@ -63,7 +63,9 @@ def test_a_notebook_shows_it_in_a_frame(ideal):
     assert made._repr_html_().startswith('<iframe srcdoc="&lt;!DOCTYPE html&gt;')
 
 
-@pytest.mark.parametrize(("width", "height", "mobile"), [(380, 760, True), (1280, 900, False)])
+@pytest.mark.parametrize(
+    ("width", "height", "mobile"), [(380, 760, True), (1280, 900, False), (1400, 900, False)]
+)
 def test_no_page_is_wider_than_its_screen(page, saved, width, height, mobile):
     page.open(saved, width, height)
     page.resize(width, height, mobile)
@@ -90,6 +92,19 @@ def test_figures_are_pictures_within_the_page(page, saved):
     assert len(sizes) >= 15
     for width, height, caption in sizes:
         assert width > 300 and height > 200 and caption
+
+
+def test_figures_are_large_on_a_screen_and_fill_a_phone(page, saved):
+    for screen, least in ((1400, 600), (1280, 600), (800, 600), (380, 340)):
+        page.open(saved, screen, 900)
+        page.resize(screen, 900, screen < 500)
+        widths = page.run(
+            "return [...document.querySelectorAll('.picture img')].map("
+            "(one) => one.getBoundingClientRect()).map((box) => [box.left, box.width, box.right]);"
+        )
+        assert all(left >= 0.0 and width >= least and right <= screen for left, width, right in widths), (
+            screen
+        )
 
 
 def test_tall_figures_are_drawn_in_parts_that_fit_on_a_page(ideal, play):
