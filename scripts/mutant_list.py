@@ -69,6 +69,7 @@ TEST_RECORD = "tests/simulation/test_record.py"
 TEST_RUN = "tests/simulation/test_run.py"
 TEST_ON_CHILD = "tests/simulation/test_bearing_on_child.py"
 IN_STATES = ("-k", "same_contacts or power or ledger or against")
+TEST_PARTS = "tests/flexible/test_parts.py"
 TEST_EVENTS = "tests/simulation/test_events.py"
 TEST_TURNS = "tests/simulation/test_turns.py"
 TEST_START = "tests/simulation/test_start_and_end.py"
@@ -751,5 +752,68 @@ MUTANTS = (
         "(work[ERROR_ROW, k] - work[0, k]) / way",
         "work[ERROR_ROW, k] / way",
         TEST_IMPLICIT,
+    ),
+    # --- flexible links
+    _python(
+        "a mode on a slide has half of its damping",
+        "antenna_pin/flexible/realised.py",
+        "        damping=2.0 * ratio * omega * mass,\n",
+        "        damping=ratio * omega * mass,\n",
+        TEST_PARTS,
+        *("-k", "every_mode"),
+    ),
+    _python(
+        "the body of a mode on a hinge is on the wrong side",
+        "antenna_pin/flexible/realised.py",
+        "np.cross(along, across - lever * axis) / size",
+        "np.cross(along, across + lever * axis) / size",
+        TEST_PARTS,
+        *("-k", "every_mode"),
+    ),
+    _python(
+        "the hub keeps the mass of its parts",
+        "antenna_pin/flexible/inertia.py",
+        "MassProperties.of_moments(self.moments - sum(part.moments for part in parts))",
+        "self",
+        TEST_PARTS,
+        *("-k", "hub_and_parts"),
+    ),
+    _python(
+        "participations are about the far side of the root",
+        "antenna_pin/flexible/modal_data.py",
+        "rotation + np.cross(np.array(self.root_xyz), translation)",
+        "rotation - np.cross(np.array(self.root_xyz), translation)",
+        TEST_PARTS,
+        *("-k", "as_pinocchio_says"),
+    ),
+    _python(
+        "a petal's mass is all over its middle line",
+        "antenna_pin/flexible/petals.py",
+        "first = np.array([cos * (share @ r), 0.0, share @ z])",
+        "first = np.array([share @ r, 0.0, share @ z])",
+        TEST_PARTS,
+        *("-k", "sector"),
+    ),
+    _python(
+        "a petal's moment of inertia leaves out its height",
+        "antenna_pin/flexible/petals.py",
+        "(arm[0] ** 2 + arm[2] ** 2)",
+        "(arm[0] ** 2)",
+        TEST_PARTS,
+        *("-k", "hub_held"),
+    ),
+    _compiled(
+        "an elastic part's energy is twice as large in the result",
+        "antenna_pin/dynamics/deflection.py",
+        "energy[:, k] = 0.5 * stiffness",
+        "energy[:, k] = stiffness",
+        *("tests/flexible/test_runs.py", "-k", "decay"),
+    ),
+    _compiled(
+        "of the parts that move a shape only the first is drawn",
+        "antenna_pin/record/bending.py",
+        'for part in (name, *one["with"])',
+        "for part in (name,)",
+        *("tests/record/test_bending.py", "-k", "twists"),
     ),
 )

@@ -11,7 +11,7 @@ from modal_equations import frequencies, linear_frequencies, spatial
 
 from antenna_pin import load_scenario
 from antenna_pin.assemble import build_system, urdf_variant
-from antenna_pin.flexible import EffectiveMode, MassProperties, Petals, realised
+from antenna_pin.flexible import EffectiveMode, MassProperties, Petals, petal_body, realised
 
 
 def rigid(name: str = "reflector") -> MassProperties:
@@ -156,3 +156,23 @@ def test_petals_are_the_dish():
     assert whole.inertia[2, 2] == pytest.approx(6.0 * mean[2], rel=1e-9)
     across = 6.0 * (0.5 * mean[2] + (mean[4] - mean[2] ** 2) / (16.0 * f**2))
     assert np.diag(whole.inertia)[:2] == pytest.approx([across, across], rel=1e-9)
+
+
+def test_a_petal_is_a_sector_of_the_shell():
+    """Against sums over a grid of points: midpoints in angle, whose error is that of a step's square."""
+    f, inner, outer, half = 0.12, 0.1, 0.486, np.pi / 8.0
+    edges, angles = np.linspace(inner, outer, 4001), np.linspace(-half, half, 4001)
+    r, angle = 0.5 * (edges[1:] + edges[:-1]), 0.5 * (angles[1:] + angles[:-1])
+    weight = r * np.sqrt(1.0 + (r / (2.0 * f)) ** 2)
+    weight *= 0.75 / (weight.sum() * len(angle))
+    cos, sin = np.cos(angle), np.sin(angle)
+    along, across = (np.array([one.sum(), (one**2).sum()]) for one in (cos, sin))
+    z = r**2 / (4.0 * f)
+    expected = np.zeros((4, 4))
+    expected[0, 0], expected[1, 1] = along[1] * (weight @ r**2), across[1] * (weight @ r**2)
+    expected[2, 2], expected[0, 2] = len(angle) * (weight @ z**2), along[0] * (weight @ (r * z))
+    expected[0, 3], expected[2, 3] = along[0] * (weight @ r), len(angle) * (weight @ z)
+    expected[3, 3] = 0.75
+    expected = np.triu(expected) + np.triu(expected, 1).T
+    found = petal_body(0.75, f, inner, outer, half).moments
+    assert np.abs(found - expected).max() < 1e-7 * 0.75
