@@ -60,6 +60,8 @@ TEST_SCENARIOS = "tests/geometry/test_scenarios.py"
 TEST_MANIFOLD = "tests/integrate/test_manifold.py"
 TEST_STEPPER = "tests/integrate/test_stepper.py"
 TEST_IMPLICIT = "tests/integrate/test_implicit.py"
+LINEARISATION = "antenna_pin/linear/linearisation.py"
+TEST_MODES_OF_LOOPS = "tests/linear/test_loops.py"
 TEST_ORDER = "tests/integrate/test_order.py"
 TEST_GRAZES = "tests/simulation/test_grazes.py"
 TEST_IMPACTS = "tests/simulation/test_impacts.py"
@@ -815,5 +817,26 @@ MUTANTS = (
         'for part in (name, *one["with"])',
         "for part in (name,)",
         *("tests/record/test_bending.py", "-k", "twists"),
+    ),
+    _python(
+        "modes of closed loops lack the geometric stiffness of what the loops carry",
+        LINEARISATION,
+        "by_place - derived.position - held.force",
+        "by_place - derived.position",
+        TEST_MODES_OF_LOOPS,
+    ),
+    _python(
+        "small motions of a loop that turns keep their velocity where they are displaced",
+        LINEARISATION,
+        "+ (by_speed - derived.rate) @ shift",
+        "+ 0.0 * shift",
+        TEST_MODES_OF_LOOPS,
+    ),
+    _python(
+        "bristles that stick are no springs to undamped frequencies",
+        LINEARISATION,
+        "self.stiffness - to_force @ by_speed",
+        "self.stiffness",
+        "tests/linear/test_play.py",
     ),
 )
