@@ -54,11 +54,13 @@ if TYPE_CHECKING:
         spectrum,
         uniform,
     )
+    from antenna_pin.analysis.upright import STEADY, bearing_up, steady_up
 
 __all__ = [
     "INTERPRETATIONS",
     "SCENARIO_COLUMNS",
     "SPIN_WITHIN",
+    "STEADY",
     "Antenna",
     "Command",
     "Deviation",
@@ -72,6 +74,7 @@ __all__ = [
     "TiltRange",
     "UniformSignal",
     "base_motion",
+    "bearing_up",
     "body_deviation",
     "body_motion",
     "body_poses",
@@ -117,6 +120,7 @@ __all__ = [
     "signals",
     "spectrogram",
     "spectrum",
+    "steady_up",
     "time_mean",
     "time_percentiles",
     "time_rms",
@@ -149,5 +153,6 @@ loaded_when_used(
         "shares": "scenario_shares scenario_spans",
         "signals": "RunSignal scales_of signals",
         "spectrum": "UniformSignal dominant_frequencies spectrogram spectrum uniform",
+        "upright": "STEADY bearing_up steady_up",
     },
 )

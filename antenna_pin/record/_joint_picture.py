@@ -22,21 +22,37 @@ JOURNAL = (0.78, 0.79, 0.81)
 MARK = (0.20, 0.22, 0.26)
 TRACES = ("#0072B2", "#009E73")  # of the journal's axis at the +z and -z end
 RIM = (0.16, 0.28, 0.45)
-#: Light to dark, even steps of lightness, so that it can be read without colour: cividis reversed, darkened.
+#: Light to dark, even steps of lightness, so that it can be read without colour; no step of it is the colour
+#: of a bearing or a journal.
 LOAD_COLOURS = (
-    (233, 203, 68),
-    (200, 176, 92),
-    (165, 153, 112),
-    (124, 123, 120),
-    (88, 98, 115),
-    (50, 74, 110),
-    (0, 32, 77),
+    (254, 193, 93),
+    (253, 152, 65),
+    (252, 102, 49),
+    (237, 48, 34),
+    (200, 7, 35),
+    (155, 0, 38),
+    (111, 0, 33),
 )
 
-# The bearing's axis lies across the picture: bearing x, y, z are drawn along y, z, x.
-TURN = np.array([[0.0, 0.0, 1.0, 0.0], [1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]])
 DIRECTION = (0.35, -1.0, 0.42)  # of the camera, drawn axes
-_CUT = float(np.arctan2(DIRECTION[2], DIRECTION[1]))  # its direction about the bearing's axis [rad]
+_LEVEL = 0.1  # sine of an axis' inclination up to which it counts as level; one that stands is drawn so
+
+
+def drawn_axes(up: Array | None) -> Array:
+    """Return the rotation (3, 3) from bearing axes to those drawn, of which z points up in the picture.
+
+    The bearing's axis lies across the picture, to the right, unless it stands upright.
+
+    Args:
+        up: Against gravity, bearing axes, unit vector (3,) [-]; without it bearing y is drawn upwards.
+    """
+    z = np.array([0.0, 1.0, 0.0]) if up is None else up
+    along = np.array([0.0, 0.0, 1.0])
+    if np.linalg.norm(np.cross(along, z)) < _LEVEL:
+        along = np.array([1.0, 0.0, 0.0])
+    x = along - (along @ z) * z
+    x /= np.linalg.norm(x)
+    return np.stack([x, np.cross(z, x), z])
 
 
 class JointPicture:
@@ -58,10 +74,16 @@ class JointPicture:
         name: str,
         place: dict[str, Any],
         magnify: float | None,
+        up: Array | None = None,
     ) -> None:
         self.name, self.place = name, place
         self.scene = Scene()
-        self.scene.place("run", TURN)
+        self.turn = drawn_axes(up)
+        placement = np.eye(4)
+        placement[:3, :3] = self.turn
+        self.scene.place("run", placement)
+        #: From the bearing to the camera, bearing axes.
+        self.camera: Array = np.array(DIRECTION) @ self.turn
         self.warnings: list[str] = []
         chosen = data.isel(time=frames.indices)
         self.times = np.asarray(chosen["time"].values, dtype=float)
@@ -138,7 +160,7 @@ class JointPicture:
                 },
             }
             facts.append({"text": "arrows: contact force, length by its square root"})
-        turned = self.extent() @ TURN[:3, :3].T
+        turned = self.extent() @ self.turn.T
         return {
             "commands": self.scene.packed(),
             "actors": [{"name": "run", "times": packed_doubles(self.times), "tracks": self.tracks()}],
@@ -152,8 +174,9 @@ class JointPicture:
     def cut_open(self, path: str, inner: Array, outer: Array) -> None:
         """Draw a hollow body of revolution: the half behind, and faintly the half before the cut."""
         quarter = 0.5 * np.pi
-        self.scene.add(path, lathe(inner, outer, _CUT + quarter, _CUT + 3.0 * quarter), BEARING)
-        self.scene.add(f"{path} cut away", lathe(inner, outer, _CUT - quarter, _CUT + quarter), REST)
+        cut = float(np.arctan2(self.camera[1], self.camera[0]))  # the camera's [rad]
+        self.scene.add(path, lathe(inner, outer, cut + quarter, cut + 3.0 * quarter), BEARING)
+        self.scene.add(f"{path} cut away", lathe(inner, outer, cut - quarter, cut + quarter), REST)
 
 
 def length_text(metres: float) -> str:

@@ -8,13 +8,11 @@ import numpy as np
 
 from antenna_pin.record._joint_picture import (
     BEARING,
-    DIRECTION,
     JOURNAL,
     MARK,
     REST,
     RIM,
     TRACES,
-    TURN,
     Array,
     JointPicture,
     length_text,
@@ -56,7 +54,7 @@ class SliderPicture(JointPicture):
         shape = self.shape
         thick, thin = 0.12 * self.radius, 0.012 * self.radius
         half = 0.5 * shape.guide
-        camera = np.array(DIRECTION) @ TURN[:3, :3] @ shape.turn  # section axes
+        camera = self.camera @ shape.turn  # section axes
         for axis in (0, 1):
             for sign in _SIGNS:
                 centre, size = np.zeros(3), np.full(3, self.length)

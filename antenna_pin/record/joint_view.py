@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
+from antenna_pin.analysis import bearing_up, steady_up
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.record._ball_picture import BallPicture
 from antenna_pin.record._joint_picture import JointPicture
 from antenna_pin.record._journal_picture import JournalPicture
 from antenna_pin.record._slider_picture import SliderPicture
 from antenna_pin.record.key_frames import Impacts, KeyFrames
+from antenna_pin.record.triad import triad
 from antenna_pin.trajectory import Trajectory
 
 __all__ = ["PICTURES", "joint_view"]
@@ -21,6 +25,8 @@ PICTURES: dict[str, type[JointPicture]] = {
     "spherical": BallPicture,
     "prismatic": SliderPicture,
 }
+
+_DIRECTIONS = 300  # of gravity that a page carries, for bearings that turn
 
 
 def joint_view(
@@ -56,4 +62,10 @@ def joint_view(
     place = places[name]
     if place["kind"] not in PICTURES:
         raise UnknownNameError("recording", "kind of clearance joint", place["kind"], PICTURES)
-    return PICTURES[place["kind"]](run.data, frames, impacts, name, place, magnify).data()
+    picture = PICTURES[place["kind"]](run.data, frames, impacts, name, place, magnify, steady_up(run, name))
+    seen = picture.data()
+    count = len(frames.indices)
+    some = np.unique(np.linspace(0, count - 1, min(_DIRECTIONS, count)).astype(int))
+    up = bearing_up(run, name, frames.indices[some]) if "mechanism" in run.data.attrs else None
+    gravity = None if up is None else -up @ picture.turn.T
+    return seen | {"triad": triad("axes of the bearing", picture.turn.T, gravity, picture.times[some])}

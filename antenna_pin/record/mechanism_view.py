@@ -17,6 +17,7 @@ from antenna_pin.record.bending import check_bending, drawn_poses, said_of_bendi
 from antenna_pin.record.key_frames import Impacts, KeyFrames
 from antenna_pin.record.scene import Scene, packed_doubles, packed_floats
 from antenna_pin.record.shapes import Cylinder, Shape, Sphere, corners, visual_shapes
+from antenna_pin.record.triad import triad
 from antenna_pin.trajectory import Trajectory, contact_joints
 
 __all__ = ["Boresight", "camera", "mechanism_view", "nice", "placement_of"]
@@ -87,7 +88,7 @@ def mechanism_view(
         text = f"boresight of {line.body} and its trace"
         facts.append({"text": text, "colour": BORESIGHT, "paths": paths})
         trails.append(motion.draw_boresight(line, reach, BORESIGHT, size))
-        extent.append(motion.tips[:: max(1, len(motion.tips) // _FRAMED)])
+        extent.append(motion.tips)
     actors = [motion.actor()]
     if ideal is not None:
         ghost = _Body(*ideal, "ideal", scene, GHOST, factor)
@@ -100,6 +101,7 @@ def mechanism_view(
         facts.append({"text": text, "colour": "#8A94A3", "paths": [ghost.run]})
         if line is not None and line.body in ghost.names:
             trails.append(ghost.draw_boresight(line, reach, "#6B7684", size))
+            extent.append(ghost.tips)
         motion.warnings += [text for text in ghost.warnings if text not in motion.warnings]
         extent.append(ghost.extent)
     marks = mark_closures(run, scene, motion.paths, mechanism_of(run).joints, size)
@@ -116,6 +118,7 @@ def mechanism_view(
         "contacts": contacts,
         "trails": trails,
         "camera": camera(np.concatenate(extent), _DIRECTION, _upright(run)),
+        "triad": triad("axes of the world", np.eye(3), mechanism_of(run).model.gravity.linear),
         "facts": facts,
         "warnings": motion.warnings,
     }

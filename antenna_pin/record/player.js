@@ -25,6 +25,7 @@
   const FADE = 0.15; // [s] of wall time in which a force arrow falls to 1/e
   const FIELD_OF_VIEW = 32; // [deg], vertical
   const MARGIN = 1.06; // of the framed motion
+  const TRIAD = 30; // [px] length of an axis in the corner
   const SPEEDS = [1, 0.5, 0.1, 0.01, 1e-3, 1e-4];
   const ICONS = {
     play: "M5 3.5v13l11-6.5z",
@@ -306,6 +307,52 @@
     }
   }
 
+  // --- which way is which ---
+
+  // The axes that numbers are in, and gravity, drawn in the corner as the camera sees them.
+  class Triad {
+    constructor(stage, data) {
+      this.node = element("div", "ap-triad", stage);
+      this.axes = data.axes;
+      this.times = doubles(data.times);
+      this.gravity = data.gravity ? floats(data.gravity) : null;
+      const size = 2 * (TRIAD + 14);
+      this.node.innerHTML = `<svg viewBox="0 0 ${size} ${size}" width="${size}" height="${size}" role="img"></svg>`;
+      this.svg = this.node.firstChild;
+      this.svg.setAttribute("aria-label", data.label + (data.gravity ? " and gravity, g" : ""));
+      element("div", "", this.node).textContent = data.label;
+    }
+
+    // Draws it for a time; `seen` turns directions of the scene to [right, up, towards who looks].
+    show(t, seen) {
+      const arrows = this.axes.map((axis, k) => ["xyz"[k], axis]);
+      if (this.gravity) {
+        const [i, u] = locate(this.times, t);
+        const p = 3 * i, q = this.times.length < 2 ? p : p + 3;
+        const pull = [0, 1, 2].map((k) => (1 - u) * this.gravity[p + k] + u * this.gravity[q + k]);
+        const norm = Math.hypot(...pull) || 1;
+        arrows.push(["g", pull.map((x) => x / norm)]);
+      }
+      const middle = TRIAD + 14;
+      const lines = arrows.map(([name, axis]) => {
+        const [x, y, near] = seen(axis);
+        const [right, down] = [TRIAD * x, -TRIAD * y];
+        const long = Math.hypot(right, down);
+        const [a, b] = long > 0 ? [right / long, down / long] : [0, 0];
+        const place = (along, across) =>
+          `${(middle + a * along - b * across).toFixed(1)} ${(middle + b * along + a * across).toFixed(1)}`;
+        const head = Math.min(6, long);
+        // The label of gravity stands beside it: it points along an axis as often as not.
+        const words = (name === "g" ? place(long - 8, 10) : place(long + 8, 0)).split(" ");
+        return [near, `<g class="ap-axis-${name}"><path d="M${middle} ${middle}L${place(long, 0)}` +
+          `M${place(long - head, 0.45 * head)}L${place(long, 0)}L${place(long - head, -0.45 * head)}"/>` +
+          `<text x="${words[0]}" y="${words[1]}">${name}</text></g>`];
+      });
+      const drawn = lines.sort((one, other) => one[0] - other[0]).map((line) => line[1]).join("");
+      if (drawn !== this.drawn) this.svg.innerHTML = this.drawn = drawn;
+    }
+  }
+
   // --- the player ---
 
   class Player {
@@ -362,6 +409,7 @@
       this.clock = element("div", "ap-clock", this.stage);
       this.clockTime = element("div", "ap-time", this.clock);
       this.clockSpeed = element("div", "ap-rate", this.clock);
+      if (data.triad) this.triad = new Triad(this.stage, data.triad);
       if (data.contacts && data.contacts.map) this.legend(data.contacts.map);
       if (data.warnings.length) {
         const notes = element("div", "ap-notes", this.stage, {role: "note"});
@@ -388,7 +436,10 @@
       if (!(this.duration > 0)) {
         for (const node of bar.querySelectorAll("input, select, .ap-play, .ap-previous, .ap-next")) node.disabled = true;
       }
-      this.root.addEventListener("keydown", (event) => this.key(event));
+      // A page of its own takes keys wherever the focus is; one of many on a page only where it has the focus.
+      this.keys = this.embedded ? this.root : document;
+      this.pressed = (event) => this.key(event);
+      this.keys.addEventListener("keydown", this.pressed);
       this.setSpeed(this.speed);
     }
 
@@ -522,6 +573,7 @@
     render() {
       if (this.failed) return;
       this.viewer.render();
+      if (this.triad) this.triad.show(this.time, (axis) => this.seen(axis));
       this.dirty = false;
       if (!this.shown) {
         this.shown = true;
@@ -629,6 +681,14 @@
       return this.upright.map((row) => row[0] * point[0] + row[1] * point[1] + row[2] * point[2]);
     }
 
+    // A direction of the scene as the camera sees it: right, up, towards who looks.
+    seen(direction) {
+      const {camera} = this.viewer;
+      const [x, y, z] = this.turned(direction);
+      camera.updateMatrixWorld();
+      return new MeshCat.THREE.Vector3(x, z, -y).transformDirection(camera.matrixWorldInverse).toArray();
+    }
+
     // A pinhole camera in the middle of the canvas, FIELD_OF_VIEW high.
     setCamera(position, target) {
       this.moved = true;
@@ -709,6 +769,7 @@
 
     dispose() {
       this.pause();
+      this.keys.removeEventListener("keydown", this.pressed);
       cancelAnimationFrame(this.handle);
       if (this.observer) this.observer.disconnect();
       if (!this.viewer) return;

@@ -152,6 +152,17 @@ def test_the_joint_close_up(opened, run, request):
     assert quiet(page)
 
 
+def test_keys_work_on_a_fresh_page(opened, clearance_run):
+    """Nothing was clicked and nothing has the focus: the key goes to the page's body."""
+    page = opened(record(clearance_run))
+    assert page.run("return document.activeElement === document.body;")
+    press = "document.body.dispatchEvent(new KeyboardEvent('keydown', {key: a[0], bubbles: true}));"
+    page.run(press, "End")
+    assert page.run("return recording.time === recording.end;")
+    page.run("recording.dispose();" + press, "Home")
+    assert page.run("return recording.time === recording.end;")
+
+
 def test_keys_and_the_size_of_a_phone(opened, clearance_run):
     page = opened(record(clearance_run), 390, 780)
     width, height = page.run("return [recording.canvas.clientWidth, recording.canvas.clientHeight];")
@@ -162,7 +173,10 @@ def test_keys_and_the_size_of_a_phone(opened, clearance_run):
         ".map((node) => node.getBoundingClientRect().height));"
     )
     assert smallest >= 44  # what a finger hits
-    press = "recording.root.dispatchEvent(new KeyboardEvent('keydown', {key: a[0], shiftKey: a[1]}));"
+    press = (
+        "recording.root.dispatchEvent("
+        "new KeyboardEvent('keydown', {key: a[0], shiftKey: a[1], bubbles: true}));"
+    )
     page.run(press, "ArrowRight", True)
     first = clearance_run.data["peak_time"].values.min()
     assert page.run("return recording.time;") == pytest.approx(first, rel=1e-12)

@@ -14,6 +14,7 @@ from scipy.spatial.transform import Rotation
 from antenna_pin.analysis import body_poses
 from antenna_pin.errors import InvalidParameterError, OutputError, UnknownNameError
 from antenna_pin.record import record, shared_head
+from antenna_pin.record._joint_picture import BEARING, JOURNAL, LOAD_COLOURS, drawn_axes
 from antenna_pin.trajectory import Outcome, Trajectory
 
 
@@ -96,6 +97,61 @@ def test_joint_view_says_how_it_is_magnified(clearance_run, planar_run, ball_run
     lower = record(ball_run, view="joint", joint="lower").data
     assert "lower" in lower["facts"][0]["text"]
     assert [item["name"] for item in lower["contacts"]["items"]] == ["lower.spherical"]
+
+
+def test_a_pendulum_rests_on_the_bottom_of_its_bore(planar_run, clearance_run):
+    """The bearing bears the weight from below: the mean force on the journal points up in the picture.
+
+    Without gravity the view would have the bearing's y upwards, which points down there.
+    """
+    data = record(planar_run, view="joint").data
+    axes = np.array(data["triad"]["axes"])
+    assert axes @ axes.T == pytest.approx(np.eye(3), abs=1e-12) and np.linalg.det(axes) == pytest.approx(1.0)
+    (item,) = data["contacts"]["items"]
+    force, point = (floats(item[name], 3) @ axes for name in ("force", "point"))
+    load = np.linalg.norm(force, axis=1)
+    assert np.average(point[:, 2], weights=load) < 0.0 < np.average(force[:, 2], weights=load)
+    assert floats(data["triad"]["gravity"], 3) == pytest.approx(np.array([[0.0, 0.0, -1.0]]), abs=1e-6)
+    assert record(clearance_run, view="joint").data["triad"]["gravity"] is None
+    world = record(planar_run).data
+    up = np.array(world["camera"]["upright"]) @ floats(world["triad"]["gravity"], 3)[0]
+    assert up / np.linalg.norm(up) == pytest.approx([0.0, 0.0, -1.0])
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.05, 0.5, 1.5, 3.0])
+def test_up_is_up_whatever_the_bearing(angle):
+    up = np.array([np.sin(angle) * 0.6, np.sin(angle) * 0.8, np.cos(angle)])
+    turn = drawn_axes(up)
+    assert turn @ turn.T == pytest.approx(np.eye(3), abs=1e-12) and np.linalg.det(turn) == pytest.approx(1.0)
+    assert turn @ up == pytest.approx([0.0, 0.0, 1.0], abs=1e-12)
+
+
+def test_loads_are_seen_on_bearing_and_journal():
+    """Luminance falls from step to step; no step is near the colour of what it is drawn on, 0 to 255 each."""
+    colours = np.array(LOAD_COLOURS, dtype=float)
+    luminance = ((colours / 255.0) ** 2.2) @ [0.2126, 0.7152, 0.0722]
+    assert (np.diff(luminance) < 0.0).all() and luminance[0] > 10.0 * luminance[-1]
+    for part in (BEARING, JOURNAL):
+        assert np.linalg.norm(colours - 255.0 * np.array(part), axis=1).min() > 80.0
+
+
+def test_the_frame_holds_the_traces(clearance_run, ideal_run):
+    """Of the run's boresight and the ghost's: framed points reach as far as they do, in every direction.
+
+    But for what 256 directions leave between them, 4 degrees: 1 - cos(4 deg) of the size.
+    """
+    moved = ideal_run.data.assign(q=ideal_run.data["q"] + 0.0)
+    moved["q"][:, 0] += 5.0  # the free base, 5 m off
+    ghost = dataclasses.replace(ideal_run, data=moved)
+    data = record(clearance_run, ghost).data
+    framed = floats(data["camera"]["points"], 3)
+    size = np.ptp(framed, axis=0).max()
+    assert len(data["trails"]) == 2
+    for trail in data["trails"]:
+        points = floats(trail["points"], 3)
+        for way in np.random.default_rng(1).normal(size=(50, 3)):
+            way /= np.linalg.norm(way)
+            assert (points @ way).max() < (framed @ way).max() + 3e-3 * size
 
 
 def test_a_small_limit_thins_the_key_frames(clearance_run):
