@@ -14,7 +14,7 @@ from contextlib import contextmanager
 from types import FrameType
 from typing import NoReturn
 
-__all__ = ["Ended", "ended_by", "ending_by_signals", "held_back", "interruptible"]
+__all__ = ["Ended", "ended_by", "ending_by_signals", "held_back", "interruptible", "is_interruption"]
 
 _ENDING = tuple(
     number for name in ("SIGTERM", "SIGHUP") if (number := getattr(signal, name, None)) is not None
@@ -34,16 +34,34 @@ def ended_by() -> int:
     return _last[-1] if _last else int(signal.SIGINT)
 
 
+def is_interruption(error: BaseException) -> bool:
+    """Whether an exception is what a signal, after :func:`ending_by_signals`, has brought about.
+
+    Some libraries make another of it: one in C that is interrupted while it is imported an ImportError.
+    """
+    if isinstance(error, KeyboardInterrupt):
+        return True
+    above = error.__cause__ or error.__context__
+    return bool(_last) and (isinstance(error, ImportError) or (above is not None and is_interruption(above)))
+
+
 def ending_by_signals() -> None:
     """Let SIGTERM and SIGHUP end work in this process as Ctrl-C does, unless they are ignored (``nohup``)."""
     for number in _ENDING:
         if signal.getsignal(number) is signal.SIG_DFL:
             signal.signal(number, _end)
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        signal.signal(signal.SIGINT, _interrupt)
 
 
 def _end(number: int, frame: FrameType | None) -> NoReturn:
     _last[:] = [number]
     raise Ended
+
+
+def _interrupt(number: int, frame: FrameType | None) -> NoReturn:
+    _last[:] = [number]
+    raise KeyboardInterrupt
 
 
 @contextmanager

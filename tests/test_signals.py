@@ -12,12 +12,12 @@ import pytest
 
 from antenna_pin import Outcome, Trajectory
 from antenna_pin.files import replacing
-from antenna_pin.interruption import Ended, ending_by_signals, held_back, interruptible
+from antenna_pin.interruption import Ended, ending_by_signals, held_back, interruptible, is_interruption
 
 _ENTRY = "import sys; from antenna_pin._entry import main; sys.argv[0] = 'antenna-pin'; sys.exit(main())"
 # Far longer than any test waits, and yet it ends by itself, whatever becomes of the test that has started it.
 _ENDLESS = ("run", "bai2020", "--case", "case1", "--duration", "1e5", "--out", "run.nc")
-_ENDLESS += ("--set", "integrator.max_wall_time=120 s")
+_ENDLESS += ("--set", "integrator.max_wall_time=120 s", "--set", "output.rate=10 Hz")
 
 
 @pytest.fixture
@@ -63,7 +63,8 @@ def _ended(process, terminal):
 @pytest.fixture
 def as_command_line():
     """SIGTERM and SIGHUP as the command line takes them, for one test."""
-    before = {number: signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGHUP)}
+    numbers = (signal.SIGTERM, signal.SIGHUP, signal.SIGINT)
+    before = {number: signal.getsignal(number) for number in numbers}
     ending_by_signals()
     yield
     for number, handler in before.items():
@@ -145,6 +146,19 @@ def test_signals_count_as_ctrl_c_on_the_command_line(as_command_line):
             signal.raise_signal(signal.SIGINT)
     with pytest.raises(Ended):
         signal.raise_signal(signal.SIGHUP)
+
+
+def test_what_a_library_makes_of_ctrl_c_is_an_interruption_still(as_command_line):
+    """Matplotlib, interrupted while its C library is imported, says that the initialization failed."""
+    assert not is_interruption(ZeroDivisionError())
+    with pytest.raises(ValueError) as seen:
+        try:
+            signal.raise_signal(signal.SIGINT)
+        except KeyboardInterrupt:
+            raise ValueError from None
+    assert is_interruption(seen.value)
+    assert is_interruption(ImportError("initialization failed"))
+    assert not is_interruption(ZeroDivisionError())
 
 
 def test_what_is_held_back_comes_in_the_end(tmp_path, as_command_line):

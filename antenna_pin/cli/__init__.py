@@ -8,13 +8,14 @@ Exit codes: 0 done; 2 refused, with one line on the error stream that says why; 
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
 from typing import Annotated
 
 import typer
 
 from antenna_pin.cli import analyse, contact, figures, info, modes, pointing, record, report, run
-from antenna_pin.cli._common import one_line_errors
+from antenna_pin.cli._common import one_line_errors, told_interruption
 from antenna_pin.cli._usage import OneLineGroup
 from antenna_pin.interruption import ending_by_signals
 
@@ -34,7 +35,10 @@ app = typer.Typer(
 def main() -> None:
     """Run the command line, which SIGTERM and SIGHUP end as Ctrl-C does."""
     ending_by_signals()
-    app()
+    try:
+        app()
+    except KeyboardInterrupt as error:  # while the commands are made
+        sys.exit(told_interruption(error))
 
 
 def _show_version(wanted: bool) -> None:

@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Annotated, NoReturn, ParamSpec, TypeVar
 import typer
 
 from antenna_pin.errors import AntennaPinError, OutputError, UnknownNameError, printable
-from antenna_pin.interruption import Ended, ended_by, held_back
+from antenna_pin.interruption import Ended, ended_by, held_back, is_interruption
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -82,10 +82,7 @@ def one_line_errors(command: Callable[P, R]) -> Callable[P, R]:
                 warnings.showwarning = _said_in_one_line
                 return command(*args, **kwargs)
         except KeyboardInterrupt as error:
-            _let_go_of_closed_streams()
-            number = ended_by() if isinstance(error, Ended) else signal.SIGINT
-            complain("interrupted")
-            raise typer.Exit(SIGNALLED + number) from None
+            raise typer.Exit(told_interruption(error)) from None
         except AntennaPinError as error:
             refuse(str(error))
         except OSError as error:
@@ -93,8 +90,20 @@ def one_line_errors(command: Callable[P, R]) -> Callable[P, R]:
                 raise
             where = f"{error.filename}: " if error.filename else ""
             refuse(f"{where}{error.strerror or error}")
+        except Exception as error:
+            if not is_interruption(error):
+                raise
+            raise typer.Exit(told_interruption(error)) from None
 
     return wrapper
+
+
+def told_interruption(error: BaseException) -> int:
+    """Say that a signal has ended the command, and return its exit code."""
+    _let_go_of_closed_streams()
+    complain("interrupted")
+    plain = isinstance(error, KeyboardInterrupt) and not isinstance(error, Ended)
+    return SIGNALLED + (signal.SIGINT if plain else ended_by())
 
 
 def _said_in_one_line(message: Warning | str, *about: object, **more: object) -> None:

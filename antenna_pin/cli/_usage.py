@@ -7,9 +7,10 @@ import functools
 from collections.abc import Iterator
 from typing import Any
 
+import typer
 from typer.core import TyperGroup
 
-from antenna_pin.cli._common import complain
+from antenna_pin.cli._common import complain, told_interruption
 
 
 class OneLineGroup(TyperGroup):
@@ -30,6 +31,8 @@ class OneLineGroup(TyperGroup):
 def _told_in_one_line() -> Iterator[None]:
     try:
         yield
+    except KeyboardInterrupt as error:  # while words are read
+        raise typer.Exit(told_interruption(error)) from None
     except Exception as error:
         # Typer brings a Click of its own, or not; NoArgsIsHelpError shows the help, which is many lines.
         if hasattr(error, "format_message") and type(error).__name__ != "NoArgsIsHelpError":
