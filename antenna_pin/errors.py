@@ -58,6 +58,10 @@ class AntennaPinError(Exception):
         super().__init__(*(_one_line(one) if isinstance(one, str) else one for one in arguments))
 
 
+class NotSimulatedWarning(UserWarning):
+    """Something of a URDF is left out of what is simulated."""
+
+
 class InvalidParameterError(AntennaPinError, ValueError):
     """A parameter breaks a rule of the thing it describes.
 

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from antenna_pin.analysis.growth import Growth, growth_of
     from antenna_pin.analysis.impacts import impact_statistics, impacts
     from antenna_pin.analysis.journal import bore_load, clearance_shapes, journal_motion
+    from antenna_pin.analysis.limits import said_of_limits
     from antenna_pin.analysis.loads import load_statistics
     from antenna_pin.analysis.orbit import Orbit
     from antenna_pin.analysis.pointing import Antenna, Command, boresight, pointing_error
@@ -109,6 +110,7 @@ __all__ = [
     "resampled",
     "modal_energy",
     "said_of_constraints",
+    "said_of_limits",
     "said_of_singular",
     "said_of_spin",
     "scales_of",
@@ -142,6 +144,7 @@ loaded_when_used(
         "growth": "Growth growth_of",
         "impacts": "impact_statistics impacts",
         "journal": "bore_load clearance_shapes journal_motion",
+        "limits": "said_of_limits",
         "loads": "load_statistics",
         "orbit": "Orbit",
         "pointing": "Antenna Command boresight pointing_error",

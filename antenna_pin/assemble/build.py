@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import warnings
+
 from antenna_pin.assemble.closures import closures_of
 from antenna_pin.assemble.flexible import by_name
 from antenna_pin.assemble.laws import clearance_joint
@@ -9,6 +11,7 @@ from antenna_pin.assemble.places import check_known, check_motion
 from antenna_pin.assemble.springs import springs_of
 from antenna_pin.assemble.variant import types_as_written, variant_and_parts
 from antenna_pin.dynamics import HeldKind, System
+from antenna_pin.errors import NotSimulatedWarning
 from antenna_pin.mechanism import build_mechanism
 from antenna_pin.scenario import AngleEvent, ForceEvent, GapEvent, RateEvent, Scenario
 from antenna_pin.scenario.clearance import TouchingSpec
@@ -31,6 +34,8 @@ def build_system(scenario: Scenario) -> System:
         AntennaPinError: Names, dimensions or laws that do not go together; one line that says where.
     """
     urdf, parts = variant_and_parts(scenario)
+    for line in urdf.not_simulated:
+        warnings.warn(line, NotSimulatedWarning, stacklevel=2)
     mechanism = build_mechanism(urdf, scenario.mechanism.base, scenario.mechanism.gravity)
     for name, spec in scenario.drives.items():
         check_known(scenario, [spec.joint], "moving joint", mechanism.joints, "drives", name, "joint")

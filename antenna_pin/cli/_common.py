@@ -258,6 +258,16 @@ def save_figures(figures: Mapping[str, Figure], out: Path, suffixes: Sequence[st
         typer.echo(path)
 
 
+def say_limits(trajectory: Trajectory, before: str) -> None:
+    """Say which joints have passed a limit of the URDF; ``before``: what to say first."""
+    if "<limit" not in str(trajectory.data.attrs.get("urdf", "")):
+        return
+    from antenna_pin.analysis import said_of_limits
+
+    for said in said_of_limits(trajectory):
+        typer.echo(f"{before}{said}")
+
+
 def say_spin(trajectory: Trajectory, before: str) -> None:
     """Say where elastic parts of a run spun too fast for what they are modelled as.
 

@@ -19,6 +19,7 @@ from antenna_pin.cli._common import (
     labels_of,
     load_result,
     refuse,
+    say_limits,
     say_spin,
 )
 from antenna_pin.cli._export import CsvOption, csv_target, rows_of, say_json, write_csv
@@ -74,6 +75,7 @@ def info(
         if trajectory.outcome.name != "COMPLETED":
             typer.echo(f"{label}: {trajectory.message}")
         say_spin(trajectory, f"{label}: ")
+        say_limits(trajectory, f"{label}: ")
     held = [(label, trajectory.constraints) for label, (_, trajectory) in zip(labels, runs, strict=True)]
     if any(counts for _, counts in held):
         from antenna_pin.analysis import said_of_constraints, said_of_singular

@@ -21,6 +21,7 @@ from antenna_pin.cli._common import (
     load,
     not_interrupted,
     save_result,
+    say_limits,
     say_spin,
     stem,
     writable_file,
@@ -106,6 +107,7 @@ def run(
         if not quiet:
             typer.echo(f"saved {path}")
             say_spin(trajectory, "note: ")
+            say_limits(trajectory, "note: ")
         outcome = trajectory.outcome.name
         if trajectory.completed:
             if outcome != "COMPLETED" and not quiet:

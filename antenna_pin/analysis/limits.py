@@ -1,0 +1,66 @@
+"""Position limits of a URDF's joints, which no force holds: whether a run has passed them."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+
+import numpy as np
+
+from antenna_pin.analysis._run import RunLike, data_of
+from antenna_pin.readable import number
+from antenna_pin.trajectory import is_lean, names_along
+
+__all__ = ["said_of_limits"]
+
+_KINDS = (("joint", "motion_angle", "rad"), ("sliding_joint", "slide_position", "m"))
+
+
+def said_of_limits(run: RunLike) -> tuple[str, ...]:
+    """Return a line for each joint that a run has taken past a ``<limit>`` of its URDF.
+
+    By how much at most, and since when, are those of samples. A joint with play has no limits, for it is free
+    in the URDF that is simulated. Nothing is said of a lean result, nor of one without a URDF.
+
+    Args:
+        run: A run, or its data.
+    """
+    data = data_of(run)
+    limits = {} if is_lean(data) else _limits(str(data.attrs.get("urdf", "")))
+    lines = []
+    for dim, variable, unit in _KINDS:
+        for name in names_along(data, dim) if limits else ():
+            if name not in limits:
+                continue
+            lower, upper = limits[name]
+            values = np.asarray(data[variable].sel({dim: name}).values, dtype=float)
+            beyond = np.maximum(values - upper, lower - values)
+            # What stands at its limit may be over it by round-off.
+            passed = np.flatnonzero(beyond > 1e-9 * max(upper - lower, 1e-3))
+            if passed.size:
+                side = upper if values[passed[0]] > upper else lower
+                lines.append(
+                    f"joint {name!r} passes its limit of {number(side, 4)} {unit} at "
+                    f"{number(float(data['time'].values[passed[0]]), 4)} s, by up to "
+                    f"{number(float(beyond.max()), 3)} {unit}: limits are not simulated"
+                )
+    return tuple(lines)
+
+
+def _limits(urdf: str) -> dict[str, tuple[float, float]]:
+    """Return lower and upper limit of each joint that turns or slides between limits, by name.
+
+    There are none in a text that is no URDF: who needs the mechanism refuses it.
+    """
+    found: dict[str, tuple[float, float]] = {}
+    if "<limit" not in urdf or "<!DOCTYPE" in urdf:
+        return found
+    try:
+        for joint in ET.fromstring(urdf).iter("joint"):  # noqa: S314 - entities need a DOCTYPE
+            limit = joint.find("limit")
+            if limit is not None and joint.get("type") in ("revolute", "prismatic"):
+                lower, upper = float(limit.get("lower", 0.0)), float(limit.get("upper", 0.0))
+                if lower < upper:
+                    found[str(joint.get("name"))] = (lower, upper)
+    except (ET.ParseError, ValueError):
+        return {}
+    return found
