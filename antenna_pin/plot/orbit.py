@@ -45,6 +45,7 @@ from antenna_pin.plot._style import (
     styled,
     three_digits,
 )
+from antenna_pin.plot._upright import mark_axes, shown_axes
 from antenna_pin.trajectory import contact_ends, contact_kinds
 
 Shade = Literal["time", "load"]
@@ -66,6 +67,9 @@ def figure_orbit(
     bore. Outside the circle the surfaces are pressed into each other, by a hundredth of the clearance or so.
     A ball joint has the three projections of its ball's centre. A slider's axis is seen at its own two ends,
     inside the rectangle that its guide leaves it.
+
+    Under gravity "up" is against it, as far as the bearing keeps still: the labels say which axis of the
+    bearing that is, and a triad in the corner shows its axes where others than x and y are across and up.
 
     Args:
         runs: Trajectories, or pairs of a label and a dataset.
@@ -94,9 +98,13 @@ def figure_orbit(
     letter = letters()
     panel = iter(panels)
     for run, motion, plane, load in zip(drawn, motions, planes, loads, strict=True):
-        outline = factor * motion.attrs["outline"]
+        shown = shown_axes(run.data, joint, spatial=len(plane) > 1)
+        outline = motion.attrs["outline"]
+        outline = factor * (np.pad(outline, ((0, 0), (0, 1))) @ shown.turn.T)[:, :2]
+        if len(plane) > 1:
+            outline = factor * motion.attrs["outline"]  # a circle however it is seen
         for number, place in enumerate(motion["place"].values):
-            offset = factor * motion["offset"].values[:, number]
+            offset = factor * (motion["offset"].values[:, number] @ shown.turn.T)
             for across, up in plane:
                 axes = next(panel)
                 if shade == "time":
@@ -110,8 +118,9 @@ def figure_orbit(
                 axes.set(xlim=(-reach, reach), ylim=(-reach, reach))
                 axes.set_aspect("equal")
                 few_ticks(axes, 4, 4)
-                axes.set_xlabel(f"{'xyz'[across]} [{printed}]")
-                axes.set_ylabel(f"{'xyz'[up]} [{printed}]")
+                axes.set_xlabel(f"{shown.names[across]} [{printed}]")
+                axes.set_ylabel(f"{shown.names[up]} [{printed}]")
+                mark_axes(axes, shown, across, up)
                 seen = "ball" if len(plane) > 1 else _PLACES[str(place)]
                 panel_title(axes, next(letter) if count > 1 else "", f"{run.label}, {seen}")
     words = "normal force [N]" if shade == "load" else "time [s]"
@@ -218,7 +227,7 @@ def figure_bore_load(
     """Return the load around the bore: the impulse of the normal force that each sector took.
 
     Bars of the two ends of a bore stand on one another. The angle is that of the bearing's surface, from the
-    bearing's x axis towards its y axis.
+    bearing's x axis towards its y axis. Under gravity "up" is against it, as far as the bearing keeps still.
 
     Args:
         runs: Trajectories, or pairs of a label and a dataset.
@@ -238,6 +247,7 @@ def figure_bore_load(
         ("radial", ""): ("bore", COLOURS[5]),
         ("spherical", ""): ("socket", COLOURS[5]),
     }
+    upright = False
     for letter, axes, run, load in zip(letters(), panels, drawn, loads, strict=False):
         assert isinstance(axes, PolarAxes)
         impulse = load["impulse"].values
@@ -266,6 +276,10 @@ def figure_bore_load(
             axes.text(0.5, 0.6, "no contact", transform=axes.transAxes, ha="center")
             axes.set_yticks([])
         names = ["x", "45°", "y", "135°", "180°", "225°", "270°", "315°"]
+        shown = shown_axes(run.data, joint, spatial=False)
+        if shown.up is not None:
+            axes.set_theta_offset(0.5 * np.pi - np.arctan2(shown.up[1], shown.up[0]))
+            upright = True
         axes.set_thetagrids(np.arange(0, 360, 45), names, fontsize=6.5)
         axes.tick_params(axis="x", pad=-1.0)
         total, unit = prefixed("N s", float(impulse.sum()))
@@ -275,6 +289,7 @@ def figure_bore_load(
     footnote(
         figure,
         f"impulse of the normal force per sector of {360 / sectors:.3g}°",
+        "up: against gravity" if upright else "",
         too_short(every),
         left_out(every, drawn, "no clearance in this joint"),
     )

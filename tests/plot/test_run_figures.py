@@ -1,6 +1,7 @@
 """Figures of real, short runs: what they show equals what the run holds, and all of it can be read."""
 
 import dataclasses
+import json
 
 import numpy as np
 import pytest
@@ -12,7 +13,9 @@ from antenna_pin.analysis import (
     base_motion,
     body_deviation,
     body_motion,
+    body_poses,
     bore_load,
+    clearance_shapes,
     deviation,
     joint_loads,
     pointing_error,
@@ -113,6 +116,32 @@ def test_orbit_of_a_planar_joint_is_its_centre(real_runs):
     # A path keeps what it is given; the factor costs a rounding.
     expected = data["journal_position"].values[:-1, 0, :2]
     np.testing.assert_allclose(starts, expected, rtol=1e-12, atol=1e-18)
+
+
+@pytest.mark.parametrize("gravity", [(0.0, 0.0, -9.81), (9.81, 0.0, 0.0), (0.0, -6.0, -8.0), (0.0, 0.0, 0.0)])
+def test_orbit_and_bore_load_have_up_against_gravity(real_runs, gravity):
+    """What is drawn is what was recorded, turned: the direction against gravity, worked out here, is up."""
+    data = real_runs["case2-planar"]
+    about = json.loads(data.attrs["mechanism"]) | {"gravity": gravity}
+    data = data.assign_attrs(mechanism=json.dumps(about))
+    bearing = clearance_shapes(data)["elevation"]
+    turn = Rotation.from_quat(body_poses(data)["attitude"].sel(body=bearing["bearing_body"]).values).mean()
+    turn *= Rotation.from_quat(bearing["bearing_placement"][3:])
+    up = -turn.inv().apply(gravity)[:2]
+    axes = figure_orbit(("planar", data)).axes[0]
+    (orbit,) = (each for each in axes.collections if isinstance(each, LineCollection))
+    starts = np.array([piece[0] for piece in orbit.get_segments()]) / factor_of(axes.get_xlabel(), "m")
+    offset = data["journal_position"].values[:-1, 0, :2]
+    (polar,) = (each for each in figure_bore_load(("planar", data)).axes if each.name == "polar")
+    if np.hypot(*up) < 0.1 * np.linalg.norm(gravity) + 1e-9:  # along the axis, or none: as it was
+        assert starts == pytest.approx(offset, abs=1e-12) and polar.get_theta_offset() == 0.0
+        return
+    assert "up" in axes.get_ylabel() and "up" not in axes.get_xlabel()
+    # The base moves by fractions of a milliradian in this time; up is its mean.
+    assert starts[:, 1] == pytest.approx(offset @ up / np.hypot(*up), abs=2e-3 * np.abs(offset).max())
+    assert np.hypot(*starts.T) == pytest.approx(np.hypot(*offset.T), abs=1e-12)
+    surface = np.arctan2(up[1], up[0]) + polar.get_theta_offset()
+    assert np.sin(surface) == pytest.approx(1.0, abs=1e-3)
 
 
 def test_orbit_of_a_ball_has_three_projections(real_runs):
