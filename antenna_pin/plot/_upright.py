@@ -89,8 +89,8 @@ def mark_axes(axes: Axes, shown: ShownAxes, across: int, up: int) -> None:
         way = shown.turn[[across, up], k]
         if np.hypot(*way) < 0.2:
             continue  # it points at who looks
-        tip = 0.16 + size * way
+        x, y = (0.16 + size * way).tolist()
         arrow = {"arrowstyle": "->", "linewidth": 0.6, "shrinkA": 0.0, "shrinkB": 0.0}
-        axes.annotate("", tip, (0.16, 0.16), "axes fraction", arrowprops=arrow)
-        place = 0.16 + (size + 0.035) * way
-        axes.text(*place, name, transform=axes.transAxes, ha="center", va="center", fontsize=6.5)
+        axes.annotate("", (x, y), (0.16, 0.16), "axes fraction", arrowprops=arrow)
+        x, y = (0.16 + (size + 0.035) * way).tolist()
+        axes.text(x, y, name, transform=axes.transAxes, ha="center", va="center", fontsize=6.5)
