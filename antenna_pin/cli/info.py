@@ -130,7 +130,7 @@ def plot(
         str, typer.Option("--format", metavar="LIST", help="Any of png, pdf, svg, separated by commas.")
     ] = "png",
     joint: Annotated[
-        str | None, typer.Option(help="Joint to draw; the first one with clearance if left out.")
+        str | None, typer.Option(help="The one joint to draw; every joint with clearance if left out.")
     ] = None,
     names: Annotated[
         list[str] | None,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import re
 from collections.abc import Callable, Collection, Iterable, Sequence
 from pathlib import Path
 
@@ -33,13 +34,15 @@ def save_figures(
 ) -> list[Path]:
     """Draw the figures of the catalogue that the runs allow, write them, and return their paths.
 
-    Each file bears its figure's name in :data:`CATALOGUE`, and is whole or not there at all.
+    Each file bears its figure's name in :data:`CATALOGUE`, and is whole or not there at all. Figures of a
+    joint are drawn of every joint that the runs are about; of the second and later ones they bear its name as
+    well, as in ``journal_orbit-lower``.
 
     Args:
         runs: Trajectories, or pairs of a label and a dataset or trajectory.
         folder: Where to write; made if it is missing.
         formats: Any of "png", "pdf" and "svg".
-        joint: The joint to draw; the first one with clearance if left out.
+        joint: The one joint to draw; each with clearance if left out.
         names: The figures to draw; the standard ones if left out.
         width: "column" (88 mm) or "page" (180 mm).
         on_left_out: Told the name of a figure that the data do not allow although the runs are of the kind
@@ -49,11 +52,11 @@ def save_figures(
     given = list(runs)
     drawings: dict[str, Allowed] = {}
     for each in allowed_figures(given, joint, names):
-        drawings.setdefault(each.figure.name, each)  # of the first joint
+        drawings[_free_name(each, drawings)] = each
     target = folder_for_figures(folder)
     written: list[Path] = []
     tell = on_left_out or (lambda name, reason: None)
-    for name in sorted(set(names or ()) - set(drawings)):
+    for name in sorted(set(names or ()) - {each.figure.name for each in drawings.values()}):
         tell(name, f"no run has {CATALOGUE[name].needed}")
     for name, each in drawings.items():
         try:
@@ -63,6 +66,16 @@ def save_figures(
             continue
         written += save_figure(figure, target / name, formats)
     return written
+
+
+def _free_name(each: Allowed, taken: Collection[str]) -> str:
+    """Return the file's name for a figure: its own, with the joint's where a joint before has taken that."""
+    name = each.figure.name
+    if name in taken:
+        name += "-" + re.sub(r"[^\w.+-]", "_", str(each.joint))
+    while name in taken:
+        name += "_"
+    return name
 
 
 def check_formats(formats: Sequence[str]) -> None:

@@ -95,6 +95,11 @@ def visual_shapes(urdf: Urdf) -> tuple[list[Shape], list[str]]:
         for material in urdf.robot.materials
         if material.color is not None
     }
+    # A name stands for a colour wherever in the file it is given, in a link too.
+    for link in urdf.robot.links:
+        for visual in link.visuals:
+            if visual.material is not None and visual.material.color is not None:
+                colours.setdefault(visual.material.name, tuple(map(float, visual.material.color.rgba)))
     shapes: list[Shape] = []
     warnings: list[str] = []
     for link in urdf.robot.links:

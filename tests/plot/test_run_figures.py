@@ -47,7 +47,7 @@ from antenna_pin.plot import (
     paper_figures,
     save_figures,
 )
-from antenna_pin.plot._kinds import CLOSED, LOOPED, MOVING, PRESCRIBED, SLIDING, TOUCHING
+from antenna_pin.plot._kinds import CLOSED, FLEXIBLE, LOOPED, MOVING, PRESCRIBED, SLIDING, TOUCHING
 
 
 @pytest.fixture(scope="module")
@@ -391,9 +391,9 @@ def test_the_steady_force_is_that_of_the_second_half(runs):
 
 MADE_UP = ("motion_angle", "motion_rate", "motion_acceleration", "contact_forces", "energy", "momentum")
 SLIDES = [name for name, figure in CATALOGUE.items() if figure.of is SLIDING]
-CLOSURES = [name for name, figure in CATALOGUE.items() if figure.needs in (CLOSED, PRESCRIBED)]
+CLOSURES = [name for name, figure in CATALOGUE.items() if figure.needs in (CLOSED, PRESCRIBED, FLEXIBLE)]
 LOOPS = [*CLOSURES, *(name for name, figure in CATALOGUE.items() if figure.of is LOOPED)]
-# Other files have those of made-up runs and of closures.
+# Other files have those of made-up runs, of closures and of flexible links.
 FIGURES = [name for name in CATALOGUE if name not in (*MADE_UP, *SLIDES, *CLOSURES)]
 STANDARD = [name for name, figure in CATALOGUE.items() if figure.standard and name not in (*SLIDES, *LOOPS)]
 
@@ -461,6 +461,18 @@ def test_the_standard_set_of_real_runs(runs, tmp_path, monkeypatch):
     written = save_figures(runs[::2], tmp_path, ("svg",), on_left_out=lambda *words: said.append(words))
     assert [path.stem for path in written] == STANDARD
     assert said == []
+
+
+def test_every_joint_with_play_has_its_files(real_runs, tmp_path, monkeypatch):
+    monkeypatch.setattr("antenna_pin.plot.files._save", lambda figure, path: path)
+    ball = [("balls", real_runs["floating"])]
+    joints = list(clearance_shapes(real_runs["floating"]))
+    assert len(joints) == 2
+    names = ["journal_orbit", "momentum"]
+    stems = [path.stem for path in save_figures(ball, tmp_path, ("svg",), names=names)]
+    assert stems == ["journal_orbit", f"journal_orbit-{joints[1]}", "momentum"]
+    alone = save_figures(ball, tmp_path, ("svg",), names=["journal_orbit"], joint=joints[1])
+    assert [path.stem for path in alone] == ["journal_orbit"]
 
 
 def test_what_runs_are_about_is_drawn_of_each_joint_with_clearance(runs, rigs):

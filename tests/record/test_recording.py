@@ -13,8 +13,10 @@ from scipy.spatial.transform import Rotation
 
 from antenna_pin.analysis import body_poses
 from antenna_pin.errors import InvalidParameterError, OutputError, UnknownNameError
+from antenna_pin.mechanism import Urdf
 from antenna_pin.record import record, shared_head
 from antenna_pin.record._joint_picture import BEARING, JOURNAL, LOAD_COLOURS, drawn_axes
+from antenna_pin.record.shapes import visual_shapes
 from antenna_pin.trajectory import Outcome, Trajectory
 
 
@@ -133,6 +135,19 @@ def test_loads_are_seen_on_bearing_and_journal():
     assert (np.diff(luminance) < 0.0).all() and luminance[0] > 10.0 * luminance[-1]
     for part in (BEARING, JOURNAL):
         assert np.linalg.norm(colours - 255.0 * np.array(part), axis=1).min() > 80.0
+
+
+def test_a_material_has_its_colour_wherever_it_is_named():
+    """Given in a link, named by another before it: the name stands for one colour."""
+    shape = "<visual><geometry><sphere radius='1'/></geometry>{}</visual>"
+    named = shape.format("<material name='red'/>")
+    given = shape.format("<material name='red'><color rgba='1 0 0 1'/></material>")
+    mass = "<inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial>"
+    joint = "<joint name='j' type='fixed'><parent link='a'/><child link='b'/></joint>"
+    links = f"<link name='a'>{mass}{named}</link><link name='b'>{mass}{given}</link>"
+    text = f"<robot name='r'>{links}{joint}</robot>"
+    shapes, warnings = visual_shapes(Urdf.from_text(text, "r.urdf"))
+    assert [each.colour for each in shapes] == [(1.0, 0.0, 0.0, 1.0)] * 2 and not warnings
 
 
 def test_the_frame_holds_the_traces(clearance_run, ideal_run):
