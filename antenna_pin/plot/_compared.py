@@ -99,6 +99,8 @@ def panels_figure(panels: Sequence[Panel], width: str, columns: int, *, spikes: 
     figure = new_figure(width, 12.0 + 42.0 * rows)
     grid = figure.add_gridspec(rows, columns)
     overall = max((panel.largest for panel in panels if not panel.apart), default=0.0)
+    # A last panel across its row has a time axis of its own scale: those above it need their label, too.
+    labelled_rows = rows - 1 - (columns > 1 and len(panels) % columns == 1)
     drawn: list[Axes] = []
     for number, (letter, panel) in enumerate(zip(letters(), panels, strict=False)):
         # The last of an odd number has its row to itself.
@@ -107,7 +109,7 @@ def panels_figure(panels: Sequence[Panel], width: str, columns: int, *, spikes: 
         drawn.append(axes)
         _draw(axes, panel, overall, spikes)
         panel_title(axes, letter if len(panels) > 1 else "", panel.title)
-        if number + columns >= len(panels):
+        if number // columns >= labelled_rows:
             axes.set_xlabel("time [s]")
     figure.align_ylabels()
     legend_above(figure, drawn)

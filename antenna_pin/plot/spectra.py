@@ -50,6 +50,7 @@ _SPECTRUM_DECADES = 8
 _SPECTROGRAM_DECADES = 5
 # Above this share of the sample rate impacts are not resolved by the samples.
 _RESOLVED = 0.2
+_NOT_RESOLVED = "shaded: above a fifth of the sample rate, impacts not resolved"
 
 
 class _Density(NamedTuple):
@@ -116,7 +117,7 @@ def figure_spectra(
     drawn_ones = [each.run for kind in kinds for each in found[kind]]
     footnote(
         figure,
-        "shaded: above a fifth of the sample rate, impacts not resolved",
+        _NOT_RESOLVED,
         too_short(every),
         left_out(every, drawn_ones, "no such signal or fewer than 16 samples"),
     )
@@ -133,7 +134,8 @@ def figure_spectrogram(
 ) -> Figure:
     """Return how the spectral density of a signal changes over the run, one panel per run with contact.
 
-    Runs without any contact are drawn if there is no other.
+    Runs without any contact are drawn if there is no other. Shaded, as in the spectra, is what samples do not
+    resolve of impacts.
 
     Args:
         runs: Trajectories, or pairs of a label and a dataset.
@@ -175,6 +177,9 @@ def figure_spectrogram(
     for letter, axes, run, (time, frequency, density) in zip(letters(), panels, drawn, maps, strict=False):
         shown = np.maximum(density, float(norm.vmin or 0.0))
         axes.pcolormesh(time, frequency, shown, norm=norm, cmap=colours, shading="nearest", rasterized=True)
+        # Half the sample rate is the last frequency. The veil lets the map be seen through it.
+        top = float(frequency[-1])
+        axes.axhspan(2.0 * _RESOLVED * top, top, facecolor=SHADE, edgecolor="none", alpha=0.65, zorder=2)
         axes.grid(visible=False)
         axes.set_xlim(run.time[0], run.time[-1])
         few_ticks(axes, 5)
@@ -193,7 +198,12 @@ def figure_spectrogram(
         pad=0.02,
     )
     bar.outline.set_linewidth(0.4)
-    footnote(figure, too_short(every), left_out(candidates, drawn, "no such signal or fewer than 64 samples"))
+    footnote(
+        figure,
+        _NOT_RESOLVED,
+        too_short(every),
+        left_out(candidates, drawn, "no such signal or fewer than 64 samples"),
+    )
     return figure
 
 

@@ -47,6 +47,7 @@ from antenna_pin.plot import (
     paper_figures,
     save_figures,
 )
+from antenna_pin.plot._compared import Curve, Panel, panels_figure
 from antenna_pin.plot._kinds import CLOSED, FLEXIBLE, LOOPED, MOVING, PRESCRIBED, SLIDING, TOUCHING
 
 
@@ -461,6 +462,25 @@ def test_the_standard_set_of_real_runs(runs, tmp_path, monkeypatch):
     written = save_figures(runs[::2], tmp_path, ("svg",), on_left_out=lambda *words: said.append(words))
     assert [path.stem for path in written] == STANDARD
     assert said == []
+
+
+def test_what_samples_do_not_resolve_is_shaded_in_both_figures_of_frequency(runs):
+    """Above a fifth of the sample rate, 1 kHz here, up to half of it."""
+    above, side = figure_spectrogram(runs[2]).axes[0].patches, figure_spectra(runs).axes[0].patches
+    for (patch,), axis in ((above, 1), (side, 0)):
+        low, high = patch.get_extents().transformed(patch.axes.transData.inverted()).get_points()[:, axis]
+        assert high == pytest.approx(2.5 * low, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("count", "labelled"), [(1, [0]), (2, [0, 1]), (3, [0, 1, 2]), (5, [2, 3, 4]), (6, [4, 5])]
+)
+def test_time_axes_that_no_other_continues_are_labelled(count, labelled):
+    """The last of an odd number has a row to itself, on another scale than those above it."""
+    t = np.linspace(0.0, 1.0, 5)
+    panels = [Panel("p", "p", "m", [Curve("c", t, t, {}, True)]) for _ in range(count)]
+    axes = panels_figure(panels, "page", 2).axes
+    assert [k for k, each in enumerate(axes) if each.get_xlabel()] == labelled
 
 
 def test_every_joint_with_play_has_its_files(real_runs, tmp_path, monkeypatch):
