@@ -6,14 +6,18 @@ import json
 import signal
 import subprocess
 import sys
+from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
+import xarray as xr
 
 import antenna_pin.simulation
 from antenna_pin.cli import app
-from antenna_pin.errors import OutputError
+from antenna_pin.cli.info import _check_comparable
+from antenna_pin.errors import InvalidParameterError, OutputError
 from antenna_pin.plot import CATALOGUE
-from antenna_pin.plot._kinds import CLOSED, LOOPED, PRESCRIBED
+from antenna_pin.plot._kinds import CLOSED, FLEXIBLE, LOOPED, PRESCRIBED
 from antenna_pin.trajectory import Outcome, Trajectory
 
 SHORT = ("--duration", "20 ms", "--geometry", "closed-form", "--no-progress")
@@ -329,7 +333,7 @@ def test_plot_writes_the_figures_and_names_them(cli, results, tmp_path, drawn_qu
         for name, figure in CATALOGUE.items()
         if figure.standard
         and figure.of is not LOOPED
-        and figure.needs not in (CLOSED, PRESCRIBED)
+        and figure.needs not in (CLOSED, PRESCRIBED, FLEXIBLE)
         and name not in left
     ]
     assert "spectrogram is not drawn: figure: runs must be at least one of 64 samples" in said.err  # 20 ms
@@ -351,6 +355,18 @@ def test_plot_tells_two_runs_of_one_case_apart_by_their_files(cli, results, tmp_
     (tmp_path / "again.nc").write_bytes((results / "case3.nc").read_bytes())
     cli("plot", results / "case3.nc", "again.nc", "--out", "figures", "--format", "svg", "--width", "column")
     assert "again" in (tmp_path / "figures/motion_angle.svg").read_text()
+
+
+def test_results_of_different_mechanisms_are_not_compared():
+    """A joint ideal in one and with play in the other is the same joint; with none in common they differ."""
+
+    def run(**names):
+        return SimpleNamespace(data=xr.Dataset(coords={along: [name] for along, name in names.items()}))
+
+    antenna, play, other = run(joint="hinge"), run(clearance_joint="hinge"), run(joint="wheel")
+    _check_comparable([(Path("a.nc"), antenna), (Path("b.nc"), play)])
+    with pytest.raises(InvalidParameterError, match=r"a\.nc with joints hinge and c\.nc with joints wheel"):
+        _check_comparable([(Path("a.nc"), antenna), (Path("c.nc"), other)])
 
 
 @pytest.mark.parametrize(
