@@ -18,6 +18,7 @@ Array = NDArray[np.float64]
 
 _GREY = (0.62, 0.65, 0.69, 1.0)
 _SMOOTH = np.radians(35.0)  # edges sharper than that stay edges
+_FARTHEST = 1e9  # of a vertex [m]; pictures are drawn in single precision, where squares must not overflow
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,8 +130,17 @@ def _geometry(geometry: Any, folder: Path | None) -> Geometry:
     if geometry.mesh is None:
         raise _NotDrawnError("a shape of an unknown kind")
     scale = 1.0 if geometry.mesh.scale is None else np.asarray(geometry.mesh.scale, dtype=float)
-    mesh = _read_mesh(str(geometry.mesh.filename), folder)
-    return Mesh(mesh.vertices * scale, mesh.faces)
+    name = str(geometry.mesh.filename)
+    mesh = _read_mesh(name, folder)
+    with np.errstate(over="ignore", invalid="ignore"):
+        vertices = mesh.vertices * scale
+    farthest = np.abs(vertices).max()
+    if not farthest <= _FARTHEST:
+        raise _NotDrawnError(
+            f"mesh file {name!r} must have its vertices within {_FARTHEST:g} m, got {farthest:.3g} m "
+            "(a mesh's scale makes metres of other units)"
+        )
+    return Mesh(vertices, mesh.faces)
 
 
 def _read_mesh(name: str, folder: Path | None) -> Mesh:
@@ -142,8 +152,9 @@ def _read_mesh(name: str, folder: Path | None) -> Mesh:
     if not path.is_file():
         raise _NotDrawnError(f"mesh file {name!r} is missing")
     try:
-        loaded: Any = trimesh.load(path, force="mesh", process=True)
-        smooth = trimesh.graph.smooth_shade(loaded, angle=_SMOOTH)
+        with np.errstate(all="ignore"):  # of vertices too far away, which are refused
+            loaded: Any = trimesh.load(path, force="mesh", process=True)
+            smooth = trimesh.graph.smooth_shade(loaded, angle=_SMOOTH)
     except Exception as error:  # trimesh lets through whatever its readers raise
         raise _NotDrawnError(f"mesh file {name!r} cannot be read ({error})") from None
     if not len(smooth.faces):

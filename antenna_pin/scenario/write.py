@@ -15,12 +15,13 @@ __all__ = ["scenario_toml"]
 def scenario_toml(scenario: Scenario) -> str:
     """Return a scenario as the text of a scenario file: its case and overrides laid in, numbers in SI units.
 
-    Everything that counts is written, defaults too; a drive's table with its numbers instead of its file. Put
-    beside the URDF that it names, it loads as the same scenario, without cases.
+    Everything that counts is written, defaults too; a drive's table and an appendage's modes with their
+    numbers instead of their file. Put beside the URDF that it names, it loads as the same scenario, without
+    cases.
     """
     data = scenario.model_dump(mode="json", exclude_none=True, exclude=set(Scenario.carried))
-    for drive in data.get("drives", {}).values():
-        drive.pop("file", None)
+    for one in (*data.get("drives", {}).values(), *data.get("flexible", {}).values()):
+        one.pop("file", None)
     return "\n".join(_lines(data, ())).strip() + "\n"
 
 

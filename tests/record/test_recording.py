@@ -227,6 +227,18 @@ def test_a_missing_mesh_is_named_and_the_rest_drawn(clearance_run):
     assert len(data["commands"]) == len(record(clearance_run).data["commands"]) - 2  # object and transform
 
 
+@pytest.mark.parametrize(("x", "said"), [("1e300", "1e+300 m"), ("-2e9", "2e+09 m")])
+def test_a_mesh_with_a_vertex_too_far_away_is_named(clearance_run, tmp_path, recwarn, x, said):
+    (tmp_path / "dish.obj").write_text(f"v 0 0 0\nv {x} 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\n")
+    attributes = clearance_run.data.attrs | {"urdf_folder": str(tmp_path)}
+    moved = dataclasses.replace(clearance_run, data=clearance_run.data.assign_attrs(attributes))
+    (warning,) = record(moved).data["warnings"]
+    assert warning.startswith(
+        f"reflector: mesh file 'dish.obj' must have its vertices within 1e+09 m, got {said}"
+    )
+    assert not recwarn.list
+
+
 def test_interrupted_one_sample_and_nothing_to_show(clearance_run, ideal_run):
     stopped = dataclasses.replace(
         clearance_run, outcome=Outcome.INTERRUPTED, message="stopped by the user; what was computed is kept"
