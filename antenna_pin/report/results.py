@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from antenna_pin.analysis import impacts, load_statistics, said_of_singular, said_of_spin
+from antenna_pin.analysis import impacts, load_statistics, said_of_limits, said_of_singular, said_of_spin
 from antenna_pin.readable import number, readable
 from antenna_pin.report._parts import Row, Section, Table, counts, quantities, shares_row, words
 from antenna_pin.report._runs import ReportedRun, ideal_of, labels_of
@@ -82,6 +82,8 @@ def _warnings(run: ReportedRun) -> Iterator[str]:
         yield f"{singular}."
     if spun := said_of_spin(data):
         yield f"{spun}."
+    for passed in said_of_limits(data):
+        yield f"{passed}."
     gaps = float(data.attrs.get("gap_difference", 0.0))
     if not gaps <= GAPS_WITHIN:
         yield (

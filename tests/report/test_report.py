@@ -292,6 +292,20 @@ def test_what_must_be_kept_and_is_not_is_warned_of(play, shown):
     assert "differ by 2 µm in the gaps" in warned
 
 
+def test_a_limit_that_a_run_has_passed_is_warned_of(ideal, shown):
+    urdf = ideal.data.attrs["urdf"]
+    assert "<limit" in urdf and "limits are not simulated" not in warned_of(ideal, shown)
+    narrow = re.sub(r'lower="[^"]*" upper="[^"]*"', 'lower="-1e-6" upper="1e-6"', urdf)
+    warned = warned_of(dataclasses.replace(ideal, data=ideal.data.assign_attrs(urdf=narrow)), shown)
+    for joint in ideal.data["joint"].values:
+        assert re.search(rf"joint '{joint}' passes its limit of .* limits are not simulated\.", warned)
+
+
+def warned_of(run, shown):
+    page = shown(report(run, figures=False, recordings=False).html)
+    return page.text("//div[@class='warnings']")
+
+
 def test_labels_tell_files_of_one_case_apart(play, tmp_path, shown):
     files = [play.save(tmp_path / name) for name in ("tight.nc", "loose.nc")]
     made = report(files, figures=False, recordings=False)
