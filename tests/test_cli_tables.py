@@ -52,6 +52,23 @@ def test_columns_that_do_not_fit_go_down():
     ]
 
 
+def test_a_title_cannot_command_the_terminal(cli, tmp_path):
+    """Nor can a name or a cell: their control characters are shown, as many letters as they take."""
+    evil = "t\x1b]0;owned\x07"
+    table = Table(title=evil, head=["", f"a\n{evil}"], rows=[[evil, "1"], ["mass", evil]])
+    for width in (1, 20, 200):
+        lines = laid_out(table, width)
+        assert all(line.isprintable() for line in lines)
+        assert "".join(lines).count(r"t\x1b]0;owned\x07") >= 4
+    scenario = load_scenario("pendulum", case="ideal", overrides={"title": evil})
+    file = simulate(scenario, duration=1e-3).save(tmp_path / "run.nc")
+    at_set = ["--case", "ideal", "--set", r'title="t\u001b]0;owned\u0007"']
+    for words in (["info", file], ["info", "pendulum", *at_set], ["modes", "pendulum", *at_set]):
+        said = cli(*words)
+        assert said.code == 0, said.err
+        assert r"t\x1b]0;owned\x07" in said.out and said.out.replace("\n", "").isprintable()
+
+
 def test_a_long_name_of_a_file_does_not_widen_its_column():
     lines = laid_out(Table(title="", head=["", "f" * 60], rows=[["mass", "1"]]), 200)
     assert max(map(len, lines)) < 40

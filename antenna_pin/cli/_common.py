@@ -61,6 +61,11 @@ class Width(StrEnum):
     PAGE = "page"
 
 
+def say(line: str) -> None:
+    """Print a line that may hold texts of files, whose control characters are shown, not sent."""
+    typer.echo(printable(line))
+
+
 def complain(message: str) -> None:
     """Print one line on the error stream, if somebody still reads it."""
     with contextlib.suppress(OSError):
@@ -265,7 +270,7 @@ def say_limits(trajectory: Trajectory, before: str) -> None:
     from antenna_pin.analysis import said_of_limits
 
     for said in said_of_limits(trajectory):
-        typer.echo(f"{before}{said}")
+        say(f"{before}{said}")
 
 
 def say_spin(trajectory: Trajectory, before: str) -> None:
@@ -280,4 +285,4 @@ def say_spin(trajectory: Trajectory, before: str) -> None:
     from antenna_pin.analysis import said_of_spin
 
     if said := said_of_spin(trajectory):
-        typer.echo(f"{before}{said}")
+        say(f"{before}{said}")

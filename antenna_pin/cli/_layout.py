@@ -7,8 +7,10 @@ column; where not even one column fits beside the first, every row becomes lines
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
+
+from antenna_pin.errors import printable
 
 __all__ = ["Table", "laid_out"]
 
@@ -43,10 +45,18 @@ class Table:
 def laid_out(table: Table, width: int) -> list[str]:
     """Return the lines of a table, an empty one after each block.
 
+    Control characters are shown, not sent: titles and names are those of files.
+
     Args:
         table: The table.
         width: Characters that a line should keep to. Where a single word is longer, the line is.
     """
+    table = replace(
+        table,
+        title=_shown(table.title),
+        head=[_shown(name) for name in table.head],
+        rows=[[_shown(cell) for cell in row] for row in table.rows],
+    )
     lines = _wrapped(table.title, max(width, 1))
     columns = [
         _Column(_folded(name), [row[place] for row in table.rows]) for place, name in enumerate(table.head)
@@ -58,6 +68,11 @@ def laid_out(table: Table, width: int) -> list[str]:
         else:
             lines += [*_rows(block, shown, table.numbers), ""]
     return lines
+
+
+def _shown(text: str) -> str:
+    """Return a text with its control characters as Python writes them, but for ends of lines."""
+    return text if text.isprintable() else "\n".join(map(printable, text.split("\n")))
 
 
 class _Column:

@@ -9,7 +9,7 @@ from typing import Any
 
 import typer
 
-from antenna_pin.cli._common import load
+from antenna_pin.cli._common import load, say
 
 
 def names_scenario(text: str) -> bool:
@@ -35,9 +35,9 @@ def say_scenario(name: str, case: str | None, settings: Sequence[str] | None, as
         typer.echo(json.dumps({"scenario": scenario.name, "case": scenario.case or "", **facts}))
         return
     case_name = f", case {scenario.case}" if scenario.case else ""
-    typer.echo(f"{scenario.name}{case_name}: {scenario.title}".rstrip(": "))
+    say(f"{scenario.name}{case_name}: {scenario.title}".rstrip(": "))
     for line in _lines(facts):
-        typer.echo(f"  {line}")
+        say(f"  {line}")
 
 
 def _lines(facts: dict[str, Any]) -> Iterator[str]:

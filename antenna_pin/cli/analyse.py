@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from antenna_pin.cli._common import complain, label_of, load_result, refuse
+from antenna_pin.cli._common import complain, label_of, load_result, refuse, say
 from antenna_pin.cli._elastic import print_elastic
 from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, exported, parts_of, say_json, write_csv
 from antenna_pin.cli._loops import print_loops
@@ -86,7 +86,7 @@ def analyse(
         return
     _print(label_of(run, file), found)
     for note in notes:
-        typer.echo(note)
+        say(note)
 
 
 def _deviation(run: Trajectory, path: Path, notes: list[str]) -> list[dict[str, Any]]:

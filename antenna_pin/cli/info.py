@@ -20,6 +20,7 @@ from antenna_pin.cli._common import (
     labels_of,
     load_result,
     refuse,
+    say,
     say_limits,
     say_spin,
 )
@@ -75,7 +76,7 @@ def info(
     print_summaries(list(zip(labels, facts, strict=True)))
     for label, (_, trajectory) in zip(labels, runs, strict=True):
         if trajectory.outcome.name != "COMPLETED":
-            typer.echo(f"{label}: {trajectory.message}")
+            say(f"{label}: {trajectory.message}")
         say_spin(trajectory, f"{label}: ")
         say_limits(trajectory, f"{label}: ")
     held = [(label, trajectory.constraints) for label, (_, trajectory) in zip(labels, runs, strict=True)]
@@ -84,9 +85,9 @@ def info(
 
         for label, counts in held:
             if counts:
-                typer.echo(f"{label}: {said_of_constraints(counts)}")
+                say(f"{label}: {said_of_constraints(counts)}")
             if singular := said_of_singular(counts):
-                typer.echo(f"{label}: {singular}")
+                say(f"{label}: {singular}")
 
 
 def _facts(trajectory: Trajectory) -> dict[str, Any]:

@@ -17,6 +17,7 @@ from antenna_pin.cli._common import (
     load,
     load_result,
     not_interrupted,
+    say,
     writable_file,
 )
 from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, exported, plain
@@ -268,7 +269,7 @@ def _print(found: Modes) -> None:
     if rows:
         print_rows(title, head, rows, numbers=False)
     else:
-        typer.echo(title)
+        say(title)
         typer.echo("nothing vibrates")
     if "effective_mass" in data and shown:
         _print_masses(found, shown)
@@ -276,7 +277,7 @@ def _print(found: Modes) -> None:
     if kinds.count("rigid"):
         typer.echo(f"beside these {kinds.count('rigid')} motions of all as one rigid body")
     for note in found.notes:
-        typer.echo(f"note: {note}")
+        say(f"note: {note}")
 
 
 def _taken(found: Modes) -> str:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from antenna_pin.cli._common import FilesArgument, label_of, load_result, refuse
+from antenna_pin.cli._common import FilesArgument, label_of, load_result, refuse, say
 from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, say_json, write_csv
 from antenna_pin.cli._tables import print_rows
 from antenna_pin.errors import InvalidParameterError
@@ -125,7 +125,7 @@ def pointing(
     title = f"{', '.join(labels)}: pointing error of {about['body']} against {about['against']}"
     _print(title, found)
     for note in notes:
-        typer.echo(note)
+        say(note)
 
 
 def _covered(run: Trajectory, ideal: Trajectory, path: Path, notes: list[str]) -> Trajectory:

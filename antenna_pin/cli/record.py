@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from antenna_pin.cli._common import load_result, not_interrupted
+from antenna_pin.cli._common import load_result, not_interrupted, say
 from antenna_pin.cli._film import Kind, check_options, film, kind_of, size_of
 from antenna_pin.cli._quantities import bare
 from antenna_pin.errors import InvalidParameterError
@@ -110,7 +110,7 @@ def record(
         max_megabytes=max_size,
     )
     for warning in recording.data["warnings"]:
-        typer.echo(f"note: {warning}")
+        say(f"note: {warning}")
     if kind is not Kind.PAGE:
         film(recording, out, kind, at=time, fps=fps, size=pixels, progress=progress)
         return

@@ -21,6 +21,7 @@ from antenna_pin.cli._common import (
     load,
     not_interrupted,
     save_result,
+    say,
     say_limits,
     say_spin,
     stem,
@@ -111,7 +112,7 @@ def run(
         outcome = trajectory.outcome.name
         if trajectory.completed:
             if outcome != "COMPLETED" and not quiet:
-                typer.echo(trajectory.message)
+                say(trajectory.message)
             return
         complain(f"{stem(chosen)}: {trajectory.message} (the result up to there is in {path})")
     raise typer.Exit(SIGNALLED + ended_by() if outcome == "INTERRUPTED" else ENDED_EARLY)
