@@ -194,12 +194,12 @@ def test_steps_and_wall_time_can_be_limited():
     assert run.outcome is Outcome.STEP_LIMIT
     assert run.counts.accepted + run.counts.rejected == 100
     assert 0.0 < run.data["time"].values[-1] < 10.0
-    run = simulate(wheel(idle), duration=1e6, settings=RunSettings(max_wall_time=0.2))
+    run = simulate(wheel(idle), duration=1e6, settings=RunSettings(max_wall_time=0.2, output_rate=1.0))
     assert run.outcome is Outcome.TIME_LIMIT
     assert 0.2 <= run.counts.wall_seconds < 20.0
-    # Fixed steps far too short for the span: known from the pace.
-    run = simulate(wheel(idle), duration=1.0, settings=RunSettings(method="rk4", step=1e-13))
-    assert run.outcome is Outcome.NO_PROGRESS
+    # Fixed steps far too short for the span: known before the first.
+    with pytest.raises(InvalidParameterError, match="step must be 1e-09 s or more in a run of 1 s"):
+        simulate(wheel(idle), duration=1.0, settings=RunSettings(method="rk4", step=1e-13))
 
 
 def test_limits_are_a_scenarios_too():
