@@ -144,7 +144,7 @@ def test_recordings_start_when_they_are_scrolled_to(page, saved):
 
 
 def test_prints_on_a_few_pages(page, saved):
-    """A4, and no more pages than text and tables (ten) and figures with captions (four) of these runs take."""
+    """A4, and no more pages than text and tables (ten) and figures with captions (four) take."""
     page.open(saved, 1000, 800)
     printed = page.browser.command("Page.printToPDF", preferCSSPageSize=True, printBackground=True)
     pdf = base64.b64decode(printed["data"])
