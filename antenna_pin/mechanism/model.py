@@ -56,6 +56,12 @@ class JointSlot:
     axis: Vector3
     frame_rotation: Matrix3
 
+    @property
+    def ways(self) -> slice:
+        """Its translations among the generalized velocities; they come before its turns."""
+        count = {"floating": 3, "planar": 2, "prismatic": 1}.get(self.kind, 0)
+        return slice(self.v.start, self.v.start + count)
+
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class Mechanism:

@@ -22,10 +22,8 @@ def scale_vector(system: System, scales: ErrorScales) -> NDArray[np.float64]:
     position = np.full(model.nv, scales.angle)
     velocity = np.full(model.nv, scales.angular_velocity)
     for slot in system.mechanism.joints.values():
-        start = slot.v.start
-        linear = {"floating": 3, "planar": 2, "prismatic": 1}.get(slot.kind, 0)
-        position[start : start + linear] = scales.position
-        velocity[start : start + linear] = scales.velocity
+        position[slot.ways] = scales.position
+        velocity[slot.ways] = scales.velocity
     if system.mechanism.base == "free":
         masses = [inertia.mass for inertia in model.inertias]
         factor = scales.base if scales.base is not None else max(sum(masses[2:]) / sum(masses), 1e-6)

@@ -62,8 +62,7 @@ class Singularities:
         assert constraints is not None
         self._weights = np.ones(self._model.nv)
         for slot in workspace.system.mechanism.joints.values():
-            ways = {"floating": 3, "planar": 2, "prismatic": 1}.get(slot.kind, 0)
-            self._weights[slot.v.start : slot.v.start + ways] = 1.0 / constraints.plan.length
+            self._weights[slot.ways] = 1.0 / constraints.plan.length
         self._passed: tuple[float, Array] | None = None  # a state since, that was not looked at
         self._time = self._way = 0.0
         self.found: list[Singular] = []
