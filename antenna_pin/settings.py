@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass, field
 from typing import Literal
@@ -95,6 +96,7 @@ class RunSettings:
             makes no way, and ends [-].
         scales: What the tolerance is relative to.
         output_rate: Samples per time, beside those at events [Hz].
+        output_times: Samples at these times beside those, ascending [s].
         output_form: ``full``, or ``lean`` without series: a result of numbers and contact episodes only.
     """
 
@@ -111,6 +113,7 @@ class RunSettings:
     max_expected_steps: float = parameter("1", rule="positive", default=1e9)
     scales: ErrorScales = field(default_factory=ErrorScales)
     output_rate: float = parameter("Hz", rule="positive", default=1000.0)
+    output_times: tuple[float, ...] = parameter("s", rule="zero or more", sizes=(0,), default=())
     output_form: Literal["full", "lean"] = "full"
 
     def __post_init__(self) -> None:
@@ -123,6 +126,10 @@ class RunSettings:
         if self.rtol < _LEAST_RTOL:
             rule = f"{_LEAST_RTOL:g} or more, since what is less drowns in round-off"
             raise InvalidParameterError(self, "rtol", rule, said=f"{self.rtol:g}")
+        for k, (before, after) in enumerate(itertools.pairwise(self.output_times)):
+            if not before < after:
+                said = f"{after:g} s after {before:g} s"
+                raise InvalidParameterError(self, f"output_times[{k + 1}]", "above the one before", said=said)
         if not self.min_step < self.max_step:
             raise InvalidParameterError(
                 self, "min_step", f"below max_step = {self.max_step:g} s", said=f"{self.min_step:g} s"
@@ -160,6 +167,9 @@ class RunSettings:
             told = "integrator.max_expected_steps" if step < least else "round-off of the time"
             rule = f"{max(least, math.ulp(end)):.3g} s or more in a run of {span:g} s, for {told}"
             raise InvalidParameterError(self, name, rule, said=f"{step:g} s")
+        if self.output_times and self.output_times[-1] > end:
+            rule = f"at most {end:g} s, the end of the run"
+            raise InvalidParameterError(self, "output_times", rule, said=f"{self.output_times[-1]:g} s")
         if span * self.output_rate > _MOST_SAMPLES:
             rule = (
                 f"{_MOST_SAMPLES / span:.3g} Hz or less in a run of {span:g} s, for {_MOST_SAMPLES:g} samples"

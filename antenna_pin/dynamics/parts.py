@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from antenna_pin.elements import JointSpring, PointSpring
+from antenna_pin.elements import Element, JointSpring, PointSpring
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.flexible import ElasticPart
 
@@ -12,8 +12,8 @@ __all__ = ["springs_and_parts"]
 
 
 def springs_and_parts(
-    springs: Mapping[str, JointSpring | PointSpring], elastic: Mapping[str, ElasticPart]
-) -> dict[str, JointSpring | PointSpring]:
+    springs: Mapping[str, Element | PointSpring], elastic: Mapping[str, ElasticPart]
+) -> dict[str, Element | PointSpring]:
     """Return springs and, behind them, those of elastic parts, by name.
 
     Raises:

@@ -17,7 +17,7 @@ from antenna_pin.dynamics.configuration import make_unit, spaces
 from antenna_pin.dynamics.held import HeldKind, held_closure
 from antenna_pin.dynamics.parts import springs_and_parts
 from antenna_pin.dynamics.points import point_spring_block
-from antenna_pin.elements import GROSS_WORK, WORK, Element, JointSpring, Motion, PointSpring
+from antenna_pin.elements import GROSS_WORK, WORK, Element, Motion, PointSpring
 from antenna_pin.errors import InvalidParameterError, MechanismError, UnknownNameError
 from antenna_pin.flexible import ElasticPart
 from antenna_pin.integrate import Manifold
@@ -56,7 +56,8 @@ class System:
             clearance).
         clearances: Joints with play.
         drives: Torques, and motions that joints are made to follow, by name.
-        springs: Springs and dampers by name, at joints and between points.
+        springs: What stores and loses energy, by name: springs, dampers and friction at joints
+            (:class:`antenna_pin.elements.JointSpring`, ``JointFriction``), springs between points.
         held: Floating joints of the tree that are held by constraint to what they are ideally, by name.
         closures: Joints that close loops, by name.
         elastic: Elastic parts of flexible links, by name, which is also that of their joint and their spring.
@@ -68,7 +69,7 @@ class System:
         *,
         clearances: Sequence[ClearanceJoint] = (),
         drives: Mapping[str, Element] | None = None,
-        springs: Mapping[str, JointSpring | PointSpring] | None = None,
+        springs: Mapping[str, Element | PointSpring] | None = None,
         held: Mapping[str, HeldKind] | None = None,
         closures: Mapping[str, Closure] | None = None,
         elastic: Mapping[str, ElasticPart] | None = None,
@@ -197,7 +198,7 @@ class System:
         self.motions: list[DrivenJoint] = []
         self.drive_blocks: dict[str, int] = {}
         self.spring_blocks: dict[str, int] = {}
-        at_joints = {n: s for n, s in self.springs.items() if isinstance(s, JointSpring)}
+        at_joints = {n: s for n, s in self.springs.items() if isinstance(s, Element)}
         families: tuple[tuple[str, Mapping[str, Element], dict[str, int]], ...] = (
             ("drive", self.drives, self.drive_blocks),
             ("spring", at_joints, self.spring_blocks),

@@ -2,6 +2,7 @@
 
 from antenna_pin.elements.constant import ConstantDrive
 from antenna_pin.elements.element import GROSS_WORK, LOSS, WORK, About, Drive, Element, ForceElement, Integral
+from antenna_pin.elements.friction import JointFriction
 from antenna_pin.elements.given import CallableDrive
 from antenna_pin.elements.motion import CallableMotion, DistanceMotion, Motion, PrescribedMotion
 from antenna_pin.elements.pd import PDController
@@ -26,6 +27,7 @@ __all__ = [
     "Element",
     "ForceElement",
     "Integral",
+    "JointFriction",
     "JointSpring",
     "Motion",
     "PDController",

@@ -8,6 +8,7 @@ from typing import Any
 
 from antenna_pin.elements.constant import ConstantDrive
 from antenna_pin.elements.element import Element
+from antenna_pin.elements.friction import JointFriction
 from antenna_pin.elements.given import CallableDrive
 from antenna_pin.elements.motion import CallableMotion, DistanceMotion, PrescribedMotion
 from antenna_pin.elements.pd import PDController
@@ -29,7 +30,13 @@ DRIVES: Mapping[str, type[Element]] = MappingProxyType(
 )
 """Drives by their ``kind`` in ``[drives.NAME]``."""
 
-ELEMENTS: tuple[type[Element], ...] = (*DRIVES.values(), CallableDrive, CallableMotion, JointSpring)
+ELEMENTS: tuple[type[Element], ...] = (
+    *DRIVES.values(),
+    CallableDrive,
+    CallableMotion,
+    JointSpring,
+    JointFriction,
+)
 """All elements there are; Python has some that a scenario has not."""
 
 

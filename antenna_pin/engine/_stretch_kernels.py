@@ -14,8 +14,8 @@ from antenna_pin.integrate._kernels import START, STATE, STATE_ROW, begin, dense
 from antenna_pin.records import layout
 
 #: Where the steps are, and what they have come to: time [s], size to try next, and of the trial that stands
-#: [s]; samples a second [Hz], from when on [s], until when [s]; samples in the buffer; what was counted;
-#: how many trial steps may be made.
+#: [s]; samples a second [Hz], from when on [s], until when [s]; samples in the buffer; which of the chosen
+#: output times is the next; what was counted; how many trial steps may be made.
 STRETCH = layout(
     ("t", "f8"),
     ("h", "f8"),
@@ -24,6 +24,7 @@ STRETCH = layout(
     ("begin", "f8"),
     ("end", "f8"),
     ("samples", "i8"),
+    ("chosen", "i8"),
     ("accepted", "i8"),
     ("rejected", "i8"),
     ("relocated", "i8"),
@@ -81,6 +82,7 @@ class Loop(NamedTuple):
         stretch: STRETCH, (1,).
         pace: PACE, (1,).
         breaks: Instants at which steps must end [s].
+        chosen: Output times beside those at the rate, (n,), ascending [s].
         tableau: The method, in numbers.
         space: Layout of the manifold.
         work: The stepper's rows.
@@ -99,6 +101,7 @@ class Loop(NamedTuple):
     stretch: Any
     pace: Any
     breaks: Any
+    chosen: Any
     tableau: Any
     space: Any
     work: Any
@@ -133,9 +136,13 @@ def is_full(loop: Loop) -> bool:
 
 @inlined
 def samples_in(loop: Loop, tried: float) -> int:
-    """How many output times the trial step has."""
+    """How many output times the trial step has at most."""
     s = loop.stretch[0]
-    return int(math.floor((s.t + tried) * s.rate + 1e-9) - math.floor(s.t * s.rate + 1e-9))
+    chosen = s.chosen
+    while chosen < loop.chosen.shape[0] and loop.chosen[chosen] <= s.t + tried:
+        chosen += 1
+    at_rate = math.floor((s.t + tried) * s.rate + 1e-9) - math.floor(s.t * s.rate + 1e-9)
+    return int(at_rate + chosen - s.chosen)
 
 
 @inlined
@@ -163,25 +170,26 @@ def accept(loop: Loop, tried: float) -> None:
     """Sample the trial step and make its end the state."""
     s, work, buffers = loop.stretch[0], loop.work, loop.buffers
     stages, size = loop.tableau.weights.shape[0], loop.buffers.states.shape[1]
-    first = math.floor(s.t * s.rate + 1e-9) + 1
+    k = math.floor(s.t * s.rate + 1e-9) + 1
     last = math.floor((s.t + tried) * s.rate + 1e-9)
-    for k in range(first, last + 1):
-        moment = k / s.rate
-        theta = (moment - s.t) / tried
-        row = buffers.states[s.samples]
-        if theta >= 1.0:
-            for i in range(size):
-                row[i] = work[stages + STATE, i]
+    # A chosen time that is one at the rate but for round-off counts once, as it was chosen.
+    same = 1e-9 / s.rate
+    while True:
+        at_rate, moment = math.inf, math.inf
+        if k <= last:
+            at_rate = k / s.rate
+        if s.chosen < loop.chosen.shape[0] and loop.chosen[s.chosen] <= s.t + tried:
+            moment = loop.chosen[s.chosen]
+        if at_rate == math.inf and moment == math.inf:
+            break
+        if moment <= at_rate + same:
+            s.chosen += 1
+            if at_rate <= moment + same:
+                k += 1
         else:
-            dense_state(theta, loop.space, loop.dense, work, stages + START, buffers.out)
-            for i in range(size):
-                row[i] = buffers.out[STATE_ROW, i]
-        if loop.numbers.plan.shape[0] > 0:
-            close(moment, buffers.states, s.samples, loop.space, loop.numbers)
-        remember(loop, loop.book.memory)
-        buffers.times[s.samples] = min(moment, s.end)
-        buffers.early[s.samples] = 0
-        s.samples += 1
+            moment = at_rate
+            k += 1
+        sample(loop, moment, tried)
     s.t += tried
     if buffers.ends.shape[0] > 0:
         buffers.instants[s.accepted] = s.t
@@ -193,6 +201,28 @@ def accept(loop: Loop, tried: float) -> None:
     if s.t > s.end - 1e-15 * s.end:
         s.t = s.end
     s.accepted += 1
+
+
+@kernel
+def sample(loop: Loop, moment: float, tried: float) -> None:
+    """Sample the trial step at an output time [s]."""
+    s, work, buffers = loop.stretch[0], loop.work, loop.buffers
+    stages, size = loop.tableau.weights.shape[0], loop.buffers.states.shape[1]
+    theta = (moment - s.t) / tried
+    row = buffers.states[s.samples]
+    if theta >= 1.0:
+        for i in range(size):
+            row[i] = work[stages + STATE, i]
+    else:
+        dense_state(theta, loop.space, loop.dense, work, stages + START, buffers.out)
+        for i in range(size):
+            row[i] = buffers.out[STATE_ROW, i]
+    if loop.numbers.plan.shape[0] > 0:
+        close(moment, buffers.states, s.samples, loop.space, loop.numbers)
+    remember(loop, loop.book.memory)
+    buffers.times[s.samples] = min(moment, s.end)
+    buffers.early[s.samples] = 0
+    s.samples += 1
 
 
 @kernel

@@ -138,8 +138,9 @@ def _annotated(parameter: Any, hint: Any) -> Any:
     optional = type(None) in get_args(hint)
     kind: Any
     if parameter.sizes == (0,):
-        # A long table has one unit for all its numbers: SI.
-        kind = Annotated[tuple[float, ...], Vector("1", (), parameter.rule)]
+        # Where the joint decides on the unit, all numbers of a long table are in SI.
+        unit = "1" if parameter.sliding else parameter.unit
+        kind = Annotated[tuple[float, ...], Vector(unit, (), parameter.rule)]
     elif parameter.sizes:
         kind = Annotated[tuple[float, ...], Vector(parameter.unit, parameter.sizes, parameter.rule)]
     elif int in (hint, *get_args(hint)):

@@ -20,7 +20,7 @@ class ScalesSpec(MadeSpec):
     """What an error counts as large against, per kind of quantity: ``rtol * (scale + |value|)``."""
 
 
-@reads(RunSettings, without=("output_rate", "output_form"), scales=ScalesSpec)
+@reads(RunSettings, without=("output_rate", "output_times", "output_form"), scales=ScalesSpec)
 class IntegratorSpec(MadeSpec):
     """How the motion is integrated."""
 
@@ -44,8 +44,8 @@ class IntegratorSpec(MadeSpec):
 
 @reads(
     RunSettings,
-    only=("output_rate", "output_form"),
-    renamed={"output_rate": "rate", "output_form": "form"},
+    only=("output_rate", "output_times", "output_form"),
+    renamed={"output_rate": "rate", "output_times": "times", "output_form": "form"},
 )
 class OutputSpec(MadeSpec):
     """What is recorded."""

@@ -74,7 +74,7 @@ class Run:
         scales = scale_vector(system, settings.scales)
         self.stepper = stepper_of(self.workspace, method, scales, settings)
         self.control = StepControl(self.workspace, method, settings, self.begin, end)
-        self.samples = Samples(self.workspace, settings.output_rate, self.begin, end)
+        self.samples = Samples(self.workspace, settings.output_rate, settings.output_times, self.begin, end)
         self._contacts = Episodes(self.workspace, self.stepper, self.samples, self.begin)
         self._search = ContactSearch(self.workspace, self.stepper, self._contacts)
         self.events = tuple(events)

@@ -82,6 +82,7 @@ class QuietTrials(Trials):
             stretch=self._stretch,
             pace=control.pace.numbers,
             breaks=control.pace.breaks,
+            chosen=samples.chosen,
             tableau=stepper.tableau,
             space=stepper.manifold.layout,
             work=stepper.work,
@@ -139,6 +140,7 @@ class QuietTrials(Trials):
         for name in ("samples", "accepted", "rejected", "relocated", "evaluations"):
             stretch[name] = 0
         stretch["t"], stretch["h"] = stepper.t, h
+        stretch["chosen"] = np.searchsorted(self._samples.chosen, stepper.t, side="right")
         stretch["budget"] = self._budget()
         episodes.make_room()
         control.sizes.make_room()

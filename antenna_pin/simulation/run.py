@@ -36,7 +36,9 @@ __all__ = ["settings_of", "simulate"]
 def settings_of(scenario: Scenario) -> RunSettings:
     """Return how a scenario is to be integrated and sampled."""
     output = scenario.output
-    settings: RunSettings = scenario.integrator.build(output_rate=output.rate, output_form=output.form)
+    settings: RunSettings = scenario.integrator.build(
+        output_rate=output.rate, output_times=output.times, output_form=output.form
+    )
     return settings
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -25,6 +26,7 @@ class Samples:
     Args:
         workspace: Its contact memory and program are kept with a state; the program as it is now.
         rate: Output times a second [Hz].
+        chosen: Output times beside those at the rate, ascending [s].
         begin: From when on states are kept [s].
         end: Until when [s].
 
@@ -33,11 +35,14 @@ class Samples:
         program: That of samples to come.
     """
 
-    def __init__(self, workspace: Workspace, rate: float, begin: float, end: float) -> None:
+    def __init__(
+        self, workspace: Workspace, rate: float, chosen: Sequence[float], begin: float, end: float
+    ) -> None:
         """Begin without samples."""
         self._memory = workspace.memory
         self._workspace = workspace
         self.rate = rate
+        self.chosen = np.array(chosen, dtype=float)
         self.begin = begin
         self._end = end
         self._count = 0
@@ -85,9 +90,7 @@ class Samples:
     def during(self, stepper: Stepper) -> None:
         """Append the states at the output times within a trial step that is to be accepted."""
         t, h = stepper.t, stepper.h
-        first = math.floor(t * self.rate + 1e-9) + 1
-        last = math.floor((t + h) * self.rate + 1e-9)
-        times = [k / self.rate for k in range(first, last + 1)]
+        times = self._between(t, t + h)
         if t < self.begin <= t + h and self.begin not in times:
             times.insert(0, self.begin)
         if not times:
@@ -102,6 +105,19 @@ class Samples:
                 stepper.interpolate(theta, state)
             self._hold(moment, state)
             self.add(min(moment, self._end), state)
+
+    def _between(self, begin: float, end: float) -> list[float]:
+        """Return the output times behind one time and up to another [s], as ``accept`` in compiled steps."""
+        first = math.floor(begin * self.rate + 1e-9) + 1
+        last = math.floor(end * self.rate + 1e-9)
+        at_rate = [k / self.rate for k in range(first, last + 1)]
+        if not len(self.chosen):
+            return at_rate
+        # A chosen time that is one at the rate but for round-off counts once, as it was chosen.
+        same = 1e-9 / self.rate
+        chosen = self.chosen[slice(*np.searchsorted(self.chosen, (begin, end), side="right"))].tolist()
+        others = [t for t in at_rate if not any(abs(t - moment) <= same for moment in chosen)]
+        return sorted((*chosen, *others))
 
     def extend(self, times: Array, states: Array, memories: NDArray[Any], early: NDArray[np.int64]) -> None:
         """Take over samples that compiled steps have left.

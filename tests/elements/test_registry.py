@@ -12,6 +12,7 @@ from antenna_pin.elements import (
     CallableMotion,
     ConstantDrive,
     DistanceMotion,
+    JointFriction,
     JointSpring,
     PDController,
     PrescribedMotion,
@@ -60,6 +61,11 @@ EXAMPLES = {
         JointSpring(joint="a", stiffness=5.0, damping=0.5, rest_angle=0.25),
         "stiffness 5 N m/rad, damping 0.5 N m s/rad, at rest at 0.25 rad",
         5.0 * 0.15 - 0.5 * 0.2,
+    ),
+    JointFriction: (
+        JointFriction(joint="a", damping=0.5, friction=2.0, regularisation_speed=0.15),
+        "damping 0.5 N m s/rad, friction 2 N m, rounded off below 0.15 rad/s",
+        -0.5 * 0.2 - 2.0 * 0.8,
     ),
 }
 

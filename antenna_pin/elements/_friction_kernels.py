@@ -1,0 +1,33 @@
+"""Friction of a joint, viscous and Coulomb's, compiled."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from antenna_pin._compile import inlined, record
+from antenna_pin.records import layout, words_of
+
+KIND = 22
+LAYOUT = layout(("damping", "f8"), ("friction", "f8"), ("regularisation_speed", "f8"))
+SIZE = words_of(LAYOUT)
+
+
+@inlined
+def resistance(words: Any, at: int, rate: float) -> float:
+    """Torque [N m], or force [N], against the rate."""
+    law = record(words[at : at + SIZE], LAYOUT)
+    size = math.sqrt(rate * rate + law.regularisation_speed * law.regularisation_speed)
+    return float(law.damping * rate + law.friction * rate / size)
+
+
+@inlined
+def effort(words: Any, at: int, t: float, angle: float, rate: float) -> float:
+    """Torque [N m], or force [N]."""
+    return -resistance(words, at, rate)
+
+
+@inlined
+def write_rates(words: Any, at: int, rate: float, power: float, rates: Any, x: int) -> None:
+    """Power that it takes [W]."""
+    rates[x] = resistance(words, at, rate) * rate

@@ -1,0 +1,57 @@
+"""Friction of a joint itself, of no matter which contact: what a URDF's ``<dynamics>`` says."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from antenna_pin.elements.element import LOSS, Element, Integral
+from antenna_pin.parameters import parameter
+from antenna_pin.readable import GIVEN, readable
+
+__all__ = ["JointFriction"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class JointFriction(Element):
+    r"""Viscous and Coulomb friction of a joint; the units are those of a turning (sliding) joint.
+
+    .. math:: \tau = -c\, \dot\phi - T \frac{\dot\phi}{\sqrt{\dot\phi^2 + \omega_r^2}}
+
+    Coulomb's jump at rest is rounded off as that of :class:`antenna_pin.contact.Coulomb`: smooth, with
+    :math:`T` approached as :math:`1 - \omega_r^2 / (2 \dot\phi^2)`. Near rest friction is viscous, with
+    :math:`T / \omega_r`: it does not stick, and a joint under a static load L below T creeps, at
+    :math:`\omega_r L / \sqrt{T^2 - L^2}`. A joint of moment of inertia I comes to rest within some
+    :math:`I \omega_r / T`; explicit methods need steps of that size then, ``radau5`` does not.
+
+    At a clearance joint phi is the motion angle, as for springs; it acts beside the friction of the contacts.
+
+    Attributes:
+        damping: c [N*m*s/rad] ([N*s/m]).
+        friction: T [N*m] ([N]).
+        regularisation_speed: omega_r, where Coulomb friction is 71 % of its limit [rad/s] ([m/s]).
+
+    References:
+        URDF's ``<dynamics>`` names damping and friction and leaves open what friction does at rest.
+    """
+
+    kernels: ClassVar[str] = "_friction_kernels"
+    senses: ClassVar[bool] = True
+    integrals: ClassVar[tuple[Integral, ...]] = (LOSS,)
+
+    damping: float = parameter("N*m*s/rad", sliding="N*s/m", rule="zero or more", default=0.0)
+    friction: float = parameter("N*m", sliding="N", rule="zero or more", default=0.0)
+    regularisation_speed: float = parameter("rad/s", sliding="m/s", rule="positive", default=1e-3)
+
+    def words(self, slides: bool) -> str:
+        """Return what it is in words."""
+        said = {"damping": "damping", "friction": "friction"}
+        found = [
+            f"{word} {readable(getattr(self, name), self.unit(name, slides), GIVEN)}"
+            for name, word in said.items()
+            if getattr(self, name)
+        ]
+        if self.friction:
+            speed = readable(self.regularisation_speed, self.unit("regularisation_speed", slides), GIVEN)
+            found.append(f"rounded off below {speed}")
+        return ", ".join(found)
