@@ -239,7 +239,18 @@ def scenario_table() -> str:
         section("[mechanism]", rows(MechanismSpec, without=("links", "joints"))),
         section("[mechanism.links.LINK]", rows(LinkSpec, without=("shapes",))),
         section("[mechanism.links.LINK.shapes.NAME]", rows(ShapeSpec), "Looks only."),
-        section("[mechanism.joints.JOINT]", rows(JointSpec)),
+        section(
+            "[mechanism.joints.JOINT]",
+            rows(JointSpec, without=("motion",)),
+            "A joint's own `damping` and `friction` are those of its `<dynamics>` in the URDF if they do "
+            "not stand here: -c w - T w / sqrt(w² + w_r²), smooth, with the `regularisation_speed` w_r; "
+            "it does not stick. What they take is an entry `JOINT.dynamics` among the losses of springs "
+            "and dampers. At a joint with play or held by constraint they act about its axis all the "
+            "same, *beside* the friction of its contacts: where that stands for all friction, set "
+            "`friction = 0`. A joint made free or planar without contact, or written as floating or "
+            "planar, has no axis: a run says that theirs is left out. With little inertia behind much "
+            "friction rest is stiff (w_r I / T is the time scale): `radau5`, or a larger speed.",
+        ),
         section("[materials.NAME]", rows(MaterialSpec), "`steel` is known without."),
         section(
             "[clearance.JOINT]",
@@ -289,7 +300,12 @@ def scenario_table() -> str:
         section("[initial.base]", rows(InitialBaseSpec)),
         section("[integrator]", rows(IntegratorSpec, without=("scales",))),
         section("[integrator.scales]", rows(ScalesSpec)),
-        section("[output]", rows(OutputSpec)),
+        section(
+            "[output]",
+            rows(OutputSpec),
+            "`times` are met to the bit, and change no step: all else of the result stays as it is. They "
+            "stand beside those of the `rate`.",
+        ),
         section(
             "[pointing]",
             rows(PointingSpec, without=("orbit",)),

@@ -1053,7 +1053,7 @@ REFUSALS = [
     ),
     (
         {"drives.t": {"kind": "table", "time": [0, math.nan], "torque": [1, 2]}},
-        "drives.t.time[1] must be a pure number, got nan (not finite)",
+        "drives.t.time[1] must be a time [s], got nan (not finite)",
     ),
     # springs
     ({"springs.azimuth.stifness": 1}, "springs.azimuth.stifness is unknown; did you mean stiffness?"),

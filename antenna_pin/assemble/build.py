@@ -6,6 +6,7 @@ import warnings
 
 from antenna_pin.assemble.closures import closures_of
 from antenna_pin.assemble.flexible import by_name
+from antenna_pin.assemble.friction import frictions_of
 from antenna_pin.assemble.laws import clearance_joint
 from antenna_pin.assemble.places import check_known, check_motion
 from antenna_pin.assemble.springs import springs_of
@@ -34,9 +35,11 @@ def build_system(scenario: Scenario) -> System:
         AntennaPinError: Names, dimensions or laws that do not go together; one line that says where.
     """
     urdf, parts = variant_and_parts(scenario)
-    for line in urdf.not_simulated:
-        warnings.warn(line, NotSimulatedWarning, stacklevel=2)
     mechanism = build_mechanism(urdf, scenario.mechanism.base, scenario.mechanism.gravity)
+    springs = springs_of(scenario, mechanism)
+    frictions, left_out = frictions_of(scenario, mechanism, springs)
+    for line in left_out:
+        warnings.warn(line, NotSimulatedWarning, stacklevel=2)
     for name, spec in scenario.drives.items():
         check_known(scenario, [spec.joint], "moving joint", mechanism.joints, "drives", name, "joint")
         check_motion(scenario, mechanism.joint(spec.joint), spec.motion, "drives", name)
@@ -49,7 +52,7 @@ def build_system(scenario: Scenario) -> System:
             if isinstance(spec, TouchingSpec)
         ],
         drives={name: spec.build() for name, spec in scenario.drives.items()},
-        springs=springs_of(scenario, mechanism),
+        springs={**springs, **frictions},
         held={
             name: _HELD[types[name]]
             for name, spec in scenario.clearance.items()

@@ -11,17 +11,18 @@ from antenna_pin.flexible import ElasticPart
 from antenna_pin.mechanism import JointVariant, Urdf
 from antenna_pin.scenario import Scenario
 
-__all__ = ["types_as_written", "urdf_variant", "variant_and_parts"]
+__all__ = ["as_written", "types_as_written", "urdf_variant", "variant_and_parts"]
 
 
 def types_as_written(scenario: Scenario) -> dict[str, str]:
     """Return the type that each joint has in the URDF as it is written, by name."""
     if not any(spec.model == "constraint" for spec in scenario.clearance.values()):
         return {}
-    return {joint.name: joint.type for joint in _as_written(scenario).robot.joints}
+    return {joint.name: joint.type for joint in as_written(scenario).robot.joints}
 
 
-def _as_written(scenario: Scenario) -> Urdf:
+def as_written(scenario: Scenario) -> Urdf:
+    """Return the URDF of a scenario as its file is."""
     return Urdf.from_text(
         scenario.urdf_text,
         str(scenario.urdf_path),
@@ -48,7 +49,7 @@ def variant_and_parts(scenario: Scenario) -> tuple[Urdf, tuple[ElasticPart, ...]
         UnknownNameError: A link or joint that it does not have.
     """
     spec = scenario.mechanism
-    urdf = _as_written(scenario)
+    urdf = as_written(scenario)
     joints = {joint.name for joint in urdf.robot.joints}
     links = {link.name for link in urdf.robot.links}
     check_known(scenario, spec.joints, "joint", joints, "mechanism.joints")

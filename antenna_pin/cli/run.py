@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import json
 from pathlib import Path
 from typing import Annotated
 
@@ -74,6 +75,9 @@ def run(
     lean: Annotated[
         bool, typer.Option("--lean", help="Keep numbers and contact episodes only, no series.")
     ] = False,
+    at: Annotated[
+        str | None, typer.Option(help="Sample at these times too, ascending, such as '0.1, 250 ms'.")
+    ] = None,
     progress: Annotated[bool, typer.Option(help="Show a progress bar.")] = True,
     summary: Annotated[bool, typer.Option(help="Print a summary of the result.")] = True,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")] = False,
@@ -87,6 +91,8 @@ def run(
         changes.append(f"integrator.engine={engine.value}")
     if accuracy is not None:
         changes.append(f"integrator.accuracy={accuracy!r}")
+    if at is not None:
+        changes.append(f"output.times=[{', '.join(_toml(time.strip()) for time in at.split(','))}]")
     chosen = load(scenario, case, changes, geometry, duration)
     path = writable_file(out or Path(f"{stem(chosen)}.nc"), ".nc")
 
@@ -116,6 +122,14 @@ def run(
             return
         complain(f"{stem(chosen)}: {trajectory.message} (the result up to there is in {path})")
     raise typer.Exit(SIGNALLED + ended_by() if outcome == "INTERRUPTED" else ENDED_EARLY)
+
+
+def _toml(text: str) -> str:
+    """Return a number as it is written, anything else as a text in TOML."""
+    try:
+        return repr(float(text))
+    except ValueError:
+        return json.dumps(text)
 
 
 def urdf(

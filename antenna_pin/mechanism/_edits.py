@@ -41,7 +41,7 @@ def change_link(robot: Any, name: str, change: LinkChange, where: str) -> None:
 
 
 def change_joint(robot: Any, name: str, change: JointChange, where: str) -> None:
-    """Write a new origin and axis into a joint."""
+    """Write a new origin, axis and ``<dynamics>`` into a joint."""
     joint = named(robot, "joint", name)
     origin = {"xyz": change.origin_xyz, "rpy": change.origin_rpy}
     if any(origin.values()):
@@ -52,6 +52,18 @@ def change_joint(robot: Any, name: str, change: JointChange, where: str) -> None
                 f"{where}: joint {name!r} is fixed and has no axis to change, got {change.axis}"
             )
         set_numbers(child_of(joint, "axis"), {"xyz": change.axis})
+    dynamics = {
+        key: (value,)
+        for key, value in (("damping", change.damping), ("friction", change.friction))
+        if value is not None
+    }
+    if dynamics:
+        if joint.get("type") not in (*_HINGES, "prismatic"):
+            raise MechanismError(
+                f"{where}: joint {name!r} is {joint.get('type')} and has no axis for "
+                f"{' and '.join(dynamics)}; leave it out"
+            )
+        set_numbers(child_of(joint, "dynamics"), dynamics)
 
 
 def vary_joint(

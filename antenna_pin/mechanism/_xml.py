@@ -198,7 +198,12 @@ def _check_joint(joint: Any, where: str) -> None:
     dynamics = joint.find("dynamics")
     if dynamics is not None:
         for name in ("damping", "friction"):
-            _numbers(dynamics, name, (1,), where)
+            values = _numbers(dynamics, name, (1,), where)
+            if any(value < 0.0 for value in values):
+                raise MechanismError(
+                    f"{_at(dynamics, where)}: <dynamics> {name} must be zero or more, "
+                    f"got {dynamics.get(name)!r}"
+                )
     _check_limit(joint, kind, where)
 
 

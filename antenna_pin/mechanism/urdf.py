@@ -54,6 +54,12 @@ def _checked(text: str, where: str, allow_impossible_inertia: tuple[str, ...]) -
     return robot
 
 
+def _dynamics(joint: Any) -> dict[str, float]:
+    given = joint.dynamics
+    numbers = {} if given is None else {"damping": given.damping, "friction": given.friction}
+    return {name: float(value) for name, value in numbers.items() if value is not None and float(value)}
+
+
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class Urdf:
     """A URDF that was checked to be a mechanism: one tree of bodies that can exist.
@@ -63,8 +69,8 @@ class Urdf:
     roots; masses that are not positive; inertias that no body can have; axes of no length; mimic joints;
     links that move without an inertial and carry none by a moving joint.
 
-    Position limits of joints are not simulated, nor are their damping and friction (see
-    :attr:`not_simulated`).
+    Limits of joints are not simulated. Damping and friction of joints with an axis are
+    (:attr:`joint_friction`), those of others are not (:attr:`not_simulated`).
 
     Attributes:
         text: The XML.
@@ -136,15 +142,28 @@ class Urdf:
 
     @property
     def not_simulated(self) -> tuple[str, ...]:
-        """One line for each joint's damping or friction that a mechanism leaves out; empty is good."""
+        """One line for each joint's damping or friction that has no axis to act about; empty is good."""
         return tuple(
-            f"{self.where}: joint {joint.name!r}: <dynamics> {name}={value} is not simulated; "
-            "give a spring's damping or a clearance's friction in the scenario"
+            f"{self.where}: joint {joint.name!r}: <dynamics> {name}={value:g} is not simulated, for the "
+            f"joint is {joint.type} and has no axis; take it out"
             for joint in self.robot.joints
-            if joint.dynamics is not None and joint.type != "fixed"
-            for name, value in (("damping", joint.dynamics.damping), ("friction", joint.dynamics.friction))
-            if value is not None and float(value) != 0.0
+            if joint.type in ("floating", "planar")
+            for name, value in _dynamics(joint).items()
         )
+
+    @property
+    def joint_friction(self) -> dict[str, dict[str, float]]:
+        """What ``<dynamics>`` says of joints with an axis, by name: ``damping`` and ``friction`` above 0.
+
+        Of one that turns [N*m*s/rad] and [N*m], of one that slides [N*s/m] and [N]; fields of
+        :class:`antenna_pin.elements.JointFriction`.
+        """
+        found = {
+            joint.name: _dynamics(joint)
+            for joint in self.robot.joints
+            if joint.type in ("revolute", "continuous", "prismatic")
+        }
+        return {name: numbers for name, numbers in found.items() if numbers}
 
     def link(self, name: str) -> Any:
         """Return a link as yourdfpy's object (``yourdfpy.Link``), to be read only."""

@@ -43,7 +43,7 @@ _STORED = (
 _LOST = (
     ("dissipation_normal", "lost in normal contact", COLOURS[1]),
     ("dissipation_friction", "lost in friction", COLOURS[3]),
-    ("dissipation_damper", "lost in joint dampers", "#7F7F7F"),
+    ("dissipation_damper", "lost in dampers and friction of joints", "#7F7F7F"),
     ("dissipation_elastic", "lost in flexible links", COLOURS[5]),
 )
 

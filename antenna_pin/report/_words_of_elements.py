@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
 
 from antenna_pin.analysis import drives_of
-from antenna_pin.elements import Element
+from antenna_pin.elements import Element, JointFriction
 from antenna_pin.report._runs import ReportedRun
 from antenna_pin.scenario import PointSpringSpec, Scenario
 
-__all__ = ["names_of_elements", "words_of_elements"]
+__all__ = ["names_of_elements", "words_of_elements", "words_of_friction"]
 
 
 def words_of_elements(scenario: Scenario) -> Iterator[tuple[str, str]]:
@@ -27,6 +28,13 @@ def words_of_elements(scenario: Scenario) -> Iterator[tuple[str, str]]:
             if element.about != "motion" and clearance is not None and clearance.model != "ideal":
                 text += f", about the {element.about}'s axis"
             yield f"{family} {name}", text
+
+
+def words_of_friction(run: ReportedRun) -> Iterator[tuple[str, str]]:
+    """Yield the friction that joints of a run have of their own."""
+    for given in json.loads(run.data.attrs.get("joint_friction", "{}")).values():
+        slides = given.pop("slides")
+        yield f"friction of joint {given['joint']}", JointFriction(**given).words(slides)
 
 
 def names_of_elements(run: ReportedRun) -> Iterator[tuple[str, str]]:

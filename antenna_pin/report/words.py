@@ -18,7 +18,7 @@ from antenna_pin.report._words_of_clearance import (
     words_of_clearances,
 )
 from antenna_pin.report._words_of_closures import words_of_closures
-from antenna_pin.report._words_of_elements import names_of_elements, words_of_elements
+from antenna_pin.report._words_of_elements import names_of_elements, words_of_elements, words_of_friction
 from antenna_pin.report._words_of_flexible import words_of_flexible
 from antenna_pin.report._words_of_laws import words_of_laws
 from antenna_pin.scenario import PointingSpec, Scenario
@@ -93,10 +93,10 @@ def _words(run: ReportedRun) -> Iterator[tuple[str, Words]]:
     yield "Flexible links", dict(words_of_flexible(run))
     if scenario is not None:
         yield "Clearance", dict(words_of_clearances(scenario))
-        yield "Drives and springs", dict(words_of_elements(scenario))
+        yield "Drives and springs", dict((*words_of_elements(scenario), *words_of_friction(run)))
     else:
         yield "Clearance", dict(words_of_carried_clearances(run))
-        yield "Drives and springs", dict(names_of_elements(run))
+        yield "Drives and springs", dict((*names_of_elements(run), *words_of_friction(run)))
     yield "Contact and friction", dict(words_of_laws(run))
     yield "Start", dict(_start(run, mechanism))
     yield "Computation", dict(_computation(run))

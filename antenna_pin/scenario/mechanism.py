@@ -8,7 +8,8 @@ from pydantic import Field
 
 from antenna_pin.changes import JointChange, JointVariant, LinkChange, ShapeChange
 from antenna_pin.material import Material
-from antenna_pin.scenario._base import Spec, Vector, Vector3
+from antenna_pin.scenario._base import Quantity, Spec, Vector, Vector3
+from antenna_pin.scenario._joint import JointTable
 from antenna_pin.scenario._made import MadeSpec, reads
 
 __all__ = ["JointSpec", "LinkSpec", "MaterialSpec", "MechanismSpec", "ShapeSpec"]
@@ -25,15 +26,18 @@ class LinkSpec(MadeSpec):
 
 
 @reads(JointChange)
-class JointSpec(MadeSpec):
+class JointSpec(JointTable, MadeSpec):
     """What differs from the URDF in a joint; None where nothing does.
 
     Attributes:
         kind: ``ideal`` as in the URDF, ``locked``, ``free`` in all six directions without contact, or
             ``planar``, free in the plane across its axis.
+        regularisation_speed: Rate at which the joint's own Coulomb friction is 71 % of its limit; 1e-3 rad/s
+            (1e-3 m/s) if left out [rad/s] ([m/s]).
     """
 
     kind: JointVariant | None = None
+    regularisation_speed: Annotated[float, Quantity(("rad/s", "m/s"), "positive")] | None = None
 
 
 class MechanismSpec(Spec):

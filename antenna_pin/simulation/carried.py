@@ -16,7 +16,7 @@ from scipy.spatial.transform import Rotation
 
 from antenna_pin.contact import DISSIPATIONS, FRICTION_LAWS, NORMAL_LAWS, DampedContact
 from antenna_pin.dynamics import System
-from antenna_pin.elements import Element, Motion
+from antenna_pin.elements import Element, JointFriction, Motion
 from antenna_pin.flexible import Takes
 from antenna_pin.joints import ClearanceJoint
 from antenna_pin.mechanism import frame_aligning_z
@@ -35,13 +35,15 @@ def mechanism_attributes(system: System) -> dict[str, str]:
     unknown), ``mechanism`` its base and gravity [m/s^2] and what may have an impossible inertia (JSON), and
     ``clearance_joints`` what :func:`carried_joints` tells (JSON). ``drives`` (JSON) has of each its
     ``joint``, whether that ``slides`` along its axis, and whether it prescribes the joint's ``motion``.
-    ``clearance_joints`` what :func:`carried_joints` tells (JSON). If there are springs between points,
+    If there are springs between points,
     ``point_springs`` (JSON) has of each, by name, ``first_body``, ``first_point``, ``second_body`` and
     ``second_point``: links, and places in their frames [m]. If there are elastic parts, ``elastic_parts``
     (JSON) has of each, by name, its ``hub`` and its ``body`` (links), whether it ``slides``, its
     ``frequency`` [Hz] and ``damping_ratio`` [-] with the hub held, and the mass [kg] or moment of inertia
     [kg m^2] that its joint has ``moved``; of parts that move the same shapes the first, on whose body these
-    are, names the others in ``with``.
+    are, names the others in ``with``. If joints have friction of their own, ``joint_friction`` (JSON) has of
+    each, by the name that it has among the springs, its ``joint``, whether that ``slides``, and the numbers
+    of its :class:`antenna_pin.elements.JointFriction`.
     """
     mechanism = system.mechanism
     springs = {
@@ -52,6 +54,11 @@ def mechanism_attributes(system: System) -> dict[str, str]:
             "second_point": one.second[1],
         }
         for name, one in system.point_springs.items()
+    }
+    frictions = {
+        name: {**dataclasses.asdict(one), "slides": _slides(system, one.joint)}
+        for name, one in system.springs.items()
+        if isinstance(one, JointFriction)
     }
     return {
         "urdf": mechanism.urdf.to_xml(),
@@ -66,6 +73,7 @@ def mechanism_attributes(system: System) -> dict[str, str]:
         "clearance_joints": json.dumps(carried_joints(system)),
         "drives": json.dumps({name: _drive(system, drive) for name, drive in system.drives.items()}),
         **({"point_springs": json.dumps(springs)} if springs else {}),
+        **({"joint_friction": json.dumps(frictions)} if frictions else {}),
         **({"elastic_parts": json.dumps(_elastic_parts(system))} if system.elastic else {}),
     }
 
@@ -102,11 +110,14 @@ def _shapes(system: System, part: str) -> set[str]:
 
 
 def _drive(system: System, drive: Element) -> dict[str, Any]:
-    slot = system.mechanism.joint(drive.joint)
-    slides = slot.kind == "prismatic" or any(
-        joint.name == drive.joint and joint.geometry.motion == "slide" for joint in system.clearances
-    )
+    slides = _slides(system, drive.joint)
     return {"joint": drive.joint, "slides": slides, "motion": isinstance(drive, Motion)}
+
+
+def _slides(system: System, joint: str) -> bool:
+    return system.mechanism.joint(joint).kind == "prismatic" or any(
+        one.name == joint and one.geometry.motion == "slide" for one in system.clearances
+    )
 
 
 def carried_joints(system: System) -> dict[str, dict[str, Any]]:

@@ -87,6 +87,14 @@ class _Drive(BaseModel):
     motion: bool
 
 
+class _JointFriction(BaseModel):
+    joint: str
+    slides: bool
+    damping: _Number
+    friction: _Number
+    regularisation_speed: _Number
+
+
 class _PointSpring(BaseModel):
     first_body: str
     first_point: _Three
@@ -120,6 +128,7 @@ _JSON: dict[str, tuple[Any, str]] = {
     "versions": (dict[str, str], ""),
     "clearance_joints": (dict[str, _Joint], "clearance_joint"),
     "drives": (dict[str, _Drive], "drive"),
+    "joint_friction": (dict[str, _JointFriction], ""),
     "point_springs": (dict[str, _PointSpring], "point_spring"),
     "elastic_parts": (dict[str, _ElasticPart], "elastic_part"),
     "closures": (dict[str, _Closure], "closure"),
@@ -129,6 +138,7 @@ _JSON: dict[str, tuple[Any, str]] = {
 _BODIES = {
     "clearance_joints": ("bearing_body", "journal_body"),
     "drives": ("joint",),
+    "joint_friction": ("joint",),
     "point_springs": ("first_body", "second_body"),
     "elastic_parts": ("hub", "body"),
     "closures": ("first_body", "second_body"),
@@ -152,6 +162,7 @@ _PLAIN: dict[str, type] = {
 }
 # Those that a result may do without.
 _OPTIONAL = {
+    "joint_friction",
     "point_springs",
     "elastic_parts",
     "closures",

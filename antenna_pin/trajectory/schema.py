@@ -31,7 +31,7 @@ DIMENSIONS: dict[str, str] = {
     "drive": "drives, by name",
     "controller": "drives that follow a reference, by name",
     "motion": "drives that prescribe their joint's motion, by name",
-    "spring": "springs and dampers, by name",
+    "spring": "springs and dampers, and friction of joints, by name",
     "point_spring": "those of them that are between points",
     "elastic_part": "elastic parts of flexible links, by name",
     "closure": "joints that close loops, or are held by constraint, by name",
@@ -221,7 +221,11 @@ def _table() -> Iterator[Variable]:
         ("dissipation_friction", "J", "energy lost to friction"),
         ("normal_impulse", "N s", "integral of normal force"),
     )
-    yield from _rows("ledger", "time spring", ("dissipation_damper", "J", "energy lost in the damper"))
+    yield from _rows(
+        "ledger",
+        "time spring",
+        ("dissipation_damper", "J", "energy lost in the damper, or to a joint's own friction"),
+    )
     yield from _rows("ledger", "time", ("energy_error", "J", "stored - start - work of drives + losses"))
     yield from _rows(
         "audit",
@@ -287,7 +291,11 @@ def _table() -> Iterator[Variable]:
         ("peak_closure_force", "N", "largest force of the closure at a sample"),
         ("peak_closure_moment", "N m", "largest moment of the closure at a sample"),
     )
-    yield from _rows("summary", "spring", ("total_damper_loss", "J", "energy lost in the damper in all"))
+    yield from _rows(
+        "summary",
+        "spring",
+        ("total_damper_loss", "J", "energy lost in the damper, or to a joint's own friction, in all"),
+    )
     yield from _rows(
         "summary",
         "elastic_part",

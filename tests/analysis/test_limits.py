@@ -1,12 +1,9 @@
 """Limits of a URDF that a run has passed."""
 
 import numpy as np
-import pytest
 import xarray as xr
 
-from antenna_pin import load_scenario, simulate
 from antenna_pin.analysis import said_of_limits
-from antenna_pin.errors import NotSimulatedWarning
 
 URDF = """<robot name="r"><joint name="arm" type="{kind}">
 <limit lower="-0.5" upper="0.5" effort="1" velocity="1"/></joint></robot>"""
@@ -31,10 +28,3 @@ def test_a_joint_past_its_limit_is_named_with_place_and_time():
     assert said_of_limits(run([0.0, 0.5 + 1e-12, -0.5])) == ()
     assert said_of_limits(run([0.0, 9.0], kind="continuous")) == ()
     assert said_of_limits(run([0.0, 9.0]).assign_attrs(urdf="<limit")) == ()
-
-
-def test_what_is_not_simulated_is_said_when_a_scenario_is_built():
-    scenario = load_scenario("pendulum", case="ideal")
-    text = scenario.urdf_text.replace("</joint>", '<dynamics damping="1"/></joint>', 1)
-    with pytest.warns(NotSimulatedWarning, match="damping=1 is not simulated"):
-        simulate(scenario.model_copy(update={"urdf_text": text}), duration=1e-3)

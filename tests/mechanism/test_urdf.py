@@ -288,11 +288,20 @@ def test_an_axis_is_the_direction_alone_and_x_where_the_urdf_says_nothing(crooke
     assert Urdf.from_text(pair(hinge()), "u.urdf").axis("j").tolist() == [1.0, 0.0, 0.0]
 
 
-def test_damping_that_is_not_simulated_is_said(crooked):
-    assert crooked.not_simulated == ()
+def test_friction_of_joints_is_read_and_what_has_no_axis_is_said(crooked):
+    assert crooked.joint_friction == {} and crooked.not_simulated == ()
     damped = Urdf.from_text(pair(hinge('<dynamics damping="0.5" friction="0"/>')), "u.urdf")
-    (line,) = damped.not_simulated
-    assert line.startswith("u.urdf: joint 'j': <dynamics> damping=0.5 is not simulated")
+    assert damped.joint_friction == {"j": {"damping": 0.5}} and damped.not_simulated == ()
+    changed = damped.variant(origins={"j": JointChange(friction=0.25)})
+    assert changed.joint_friction == {"j": {"damping": 0.5, "friction": 0.25}}
+    text = pair(hinge('<dynamics damping="0.5" friction="0"/>')).replace('"continuous"', '"floating"')
+    free = Urdf.from_text(text, "u.urdf")
+    (line,) = free.not_simulated
+    assert line.startswith("u.urdf: joint 'j': <dynamics> damping=0.5 is not simulated, for the joint is flo")
+    with pytest.raises(MechanismError, match="'j' is floating and has no axis for damping"):
+        free.variant(origins={"j": JointChange(damping=0.1)})
+    with pytest.raises(MechanismError, match=r"u\.urdf, line \d+.*<dynamics> damping must be zero or more"):
+        Urdf.from_text(pair(hinge('<dynamics damping="-1"/>')), "u.urdf")
 
 
 def test_files_that_cannot_be_read_are_refused(tmp_path):

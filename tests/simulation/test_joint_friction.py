@@ -1,13 +1,16 @@
 """Friction of a joint, viscous and Coulomb's: closed forms, the energy ledger, both engines."""
 
+import json
 import math
 
 import numpy as np
 import pytest
 
 from antenna_pin import load_scenario, simulate
+from antenna_pin.assemble import build_system
 from antenna_pin.dynamics import System
 from antenna_pin.elements import JointFriction
+from antenna_pin.errors import AntennaPinError, NotSimulatedWarning
 from antenna_pin.mechanism import Urdf, build_mechanism
 from antenna_pin.settings import RunSettings
 
@@ -90,6 +93,91 @@ def test_rounding_is_that_of_its_speed():
     assert data["motion_acceleration"].values[0, 0] == pytest.approx(
         -0.5 / INERTIA / math.sqrt(2.0), rel=1e-12, abs=0.0
     )
+
+
+# --- from a scenario ----------------------------------------------------------------------------------------
+
+TAG = '<dynamics damping="0.05" friction="0.1"/></joint>'
+
+
+JOINT = "[mechanism.joints.hinge]\n"
+MOVING = f"[initial.joints.hinge]\nrate = {RATE}\n"
+
+
+def scenario(folder, more=MOVING):
+    urdf = ROTOR.format(kind="continuous").replace("</joint>", TAG)
+    (folder / "rotor.urdf").write_text(urdf)
+    (folder / "scenario.toml").write_text(
+        f"""format = 1
+title = "rotor"
+duration = "0.2 s"
+[mechanism]
+urdf = "rotor.urdf"
+base = "fixed"
+{more}
+"""
+    )
+    return load_scenario(folder)
+
+
+def test_dynamics_of_a_urdf_are_simulated_and_a_scenario_may_change_them(tmp_path):
+    plain = simulate(scenario(tmp_path))
+    own = plain.data.attrs["joint_friction"]
+    assert json.loads(own)["hinge.dynamics"] == {
+        "joint": "hinge",
+        "damping": 0.05,
+        "friction": 0.1,
+        "regularisation_speed": 1e-3,
+        "slides": False,
+    }
+    torque = INERTIA * plain.data["motion_acceleration"].values[0, 0]
+    assert torque == pytest.approx(-(0.05 * RATE + 0.1), rel=1e-6)
+    assert float(plain.data["energy_error"].values[-1]) == pytest.approx(0.0, abs=1e-9)
+    changed = scenario(
+        tmp_path,
+        JOINT + 'friction = "200 mN*m"\nregularisation_speed = "3 rad/s"\n' + MOVING,
+    )
+    torque = INERTIA * simulate(changed).data["motion_acceleration"].values[0, 0]
+    assert torque == pytest.approx(-(0.05 * RATE + 0.2 / math.sqrt(2.0)), rel=1e-9)
+    assert "hinge.dynamics" in simulate(scenario(tmp_path)).data["spring"].values
+
+
+PLAY = """[clearance.hinge]
+model = "contact"
+bearing_radius = "10 mm"
+radial_clearance = "5 mm"
+bearing_length = "50 mm"
+axial_clearance = "5 mm"
+bearing_outer_radius = "20 mm"
+flange_radius = "21 mm"
+normal = { law = "hertz", stiffness = 1e9 }
+friction = { law = "none" }
+"""
+
+
+@pytest.mark.parametrize("model", ["contact", "planar", "constraint"])
+def test_it_acts_about_the_axis_of_a_joint_with_play_too(tmp_path, model):
+    """Nothing touches: the disc turns about its centre and slows down as in the ideal joint."""
+    ideal = simulate(scenario(tmp_path)).data
+    more = PLAY.replace('"contact"', f'"{model}"')
+    if model == "constraint":
+        more = '[clearance.hinge]\nmodel = "constraint"\n'
+    play = simulate(scenario(tmp_path, more + MOVING)).data
+    last = float(ideal["final_rate"].values[0])
+    assert last < 0.97 * RATE
+    assert float(play["final_rate"].values[0]) == pytest.approx(last, rel=1e-8)
+
+
+def test_what_has_no_axis_is_said_once_and_what_makes_no_sense_refused(tmp_path):
+    free = scenario(tmp_path, JOINT + 'kind = "free"')
+    with pytest.warns(NotSimulatedWarning, match="'hinge': its damping and friction are not simulated"):
+        build_system(free)
+    with pytest.raises(
+        AntennaPinError, match="regularisation_speed: must be left out of a joint without fri"
+    ):
+        build_system(scenario(tmp_path, JOINT + "friction = 0\nregularisation_speed = 1"))
+    with pytest.raises(AntennaPinError, match="units must be those of a rotation"):
+        build_system(scenario(tmp_path, JOINT + 'friction = "1 N"'))
 
 
 # --- output times -------------------------------------------------------------------------------------------

@@ -1,0 +1,66 @@
+"""Friction of joints themselves: what the URDF's ``<dynamics>`` says and the scenario changes."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+from antenna_pin.assemble.places import check_motion, where
+from antenna_pin.assemble.variant import as_written
+from antenna_pin.elements import JointFriction
+from antenna_pin.errors import ScenarioError
+from antenna_pin.mechanism import Mechanism
+from antenna_pin.scenario import Scenario
+
+__all__ = ["frictions_of"]
+
+
+def frictions_of(
+    scenario: Scenario, mechanism: Mechanism, springs: Collection[str]
+) -> tuple[dict[str, JointFriction], tuple[str, ...]]:
+    """Return the friction of each joint that has some, as ``JOINT.dynamics``, and lines on what is left out.
+
+    That of a joint with play acts about its axis, beside the friction of its contacts.
+
+    Args:
+        scenario: Its ``mechanism.joints`` go before the URDF.
+        mechanism: The mechanism, with the freedoms that joints have in this case.
+        springs: Names of springs, which these must differ from.
+
+    Raises:
+        ScenarioError: Units of another motion, a speed without friction, or a spring of that name.
+    """
+    urdf = as_written(scenario)
+    types = {joint.name: joint.type for joint in urdf.robot.joints}
+    numbers = {name: dict(given) for name, given in urdf.joint_friction.items()}
+    for name, change in scenario.mechanism.joints.items():
+        for key in ("damping", "friction"):
+            if (value := getattr(change, key)) is not None:
+                numbers.setdefault(name, {})[key] = value
+        if change.regularisation_speed is not None:
+            if not numbers.get(name, {}).get("friction"):
+                raise ScenarioError(
+                    f"{where(scenario, 'mechanism', 'joints', name)}.regularisation_speed: must be left out "
+                    "of a joint without friction; give it friction, here or in the URDF"
+                )
+            numbers[name]["regularisation_speed"] = change.regularisation_speed
+    found, left_out = {}, list(urdf.not_simulated)
+    for name, given in numbers.items():
+        if name not in mechanism.joints or not (given.get("damping") or given.get("friction")):
+            continue
+        slot = mechanism.joint(name)
+        if name in scenario.mechanism.joints:
+            check_motion(scenario, slot, scenario.mechanism.joints[name].motion, "mechanism", "joints", name)
+        if slot.kind in ("floating", "planar") and name not in scenario.clearance:
+            left_out.append(
+                f"{urdf.where}: joint {name!r}: its damping and friction are not simulated, for it is made "
+                f"{slot.kind} from {types[name]} and has no axis"
+            )
+            continue
+        own = f"{name}.dynamics"
+        if own in springs:
+            raise ScenarioError(
+                f"{where(scenario, 'springs', own)}: must have another name, which that of the joint's own "
+                "friction bears"
+            )
+        found[own] = JointFriction(joint=name, **given)
+    return found, tuple(left_out)
