@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from antenna_pin.scenario import Scenario, list_scenarios, load_scenario, models_path
     from antenna_pin.settings import ErrorScales, RunSettings
     from antenna_pin.simulation import Progress, simulate
+    from antenna_pin.sweep import Study, load_study, open_study, run_study
     from antenna_pin.trajectory import Counts, Outcome, Trajectory
 
 _HOMES = {
@@ -40,6 +41,7 @@ _HOMES = {
     "Progress": "simulation",
     "RunSettings": "settings",
     "Scenario": "scenario",
+    "Study": "sweep",
     "System": "dynamics",
     "Trajectory": "trajectory",
     "Urdf": "mechanism",
@@ -49,8 +51,11 @@ _HOMES = {
     "initial_state": "assemble",
     "list_scenarios": "scenario",
     "load_scenario": "scenario",
+    "load_study": "sweep",
     "models_path": "scenario",
     "modes": "linear",
+    "open_study": "sweep",
+    "run_study": "sweep",
     "simulate": "simulation",
     "urdf_variant": "assemble",
 }
@@ -68,6 +73,7 @@ __all__ = [
     "Progress",
     "RunSettings",
     "Scenario",
+    "Study",
     "System",
     "Trajectory",
     "Urdf",
@@ -77,8 +83,11 @@ __all__ = [
     "initial_state",
     "list_scenarios",
     "load_scenario",
+    "load_study",
     "models_path",
     "modes",
+    "open_study",
+    "run_study",
     "simulate",
     "urdf_variant",
 ]

@@ -19,7 +19,7 @@ from typing import Any
 
 from antenna_pin.errors import ScenarioError
 
-__all__ = ["QuantityError", "describe_unit", "matching_unit", "quantity", "shown"]
+__all__ = ["QuantityError", "any_quantity", "describe_unit", "matching_unit", "quantity", "shown"]
 
 # Unit, and what a quantity of it is called; the first that fits names a quantity seen.
 _KINDS = {
@@ -93,6 +93,38 @@ def quantity(value: object, unit: str | tuple[str, ...], place: str) -> float:
         return _quantity(value, units)
     except _Refused as refusal:
         raise QuantityError(place, f"must be {describe_unit(unit)}, got {shown(value)}{refusal}") from None
+
+
+def any_quantity(value: object) -> tuple[float, str] | None:
+    """Return a number in SI units and the SI unit that its text names; None for what is no quantity.
+
+    For values whose meaning is known elsewhere: whoever uses the number checks its dimension, by the unit.
+
+    Args:
+        value: A number, of no unit said (""), or text such as ``"0.2 mm"``, which is 0.0002 and "m".
+    """
+    if isinstance(value, bool) or not isinstance(value, Real | str):
+        return None
+    if not isinstance(value, str):
+        number = float(value)
+        return (number, "") if math.isfinite(number) else None
+    match = _QUANTITY.fullmatch(value.strip()) if len(value) <= _LONGEST else None
+    seen = None if match is None else _parse_unit(match.group(2))
+    if match is None or seen is None:
+        return None
+    digits, name = match.groups()
+    number = _scaled(digits, seen.factor)
+    if not math.isfinite(number):
+        return None
+    if name in _PURE:
+        return number, "1"
+    for unit in _KINDS:
+        known = _known_unit(unit)
+        if (known.dimension, known.radian) == (seen.dimension, seen.radian) and seen.cycles == known.cycles:
+            return number, unit
+    text = f"{_registry().get_base_units(_normalised(name))[1]:~C}"
+    known_text = _parse_unit(text)
+    return (number, text) if known_text is not None and known_text.factor == 1.0 else None
 
 
 def matching_unit(value: object, units: tuple[str, ...]) -> str | None:

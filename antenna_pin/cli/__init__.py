@@ -14,7 +14,7 @@ from typing import Annotated
 
 import typer
 
-from antenna_pin.cli import analyse, contact, figures, info, modes, pointing, record, report, run
+from antenna_pin.cli import analyse, contact, figures, info, modes, pointing, record, report, run, sweep
 from antenna_pin.cli._common import one_line_errors, told_interruption
 from antenna_pin.cli._usage import OneLineGroup
 from antenna_pin.interruption import ending_by_signals
@@ -72,6 +72,7 @@ _COMMANDS: dict[str, Callable[..., None]] = {
     "record": record.record,
     "report": report.report,
     "urdf": run.urdf,
+    "sweep": sweep.sweep,
 }
 for _name, _command in _COMMANDS.items():
     app.command(_name)(one_line_errors(_command))

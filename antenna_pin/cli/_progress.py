@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, TextIO, cast
 
 if TYPE_CHECKING:
     from antenna_pin.simulation import Progress
+    from antenna_pin.sweep import Standing
 
 
 class _ErrorStream(io.TextIOBase):
@@ -118,6 +119,51 @@ def picture_bar(title: str, shown: bool) -> Iterator[Callable[[int, int], None] 
 
     def report(done: int, planned: int) -> None:
         bar.update(task, completed=done, total=planned)
+        bar.start()
+
+    try:
+        yield report
+    finally:
+        if bar.live.is_started:
+            bar.stop()
+
+
+@contextlib.contextmanager
+def study_bar(title: str, shown: bool) -> Iterator[Callable[[Standing], None] | None]:
+    """Yield what a study reports its progress to: runs checked, then runs made, on the error stream."""
+    if not shown:
+        yield None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
+    from rich.progress import Progress as Bar
+
+    bar = Bar(
+        TextColumn("{task.description}"),
+        BarColumn(bar_width=None),
+        MofNCompleteColumn(),
+        TextColumn("{task.fields[failed]}"),
+        TimeRemainingColumn(compact=True),
+        console=Console(file=cast(TextIO, _ErrorStream())),
+        expand=True,
+        refresh_per_second=5,
+    )
+    tasks = {stage: bar.add_task("", total=None, failed="", visible=False) for stage in ("check", "run")}
+
+    def report(now: Standing) -> None:
+        words = "checking" if now.stage == "check" else "runs"
+        failed = (
+            f"{now.failed} {'refused' if now.stage == 'check' else 'ended early'}" if now.failed else "runs"
+        )
+        bar.update(tasks["check"], visible=now.stage == "check")
+        bar.update(
+            tasks[now.stage],
+            description=f"{title}: {words}",
+            completed=now.done,
+            total=now.count,
+            failed=failed,
+            visible=True,
+        )
         bar.start()
 
     try:

@@ -1,0 +1,76 @@
+"""Tables of a study: what would be run, how runs ended, which failed."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from antenna_pin.cli._tables import number_text
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from antenna_pin.sweep import Design
+
+_SHOWN = 12  # runs of a dry run's table
+
+
+def run_rows(design: Design) -> tuple[list[str], list[list[str]]]:
+    """Return head and rows of the first runs of a study: number, parameters."""
+    head = ["run", *(column.name for column in design.columns)]
+    rows = []
+    for run in range(min(design.count, _SHOWN)):
+        place = design.place(run)
+        rows.append([str(run), *(c.settings.values[place[c.dim]].text for c in design.columns)])
+    return head, rows
+
+
+def said_of_time(runs: int, seconds: float, cores: int) -> str:
+    """Return what a study takes, in words."""
+    total = runs * seconds / min(cores, runs)
+    for size, unit in ((86400.0, "days"), (3600.0, "h"), (60.0, "min"), (0.0, "s")):
+        if total >= 2.0 * size:
+            text = f"{total / size if size else total:.2g} {unit}"
+            break
+    where = "1 core" if cores == 1 else f"{cores} cores"
+    return f"some {seconds:.2g} s a run, by a trial of 2 % of the first; some {text} on {where}"
+
+
+def outcome_rows(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:
+    """Return head and rows of how runs ended: outcome, number, and the time of one."""
+    outcomes = np.ravel(table["outcome"].values)
+    wall = np.ravel(table["wall_time"].values)
+    rows = []
+    for outcome, count in Counter(map(str, outcomes)).most_common():
+        mine = wall[outcomes == outcome]
+        mean = float(mine.mean()) if np.isfinite(mine).all() else float("nan")
+        rows.append([outcome, str(count), number_text(mean) if np.isfinite(mean) else ""])
+    return ["", "runs", "time of one [s]"], rows
+
+
+def failures(table: xr.Dataset) -> Iterator[tuple[int, str, str, str]]:
+    """Yield the runs that did not reach their end: number, values of the parameters, outcome, message."""
+    outcomes = table["outcome"].values
+    for place in np.argwhere(~np.isin(outcomes, ("COMPLETED", "STOPPED", "PENDING"))):
+        index = dict(zip(table["outcome"].dims, map(int, place), strict=True))
+        one = table.isel(index)
+        values = ", ".join(f"{name} = {value_text(one[name])}" for name in parameters_of(table))
+        yield int(one["run"]), values, str(one["outcome"].item()), str(one["message"].item())
+
+
+def parameters_of(table: xr.Dataset) -> list[str]:
+    """Return the names of a study's parameters."""
+    import json
+
+    return list(json.loads(table.attrs["parameters"]))
+
+
+def value_text(value: xr.DataArray) -> str:
+    """Return a parameter's value with its unit."""
+    if value.dtype.kind not in "fi":
+        return str(value.item())
+    units = value.attrs.get("units", "")
+    return f"{float(value):.6g}{f' {units}' if units not in ('', '1') else ''}"

@@ -1,0 +1,25 @@
+"""What files made of tables are checked with, for other rooms that read such files as scenarios are read."""
+
+from antenna_pin.scenario._base import (
+    Count,
+    Place,
+    PositiveTime,
+    Quantity,
+    Spec,
+    dotted,
+    explained,
+    refuse,
+    refuse_name,
+)
+
+__all__ = [
+    "Count",
+    "Place",
+    "PositiveTime",
+    "Quantity",
+    "Spec",
+    "dotted",
+    "explained",
+    "refuse",
+    "refuse_name",
+]

@@ -1,0 +1,190 @@
+"""Runs made by Dask: by processes of this machine, or by the workers of any scheduler.
+
+Scenarios go to the workers as data and results come back as data: nothing of a file system is shared.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import importlib
+import logging
+import os
+import queue
+from collections.abc import Callable, Iterator
+from typing import Any, TypeVar
+
+from antenna_pin.errors import AntennaPinError, MissingToolError
+from antenna_pin.sweep.here import Lost
+
+__all__ = ["Cluster", "ClusterLostError"]
+
+T = TypeVar("T")
+
+_AHEAD = 2  # batches for each worker: one it works on, one it finds ready
+_LOOK_EVERY = 1.0  # [s] at whether anybody is there
+_PATIENCE = 30.0  # [s] without any worker
+
+
+class ClusterLostError(AntennaPinError, RuntimeError):
+    """The scheduler, or all its workers, cannot be reached any more."""
+
+
+class Cluster:
+    """Processes that make runs, with Dask between.
+
+    Args:
+        workers: How many processes of this machine; one for each core if left out.
+        scheduler: Address of a scheduler that runs elsewhere, ``tcp://host:8786`` or ``tls://...``; its
+            workers need this package in the same version, and nothing else.
+        tls: Files for a scheduler that is reached by TLS: ``ca``, ``cert`` and ``key``.
+
+    Raises:
+        MissingToolError: Dask is not installed.
+        ClusterLostError: No scheduler answers there.
+    """
+
+    def __init__(
+        self, workers: int | None = None, scheduler: str | None = None, tls: dict[str, str] | None = None
+    ) -> None:
+        """Start the processes, or reach the scheduler."""
+        try:
+            distributed: Any = importlib.import_module("distributed")
+        except ImportError:
+            raise MissingToolError(
+                "studies on several cores need dask.distributed; install it with pip install "
+                "'antenna-pin[studies]', or run them in this process with --workers 0"
+            ) from None
+        # What it has to say of lost connections is said here, in one line.
+        logging.getLogger("distributed").setLevel(logging.CRITICAL)
+        for name in ("distributed.nanny", "distributed.worker", "distributed.scheduler", "distributed.core"):
+            logging.getLogger(name).setLevel(logging.CRITICAL)
+        self._distributed = distributed
+        self._local: Any = None
+        self._client: Any = None
+        self._where = scheduler or "this machine"
+        try:
+            if scheduler is None:
+                self._local = distributed.LocalCluster(
+                    n_workers=workers or os.cpu_count() or 1,
+                    threads_per_worker=1,
+                    processes=True,
+                    dashboard_address=None,
+                    silence_logs=logging.CRITICAL,
+                )
+                self._client = distributed.Client(self._local, set_as_default=False)
+            else:
+                self._client = distributed.Client(
+                    scheduler, security=self._security(tls), timeout="20s", set_as_default=False
+                )
+        except (OSError, TimeoutError, ValueError, RuntimeError) as error:
+            self.close()
+            raise ClusterLostError(
+                f"scheduler {self._where}: must answer, got: {_words(error)}; is it running, and is the "
+                "address right?"
+            ) from None
+
+        # What they have to load, they load while the driver makes its own trial.
+        with contextlib.suppress(Exception):
+            self._client.run(_wake, wait=False)
+
+    def _security(self, tls: dict[str, str] | None) -> Any:
+        if not tls:
+            return None
+        return self._distributed.Security(
+            tls_ca_file=tls.get("ca"),
+            tls_client_cert=tls.get("cert"),
+            tls_client_key=tls.get("key"),
+            require_encryption=True,
+        )
+
+    @property
+    def width(self) -> int:
+        """How many threads the workers have in all; at least 1."""
+        try:
+            return max(1, int(sum(self._client.nthreads().values())))
+        except Exception:  # the connection is gone, which is said where runs are given out
+            return 1
+
+    def each(
+        self, call: Callable[[Any, list[T]], Any], shared: Any, batches: Iterator[list[T]]
+    ) -> Iterator[tuple[list[T], Any]]:
+        """Yield each batch with its answer, as they come; a few are under way at a time.
+
+        Raises:
+            ClusterLostError: The scheduler, or all its workers, cannot be reached any more.
+        """
+        under_way: dict[Any, list[T]] = {}
+        ready: queue.SimpleQueue[Any] = queue.SimpleQueue()
+        try:
+            (data,) = self._client.scatter([shared], broadcast=False, hash=True)
+            while True:
+                while len(under_way) < _AHEAD * self.width:
+                    batch = next(batches, None)
+                    if batch is None:
+                        break
+                    future = self._client.submit(call, data, batch, pure=False)
+                    under_way[future] = batch
+                    future.add_done_callback(ready.put)
+                if not under_way:
+                    return
+                future = self._finished(ready)
+                yield under_way.pop(future), self._answer(future)
+        except AntennaPinError:
+            raise
+        except (OSError, TimeoutError, self._cancelled()) as error:
+            raise ClusterLostError(
+                f"scheduler {self._where}: was lost: {_words(error)}; finished runs are kept: give the same "
+                "command again"
+            ) from None
+        finally:
+            with contextlib.suppress(Exception):
+                self._client.cancel(list(under_way))
+
+    def _cancelled(self) -> type[BaseException]:
+        from concurrent.futures import CancelledError
+
+        return CancelledError
+
+    def _finished(self, ready: queue.SimpleQueue[Any]) -> Any:
+        """Wait for one; where all workers are gone for long, raise."""
+        waited = 0.0
+        while True:
+            with contextlib.suppress(queue.Empty):
+                return ready.get(timeout=_LOOK_EVERY)
+            if self._client.status != "running":
+                raise OSError("the connection is closed")
+            waited = 0.0 if self._client.nthreads() else waited + _LOOK_EVERY
+            if waited > _PATIENCE:
+                raise OSError(f"it has had no workers for {_PATIENCE:g} s")
+
+    def _answer(self, future: Any) -> Any:
+        from distributed.scheduler import KilledWorker
+
+        try:
+            return future.result()
+        except MissingToolError:
+            raise
+        except KilledWorker:
+            return Lost("the process that made it was lost")
+        except self._cancelled():
+            raise
+        except OSError:
+            raise
+        except Exception as error:
+            return Lost(f"it did not come back: {_words(error)}")
+
+    def close(self) -> None:
+        """End the processes, or leave the scheduler to others."""
+        for name in ("_client", "_local"):
+            made = getattr(self, name, None)
+            if made is not None:
+                with contextlib.suppress(Exception):
+                    made.close()
+
+
+def _wake() -> None:
+    import antenna_pin.sweep.work  # noqa: F401
+
+
+def _words(error: BaseException) -> str:
+    return " ".join(str(error).split())[:200] or type(error).__name__

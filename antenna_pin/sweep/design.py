@@ -1,0 +1,190 @@
+"""The runs of a study: a grid of lists and ranges, times samples of what has a distribution."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from antenna_pin.errors import ScenarioError
+from antenna_pin.scenario import Scenario
+from antenna_pin.sweep.parameters import Settings
+from antenna_pin.sweep.study import SamplingSpec, Study
+from antenna_pin.units import shown
+
+__all__ = ["Column", "Design", "design_of"]
+
+SAMPLE = "sample"
+_MOST = 10_000_000
+_INDEXED = re.compile(r"(.*)\[(\d+)\]")
+
+
+@dataclass(frozen=True, slots=True)
+class Column:
+    """The values of one parameter along a dimension of the design.
+
+    Attributes:
+        name: Of the parameter.
+        keys: Of the scenario.
+        dim: Dimension along which its values run.
+        settings: The values.
+        title: What it is called.
+    """
+
+    name: str
+    keys: tuple[str, ...]
+    dim: str
+    settings: Settings
+    title: str
+
+
+@dataclass(frozen=True, slots=True)
+class Design:
+    """All runs of a study, numbered through its dimensions, the last one fastest.
+
+    Attributes:
+        sizes: Of the dimensions, by name: those of the grid, then ``sample``.
+        columns: The parameters.
+        probability: Of samples: where each stands in its distribution, (sample, factor) [-]; or None.
+        factors: Names of the parameters that are sampled.
+        seeds: One for each run, (runs,) [-].
+    """
+
+    sizes: dict[str, int]
+    columns: tuple[Column, ...]
+    probability: NDArray[np.float64] | None
+    factors: tuple[str, ...]
+    seeds: NDArray[np.int64]
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """The sizes of the dimensions."""
+        return tuple(self.sizes.values())
+
+    @property
+    def count(self) -> int:
+        """How many runs there are."""
+        return int(np.prod(self.shape, dtype=np.int64))
+
+    def place(self, run: int) -> dict[str, int]:
+        """Return where a run stands, by dimension."""
+        return dict(zip(self.sizes, map(int, np.unravel_index(run, self.shape)), strict=True))
+
+    def values(self, run: int) -> dict[str, Any]:
+        """Return what each parameter is set to in a run, by its name."""
+        place = self.place(run)
+        return {column.name: column.settings.values[place[column.dim]].set for column in self.columns}
+
+    def overrides(self, run: int, base: Scenario, only: tuple[str, ...] | None = None) -> dict[str, Any]:
+        """Return what a run sets over the scenario.
+
+        Args:
+            run: Its number.
+            base: The scenario, of which numbers of an array are taken that are not set.
+            only: The parameters that count; all if left out.
+        """
+        values, found = self.values(run), dict[str, Any]()
+        for column in self.columns:
+            if only is None or column.name in only:
+                for key in column.keys:
+                    _put(found, key, values[column.name], base)
+        return found
+
+    def label(self, run: int) -> str:
+        """Return a run's number and its values in words."""
+        place = self.place(run)
+        texts = [f"{c.name} = {c.settings.values[place[c.dim]].text}" for c in self.columns]
+        return f"run {run} ({', '.join(texts)})"
+
+
+def _put(found: dict[str, Any], key: str, value: Any, base: Scenario) -> None:
+    indexed = _INDEXED.fullmatch(key)
+    if indexed is None:
+        found[key] = value
+        return
+    name, index = indexed[1], int(indexed[2])
+    array = found.get(name)
+    if array is None:
+        below: Any = base.model_dump()
+        for part in name.split("."):
+            below = below.get(part) if isinstance(below, dict) else None
+        array = below
+    if not isinstance(array, list | tuple):
+        raise ScenarioError(f"{key}: must be a number of an array of the scenario, got {shown(array)}")
+    if index >= len(array):
+        raise ScenarioError(f"{key}: must be one of {len(array)} numbers, from [0] on, got [{index}]")
+    found[name] = [value if i == index else old for i, old in enumerate(array)]
+
+
+def design_of(study: Study) -> Design:
+    """Return the runs of a study.
+
+    Raises:
+        ScenarioError: There are too many, or samples that are not finite.
+    """
+    sizes: dict[str, int] = {}
+    columns: list[Column] = []
+    sampled = {name: one for name, one in study.parameters.items() if one.sampled}
+    probability = None
+    if sampled:
+        assert study.sampling is not None
+        probability = _probabilities(study.sampling, list(sampled), study.seed)
+    for name, parameter in study.parameters.items():
+        if parameter.sampled:
+            assert probability is not None
+            settings = parameter.drawn(probability[:, list(sampled).index(name)])
+            for value in settings.values:
+                if not np.isfinite(value.number):
+                    raise ScenarioError(
+                        f"study {study.name}: parameters.{name} must be bounded for the method "
+                        f"{study.sampling.method if study.sampling else ''}, which asks for its ends, got "
+                        f"{value.number}; take a distribution with limits"
+                    )
+            dim = SAMPLE
+        else:
+            settings, dim = parameter.settings(), parameter.zip or name
+            sizes[dim] = len(settings.values)
+        columns.append(Column(name, parameter.keys_set, dim, settings, parameter.title or name))
+    if probability is not None:
+        sizes[SAMPLE] = len(probability)
+    count = int(np.prod(list(sizes.values()), dtype=np.float64))
+    if count > _MOST:
+        raise ScenarioError(f"study {study.name}: must be of at most {_MOST} runs, got {count}")
+    return Design(sizes, tuple(columns), probability, tuple(sampled), _seeds(study.seed, count))
+
+
+def _seeds(seed: int, count: int) -> NDArray[np.int64]:
+    """Return a seed for each run, from streams that do not overlap."""
+    return np.fromiter(
+        (int(child.generate_state(1, np.uint64)[0]) >> 1 for child in _children(seed, count)),
+        dtype=np.int64,
+        count=count,
+    )
+
+
+def _children(seed: int, count: int) -> Iterator[np.random.SeedSequence]:
+    return iter(np.random.SeedSequence([seed, 1]).spawn(count))
+
+
+def _probabilities(sampling: SamplingSpec, names: list[str], seed: int) -> NDArray[np.float64]:
+    """Return points in the unit cube, (samples, factors)."""
+    generator = np.random.default_rng(np.random.SeedSequence([seed, 0]))
+    factors, count = len(names), sampling.count
+    if sampling.method == "random":
+        return generator.random((count, factors))
+    from scipy.stats import qmc
+
+    if sampling.method == "latin-hypercube":
+        return np.asarray(qmc.LatinHypercube(factors, rng=generator).random(count))
+    if sampling.method == "sobol":
+        return np.asarray(qmc.Sobol(factors, scramble=True, rng=generator).random(count))
+    from antenna_pin.sweep.sensitivity import morris_points, saltelli_points
+
+    number = int(generator.integers(2**31))
+    if sampling.method == "morris":
+        return morris_points(names, count, sampling.levels, number)
+    return saltelli_points(names, count, sampling.second_order, number)

@@ -1,0 +1,223 @@
+"""The driver of a study: gives runs out, keeps what comes back, and alone writes the store."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections import deque
+from collections.abc import Callable, Iterator
+from contextlib import closing
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import xarray as xr
+
+from antenna_pin.errors import OutputError, ScenarioError
+from antenna_pin.sweep.here import Executor, Here, Lost
+from antenna_pin.sweep.prepared import Prepared, prepare, trial
+from antenna_pin.sweep.store import LOST, SUFFIX, Store, identity_of, open_study
+from antenna_pin.sweep.study import Study
+from antenna_pin.sweep.work import Done, Job, check_jobs, do_jobs
+
+__all__ = ["Standing", "run_study"]
+
+_BATCH_SECONDS = 1.0  # of work in one batch
+_LARGEST_BATCH = 200
+_CHECKED_AT_ONCE = 100
+_TRIES = 3  # of a run by itself that takes its process along
+_TABLE_EVERY = 10.0  # [s]
+_TABLE_SHARE = 0.02  # of the time, at most, goes into writing the dataset
+
+
+@dataclass(frozen=True, slots=True)
+class Standing:
+    """How far a study is.
+
+    Attributes:
+        stage: ``check`` of what is to be run, or ``run``.
+        done: Runs made or checked, of an earlier command too.
+        count: Runs in all.
+        failed: Those of them that did not reach their end.
+    """
+
+    stage: str
+    done: int
+    count: int
+    failed: int
+
+
+def run_study(
+    study: Study,
+    out: str | os.PathLike[str] | None = None,
+    *,
+    executor: Executor | None = None,
+    apart: bool = False,
+    progress: Callable[[Standing], None] | None = None,
+    say: Callable[[str], None] | None = None,
+) -> xr.Dataset:
+    """Make the runs of a study that are missing in its store, and return its dataset.
+
+    Everything is checked before anything is run: each combination is built. What is interrupted or killed
+    goes on with the same call.
+
+    Args:
+        study: The study.
+        out: Folder of the store, whose name ends in ``.study``; ``NAME.study`` here if left out.
+        executor: Who makes the runs: :class:`Here`, this process, if left out, or
+            :class:`~antenna_pin.sweep.cluster.Cluster`.
+        apart: Whether a study, or a version, that is not the store's gets a store of its own beside it,
+            ``NAME-2.study``; else it is refused.
+        progress: Called after each batch.
+        say: Called with what is to be noted, in one line each.
+
+    Raises:
+        OutputError: The store is that of another study, or cannot be written; what was made is kept.
+        ScenarioError: A combination cannot be built, or something else of the study is not valid.
+    """
+    prepared = prepare(study)
+    identity = identity_of(study, prepared.design, prepared.work)
+    path = Path(f"{study.name}{SUFFIX}") if out is None else Path(out)
+    if path.suffix != SUFFIX:
+        raise OutputError(f"{path}: the name of a store must end in {SUFFIX}; try {path.name}{SUFFIX}")
+    store = _store(path, prepared, identity, apart)
+    for note in store.notes:
+        (say or _nothing)(note)
+    by = executor or Here()
+    missing = store.missing()
+    seconds = 0.0
+    if missing:
+        shown = trial(prepared, missing[0])
+        seconds = shown.seconds
+        for note in shown.notes:
+            (say or _nothing)(note)
+        _check(prepared, missing, by, progress)
+    with closing(store):
+        store.begin()
+        try:
+            _Driver(prepared, store, by, seconds, progress).run(missing)
+        finally:
+            store.write_table()
+    return open_study(store.path)
+
+
+def _nothing(line: str) -> None:
+    pass
+
+
+def _store(path: Path, prepared: Prepared, identity: Any, apart: bool) -> Store:
+    number = 1
+    while True:
+        target = path if number == 1 else path.with_name(f"{path.stem}-{number}{SUFFIX}")
+        try:
+            return Store(target, prepared.study, prepared.design, identity)
+        except OutputError:
+            if not (apart and target.is_dir()) or number >= 1000:
+                raise
+            number += 1
+
+
+def _check(
+    prepared: Prepared, runs: list[int], by: Executor, progress: Callable[[Standing], None] | None
+) -> None:
+    """Refuse a study of which a run cannot be built, with the first such run."""
+    refused: list[tuple[int, str]] = []
+    done = 0
+    size = max(1, min(_CHECKED_AT_ONCE, -(-len(runs) // by.width)))
+    batches = (
+        [_job(prepared, run) for run in runs[first : first + size]] for first in range(0, len(runs), size)
+    )
+    for batch, answer in by.each(check_jobs, prepared.work, batches):
+        if isinstance(answer, Lost):
+            refused.append((batch[0].run, str(answer)))
+        else:
+            refused += answer
+        done += len(batch)
+        if progress is not None:
+            progress(Standing("check", done, len(runs), len(refused)))
+    if refused:
+        run, reason = min(refused)
+        more = f" ({len(refused)} of {len(runs)} runs are refused)" if len(refused) > 1 else ""
+        raise ScenarioError(f"{prepared.place}: {prepared.design.label(run)}: {reason}{more}")
+
+
+def _job(prepared: Prepared, run: int) -> Job:
+    try:
+        return prepared.job(run)
+    except ScenarioError as error:
+        raise ScenarioError(f"{prepared.place}: {prepared.design.label(run)}: {error}") from None
+
+
+class _Driver:
+    """One command's share of a study."""
+
+    def __init__(
+        self,
+        prepared: Prepared,
+        store: Store,
+        by: Executor,
+        seconds: float,
+        progress: Callable[[Standing], None] | None,
+    ) -> None:
+        self.prepared, self.store, self.by, self.progress = prepared, store, by, progress
+        self.seconds = max(seconds, 1e-4)  # of a run, as far as is known
+        self.waiting: deque[int] = deque()
+        self.again: deque[Job] = deque()
+        self.tries: dict[int, int] = {}
+        self.written, self.cost = time.monotonic(), 0.0
+        self.failed = sum(e["outcome"] not in ("COMPLETED", "STOPPED") for e in store.entries.values())
+
+    def run(self, runs: list[int]) -> None:
+        self.waiting.extend(runs)
+        self._tell()
+        while self.waiting or self.again:
+            for batch, answer in self.by.each(do_jobs, self.prepared.work, self._batches()):
+                if isinstance(answer, Lost):
+                    self._lost(batch, answer)
+                else:
+                    for done in answer:
+                        self._keep(done)
+                self._tell()
+                self._write_now_and_then()
+
+    def _batches(self) -> Iterator[list[Job]]:
+        """Yield what is to be done next, in batches that take about a second; fewer towards the end."""
+        while self.waiting or self.again:
+            if self.again:
+                yield [self.again.popleft()]
+                continue
+            fair = -(-len(self.waiting) // (4 * self.by.width))
+            size = max(1, min(int(_BATCH_SECONDS / self.seconds), _LARGEST_BATCH, fair))
+            taken = [self.waiting.popleft() for _ in range(min(size, len(self.waiting)))]
+            yield [self.prepared.job(run) for run in taken]
+
+    def _keep(self, done: Done) -> None:
+        entry = done.entry
+        if entry["outcome"] == "INTERRUPTED":  # by Ctrl-C, in this process
+            raise KeyboardInterrupt
+        self.store.add(entry, done.result)
+        self.failed += entry["outcome"] not in ("COMPLETED", "STOPPED")
+        self.seconds += 0.1 * (entry["wall_time"] - self.seconds)
+
+    def _lost(self, batch: list[Job], reason: Lost) -> None:
+        """Try the runs of a batch that has not come back one by one; give up one that never does."""
+        for job in batch:
+            tries = self.tries[job.run] = self.tries.get(job.run, 0) + (len(batch) == 1)
+            if tries < _TRIES:
+                self.again.append(job)
+                continue
+            numbers = dict.fromkeys(("end_time", "simulated", "wall_time"), 0.0)
+            counts = dict.fromkeys(("steps", "rejected", "relocated", "evaluations"), 0)
+            entry = {"run": job.run, "seed": job.seed, "values": {}, "outcome": LOST, **numbers, **counts}
+            self._keep(Done(entry | {"message": f"{reason}, {tries} times", "worker": ""}))
+
+    def _tell(self) -> None:
+        if self.progress is not None:
+            self.progress(Standing("run", len(self.store.entries), self.store.design.count, self.failed))
+
+    def _write_now_and_then(self) -> None:
+        if time.monotonic() - self.written > max(_TABLE_EVERY, self.cost / _TABLE_SHARE):
+            began = time.monotonic()
+            self.store.write_table()
+            self.written = time.monotonic()
+            self.cost = self.written - began

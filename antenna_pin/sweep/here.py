@@ -1,0 +1,46 @@
+"""Runs made in this process, one after the other: what needs no cluster."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import Any, Protocol, TypeVar
+
+__all__ = ["Executor", "Here", "Lost"]
+
+T = TypeVar("T")
+
+
+class Lost(Exception):  # noqa: N818 - an answer, not an error
+    """What was given out has taken its process along, several times, or could not come back."""
+
+
+class Executor(Protocol):
+    """Who makes the runs."""
+
+    @property
+    def width(self) -> int:
+        """How many runs it makes at a time."""
+
+    def each(
+        self, call: Callable[[Any, list[T]], Any], shared: Any, batches: Iterator[list[T]]
+    ) -> Iterator[tuple[list[T], Any]]:
+        """Yield each batch with ``call(shared, batch)``, or with :class:`Lost`, as they come."""
+
+    def close(self) -> None:
+        """Let go of all."""
+
+
+class Here:
+    """This process."""
+
+    width = 1
+
+    def each(
+        self, call: Callable[[Any, list[T]], Any], shared: Any, batches: Iterator[list[T]]
+    ) -> Iterator[tuple[list[T], Any]]:
+        """Yield each batch with its answer."""
+        for batch in batches:
+            yield batch, call(shared, batch)
+
+    def close(self) -> None:
+        """Nothing is to be let go of."""

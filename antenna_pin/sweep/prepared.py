@@ -1,0 +1,161 @@
+"""From a study to work: its scenario with all files, its runs as jobs, and a trial before anything is run."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from antenna_pin.errors import AntennaPinError, ScenarioError
+from antenna_pin.scenario import Scenario
+from antenna_pin.simulation import simulate
+from antenna_pin.sweep.design import Design, design_of
+from antenna_pin.sweep.measures import MEASURES
+from antenna_pin.sweep.responses import evaluate, source_of
+from antenna_pin.sweep.study import Study
+from antenna_pin.sweep.work import Job, Work, scenario_of
+from antenna_pin.trajectory import Trajectory, is_lean, library_versions
+
+__all__ = ["Prepared", "Trial", "prepare", "trial"]
+
+_TRIAL_SHARE = 0.02  # of a run's duration
+
+
+@dataclass(frozen=True, slots=True)
+class Prepared:
+    """A study ready to be run.
+
+    Attributes:
+        study: The study.
+        design: Its runs.
+        base: The scenario that parameters are laid over.
+        work: What all runs share.
+    """
+
+    study: Study
+    design: Design
+    base: Scenario
+    work: Work
+
+    @property
+    def place(self) -> str:
+        """How messages call it."""
+        return f"study {self.study.name}"
+
+    def job(self, run: int) -> Job:
+        """Return one run as data; files that it names are read here."""
+        overrides = self.design.overrides(run, self.base)
+        follows = self.study.reference.follows if self.study.reference is not None else ()
+        more = self.design.overrides(run, self.base, follows) if follows else {}
+        files = any(key.rpartition(".")[2] in ("file", "urdf") for key in overrides)
+        whole = self.base.with_overrides(overrides).model_dump_json() if files else ""
+        return Job(run, overrides, int(self.design.seeds[run]), more, whole)
+
+    def jobs(self, runs: Sequence[int]) -> Iterator[Job]:
+        """Yield runs as data."""
+        return (self.job(run) for run in runs)
+
+
+@dataclass(frozen=True, slots=True)
+class Trial:
+    """What a short part of the first run has shown.
+
+    Attributes:
+        seconds: Estimate of the time that a whole run takes on this machine [s].
+        notes: What is to be said.
+    """
+
+    seconds: float
+    notes: tuple[str, ...] = ()
+
+
+def prepare(study: Study) -> Prepared:
+    """Return a study ready to be run: scenario, runs and functions read and checked.
+
+    Raises:
+        AntennaPinError: Something of it is not valid.
+    """
+    design = design_of(study)
+    base = study.base()
+    reference = study.reference_base()
+    for name in study.parameters:
+        if study.reference is None and "duration" in study.parameters[name].keys_set:
+            continue
+        if "duration" in study.parameters[name].keys_set and name not in study.reference.follows:  # type: ignore[union-attr]
+            raise ScenarioError(
+                f"study {study.name}: reference.follows must name {name}, which varies the duration"
+            )
+    sources = {name: source_of(one, study.folder, name) for name, one in study.responses.items()}
+    work = Work(
+        base=base.model_dump_json(),
+        reference="" if reference is None else reference.model_dump_json(),
+        responses=dict(study.responses),
+        sources={name: text for name, text in sources.items() if text},
+        results=study.results,
+        versions=library_versions(),
+    )
+    return Prepared(study, design, base, work)
+
+
+def trial(prepared: Prepared, run: int = 0) -> Trial:
+    """Make a short part of a run, look at its responses, and estimate the time of a whole one.
+
+    Raises:
+        AntennaPinError: The run cannot be built, or a response does not exist for it.
+    """
+    place = f"{prepared.place}: {prepared.design.label(run)}"
+    try:
+        job = prepared.job(run)
+        scenario = scenario_of(prepared.work, job)
+        span = scenario.duration * _TRIAL_SHARE
+        simulate(scenario, duration=span)  # loads the kernels
+        began = time.perf_counter()
+        made = simulate(scenario, duration=span)
+        seconds = time.perf_counter() - began
+    except AntennaPinError as error:
+        raise ScenarioError(f"{place}: {error}") from None
+    reference = _reference(prepared, job, span)
+    notes = []
+    for name, response in prepared.study.responses.items():
+        where = f"{prepared.place}: responses.{name}"
+        measure = MEASURES.get(response.measure or "")
+        if measure is not None and measure.series and is_lean(made.data):
+            raise ScenarioError(
+                f'{where}: {measure.name} must have the series of a run, got output.form = "lean"; set '
+                'output.form to "full"'
+            )
+        windows = (response.window, response.drift_spacing, response.period)
+        longest = max((window for window in windows if window is not None), default=0.0)
+        if longest > scenario.duration:
+            raise ScenarioError(
+                f"{where}: its windows must be within the run's {scenario.duration:g} s, got {longest:g} s"
+            )
+        if longest > made.data.attrs["end_time"]:
+            continue  # can be told of a whole run only
+        source = prepared.work.sources.get(name, "")
+        try:
+            evaluate(name, response, source, made, reference, job.seed)
+        except AntennaPinError as error:
+            raise ScenarioError(f"{where}: {error}") from None
+        except (NameError, AttributeError, ImportError, TypeError, SyntaxError) as error:
+            raise ScenarioError(f"{where}: {response.function} raises {error!r}") from None
+        except Exception as error:
+            notes.append(f"{where}: {response.function} raises {error!r} on a trial of {span:g} s")
+    stepping = made.counts.wall_seconds
+    whole = seconds - stepping + stepping * scenario.duration / max(float(made.data.attrs["end_time"]), 1e-12)
+    return Trial(whole, tuple(notes))
+
+
+def _reference(prepared: Prepared, job: Job, span: float) -> Trajectory | None:
+    text = prepared.work.reference
+    if not text:
+        return None
+    values: dict[str, Any] = job.follows
+    try:
+        scenario = Scenario.model_validate_json(text).with_overrides(values)
+        if scenario.output.form == "lean":
+            raise ScenarioError('output.form must be "full" for runs to be compared with it, got "lean"')
+        return simulate(scenario, duration=span)
+    except AntennaPinError as error:
+        raise ScenarioError(f"{prepared.place}: reference: {error}") from None

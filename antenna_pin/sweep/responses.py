@@ -1,0 +1,205 @@
+"""The responses of a study: the numbers kept of each run, by measures or functions of the user's own."""
+
+from __future__ import annotations
+
+import importlib
+import inspect
+import math
+import types
+from collections.abc import Callable, Mapping
+from functools import lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+
+from pydantic import BeforeValidator, model_validator
+
+from antenna_pin.errors import ScenarioError
+from antenna_pin.scenario.spec import PositiveTime, Quantity, Spec, refuse, refuse_name
+from antenna_pin.sweep.measures import MEASURES
+
+if TYPE_CHECKING:
+    from antenna_pin.trajectory import Trajectory
+
+__all__ = ["ResponseSpec", "evaluate", "source_of"]
+
+
+def _share(value: object) -> float:
+    number = Quantity("1").read(value)
+    if not 0.0 < number <= 1.0:
+        refuse(f"must be above 0 and at most 1, got {value}", value=value)
+    return number
+
+
+class ResponseSpec(Spec):
+    """One number of each run: by a measure, or a function.
+
+    Attributes:
+        measure: Name of a measure.
+        function: ``FILE.py:NAME``, from the study file's folder, or ``MODULE:NAME``; called with the run, a
+            Trajectory, and if it has an argument ``seed`` with the run's; returns a number.
+        of: What the measure is of: a contact, a joint, a drive, a quantity as ``elevation angle``; all if
+            left out, where that makes sense.
+        index: Of ``pointing``: index of ECSS-E-ST-60-10C.
+        component: Of ``pointing``: ``half-cone``, ``boresight``, ``cross`` or ``up``.
+        value: Of ``pointing``: the ``largest`` one, or the ``level`` of the confidence.
+        window: Of ``pointing``: length of the windows.
+        drift_spacing: Of ``pointing``: from one window of the PDE to the other.
+        period: Of ``pointing``: length of the observation periods.
+        confidence: Of ``pointing``'s level [-].
+        units: Of a function's number.
+        title: What it is called in figures; its name if left out.
+    """
+
+    measure: str | None = None
+    function: str | None = None
+    of: str | None = None
+    index: Literal["APE", "MPE", "RPE", "PDE", "PRE"] = "APE"
+    component: Literal["half-cone", "boresight", "cross", "up"] = "half-cone"
+    value: Literal["largest", "level"] = "largest"
+    window: PositiveTime | None = None
+    drift_spacing: PositiveTime | None = None
+    period: PositiveTime | None = None
+    confidence: Annotated[float, BeforeValidator(_share)] = 0.997
+    units: str = ""
+    title: str = ""
+
+    @property
+    def compares(self) -> bool:
+        """Whether it compares with the study's reference."""
+        return self.measure is not None and MEASURES[self.measure].compares
+
+    @model_validator(mode="after")
+    def _check_choice(self) -> Self:
+        if (self.measure is None) == (self.function is None):
+            refuse(f"must have either measure or function, got {'both' if self.measure else 'neither'}")
+        given = self.model_fields_set - {"measure", "function", "title"}
+        if self.function is not None:
+            if not all(self.function.rpartition(":")[::2]):
+                refuse(f"must be FILE.py:NAME or MODULE:NAME, got {self.function!r}", "function")
+            for key in sorted(given - {"units"}):
+                refuse("must be left out beside function", key)
+            return self
+        assert self.measure is not None
+        if self.measure not in MEASURES:
+            refuse_name("measure", self.measure, MEASURES, "measure")
+        allowed = {"of"} if MEASURES[self.measure].of else set()
+        if self.measure == "pointing":
+            allowed = {
+                "index", "component", "value", "window", "drift_spacing", "period", "confidence",
+            }  # fmt: skip
+        for key in sorted(given - allowed):
+            refuse(f"must be left out: {self.measure} has no {key}", key)
+        return self
+
+    @property
+    def unit(self) -> str:
+        """The unit of the number, as text."""
+        if self.measure is None:
+            return self.units
+        if MEASURES[self.measure].of == "quantity":
+            words = (self.of or "").split()
+            return _UNITS.get(" ".join(words[-1:]), "")
+        return MEASURES[self.measure].units
+
+    @property
+    def meaning(self) -> str:
+        """What the number is, in words."""
+        if self.title:
+            return self.title
+        if self.measure is None:
+            return str(self.function)
+        if self.measure == "pointing":
+            which = "largest" if self.value == "largest" else f"{100.0 * self.confidence:g} % level of the"
+            return f"{which} {self.index} of the pointing error, {self.component}"
+        meaning = MEASURES[self.measure].meaning.split(" (")[0].split(", of a joint's quantity")[0]
+        return f"{meaning}, {self.of}" if self.of else meaning
+
+
+_UNITS = {"angle": "rad", "rate": "rad/s", "acceleration": "rad/s^2"}
+
+
+def source_of(response: ResponseSpec, folder: Path, name: str) -> str:
+    """Return the text of the file that a response's function stands in; "" for a module's or a measure.
+
+    Raises:
+        ScenarioError: There is no such file or module, or no such function in it.
+    """
+    if response.function is None:
+        return ""
+    place, _, function = response.function.rpartition(":")
+    if not place.endswith(".py"):
+        _imported(place, function, name)
+        return ""
+    try:
+        text = (folder / place).read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise ScenarioError(f"responses.{name}: function {place} cannot be read: {error}") from None
+    _made(text, place, function, name)
+    return text
+
+
+def _imported(place: str, function: str, name: str) -> Callable[..., Any]:
+    try:
+        module = importlib.import_module(place)
+    except ImportError as error:
+        raise ScenarioError(f"responses.{name}: function's module cannot be imported: {error}") from None
+    return _function(vars(module), function, place, name)
+
+
+@lru_cache(maxsize=64)
+def _made(text: str, place: str, function: str, name: str) -> Callable[..., Any]:
+    module = types.ModuleType(Path(place).stem)
+    try:
+        exec(compile(text, place, "exec"), vars(module))
+    except Exception as error:
+        raise ScenarioError(f"responses.{name}: {place} cannot be run: {error!r}") from None
+    return _function(vars(module), function, place, name)
+
+
+def _function(names: Mapping[str, Any], function: str, place: str, name: str) -> Callable[..., Any]:
+    found = names.get(function)
+    if not callable(found):
+        known = sorted(key for key, value in names.items() if callable(value) and not key.startswith("_"))
+        raise ScenarioError(
+            f"responses.{name}: {place} must have a function {function!r}, it has "
+            f"{', '.join(known) or 'none'}"
+        )
+    made: Callable[..., Any] = found
+    return made
+
+
+def evaluate(
+    name: str,
+    response: ResponseSpec,
+    source: str,
+    run: Trajectory,
+    reference: Trajectory | None,
+    seed: int,
+) -> float:
+    """Return a response of a run.
+
+    Args:
+        name: Of the response.
+        response: The response.
+        source: The text of its function's file, or "".
+        run: The run.
+        reference: What it is compared with.
+        seed: Of the run.
+
+    Raises:
+        AntennaPinError: The measure does not exist for this run.
+        Exception: Whatever a function of the user's own raises.
+    """
+    if response.measure is not None:
+        return MEASURES[response.measure].find(run, response, reference if response.compares else None)
+    assert response.function is not None
+    place, _, function = response.function.rpartition(":")
+    called = _made(source, place, function, name) if source else _imported(place, function, name)
+    more = {"seed": seed} if "seed" in inspect.signature(called).parameters else {}
+    value = called(run, **more)
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        number, value = math.nan, repr(value)
+        raise ScenarioError(f"responses.{name}: must return a number, got {value}") from None
+    return number

@@ -1,0 +1,125 @@
+"""Which parameters a response depends on: elementary effects of Morris, shares of variance of Sobol'.
+
+Both are SALib's, on the unit cube of where samples stand in their distributions. So an effect of Morris's is
+that of going through the whole distribution of a parameter, in the unit of the response.
+"""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from antenna_pin.errors import InvalidParameterError, MissingToolError
+
+__all__ = ["morris_points", "saltelli_points", "sensitivities"]
+
+Array = NDArray[np.float64]
+
+
+def _salib(name: str) -> Any:
+    import importlib
+
+    try:
+        return importlib.import_module(f"SALib.{name}")
+    except ImportError:
+        raise MissingToolError(
+            "sensitivities need SALib; install it with pip install 'antenna-pin[studies]'"
+        ) from None
+
+
+def _problem(names: list[str]) -> dict[str, Any]:
+    return {"num_vars": len(names), "names": names, "bounds": [[0.0, 1.0]] * len(names)}
+
+
+def morris_points(names: list[str], count: int, levels: int, seed: int) -> Array:
+    """Return the trajectories of Morris's design in the unit cube, (count (factors + 1), factors) [-]."""
+    made = _salib("sample.morris").sample(_problem(names), count, num_levels=levels, seed=seed)
+    return np.asarray(made, dtype=float)
+
+
+def saltelli_points(names: list[str], count: int, second_order: bool, seed: int) -> Array:
+    """Return Saltelli's design in the unit cube, (count (factors + 2), factors) [-]; twice with pairs."""
+    made = _salib("sample.sobol").sample(
+        _problem(names), count, calc_second_order=second_order, scramble=True, seed=seed
+    )
+    return np.asarray(made, dtype=float)
+
+
+def sensitivities(study: xr.Dataset, response: str, confidence: float = 0.95) -> xr.Dataset:
+    """Return how a response depends on the parameters that were sampled for that.
+
+    Args:
+        study: What :func:`antenna_pin.open_study` returns, of method ``morris`` or ``saltelli``.
+        response: Name of the response.
+        confidence: Of the intervals, by bootstrap [-].
+
+    Returns:
+        Over ``factor``, of Morris: ``mu``, ``mu_star`` (mean effect, mean size of the effect) and ``sigma``
+        (its spread: interactions and curvature), in the response's unit; of Saltelli: ``first`` and
+        ``total``, shares of the response's variance by the parameter alone and with all interactions [-].
+        With half the width of their intervals: ``mu_star_conf``, ``first_conf``, ``total_conf``.
+
+    Raises:
+        InvalidParameterError: The study was not sampled so, or a run of it has no response.
+    """
+    method = study.attrs.get("method")
+    if method not in ("morris", "saltelli"):
+        raise InvalidParameterError(
+            "sensitivities", "study", 'sampled with method = "morris" or "saltelli"', method
+        )
+    known = json.loads(study.attrs["responses"])
+    if response not in known:
+        raise InvalidParameterError("sensitivities", "response", f"one of {', '.join(known)}", response)
+    values = np.asarray(study[response].values, dtype=float)
+    if values.ndim != 1:
+        grid = [str(dim) for dim in study[response].dims if dim != "sample"]
+        raise InvalidParameterError("sensitivities", "study", f"at one value of {', '.join(grid)}", "several")
+    if not np.isfinite(values).all():
+        missing = int(np.count_nonzero(~np.isfinite(values)))
+        raise InvalidParameterError(
+            "sensitivities", "response", "there for all runs, which the method needs", f"{missing} missing"
+        )
+    names = [str(name) for name in study["factor"].values]
+    points = np.asarray(study["probability"].values, dtype=float)
+    about = json.loads(study.attrs["study"])["sampling"]
+    units = str(study[response].attrs.get("units", ""))
+    if values.std() == 0.0:
+        raise InvalidParameterError(
+            "sensitivities", "response", "of different values", f"{values[0]:g} in all"
+        )
+    if method == "morris":
+        found = _salib("analyze.morris").analyze(
+            _problem(names), points, values, conf_level=confidence, num_levels=about["levels"], seed=0
+        )
+        columns = {
+            "mu": ("mu", units, "mean effect"),
+            "mu_star": ("mu_star", units, "mean size of the effect"),
+            "mu_star_conf": ("mu_star_conf", units, "half its interval"),
+            "sigma": ("sigma", units, "spread of the effect"),
+        }
+    else:
+        found = _salib("analyze.sobol").analyze(
+            _problem(names),
+            values,
+            calc_second_order=about["second_order"],
+            conf_level=confidence,
+            seed=0,
+        )
+        columns = {
+            "first": ("S1", "1", "share of the variance by itself"),
+            "first_conf": ("S1_conf", "1", "half its interval"),
+            "total": ("ST", "1", "share of the variance with all interactions"),
+            "total_conf": ("ST_conf", "1", "half its interval"),
+        }
+    return xr.Dataset(
+        {
+            name: ("factor", np.asarray(found[key], dtype=float), {"units": unit, "long_name": words})
+            for name, (key, unit, words) in columns.items()
+        },
+        coords={"factor": names},
+        attrs={"method": method, "response": response, "confidence": confidence, "runs": values.size},
+    )

@@ -1,0 +1,315 @@
+"""A study on disk: one folder with what it is, the journal of its runs, their dataset, and full results.
+
+``study.json`` says what the study is, ``journal`` has a line for each finished run, ``runs.nc`` is the
+dataset made of them, ``runs/`` holds full results. The driver alone writes. Every file tells damage by a
+digest.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+import json
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from antenna_pin.errors import FileFormatError, OutputError
+from antenna_pin.files import check_writable, has_whole_seal, replacing, seal
+from antenna_pin.sweep.design import Design
+from antenna_pin.sweep.journal import Journal, ReadJournal, read_journal
+from antenna_pin.sweep.study import Study
+from antenna_pin.sweep.table import FORMAT, add_entries, table_of
+from antenna_pin.sweep.work import Work
+from antenna_pin.trajectory.file import write
+
+__all__ = ["LOST", "SUFFIX", "Identity", "Store", "identity_of", "open_study"]
+
+#: How the name of a store ends.
+SUFFIX = ".study"
+
+#: Outcome of a run that has taken its process along.
+LOST = "LOST"
+
+_ABOUT, _JOURNAL, _TABLE, _RESULTS = "study.json", "journal", "runs.nc", "runs"
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class Identity:
+    """What makes a study itself: its runs, what is kept of them, and what computes them.
+
+    Attributes:
+        digest: Of all, as hexadecimal text.
+        parts: Digests of its parts, by name: what differs between two studies can be told.
+        versions: Of the package and its libraries.
+    """
+
+    digest: str
+    parts: dict[str, str]
+    versions: dict[str, str]
+
+    @property
+    def key(self) -> bytes:
+        """What signs the lines of the journal."""
+        return bytes.fromhex(self.digest)[:32]
+
+
+def identity_of(study: Study, design: Design, work: Work) -> Identity:
+    """Return what a study is, so that a store can be told to be its own."""
+    values = [[list(c.keys), c.dim, [v.set for v in c.settings.values]] for c in design.columns]
+    responses = {name: response.model_dump() for name, response in study.responses.items()}
+    parts = {
+        "the scenario": _digest(_content(work.base)),
+        "the reference": _digest([_content(work.reference), study.reference and study.reference.follows]),
+        "the parameters": _digest([list(study.parameters), values, design.seeds.tolist()]),
+        "the responses": _digest([responses, work.sources]),
+        "the results kept": _digest(study.results),
+        "the versions": _digest(work.versions),
+    }
+    return Identity(_digest(parts), parts, work.versions)
+
+
+def _content(text: str) -> Any:
+    """Return a scenario without where it came from."""
+    data = json.loads(text) if text else {}
+    return {name: value for name, value in data.items() if name not in ("folder", "overrides", "description")}
+
+
+def _digest(value: Any) -> str:
+    text = json.dumps(value, sort_keys=True, default=str)
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+class Store:
+    """The folder of a study that is being run.
+
+    Args:
+        path: The folder, whose name ends in ``.study``.
+        study: The study.
+        design: Its runs.
+        identity: What it is.
+
+    Raises:
+        OutputError: It is the store of another study, or cannot be written.
+    """
+
+    def __init__(self, path: Path, study: Study, design: Design, identity: Identity) -> None:
+        """Look at the folder, if it is there; nothing is written yet."""
+        self.path, self.study, self.design, self.identity = path, study, design, identity
+        self.notes: list[str] = []
+        self._journal: Journal | None = None
+        old = ReadJournal({}, 0, False)
+        if not path.exists():
+            if not path.parent.is_dir():
+                raise OutputError(f"{path}: the folder {str(path.parent)!r} does not exist; make it")
+            check_writable(path.with_name(path.name + ".json"))  # tells a full disk before any work
+        elif not path.is_dir():
+            raise OutputError(f"{path}: must be a folder, got a file; name another with --out")
+        else:
+            old = self._own()
+        # What took its process along may have been the machine's doing: such a run is tried again.
+        found = {number: entry for number, entry in old.entries.items() if entry["outcome"] != LOST}
+        self.entries = {number: entry for number, entry in found.items() if self._has_result(entry)}
+        lost = len(found) - len(self.entries)
+        self._rewrite = bool(old.damaged or old.torn or lost)
+        for count, what in (
+            (old.damaged, "damaged lines in its journal"),
+            (lost, "runs whose full result is missing or damaged"),
+        ):
+            if count:
+                self.notes.append(f"{path}: found {count} {what}; those runs are made again")
+        if has_seal(path / _TABLE) is False:
+            self.notes.append(f"{path / _TABLE}: is damaged, and is made again from the journal")
+
+    def begin(self) -> None:
+        """Make the folder, or go on in it, with a dataset that others may open.
+
+        Raises:
+            OutputError: It cannot be written, or another process has it.
+        """
+        try:
+            self.path.mkdir(exist_ok=True)
+        except OSError as error:
+            raise OutputError(f"{self.path}: cannot be made: {error.strerror}") from error
+        keep = self.entries.values() if self._rewrite else None
+        self._journal = Journal(self.path / _JOURNAL, self.identity.key, keep)
+        self._write_about()
+        self.write_table()
+
+    def _own(self) -> ReadJournal:
+        """Return the journal of a folder that is there, if it is this study's."""
+        path = self.path
+        about = _read_about(path)
+        if about is not None and about["digest"] != self.identity.digest:
+            parts = about.get("parts", {})
+            changed = [name for name, digest in self.identity.parts.items() if parts.get(name) != digest]
+            if changed == ["the versions"]:
+                old = about.get("versions", {})
+                changed = [
+                    f"{name} {old.get(name)} is now {version}"
+                    for name, version in self.identity.versions.items()
+                    if old.get(name) != version
+                ]
+                what = f"of other versions: {', '.join(changed)}"
+            else:
+                what = f"of another study; what differs: {', '.join(changed)}"
+            raise OutputError(
+                f"{path}: is a store {what}; name another with --out, or keep both apart with --apart"
+            )
+        journal = read_journal(path / _JOURNAL, self.identity.key)
+        if about is None:
+            others = sorted(entry.name for entry in path.iterdir() if entry.name != ".lock")
+            if others and not journal.entries:
+                raise OutputError(
+                    f"{path}: is a folder without a whole {_ABOUT}, and nothing in it is of this study; name "
+                    "another with --out, or remove it"
+                )
+            if others:
+                self.notes.append(
+                    f"{path / _ABOUT}: is missing or damaged, and is written again: the journal is this "
+                    "study's"
+                )
+        return journal
+
+    def _write_about(self) -> None:
+        about = {"format": FORMAT, "digest": self.identity.digest, "parts": self.identity.parts}
+        about |= {"versions": self.identity.versions, "study": json.loads(self.study.model_dump_json())}
+        with replacing(self.path / _ABOUT) as partial:
+            partial.write_text(json.dumps(about, indent=1), encoding="utf-8")
+            seal(partial)
+
+    def _has_result(self, entry: Mapping[str, Any]) -> bool:
+        name = entry.get("result")
+        return not name or has_seal(self.path / _RESULTS / str(name)) is True
+
+    def add(self, entry: dict[str, Any], result: bytes) -> None:
+        """Keep a finished run: its full result first, then its line.
+
+        Raises:
+            OutputError: It cannot be written; all before it is kept.
+        """
+        if result:
+            name = f"{entry['run']:06d}.nc"
+            try:
+                (self.path / _RESULTS).mkdir(exist_ok=True)
+                with replacing(self.path / _RESULTS / name) as partial:
+                    partial.write_bytes(result)
+            except OSError as error:
+                raise OutputError(
+                    f"{self.path / _RESULTS / name}: cannot be written: {error.strerror or error}; the runs "
+                    "before are kept: make room and give the same command again"
+                ) from error
+            entry = {**entry, "result": name}
+        assert self._journal is not None
+        self._journal.add(entry)
+        self.entries[int(entry["run"])] = entry
+
+    def missing(self) -> list[int]:
+        """Return the numbers of the runs that are still to be made."""
+        return [run for run in range(self.design.count) if run not in self.entries]
+
+    def table(self) -> xr.Dataset:
+        """Return the dataset of the runs made so far."""
+        about = {"digest": self.identity.digest, "versions": json.dumps(self.identity.versions)}
+        return table_of(self.study, self.design, about, self.entries.values())
+
+    def write_table(self) -> None:
+        """Write the dataset of the runs made so far.
+
+        Raises:
+            OutputError: It cannot be written; the one before is kept.
+        """
+        table = self.table()
+        # xarray's own way to say which variables label others; index labels are known by their names.
+        table.attrs["coordinates"] = " ".join(str(name) for name in table.coords if name not in table.dims)
+        try:
+            with replacing(self.path / _TABLE) as partial:
+                write(table, partial)
+        except OutputError as error:
+            raise OutputError(
+                f"{error}; the runs are kept in the journal: give the same command again"
+            ) from None
+
+    def close(self) -> None:
+        """Put all on the disk."""
+        if self._journal is not None:
+            self._journal.close()
+            self._journal = None
+
+
+def has_seal(path: Path) -> bool | None:
+    """Whether a file is as it was sealed; False if it is there without a seal, None if it is not there."""
+    try:
+        return has_whole_seal(path) is True
+    except FileNotFoundError:
+        return None
+    except OSError:
+        return False
+
+
+def _read_about(path: Path) -> dict[str, Any] | None:
+    """Return what a store says of itself; None if that is missing or damaged."""
+    target = path / _ABOUT
+    if not has_seal(target):
+        return None
+    try:
+        about = json.JSONDecoder().raw_decode(target.read_text(encoding="utf-8"))[0]
+    except (OSError, ValueError):
+        return None
+    return about if isinstance(about, dict) and isinstance(about.get("digest"), str) else None
+
+
+def open_study(path: str | os.PathLike[str]) -> xr.Dataset:
+    """Return the dataset of a study, with all runs that have finished so far; it may be running.
+
+    Args:
+        path: Folder of the store.
+
+    Returns:
+        Over the parameters of a grid, and ``sample`` if any is sampled, labelled by the parameters' values:
+        each response; ``outcome`` (``PENDING`` for what is still to be made) and ``message``; ``end_time``
+        [s], ``steps``, ``rejected``, ``relocated``, ``evaluations`` [-]; ``wall_time`` [s] and ``worker``;
+        ``seed``; ``run``, the number of each.
+
+    Raises:
+        FileFormatError: It is no store of a study, or damaged.
+    """
+    folder = Path(path)
+    target = folder / _TABLE
+    about = _read_about(folder)
+    if about is None or not target.is_file():
+        what = "no folder of that name" if not folder.is_dir() else "a folder without a whole one"
+        raise FileFormatError(
+            f"{folder}: must be the store of a study, got {what}; `antenna-pin sweep` makes it"
+        )
+    if has_seal(target) is not True:
+        raise FileFormatError(
+            f"{target}: must be as antenna-pin wrote it, got another checksum; give the command of the study "
+            "again, which makes it from the journal"
+        )
+    try:
+        with xr.open_dataset(target, engine="h5netcdf") as stored:
+            table = stored.load()
+    except Exception as error:  # HDF5 raises any
+        words = " ".join(str(error).split())
+        raise FileFormatError(f"{target}: must be the dataset of a study, got: {words}") from None
+    if table.attrs.get("format") != FORMAT or table.attrs.get("digest") != about["digest"]:
+        raise FileFormatError(f"{target}: must be the dataset of this study, of format {FORMAT!r}")
+    for name in ("outcome", "message"):
+        table[name] = table[name].astype(object)
+    entries = read_journal(folder / _JOURNAL, bytes.fromhex(about["digest"])[:32]).entries
+    add_entries(table, entries.values())
+    shape, dims = table["outcome"].shape, table["outcome"].dims
+    wall, worker = np.full(shape, np.nan), np.full(shape, "", dtype=object)
+    for number, entry in entries.items():
+        place = np.unravel_index(number, shape)
+        wall[place], worker[place] = entry["wall_time"], entry["worker"]
+    table["wall_time"] = (dims, wall, {"units": "s", "long_name": "time that it took"})
+    table["worker"] = (dims, worker, {"long_name": "machine that made it"})
+    table["run"] = (dims, np.arange(table["outcome"].size).reshape(shape), {"long_name": "number of the run"})
+    table.attrs["path"] = str(folder)
+    return table

@@ -1,0 +1,246 @@
+"""The study file: which scenario is run, over which values, and what is kept of each run."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Annotated, Any, ClassVar, Literal, Self
+
+from pydantic import BeforeValidator, Field, ValidationError, model_validator
+
+from antenna_pin.errors import ScenarioError, UnknownNameError
+from antenna_pin.scenario import Scenario, load_scenario, models_path
+from antenna_pin.scenario.merge import merge, read_overrides
+from antenna_pin.scenario.shipped import read_toml
+from antenna_pin.scenario.spec import Count, Place, Spec, dotted, explained, refuse, refuse_name
+from antenna_pin.sweep.parameters import ParameterSpec
+from antenna_pin.sweep.responses import ResponseSpec
+
+__all__ = ["ReferenceSpec", "SamplingSpec", "Study", "list_studies", "load_study"]
+
+#: How a study file's name ends.
+SUFFIX = ".study.toml"
+
+#: Names that the dataset of a study has for itself.
+RESERVED = (
+    "sample",
+    "factor",
+    "probability",
+    "run",
+    "seed",
+    "outcome",
+    "message",
+    "end_time",
+    "steps",
+    "rejected",
+    "relocated",
+    "evaluations",
+    "wall_time",
+    "worker",
+)
+
+
+class SamplingSpec(Spec):
+    """How parameters with a distribution are sampled.
+
+    Attributes:
+        method: ``random``; ``latin-hypercube``; ``sobol``, a scrambled sequence of low discrepancy;
+            ``morris`` and ``saltelli``, designs for sensitivities.
+        count: Samples [-]; of Sobol' and Saltelli's a power of two; of Morris's the trajectories.
+        levels: Of Morris's grid [-].
+        second_order: Whether Saltelli's design is for interactions too.
+    """
+
+    method: Literal["random", "latin-hypercube", "sobol", "morris", "saltelli"] = "latin-hypercube"
+    count: Annotated[int, BeforeValidator(Count(1, 10_000_000).read)]
+    levels: Annotated[int, BeforeValidator(Count(4, 1000, even=True).read)] = 4
+    second_order: bool = False
+
+    @model_validator(mode="after")
+    def _check_count(self) -> Self:
+        if self.method in ("sobol", "saltelli") and self.count & (self.count - 1):
+            refuse(f"must be a power of two for {self.method}, got {self.count}", "count")
+        if self.method != "morris" and "levels" in self.model_fields_set:
+            refuse('must be left out but for method = "morris"', "levels")
+        if self.method != "saltelli" and self.second_order:
+            refuse('must be left out but for method = "saltelli"', "second_order")
+        return self
+
+
+class ReferenceSpec(Spec):
+    """The run that others are compared with: mostly the mechanism with ideal joints.
+
+    Attributes:
+        case: Case of the scenario.
+        set: What is set over it, as the study's ``set``, which it does not take.
+        follows: Parameters of the study that it takes too; there is one such run for each of their values.
+    """
+
+    case: str | None = None
+    set: dict[str, Any] = Field(default_factory=dict)
+    follows: tuple[str, ...] = ()
+
+
+class Study(Spec):
+    """A parameter study.
+
+    Attributes:
+        format: Version of the format of study files.
+        title: In a few words.
+        scenario: Name of a shipped scenario, or path of a scenario file, from the study file's folder.
+        case: Of the scenario; its default one if left out.
+        set: What is set over scenario and case for all runs: dotted keys, or tables.
+        seed: Of the samples and of the runs' own seeds [-].
+        parameters: What is varied, by name.
+        sampling: How parameters with distributions are sampled.
+        reference: What some responses compare a run with.
+        responses: The numbers that are kept of each run, by name; or a list of measures.
+        results: Whose full result files are kept: ``none``, those of runs that ``failed``, or ``all``.
+        name: Of the study: that of its file.
+        folder: Of the study file.
+    """
+
+    format: Literal[1] = 1
+    title: str = ""
+    scenario: str
+    case: str | None = None
+    set: dict[str, Any] = Field(default_factory=dict)
+    seed: Annotated[int, BeforeValidator(Count(0, 2**62).read)] = 0
+    parameters: dict[str, ParameterSpec]
+    sampling: SamplingSpec | None = None
+    reference: ReferenceSpec | None = None
+    responses: dict[str, ResponseSpec]
+    results: Literal["none", "failed", "all"] = "none"
+    name: str = "study"
+    folder: Path = Path()
+
+    carried: ClassVar[frozenset[str]] = frozenset({"name", "folder"})
+
+    @model_validator(mode="before")
+    @classmethod
+    def _name_responses(cls, data: Any) -> Any:
+        """Let a list of measures stand for responses of their names."""
+        if isinstance(data, Mapping) and isinstance(data.get("responses"), list | tuple):
+            for i, name in enumerate(data["responses"]):
+                if not isinstance(name, str):
+                    refuse(f"must be the name of a measure, got {name!r}", "responses", i)
+            return dict(data) | {"responses": {name: {"measure": name} for name in data["responses"]}}
+        return data
+
+    @model_validator(mode="after")
+    def _check_together(self) -> Self:
+        if not self.parameters:
+            refuse("must hold one parameter at least, got none", "parameters")
+        if not self.responses:
+            refuse("must hold one response at least, got none", "responses")
+        for place in ("parameters", "responses"):
+            for name in getattr(self, place):
+                if name in RESERVED or not name.replace("_", "a").replace("-", "a").isalnum():
+                    rule = f"letters, digits, - and _, and none of {', '.join(RESERVED)}"
+                    refuse(f"must have a name of {rule}", place, name)
+        for name in self.responses:
+            if name in self.parameters:
+                refuse("must not be called as a parameter is", "responses", name)
+        self._check_zips()
+        self._check_sampling()
+        if self.reference is not None:
+            for i, name in enumerate(self.reference.follows):
+                if name not in self.parameters:
+                    refuse_name("parameter", name, self.parameters, "reference", "follows", i)
+        for name, response in self.responses.items():
+            if response.compares and self.reference is None:
+                rule = "its reference, a table [reference] with the case to compare with"
+                refuse(f"{response.measure} must have {rule}", "responses", name)
+        return self
+
+    def _check_zips(self) -> None:
+        """Refuse two parameters of one key, and zipped ones of different lengths."""
+        owners: dict[str, str] = {}
+        lengths: dict[str, tuple[str, int]] = {}
+        for name, parameter in self.parameters.items():
+            for key in parameter.keys_set:
+                if key in owners:
+                    refuse(f"must be a key of its own, got that of {owners[key]}", "parameters", name, "key")
+                owners[key] = name
+            group = parameter.zip
+            if group is None:
+                continue
+            if group in self.parameters or group in self.responses or group in RESERVED:
+                refuse(f"must be a name of its own, got {group!r}", "parameters", name, "zip")
+            first, length = lengths.setdefault(group, (name, parameter.length))
+            if parameter.length != length:
+                rule = f"must have as many values as {first}, {length}, got {parameter.length}"
+                refuse(rule, "parameters", name)
+
+    def _check_sampling(self) -> None:
+        sampled = [name for name, parameter in self.parameters.items() if parameter.sampled]
+        if sampled and self.sampling is None:
+            refuse(f"is missing; {sampled[0]} has a distribution: give method and count", "sampling")
+        if self.sampling is not None and not sampled:
+            refuse("must be left out: no parameter has a distribution", "sampling")
+
+    def base(self) -> Scenario:
+        """Return the scenario that the parameters are laid over."""
+        return load_scenario(self._where(), self.case, self.set)
+
+    def reference_base(self) -> Scenario | None:
+        """Return the scenario of the reference, of the runs' duration, before what it follows."""
+        if self.reference is None:
+            return None
+        lasts = {"duration": self.base().duration}
+        return load_scenario(self._where(), self.reference.case, merge(lasts, nested(self.reference.set)))
+
+    def _where(self) -> str | Path:
+        beside = self.folder / os.path.expanduser(self.scenario)
+        shipped = models_path() / self.scenario
+        return self.scenario if shipped.is_dir() or not beside.exists() else beside
+
+
+def list_studies() -> list[str]:
+    """Return the names of the shipped studies, as ``bai2020/clearances``."""
+    root = models_path()
+    return sorted(
+        path.relative_to(root).as_posix().removesuffix(SUFFIX) for path in root.glob(f"*/*{SUFFIX}")
+    )
+
+
+def load_study(path: str | os.PathLike[str], settings: Mapping[str, Any] | Sequence[str] = ()) -> Study:
+    """Return a study, complete and checked; its scenario is not read yet.
+
+    Args:
+        path: Of a study file, or the name of a shipped one, as ``bai2020/clearances``.
+        settings: What is set over the study's keys: ``["sampling.count=64", "set.duration=0.5 s"]``.
+
+    Raises:
+        ScenarioError: With one line that gives file, place, rule, the value seen and a way out.
+        UnknownNameError: There is no such study.
+    """
+    found, label = Path(os.path.expanduser(os.fspath(path))), str(path)
+    if not found.is_file():
+        shipped = models_path() / f"{label}{SUFFIX}"
+        if not shipped.is_file():
+            raise UnknownNameError("load_study", "study file or shipped study", label, list_studies())
+        found = shipped
+    data = read_toml(found, label)
+    for key in Study.carried & data.keys():
+        raise ScenarioError(f"{label}: {key} is unknown: a study's name and folder are those of its file")
+    layer, _ = read_overrides(settings)
+    # Keys of the scenario stand with dots in [set], and with dots they stay: as tables they are the same.
+    for table in (data, layer):
+        if isinstance(table.get("set"), Mapping):
+            table["set"] = nested(table["set"])
+    name = found.name.removesuffix(SUFFIX).removesuffix(".toml")
+    try:
+        return Study.validated(merge(data, layer) | {"name": name, "folder": found.parent.resolve()})
+    except ValidationError as error:
+        raise explained(error, lambda location: Place(f"{label}: {dotted(location)}".strip())) from None
+
+
+def nested(table: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a table in which quoted keys with dots, as ``"integrator.engine"``, are tables in each other."""
+    plain: dict[str, Any] = {}
+    for key, value in table.items():
+        layer, _ = read_overrides({key: value})
+        plain = merge(plain, layer)
+    return plain

@@ -1,0 +1,200 @@
+"""What is done with one run of a study, wherever it is done: data in, data out."""
+
+from __future__ import annotations
+
+import json
+import platform
+import tempfile
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from antenna_pin.assemble import build_system, initial_angles, initial_state
+from antenna_pin.dynamics import check_closed, check_motions
+from antenna_pin.errors import AntennaPinError, MissingToolError
+from antenna_pin.scenario import Scenario
+from antenna_pin.simulation import simulate
+from antenna_pin.simulation.run import check_lengths, check_spans, check_start
+from antenna_pin.sweep.responses import ResponseSpec, evaluate
+from antenna_pin.trajectory import Trajectory, library_versions
+
+__all__ = ["Done", "Job", "Work", "check_jobs", "do_jobs"]
+
+
+@dataclass(frozen=True, slots=True)
+class Job:
+    """One run: its number, what it sets over the scenario, its seed.
+
+    Attributes:
+        run: Its number.
+        overrides: What it sets over the scenario.
+        seed: Its own [-].
+        follows: What the reference takes of it.
+        scenario: The whole scenario as JSON where files that it names must travel along; else "".
+    """
+
+    run: int
+    overrides: dict[str, Any]
+    seed: int
+    follows: dict[str, Any] = field(default_factory=dict)
+    scenario: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Work:
+    """What all runs of a study share.
+
+    Attributes:
+        base: The scenario, as JSON with all files that it names.
+        reference: That of the reference; "" if there is none.
+        responses: What is kept, by name.
+        sources: Texts of the files of functions, by response.
+        results: Whose full results are kept: ``none``, ``failed``, ``all``.
+        versions: Of the package and its libraries, which must be the worker's.
+    """
+
+    base: str
+    reference: str
+    responses: dict[str, ResponseSpec]
+    sources: dict[str, str]
+    results: str
+    versions: dict[str, str]
+
+
+@dataclass(frozen=True, slots=True)
+class Done:
+    """One run that was made.
+
+    Attributes:
+        entry: What is kept of it, as JSON takes it.
+        result: Its full result file, or b"".
+    """
+
+    entry: dict[str, Any]
+    result: bytes = b""
+
+
+@lru_cache(maxsize=8)
+def _scenario(text: str) -> Scenario:
+    return Scenario.model_validate_json(text)
+
+
+@lru_cache(maxsize=64)
+def _reference(text: str, follows: str) -> Trajectory:
+    scenario = _scenario(text)
+    values = json.loads(follows)
+    return simulate(scenario.with_overrides(values) if values else scenario)
+
+
+def scenario_of(work: Work, job: Job) -> Scenario:
+    """Return the scenario of a run."""
+    return _scenario(job.scenario) if job.scenario else _scenario(work.base).with_overrides(job.overrides)
+
+
+def check_jobs(work: Work, jobs: Sequence[Job]) -> list[tuple[int, str]]:
+    """Return the numbers of the runs that cannot be built, each with the reason.
+
+    Raises:
+        MissingToolError: Versions of this process are not those of the study.
+    """
+    _check_versions(work)
+    found = []
+    for job in jobs:
+        try:
+            check(scenario_of(work, job))
+            if work.reference and job.follows:
+                check(_scenario(work.reference).with_overrides(job.follows))
+        except AntennaPinError as error:
+            found.append((job.run, str(error)))
+    return found
+
+
+def check(scenario: Scenario) -> None:
+    """Build a scenario up to its first step.
+
+    Raises:
+        AntennaPinError: It cannot be run, as :func:`antenna_pin.simulate` would say.
+    """
+    system = build_system(scenario)
+    q, v = initial_state(scenario, system)
+    start = system.state(q, v, initial_angles(scenario, system))
+    check_closed(system, start)
+    check_start(system, start)
+    check_lengths(system, start)
+    check_spans(system, 0.0, scenario.duration)
+    check_motions(system, start, 0.0, scenario.duration)
+
+
+def _check_versions(work: Work) -> None:
+    own = library_versions()
+    for name, version in work.versions.items():
+        if own.get(name) != version:
+            raise MissingToolError(
+                f"worker {platform.node()}: {name} must be the study's {version}, got {own.get(name)}; "
+                "install the same version there"
+            )
+
+
+def do_jobs(work: Work, jobs: Sequence[Job]) -> list[Done]:
+    """Make runs, one after the other.
+
+    Raises:
+        MissingToolError: Versions of this process are not those of the study.
+    """
+    _check_versions(work)
+    return [_do(work, job) for job in jobs]
+
+
+def _do(work: Work, job: Job) -> Done:
+    began = time.perf_counter()
+    entry: dict[str, Any] = {"run": job.run, "seed": job.seed, "values": {}}
+    reference: Trajectory | None = None
+    try:
+        run = simulate(scenario_of(work, job))
+    except AntennaPinError as error:  # only what the check before the start could not see
+        entry |= _failed("REFUSED", str(error))
+    except Exception as error:  # a bug must not end a study of a week
+        entry |= _failed("FAILED", f"{type(error).__name__}: {error}")
+    else:
+        simulated = time.perf_counter() - began
+        counts = run.counts
+        message = run.message
+        for name, response in work.responses.items():
+            try:
+                if response.compares and reference is None and work.reference:
+                    reference = _reference(work.reference, json.dumps(job.follows, sort_keys=True))
+                value = evaluate(name, response, work.sources.get(name, ""), run, reference, job.seed)
+                entry["values"][name] = float(value)
+            except Exception as error:
+                entry["values"][name] = float("nan")
+                words = (
+                    str(error) if isinstance(error, AntennaPinError) else f"{type(error).__name__}: {error}"
+                )
+                message += f"; response {name}: {words}"
+        entry |= {
+            "outcome": run.outcome.name,
+            "message": " ".join(message.split()),
+            "end_time": float(run.data.attrs["end_time"]),
+            "steps": counts.accepted,
+            "rejected": counts.rejected,
+            "relocated": counts.relocated,
+            "evaluations": counts.evaluations,
+            "simulated": simulated,
+        }
+        keep = work.results == "all" or (work.results == "failed" and not run.completed)
+        result = _file(run) if keep else b""
+        return Done(entry | {"wall_time": time.perf_counter() - began, "worker": platform.node()}, result)
+    return Done(entry | {"wall_time": time.perf_counter() - began, "worker": platform.node()})
+
+
+def _failed(outcome: str, message: str) -> dict[str, Any]:
+    numbers = {"end_time": 0.0, "steps": 0, "rejected": 0, "relocated": 0, "evaluations": 0, "simulated": 0.0}
+    return {"outcome": outcome, "message": " ".join(message.split()), **numbers}
+
+
+def _file(run: Trajectory) -> bytes:
+    with tempfile.TemporaryDirectory() as folder:
+        return run.save(Path(folder, "run.nc")).read_bytes()

@@ -1,0 +1,228 @@
+"""What is run: grids, zipped lists, samples and tolerances, and what is refused before anything is."""
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from antenna_pin import load_scenario, run_study
+from antenna_pin.errors import AntennaPinError
+from antenna_pin.sweep import design_of, load_study
+from antenna_pin.units import any_quantity
+
+SAMPLED = """
+[parameters.play]
+key = "clearance.bore.radial_clearance"
+between = ["0.1 mm", "0.4 mm"]
+[parameters.radius]
+key = "clearance.bore.bearing_radius"
+tolerance = { nominal = "10 mm", plus = "15 um", minus = "-3 um", sigmas = 2.5 }
+[parameters.restitution]
+key = "clearance.bore.normal.restitution"
+distribution = { name = "beta", a = 6, b = 2 }
+"""
+
+
+def test_a_grid_runs_through_its_last_parameter_first(write):
+    design = design_of(write())
+    assert design.sizes == {"play": 3, "rate": 4}
+    assert design.values(5) == {"play": "0.2 mm", "rate": "2000.0 Hz"}
+    assert len(set(design.seeds.tolist())) == design.count == 12
+
+
+def test_zipped_parameters_go_together(write):
+    zipped = """
+    [parameters.play]
+    key = "clearance.bore.radial_clearance"
+    values = ["0.1 mm", "0.2 mm", "0.3 mm"]
+    zip = "pair"
+    [parameters.rate]
+    key = "output.rate"
+    values = ["1 kHz", "2 kHz", "3 kHz"]
+    zip = "pair"
+    [parameters.length]
+    key = "duration"
+    values = ["1 ms", "2 ms"]
+    """
+    design = design_of(write(zipped))
+    assert design.sizes == {"pair": 3, "length": 2}
+    assert design.values(3) == {"play": "0.2 mm", "rate": "2 kHz", "length": "2 ms"}
+
+
+@pytest.mark.parametrize("method", ["random", "latin-hypercube", "sobol"])
+def test_samples_have_their_distributions(write, method):
+    study = write(SAMPLED, f'sampling = {{ method = "{method}", count = 1024 }}')
+    design = design_of(study)
+    columns = {c.name: np.array([v.number for v in c.settings.values]) for c in design.columns}
+    half, middle = 9e-6, 10.006e-3
+    laws = {
+        "play": stats.uniform(1e-4, 3e-4),
+        "radius": stats.truncnorm(-2.5, 2.5, loc=middle, scale=half / 2.5),
+        "restitution": stats.beta(6, 2),
+    }
+    for name, law in laws.items():
+        # Kolmogorov's distance of 1024 random samples is above 0.06 once in a thousand.
+        assert stats.kstest(columns[name], law.cdf).statistic < (0.06 if method == "random" else 0.01)
+    # A part outside its limits, by more than round-off, is never assembled.
+    assert np.abs(columns["radius"] - middle).max() <= half * (1 + 1e-12)
+    again = design_of(study)
+    assert [again.values(k) for k in range(9)] == [design.values(k) for k in range(9)]
+
+
+def test_every_number_reaches_the_scenario_as_it_is(write):
+    """Values travel as text with their unit, so that the key checks what they are; nothing is rounded."""
+    study = write(SAMPLED, 'sampling = { method = "random", count = 50 }')
+    design, base = design_of(study), study.base()
+    for run in range(design.count):
+        made = base.with_overrides(design.overrides(run, base)).clearance["bore"]
+        numbers = [column.settings.values[run].number for column in design.columns]
+        assert [made.radial_clearance, made.bearing_radius] == numbers[:2]
+
+
+def test_one_number_of_an_array(write):
+    parameter = """
+    [parameters.pull]
+    key = "mechanism.gravity[2]"
+    values = [-1, "-9.81 m/s**2"]
+    """
+    study = write(parameter)
+    made = study.base().with_overrides(design_of(study).overrides(1, study.base()))
+    assert made.mechanism.gravity == (0.0, 0.0, -9.81)
+
+
+@pytest.mark.parametrize(
+    ("value", "found"),
+    [
+        ("0.2 mm", (0.0002, "m")),
+        ("30 deg", (pytest.approx(np.pi / 6, rel=1e-15), "rad")),
+        ("2 kHz", (2000.0, "Hz")),
+        ("3 N", (3.0, "N")),
+        (4, (4.0, "")),
+        ("50 %", (0.5, "1")),
+        ("steel", None),
+        (True, None),
+        ("1 dB", None),
+    ],
+)
+def test_a_quantity_of_any_unit(value, found):
+    assert any_quantity(value) == found
+
+
+PLAY = '[parameters.play]\nkey = "clearance.bore.radial_clearance"\n'
+
+REFUSED = {
+    "unknown key": (
+        '[parameters.play]\nkey = "clearance.bore.radial_clearence"\nvalues = ["0.1 mm"]',
+        "run 0 (play = 0.1 mm): scenario impact_pair: clearance.bore.radial_clearence is unknown; "
+        "did you mean radial_clearance?",
+    ),
+    "empty list": (PLAY + "values = []", "parameters.play.values must hold a value at least"),
+    "empty range": (
+        PLAY + 'start = "0.2 mm"\nstop = "0.2 mm"\ncount = 3',
+        "parameters.play.start must be a range that rises, got '0.2 mm' to '0.2 mm'",
+    ),
+    "outside of what a law allows": (
+        '[parameters.e]\nkey = "clearance.bore.normal.restitution"\nvalues = [0.5, 1.2, 1.3]',
+        "run 1 (e = 1.2): scenario impact_pair: clearance.bore.normal.restitution must be in [0, 1], got 1.2",
+    ),
+    "another dimension": (
+        PLAY + 'values = ["0.1 mm", "0.1 s"]',
+        "run 1 (play = 0.1 s): scenario impact_pair: clearance.bore.radial_clearance must be a length [m]",
+    ),
+    "cannot be built": (
+        '[parameters.at]\nkey = "initial.joints.bore.journal_position"\n'
+        'values = [["0 m", "0 m", "0 m"], ["5 mm", "0 m", "0 m"]]',
+        "run 1 (at = ",
+    ),
+    "two of one key": (
+        PLAY
+        + 'values = ["0.1 mm"]\n[parameters.more]\nkey = "clearance.bore.radial_clearance"\nvalues = [1]',
+        "parameters.more.key must be a key of its own, got that of play",
+    ),
+    "lengths of zipped lists": (
+        PLAY
+        + 'values = ["0.1 mm"]\nzip = "a"\n'
+        + '[parameters.t]\nkey = "duration"\nvalues = [1, 2]\nzip = "a"',
+        "parameters.t must have as many values as play, 1, got 2",
+    ),
+    "distribution": (
+        PLAY + 'distribution = { name = "nrm" }',
+        "parameters.play.distribution.name: distribution of scipy.stats 'nrm' is unknown; did you mean norm?",
+    ),
+    "its parameters": (
+        PLAY + 'distribution = { name = "norm", mean = 1 }',
+        "parameters.play.distribution must be of parameters that norm takes (loc, scale)",
+    ),
+    "no sampling": (PLAY + "between = [1, 2]", "sampling is missing; play has a distribution"),
+    "two ways": (PLAY + "between = [1, 2]\nvalues = [1]", "parameters.play must have exactly one of values,"),
+}
+
+
+@pytest.mark.parametrize("what", REFUSED)
+def test_refused_before_anything_runs(write, tmp_path, what):
+    parameters, said = REFUSED[what]
+    with pytest.raises(AntennaPinError) as refusal:
+        run_study(write(parameters), tmp_path / "trial.study")
+    assert said in str(refusal.value) and "\n" not in str(refusal.value)
+    assert not (tmp_path / "trial.study").exists()
+
+
+@pytest.mark.parametrize(
+    ("response", "said"),
+    [
+        ('a = { measure = "peak_forse" }', "measure 'peak_forse' is unknown; did you mean peak_force?"),
+        ('a = { measure = "peak_force", of = "boer" }', "contact or joint with play 'boer' is unknown"),
+        ('a = { measure = "pointing" }', "must have its reference"),
+        ('a = { measure = "base_turn", of = "x" }', "base_turn has no of"),
+        ('a = { function = "nowhere.py:f" }', "function nowhere.py cannot be read"),
+        ('a = { function = "math:nothing" }', "math must have a function 'nothing'"),
+        ('a = { function = "own.py:wrong" }', "own.py:wrong raises AttributeError"),
+    ],
+)
+def test_refused_responses(write, tmp_path, response, said):
+    (tmp_path / "own.py").write_text("def wrong(run):\n    return run.nothing\n")
+    text = (
+        'scenario = "impact_pair"\nset.duration = "2 ms"\n{more}{parameters}\n[responses]\n' + response + "\n"
+    )
+    text = text.replace("{ m", "{{ m").replace("{ f", "{{ f").replace(" }", " }}")
+    with pytest.raises(AntennaPinError) as refusal:
+        run_study(write(PLAY + 'values = ["0.1 mm"]', text=text), tmp_path / "trial.study")
+    assert said in str(refusal.value)
+    assert not (tmp_path / "trial.study").exists()
+
+
+def test_numbers_are_those_of_single_runs(write, tmp_path):
+    """Kept values, of a function of the user's own too, are what each run by itself gives, bit for bit."""
+    from antenna_pin import simulate
+
+    (tmp_path / "own.py").write_text("def both(run, seed):\n    return seed + run.counts.accepted\n")
+    text = (
+        'scenario = "impact_pair"\nresults = "all"\nset.duration = "2 ms"\n{more}{parameters}\n[responses]\n'
+        'force = {{ measure = "peak_force" }}\nown = {{ function = "own.py:both" }}\n'
+    )
+    table = run_study(write(PLAY + 'values = ["0.05 mm", "0.1 mm"]', text=text), tmp_path / "trial.study")
+    for play in (5e-5, 1e-4):
+        run = simulate(
+            load_scenario("impact_pair", overrides={"duration": 2e-3}).with_overrides(
+                {"clearance.bore.radial_clearance": play}
+            )
+        )
+        one = table.sel(play=play)
+        assert one["force"] == run.data["peak_force"].max() > 0.0
+        assert one["own"] == float(int(one["seed"]) + run.counts.accepted)
+        assert one["evaluations"] == run.counts.evaluations
+    assert sorted(path.name for path in (tmp_path / "trial.study" / "runs").iterdir()) == [
+        "000000.nc",
+        "000001.nc",
+    ]
+
+
+def test_shipped_studies_can_be_built():
+    """The first and the last run of each."""
+    from antenna_pin.sweep import list_studies, prepare
+    from antenna_pin.sweep.work import check_jobs
+
+    assert len(list_studies()) >= 1
+    for name in list_studies():
+        prepared = prepare(load_study(name))
+        ends = (0, prepared.design.count - 1)
+        assert check_jobs(prepared.work, [prepared.job(run) for run in ends]) == []
