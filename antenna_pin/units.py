@@ -257,9 +257,61 @@ def _normalised(name: str) -> str:
     return name.replace("·", "*")
 
 
+# Units of nearly all scenarios, as pint has them: factor; exponents of length, mass, time, radian. A test
+# compares. Without the others pint is not loaded.
+_COMMON = {
+    "": (1.0, 0, 0, 0, 0),
+    "1": (1.0, 0, 0, 0, 0),
+    "%": (0.01, 0, 0, 0, 0),
+    "rad": (1.0, 0, 0, 0, 1),
+    "deg": (math.pi / 180.0, 0, 0, 0, 1),
+    "m": (1.0, 1, 0, 0, 0),
+    "mm": (1e-3, 1, 0, 0, 0),
+    "um": (1e-6, 1, 0, 0, 0),
+    "m**2": (1.0, 2, 0, 0, 0),
+    "m**3": (1.0, 3, 0, 0, 0),
+    "s": (1.0, 0, 0, 1, 0),
+    "ms": (1e-3, 0, 0, 1, 0),
+    "us": (1e-6, 0, 0, 1, 0),
+    "kg": (1.0, 0, 1, 0, 0),
+    "m/s": (1.0, 1, 0, -1, 0),
+    "mm/s": (1e-3, 1, 0, -1, 0),
+    "m/s**2": (1.0, 1, 0, -2, 0),
+    "rad/s": (1.0, 0, 0, -1, 1),
+    "rpm": (math.pi / 30.0, 0, 0, -1, 1),
+    "rad/s**2": (1.0, 0, 0, -2, 1),
+    "N": (1.0, 1, 1, -2, 0),
+    "N*m": (1.0, 2, 1, -2, 0),
+    "N*m/rad": (1.0, 2, 1, -2, -1),
+    "N*m*s/rad": (1.0, 2, 1, -1, -1),
+    "N/m": (1.0, 0, 1, -2, 0),
+    "N*s/m": (1.0, 0, 1, -1, 0),
+    "W": (1.0, 2, 1, -3, 0),
+    "Pa": (1.0, -1, 1, -2, 0),
+    "GPa": (1e9, -1, 1, -2, 0),
+    "kg/m**3": (1.0, -3, 1, 0, 0),
+    "kg*m**2": (1.0, 2, 1, 0, 0),
+}
+_CYCLES = {"Hz": 1.0, "kHz": 1e3}
+
+
+def _common(name: str) -> _Unit | None:
+    if name in _CYCLES:
+        return _Unit(_CYCLES[name], frozenset({("[time]", -1.0)}), 0.0, True)
+    if name not in _COMMON:
+        return None
+    factor, *powers, radian = _COMMON[name]
+    named = zip(("[length]", "[mass]", "[time]"), map(float, powers), strict=True)
+    return _Unit(factor, frozenset((base, power) for base, power in named if power), float(radian), False)
+
+
 @lru_cache(maxsize=1024)
 def _parse_unit(name: str) -> _Unit | None:
     """Return a unit by name, or None for one that is unknown or not a plain multiple (dB, degC)."""
+    return _common(name) or _parsed(name)
+
+
+def _parsed(name: str) -> _Unit | None:
     base = _POWER.sub("", name)
     if not _UNIT_CHARACTERS.fullmatch(name) or "**" in base or "^" in base or _BARE_NUMBER.search(base):
         return None

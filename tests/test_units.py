@@ -11,6 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from antenna_pin import units
 from antenna_pin.errors import ScenarioError
 from antenna_pin.units import QuantityError, describe_unit, matching_unit, quantity, shown
 
@@ -199,3 +200,8 @@ def test_pint_is_imported_on_first_use_only():
         "import sys; import antenna_pin.units as u; u.quantity(1.0, 'm', ''); sys.exit('pint' in sys.modules)"
     )
     subprocess.run([sys.executable, "-c", code], check=True)
+
+
+@pytest.mark.parametrize("name", [*units._COMMON, *units._CYCLES])
+def test_units_that_are_known_without_pint_are_those_of_pint(name):
+    assert units._common(name) == units._parsed(name)

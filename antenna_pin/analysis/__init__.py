@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from antenna_pin.analysis.limits import said_of_limits
     from antenna_pin.analysis.loads import load_statistics
     from antenna_pin.analysis.orbit import Orbit
-    from antenna_pin.analysis.pointing import Antenna, Command, boresight, pointing_error
+    from antenna_pin.analysis.pointing import Antenna, Command, boresight, pointing_error, pointing_spec
     from antenna_pin.analysis.pointing_indices import INTERPRETATIONS, error_components, pointing_indices
     from antenna_pin.analysis.sampled import resampled, time_mean, time_percentiles, time_rms
     from antenna_pin.analysis.scenarios import (
@@ -105,6 +105,7 @@ __all__ = [
     "mechanism_of",
     "moved_body",
     "pointing_error",
+    "pointing_spec",
     "pointing_indices",
     "possible_scenarios",
     "resampled",
@@ -147,7 +148,7 @@ loaded_when_used(
         "limits": "said_of_limits",
         "loads": "load_statistics",
         "orbit": "Orbit",
-        "pointing": "Antenna Command boresight pointing_error",
+        "pointing": "Antenna Command boresight pointing_error pointing_spec",
         "pointing_indices": "INTERPRETATIONS error_components pointing_indices",
         "sampled": "resampled time_mean time_percentiles time_rms",
         "scenarios": "SCENARIO_COLUMNS JournalPose ScenarioPair TiltRange"

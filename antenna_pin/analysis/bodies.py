@@ -18,10 +18,9 @@ from antenna_pin.mechanism import (
     link_twists,
     transmitted_wrenches,
 )
-from antenna_pin.scenario import Scenario
 from antenna_pin.trajectory import Trajectory, series
 
-__all__ = ["body_poses", "body_twists", "carried_scenario", "joint_loads", "mechanism_of"]
+__all__ = ["body_poses", "body_twists", "joint_loads", "mechanism_of"]
 
 _AXES = ("x", "y", "z")
 
@@ -45,14 +44,6 @@ def mechanism_of(run: Trajectory | xr.Dataset) -> Mechanism:
         folder=data.attrs["urdf_folder"] or None,
     )
     return build_mechanism(urdf, about["base"], about["gravity"])
-
-
-def carried_scenario(run: Trajectory | xr.Dataset) -> Scenario | None:
-    """Return the scenario that a run carries; None for a system built in Python."""
-    if isinstance(run, Trajectory):
-        return run.scenario
-    text = run.attrs.get("scenario")
-    return Scenario.model_validate_json(text) if text else None
 
 
 def _picked(run: Trajectory | xr.Dataset, times: ArrayLike | None) -> xr.Dataset:

@@ -18,6 +18,7 @@ all below 1e-8 rad).
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass
 from typing import Literal
 
@@ -28,12 +29,13 @@ from scipy.spatial.transform import Rotation
 
 from antenna_pin.analysis._run import Array, RunLike, data_of, label_of
 from antenna_pin.analysis.attitude import interpolate_attitude, interpolation_error
-from antenna_pin.analysis.bodies import body_poses, body_twists, carried_scenario, mechanism_of
+from antenna_pin.analysis.bodies import body_poses, body_twists, mechanism_of
 from antenna_pin.analysis.orbit import Orbit
 from antenna_pin.errors import FileFormatError, InvalidParameterError, UnknownNameError
 from antenna_pin.scenario import PointingSpec
+from antenna_pin.trajectory import Trajectory
 
-__all__ = ["Antenna", "Command", "boresight", "pointing_error"]
+__all__ = ["Antenna", "Command", "boresight", "pointing_error", "pointing_spec"]
 
 Vector3 = tuple[float, float, float]
 
@@ -68,7 +70,7 @@ class Antenna:
         Raises:
             FileFormatError: It names none.
         """
-        spec = _spec_of(run)
+        spec = pointing_spec(run)
         if spec is None:
             raise FileFormatError(
                 f"{label_of(data_of(run))}: its scenario must have a table [pointing] that says what looks "
@@ -293,13 +295,25 @@ def _link(run: RunLike, antenna: Antenna) -> str:
     return antenna.body
 
 
-def _spec_of(run: RunLike) -> PointingSpec | None:
-    scenario = carried_scenario(run)
-    return None if scenario is None else scenario.pointing
+def pointing_spec(run: RunLike) -> PointingSpec | None:
+    """Return what the run's scenario says of pointing, if it does; nothing else of it is read, for speed.
+
+    Raises:
+        FileFormatError: What the run carries is no scenario.
+    """
+    if isinstance(run, Trajectory) and run.scenario is not None:
+        return run.scenario.pointing
+    text = data_of(run).attrs.get("scenario")
+    try:
+        table = json.loads(text).get("pointing") if text else None
+        return None if table is None else PointingSpec.model_validate(table)
+    except (AttributeError, TypeError, ValueError, RecursionError) as error:
+        told = " ".join(str(error).split())
+        raise FileFormatError(f"{label_of(data_of(run))}: its scenario cannot be read ({told})") from None
 
 
 def _orbit_of(run: RunLike) -> Orbit | None:
-    spec = _spec_of(run)
+    spec = pointing_spec(run)
     return None if spec is None or spec.orbit is None else Orbit.from_spec(spec.orbit)
 
 
@@ -313,7 +327,7 @@ def _needed_orbit(run: RunLike, orbit: Orbit | None) -> Orbit:
 
 
 def _command_of(run: RunLike) -> Command | None:
-    spec = _spec_of(run)
+    spec = pointing_spec(run)
     if spec is None or spec.commanded == "ideal":
         return None
     assert spec.direction is not None

@@ -80,8 +80,8 @@ def pointing(
         "drift_spacing": _seconds(drift_spacing, "--drift-spacing"),
         "periods": _seconds(period, "--period"),
     }
-    runs = [load_result(path) for path in files]
-    reference = None if ideal is None else load_result(ideal)
+    runs = [load_result(path, scenario=False) for path in files]
+    reference = None if ideal is None else load_result(ideal, scenario=False)
 
     from antenna_pin.analysis import Command, error_components, pointing_error, pointing_indices
 
@@ -143,7 +143,9 @@ def _check_options(
     path: Path, run: Trajectory, against: Mapping[str, Any], body: str | None, boresight: str | None
 ) -> None:
     """Refuse what the scenario does not say and no option does, with the option that would."""
-    known = None if run.scenario is None else run.scenario.pointing
+    from antenna_pin.analysis import pointing_spec
+
+    known = pointing_spec(run)
     missing = [option for option, given in (("--body", body), ("--boresight", boresight)) if given is None]
     if known is None and missing:
         refuse(f"{path}: its scenario has no [pointing], what looks where; add {' and '.join(missing)}")

@@ -8,19 +8,29 @@ loaded when they are used.
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
+import tempfile
 import time
 
 import numpy as np
 from bench_tools import Report
 
 LIMIT = 0.5  # [s]
+COMMAND = ("-c", "from antenna_pin._entry import main; main()")
+LOOKS = ("--direction", "1,0,0", "--body", "bar", "--boresight", "1,0,0")
+BARE = "import numpy, xarray"
 COMMANDS = {
     "antenna-pin --help": (["-m", "antenna_pin.cli", "--help"], LIMIT),
     "antenna-pin list": (["-m", "antenna_pin.cli", "list"], LIMIT),
     "antenna-pin record --help": (["-m", "antenna_pin.cli", "record", "--help"], LIMIT),
     "antenna-pin contact list": (["-m", "antenna_pin.cli", "contact", "list"], None),
+    "antenna-pin info run.nc": ([*COMMAND, "info", "run.nc"], None),
+    "antenna-pin analyse run.nc": ([*COMMAND, "analyse", "run.nc"], None),
+    "antenna-pin pointing run.nc": ([*COMMAND, "pointing", "run.nc", *LOOKS], None),
+    "antenna-pin urdf bai2020": ([*COMMAND, "urdf", "bai2020", "--out", "antenna.urdf"], None),
+    BARE: (["-c", "import numpy, xarray"], None),
     "import antenna_pin": (["-c", "import antenna_pin"], None),
     "python doing nothing": (["-c", "pass"], None),
 }
@@ -45,6 +55,9 @@ def main() -> int:
     """Time all commands in turns."""
     report = Report("startup", __doc__ or "")
     arguments = report.parse()
+    folder = tempfile.TemporaryDirectory()
+    os.chdir(folder.name)
+    seconds([*COMMAND, *"run pendulum --case ideal --duration 0.2 --out run.nc -q --no-progress".split()])
     rounds = [
         {name: seconds(command) for name, (command, _) in COMMANDS.items()}
         for _ in range((2 if arguments.quick else 12) + 1)
@@ -54,6 +67,9 @@ def main() -> int:
     for name, (command, limit) in COMMANDS.items():
         if limit is not None:
             report.add(f"{name}, modules", modules(command))
+        if name.endswith(("run.nc", "bai2020")):
+            report.add(f"{name}, over {BARE}", np.median([one[name] / one[BARE] for one in rounds[1:]]), "-")
+    folder.cleanup()
     return report.finish()
 
 
