@@ -24,10 +24,11 @@ Method = Literal["rk4", "bogacki-shampine-32", "dormand-prince-54", "dormand-pri
 Engine = Literal["pinocchio", "compiled"]
 """What makes the steps of a run."""
 
-# From which accuracy on order 5 takes fewer evaluations than order 8, and how much smaller than the error of
-# a run the tolerance of its steps is to be (docs/performance.md, work and precision).
+# From which accuracy on order 5 takes fewer evaluations than order 8, and how the tolerance of steps follows
+# from the error of a run (docs/performance.md, work and precision): steps across the onset of a force are of
+# a lower order than the others, so that errors of impulses fall more slowly than the tolerance does.
 _ORDER_5_FROM = 1e-6
-_PARTS = 1000.0
+_PARTS, _SHARE, _POWER, _LARGEST_RTOL = 1000.0, 0.2, 1.5, 1e-3
 _ACCURACIES = (1e-10, 1e-1)
 
 
@@ -38,7 +39,7 @@ def choice_for(accuracy: float) -> tuple[Method, float]:
         accuracy: Wanted relative error of a motion, of impulses and of the largest forces [-].
     """
     method: Method = "dormand-prince-54" if accuracy >= _ORDER_5_FROM else "dormand-prince-853"
-    return method, accuracy / _PARTS
+    return method, min(max(accuracy / _PARTS, _SHARE * accuracy**_POWER), _LARGEST_RTOL)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

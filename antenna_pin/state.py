@@ -104,6 +104,7 @@ class State(_Value):
         memory: Contact memory: touching, approach speed [m/s], effective mass [kg], (contacts, 3).
         contacts: The contacts that touch.
         step: Size to try next [s].
+        error: Scaled error of the last step [-]; zero before the first.
         sizes: Step sizes by pattern of touching contacts, (ones and zeros, [s]).
         changed: Of each contact, how often it has changed at this very instant.
         events: What the run's events remember.
@@ -118,6 +119,7 @@ class State(_Value):
     memory: Array
     contacts: tuple[OpenContact, ...]
     step: float
+    error: float
     sizes: tuple[tuple[str, float], ...]
     changed: tuple[int, ...]
     events: tuple[EventMemory, ...] = ()

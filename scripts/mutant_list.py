@@ -452,7 +452,7 @@ MUTANTS = (
     _compiled(
         "redundant rows carry nothing",
         SOLVER,
-        "forces[independent], forces[others] = own, share.T @ own",
+        "forces[independent], forces[others] = self.force[independent] - share @ fewer, fewer",
         "forces[independent] = self.force[independent]",
         TEST_CLOSURES,
     ),

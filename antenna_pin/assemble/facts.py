@@ -70,4 +70,4 @@ def _residuals(system: System, y: Any) -> tuple[float, float]:
         return 0.0, 0.0
     workspace.prepare_motions(0.0, y)
     found = workspace.constraints.residuals(0.0, y, workspace.program)
-    return float(found.gap), float(found.turn)
+    return found.gap, found.turn

@@ -34,6 +34,8 @@ ROUNDS = 8
 NEAR = 1e-7
 # Residual over the length that a state may have which counts as closed.
 OPEN = 1e-11
+#: Share of a row from which on what round-off has left in it of other directions is no more than round-off.
+ENOUGH = 0.1
 #: Size of the numbers of a row that says nothing, over the plan's length: round-off of products.
 NOTHING = 1e-12
 
@@ -95,7 +97,7 @@ def factorize(plan: Any, work: Any, mass: Any) -> None:
         work[head.order + p] = r
         found.least = min(found.least, most)
         found.rank = p + 1
-        _orthogonalize(plan, work, p, r)
+        _orthogonalize(plan, work, p, r, most)
 
 
 @inlined
@@ -142,13 +144,13 @@ def _reduce(plan: Any, work: Any, r: int) -> None:
 
 
 @inlined
-def _orthogonalize(plan: Any, work: Any, p: int, r: int) -> None:
-    """Make row r the direction p, and take it out of all rows that come after it."""
+def _orthogonalize(plan: Any, work: Any, p: int, r: int, share: float) -> None:
+    """Make row r, of which that share is left, the direction p, and take it out of all rows after it."""
     head = plan_of(plan)
     nv, rows, reduced, triangle = head.nv, head.rows, head.reduced, head.triangle
     own = work[reduced + r * nv : reduced + (r + 1) * nv]
-    # What round-off has left of the directions before it.
-    for i in range(p):
+    # What round-off has left of the directions before it: of most of a row that is round-off.
+    for i in range(p if share < ENOUGH else 0):
         at = reduced + int(work[head.order + i]) * nv
         other = work[at : at + nv]
         inner = _inner(other, own)
@@ -167,9 +169,16 @@ def _orthogonalize(plan: Any, work: Any, p: int, r: int) -> None:
         other = work[at : at + nv]
         inner = _inner(own, other)
         work[triangle + p * rows + later] = inner
+        if inner == 0.0:
+            continue
         for k in range(nv):
             other[k] -= inner * own[k]
-        work[head.lengths + 2 * later] = math.sqrt(_inner(other, other)) / work[head.lengths + 2 * later + 1]
+        scale = work[head.lengths + 2 * later + 1]
+        before = work[head.lengths + 2 * later] * scale
+        left = before * before - inner * inner
+        if left < 0.5 * before * before:  # a difference of what is alike: measured instead
+            left = _inner(other, other)
+        work[head.lengths + 2 * later] = math.sqrt(left) / scale
 
 
 @inlined

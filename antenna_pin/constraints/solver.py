@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -18,6 +18,25 @@ from antenna_pin.mechanism import PLACE
 __all__ = ["Constraints"]
 
 Array = NDArray[np.float64]
+
+
+class Found(NamedTuple):
+    """What a solution has found.
+
+    Attributes:
+        rank: How many rows are independent.
+        least: The least of what was left of a row that counts as independent, over its scale [-].
+        most: The most of what was left of one that does not [-].
+        gap: Largest residual in ways [m], ``turn`` in turns [rad]; ``speed``, ``spin``: of their rates.
+    """
+
+    rank: int
+    least: float
+    most: float
+    gap: float
+    turn: float
+    speed: float
+    spin: float
 
 
 class Constraints:
@@ -69,15 +88,15 @@ class Constraints:
         self.motion_scales = np.where(slides != 0, 1.0, plan.length)
 
     @property
-    def found(self) -> Any:
-        """What the last solution found: ``FOUND``."""
-        return self._found[0]
+    def found(self) -> Found:
+        """What the last solution found."""
+        return Found._make(self._found.item())
 
     @property
     def residual(self) -> tuple[float, float, float, float]:
         """The largest residuals of the rows that were written last [m], [rad], [m/s], [rad/s]."""
         found = self.found
-        return float(found.gap), float(found.turn), float(found.speed), float(found.spin)
+        return found.gap, found.turn, found.speed, found.spin
 
     def bind(self, y: Array, program: Array, effort: Array, rates: Array) -> Callable[[float], None]:
         """Return the accelerations of a state held in an array, and powers of motions, as a function of time.
@@ -99,8 +118,8 @@ class Constraints:
 
         return solve
 
-    def residuals(self, t: float, y: Array, program: Array) -> Any:
-        """Write the rows of a state; return ``FOUND`` with the largest residuals."""
+    def residuals(self, t: float, y: Array, program: Array) -> Found:
+        """Write the rows of a state; return what is found, with the largest residuals."""
         _rows_kernels.write_rows(t, y, program, self.plan.words, self.work)
         return self.found
 
@@ -170,16 +189,18 @@ class Constraints:
         Redundant rows share what their independent ones would carry alone. A turn's row counts with its
         moment over the plan's length.
         """
-        rank = int(self.found.rank)
+        rank = self.found.rank
         order = self.order.astype(int)
         independent, others = order[:rank], order[rank:]
         if len(others) == 0:
             return self.force.copy()
         triangle = self.triangle[:rank]
         share = np.linalg.solve(triangle[:, independent], triangle[:, others])
-        own = np.linalg.solve(np.eye(rank) + share @ share.T, self.force[independent])
+        # (1 + S S^T)^-1 = 1 - S (1 + S^T S)^-1 S^T, and of redundant rows there are few.
         forces = np.zeros(self.rows)
-        forces[independent], forces[others] = own, share.T @ own
+        given = share.T @ self.force[independent]
+        fewer = np.linalg.solve(np.eye(len(others)) + share.T @ share, given)
+        forces[independent], forces[others] = self.force[independent] - share @ fewer, fewer
         return forces
 
     def motion_forces(self, forces: Array) -> Array:

@@ -11,11 +11,13 @@ from antenna_pin.records import layout
 SAFETY = 0.9
 SHRINK = 0.2
 GROW = 6.0
+LEAST_ERROR = 1e-4  # that the next step but one is told of: an error of chance must not shorten it
 LARGEST_TURN = 2.0  # [rad] of a joint in one step: an angle's whole turns are counted from step to step
 
 #: What decides how long the next step is: whether sizes follow errors and the power that they follow them by,
 #: the fixed size, the longest and the least size [s], the end of the run [s], the fastest rate of a joint
-#: that turns without end [rad/s], and which of the instants at which steps must end comes next.
+#: that turns without end [rad/s], which of the instants at which steps must end comes next, the method's
+#: control, and the scaled error of the last step that passed [-], zero for none.
 PACE = layout(
     ("adaptive", "i8"),
     ("power", "i8"),
@@ -25,6 +27,9 @@ PACE = layout(
     ("end", "f8"),
     ("spin", "f8"),
     ("next", "i8"),
+    ("integral", "f8"),
+    ("proportional", "f8"),
+    ("error", "f8"),
 )
 
 
@@ -74,7 +79,11 @@ def following(pace: Any, wished: float, tried: float, error: float, rejected: bo
         return float(p.step)
     grow = GROW
     if error != 0.0:
-        grow = min(GROW, SAFETY * math.pow(error, -1.0 / p.power))
+        grow = SAFETY * math.pow(error, -(p.integral + p.proportional) / p.power)
+        if p.proportional != 0.0 and p.error != 0.0:
+            grow *= math.pow(p.error, p.proportional / p.power)
+        grow = min(GROW, max(SHRINK, grow))
+    p.error = max(error, LEAST_ERROR)
     size = tried * grow
     if rejected:
         size = min(size, tried)

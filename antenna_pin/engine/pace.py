@@ -21,6 +21,7 @@ class Pace:
     Args:
         adaptive: Whether sizes follow errors.
         power: The order of the error in the step's size.
+        control: Of the method: integral and proportional gain.
         step: Size of all steps, if they are not adaptive [s].
         least: Step not to be fallen below [s].
         end: Of the run [s].
@@ -30,11 +31,21 @@ class Pace:
         breaks: Instants at which steps must end, increasing [s].
     """
 
-    def __init__(self, *, adaptive: bool, power: int, step: float, least: float, end: float) -> None:
+    def __init__(
+        self,
+        *,
+        adaptive: bool,
+        power: int,
+        control: tuple[float, float],
+        step: float,
+        least: float,
+        end: float,
+    ) -> None:
         """Begin without instants."""
         self.numbers = np.zeros(1, _kernels.PACE)
         self.breaks = np.zeros(0)
-        given = {"adaptive": adaptive, "power": power, "step": step, "least": least, "end": end}
+        given: dict[str, Any] = {"adaptive": adaptive, "power": power, "step": step, "least": least}
+        given |= {"end": end, "integral": control[0], "proportional": control[1]}
         for name, value in given.items():
             self.numbers[name] = value
         self.numbers["longest"] = np.inf

@@ -74,9 +74,12 @@ def nearest_on_ellipse(major: float, minor: float, x: float, y: float) -> tuple[
         ex = major
         ey = 0.0
     # Back onto the ellipse to round-off: a point off it by eps errs in distance by eps, along it by eps^2.
-    scale = math.hypot(ex / major, ey / minor) if minor > 0.0 else 1.0
-    ex /= scale
-    ey /= scale
+    if minor > 0.0:
+        u = ex / major
+        w = ey / minor
+        scale = math.sqrt(u * u + w * w)  # nearly 1: nothing that could over- or underflow
+        ex /= scale
+        ey /= scale
     return math.copysign(ex, x), math.copysign(ey, y)
 
 

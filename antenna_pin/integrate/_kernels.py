@@ -80,11 +80,22 @@ def stage(i: int, h: float, weights: Any, layout: Any, work: Any, keep: bool) ->
     total = stages + TOTAL
     for k in range(n):
         work[total, k] = 0.0
+    # Two stages at a time, in the order of the stages: half of the reading and writing of the sum.
+    waiting = -1
+    first = 0.0
     for j in range(i):
         w = h * weights[i, j]
-        if w != 0.0:
-            for k in range(n):
-                work[total, k] += w * work[j, k]
+        if w == 0.0:
+            continue
+        if waiting < 0:
+            waiting, first = j, w
+            continue
+        for k in range(n):
+            work[total, k] = (work[total, k] + first * work[waiting, k]) + w * work[j, k]
+        waiting = -1
+    if waiting >= 0:
+        for k in range(n):
+            work[total, k] += first * work[waiting, k]
     for k in range(nv):
         work[stages + U, k] = work[total, k]
     for k in range(nv + nx):

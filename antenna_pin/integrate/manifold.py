@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from antenna_pin._compile import record
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.integrate import _manifold_kernels as _kernels
 
@@ -43,11 +42,17 @@ class Manifold:
     Attributes:
         kinds: Kind of each factor.
         nx: How many plain numbers follow q and v in a state.
+        nq: Numbers in a configuration.
+        nv: Numbers in a velocity.
+        size: Numbers in a state [q, v, x].
         layout: The space as the kernels take it: ``SPACE``, and a ``FACTOR`` for each joint.
     """
 
     kinds: tuple[str, ...]
     nx: int = 0
+    nq: int = field(init=False, repr=False)
+    nv: int = field(init=False, repr=False)
+    size: int = field(init=False, repr=False)
     layout: NDArray[np.int64] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -61,31 +66,13 @@ class Manifold:
             i += nq
             j += nv
         layout = _laid_out(i, j, self.nx, np.array(factors, dtype=_kernels.FACTOR))
-        object.__setattr__(self, "layout", layout)
-
-    @property
-    def _space(self) -> Any:
-        return record(self.layout[: _kernels.SPACE_WORDS], _kernels.SPACE)
+        for name, value in (("nq", i), ("nv", j), ("size", i + j + self.nx), ("layout", layout)):
+            object.__setattr__(self, name, value)
 
     def part(self, factors: Sequence[int], *, plain: bool) -> NDArray[np.int64]:
         """Return the layout of some factors only, with or without the plain numbers."""
         every = self.layout[_kernels.SPACE_WORDS :].view(_kernels.FACTOR)
         return _laid_out(self.nq, self.nv, self.nx if plain else 0, every[list(factors)])
-
-    @property
-    def nq(self) -> int:
-        """Numbers in a configuration."""
-        return int(self._space.nq)
-
-    @property
-    def nv(self) -> int:
-        """Numbers in a velocity."""
-        return int(self._space.nv)
-
-    @property
-    def size(self) -> int:
-        """Numbers in a state [q, v, x]."""
-        return self.nq + self.nv + self.nx
 
     def compose(self, q: ArrayLike, u: ArrayLike) -> Array:
         """Return q o exp(u): the configuration reached from q by the chart coordinates u, (nq,).

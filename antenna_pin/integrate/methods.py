@@ -21,6 +21,11 @@ __all__ = ["METHODS", "Method", "method_named"]
 
 Array = NDArray[np.float64]
 
+# In a lasting contact a step of low order is as long as stability lets it. The error then grows by leaps: a
+# control that answers each in full makes steps too long and too short by turns, every sixth of which is
+# rejected. Named PI4.2 (Söderlind 2003; docs/performance.md, work and precision).
+_STEADY = (0.4, 0.2)
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Method:
@@ -36,6 +41,9 @@ class Method:
         last: Index of the main stages' last one, at the end of the step.
         errors: Weights of the error estimate, (1 or 2, stages); an implicit method has another, and zeros.
         polynomials: Dense output, (stages, degree): z(theta) - z(0) = h sum_jp b_jp theta^(p+1) k_j.
+        control: Integral and proportional gain of the control of steps by their errors: a step follows its
+            own error to the power -(sum of both), and the error before to the power of the second, over the
+            order of the error. (1, 0) answers each error in full.
     """
 
     name: str
@@ -47,6 +55,7 @@ class Method:
     last: int
     errors: Array
     polynomials: Array
+    control: tuple[float, float] = (1.0, 0.0)
 
     @property
     def implicit(self) -> bool:
@@ -109,6 +118,7 @@ def _bogacki_shampine() -> Method:
         last=3,
         errors=np.array([[5 / 72, -1 / 12, -1 / 9, 1 / 8]]),
         polynomials=_hermite(weights, 3, 4),
+        control=_STEADY,
     )
 
 
@@ -151,6 +161,7 @@ def _dormand_prince_54() -> Method:
         last=6,
         errors=(weights[6] - fourth)[None, :],
         polynomials=polynomials,
+        control=_STEADY,
     )
 
 

@@ -42,6 +42,7 @@ class StepControl:
         self.pace = Pace(
             adaptive=method.adaptive,
             power=order + 1,
+            control=method.control,
             step=settings.step,
             least=settings.min_step,
             end=end,
@@ -72,6 +73,15 @@ class StepControl:
     @spin.setter
     def spin(self, rate: float) -> None:
         self.pace.numbers["spin"] = rate
+
+    @property
+    def error(self) -> float:
+        """Scaled error of the last step that passed [-]; zero before the first."""
+        return float(self.pace.numbers["error"][0])
+
+    @error.setter
+    def error(self, value: float) -> None:
+        self.pace.numbers["error"] = value
 
     @property
     def first(self) -> float:

@@ -123,6 +123,7 @@ class Run:
         self.control.sizes.take_up(state.sizes)
         self._search.ignore[:] = state.changed
         self._next = state.step
+        self.control.error = state.error
         self._watch.take_up(state.events, state.time)
         self._watch.renew()
         if state.time == state.reached:
@@ -172,6 +173,7 @@ class Run:
             memory=memory_numbers(self.workspace.memory),
             contacts=self._contacts.value(),
             step=self._next,
+            error=self.control.error,
             sizes=self.control.sizes.value(),
             changed=tuple(self._search.ignore.tolist()),
             events=self._watch.value(),

@@ -43,8 +43,9 @@ class Singularities:
     """Watches the share that is left of the least independent equation (``FOUND.least``).
 
     Where it passes zero, the loops could go on in more ways than one, and forces are not determined. A step
-    may jump over the place, so that the share dips between two states: it is looked at in the middle of every
-    step, on the cubic through both ends, and minimised where it dips.
+    may jump over the place, so that the share dips between two states that are looked at: it is looked at
+    between them too, in a state that was passed over or on the cubic through both, and minimised where it
+    dips.
 
     Args:
         workspace: A workspace of its own: nothing of the run's is to change.
@@ -83,22 +84,24 @@ class Singularities:
             return
         speeds = np.abs(states[:, nq : nq + nv] * self._weights).max(axis=1)
         ways = np.cumsum(np.diff(times, prepend=self._time if self._last else times[0]) * speeds)
-        done = -self._way
+        done, last = -self._way, -1
         for k, way in enumerate(ways.tolist()):
             if self._last and way - done < _STRIDE * self._last[-1][2] / self._most:
                 continue
-            self._look(float(times[k]), states[k])
-            done = way
+            passed = (last + k) // 2  # a state that the way has gone through, rather than one made up
+            between = (float(times[passed]), states[passed]) if last < passed < k else None
+            self._look(float(times[k]), states[k], between)
+            done, last = way, k
         self._time, self._way = float(times[-1]), float(ways[-1]) - done
         self._passed = (self._time, states[-1].copy()) if self._way > 0.0 else None
 
-    def _look(self, t: float, y: Array) -> None:
+    def _look(self, t: float, y: Array, between: tuple[float, Array] | None = None) -> None:
         here = (t, y.copy(), self._share(t, y))
         self._most = max(self._most, here[2])
         states = self._last
         if states and t > states[-1][0]:
             before = states[-1]
-            middle = self._between(before, here, 0.5)
+            middle = self._between(before, here, 0.5) if between is None else self._share(*between)
             lower = min(before[2], here[2])
             if middle < _SUSPECT * lower:
                 self._locate(before, here)
@@ -132,8 +135,8 @@ class Singularities:
         constraints.residuals(t, y, self._workspace.program)
         constraints.factorize(y[: self._model.nq])
         found = constraints.found
-        self._rank = max(self._rank, int(found.rank))
-        return float(found.least if found.rank == self._rank else found.most)
+        self._rank = max(self._rank, found.rank)
+        return found.least if found.rank == self._rank else found.most
 
     def _between(
         self, one: tuple[float, Array, float], other: tuple[float, Array, float], theta: float
