@@ -240,9 +240,11 @@ def test_a_run_that_ends_early_is_saved_and_says_why(cli, tmp_path, monkeypatch)
 
     def simulate(*arguments, **options):
         done = whole(*arguments, **options)
-        return dataclasses.replace(
+        ended = dataclasses.replace(
             done, outcome=Outcome.STEP_TOO_SMALL, message="at t = 0.001 s: the step fell below its floor"
         )
+        ended.save(options["out"])
+        return ended
 
     monkeypatch.setattr(antenna_pin.simulation, "simulate", simulate)
     said = cli("run", "bai2020", "--case", "case1", "--duration", "0.001", "--quiet")

@@ -200,22 +200,27 @@ def not_interrupted() -> Iterator[None]:
 
 
 def save_result(trajectory: Trajectory, path: Path) -> None:
-    """Write a result; where it cannot be, write it elsewhere and end the command with the place.
-
-    What has taken hours is not thrown away because a disk has filled up meanwhile.
-    """
+    """Write a result; where it cannot be, write it elsewhere and end the command with the place."""
     try:
         trajectory.save(path)
     except OutputError as error:
-        for folder in dict.fromkeys((os.curdir, tempfile.gettempdir(), os.path.expanduser("~"))):
-            numbers = itertools.count(2)
-            elsewhere = Path(folder, path.name)
-            while os.path.lexists(elsewhere):
-                elsewhere = Path(folder, f"{path.stem}-{next(numbers)}{path.suffix}")
-            with contextlib.suppress(OutputError):
-                trajectory.save(elsewhere)
-                refuse(f"{error}; the result is in {elsewhere} instead")
-        refuse(f"{error}; nor could the result be written to any other folder: make room and run again")
+        save_elsewhere(trajectory, path, error)
+
+
+def save_elsewhere(trajectory: Trajectory, path: Path, error: OutputError) -> NoReturn:
+    """Write a result that cannot be where it should elsewhere, and end the command with the place.
+
+    What has taken hours is not thrown away because a disk has filled up meanwhile.
+    """
+    for folder in dict.fromkeys((os.curdir, tempfile.gettempdir(), os.path.expanduser("~"))):
+        numbers = itertools.count(2)
+        elsewhere = Path(folder, path.name)
+        while os.path.lexists(elsewhere):
+            elsewhere = Path(folder, f"{path.stem}-{next(numbers)}{path.suffix}")
+        with contextlib.suppress(OutputError):
+            trajectory.save(elsewhere)
+            refuse(f"{error}; the result is in {elsewhere} instead")
+    refuse(f"{error}; nor could the result be written to any other folder: make room and run again")
 
 
 def load_result(path: Path, scenario: bool = True) -> Trajectory:

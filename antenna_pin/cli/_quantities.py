@@ -8,13 +8,13 @@ from antenna_pin.cli._tables import length_text
 from antenna_pin.errors import InvalidParameterError
 
 
-def positive_quantity(text: str, unit: str, option: str) -> float:
+def positive_quantity(text: str, unit: str, option: str, place: str = "contact") -> float:
     """Return what an option says in SI units, or refuse what is not positive."""
     from antenna_pin.units import quantity
 
     value = quantity(bare(text), unit, option)
     if not value > 0.0:
-        raise InvalidParameterError("contact", option, "positive", text)
+        raise InvalidParameterError(place, option, "positive", text)
     return value
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -21,7 +21,8 @@ from antenna_pin.cli._common import (
     label_of,
     load,
     not_interrupted,
-    save_result,
+    refuse,
+    save_elsewhere,
     say,
     say_limits,
     say_spin,
@@ -30,8 +31,12 @@ from antenna_pin.cli._common import (
 )
 from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, rows_of, say_json, write_csv
 from antenna_pin.cli._progress import progress_bar
+from antenna_pin.cli._quantities import positive_quantity
 from antenna_pin.cli._tables import flat, print_summaries
 from antenna_pin.interruption import ended_by
+
+if TYPE_CHECKING:
+    from antenna_pin.scenario import Scenario
 
 
 def list_scenarios(
@@ -55,7 +60,13 @@ def list_scenarios(
 
 
 def run(
-    scenario: ScenarioArgument,
+    scenario: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="[SCENARIO]",
+            help="Name of a shipped scenario, or path of a TOML file; left out with --resume.",
+        ),
+    ] = None,
     case: CaseOption = None,
     duration: Annotated[
         str | None, typer.Option(help="Simulated time, in seconds or with a unit ('20 ms').")
@@ -78,6 +89,16 @@ def run(
     at: Annotated[
         str | None, typer.Option(help="Sample at these times too, ascending, such as '0.1, 250 ms'.")
     ] = None,
+    checkpoint: Annotated[
+        str, typer.Option(metavar="TIME", help="Wall time from one checkpoint to the next.")
+    ] = "5 min",
+    resume: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            help="Go on with the run of this result from its last checkpoint.",
+        ),
+    ] = None,
     progress: Annotated[bool, typer.Option(help="Show a progress bar.")] = True,
     summary: Annotated[bool, typer.Option(help="Print a summary of the result.")] = True,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")] = False,
@@ -93,16 +114,35 @@ def run(
         changes.append(f"integrator.accuracy={accuracy!r}")
     if at is not None:
         changes.append(f"output.times=[{', '.join(_toml(time.strip()) for time in at.split(','))}]")
-    chosen = load(scenario, case, changes, geometry, duration)
-    path = writable_file(out or Path(f"{stem(chosen)}.nc"), ".nc")
+    interval = positive_quantity(checkpoint, "s", "--checkpoint", "run")
+    if resume is None:
+        if scenario is None:
+            refuse("run: must be given a SCENARIO, or --resume FILE; `antenna-pin list` has what ships")
+        chosen, span = load(scenario, case, changes, geometry, duration), None
+        path = writable_file(out or Path(f"{stem(chosen)}.nc"), ".nc")
+        if has_checkpoint(path):
+            complain(
+                f"note: a run to {path} was stopped; --resume {path} goes on with it, this one replaces it"
+            )
+    else:
+        given: dict[str, Any] = {"SCENARIO": scenario, "--case": case, "--out": out, "--geometry": geometry}
+        given |= {"--set": settings, "--engine": engine, "--accuracy": accuracy, "--lean": lean, "--at": at}
+        for name, value in given.items():
+            if value:
+                refuse(f"run: {name} must be left out beside --resume, which goes on with what was begun")
+        chosen, path = resumed(resume)
+        span = None if duration is None else positive_quantity(duration, "s", "--duration", "run")
 
-    from antenna_pin.simulation import simulate
+    from antenna_pin.simulation import UnsavedError, simulate
 
     with contextlib.ExitStack() as stack:
         with progress_bar(stem(chosen), progress and not quiet) as report:
-            trajectory = simulate(chosen, progress=report)
+            more: dict[str, Any] = {"out": path, "checkpoint": interval, "resume": resume is not None}
+            try:
+                trajectory = simulate(chosen, duration=span, progress=report, **more)
+            except UnsavedError as error:
+                save_elsewhere(error.trajectory, path, error)
             stack.enter_context(not_interrupted())
-        save_result(trajectory, path)
         found = trajectory.summary()
         if target is not None:
             write_csv(target, *rows_of([{"file": str(path), **flat(found)}]), silent=quiet or as_json)
@@ -120,7 +160,8 @@ def run(
             if outcome != "COMPLETED" and not quiet:
                 say(trajectory.message)
             return
-        complain(f"{stem(chosen)}: {trajectory.message} (the result up to there is in {path})")
+        way_on = f"; go on by --resume {path}" if outcome == "INTERRUPTED" else ""
+        complain(f"{stem(chosen)}: {trajectory.message} (the result up to there is in {path}{way_on})")
     raise typer.Exit(SIGNALLED + ended_by() if outcome == "INTERRUPTED" else ENDED_EARLY)
 
 
@@ -130,6 +171,22 @@ def _toml(text: str) -> str:
         return repr(float(text))
     except ValueError:
         return json.dumps(text)
+
+
+def has_checkpoint(path: Path) -> bool:
+    """Whether there is a checkpoint of a run whose result is to be at a path."""
+    return path.with_name(path.name + ".parts").joinpath("checkpoint").is_file()
+
+
+def resumed(file: Path) -> tuple[Scenario, Path]:
+    """Return what a run that was stopped was begun with, and where its result goes."""
+    from antenna_pin.simulation import Checkpoint
+
+    path = file.with_suffix("") if file.suffix == ".parts" else file
+    scenario = Checkpoint.load(path).scenario
+    if scenario is None:
+        refuse(f"{path}: the run was of a system built in Python; go on there, by simulate(resume=True)")
+    return scenario, writable_file(path, ".nc")
 
 
 def urdf(

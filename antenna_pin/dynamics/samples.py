@@ -271,16 +271,19 @@ def sliding_motion(system: System, states: Array, found: Observed) -> tuple[list
     return names, np.array(motions).reshape(len(names), len(states), 3)
 
 
-def journal_attitudes(system: System, states: Array) -> Array:
+def journal_attitudes(system: System, states: Array, before: tuple[Array, Array] | None = None) -> Array:
     """Return the attitudes of the journals' frames in their bearings', as quaternions without jumps in sign.
 
     Args:
         system: The system.
         states: (n, nq + nv + nx).
+        before: The state before the first of these, and its attitudes, (joints, 4), whose signs go on.
 
     Returns:
         (n, joints, 4), xyzw.
     """
+    if before is not None:
+        states = np.concatenate([before[0][np.newaxis], states])
     result = np.zeros((len(states), len(system.clearances), 4))
     for k, joint in enumerate(system.clearances):
         slot = system.mechanism.joint(joint.name)
@@ -294,7 +297,8 @@ def journal_attitudes(system: System, states: Array) -> Array:
         if joint.bearing_on == "child":
             found[:, :3] *= -1.0
         largest = found[0, np.argmax(np.abs(found[0]))]
+        sign = np.sign(largest) if before is None else np.sign(found[0] @ before[1][k])
         jumps = np.cumsum(np.sum(found[1:] * found[:-1], axis=1) < 0.0) % 2 == 1
-        found[0] *= np.sign(largest)
-        found[1:] *= np.where(jumps, -np.sign(largest), np.sign(largest))[:, None]
-    return result
+        found[0] *= sign
+        found[1:] *= np.where(jumps, -sign, sign)[:, None]
+    return result if before is None else result[1:]

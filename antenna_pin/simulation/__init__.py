@@ -1,22 +1,28 @@
 """The run: steps, contact memory, events, sampling, stopping rules."""
 
+from antenna_pin.simulation.checkpoint import Checkpoint
 from antenna_pin.simulation.events import Angle, Event, Force, Gap, Jump, Mark, Rate, Set, Stop, Time
+from antenna_pin.simulation.finish import UnsavedError
+from antenna_pin.simulation.keeper import NotKeptWarning
 from antenna_pin.simulation.moment import Moment
 from antenna_pin.simulation.progress import Progress
 from antenna_pin.simulation.run import simulate
 
 __all__ = [
     "Angle",
+    "Checkpoint",
     "Event",
     "Force",
     "Gap",
     "Jump",
     "Mark",
     "Moment",
+    "NotKeptWarning",
     "Progress",
     "Rate",
     "Set",
     "Stop",
     "Time",
+    "UnsavedError",
     "simulate",
 ]

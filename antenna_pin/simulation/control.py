@@ -52,7 +52,8 @@ class StepControl:
         elements = (*system.drives.values(), *system.springs.values())
         self.end_at({t for element in elements for t in element.instants})
         self.renew(elements)
-        self._paced = (0, begin)
+        #: Trial steps and time [s] where the pace was last looked at.
+        self.paced = (0, begin)
 
     def end_at(self, instants: Iterable[float]) -> None:
         """Let steps end at further instants [s]."""
@@ -110,8 +111,8 @@ class StepControl:
 
     def _makes_way(self, trials: int, t: float) -> bool:
         """Whether a run that has made so many trial steps up to t [s] may ever come to its end."""
-        if trials - self._paced[0] < _PACE_STEPS:
+        if trials - self.paced[0] < _PACE_STEPS:
             return True
-        made, way = trials - self._paced[0], t - self._paced[1]
-        self._paced = (trials, t)
+        made, way = trials - self.paced[0], t - self.paced[1]
+        self.paced = (trials, t)
         return made * (self.end - t) <= self.settings.max_expected_steps * way

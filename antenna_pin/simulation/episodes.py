@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,7 @@ __all__ = ["Episodes"]
 
 Array = NDArray[np.float64]
 
+_KEPT = ("memory", "peaks", "open", "moments", "states", "memories")  # of the book, of each contact
 _ROOM = 64  # episodes, to begin with
 _TOLERANCE = 1e-9  # of the play, that a gap must come to at an event
 
@@ -171,3 +173,19 @@ class Episodes:
                 )
             )
         return tuple(contacts)
+
+    def numbers(self) -> dict[str, NDArray[Any]]:
+        """Return the whole record as arrays."""
+        book = self.book
+        count = int(book.count[0])
+        return {name: getattr(book, name) for name in _KEPT} | {"episodes": book.episodes[:count]}
+
+    def take_up_all(self, numbers: Mapping[str, NDArray[Any]]) -> None:
+        """Go on with the whole record of another."""
+        for name in _KEPT:
+            getattr(self.book, name)[:] = numbers[name]
+        count = len(numbers["episodes"])
+        grown = np.zeros(max(2 * count, _ROOM), _kernels.EPISODE)
+        grown[:count] = numbers["episodes"]
+        self.book.count[0] = count
+        self.book = self.book._replace(episodes=grown)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from antenna_pin.constraints import Anchor
-from antenna_pin.dynamics import Observed, constraint_counts
+from antenna_pin.dynamics import constraint_counts
 from antenna_pin.simulation.loop import Run
 
 __all__ = ["constraint_attributes"]
@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 _RESIDUALS = ("position_residual", "angle_residual", "velocity_residual", "rate_residual")
 
 
-def constraint_attributes(run: Run, states: Array, found: Observed) -> dict[str, str]:
+def constraint_attributes(run: Run, first: Array, last: Array, residual: Array) -> dict[str, str]:
     """Return the attributes of a dataset that describe its constraints; none of a tree that nothing holds.
 
     ``closures`` (JSON) has of each closure its ``kind``, how many ``equations`` it is, whether it has an
@@ -36,14 +36,15 @@ def constraint_attributes(run: Run, states: Array, found: Observed) -> dict[str,
 
     Args:
         run: The run.
-        states: [q, v, x] at the samples, (n, size).
-        found: What the system is there.
+        first: [q, v, x] at the first sample.
+        last: At the last.
+        residual: The largest at samples, (4,), as of ``Observed.residual``.
     """
     system = run.system
     if system.plan is None:
         return {}
-    put_in = states[-1, system.model.nq + system.model.nv + system.projection_x[0]]
-    put_in -= states[0, system.model.nq + system.model.nv + system.projection_x[0]]
+    booked = system.model.nq + system.model.nv + system.projection_x[0]
+    put_in = last[booked] - first[booked]
     return {
         "closures": json.dumps(
             {
@@ -59,8 +60,8 @@ def constraint_attributes(run: Run, states: Array, found: Observed) -> dict[str,
         ),
         "constraints": json.dumps(
             {
-                **constraint_counts(system, states[0]),
-                **dict(zip(_RESIDUALS, found.residual.max(axis=0).tolist(), strict=True)),
+                **constraint_counts(system, first),
+                **dict(zip(_RESIDUALS, residual.tolist(), strict=True)),
                 "projection_energy": float(put_in),
                 "singular": [one._asdict() for one in run.singular.found] if run.singular else [],
             }

@@ -20,13 +20,13 @@ from antenna_pin.engine import CompiledStepper
 from antenna_pin.integrate import method_named
 from antenna_pin.records import memory_numbers
 from antenna_pin.settings import RunSettings
-from antenna_pin.simulation.actions import Actions, Happening
+from antenna_pin.simulation.actions import Actions
 from antenna_pin.simulation.control import StepControl
 from antenna_pin.simulation.episodes import Episodes
 from antenna_pin.simulation.events import Event
 from antenna_pin.simulation.kinks import kinks_of
 from antenna_pin.simulation.measured import Found
-from antenna_pin.simulation.progress import Progress, Reporter
+from antenna_pin.simulation.progress import Keeping, Progress, Reporter
 from antenna_pin.simulation.quiet import QuietTrials, stepper_of
 from antenna_pin.simulation.samples import Samples
 from antenna_pin.simulation.scales import scale_vector
@@ -53,6 +53,7 @@ class Run:
         end: Time at which the run ends [s].
         settings: How to integrate and sample.
         events: What to look for besides contacts.
+        since: From when on it records [s]; when ``start`` was reached, if not given.
     """
 
     def __init__(
@@ -62,6 +63,7 @@ class Run:
         end: float,
         settings: RunSettings,
         events: Sequence[Event] = (),
+        since: float | None = None,
     ) -> None:
         """Prepare the stepper, the search of its steps, and the contacts that touch at the start."""
         self.system = system
@@ -69,63 +71,61 @@ class Run:
         self.workspace = Workspace(system)
         self.duration = end
         #: From when on it records [s].
-        self.begin = start.reached if isinstance(start, State) else 0.0
+        self.begin = since if since is not None else start.reached if isinstance(start, State) else 0.0
         method = method_named(settings.method)
         scales = scale_vector(system, settings.scales)
         self.stepper = stepper_of(self.workspace, method, scales, settings)
         self.control = StepControl(self.workspace, method, settings, self.begin, end)
         self.samples = Samples(self.workspace, settings.output_rate, settings.output_times, self.begin, end)
-        self._contacts = Episodes(self.workspace, self.stepper, self.samples, self.begin)
-        self._search = ContactSearch(self.workspace, self.stepper, self._contacts)
+        self.contacts = Episodes(self.workspace, self.stepper, self.samples, self.begin)
+        self.search = ContactSearch(self.workspace, self.stepper, self.contacts)
         self.events = tuple(events)
-        self._watch = Watch((*self.events, *kinks_of(system)), self.workspace, self.stepper)
-        self.control.end_at(self._watch.instants)
-        self._actions = Actions(
-            self._watch, self.workspace, self.stepper, self.control, self.samples, self.begin
+        self.watch = Watch((*self.events, *kinks_of(system)), self.workspace, self.stepper)
+        self.control.end_at(self.watch.instants)
+        self.actions = Actions(
+            self.watch, self.workspace, self.stepper, self.control, self.samples, self.begin
         )
-        self._trials = Trials(self.stepper, self.control)
+        self.trials = Trials(self.stepper, self.control)
         self.singular = None if system.plan is None else Singularities(Workspace(system))
-        if isinstance(self.stepper, CompiledStepper) and all(map(is_known, self._watch.events)):
-            parts = self.samples, self._contacts, self._search, self._watch, self.singular
-            self._trials = QuietTrials(self.stepper, self.control, *parts)
+        if isinstance(self.stepper, CompiledStepper) and all(map(is_known, self.watch.events)):
+            parts = self.samples, self.contacts, self.search, self.watch, self.singular
+            self.trials = QuietTrials(self.stepper, self.control, *parts)
         self.wall = 0.0
         self.outcome = Outcome.COMPLETED
         self.message = Outcome.COMPLETED.value
-        self._next = 0.0
-        self._left: State | None = None
+        self.following = 0.0
+        self.left: State | None = None
         if isinstance(start, State):
             self._go_on(start)
         else:
             self._start(start)
 
-    # --- start ----------------------------------------------------------------------------------------------
-
     def _start(self, y: Array) -> None:
         self.stepper.restart(0.0, y)
         self.control.spin = self.system.turn_on(self.stepper.start)
-        self._search.measure(y)
-        for c in range(len(self._contacts)):
-            row = self._search.table[c]
+        self.search.measure(y)
+        for c in range(len(self.contacts)):
+            row = self.search.table[c]
             if row.gap <= ON_SURFACE:
-                self._contacts.touch(c, max(float(row.rate), 0.0))
+                self.contacts.touch(c, max(float(row.rate), 0.0))
         self.stepper.refresh()
-        self._watch.renew()
+        self.watch.renew()
         self.samples.add(0.0, y.copy())
-        self._next = self.control.first
+        self.following = self.control.first
 
     def _go_on(self, state: State) -> None:
         """Take up a run where another left it."""
-        self._contacts.take_up(state)
+        self.contacts.take_up(state)
         for place, value in state.adjusted:
-            self._actions.set(place, value)
+            self.actions.set(place, value)
         self.stepper.restart(state.time, state.y)
         self.control.spin = self.system.turn_on(self.stepper.start)
         self.control.sizes.take_up(state.sizes)
-        self._search.ignore[:] = state.changed
-        self._next = state.step
+        self.search.ignore[:] = state.changed
+        self.following = state.step
         self.control.error = state.error
-        self._watch.take_up(state.events, state.time)
-        self._watch.renew()
+        self.watch.take_up(state.events, state.time)
+        self.watch.renew()
         if state.time == state.reached:
             self.samples.add(state.time, state.y)
 
@@ -134,36 +134,26 @@ class Run:
     @property
     def state(self) -> State:
         """The state that the run leaves: one to go on from."""
-        return self._left if self._left is not None else self._state()
+        return self.left if self.left is not None else self.present()
 
     @property
     def accepted(self) -> int:
         """Steps accepted so far."""
-        return self._trials.accepted
+        return self.trials.accepted
 
     @property
     def episodes(self) -> NDArray[Any]:
         """Contacts from onset to release, in the order of their onsets, EPISODE."""
-        return self._contacts.all
-
-    @property
-    def happened(self) -> list[Happening]:
-        """Events that have happened, in their order."""
-        return self._actions.happened
-
-    @property
-    def gap_difference(self) -> float:
-        """Largest difference between coal's gaps and the closed form [m]."""
-        return self._search.gap_difference
+        return self.contacts.all
 
     def counts(self) -> Counts:
         """Return what the run took so far."""
-        tried = self._trials
+        tried = self.trials
         return Counts(tried.accepted, tried.rejected, tried.relocated, self.stepper.evaluations, self.wall)
 
-    def _state(self) -> State:
-        nq, nv = self.system.model.nq, self.system.model.nv
-        y = self._here
+    def present(self) -> State:
+        """Return the state at this moment."""
+        nq, nv, y = self.system.model.nq, self.system.model.nv, self.here
         return State(
             time=self.stepper.t,
             reached=self.stepper.t,
@@ -171,19 +161,19 @@ class Run:
             v=y[nq : nq + nv].copy(),
             x=y[nq + nv :].copy(),
             memory=memory_numbers(self.workspace.memory),
-            contacts=self._contacts.value(),
-            step=self._next,
+            contacts=self.contacts.value(),
+            step=self.following,
             error=self.control.error,
             sizes=self.control.sizes.value(),
-            changed=tuple(self._search.ignore.tolist()),
-            events=self._watch.value(),
-            adjusted=tuple(self._actions.adjustments.values.items()),
+            changed=tuple(self.search.ignore.tolist()),
+            events=self.watch.value(),
+            adjusted=tuple(self.actions.adjustments.values.items()),
         )
 
     @property
-    def _here(self) -> Array:
-        here: Array = self.stepper.start[: self.system.manifold.size]
-        return here
+    def here(self) -> Array:
+        """The present state [q, v, x]; a view."""
+        return np.asarray(self.stepper.start[: self.system.manifold.size])
 
     # --- stepping -------------------------------------------------------------------------------------------
 
@@ -191,28 +181,38 @@ class Run:
         self,
         progress: Callable[[Progress], None] | None = None,
         interrupted: Callable[[], bool] = lambda: False,
+        keep: Keeping | None = None,
     ) -> None:
-        """Run to the end, or to what ends it earlier; ``interrupted`` is asked between steps."""
-        report = Reporter(progress, self.duration)
-        h = self._next
-        while self.stepper.t < self.duration:
-            self._next = h
-            h = self._step(h)
-            if self.outcome is not Outcome.COMPLETED or not self._may_go_on(report.wall, interrupted):
+        """Run to the end, or to what ends it earlier.
+
+        Args:
+            progress: Called now and then.
+            interrupted: Asked between steps.
+            keep: Shown the run between steps, and at its end.
+        """
+        report = Reporter(progress, self.duration, self.wall)
+        h = self.following
+        while self.stepper.t < self.duration and self.outcome is Outcome.COMPLETED:
+            self.following = h = self._step(h)
+            self.wall = report.wall
+            if self.outcome is not Outcome.COMPLETED or not self._may_go_on(self.wall, interrupted):
                 break
-            report(self.stepper.t, h, self._trials.accepted)
-        self._next = h
-        self._left = dataclasses.replace(self.state, reached=self.stepper.t)
-        self._contacts.close()
+            report(self.stepper.t, h, self.trials.accepted)
+            if keep is not None:
+                keep.look(self)
+        if keep is not None:
+            keep.end(self)
+        self.left = dataclasses.replace(self.state, reached=self.stepper.t)
+        self.contacts.close()
         if self.samples.last < self.stepper.t:
-            self.samples.add(self.stepper.t, self._here.copy())
+            self.samples.add(self.stepper.t, self.here.copy())
         if self.singular is not None:
             self.message += self.singular.words()
         self.wall = report.wall
-        report(self.stepper.t, h, self._trials.accepted, last=True)
+        report(self.stepper.t, h, self.trials.accepted, last=True)
 
     def _may_go_on(self, wall: float, interrupted: Callable[[], bool]) -> bool:
-        limit = self.control.limit(self._trials.made, self.stepper.t, wall)
+        limit = self.control.limit(self.trials.made, self.stepper.t, wall)
         outcome = Outcome.INTERRUPTED if interrupted() else limit
         if outcome is not None:
             self._stop(outcome)
@@ -220,16 +220,16 @@ class Run:
 
     def _step(self, h: float) -> float:
         """Make one accepted step, or a stretch; return the size to try next."""
-        trial = self._trials.first(h, self._keep)
+        trial = self.trials.first(h, self._keep)
         if not trial.tried:
             return trial.following
         return self._conclude(trial.following) if trial.passed else self._give_up(trial)
 
     def _keep(self, h: float) -> None:
         """Keep the state before the first step that the run's end cuts."""
-        self._next = h
-        if self._left is None:
-            self._left = self._state()
+        self.following = h
+        if self.left is None:
+            self.left = self.present()
 
     def _give_up(self, trial: Trial) -> float:
         """Accept nothing; return the size to try next, if the run does not end."""
@@ -239,7 +239,7 @@ class Run:
 
     def _conclude(self, following: float) -> float:
         """Accept the trial step, or one that ends where something happens; return the size to try next."""
-        contacts, search, watch = self._contacts, self._search, self._watch
+        contacts, search, watch = self.contacts, self.search, self.watch
         crossings: list[Crossing] = []
         if contacts or watch:
             search.compare_gaps()
@@ -262,18 +262,18 @@ class Run:
     def _end_too_deep(self, found: Found, following: float) -> float:
         c = found.contact
         if found.theta > 0.0:
-            lack = self._search.lack(c, -float(self._search.limits[c]))
+            lack = self.search.lack(c, -float(self.search.limits[c]))
             trial = self._relocate(found.theta, lack)
             if not trial.passed:
                 return self._give_up(trial)
-        of_joint = self._search.reasons[c] == "maximum_depth"
+        of_joint = self.search.reasons[c] == "maximum_depth"
         outcome = Outcome.TOO_DEEP if of_joint else Outcome.OUT_OF_LAW_RANGE
-        self._stop(outcome, f", {self._search.words(c)}")
+        self._stop(outcome, f", {self.search.words(c)}")
         return following
 
     def _change(self, found: Found, following: float) -> float:
         """Let a contact touch or part where it does; return the size to try next."""
-        stepper, contacts, search = self.stepper, self._contacts, self._search
+        stepper, contacts, search = self.stepper, self.contacts, self.search
         c = found.contact
         sizes = self.control.sizes
         sizes.note(following)
@@ -291,24 +291,24 @@ class Run:
         contacts.flip(c, float(search.table[c].rate))
         search.ignore[c] = 1
         self._restart()
-        self.samples.add(stepper.t, self._here.copy())
+        self.samples.add(stepper.t, self.here.copy())
         return sizes.after_change(following)
 
     def _restart(self) -> None:
         """Take up the integration anew, after a change at the present state."""
         self.stepper.refresh()
-        self._watch.renew()
+        self.watch.renew()
 
     def _relocate(self, theta: float, lack: Callable[[], float]) -> Trial:
         """Make the trial step again to end where something happens (:meth:`Trials.again`), and accept it."""
-        trial = self._trials.again(theta, lack)
+        trial = self.trials.again(theta, lack)
         if trial.passed:
-            if self._contacts:
-                self._search.compare_gaps()
+            if self.contacts:
+                self.search.compare_gaps()
                 self.stepper.prepare_dense()
-                self._search.track()
-                self._contacts.keep_peaks()
-                self._search.ignore[:] = 0
+                self.search.track()
+                self.contacts.keep_peaks()
+                self.search.ignore[:] = 0
             self._accept()
         return trial
 
@@ -316,7 +316,7 @@ class Run:
         """Let events happen where the first does; return the size to try next."""
         stepper, first = self.stepper, crossings[0]
         if stepper.t + first.theta * stepper.h > stepper.t:
-            trial = self._relocate(first.theta, self._watch.lack(first))
+            trial = self._relocate(first.theta, self.watch.lack(first))
             if not trial.passed:
                 return self._give_up(trial)
         self._act(crossings)
@@ -324,7 +324,7 @@ class Run:
 
     def _act(self, crossings: list[Crossing]) -> None:
         for crossing in crossings:
-            last = self._actions.take(crossing)
+            last = self.actions.take(crossing)
             if last is not None:
                 self._stop(Outcome.STOPPED, f", event {last!r}")
 
@@ -336,12 +336,12 @@ class Run:
             self.control.spin = self.system.turn_on(stepper.start)
         if stepper.t > self.duration - 1e-15 * self.duration:
             stepper.t = self.duration
-        self._trials.accepted += 1
+        self.trials.accepted += 1
         if self.singular is not None:
-            self.singular.look(stepper.t, self._here)
-        if self._watch:
-            self._watch.renew()
-            self._act(self._watch.due())
+            self.singular.look(stepper.t, self.here)
+        if self.watch:
+            self.watch.renew()
+            self._act(self.watch.due())
 
     def _stop(self, outcome: Outcome, what: str = "") -> None:
         self.outcome = outcome

@@ -5,8 +5,9 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any, Protocol
 
-__all__ = ["Progress", "Reporter"]
+__all__ = ["Keeping", "Progress", "Reporter"]
 
 _INTERVAL = 0.1  # [s] of wall time between reports
 
@@ -30,19 +31,31 @@ class Progress:
     wall: float
 
 
+class Keeping(Protocol):
+    """What keeps a run's record, and so much of it that it can be taken up."""
+
+    def look(self, run: Any) -> None:
+        """See a run between two steps."""
+
+    def end(self, run: Any) -> None:
+        """See it after its last step, before its record is completed."""
+
+
 class Reporter:
     """Tells of a run's progress now and then.
 
     Args:
         progress: Whom; None for nobody.
         end: Of the run [s].
+        before: Wall time that it took already [s].
     """
 
-    def __init__(self, progress: Callable[[Progress], None] | None, end: float) -> None:
+    def __init__(self, progress: Callable[[Progress], None] | None, end: float, before: float = 0.0) -> None:
         """Begin to take the time."""
         self._progress = progress
         self._end = end
-        self._began = self._told = time.perf_counter()
+        self._told = time.perf_counter()
+        self._began = self._told - before
 
     @property
     def wall(self) -> float:

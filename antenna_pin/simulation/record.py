@@ -4,22 +4,24 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from antenna_pin.dynamics import journal_attitudes, observed
+from antenna_pin.dynamics import observed
 from antenna_pin.elements import Motion
+from antenna_pin.simulation.blocks import blocks_of, count_of
 from antenna_pin.simulation.carried import mechanism_attributes
 from antenna_pin.simulation.coordinates import coordinate_names
 from antenna_pin.simulation.held import constraint_attributes
 from antenna_pin.simulation.loop import Run
+from antenna_pin.simulation.parts import Parts
 from antenna_pin.simulation.seen import Seen
 from antenna_pin.trajectory.labelled import labelled
 
-__all__ = ["dataset"]
+__all__ = ["Recording", "dataset"]
 
 Values = Mapping[str, Any]
 
@@ -28,33 +30,119 @@ def dataset(run: Run, title: str, case: str, versions: dict[str, str], *, lean: 
     """Return a finished run as a labelled dataset (docs/trajectory.md lists the variables).
 
     Args:
-        run: The run.
+        run: The run, all of its samples in memory.
         title: Of the scenario.
         case: Of the scenario.
         versions: Of the libraries.
         lean: Whether to leave out the series: a result of numbers and contact episodes only.
     """
-    samples = run.samples
-    times, states, memories = samples.times.copy(), samples.states.copy(), samples.memories.copy()
-    found = observed(run.system, times, states, memories, samples.programs)
-    seen = Seen(run, times, states, memories, found)
-    values: dict[str, Any] = {}
-    for source in _SOURCES:
-        values |= source(seen)
-    attributes = {
-        "form": "lean" if lean else "full",
-        "title": title,
-        "case": case,
-        "end_time": float(times[-1]),
-        "samples": len(times),
-        "versions": json.dumps(versions),
-        "gap_difference": run.gap_difference,
-        "conservation": json.dumps(_conservation(seen)),
-        **mechanism_attributes(run.system),
-        **constraint_attributes(run, states, found),
-    }
-    free = run.system.mechanism.base == "free"
-    return labelled(values, _labels(seen), attributes, free_base=free, lean=lean)
+    recording = Recording(run)
+    whole: dict[str, Any] = {}
+    for first, values in recording.blocks():
+        if lean:
+            continue
+        if len(values["time"]) == recording.count:
+            whole = dict(values)
+        for name, part in values.items() if not whole or first else ():
+            if name not in whole:
+                whole[name] = np.empty((recording.count, *part.shape[1:]), part.dtype)
+            whole[name][first : first + len(part)] = part
+    about = {"title": title, "case": case, "versions": json.dumps(versions)}
+    return recording.labelled(whole, about, lean=lean)
+
+
+class Recording:
+    """What the samples of a finished run imply, found block by block; totals and peaks as they come.
+
+    Args:
+        run: The run.
+        parts: Its samples before those that it has in memory.
+
+    Attributes:
+        count: Samples in all.
+    """
+
+    def __init__(self, run: Run, parts: Parts | None = None) -> None:
+        """Count the samples."""
+        self.run = run
+        self._parts = parts
+        self.count = count_of(run.samples, parts)
+        self._labels: dict[str, Any] = {}
+        self._last: Seen | None = None
+        self._totals: dict[str, Any] = {}
+        self._peaks: dict[str, Any] = {}
+        self._audit: dict[str, Any] = {}
+
+    def blocks(self) -> Iterator[tuple[int, Values]]:
+        """Yield the number of a block's first sample, and the series there by name, ``time`` among them."""
+        first = 0
+        for chunk in blocks_of(self.run.samples, self._parts):
+            system = self.run.system
+            found = observed(system, chunk.times, chunk.states, chunk.memories, chunk.programs)
+            seen = Seen(self.run, *chunk, found, None if self._last is None else self._last.end)
+            values: dict[str, Any] = {"time": seen.times}
+            for source in _SERIES:
+                values |= source(seen)
+            self._labels = self._labels or _labels(seen)
+            self._sum_up(seen, values)
+            self._last = seen
+            yield first, values
+            first += len(seen.times)
+
+    def _sum_up(self, seen: Seen, values: Values) -> None:
+        """Take what is said of the whole run from a block."""
+        self._totals = {name: values[of][-1] for name, of in _TOTALS.items()}
+        for name, sizes in _sizes(seen, values).items():
+            most = sizes.max(axis=0)
+            self._peaks[name] = np.maximum(self._peaks.get(name, most), most)
+        if not self._audit:
+            self._audit = {name: seen.found.audit[name][0] for name in ("linear", "angular")}
+        for name in ("linear", "angular"):
+            drift = np.abs(values[f"{name}_momentum"] - self._audit[name]).max()
+            for kind, most in (("drift", drift), ("scale", seen.found.audit[f"{name}_scale"].max())):
+                key = f"{name}_{kind}"
+                self._audit[key] = np.maximum(self._audit.get(key, most), most)
+
+    def labelled(self, series: Values, about: Mapping[str, Any], *, lean: bool = False) -> xr.Dataset:
+        """Return the dataset of the blocks so far with these series; of the run, once all have been made.
+
+        Args:
+            series: By name, ``time`` among them; none for a lean result.
+            about: Attributes that tell what was run.
+            lean: Whether to leave out the series.
+        """
+        assert self._last is not None
+        first, last = self._last.start, self._last.end
+        attributes = {
+            "form": "lean" if lean else "full",
+            **about,
+            "end_time": float(self._last.times[-1]),
+            "samples": self.count,
+            "gap_difference": self.run.search.gap_difference,
+            "conservation": json.dumps(self._conservation()),
+            **mechanism_attributes(self.run.system),
+            **constraint_attributes(self.run, first.state, last.state, self._peaks["peak_residual"]),
+        }
+        values = {**series, **self._totals, **self._peaks, **_episodes(self.run)}
+        labels = self._labels | ({} if lean else {"time": series["time"]})
+        free = self.run.system.mechanism.base == "free"
+        return labelled(values, labels, attributes, free_base=free, lean=lean)
+
+    def _conservation(self) -> dict[str, Any]:
+        """Return how well what must be kept was kept, relative to scales that do not pass through zero."""
+        result: dict[str, Any] = {"energy_error": float(self._peaks["peak_energy_error"])}
+        gross = float(self._totals["total_gross_work"].sum())
+        result["gross_work"] = gross
+        result["energy_error_relative"] = result["energy_error"] / gross if gross > 0.0 else None
+        conserved = self.run.system.keeps_momentum
+        for name in ("linear", "angular"):
+            scale, drift = (float(self._audit[f"{name}_{kind}"]) for kind in ("scale", "drift"))
+            result[f"{name}_momentum_drift"] = drift if conserved else None
+            result[f"{name}_momentum_scale"] = scale
+            result[f"{name}_momentum_drift_relative"] = drift / scale if conserved and scale > 0.0 else None
+        if not math.isfinite(result["energy_error"]):
+            result["energy_error_relative"] = None
+        return result
 
 
 def _labels(seen: Seen) -> dict[str, Any]:
@@ -62,7 +150,6 @@ def _labels(seen: Seen) -> dict[str, Any]:
     system = seen.system
     configuration, velocity = coordinate_names(system)
     labels: dict[str, Any] = {
-        "time": seen.times,
         "axis": ("x", "y", "z"),
         "configuration": configuration,
         "coordinate": velocity,
@@ -91,7 +178,7 @@ def _labels(seen: Seen) -> dict[str, Any]:
     if system.contact_names:
         labels["episode"] = len(seen.run.episodes)
     if seen.run.events:
-        labels["event"] = [one.name for one in seen.run.happened]
+        labels["event"] = [one.name for one in seen.run.actions.happened]
     return labels
 
 
@@ -134,7 +221,7 @@ def _contact(seen: Seen) -> Values:
         **{name: contacts[name] for name in contacts.dtype.names or ()},
         "touching": seen.memories["touching"].astype(np.int8),
         "journal_position": pose["centre"],
-        "journal_attitude": journal_attitudes(seen.system, seen.states),
+        "journal_attitude": seen.attitudes,
         "journal_tilt": np.arctan2(np.hypot(axis[..., 0], axis[..., 1]), axis[..., 2]),
         "joint_force": pose["force"],
         "joint_torque": pose["moment"],
@@ -178,34 +265,39 @@ def _motion(seen: Seen) -> Values:
     }
 
 
-def _summary(seen: Seen) -> Values:
-    moved, total = _motion(seen), {name: series[-1] for name, series in seen.ledger.items()}
-    drives = seen.system.drives.values()
-    closure = np.linalg.norm(seen.found.closure, axis=3).max(axis=0)
-    efforts = np.abs(seen.found.effort["effort"]).max(axis=0)
+_TOTALS = {
+    "final_angle": "motion_angle",
+    "final_rate": "motion_rate",
+    "final_position": "slide_position",
+    "final_slide_rate": "slide_rate",
+    "total_work": "drive_work",
+    "total_gross_work": "drive_gross_work",
+    "total_normal_loss": "dissipation_normal",
+    "total_friction_loss": "dissipation_friction",
+    "total_damper_loss": "dissipation_damper",
+    "total_elastic_loss": "dissipation_elastic",
+}
+
+
+def _sizes(seen: Seen, values: Values) -> Values:
+    """Return, of all that is said with its largest size in a run, the sizes at samples."""
+    motions = [isinstance(drive, Motion) for drive in seen.system.drives.values()]
+    closure = np.linalg.norm(seen.found.closure, axis=3)
     return {
-        "peak_effort": efforts[[isinstance(drive, Motion) for drive in drives]],
-        "peak_closure_force": closure[:, 0],
-        "peak_closure_moment": closure[:, 1],
-        "final_angle": moved["motion_angle"][-1],
-        "final_rate": moved["motion_rate"][-1],
-        "peak_acceleration": np.abs(moved["motion_acceleration"]).max(axis=0),
-        "final_position": moved["slide_position"][-1],
-        "final_slide_rate": moved["slide_rate"][-1],
-        "peak_slide_acceleration": np.abs(moved["slide_acceleration"]).max(axis=0),
-        "total_work": total["drive_work"],
-        "total_gross_work": total["drive_gross_work"],
-        "total_normal_loss": total["dissipation_normal"],
-        "total_friction_loss": total["dissipation_friction"],
-        "total_damper_loss": total["dissipation_damper"],
-        "peak_deflection": np.abs(seen.elastic.motion[:, :, 0]).max(axis=0),
-        "peak_elastic_energy": seen.elastic.energy.max(axis=0),
-        "total_elastic_loss": total["dissipation_elastic"],
-        "peak_spin": seen.elastic.spin.max(axis=0),
+        "peak_effort": np.abs(values["drive_torque"][:, motions]),
+        "peak_closure_force": closure[:, :, 0],
+        "peak_closure_moment": closure[:, :, 1],
+        "peak_acceleration": np.abs(values["motion_acceleration"]),
+        "peak_slide_acceleration": np.abs(values["slide_acceleration"]),
+        "peak_deflection": np.abs(values["deflection"]),
+        "peak_elastic_energy": values["elastic_energy"],
+        "peak_spin": seen.elastic.spin,
+        "peak_energy_error": np.abs(values["energy_error"]),
+        "peak_residual": seen.found.residual,
     }
 
 
-def _episodes(seen: Seen) -> Values:
+def _episodes(run: Run) -> Values:
     names = {
         "onset": "onset_time",
         "release": "release_time",
@@ -215,42 +307,13 @@ def _episodes(seen: Seen) -> Values:
         },
         "effective_mass": "effective_mass",
     }
-    episodes = seen.run.episodes
+    episodes = run.episodes
     return {
         **{name: episodes[of].copy() for of, name in names.items()},
         "episode_contact": episodes["contact"].copy(),
-        "event_time": np.array([one.time for one in seen.run.happened], dtype=float),
-        "event_energy": np.array([one.energy for one in seen.run.happened], dtype=float),
+        "event_time": np.array([one.time for one in run.actions.happened], dtype=float),
+        "event_energy": np.array([one.energy for one in run.actions.happened], dtype=float),
     }
 
 
-_SOURCES: tuple[Callable[[Seen], Values], ...] = (
-    _state,
-    _derivative,
-    _contact,
-    _ledger,
-    _audit,
-    _motion,
-    _summary,
-    _episodes,
-)
-
-
-def _conservation(seen: Seen) -> dict[str, Any]:
-    """Return how well what must be kept was kept, relative to scales that do not pass through zero."""
-    system, audit = seen.system, seen.found.audit
-    result: dict[str, Any] = {"energy_error": float(np.abs(seen.energy_error).max())}
-    gross = float(seen.ledger["drive_gross_work"][-1].sum())
-    result["gross_work"] = gross
-    result["energy_error_relative"] = result["energy_error"] / gross if gross > 0.0 else None
-    conserved = system.keeps_momentum
-    for name in ("linear", "angular"):
-        values = audit[name]
-        scale = float(audit[f"{name}_scale"].max())
-        drift = float(np.abs(values - values[0]).max())
-        result[f"{name}_momentum_drift"] = drift if conserved else None
-        result[f"{name}_momentum_scale"] = scale
-        result[f"{name}_momentum_drift_relative"] = drift / scale if conserved and scale > 0.0 else None
-    if not math.isfinite(result["energy_error"]):
-        result["energy_error_relative"] = None
-    return result
+_SERIES: tuple[Callable[[Seen], Values], ...] = (_state, _derivative, _contact, _ledger, _audit, _motion)

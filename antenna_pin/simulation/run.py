@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
+import math
+import os
 import time
 from collections.abc import Callable, Mapping, Sequence
-from datetime import UTC, datetime
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -21,13 +24,15 @@ from antenna_pin.parameters import holds
 from antenna_pin.records import CONTACT, POSE
 from antenna_pin.scenario import Scenario
 from antenna_pin.settings import RunSettings
+from antenna_pin.simulation.checkpoint import Checkpoint, about_run, check_same
 from antenna_pin.simulation.events import Event, check_events
+from antenna_pin.simulation.finish import finished
 from antenna_pin.simulation.from_scenario import events_of
+from antenna_pin.simulation.keeper import Keeper
 from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.progress import Progress
-from antenna_pin.simulation.record import dataset
 from antenna_pin.state import State
-from antenna_pin.trajectory import Trajectory, library_versions
+from antenna_pin.trajectory import Trajectory
 from antenna_pin.units import shown
 
 __all__ = ["settings_of", "simulate"]
@@ -53,10 +58,18 @@ def simulate(
     settings: RunSettings | None = None,
     events: Sequence[Event] = (),
     progress: Callable[[Progress], None] | None = None,
+    out: str | os.PathLike[str] | None = None,
+    checkpoint: float = math.inf,
+    resume: bool = False,
 ) -> Trajectory:
     """Run a scenario, or a system built in Python, and return the trajectory.
 
     A run that cannot go on, or is stopped by Ctrl-C, returns what it has; its ``outcome`` says why.
+
+    With ``out`` the result is written there, and memory does not limit the run: a record that grows large
+    goes to the disk in parts, in the folder ``OUT.parts``, and the trajectory that is returned reads from the
+    file what is asked of it. In that folder are checkpoints too, of a run that was stopped and at an
+    interval: with ``resume`` the run goes on from there, and ends bit for bit as if it had never stopped.
 
     Args:
         model: What to run.
@@ -72,10 +85,28 @@ def simulate(
         settings: Integration and sampling; the scenario's, or the defaults.
         events: What to look for, and what to do then, beside the scenario's own.
         progress: Called about ten times a second.
+        out: File of the result, written at the end; its folder of parts is removed then, unless the run was
+            interrupted.
+        checkpoint: Wall time from one checkpoint to the next [s].
+        resume: Whether to go on with the run whose checkpoint is beside ``out``; what it was begun with, the
+            initial state excepted, is given again. ``duration`` is that run's if not given.
 
     Raises:
         AntennaPinError: The input is not valid; raised before any step is made.
+        FileFormatError: Likewise; there is no checkpoint, or it is damaged, or of another version or run.
+        OutputError: The result cannot be written; :class:`antenna_pin.simulation.UnsavedError` holds it.
     """
+    if not holds(checkpoint, "positive") and checkpoint != math.inf:
+        raise InvalidParameterError("simulate", "checkpoint", "positive [s]", checkpoint)
+    if resume and out is None:
+        raise InvalidParameterError("simulate", "out", "given beside resume", None)
+    stood = Checkpoint.load(Path(out)) if resume and out is not None else None
+    if stood is not None:
+        for name, begun in (("start", start), ("q", q), ("v", v), ("angles", angles)):
+            if begun is not None:
+                rule = "left out beside resume, which goes on from a checkpoint"
+                raise InvalidParameterError("simulate", name, rule, said=type(begun).__name__)
+        start, duration = stood.start, stood.about["span"] if duration is None else duration
     for name, given in (("q", q), ("v", v), ("angles", angles)):
         if start is not None and given is not None:
             raise InvalidParameterError("simulate", name, "left out beside start, which holds it", given)
@@ -104,7 +135,7 @@ def simulate(
         check_sizes(system, start)
     start_q = first_q if q is None else _numbers("q", q)
     start_v = first_v if v is None else _numbers("v", v)
-    begin = 0.0 if start is None else start.reached
+    begin = stood.begin if stood is not None else 0.0 if start is None else start.reached
     used.check_span(begin, begin + span)
     check_spans(system, begin, begin + span)
     if start is None:
@@ -112,34 +143,31 @@ def simulate(
         check_closed(system, first)
         check_start(system, first)
         check_lengths(system, first)
-    check_motions(system, first if start is None else start.y, begin, begin + span)
+    here, y = (begin, first) if start is None else (start.reached, start.y)
+    check_motions(system, y, here, begin + span)
     if scenario is not None:
         events = (*events_of(scenario), *events)
-    check_events(events, system, first if start is None else start.y)
-    run = Run(system, first if start is None else start, begin + float(span), used, events)
+    check_events(events, system, y)
     if scenario is not None:
         scenario = _as_run(scenario, float(span), used)
-    title = scenario.title if scenario is not None else system.mechanism.name
-    case = (scenario.case or "") if scenario is not None else ""
-    with interruptible() as interrupted:
-        run.advance(progress, interrupted)
-        began = time.perf_counter()
-        lean = used.output_form == "lean"
-        data = dataset(run, title, case, library_versions(), lean=lean)
-        if scenario is not None and (q is not None or v is not None):
-            data.attrs["start"] = "given in Python: the first sample"
-        if start is not None:
-            data.attrs["start"] = f"another run's state at {begin:.12g} s: the first sample"
-        data.attrs["finished"] = datetime.now(UTC).isoformat(timespec="seconds")
-        run.wall += time.perf_counter() - began
-    return Trajectory(
-        data=data,
-        outcome=run.outcome,
-        message=run.message,
-        counts=run.counts(),
-        scenario=scenario,
-        end=run.state,
-    )
+    told = stood.about["start"] if stood is not None else ""
+    if scenario is not None and (q is not None or v is not None):
+        told = "given in Python: the first sample"
+    if stood is None and start is not None:
+        told = f"another run's state at {begin:.12g} s: the first sample"
+    keeper = None
+    if out is not None:
+        about = about_run(system, scenario, used, float(span), told, events)
+        if stood is not None:
+            check_same(stood, about)
+        keeper = Keeper(out, system, about, checkpoint, stood)
+    with keeper or contextlib.nullcontext():
+        run = Run(system, first if start is None else start, begin + float(span), used, events, begin)
+        if stood is not None:
+            stood.give_to(run)
+        with interruptible() as interrupted:
+            run.advance(progress, interrupted, keeper)
+            return finished(run, scenario, told, keeper, time.perf_counter())
 
 
 def _as_run(scenario: Scenario, duration: float, settings: RunSettings) -> Scenario:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,11 +13,58 @@ from antenna_pin.dynamics import Workspace
 from antenna_pin.integrate import Stepper
 from antenna_pin.records import MEMORY
 
-__all__ = ["Samples"]
+__all__ = ["Chunk", "Late", "Samples"]
 
 Array = NDArray[np.float64]
 
 _ROOM = 256
+
+
+class Late(NamedTuple):
+    """A sample of an earlier time, to be put between others that are elsewhere.
+
+    Attributes:
+        time: [s].
+        state: [q, v, x].
+        memory: Contact memory, MEMORY, (contacts,).
+    """
+
+    time: float
+    state: Array
+    memory: NDArray[Any]
+
+
+class Chunk(NamedTuple):
+    """Some samples that follow one another.
+
+    Attributes:
+        times: (n,) [s].
+        states: [q, v, x] at each, (n, size).
+        memories: Contact memory at each, MEMORY, (n, contacts).
+        programs: Program of force elements at each: the same array as long as nothing was changed in it.
+    """
+
+    times: Array
+    states: Array
+    memories: NDArray[Any]
+    programs: list[Array]
+
+    def part(self, first: int | None, last: int | None) -> Chunk:
+        """Return those from one on, up to but without another."""
+        here = slice(first, last)
+        return Chunk(self.times[here], self.states[here], self.memories[here], self.programs[here])
+
+    @staticmethod
+    def joined(chunks: Sequence[Chunk]) -> Chunk:
+        """Return chunks as one."""
+        if len(chunks) == 1:
+            return chunks[0]
+        return Chunk(
+            np.concatenate([one.times for one in chunks]),
+            np.concatenate([one.states for one in chunks]),
+            np.concatenate([one.memories for one in chunks]),
+            [program for one in chunks for program in one.programs],
+        )
 
 
 class Samples:
@@ -33,6 +80,7 @@ class Samples:
     Attributes:
         programs: Program of force elements at each: the same array as long as nothing was changed in it.
         program: That of samples to come.
+        late: Samples that came when those around them had been handed out, in the order of their coming.
     """
 
     def __init__(
@@ -52,6 +100,9 @@ class Samples:
         self._memories = np.zeros((_ROOM, self._memory.nbytes), np.uint8)
         self.programs: list[Array] = []
         self.program = workspace.program.copy()
+        self.late: list[Late] = []
+        self._handed = -math.inf
+        self._before: Array | None = None
 
     @property
     def times(self) -> Array:
@@ -68,6 +119,51 @@ class Samples:
         """Contact memory at each, MEMORY, (n, contacts)."""
         contacts = len(self._memory)
         return self._memories[: self._count].reshape(-1).view(MEMORY).reshape(self._count, contacts)
+
+    @property
+    def held(self) -> Chunk:
+        """Those that are here."""
+        return Chunk(self.times, self.states, self.memories, self.programs)
+
+    @property
+    def size(self) -> int:
+        """Bytes of those that are here."""
+        return self._count * (self._states.shape[1] * 8 + self._memories.shape[1] + 16)
+
+    @property
+    def held_but_last(self) -> Chunk:
+        """Those that are here but the last, which may yet be replaced."""
+        return self.held.part(None, -1)
+
+    def hand_out(self) -> None:
+        """Let go of those that are here but the last: they are elsewhere."""
+        if self._count > 1:
+            self._handed, self._before = float(self._times[self._count - 2]), self.programs[-2]
+            self.take_up(self.held.part(-1, None))
+
+    def take_up(self, chunk: Chunk) -> None:
+        """Hold these samples and no others."""
+        times, states, memories = (np.array(part) for part in chunk[:3])
+        programs = list(chunk.programs)
+        self._count = 0
+        for name in ("_times", "_states", "_memories"):
+            old = getattr(self, name)
+            setattr(self, name, np.zeros((_ROOM, *old.shape[1:]), old.dtype))
+        self.programs = []
+        self._open(0, len(times))
+        self._times[: self._count] = times
+        self._states[: self._count] = states
+        self._memories[: self._count] = memories.view(np.uint8).reshape(self._count, self._memories.shape[1])
+        self.programs[:] = programs
+
+    @property
+    def handed(self) -> tuple[float, Array] | tuple[None, None]:
+        """Time [s] and program of the last sample that was handed out."""
+        return (None, None) if self._before is None else (self._handed, self._before)
+
+    def go_on_after(self, time: float, program: Array) -> None:
+        """Take samples up to a time [s], the last with this program, to have been handed out."""
+        self._handed, self._before = time, program
 
     @property
     def last(self) -> float:
@@ -157,11 +253,17 @@ class Samples:
 
     def insert(self, t: float, y: Array, memory: NDArray[Any]) -> None:
         """Put a sample with its contact memory between others in time; one that is there already stays."""
+        if t <= self._handed:
+            late = Late(t, y.copy(), memory.copy())
+            self._hold(t, late.state)
+            self.late.append(late)
+            return
         place = int(np.searchsorted(self.times, t))
         if place < self._count and self._times[place] == t:
             return
         # What held at the sample before holds on to the next event.
-        program = self.programs[place - 1] if place else self.program
+        before = self.program if self._before is None else self._before
+        program = self.programs[place - 1] if place else before
         self._open(place, 1)
         self._times[place] = t
         self._put(place, y, memory)

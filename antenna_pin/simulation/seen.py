@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -9,7 +10,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.dynamics import Deflections, Observed, System, deflections, joint_motion, sliding_motion
+from antenna_pin.dynamics import (
+    Deflections,
+    Observed,
+    System,
+    deflections,
+    joint_motion,
+    journal_attitudes,
+    sliding_motion,
+)
 from antenna_pin.simulation.loop import Run
 
 __all__ = ["Seen"]
@@ -35,23 +44,65 @@ _BALANCE = {
 }
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Edge:
+    """What is needed of the samples before a block.
+
+    Attributes:
+        first: [q, v, x] of the run's first sample.
+        stored: All that was stored then [J].
+        state: [q, v, x] at this edge of the block.
+        attitudes: Of the journals there, (joints, 4).
+    """
+
+    first: Array
+    stored: float
+    state: Array
+    attitudes: Array
+
+
 @dataclass(eq=False)
 class Seen:
-    """The samples of a run, and what the system is there.
+    """Samples of a run that follow one another, and what the system is there.
 
     Attributes:
         run: The run.
         times: (n,) [s].
         states: [q, v, x], (n, nq + nv + nx).
         memories: Contact memory, MEMORY, (n, contacts).
+        programs: Program of force elements at each.
         found: What the equations of motion give.
+        before: The end of the samples before these; None where these are the first.
     """
 
     run: Run
     times: Array
     states: Array
     memories: NDArray[Any]
+    programs: Sequence[Array]
     found: Observed
+    before: Edge | None = None
+
+    @property
+    def start(self) -> Edge:
+        """The run's first sample."""
+        if self.before is None:
+            return self._edge(0, self.states[0], float(self.found.energy[0]))
+        return Edge(self.before.first, self.before.stored, self.before.first, np.zeros((0, 4)))
+
+    @property
+    def end(self) -> Edge:
+        """The last of these."""
+        return self._edge(-1, self.start.first, self.start.stored)
+
+    def _edge(self, place: int, first: Array, stored: float) -> Edge:
+        return Edge(first.copy(), stored, self.states[place].copy(), self.attitudes[place].copy())
+
+    @cached_property
+    def attitudes(self) -> Array:
+        """Of the journals in their bearings, quaternions without jumps in sign, (n, joints, 4)."""
+        before = None if self.before is None else (self.before.state, self.before.attitudes)
+        return journal_attitudes(self.system, self.states, before)
 
     @property
     def system(self) -> System:
@@ -72,12 +123,13 @@ class Seen:
     @cached_property
     def ledger(self) -> dict[str, Array]:
         """What the elements have integrated since the first sample: a run that goes on has its own ledger."""
-        x = self.states[:, self.system.model.nq + self.system.model.nv :]
+        behind = self.system.model.nq + self.system.model.nv
+        x, first = self.states[:, behind:], self.start.first[behind:]
         places = {name: getattr(self.system, place) for name, place in _LEDGER.items()}
         others = len(self.system.springs) - len(self.system.elastic)  # those of parts stand behind them
         places["dissipation_damper"] = places["dissipation_damper"][:others]
         places["dissipation_elastic"] = places["dissipation_elastic"][others:]
-        return {name: x[:, columns] - x[0, columns] for name, columns in places.items()}
+        return {name: x[:, columns] - first[columns] for name, columns in places.items()}
 
     @cached_property
     def joints(self) -> tuple[list[str], Array]:
@@ -92,7 +144,7 @@ class Seen:
     @cached_property
     def elastic(self) -> Deflections:
         """Motion and energy of the elastic parts."""
-        return deflections(self.system, self.states, self.found.acceleration, self.run.samples.programs)
+        return deflections(self.system, self.states, self.found.acceleration, self.programs)
 
     @cached_property
     def spring_energy(self) -> Array:
@@ -105,8 +157,8 @@ class Seen:
     def energy_error(self) -> Array:
         """Error of the energy balance [J]."""
         stored = self.found.energy
-        error = stored - stored[0]
-        for happening in self.run.happened:
+        error = stored - self.start.stored
+        for happening in self.run.actions.happened:
             error[self.times >= happening.time] -= happening.energy
         for name, sign in _BALANCE.items():
             error += sign * self.ledger[name].sum(axis=1)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -24,6 +24,7 @@ _NEAR = 0.05
 # How far a mechanism moves from one look to the next, of what is left of the share: angles in rad, ways in
 # its lengths. Shares are sines of angles between its parts: they pass no zero unseen in that.
 _STRIDE = 0.02
+_REMEMBERED = ("most", "rank", "apart", "time", "way")
 _AT_MOST = 100  # to be named: a mechanism that stays singular is one sentence too
 
 
@@ -65,6 +66,7 @@ class Singularities:
         for slot in workspace.system.mechanism.joints.values():
             self._weights[slot.ways] = 1.0 / constraints.plan.length
         self._passed: tuple[float, Array] | None = None  # a state since, that was not looked at
+        self._middle: tuple[float, Array] | None = None  # one half way to the next that will be
         self._time = self._way = 0.0
         self.found: list[Singular] = []
 
@@ -83,17 +85,42 @@ class Singularities:
         if not len(times):
             return
         speeds = np.abs(states[:, nq : nq + nv] * self._weights).max(axis=1)
-        ways = np.cumsum(np.diff(times, prepend=self._time if self._last else times[0]) * speeds)
-        done, last = -self._way, -1
+        ways = np.diff(times, prepend=self._time if self._last else times[0]) * speeds
+        # One after the other, not summed up at once: however the states come in portions, the same are looked
+        # at to the last bit.
         for k, way in enumerate(ways.tolist()):
-            if self._last and way - done < _STRIDE * self._last[-1][2] / self._most:
+            self._way += way
+            stride = _STRIDE * self._last[-1][2] / self._most if self._last else 0.0
+            if self._way < stride:
+                if self._middle is None and self._way > 0.5 * stride:
+                    self._middle = float(times[k]), states[k].copy()
                 continue
-            passed = (last + k) // 2  # a state that the way has gone through, rather than one made up
-            between = (float(times[passed]), states[passed]) if last < passed < k else None
-            self._look(float(times[k]), states[k], between)
-            done, last = way, k
-        self._time, self._way = float(times[-1]), float(ways[-1]) - done
+            self._look(float(times[k]), states[k], self._middle)
+            self._way, self._middle = 0.0, None
+        self._time = float(times[-1])
         self._passed = (self._time, states[-1].copy()) if self._way > 0.0 else None
+
+    # --- as a value -----------------------------------------------------------------------------------------
+
+    def value(self) -> dict[str, Any]:
+        """Return all that it remembers, in lists and numbers."""
+        return {
+            "last": [(t, y.tolist(), share) for t, y, share in self._last],
+            "passed": None if self._passed is None else (self._passed[0], self._passed[1].tolist()),
+            "middle": None if self._middle is None else (self._middle[0], self._middle[1].tolist()),
+            "found": [tuple(one) for one in self.found],
+            **{name: getattr(self, f"_{name}") for name in _REMEMBERED},
+        }
+
+    def take_up(self, value: dict[str, Any]) -> None:
+        """Go on with what another has left."""
+        self._last = [(t, np.array(y), share) for t, y, share in value["last"]]
+        for name in ("passed", "middle"):
+            one = value[name]
+            setattr(self, f"_{name}", None if one is None else (one[0], np.array(one[1])))
+        self.found = [Singular(*one) for one in value["found"]]
+        for name in _REMEMBERED:
+            setattr(self, f"_{name}", value[name])
 
     def _look(self, t: float, y: Array, between: tuple[float, Array] | None = None) -> None:
         here = (t, y.copy(), self._share(t, y))
@@ -126,7 +153,7 @@ class Singularities:
         """Look at the last state, if it was passed over."""
         if self._passed is not None:
             self._look(*self._passed)
-            self._passed, self._way = None, 0.0
+            self._passed, self._middle, self._way = None, None, 0.0
 
     def _share(self, t: float, y: Array) -> float:
         constraints = self._workspace.constraints

@@ -1,6 +1,6 @@
 """One run, sampled: labelled arrays by a schema, how the run ended, and the file that holds both."""
 
-from antenna_pin.trajectory.file import FORMAT
+from antenna_pin.trajectory.file import FORMAT, write_blocks
 from antenna_pin.trajectory.read import (
     contact_ends,
     contact_joints,
@@ -25,4 +25,5 @@ __all__ = [
     "library_versions",
     "names_along",
     "series",
+    "write_blocks",
 ]

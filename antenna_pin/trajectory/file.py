@@ -8,7 +8,7 @@ is not read; every variable has a checksum too, which other readers know.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -21,13 +21,16 @@ from antenna_pin.files import PatientFile, has_whole_seal, seal
 from antenna_pin.interruption import held_back
 from antenna_pin.trajectory.schema import COORDINATES, DIMENSIONS, VARIABLES
 
-__all__ = ["FORMAT", "read", "write"]
+__all__ = ["FORMAT", "read", "write", "write_blocks"]
 
 #: Identifies the file format; others are refused.
 FORMAT = "antenna_pin trajectory 3"
 
 # Says in NetCDF's own attribute that a file is as this module wrote it, and so must end in a seal.
 _WRITER = "antenna_pin=" + FORMAT.rpartition(" ")[2]
+# A variable of more bytes is stored in pieces of so many samples, and written one after the other.
+_AT_ONCE = 4_000_000
+_ROWS = 8192
 _TEXT = h5py.string_dtype()
 # What belongs to the file, not to the data.
 _OWN = {
@@ -58,21 +61,69 @@ def write(data: xr.Dataset, path: Path) -> None:
     # Neither a full disk nor Ctrl-C may reach HDF5, which cannot be stopped on its way.
     with held_back(), PatientFile(path) as stream:
         with h5py.File(stream, "w", track_order=True) as file:
-            _fill(file, data, stream)
+            made = _structure(file, data)
+            for name, variable in data.variables.items():
+                if name in made:
+                    _put(made[name], variable, stream)
+            _attribute(file, data)
         stream.check()
     seal(path)
 
 
-def _fill(file: Any, data: xr.Dataset, stream: PatientFile) -> None:
+def write_blocks(
+    blocks: Iterator[tuple[int, Mapping[str, Any]]],
+    dataset_of: Callable[[Mapping[str, Any]], xr.Dataset],
+    count: int,
+    path: Path,
+) -> None:
+    """Write a dataset that is too large for memory.
+
+    Args:
+        blocks: The number of a block's first sample, and its series by name.
+        dataset_of: Returns the whole dataset for given series, once all blocks have been made; before that it
+            may have other numbers in what is no series, and other attributes.
+        count: Samples in all.
+        path: Where.
+
+    Raises:
+        OSError: It cannot be written there.
+    """
+    with held_back(), PatientFile(path) as stream:
+        with h5py.File(stream, "w", track_order=True) as file:
+            made: dict[Any, Any] = {}
+            series: dict[Any, Any] = {}
+            for first, values in blocks:
+                if not made:
+                    for name, part in values.items():  # of the right shape, and next to no size
+                        series[name] = np.broadcast_to(np.zeros((), part.dtype), (count, *part.shape[1:]))
+                    made = _structure(file, dataset_of(series))
+                for name, part in values.items():
+                    if name in made and part.size:
+                        made[name][first : first + len(part)] = part
+                stream.check()
+            data = dataset_of(series)
+            for key, variable in data.variables.items():
+                if key in made and key not in series:
+                    _put(made[key], variable, stream)
+            _attribute(file, data)
+        stream.check()
+    seal(path)
+
+
+def _attribute(file: Any, data: xr.Dataset) -> None:
     file.attrs["_NCProperties"] = (
         f"version=2,{_WRITER},h5py={h5py.__version__},hdf5={h5py.version.hdf5_version}"
     )
     for name, value in data.attrs.items():
         file.attrs[str(name)] = value
-    scales = {}
+
+
+def _structure(file: Any, data: xr.Dataset) -> dict[Any, Any]:
+    """Make all that a file holds, without the numbers; return its variables, by name."""
+    scales, variables = {}, {}
     for number, (name, size) in enumerate(data.sizes.items()):
         if name in data.coords:
-            scale = _create(file, str(name), data.coords[name].variable)
+            scale = variables[name] = _create(file, str(name), data.coords[name].variable)
         else:
             scale = file.create_dataset(str(name), shape=(size,), dtype=">f4")
         scale.make_scale(str(name) if name in data.coords else _NO_VARIABLE.format(size))
@@ -82,8 +133,7 @@ def _fill(file: Any, data: xr.Dataset, stream: PatientFile) -> None:
     for name, variable in data.variables.items():
         if name in scales:
             continue
-        made = _create(file, str(name), variable)
-        stream.check()
+        made = variables[name] = _create(file, str(name), variable)
         others = [c.name for c in COORDINATES if c.dim in variable.dims and name not in data.coords]
         if others:
             made.attrs["coordinates"] = " ".join(others)
@@ -97,19 +147,36 @@ def _fill(file: Any, data: xr.Dataset, stream: PatientFile) -> None:
     for name, found in users.items():
         if found:
             file[str(name)].attrs.create("REFERENCE_LIST", np.array(found, dtype=back))
+    return variables
 
 
 def _create(file: Any, name: str, variable: xr.Variable) -> Any:
-    values = variable.values
-    if values.dtype.kind in "OU":
-        made = file.create_dataset(name, data=values.astype(object), dtype=_TEXT)
-    elif values.size:
-        made = file.create_dataset(name, data=values, chunks=values.shape, fletcher32=True)
+    if variable.dtype.kind in "OUT":
+        made = file.create_dataset(name, shape=variable.shape, dtype=_TEXT)
+    elif variable.size:
+        rows = variable.shape[0] if variable.nbytes <= _AT_ONCE else min(variable.shape[0], _ROWS)
+        shape = variable.shape
+        made = file.create_dataset(
+            name, shape=shape, dtype=variable.dtype, chunks=(rows, *shape[1:]), fletcher32=True
+        )
     else:
-        made = file.create_dataset(name, data=values)
+        made = file.create_dataset(name, shape=variable.shape, dtype=variable.dtype)
     for key, value in variable.attrs.items():
         made.attrs[str(key)] = value
     return made
+
+
+def _put(made: Any, variable: xr.Variable, stream: PatientFile) -> None:
+    """Write the numbers of a variable, a part at a time if they are many."""
+    if variable.dtype.kind in "OUT":
+        made[()] = variable.values.astype(object)
+    elif variable.size and variable.nbytes <= _AT_ONCE:
+        made[()] = variable.values
+    elif variable.size:
+        for first in range(0, variable.shape[0], _ROWS):
+            made[first : first + _ROWS] = variable[first : first + _ROWS].values
+            stream.check()
+    stream.check()
 
 
 def read(source: Path) -> xr.Dataset:

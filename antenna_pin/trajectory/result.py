@@ -135,7 +135,13 @@ class Trajectory:
             OutputError: It cannot be written there.
         """
         target = check_writable(path)
-        data = self.data.assign_attrs(
+        with replacing(target) as partial:
+            write(self.stored(), partial)
+        return target
+
+    def stored(self) -> xr.Dataset:
+        """Return the data as a file has them, with all that is beside them as attributes."""
+        return self.data.assign_attrs(
             format=FORMAT,
             outcome=self.outcome.name,
             outcome_message=self.message,
@@ -143,9 +149,6 @@ class Trajectory:
             scenario="" if self.scenario is None else self.scenario.model_dump_json(),
             end="" if self.end is None else self.end.to_json(),
         )
-        with replacing(target) as partial:
-            write(data, partial)
-        return target
 
     @classmethod
     def load(cls, path: str | os.PathLike[str], *, scenario: bool = True) -> Self:

@@ -318,9 +318,9 @@ def test_interrupted_between_any_steps_events_are_the_same():
             interrupted=lambda run=run, made=made, stop=stop: stop is not None and run.accepted + made >= stop
         )
         made, start = stop, run.state
-        happened += run.happened
+        happened += run.actions.happened
     assert start == whole.state
-    assert happened == whole.happened
+    assert happened == whole.actions.happened
 
 
 def test_a_run_goes_on_from_where_an_event_has_stopped_it():

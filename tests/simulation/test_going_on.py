@@ -131,11 +131,11 @@ def test_runs_of_one_system_do_not_see_each_other():
     alone = [run(y), run(other)]
     assert alone[0] != alone[1]
     in_turns = [Run(system, start, 0.03, RunSettings()) for start in (y, other)]
-    h = [one._next for one in in_turns]
+    h = [one.following for one in in_turns]
     while any(one.stepper.t < 0.03 for one in in_turns):
         for k, one in enumerate(in_turns):
             if one.stepper.t < 0.03:
-                one._next = h[k]
+                one.following = h[k]
                 h[k] = one._step(h[k])
     for one, expected in zip(in_turns, alone, strict=True):
         assert np.array_equal(one.state.y, expected.y) and np.array_equal(one.state.memory, expected.memory)

@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import signal
 
 import five_legs
 import numpy as np
@@ -11,7 +12,7 @@ from single_loops import GRAVITY, bricard, four_bar, spatial_slider_crank, urdf_
 
 from antenna_pin import RunSettings, load_scenario, simulate
 from antenna_pin.assemble import build_system, initial_state
-from antenna_pin.simulation import Angle, Event, Stop
+from antenna_pin.simulation import Angle, Event, Stop, progress
 
 LOOPS = {"four_bar": four_bar, "bricard": bricard, "spatial_slider_crank": spatial_slider_crank}
 
@@ -137,6 +138,23 @@ def test_singular_positions_are_passed_as_the_motion_goes(tmp_path, rtol):
     # grow as the row nearly stops upright.
     assert 2.0 * ellipkinc(0.5 * angle, -4.0 * w2) == pytest.approx(run.data.time.values, rel=0.0, abs=1e-7)
     assert len(run.constraints["singular"]) == 3
+
+
+def test_singular_positions_are_those_of_the_whole_run_when_it_goes_on(tmp_path, monkeypatch):
+    """What looks for them has a memory of its own: a run that is stopped three times has it too."""
+    monkeypatch.setattr(progress, "_INTERVAL", -1.0)
+    row = row_of_squares(tmp_path, 2)
+    whole = simulate(row)
+    for k in range(4):
+
+        def stop(now, k=k):
+            if now.time > 0.7 * (k + 1) and k < 3:
+                signal.raise_signal(signal.SIGINT)
+
+        run = simulate(row, out=tmp_path / "run.nc", resume=k > 0, progress=stop)
+        assert run.completed == (k == 3)
+    assert run.message == whole.message and run.constraints == whole.constraints
+    assert run.end == whole.end
 
 
 def test_a_loop_that_floats_keeps_its_momenta(tmp_path):

@@ -1,0 +1,249 @@
+"""A run in the middle, as a file: its state, and all that its record needs to become the same in the end."""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from antenna_pin.dynamics import System
+from antenna_pin.errors import FileFormatError
+from antenna_pin.settings import RunSettings
+from antenna_pin.simulation.actions import Happening
+from antenna_pin.simulation.carried import mechanism_attributes
+from antenna_pin.simulation.events import Event
+from antenna_pin.simulation.loop import Run
+from antenna_pin.simulation.parts import (
+    CHECKPOINT,
+    chunk_of,
+    folder_of,
+    late_numbers,
+    late_of,
+    numbers_of,
+    read_sealed,
+    write_sealed,
+)
+from antenna_pin.state import State
+from antenna_pin.trajectory import Outcome, library_versions
+
+if TYPE_CHECKING:
+    from antenna_pin.scenario import Scenario
+
+__all__ = ["Checkpoint", "about_run", "check_same"]
+
+# What of a scenario tells where it came from, or may be another when a run goes on.
+_MAY_DIFFER = {"name", "description", "overrides", "folder", "duration"}
+
+#: Identifies the file format; others are refused.
+FORMAT = "antenna_pin checkpoint 1"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Checkpoint:
+    """A run between two steps.
+
+    Attributes:
+        about: What it is of, by :func:`about_run`, and how it stands; plain numbers and text.
+        numbers: What it remembers in arrays.
+    """
+
+    about: dict[str, Any]
+    numbers: Mapping[str, NDArray[Any]]
+
+    @classmethod
+    def of(cls, run: Run, about: Mapping[str, Any]) -> Self:
+        """Return a run as it stands.
+
+        Args:
+            run: Between two steps.
+            about: What it is of: kept as it is.
+        """
+        ended = run.outcome not in (Outcome.COMPLETED, Outcome.INTERRUPTED)
+        counts = dataclasses.asdict(run.counts())
+        samples = run.samples
+        manifold = run.system.manifold
+        handed, before = samples.handed
+        how = {
+            "state": run.present().to_json(),
+            "left": None if run.left is None else run.left.to_json(),
+            "begin": run.begin,
+            "counts": counts,
+            "outcome": (run.outcome if ended else Outcome.COMPLETED).name,
+            "message": (run.message if ended else Outcome.COMPLETED.value),
+            "gap_difference": run.search.gap_difference,
+            "paced": run.control.paced,
+            "happened": [dataclasses.astuple(one) for one in run.actions.happened],
+            "singular": None if run.singular is None else run.singular.value(),
+            "handed": handed,
+        }
+        base = run.system.program
+        changed = [] if before is None else np.flatnonzero(before != base).tolist()
+        how["before"] = [(word, float(before[word])) for word in changed] if before is not None else []
+        numbers = {
+            **numbers_of(samples.held, base),
+            **late_numbers(samples.late, manifold.size, len(run.contacts)),
+            **{f"book_{name}": array for name, array in run.contacts.numbers().items()},
+        }
+        return cls({**about, **how}, numbers)
+
+    def give_to(self, run: Run) -> None:
+        """Make a run that was made from :attr:`start`, recording since :attr:`begin`, what it was."""
+        how, counts = self.about, self.about["counts"]
+        base = run.system.program
+        if how["left"] is not None:
+            run.left = State.from_json(how["left"])
+        run.contacts.take_up_all(
+            {name.removeprefix("book_"): array for name, array in self.numbers.items() if "book_" in name}
+        )
+        samples = run.samples
+        samples.take_up(chunk_of(self.numbers, base))
+        samples.late = late_of(self.numbers)
+        if how["handed"] is not None:
+            before = base.copy()
+            for word, value in how["before"]:
+                before[word] = value
+            samples.go_on_after(how["handed"], before)
+        run.outcome, run.message = Outcome[how["outcome"]], how["message"]
+        run.search.gap_difference = how["gap_difference"]
+        run.control.paced = tuple(how["paced"])
+        run.actions.happened[:] = [Happening(*one) for one in how["happened"]]
+        if run.singular is not None:
+            run.singular.take_up(how["singular"])
+        tried = run.trials
+        tried.accepted, tried.rejected, tried.relocated = (
+            counts[name] for name in ("accepted", "rejected", "relocated")
+        )
+        run.stepper.evaluations = counts["evaluations"]
+        run.wall = counts["wall_seconds"]
+
+    @property
+    def start(self) -> State:
+        """The state that it stands at."""
+        return State.from_json(self.about["state"])
+
+    @property
+    def begin(self) -> float:
+        """From when on the run records [s]."""
+        return float(self.about["begin"])
+
+    @property
+    def scenario(self) -> Scenario | None:
+        """What the run came from; None for a system built in Python."""
+        from antenna_pin.scenario import Scenario
+
+        text = self.about["scenario"]
+        return Scenario.model_validate_json(text) if text else None
+
+    # --- as a file ------------------------------------------------------------------------------------------
+
+    def write(self, folder: Path) -> None:
+        """Write it into a folder of parts, in place of the one before.
+
+        Raises:
+            OutputError: It cannot be written there.
+        """
+        about = {"format": FORMAT, "versions": library_versions(), **self.about}
+        write_sealed(folder / CHECKPOINT, {"about": np.array(json.dumps(about)), **self.numbers})
+
+    @classmethod
+    def load(cls, path: Path) -> Self:
+        """Read that of a run, by the name of its result or of its folder of parts.
+
+        Raises:
+            FileFormatError: There is none, or it is damaged, or one of another version.
+        """
+        source = folder_of(path) / CHECKPOINT
+        if not source.is_file():
+            raise FileFormatError(
+                f"{path}: no checkpoint of a run in {str(folder_of(path))!r}: it was never stopped, or has "
+                "come to its end"
+            )
+        numbers = read_sealed(source)
+        try:
+            about = json.loads(str(numbers.pop("about")))
+            found = about["format"]
+        except (KeyError, TypeError, ValueError) as error:
+            raise FileFormatError(f"{source}: must be a checkpoint of a run, got {error!r}") from None
+        if found != FORMAT:
+            raise FileFormatError(
+                f"{source}: the format must be {FORMAT!r}, got {found!r}; go on with the version that wrote "
+                "it, or run the scenario again"
+            )
+        for name, version in library_versions().items():
+            if about["versions"].get(name) != version:
+                raise FileFormatError(
+                    f"{source}: must be of {name} {version}, got one of {about['versions'].get(name)}: its "
+                    "end would be another run's; go on with that version, or run the scenario again"
+                )
+        return cls(about, numbers)
+
+
+def about_run(
+    system: System,
+    scenario: Scenario | None,
+    settings: RunSettings,
+    span: float,
+    start: str,
+    events: Sequence[Event],
+) -> dict[str, Any]:
+    """Return what a run is of, as its checkpoints tell.
+
+    Args:
+        system: The system.
+        scenario: What it came from, as it is run; None for a system built in Python.
+        settings: How it is integrated and sampled.
+        span: How long it is [s].
+        start: Where it starts, in words.
+        events: What is looked for.
+    """
+    made = json.dumps(mechanism_attributes(system), sort_keys=True)
+    return {
+        "scenario": "" if scenario is None else scenario.model_dump_json(),
+        "system": hashlib.sha256(made.encode()).hexdigest(),
+        "settings": json.loads(json.dumps(dataclasses.asdict(settings))),
+        "span": span,
+        "start": start,
+        "events": [event.name for event in events],
+    }
+
+
+def check_same(stood: Checkpoint, about: Mapping[str, Any]) -> None:
+    """Refuse to go on with one run from the checkpoint of another.
+
+    Args:
+        stood: The checkpoint.
+        about: Of the run that is to go on (:func:`about_run`).
+
+    Raises:
+        FileFormatError: They differ.
+    """
+    was = stood.about
+    way_out = "give what it was begun with, or run it from its start"
+    ours, theirs = (json.loads(one["scenario"] or "{}") for one in (about, was))
+    for name in [*theirs, *ours]:
+        if name not in _MAY_DIFFER and ours.get(name) != theirs.get(name):
+            raise FileFormatError(
+                f"simulate: the checkpoint must be of this scenario, got one with another {name!r}; {way_out}"
+            )
+    for name, what in (("system", "system"), ("settings", "settings"), ("events", "events")):
+        if about[name] != was[name]:
+            raise FileFormatError(f"simulate: the checkpoint must be of a run with these {what}; {way_out}")
+    if about["span"] == was["span"]:
+        return
+    if was["left"] is not None or was["outcome"] != Outcome.COMPLETED.name:
+        raise FileFormatError(
+            f"simulate: duration must be {was['span']:g} s, to which the run's last steps are cut already, "
+            f"got {about['span']:g} s; let it come to its end and go on from there with start"
+        )
+    if not stood.begin + about["span"] > stood.start.time:
+        raise FileFormatError(
+            f"simulate: duration must be beyond the checkpoint, at {stood.start.time:.6g} s, got "
+            f"{about['span']:g} s"
+        )

@@ -1,0 +1,250 @@
+"""What a run that goes on has recorded already, in sealed files of a folder beside its result.
+
+``NAME.nc.parts`` holds parts of samples, written once each, and one checkpoint, which is replaced. A part
+that no checkpoint names yet is written anew after a kill.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import fcntl
+import os
+import zipfile
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from antenna_pin.errors import FileFormatError, OutputError
+from antenna_pin.files import has_whole_seal, replacing, seal
+from antenna_pin.records import MEMORY
+from antenna_pin.simulation.samples import Chunk, Late
+
+__all__ = [
+    "CHECKPOINT",
+    "Parts",
+    "chunk_of",
+    "folder_of",
+    "late_numbers",
+    "late_of",
+    "numbers_of",
+    "read_sealed",
+    "write_sealed",
+]
+
+Array = NDArray[np.float64]
+
+#: Name of the file that is written after the parts that it tells of.
+CHECKPOINT = "checkpoint"
+
+_SUFFIX = ".parts"
+
+
+def folder_of(path: str | os.PathLike[str]) -> Path:
+    """Return the folder of parts of a run whose result is a file; that folder may be named itself."""
+    path = Path(path)
+    return path if path.suffix == _SUFFIX else path.with_name(path.name + _SUFFIX)
+
+
+def write_sealed(path: Path, numbers: Mapping[str, NDArray[Any]]) -> None:
+    """Write arrays as one file, whole or not at all.
+
+    Raises:
+        OutputError: It cannot be written there.
+    """
+    with replacing(path) as partial:
+        with partial.open("wb") as file:
+            np.savez(file, allow_pickle=False, **dict(numbers))
+        seal(partial)
+
+
+def read_sealed(path: Path) -> dict[str, NDArray[Any]]:
+    """Return the arrays of a file.
+
+    Raises:
+        FileFormatError: It is not there, or not as it was written.
+    """
+    way_out = "run the scenario again from its start"
+    try:
+        if not has_whole_seal(path):
+            raise FileFormatError(
+                f"{path}: must be as antenna-pin wrote it, got another checksum: it was damaged; {way_out}"
+            )
+        with np.load(path, allow_pickle=False) as file:
+            return {name: file[name] for name in file.files}
+    except FileNotFoundError:
+        raise FileFormatError(f"{path}: no such file; {way_out}") from None
+    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
+        words = " ".join(str(error).split())
+        raise FileFormatError(f"{path}: must be what antenna-pin wrote, got: {words}; {way_out}") from None
+
+
+# --- samples in numbers ---------------------------------------------------------------------------------
+
+
+def numbers_of(chunk: Chunk, base: Array) -> dict[str, NDArray[Any]]:
+    """Return samples as arrays for a file; of programs what differs from the system's own.
+
+    Programs hold addresses of compiled functions, too, which are other ones in each process.
+    """
+    which = np.zeros(len(chunk.times), dtype=np.uint32)
+    distinct: list[Array] = []
+    for k, program in enumerate(chunk.programs):
+        if not distinct or program is not distinct[-1]:
+            distinct.append(program)
+        which[k] = len(distinct) - 1
+    changes = [(k, word) for k, program in enumerate(distinct) for word in np.flatnonzero(program != base)]
+    return {
+        "times": chunk.times,
+        "states": chunk.states,
+        "memories": chunk.memories,
+        "program": which,
+        "programs": np.array(len(distinct)),
+        "changed": np.array(changes, dtype=np.int64).reshape(-1, 2),
+        "values": np.array([distinct[k][word] for k, word in changes], dtype=float),
+    }
+
+
+def chunk_of(numbers: Mapping[str, NDArray[Any]], base: Array) -> Chunk:
+    """Return the samples that :func:`numbers_of` has made arrays of."""
+    distinct = [base.copy() for _ in range(int(numbers["programs"]))]
+    for (k, word), value in zip(numbers["changed"].tolist(), numbers["values"].tolist(), strict=True):
+        distinct[k][word] = value
+    return Chunk(
+        numbers["times"],
+        numbers["states"],
+        numbers["memories"],
+        [distinct[k] for k in numbers["program"].tolist()],
+    )
+
+
+def late_numbers(late: Iterable[Late], size: int, contacts: int) -> dict[str, NDArray[Any]]:
+    """Return late samples as arrays."""
+    late = list(late)
+    memories = np.zeros((len(late), contacts), MEMORY)
+    for k, one in enumerate(late):
+        memories[k] = one.memory
+    return {
+        "late_times": np.array([one.time for one in late], dtype=float),
+        "late_states": np.array([one.state for one in late], dtype=float).reshape(-1, size),
+        "late_memories": memories,
+    }
+
+
+def late_of(numbers: Mapping[str, NDArray[Any]]) -> list[Late]:
+    """Return the samples that :func:`late_numbers` has made arrays of."""
+    rows = zip(numbers["late_times"].tolist(), numbers["late_states"], numbers["late_memories"], strict=True)
+    return [Late(*row) for row in rows]
+
+
+# --- the folder -----------------------------------------------------------------------------------------
+
+
+class Parts:
+    """The parts of one run, in their folder.
+
+    The folder is locked as long as this lives: two runs do not write into one.
+
+    Args:
+        folder: Where; made with the first file.
+        base: The system's own program.
+        identity: Of the run; parts of another are refused.
+
+    Attributes:
+        rows: Samples in each part.
+    """
+
+    def __init__(self, folder: Path, base: Array, identity: str) -> None:
+        """Begin without parts."""
+        self.folder = folder
+        self.identity = identity
+        self.rows: list[int] = []
+        self._base = base
+        self._lock: int | None = None
+
+    def __enter__(self) -> Self:
+        """Begin."""
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        """Unlock the folder."""
+        self.close()
+
+    def open(self) -> None:
+        """Make and lock the folder.
+
+        Raises:
+            OutputError: It cannot be made, or another run writes into it.
+        """
+        if self._lock is not None:
+            return
+        try:
+            self.folder.mkdir(exist_ok=True)
+            self._lock = os.open(self.folder, os.O_RDONLY | os.O_CLOEXEC)
+        except OSError as error:
+            raise OutputError(f"{self.folder}: cannot be written: {error.strerror}") from error
+        try:
+            fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            os.close(self._lock)
+            self._lock = None
+            raise OutputError(
+                f"{self.folder}: another run writes into it; wait for its end, or name another output"
+            ) from None
+        except OSError:  # a file system without locks
+            pass
+
+    def close(self) -> None:
+        """Unlock the folder."""
+        if self._lock is not None:
+            os.close(self._lock)
+            self._lock = None
+
+    def path(self, number: int) -> Path:
+        """Return where a part is."""
+        return self.folder / f"{number:06d}.part"
+
+    def append(self, chunk: Chunk) -> None:
+        """Write a part.
+
+        Raises:
+            OutputError: It cannot be written there.
+        """
+        self.open()
+        numbers = numbers_of(chunk, self._base)
+        write_sealed(self.path(len(self.rows)), {"run": np.array(self.identity), **numbers})
+        self.rows.append(len(chunk.times))
+
+    def read(self, number: int) -> Chunk:
+        """Return a part.
+
+        Raises:
+            FileFormatError: It is not as it was written, or of another run.
+        """
+        path = self.path(number)
+        numbers = read_sealed(path)
+        if str(numbers.get("run")) != self.identity or len(numbers["times"]) != self.rows[number]:
+            raise FileFormatError(
+                f"{path}: must be of the run of the checkpoint beside it, got a part of another; "
+                "run the scenario again from its start"
+            )
+        return chunk_of(numbers, self._base)
+
+    def drop_others(self) -> None:
+        """Remove parts that were written after the checkpoint that the run goes on from."""
+        for path in self.folder.glob("*.part"):
+            if path not in {self.path(k) for k in range(len(self.rows))}:
+                with contextlib.suppress(OSError):
+                    path.unlink()
+
+    def remove(self) -> None:
+        """Remove the parts, the checkpoint and the folder."""
+        if self.folder.is_dir():
+            for path in [self.folder / CHECKPOINT, *self.folder.glob("*.part")]:
+                with contextlib.suppress(OSError):
+                    path.unlink()
+            with contextlib.suppress(OSError):  # what others have put there stays
+                self.folder.rmdir()
+        self.close()

@@ -1,0 +1,263 @@
+"""A run that was stopped, any number of times, and goes on from its checkpoints ends as if it never was."""
+
+import contextlib
+import dataclasses
+import os
+import signal
+
+import numpy as np
+import pytest
+
+from antenna_pin import Outcome, RunSettings, Trajectory, load_scenario, simulate
+from antenna_pin.assemble import build_system, initial_state
+from antenna_pin.errors import AntennaPinError, FileFormatError, OutputError
+from antenna_pin.simulation import (
+    Checkpoint,
+    Event,
+    NotKeptWarning,
+    Rate,
+    Stop,
+    checkpoint,
+    finish,
+    keeper,
+    progress,
+    quiet,
+)
+
+BRISTLES = (
+    "clearance.elevation.friction={law='lugre', static=0.2, dynamic=0.1, stribeck_speed='1 mm/s',"
+    " bristle_stiffness=1e5, replace=true}",
+)
+METHODS = ("rk4", "bogacki-shampine-32", "dormand-prince-54", "dormand-prince-853", "radau5")
+
+
+def antenna(*overrides, geometry="closed-form", engine="pinocchio"):
+    changes = [f"clearance.elevation.geometry={geometry}", f"integrator.engine={engine}", *overrides]
+    return load_scenario(
+        "bai2020", case="case3", overrides=["output.rate=20 kHz", "integrator.max_step=0.2 ms", *changes]
+    )
+
+
+class KilledError(Exception):
+    """What kills a run on its way."""
+
+
+def in_pieces(scenario, span, out, rng, times):
+    """Make a run that is stopped so often at random steps, and return its result.
+
+    It is either killed, which loses what came after its last checkpoint, or asked to stop.
+    """
+    for _ in range(times):
+        last, kill = int(rng.integers(1, 60)), rng.random() < 0.5
+        seen = []
+
+        def look(progress, seen=seen, last=last, kill=kill):
+            seen.append(progress)
+            if len(seen) == last:
+                if kill:
+                    raise KilledError
+                signal.raise_signal(signal.SIGINT)
+
+        with contextlib.suppress(KilledError):
+            found = simulate(
+                scenario, duration=span, out=out, checkpoint=0.02, resume=is_stopped(out), progress=look
+            )
+            assert found.outcome is (Outcome.INTERRUPTED if len(seen) >= last else Outcome.COMPLETED)
+            if found.completed:
+                return found
+    return simulate(scenario, duration=span, out=out, resume=is_stopped(out))
+
+
+def is_stopped(out):
+    return out.with_name("run.nc.parts").joinpath("checkpoint").exists()
+
+
+def same(one, other):
+    """Whether two results are the same but for the time they took."""
+    assert set(one.data.variables) == set(other.data.variables)
+    for name in one.data.variables:
+        a, b = one.data[name].values, other.data[name].values
+        assert a.shape == b.shape, name
+        assert np.array_equal(a, b, equal_nan=a.dtype.kind == "f"), name
+    for name in one.data.attrs.keys() - {"finished", "counts"}:
+        assert one.data.attrs[name] == other.data.attrs[name], name
+    for name in ("outcome", "message", "scenario", "end"):
+        assert getattr(one, name) == getattr(other, name), name
+    assert dataclasses.replace(one.counts, wall_seconds=0.0) == dataclasses.replace(
+        other.counts, wall_seconds=0.0
+    )
+
+
+CASES = {
+    **{method: dict(overrides=(f"integrator.method={method}", "integrator.rtol=1e-6")) for method in METHODS},
+    **{
+        f"compiled {method}": dict(
+            overrides=(f"integrator.method={method}", "integrator.rtol=1e-6"), engine="compiled"
+        )
+        for method in METHODS
+    },
+    "coal": dict(geometry="coal"),
+    "coal, distributed": dict(overrides=("clearance.elevation.load=distributed",), geometry="coal"),
+    "bristles": dict(overrides=BRISTLES),
+    "bristles, compiled": dict(overrides=BRISTLES, engine="compiled"),
+    "tsuji": dict(overrides=("clearance.elevation.normal={law='tsuji', restitution=0.8, replace=true}",)),
+    "lean": dict(overrides=("output.form=lean",), engine="compiled"),
+}
+
+
+@pytest.fixture
+def small_parts(monkeypatch):
+    """Let a record go to the disk every few samples, and a run be looked at every few steps."""
+    monkeypatch.setattr(keeper, "_PART", 40_000)
+    monkeypatch.setattr(quiet, "_BUDGET", 16)
+    monkeypatch.setattr(progress, "_INTERVAL", -1.0)
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_a_run_in_pieces_is_the_run_in_one(case, tmp_path, small_parts):
+    """For every method, engine and backend, laws with memory, and any number of interruptions."""
+    scenario = antenna(
+        *CASES[case].get("overrides", ()), **{k: v for k, v in CASES[case].items() if k != "overrides"}
+    )
+    rng = np.random.default_rng([*case.encode()])
+    whole = simulate(scenario, duration=0.03)
+    pieces = in_pieces(scenario, 0.03, tmp_path / "run.nc", rng, int(rng.integers(2, 12)))
+    same(whole, pieces)
+    same(Trajectory.load(tmp_path / "run.nc"), Trajectory.load(whole.save(tmp_path / "whole.nc")))
+    assert sorted(os.listdir(tmp_path)) == ["run.nc", "whole.nc"]
+
+
+@pytest.mark.parametrize("engine", ["pinocchio", "compiled"])
+def test_a_loop_goes_on_too(tmp_path, small_parts, engine):
+    scenario = load_scenario(
+        "slider_crank", case="ideal", overrides=[f"integrator.engine={engine}", "output.rate=1 kHz"]
+    )
+    whole = simulate(scenario, duration=0.02)
+    pieces = in_pieces(scenario, 0.02, tmp_path / "run.nc", np.random.default_rng(3), 8)
+    same(whole, pieces)
+
+
+@pytest.mark.parametrize("engine", ["pinocchio", "compiled"])
+def test_what_events_have_done_is_kept(tmp_path, small_parts, engine):
+    off = "action='set', set='drives.azimuth.on', to=false"
+    event = f"events.far={{kind='angle', joint='azimuth', value=1e-3, {off}}}"
+    scenario = antenna(event, "events.tick={kind='time', time=[0.003, 0.011]}", engine=engine)
+    whole = simulate(scenario, duration=0.03)
+    assert whole.data.sizes["event"] == 3
+    same(whole, in_pieces(scenario, 0.03, tmp_path / "run.nc", np.random.default_rng(5), 8))
+
+
+@pytest.fixture
+def stopped(tmp_path, small_parts):
+    """A run that was asked to stop on its way, by the name of its result."""
+    ran = simulate(antenna(), duration=0.03, out=tmp_path / "run.nc", progress=stop_after(90))
+    assert ran.outcome is Outcome.INTERRUPTED
+    return tmp_path / "run.nc"
+
+
+def stop_after(reports):
+    seen = []
+
+    def look(progress):
+        seen.append(progress)
+        if len(seen) == reports:
+            signal.raise_signal(signal.SIGINT)
+
+    return look
+
+
+def test_it_may_go_on_for_longer_than_it_was_to(stopped):
+    later = simulate(antenna(), duration=0.04, out=stopped, resume=True)
+    same(simulate(antenna(), duration=0.04), later)
+
+
+def test_what_is_no_checkpoint_of_the_run_is_refused(stopped, monkeypatch):
+    """In one line each; what there is stays as it is."""
+    folder = stopped.with_name("run.nc.parts")
+    before = {path.name: path.read_bytes() for path in folder.iterdir()}
+
+    def refused(match, scenario=None, **more):
+        with pytest.raises(AntennaPinError, match=match) as error:
+            simulate(scenario or antenna(), **{"out": stopped, "resume": True, **more})
+        assert "\n" not in str(error.value)
+
+    refused("must be of this scenario, got one with another 'integrator'", antenna("integrator.rtol=1e-7"))
+    refused("must be of this scenario", antenna("clearance.elevation.radial_clearance=0.3 mm"))
+    refused("with these events", events=[Event(name="stop", when=Rate("elevation", 1.0), action=Stop())])
+    refused("start must be left out beside resume", start=Checkpoint.load(stopped).start)
+    refused("duration must be beyond the checkpoint", duration=1e-5)
+    refused("other.nc.parts': it was never stopped", out=stopped.with_name("other.nc"))
+    with monkeypatch.context() as patch:
+        patch.setattr(checkpoint, "library_versions", lambda: {"numpy": "0.1"})
+        refused("must be of numpy 0.1, got one of")
+    with monkeypatch.context() as patch:
+        patch.setattr(checkpoint, "FORMAT", "antenna_pin checkpoint 7")
+        refused("the format must be 'antenna_pin checkpoint 7', got 'antenna_pin checkpoint 1'")
+    with keeper.Parts(folder, np.zeros(0), "") as other:
+        other.open()
+        refused("another run writes into it")
+    assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
+    assert simulate(antenna(), out=stopped, resume=True).completed
+
+
+@pytest.mark.parametrize("name", ["checkpoint", "000000.part"])
+def test_a_damaged_checkpoint_or_part_is_refused(stopped, name):
+    """A bit anywhere, an end cut off, a part that is gone or of another run."""
+    path = stopped.with_name("run.nc.parts") / name
+    whole, rng = path.read_bytes(), np.random.default_rng(9)
+    spoiled = [whole[: int(rng.integers(0, len(whole)))] for _ in range(10)]
+    for _ in range(40):
+        place = int(rng.integers(0, len(whole)))
+        spoiled.append(whole[:place] + bytes([whole[place] ^ 1 << int(rng.integers(8))]) + whole[place + 1 :])
+    if name != "checkpoint":
+        spoiled.append((path.parent / "000001.part").read_bytes())
+    for content in spoiled:
+        path.write_bytes(content)
+        with pytest.raises(FileFormatError):
+            simulate(antenna(), out=stopped, resume=True)
+    path.unlink()
+    with pytest.raises(FileFormatError):
+        simulate(antenna(), out=stopped, resume=True)
+    path.write_bytes(whole)
+    assert simulate(antenna(), out=stopped, resume=True).completed
+
+
+def test_a_full_disk_costs_nothing(tmp_path, small_parts, monkeypatch):
+    """The run goes on in memory; parts that were written before are used, and so it is the whole run."""
+    written = keeper.Parts.append
+
+    def full(self, chunk):
+        if len(self.rows) >= 2:
+            raise OutputError(f"{self.folder}: cannot be written: No space left on device")
+        written(self, chunk)
+
+    monkeypatch.setattr(keeper.Parts, "append", full)
+    with pytest.warns(NotKeptWarning, match="No space left on device; the run goes on"):
+        ran = simulate(antenna(), duration=0.03, out=tmp_path / "run.nc")
+    same(simulate(antenna(), duration=0.03), ran)
+
+
+def no_room(*given):
+    raise OSError(28, "No space left")
+
+
+def test_a_result_without_room_is_made_of_what_was_kept(tmp_path, small_parts, monkeypatch):
+    """No step is made again: the record is there, with a checkpoint at its end."""
+    with monkeypatch.context() as patch:
+        patch.setattr(finish, "write_blocks", no_room)
+        with pytest.raises(OutputError, match=r"No space left; what the run has .* is in '.*run.nc.parts'"):
+            simulate(antenna(), duration=0.03, out=tmp_path / "run.nc")
+    again = simulate(antenna(), out=tmp_path / "run.nc", resume=True)
+    same(simulate(antenna(), duration=0.03), again)
+
+
+def test_a_system_built_in_python_goes_on(tmp_path, small_parts):
+    system = build_system(antenna())
+    q, v = initial_state(antenna(), system)
+    used = RunSettings(max_step=2e-4, output_rate=2e4)
+    whole = simulate(system, duration=0.02, q=q, v=v, settings=used)
+    out = tmp_path / "run.nc"
+    simulate(system, duration=0.02, q=q, v=v, settings=used, out=out, progress=stop_after(60))
+    with pytest.raises(FileFormatError, match="must be of a run with these settings"):
+        simulate(system, out=out, resume=True, settings=RunSettings(rtol=1e-3))
+    same(whole, simulate(system, out=out, resume=True, settings=used))
