@@ -61,14 +61,7 @@ def factorize(plan: Any, work: Any, mass: Any) -> None:
     """Factorize rows that :func:`write_rows` has written, with the mass matrix, (nv, nv)."""
     head, found = plan_of(plan), found_in(plan, work)
     nv, rows, root = head.nv, head.rows, head.root
-    for i in range(nv):
-        for j in range(i + 1):
-            one, other = root + i * nv, root + j * nv
-            total = mass[i, j] - _inner(work[one : one + j], work[other : other + j])
-            if j < i:
-                work[root + i * nv + j] = total / work[root + j * nv + j]
-            else:
-                work[root + i * nv + i] = math.sqrt(total)
+    _root(mass, nv, work[root : root + nv * nv], work[head.first : head.first + nv])
     for r in range(rows):
         _reduce(plan, work, r)
         work[head.order + r] = r
@@ -101,6 +94,29 @@ def factorize(plan: Any, work: Any, mass: Any) -> None:
 
 
 @inlined
+def _root(mass: Any, nv: int, root: Any, first: Any) -> None:
+    """Write L of M = L L^T row by row, (nv nv,), and where each row begins: limbs leave zeros in it.
+
+    On the diagonal stand inverses.
+    """
+    for i in range(nv):
+        row = i * nv
+        begin = 0
+        while begin < i and mass[i, begin] == 0.0:
+            begin += 1
+        first[i] = begin
+        for j in range(begin, i):
+            total = mass[i, j]
+            for k in range(max(begin, int(first[j])), j):
+                total -= root[row + k] * root[j * nv + k]
+            root[row + j] = total * root[j * nv + j]
+        total = mass[i, i]
+        for k in range(begin, i):
+            total -= root[row + k] * root[row + k]
+        root[row + i] = 1.0 / math.sqrt(total)
+
+
+@inlined
 def _scale(plan: Any, work: Any, first: int, count: int) -> None:
     """Let a closure's rows of ways, or of turns, count by their numbers beside the largest of all.
 
@@ -124,23 +140,31 @@ def _reduce(plan: Any, work: Any, r: int) -> None:
     nv, root = head.nv, head.root
     row, out = head.jacobian + r * nv, head.reduced + r * nv
     largest = 0.0
-    begin = nv
-    for k in range(nv - 1, -1, -1):
-        work[out + k] = 0.0
-        if work[row + k] != 0.0:
-            begin = k
-            largest = max(largest, abs(work[row + k]))
-    square = 0.0
-    for i in range(begin, nv):
-        at = root + i * nv
-        total = work[row + i] - _inner(work[at + begin : at + i], work[out + begin : out + i])
-        total /= work[at + i]
-        work[out + i] = total
-        square += total * total
+    for k in range(nv):
+        work[out + k] = work[row + k]
+        largest = max(largest, abs(work[row + k]))
+    square = _forth(nv, work[root : root + nv * nv], work[head.first : head.first + nv], work[out : out + nv])
     work[head.lengths + 2 * r] = largest if largest > NOTHING * head.length else 0.0
     work[head.lengths + 2 * r + 1] = math.sqrt(square)
     for p in range(head.rows):
         work[head.triangle + p * head.rows + r] = 0.0
+
+
+@inlined
+def _forth(nv: int, root: Any, first: Any, out: Any) -> float:
+    """Solve L x = out in place; return the square of its length."""
+    begin = 0
+    while begin < nv and out[begin] == 0.0:
+        begin += 1
+    square = 0.0
+    for i in range(begin, nv):
+        total = out[i]
+        for k in range(max(begin, int(first[i])), i):
+            total -= root[i * nv + k] * out[k]
+        total *= root[i * nv + i]
+        out[i] = total
+        square += total * total
+    return square
 
 
 @inlined
@@ -199,10 +223,11 @@ def _from_reduced(plan: Any, work: Any, at: int, out: Any) -> None:
     head = plan_of(plan)
     nv, root = head.nv, head.root
     for i in range(nv - 1, -1, -1):
-        total = work[at + i]
-        for k in range(i + 1, nv):
-            total -= work[root + k * nv + i] * out[k]
-        out[i] = total / work[root + i * nv + i]
+        out[i] = work[at + i]
+    for i in range(nv - 1, -1, -1):
+        out[i] *= work[root + i * nv + i]
+        for k in range(int(work[head.first + i]), i):
+            out[k] -= work[root + i * nv + k] * out[i]
 
 
 @kernel
@@ -245,10 +270,8 @@ def accelerate(
     factorize(plan, work, mass)
     rank = found_in(plan, work).rank
     for i in range(nv):
-        total = effort[i] - bias[i]
-        for k in range(i):
-            total -= work[root + i * nv + k] * work[first + k]
-        work[first + i] = total / work[root + i * nv + i]
+        work[first + i] = effort[i] - bias[i]
+    _forth(nv, work[root : root + nv * nv], work[head.first : head.first + nv], work[first : first + nv])
     _forward(plan, work, head.lack, 1.0, second)
     for p in range(rank):
         direction = head.reduced + int(work[head.order + p]) * nv

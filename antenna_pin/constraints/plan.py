@@ -146,6 +146,7 @@ def _place_numbers(head: NDArray[np.void], bodies: int, rows: int, nv: int) -> i
         "lengths": 2 * rows,
         "triangle": rows * rows,
         "root": nv * nv,
+        "first": nv,
         "scratch": 2 * max(nv, rows),
         "order": rows,
         "found": words_of(_layout.FOUND),
