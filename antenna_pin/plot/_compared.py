@@ -26,6 +26,8 @@ from antenna_pin.plot._style import (
 
 # What is below this share of the largest is round-off.
 ROUND_OFF = 1e-9
+# Windows between whose spikes a size is looked for, and samples in each.
+_WINDOWS, _IN_WINDOW = 50, 41
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -72,13 +74,32 @@ class Panel:
 
     @property
     def core(self) -> float:
-        """Size of the smooth lines; without one, what nine tenths of the samples stay below."""
-        smooth = max((_largest(curve) for curve in self.curves if curve.smooth), default=0.0)
-        if smooth > ROUND_OFF * self.largest:
-            return smooth
-        sizes = [np.abs(curve.value[np.isfinite(curve.value)]) for curve in self.curves]
-        held = np.concatenate(sizes) if sizes else np.empty(0)
-        return float(np.quantile(held, 0.9)) if held.size else 0.0
+        """Size of what is smooth: of the ideal run, and of every other between its spikes."""
+        return max(
+            (
+                _largest(curve) if curve.smooth else between_spikes(curve.time, curve.value)
+                for curve in self.curves
+            ),
+            default=0.0,
+        )
+
+
+def between_spikes(time: Array, value: Array) -> float:
+    """Return the size that a quantity comes to where it has no spikes.
+
+    The largest, over fifty windows of equal length, of the size that it is below for half of the window: what
+    lasts shorter is a spike. So a slow oscillation counts whole, whatever impacts stand on it.
+
+    Args:
+        time: Of samples, (n,) [s]; they may stand closer around impacts.
+        value: (n,).
+    """
+    known = np.isfinite(value)
+    time, size = time[known], np.abs(value[known])
+    if time.size < 2 or not time[-1] > time[0]:
+        return float(size.max(initial=0.0))
+    even = np.linspace(time[0], time[-1], _WINDOWS * _IN_WINDOW)
+    return float(np.median(np.interp(even, time, size).reshape(_WINDOWS, _IN_WINDOW), axis=1).max())
 
 
 def _largest(curve: Curve) -> float:

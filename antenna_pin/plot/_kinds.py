@@ -17,6 +17,7 @@ __all__ = [
     "MOVING",
     "POINTED",
     "PRESCRIBED",
+    "SEVERAL_JOINTS",
     "SLIDING",
     "TOUCHING",
     "TURNING",
@@ -84,6 +85,7 @@ CLOSED = RunKind("a closure of a loop", lambda run: "closure" in run.data.sizes)
 FLEXIBLE = RunKind("flexible links", lambda run: "elastic_part" in run.data.sizes)
 PRESCRIBED = RunKind("a prescribed motion", lambda run: "motion" in run.data.sizes)
 FREE_BASE = RunKind("a free base", lambda run: "base_position" in run.data)
+SEVERAL_JOINTS = RunKind("two joints that turn or more", lambda run: len(run.joints) > 1)
 POINTED = RunKind("a scenario that says what looks where", lambda run: bool(_described(run, "pointing")))
 
 

@@ -16,7 +16,7 @@ from scipy.spatial.transform import Rotation
 from antenna_pin.analysis import base_motion, deviation
 from antenna_pin.errors import AntennaPinError, InvalidParameterError, UnknownNameError
 from antenna_pin.plot._compared import ROUND_OFF, Curve, Panel, panels_figure
-from antenna_pin.plot._kinds import FREE_BASE, none_with
+from antenna_pin.plot._kinds import FREE_BASE, SEVERAL_JOINTS, none_with
 from antenna_pin.plot._run_figure import RunFigure
 from antenna_pin.plot._runs import LabelledRun, Run, left_out, long_enough, styles, too_short, with_reference
 from antenna_pin.plot._style import Array, Width, footnote, styled
@@ -59,8 +59,8 @@ def figure_base(
 
     World axes; of position and attitude, the change since the start. The attitude is in angles of yaw, pitch
     and roll about the base's own axes in turn; its deviation is the angle between the two attitudes.
-    Accelerations with spikes have a scale that is linear as far as the ideal run reaches and logarithmic
-    beyond.
+    Accelerations with spikes have a scale that is linear as far as the motion between them reaches and
+    logarithmic beyond.
 
     Args:
         runs: Trajectories, or pairs of a label and a dataset; of any lengths.
@@ -218,7 +218,9 @@ FIGURES = tuple(
         title=f"{quantity.capitalize()} of all joints",
         function=figure_joints,
         options={"quantity": quantity},
-        standard=False,
+        # What impacts do to joints without play is in their accelerations, not in figures of the one with it.
+        standard=quantity == "acceleration",
+        needs=SEVERAL_JOINTS if quantity == "acceleration" else None,
         reported=False,
     )
     for quantity in QUANTITIES

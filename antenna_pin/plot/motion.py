@@ -16,6 +16,7 @@ from matplotlib.figure import Figure
 
 from antenna_pin.analysis import resampled
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
+from antenna_pin.plot._compared import between_spikes
 from antenna_pin.plot._kinds import SLIDING, TURNING, JointKind, choose_joint
 from antenna_pin.plot._run_figure import RunFigure
 from antenna_pin.plot._runs import LabelledRun, Run, long_enough, too_short, with_reference
@@ -100,7 +101,7 @@ def figure_motion(
 
     The close view lies around the largest deviation from the ideal run. For the acceleration, whose contact
     spikes dwarf the ideal curve, each run has a strip of its own with a scale that is linear as far as the
-    ideal curve reaches and logarithmic beyond, and the deviation is left out.
+    motion between spikes reaches and logarithmic beyond, and the deviation is left out.
 
     Args:
         runs: Trajectories, or pairs of a label and a dataset; of any lengths.
@@ -299,10 +300,9 @@ def _strips(
         width_ratios=[1.5, 1.0][:columns] if width == "page" else None,
     )
     largest = max(float(np.nanmax(np.abs(c.value), initial=0.0)) for c in others)
+    core = max(between_spikes(c.time, c.value) for c in others)
     if ideal is not None:
-        core = float(np.nanmax(np.abs(ideal.value), initial=0.0))
-    else:
-        core = float(np.nanquantile(np.concatenate([np.abs(c.value) for c in others]), 0.9))
+        core = max(core, float(np.nanmax(np.abs(ideal.value), initial=0.0)))
     limit = linear_then_log(list(panels.flat), core, largest)
     letter = letters()
     for row, curve, window in zip(panels, others, windows, strict=True):

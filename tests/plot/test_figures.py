@@ -287,7 +287,7 @@ def test_the_whole_set_is_written(runs, tmp_path):
     written = save_figures(runs, tmp_path / "new" / "folder", ("png", "svg"))
     names = ["motion_angle", "motion_rate", "motion_acceleration", "contact_forces"]
     # Made-up runs carry no mechanism and no contact points: what needs them is left out.
-    names += ["spectrogram", "energy", "momentum"]
+    names += ["spectrogram", "joints_acceleration", "energy", "momentum"]
     assert [path.name for path in written] == [
         f"{name}.{suffix}" for name in names for suffix in ("png", "svg")
     ]

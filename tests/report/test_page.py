@@ -144,12 +144,12 @@ def test_recordings_start_when_they_are_scrolled_to(page, saved):
 
 
 def test_prints_on_a_few_pages(page, saved):
-    """A4, and no more pages than text and tables (ten) and figures with captions (four) take."""
+    """A4, no more pages than text and tables (ten), figures with captions (four) and stills (one) take."""
     page.open(saved, 1000, 800)
     printed = page.browser.command("Page.printToPDF", preferCSSPageSize=True, printBackground=True)
     pdf = base64.b64decode(printed["data"])
     sizes = re.findall(rb"/MediaBox\s*\[0 0 ([\d.]+) ([\d.]+)\]", pdf)
-    assert 5 <= len(sizes) <= 14
+    assert 5 <= len(sizes) <= 15
     # 210 x 297 mm in points of 1/72 inch, to a point.
     assert {(round(float(w)), round(float(h))) for w, h in sizes} <= {
         (595, 842),
@@ -157,14 +157,23 @@ def test_prints_on_a_few_pages(page, saved):
         (596, 842),
         (595, 841),
     }
-    # On paper neither what moves nor what is not opened.
+    # On paper what moves stands still, after it has begun, and there is nothing that is not opened.
+    page.run("window.dispatchEvent(new Event('beforeprint'));")
     page.browser.command("Emulation.setEmulatedMedia", media="print")
     try:
         left = page.run(
-            "return [...document.querySelectorAll('.recording, nav, details')].filter((e) => "
+            "return [...document.querySelectorAll('nav, details')].filter((e) => "
             "e.getBoundingClientRect().height > 0).length;"
+        )
+        stills = page.run(
+            "return [...document.querySelectorAll('.recording')].map((e) => [e.querySelector('.ap-time'), "
+            "e.querySelector('.ap-still')].map((part) => part && (part.textContent || "
+            "part.getBoundingClientRect().width)));"
         )
     finally:
         page.browser.command("Emulation.setEmulatedMedia", media="")
+        page.run("window.dispatchEvent(new Event('afterprint'));")
     assert left == 0
+    assert len(stills) == 2
+    assert all(width > 300.0 and float(time.split()[0]) > 0.0 for time, width in stills)
     assert page.errors == [] and page.requests == []
