@@ -17,7 +17,7 @@ from antenna_pin.records import layout, words_of
 #: count against ways [m]. Where in a work array the following start: rows of J, (rows, nv); what their
 #: accelerations lack, (rows,); residuals of position and of velocity, (rows,); multipliers, (rows,); the
 #: reduced J, L^-1 J^T by columns, (rows, nv); what is left of their lengths over a scale, and the scale,
-#: (rows, 2); the triangle R, (rows, rows); L with inverses on the diagonal, (nv, nv), and where its rows begin,
+#: (rows, 2); the triangle R, (rows, rows); L with inverses on the diagonal, (nv, nv); where its rows begin,
 #: (nv,); numbers for scratch, (2, max(nv, rows)); the order of rows, (rows,); ``FOUND``.
 PLAN = layout(
     ("bodies", "i8"),
