@@ -144,7 +144,7 @@ def _draw_paper(
         title = f"Figure {each.number}"
         try:
             drawn = each.draw(runs, width=width.value)
-            found = each.describe(runs)
+            found = f"{_VERDICTS[each.judge(runs)]}{each.describe(runs)}"
         except AntennaPinError as error:
             complain(f"{title} is not drawn: {error}")
             index.add(title, (), each.shows, f"not drawn: {error}")
@@ -154,6 +154,9 @@ def _draw_paper(
         index.add(title, files, each.shows, found)
         for file in files:
             typer.echo(file)
+
+
+_VERDICTS = {True: "**agrees**: ", False: "**differs**: ", None: ""}
 
 
 def _draw_standard(store: RunStore, index: FigureIndex, suffixes: Sequence[str], width: Width) -> None:

@@ -16,6 +16,7 @@ from antenna_pin.errors import UnknownNameError
 from antenna_pin.plot import (
     audit,
     base,
+    between,
     bodies,
     closures,
     eccentricity,
@@ -40,6 +41,7 @@ CATALOGUE: dict[str, RunFigure] = {
     figure.name: figure
     for figure in (
         *motion.FIGURES,
+        *between.FIGURES,
         *forces.FIGURES,
         *orbit.FIGURES,
         *eccentricity.FIGURES,

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
 
 import xarray as xr
 from matplotlib.figure import Figure
@@ -33,6 +34,8 @@ class PaperFigure:
         joint: Joint that it is of; None for one of whole runs.
         close_view: Start and end of its close view, as shares of the last case's time; the figure's own
             choice if left out.
+        options: Further arguments of the figure.
+        agrees: Whether the runs show what the paper's figure is said to show; None where that is not judged.
     """
 
     number: int
@@ -43,6 +46,8 @@ class PaperFigure:
     finding: Callable[[Cases], str]
     joint: str | None = None
     close_view: tuple[float, float] | None = None
+    options: Mapping[str, Any] = field(default_factory=dict)
+    agrees: Callable[[Cases], bool] | None = None
 
     def draw(self, runs: Iterable[Run], *, width: Width = "page") -> Figure:
         """Return the figure.
@@ -56,7 +61,7 @@ class PaperFigure:
             InvalidParameterError: A case is missing.
         """
         cases = self.picked(runs)
-        options = {}
+        options = dict(self.options)
         if self.close_view is not None:
             time = cases[self.cases[-1]]["time"].values
             options["zoom"] = tuple(
@@ -68,6 +73,10 @@ class PaperFigure:
     def describe(self, runs: Iterable[Run]) -> str:
         """Return in one line what the runs show, in numbers."""
         return self.finding(self.picked(runs))
+
+    def judge(self, runs: Iterable[Run]) -> bool | None:
+        """Return whether the runs show what the paper's figure shows; None if that is not judged."""
+        return None if self.agrees is None else self.agrees(self.picked(runs))
 
     def picked(self, runs: Iterable[Run]) -> Cases:
         """Return the data of the runs it takes, by case."""

@@ -8,13 +8,15 @@ from __future__ import annotations
 
 from functools import partial
 
-from antenna_pin.plot.papers import _findings
+from antenna_pin.plot.papers import _findings, _verdicts
 from antenna_pin.plot.papers._figure import PaperFigure
 
 __all__ = ["FIGURES"]
 
 _JOINT = "elevation"
 _FIRST = ("case1", "case2-planar", "case3")
+_PLAY = ("case2-planar", "case3")
+_GROWING = ("case3", "case4", "case5")
 _AXIAL = ("case1", "case2-planar", "case3", "case4", "case5")
 
 
@@ -28,6 +30,7 @@ FIGURES = (
         figure="motion_angle",
         joint=_JOINT,
         finding=partial(_findings.deviations, of=f"{_JOINT} angle"),
+        agrees=partial(_verdicts.rising_deviations, of=f"{_JOINT} angle", cases=_PLAY),
     ),
     PaperFigure(
         number=8,
@@ -38,6 +41,7 @@ FIGURES = (
         figure="motion_rate",
         joint=_JOINT,
         finding=partial(_findings.deviations, of=f"{_JOINT} rate"),
+        agrees=partial(_verdicts.rising_deviations, of=f"{_JOINT} rate", cases=_PLAY),
     ),
     PaperFigure(
         number=9,
@@ -47,6 +51,7 @@ FIGURES = (
         figure="motion_acceleration",
         joint=_JOINT,
         finding=partial(_findings.peak_accelerations, joint=_JOINT),
+        agrees=partial(_verdicts.rising_accelerations, joint=_JOINT, cases=_PLAY),
     ),
     PaperFigure(
         number=10,
@@ -57,24 +62,29 @@ FIGURES = (
         figure="contact_forces",
         joint=_JOINT,
         finding=_findings.contact_peaks,
+        agrees=partial(_verdicts.higher_axial_peaks, case="case3", than="case2-planar"),
     ),
     PaperFigure(
         number=11,
         name="figure11-angle-axial-clearance",
         cases=_AXIAL,
         shows="Angle of the antenna for axial clearances of 0, 0.2, 0.3 and 0.4 mm, whole and zoomed.",
-        figure="motion_angle",
+        figure="angle_between_runs",
+        options={"base": "case3"},
         joint=_JOINT,
         finding=partial(_findings.deviations, of=f"{_JOINT} angle"),
+        agrees=partial(_verdicts.rising_deviations, of=f"{_JOINT} angle", cases=_GROWING),
     ),
     PaperFigure(
         number=12,
         name="figure12-rate-axial-clearance",
         cases=_AXIAL,
         shows="Its rate for the same, whole and zoomed: the larger the axial clearance, the shakier.",
-        figure="motion_rate",
+        figure="rate_between_runs",
+        options={"base": "case3"},
         joint=_JOINT,
         finding=partial(_findings.deviations, of=f"{_JOINT} rate"),
+        agrees=partial(_verdicts.rising_deviations, of=f"{_JOINT} rate", cases=_GROWING),
     ),
     PaperFigure(
         number=13,
@@ -85,5 +95,6 @@ FIGURES = (
         figure="motion_acceleration",
         joint=_JOINT,
         finding=partial(_findings.peak_accelerations, joint=_JOINT),
+        agrees=partial(_verdicts.rising_accelerations, joint=_JOINT, cases=_GROWING),
     ),
 )
