@@ -19,6 +19,7 @@ import xarray as xr
 from antenna_pin.errors import FileFormatError
 from antenna_pin.files import PatientFile, has_whole_seal, seal
 from antenna_pin.interruption import held_back
+from antenna_pin.trajectory.on_disk import Stored, StoredFile
 from antenna_pin.trajectory.schema import COORDINATES, DIMENSIONS, VARIABLES
 
 __all__ = ["FORMAT", "read", "write", "write_blocks"]
@@ -31,6 +32,9 @@ _WRITER = "antenna_pin=" + FORMAT.rpartition(" ")[2]
 # A variable of more bytes is stored in pieces of so many samples, and written one after the other.
 _AT_ONCE = 4_000_000
 _ROWS = 8192
+# Of a file of more bytes than the one variables of more than the other are read when they are asked for.
+_LARGE = 64_000_000
+_SHORT = 1_000_000
 _TEXT = h5py.string_dtype()
 # What belongs to the file, not to the data.
 _OWN = {
@@ -89,7 +93,8 @@ def write_blocks(
         OSError: It cannot be written there.
     """
     with held_back(), PatientFile(path) as stream:
-        with h5py.File(stream, "w", track_order=True) as file:
+        # Whole pieces are written once each: a cache of them would be one for every variable.
+        with h5py.File(stream, "w", track_order=True, rdcc_nbytes=0) as file:
             made: dict[Any, Any] = {}
             series: dict[Any, Any] = {}
             for first, values in blocks:
@@ -197,7 +202,8 @@ def read(source: Path) -> xr.Dataset:
             attributes = _attributes(file)
             found = attributes.get("format")
             known = isinstance(found, str) and found == FORMAT
-            content = _variables(file) if known else {}
+            large = source.stat().st_size > _LARGE
+            content = _variables(file, StoredFile(source) if large else None) if known else {}
     except FileFormatError:
         raise
     except Exception as error:  # HDF5 raises any if damaged
@@ -224,7 +230,8 @@ def read(source: Path) -> xr.Dataset:
         ) from None
 
 
-def _variables(file: Any) -> dict[str, xr.Variable]:
+def _variables(file: Any, large: StoredFile | None) -> dict[str, xr.Variable]:
+    """Return the variables of a file; what is long of a large one stays there until it is asked for."""
     names: dict[str, tuple[str, ...]] = {one.name: (one.dim,) for one in COORDINATES}
     names |= {variable.name: variable.dims for variable in VARIABLES.values()}
     content = {}
@@ -238,6 +245,9 @@ def _variables(file: Any) -> dict[str, xr.Variable]:
             dims: tuple[str, ...] = (name,)
         else:
             dims = names.get(name) or _dims_of(file, stored)
+        if large is not None and stored.nbytes > _SHORT and name not in DIMENSIONS:
+            content[name] = Stored(large, name).variable(dims, attributes)
+            continue
         values = stored[()]
         if values.dtype == object:
             values = np.array([text.decode() for text in values], dtype=object)
