@@ -14,7 +14,19 @@ from typing import Annotated
 
 import typer
 
-from antenna_pin.cli import analyse, contact, figures, info, modes, pointing, record, report, run, sweep
+from antenna_pin.cli import (
+    analyse,
+    contact,
+    figures,
+    info,
+    modes,
+    pointing,
+    record,
+    report,
+    run,
+    study,
+    sweep,
+)
 from antenna_pin.cli._common import one_line_errors, told_interruption
 from antenna_pin.cli._usage import OneLineGroup
 from antenna_pin.interruption import ending_by_signals
@@ -77,7 +89,8 @@ _COMMANDS: dict[str, Callable[..., None]] = {
 for _name, _command in _COMMANDS.items():
     app.command(_name)(one_line_errors(_command))
 
-for _registered in contact.app.registered_commands:
-    assert _registered.callback is not None
-    _registered.callback = one_line_errors(_registered.callback)
-app.add_typer(contact.app)
+for _group in (contact.app, study.app):
+    for _registered in _group.registered_commands:
+        assert _registered.callback is not None
+        _registered.callback = one_line_errors(_registered.callback)
+    app.add_typer(_group)

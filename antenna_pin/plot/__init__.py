@@ -30,6 +30,16 @@ from antenna_pin.plot.pointing import figure_pointing
 from antenna_pin.plot.response import figure_response
 from antenna_pin.plot.scenarios import figure_scenarios
 from antenna_pin.plot.spectra import SIGNALS, figure_spectra, figure_spectrogram
+from antenna_pin.plot.study import (
+    QUANTILES,
+    StudyFigure,
+    study_distribution,
+    study_figures,
+    study_map,
+    study_response,
+    study_scatter,
+    study_sensitivities,
+)
 
 __all__ = [
     "BASE_QUANTITIES",
@@ -37,11 +47,13 @@ __all__ = [
     "CATALOGUE",
     "FORMATS",
     "PAPERS",
+    "QUANTILES",
     "QUANTITIES",
     "SIGNALS",
     "Allowed",
     "PaperFigure",
     "RunFigure",
+    "StudyFigure",
     "allowed_figures",
     "figure_base",
     "figure_body",
@@ -75,4 +87,10 @@ __all__ = [
     "save_contact_figures",
     "save_figure",
     "save_figures",
+    "study_distribution",
+    "study_figures",
+    "study_map",
+    "study_response",
+    "study_scatter",
+    "study_sensitivities",
 ]

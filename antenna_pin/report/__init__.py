@@ -2,5 +2,6 @@
 
 from antenna_pin.report.document import Report, report
 from antenna_pin.report.provenance import report_command, run_command
+from antenna_pin.report.study import study_report
 
-__all__ = ["Report", "report", "report_command", "run_command"]
+__all__ = ["Report", "report", "report_command", "run_command", "study_report"]

@@ -22,7 +22,7 @@ from antenna_pin.report import contacts, elastic, loops, motion, pointing, prove
 from antenna_pin.report._parts import Embedded, Section
 from antenna_pin.report._runs import ReportedRun, Run, reported
 
-__all__ = ["Report", "report"]
+__all__ = ["Report", "page", "report"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -119,17 +119,41 @@ def report(
         provenance.provenance(found, command),
     ]
     kept = tuple(section for section in sections if not section.empty or section.key == "what")
-    page = _environment().get_template("report.html.j2").render(
-        title=heading,
-        labels=[run.label for run in found],
-        statuses=results.statuses(found),
-        warnings=results.warnings(found),
+    labels, warnings = [run.label for run in found], results.warnings(found)
+    return page(heading, labels, results.statuses(found), kept, warnings=warnings, viewer=head)
+
+
+def page(
+    title: str,
+    labels: Iterable[str],
+    statuses: Iterable[Any],
+    sections: Iterable[Section],
+    *,
+    warnings: Iterable[str] = (),
+    viewer: str = "",
+) -> Report:
+    """Return the page of some sections.
+
+    Args:
+        title: Its heading.
+        labels: Names of what it is about.
+        statuses: How each ended: ``label``, ``outcome``, ``text``, ``completed``.
+        sections: What is in it.
+        warnings: What is to be minded.
+        viewer: Markup for the page's head, made by record.
+    """
+    kept = tuple(sections)
+    made = _environment().get_template("report.html.j2").render(
+        title=title,
+        labels=list(labels),
+        statuses=list(statuses),
+        warnings=list(warnings),
         sections=kept,
         style=Markup(_asset("report.css")),  # noqa: S704 - a file of this package
         script=Markup(_asset("report.js")),  # noqa: S704 - a file of this package
-        viewer=Markup(head),  # noqa: S704 - made by record
+        viewer=Markup(viewer),  # noqa: S704 - made by record
     )  # fmt: skip
-    return Report(heading, kept, page)
+    return Report(title, kept, made)
 
 
 def _title(runs: list[ReportedRun]) -> str:

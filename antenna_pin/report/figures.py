@@ -11,7 +11,7 @@ from antenna_pin.errors import AntennaPinError
 from antenna_pin.report._parts import Picture, Section
 from antenna_pin.report._runs import ReportedRun, ideal_of
 
-__all__ = ["drawn"]
+__all__ = ["address", "drawn"]
 
 #: Vector figures that take more than this become pictures of pixels [bytes].
 LARGEST_VECTOR = 150_000
@@ -44,7 +44,7 @@ def drawn(runs: Sequence[ReportedRun]) -> Section:
             whole = len(parts) == 1
             pictures.append(
                 Picture(
-                    source=_address(figure),
+                    source=address(figure),
                     caption=caption if whole else f"{caption}: {', '.join(shown)}",
                     key=key if whole else f"{key}-{number}",
                 )
@@ -78,7 +78,7 @@ def _parts(
         yield from _parts(drawing, [*beside, *part], names, ideal)
 
 
-def _address(figure: Any) -> str:
+def address(figure: Any) -> str:
     """Return a figure as a data address: as vectors, or as pixels where vectors take too much."""
     vector = plot.rendered(figure, "svg", DPI)
     if len(vector) <= LARGEST_VECTOR:

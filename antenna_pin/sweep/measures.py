@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
+import xarray as xr
 from numpy.typing import NDArray
 
 from antenna_pin.analysis import base_motion, deviation, error_components, pointing_error, pointing_indices
@@ -122,8 +123,18 @@ def _conserved(name: str) -> Found:
     return find
 
 
+# The last run's error, for indices of it that are asked for one after the other.
+_last: list[tuple[Trajectory, Trajectory | None, xr.Dataset]] = []
+
+
+def _pointing_error(run: Trajectory, reference: Trajectory | None) -> xr.Dataset:
+    if not (_last and _last[0][0] is run and _last[0][1] is reference):
+        _last[:] = [(run, reference, pointing_error(run, reference))]
+    return _last[0][2]
+
+
 def _pointing(run: Trajectory, spec: Asked, reference: Trajectory | None) -> float:
-    errors = pointing_error(run, reference)
+    errors = _pointing_error(run, reference)
     components = error_components(errors)
     if spec.component not in components:
         raise UnknownNameError("pointing", "component", spec.component, components)

@@ -46,7 +46,7 @@ class ResponseSpec(Spec):
         drift_spacing: Of ``pointing``: from one window of the PDE to the other.
         period: Of ``pointing``: length of the observation periods.
         confidence: Of ``pointing``'s level [-].
-        units: Of a function's number.
+        units: Of a function's number; of ``peak_effort`` and ``peak_deflection`` where the joint slides.
         title: What it is called in figures; its name if left out.
     """
 
@@ -83,6 +83,8 @@ class ResponseSpec(Spec):
         if self.measure not in MEASURES:
             refuse_name("measure", self.measure, MEASURES, "measure")
         allowed = {"of"} if MEASURES[self.measure].of else set()
+        if self.measure in ("peak_effort", "peak_deflection"):
+            allowed |= {"units"}  # of a joint that slides they are others
         if self.measure == "pointing":
             allowed = {
                 "index", "component", "value", "window", "drift_spacing", "period", "confidence",
@@ -99,7 +101,7 @@ class ResponseSpec(Spec):
         if MEASURES[self.measure].of == "quantity":
             words = (self.of or "").split()
             return _UNITS.get(" ".join(words[-1:]), "")
-        return MEASURES[self.measure].units
+        return self.units or MEASURES[self.measure].units
 
     @property
     def meaning(self) -> str:

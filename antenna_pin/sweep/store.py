@@ -117,11 +117,12 @@ class Store:
         lost = len(found) - len(self.entries)
         self._rewrite = bool(old.damaged or old.torn or lost)
         for count, what in (
-            (old.damaged, "damaged lines in its journal"),
-            (lost, "runs whose full result is missing or damaged"),
+            (old.damaged, "damaged line# in its journal"),
+            (lost, "run# whose full result is missing or damaged"),
         ):
             if count:
-                self.notes.append(f"{path}: found {count} {what}; those runs are made again")
+                words = what.replace("#", "" if count == 1 else "s")
+                self.notes.append(f"{path}: found {count} {words}; what is missing is made again")
         if has_seal(path / _TABLE) is False:
             self.notes.append(f"{path / _TABLE}: is damaged, and is made again from the journal")
 

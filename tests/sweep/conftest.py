@@ -85,6 +85,7 @@ def answer(job):
         "relocated": 0,
         "evaluations": 3 * job.run,
         "simulated": 0.0,
+        "cpu": 0.0,
         "wall_time": 0.01,
         "worker": "here",
     }

@@ -1,0 +1,190 @@
+"""``antenna-pin study``: what a study's runs have come to, in tables, figures and a report.
+
+Errors leave here as exceptions; :mod:`antenna_pin.cli` turns them into one line and an exit code.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import numpy as np
+import typer
+
+from antenna_pin.cli._common import (
+    FigureFormatOption,
+    Width,
+    WidthOption,
+    figure_folder,
+    figure_formats,
+    say,
+    writable_file,
+)
+from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, exported
+from antenna_pin.cli._study_tables import failures, outcome_rows, parameters_of
+from antenna_pin.cli._tables import number_text, print_rows
+from antenna_pin.errors import UnknownNameError
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+app = typer.Typer(
+    name="study",
+    help="Studies made by sweep: tables, figures, a report.",
+    no_args_is_help=True,
+    context_settings={"help_option_names": ["-h", "--help"]},
+    rich_markup_mode=None,
+)
+
+StoreArgument = Annotated[Path, typer.Argument(metavar="STORE", help="Folder of a study, NAME.study.")]
+
+_SHARES = (0.05, 0.5, 0.95, 0.997)
+_FAILURES = 20
+
+
+def show(
+    store: StoreArgument,
+    failed: Annotated[
+        bool, typer.Option("--failed", help="List all runs that did not reach their end.")
+    ] = False,
+    as_json: JsonOption = False,
+    csv: CsvOption = None,
+) -> None:
+    """Say how the runs ended and what the responses come to; --csv and --json have every run."""
+    from antenna_pin.sweep import open_study, sensitivities
+    from antenna_pin.sweep.statistics import quantiles
+
+    target = csv_target(csv)
+    table = open_study(store)
+    if as_json or target is not None:
+        rows = _rows(table)
+        about = {
+            "title": table.attrs["title"],
+            "digest": table.attrs["digest"],
+            "method": table.attrs["method"],
+        }
+        exported({"file": str(store), **about, "runs": rows}, rows, as_json, target)
+        return
+    name = json.loads(table.attrs["study"])["name"]
+    print_rows(f"{name}: how {table['outcome'].size} runs ended", *outcome_rows(table))
+    bad = list(failures(table))
+    if bad:
+        shown = bad if failed else bad[:_FAILURES]
+        rows_ = [[str(run), values, outcome, message] for run, values, outcome, message in shown]
+        print_rows(f"{name}: what did not reach its end", ("run", "", "outcome", "why"), rows_, numbers=False)
+        if len(bad) > len(shown):
+            typer.echo(f"... and {len(bad) - len(shown)} more; --failed lists all")
+    head = ("", "smallest", *(f"{100.0 * share:g} %" for share in _SHARES), "largest", "mean")
+    rows_ = []
+    for response in _responses(table):
+        values = np.ravel(table[response].values).astype(float)
+        values = values[np.isfinite(values)]
+        if values.size:
+            middle = quantiles(table, response, _SHARES)["quantile"].values
+            numbers = (values.min(), *middle, values.max(), values.mean())
+            rows_.append([_with_unit(table[response]), *(number_text(float(one)) for one in numbers)])
+    print_rows(f"{name}: responses", head, rows_)
+    if table.attrs["method"] in ("morris", "saltelli"):
+        for response in _responses(table):
+            found = sensitivities(table, response)
+            columns = list(map(str, found.data_vars))
+            lines = [
+                [str(factor), *(number_text(float(found[one].sel(factor=factor))) for one in columns)]
+                for factor in found["factor"].values
+            ]
+            print_rows(f"{name}: sensitivities of {_with_unit(table[response])}", ("", *columns), lines)
+
+
+def plot(
+    store: StoreArgument,
+    names: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="[FIGURES...]", help="Names of figures; all that the study allows if left out."
+        ),
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option(metavar="FOLDER", help="Where to write; STORE/figures if left out.")
+    ] = None,
+    formats: FigureFormatOption = "png",
+    width: WidthOption = Width.COLUMN,
+    listed: Annotated[bool, typer.Option("--list", help="List the figures, draw none.")] = False,
+) -> None:
+    """Draw responses over parameters, distributions, all against all, sensitivities."""
+    from antenna_pin.sweep import open_study
+
+    suffixes = figure_formats(formats)
+    table = open_study(store)
+
+    figures = _figures(table)
+    if listed:
+        for name, (title, _) in figures.items():
+            say(f"{name}: {title}")
+        return
+    for name in names or ():
+        if name not in figures:
+            raise UnknownNameError(str(store), "figure", name, figures)
+
+    from antenna_pin.plot import folder_for_figures, save_figure
+
+    folder = folder_for_figures(figure_folder(out or store / "figures"))
+    for name in names or figures:
+        for path in save_figure(figures[name][1](width=width.value), folder / name, suffixes):
+            typer.echo(path)
+
+
+def report(
+    store: StoreArgument,
+    out: Annotated[Path, typer.Option(metavar="FILE", help="The report, an HTML file.")],
+    title: Annotated[str | None, typer.Option(help="Title; that of the study if left out.")] = None,
+    figures: Annotated[bool, typer.Option(help="Draw figures.")] = True,
+) -> None:
+    """Write a report on a study: one HTML file for screen, phone and paper."""
+    target = writable_file(out, ".html")
+
+    from antenna_pin.report import study_report
+    from antenna_pin.sweep import open_study
+
+    typer.echo(f"saved {study_report(open_study(store), title=title, figures=figures).save(target)}")
+
+
+def _figures(table: xr.Dataset) -> dict[str, tuple[str, Any]]:
+    """Return title and drawing of the figures that a study allows, by name."""
+    from antenna_pin.plot import study_figures, study_sensitivities
+    from antenna_pin.sweep import sensitivities
+
+    found = {one.name: (one.title, one.draw) for one in study_figures(table)}
+    if table.attrs["method"] in ("morris", "saltelli"):
+        for response in _responses(table):
+
+            def drawn(name: str = response, **more: Any) -> Any:
+                return study_sensitivities(sensitivities(table, name), name, **more)
+
+            found[f"{response}-sensitivities"] = (f"{response}: what it depends on", drawn)
+    return found
+
+
+def _responses(table: xr.Dataset) -> list[str]:
+    return list(json.loads(table.attrs["responses"]))
+
+
+def _with_unit(response: xr.DataArray) -> str:
+    units = response.attrs.get("units", "")
+    return f"{response.name} [{units}]" if units not in ("", "1") else str(response.name)
+
+
+def _rows(table: xr.Dataset) -> list[dict[str, Any]]:
+    """Return every run in plain numbers."""
+    like = table["outcome"]
+    names = ["run", *parameters_of(table), *_responses(table), "outcome", "message", "end_time", "steps"]
+    names += ["evaluations", "seed", "wall_time"]
+    columns = {
+        name: np.ravel(table[name].broadcast_like(like).transpose(*like.dims).values).tolist()
+        for name in names
+    }
+    return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+
+
+for _command in (show, plot, report):
+    app.command()(_command)

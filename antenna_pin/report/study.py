@@ -1,0 +1,277 @@
+"""A parameter study in, one HTML file out."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+
+from antenna_pin import plot
+from antenna_pin.errors import AntennaPinError
+from antenna_pin.readable import number, prefixed, readable
+from antenna_pin.report._parts import Cell, Details, Picture, Row, Section, Statement, Table
+from antenna_pin.report.document import Report, page
+from antenna_pin.report.figures import address
+from antenna_pin.sweep.sensitivity import sensitivities
+from antenna_pin.sweep.statistics import quantiles
+
+__all__ = ["study_report"]
+
+_MOST_FAILURES = 200
+_MOST_FIGURES = 40
+
+
+@dataclass(frozen=True, slots=True)
+class _Status:
+    """How the study stands, for the page's head."""
+
+    label: str
+    outcome: str
+    text: str
+    completed: bool
+
+
+def study_report(study: xr.Dataset, *, title: str | None = None, figures: bool = True) -> Report:
+    """Return a report on a parameter study.
+
+    Args:
+        study: What :func:`antenna_pin.open_study` returns.
+        title: Of the report; the study's if left out.
+        figures: Whether to draw figures.
+    """
+    about = json.loads(study.attrs["study"])
+    heading = title or str(study.attrs.get("title") or f"Study {about['name']}")
+    sections = [_responses(study), _parameters(study), _failures(study)]
+    sampled = study.attrs["method"] in ("morris", "saltelli")
+    if sampled:
+        sections.insert(1, _sensitivities(study, figures))
+    if figures:
+        sections.insert(1, _figures(study))
+    sections.append(_provenance(study, about))
+    kept = [section for section in sections if not section.empty]
+    return page(heading, [about["name"]], [_status(study, about["name"])], kept)
+
+
+def _status(study: xr.Dataset, name: str) -> _Status:
+    counts = Counter(map(str, np.ravel(study["outcome"].values)))
+    count, pending = study["outcome"].size, counts["PENDING"]
+    bad = count - pending - counts["COMPLETED"] - counts["STOPPED"]
+    said = f"{count - pending} of {count} runs made; {bad or 'none'} of them did not reach their end"
+    outcome = "PENDING" if pending else "COMPLETED" if not bad else "SOME ENDED EARLY"
+    return _Status(name, outcome, said, not pending and not bad)
+
+
+def _names(study: xr.Dataset, what: str) -> list[str]:
+    return [str(name) for name in json.loads(study.attrs[what])]
+
+
+def _responses(study: xr.Dataset) -> Section:
+    shares = plot.QUANTILES
+    head = (
+        "",
+        "smallest",
+        *(f"{100.0 * share:g} %" for share in shares),
+        "largest",
+        "mean",
+        "spread",
+        "runs",
+    )
+    rows = []
+    for name in _names(study, "responses"):
+        values = np.ravel(study[name].values).astype(float)
+        values = values[np.isfinite(values)]
+        if not values.size:
+            rows.append(Row(name, tuple(Cell("–") for _ in head[1:])))
+            continue
+        found = quantiles(study, name, shares)
+        numbers = [
+            values.min(),
+            *found["quantile"].values,
+            values.max(),
+            values.mean(),
+            values.std(ddof=1) if values.size > 1 else np.nan,
+        ]
+        factor, unit = prefixed(str(study[name].attrs.get("units", "")), [float(one) for one in numbers])
+        cells = [Cell(number(factor * float(one)), float(one)) for one in numbers]
+        rows.append(Row(name, (*cells, Cell(str(values.size), float(values.size))), unit))
+    table = Table(columns=head, rows=tuple(rows), caption="Responses over all runs", key="responses")
+    items: list[Table | Details] = [table]
+    if study.attrs["method"] != "grid":
+        items.append(_intervals(study))
+    meaning = tuple(
+        Statement(label=name, texts=(((), str(study[name].attrs.get("long_name", ""))),))
+        for name in _names(study, "responses")
+    )
+    return Section(key="responses", title="Responses", statements=meaning, items=tuple(items))
+
+
+def _intervals(study: xr.Dataset) -> Table:
+    rows = []
+    for name in _names(study, "responses"):
+        found = quantiles(study, name, plot.QUANTILES)
+        ends = [float(v) for v in np.ravel([found["low"].values, found["high"].values])]
+        factor, unit = prefixed(found["low"].attrs["units"], ends)
+        cells = [
+            Cell(f"{number(factor * float(low))} to {number(factor * float(high))}")
+            for low, high in zip(found["low"].values, found["high"].values, strict=True)
+        ]
+        rows.append(Row(name, tuple(cells), unit))
+    columns = ("", *(f"{100.0 * share:g} %" for share in plot.QUANTILES))
+    caption = "Intervals of these quantiles, 95 % confidence, by order of the runs; a dash: too few runs"
+    return Table(columns=columns, rows=tuple(rows), caption=caption, key="intervals")
+
+
+def _figures(study: xr.Dataset) -> Section:
+    pictures, notes = [], []
+    allowed = list(plot.study_figures(study))
+    for figure in allowed[:_MOST_FIGURES]:
+        wide = figure.name == "all-against-all"
+        try:
+            source = address(figure.draw(width="page" if wide else "column"))
+        except AntennaPinError as error:
+            notes.append(f"{figure.title}: {error}.")
+            continue
+        pictures.append(
+            Picture(
+                source=source, caption=figure.title, wide=wide, width=180.0 if wide else 88.0, key=figure.name
+            )
+        )
+    if len(allowed) > _MOST_FIGURES:
+        notes.append(f"{len(allowed) - _MOST_FIGURES} more figures can be drawn by antenna-pin study plot.")
+    return Section(key="figures", title="Figures", items=tuple(pictures), notes=tuple(notes))
+
+
+def _sensitivities(study: xr.Dataset, figures: bool) -> Section:
+    items: list[Table | Picture] = []
+    notes = []
+    for name in _names(study, "responses"):
+        try:
+            found = sensitivities(study, name)
+        except AntennaPinError as error:
+            notes.append(f"{name}: {error}.")
+            continue
+        columns = [str(one) for one in found.data_vars]
+        rows = [
+            Row(
+                str(factor),
+                tuple(
+                    Cell(readable(float(found[c].sel(factor=factor)), found[c].attrs["units"]))
+                    for c in columns
+                ),
+            )
+            for factor in found["factor"].values
+        ]
+        words = tuple(f"{c}: {found[c].attrs['long_name']}" for c in columns if not c.endswith("_conf"))
+        items.append(
+            Table(
+                columns=("", *columns),
+                rows=tuple(rows),
+                caption=f"{name} ({'; '.join(words)})",
+                key=f"sensitivity-{name}",
+            )
+        )
+        if figures:
+            picture = plot.study_sensitivities(found, name)
+            items.append(
+                Picture(
+                    source=address(picture), caption=f"Sensitivities of {name}", key=f"sensitivity-{name}"
+                )
+            )
+    return Section(key="sensitivities", title="Sensitivities", items=tuple(items), notes=tuple(notes))
+
+
+def _parameters(study: xr.Dataset) -> Section:
+    rows = []
+    for name in _names(study, "parameters"):
+        found = study[name]
+        values = found.values
+        if values.dtype.kind in "fi":
+            units = str(found.attrs.get("units", ""))
+            ends = f"{readable(float(values.min()), units)} to {readable(float(values.max()), units)}"
+        else:
+            ends = ", ".join(map(str, values))
+        rows.append(
+            Row(
+                name,
+                (
+                    Cell(str(found.attrs.get("key", ""))),
+                    Cell(ends),
+                    Cell(str(values.size), float(values.size)),
+                ),
+            )
+        )
+    table = Table(
+        columns=("", "key of the scenario", "values", "number"),
+        rows=tuple(rows),
+        caption="What was varied",
+        key="parameters",
+    )
+    return Section(key="parameters", title="Parameters", items=(table,))
+
+
+def _failures(study: xr.Dataset) -> Section:
+    rows = list(_failed(study))
+    if not rows:
+        return Section(key="failures", title="Failures")
+    table = Table(
+        columns=("run", "parameters", "outcome", "why"),
+        rows=tuple(rows[:_MOST_FAILURES]),
+        caption=f"{len(rows)} runs that did not reach their end, or lack a response",
+        key="failures",
+    )
+    more = len(rows) - _MOST_FAILURES
+    return Section(
+        key="failures",
+        title="Failures",
+        items=(table,),
+        notes=(f"{more} more are in the store.",) if more > 0 else (),
+    )
+
+
+def _failed(study: xr.Dataset) -> Iterator[Row]:
+    names = _names(study, "parameters")
+    lacking = np.zeros(study["outcome"].shape, dtype=bool)
+    for response in _names(study, "responses"):
+        lacking |= np.isnan(study[response].values.astype(float))
+    outcomes = study["outcome"].values
+    ended = np.isin(outcomes, ("COMPLETED", "STOPPED"))
+    for place in np.argwhere((outcomes != "PENDING") & (lacking | ~ended)):
+        one = study.isel(dict(zip(study["outcome"].dims, map(int, place), strict=True)))
+        values = ", ".join(
+            f"{name} = {readable(float(one[name]), str(one[name].attrs.get('units', '')))}"
+            if one[name].dtype.kind in "fi"
+            else f"{name} = {one[name].item()}"
+            for name in names
+        )
+        outcome = str(one["outcome"].item()).lower().replace("_", " ")
+        cells = (Cell(values), Cell(outcome), Cell(str(one["message"].item())))
+        yield Row(str(int(one["run"])), cells)
+
+
+def _provenance(study: xr.Dataset, about: dict[str, object]) -> Section:
+    versions = ", ".join(f"{name} {version}" for name, version in json.loads(study.attrs["versions"]).items())
+    wall = np.ravel(study["wall_time"].values) if "wall_time" in study else np.zeros(0)
+    wall = wall[np.isfinite(wall)]
+    statements = [
+        Statement(
+            label="scenario", texts=(((), f"{about['scenario']}, case {about['case'] or 'of its default'}"),)
+        ),
+        Statement(label="samples", texts=(((), f"{study.attrs['method']}, seed {about['seed']}"),)),
+        Statement(label="versions", texts=(((), versions),)),
+        Statement(label="digest", texts=(((), str(study.attrs["digest"])),), code=True),
+    ]
+    if wall.size:
+        each = readable(float(wall.mean()), "s")
+        said = f"{readable(float(wall.sum()), 's')} for {wall.size} runs, {each} each"
+        statements.insert(2, Statement(label="time", texts=(((), said),)))
+    text = json.dumps(about, indent=1, ensure_ascii=False)
+    return Section(
+        key="provenance",
+        title="Provenance",
+        statements=tuple(statements),
+        items=(Details(title="The study, as it was read", text=text, key="study"),),
+    )

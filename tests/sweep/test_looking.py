@@ -1,0 +1,127 @@
+"""What is made of a study: sensitivities against closed forms, quantiles, figures, tables, a report."""
+
+import json
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from antenna_pin import open_study, plot, run_study
+from antenna_pin.errors import InvalidParameterError
+from antenna_pin.report import study_report
+from antenna_pin.sweep import sensitivities
+from antenna_pin.sweep.statistics import quantiles
+
+THREE = """
+[parameters.a]
+key = "clearance.bore.radial_clearance"
+between = [0.1, 0.2]
+[parameters.b]
+key = "clearance.bore.bearing_radius"
+between = [1, 3]
+[parameters.c]
+key = "clearance.bore.normal.restitution"
+between = [0, 1]
+"""
+
+
+@pytest.fixture
+def sampled(write, tmp_path, fake, monkeypatch):
+    """Return a function that makes a study whose response is a function of the unit cube."""
+    monkeypatch.setattr("antenna_pin.sweep.driver._check", lambda *_: None)
+    monkeypatch.setattr(
+        "antenna_pin.sweep.driver.trial", lambda *_: type("T", (), {"seconds": 1, "notes": ()})
+    )
+
+    def made(method, count, function):
+        study = write(THREE, f'sampling = {{ method = "{method}", count = {count} }}')
+        table = run_study(study, tmp_path / f"{method}.study", executor=fake())
+        table["force"].values[:] = function(*table["probability"].values.T)
+        table["outcome"].values[:] = "COMPLETED"
+        return table
+
+    return made
+
+
+def test_sobol_indices_of_ishigami_s_function(sampled):
+    """The usual benchmark (a = 7, b = 0.1), whose indices are known in closed form."""
+
+    def ishigami(u, v, w):
+        x, y, z = (2.0 * np.pi * one - np.pi for one in (u, v, w))
+        return np.sin(x) + 7.0 * np.sin(y) ** 2 + 0.1 * z**4 * np.sin(x)
+
+    found = sensitivities(sampled("saltelli", 2048, ishigami), "force")
+    # The sampling error of 2048 base points; the intervals say as much.
+    assert np.abs(found["first"].values - [0.3139, 0.4424, 0.0]).max() < 0.04
+    assert np.abs(found["total"].values - [0.5576, 0.4424, 0.2437]).max() < 0.04
+    assert (np.abs(found["total"].values - [0.5576, 0.4424, 0.2437]) < 2.0 * found["total_conf"].values).all()
+
+
+def test_effects_of_a_linear_response_are_its_coefficients(sampled):
+    found = sensitivities(sampled("morris", 8, lambda u, v, w: 3.0 * u - 2.0 * v), "force")
+    assert found["mu"].values == pytest.approx([3.0, -2.0, 0.0], abs=1e-12)
+    assert found["mu_star"].values == pytest.approx([3.0, 2.0, 0.0], abs=1e-12)
+    assert found["sigma"].values == pytest.approx([0.0, 0.0, 0.0], abs=1e-12)
+    assert found["mu_star"].attrs["units"] == "N"
+
+
+def test_sensitivities_need_their_design_and_all_runs(sampled):
+    table = sampled("random", 8, lambda u, v, w: u)
+    with pytest.raises(InvalidParameterError, match="sampled with method"):
+        sensitivities(table, "force")
+    table = sampled("morris", 4, lambda u, v, w: u)
+    table["force"].values[3] = np.nan
+    with pytest.raises(InvalidParameterError, match="1 missing"):
+        sensitivities(table, "force")
+
+
+def test_intervals_of_quantiles_hold_as_often_as_they_say(sampled):
+    """Of 300 studies of 200 runs of an exponential response; 95 % of them cover, to three standard errors."""
+    table = sampled("random", 256, lambda u, v, w: u)
+    random, covered, shares = np.random.default_rng(3), 0, (0.05, 0.5, 0.95)
+    true = -np.log1p(-np.array(shares))
+    for _ in range(300):
+        table["force"].values[:] = random.exponential(size=256)
+        found = quantiles(table, "force", shares)
+        covered = covered + ((found["low"] <= true) & (true <= found["high"])).values
+    assert (np.abs(covered / 300 - 0.96) < 0.04).all()  # discrete: at least 0.95, a little more
+
+
+def test_a_map_has_every_value_in_its_place(write, tmp_path, fake):
+    table = run_study(write(), tmp_path / "grid.study", executor=fake())
+    figure = plot.study_map(table, "force", "rate", "play")
+    mesh = figure.axes[0].collections[0]
+    field = np.asarray(mesh.get_array()).reshape(3, 4)  # rows are play, columns rate
+    assert field == pytest.approx(table["force"].values, rel=1e-14)
+    assert figure.axes[0].get_xlabel() == "Rate [kHz]" and figure.axes[0].get_ylabel() == "Play [mm]"
+
+
+def test_every_figure_is_drawn_and_says_what_it_leaves_out(write, tmp_path, fake, sampled):
+    grid = run_study(write(), tmp_path / "grid.study", executor=fake())
+    grid["force"].values[1, 2] = np.nan
+    for table in (grid, sampled("latin-hypercube", 16, lambda u, v, w: u * v)):
+        names = [figure.name for figure in plot.study_figures(table)]
+        assert len(set(names)) == len(names) >= 4
+        for figure in plot.study_figures(table):
+            assert plot.rendered(figure.draw(width="column"), "png", 40.0).startswith(b"\x89PNG")
+    drawn = plot.study_response(grid, "force", "play")
+    assert "1 of 12 runs without a result" in drawn.get_supxlabel()
+    lines = [line for line in drawn.axes[0].lines if len(line.get_xdata())]
+    assert sum(len(line.get_xdata()) for line in lines) == 11
+
+
+def test_report_and_tables_tell_of_failures(write, tmp_path, fake):
+    from antenna_pin.cli import app
+
+    folder = tmp_path / "trial.study"
+    table = run_study(write(), folder, executor=fake())
+    html = study_report(table, figures=False).html
+    assert html.count("too deep</td>") == 6  # outcome and reason of runs 0, 5 and 10
+    assert "12 of 12 runs made; 3 of them did not reach their end" in html
+    shown = CliRunner().invoke(app, ["study", "show", str(folder), "--json"])
+    rows = json.loads(shown.stdout)["runs"]
+    assert [row["force"] for row in rows] == np.ravel(table["force"].values).tolist()
+    assert rows[5]["play"] == 2e-4 and rows[5]["outcome"] == "TOO_DEEP"
+    text = CliRunner().invoke(app, ["study", "show", str(folder)]).stdout
+    assert "play = 0.0002 m, rate = 2000 Hz" in text
+    assert open_study(folder).attrs["method"] == "grid"
