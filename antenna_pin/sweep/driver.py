@@ -206,7 +206,7 @@ class _Driver:
             if tries < _TRIES:
                 self.again.append(job)
                 continue
-            numbers = dict.fromkeys(("end_time", "simulated", "wall_time"), 0.0)
+            numbers = dict.fromkeys(("end_time", "simulated", "cpu", "wall_time"), 0.0)
             counts = dict.fromkeys(("steps", "rejected", "relocated", "evaluations"), 0)
             entry = {"run": job.run, "seed": job.seed, "values": {}, "outcome": LOST, **numbers, **counts}
             self._keep(Done(entry | {"message": f"{reason}, {tries} times", "worker": ""}))

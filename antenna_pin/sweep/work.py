@@ -149,7 +149,7 @@ def do_jobs(work: Work, jobs: Sequence[Job]) -> list[Done]:
 
 
 def _do(work: Work, job: Job) -> Done:
-    began = time.perf_counter()
+    began, busy = time.perf_counter(), time.thread_time()
     entry: dict[str, Any] = {"run": job.run, "seed": job.seed, "values": {}}
     reference: Trajectory | None = None
     try:
@@ -159,7 +159,7 @@ def _do(work: Work, job: Job) -> Done:
     except Exception as error:  # a bug must not end a study of a week
         entry |= _failed("FAILED", f"{type(error).__name__}: {error}")
     else:
-        simulated = time.perf_counter() - began
+        simulated, cpu = time.perf_counter() - began, time.thread_time() - busy
         counts = run.counts
         message = run.message
         for name, response in work.responses.items():
@@ -183,6 +183,7 @@ def _do(work: Work, job: Job) -> Done:
             "relocated": counts.relocated,
             "evaluations": counts.evaluations,
             "simulated": simulated,
+            "cpu": cpu,
         }
         keep = work.results == "all" or (work.results == "failed" and not run.completed)
         result = _file(run) if keep else b""
@@ -191,7 +192,15 @@ def _do(work: Work, job: Job) -> Done:
 
 
 def _failed(outcome: str, message: str) -> dict[str, Any]:
-    numbers = {"end_time": 0.0, "steps": 0, "rejected": 0, "relocated": 0, "evaluations": 0, "simulated": 0.0}
+    numbers = {
+        "end_time": 0.0,
+        "steps": 0,
+        "rejected": 0,
+        "relocated": 0,
+        "evaluations": 0,
+        "simulated": 0.0,
+        "cpu": 0.0,
+    }
     return {"outcome": outcome, "message": " ".join(message.split()), **numbers}
 
 

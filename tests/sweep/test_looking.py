@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 from antenna_pin import open_study, plot, run_study
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.report import study_report
-from antenna_pin.sweep import sensitivities
+from antenna_pin.sweep import Trial, sensitivities
 from antenna_pin.sweep.statistics import quantiles
 
 THREE = """
@@ -29,9 +29,7 @@ between = [0, 1]
 def sampled(write, tmp_path, fake, monkeypatch):
     """Return a function that makes a study whose response is a function of the unit cube."""
     monkeypatch.setattr("antenna_pin.sweep.driver._check", lambda *_: None)
-    monkeypatch.setattr(
-        "antenna_pin.sweep.driver.trial", lambda *_: type("T", (), {"seconds": 1, "notes": ()})
-    )
+    monkeypatch.setattr("antenna_pin.sweep.driver.trial", lambda *_: Trial(1.0))
 
     def made(method, count, function):
         study = write(THREE, f'sampling = {{ method = "{method}", count = {count} }}')
@@ -93,7 +91,7 @@ def test_a_map_has_every_value_in_its_place(write, tmp_path, fake):
     mesh = figure.axes[0].collections[0]
     field = np.asarray(mesh.get_array()).reshape(3, 4)  # rows are play, columns rate
     assert field == pytest.approx(table["force"].values, rel=1e-14)
-    assert figure.axes[0].get_xlabel() == "Rate [kHz]" and figure.axes[0].get_ylabel() == "Play [mm]"
+    assert figure.axes[0].get_xlabel() == "Rate [Hz]" and figure.axes[0].get_ylabel() == "Play [mm]"
 
 
 def test_every_figure_is_drawn_and_says_what_it_leaves_out(write, tmp_path, fake, sampled):
