@@ -7,7 +7,6 @@ out, and a footnote says how many.
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -15,23 +14,20 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from antenna_pin.errors import UnknownNameError
+from antenna_pin.plot._study import label_axis, left_out, names_of, quantity_of
 from antenna_pin.plot._style import (
     COLOURS,
     PEAK,
     SEQUENTIAL,
-    Array,
     Width,
     few_ticks,
     footnote,
     legend_above,
     literal,
     new_figure,
-    prefixed,
     styled,
 )
 
@@ -69,54 +65,6 @@ class StudyFigure:
     draw: Callable[..., Figure]
 
 
-@dataclass(frozen=True, slots=True)
-class _Quantity:
-    """A parameter or response of all runs, in a unit that suits it."""
-
-    name: str
-    label: str
-    values: Array
-    texts: tuple[str, ...] = ()
-
-
-def _names(study: xr.Dataset, what: str) -> list[str]:
-    return [str(name) for name in json.loads(study.attrs[what])]
-
-
-def _quantity(study: xr.Dataset, name: str) -> _Quantity:
-    """Return a parameter or response, one value for each run, (runs,)."""
-    known = [*_names(study, "parameters"), *_names(study, "responses")]
-    if name not in known:
-        raise UnknownNameError("study", "parameter or response", name, known)
-    found = study[name]
-    like = study["outcome"]
-    text = literal(str(found.attrs.get("long_name", name)))
-    text = text[:1].upper() + text[1:]
-    if found.dtype.kind not in "fi":
-        words = [str(value) for value in found.values]
-        numbers = xr.DataArray(np.arange(len(words), dtype=float), dims=found.dims)
-        return _Quantity(name, text, np.ravel(numbers.broadcast_like(like).values), tuple(words))
-    values = np.ravel(found.broadcast_like(like).transpose(*like.dims).values).astype(float)
-    sizes = np.abs(values[np.isfinite(values)])
-    factor, unit = prefixed(str(found.attrs.get("units", "")), float(sizes.max()) if sizes.size else 0.0)
-    return _Quantity(name, f"{text} [{unit}]" if unit not in ("", "-", "1") else text, factor * values)
-
-
-def _left_out(*quantities: _Quantity) -> tuple[Any, str]:
-    """Return which runs have all the numbers, and the words for those that have not."""
-    there = np.logical_and.reduce([np.isfinite(one.values) for one in quantities])
-    missing = int(np.count_nonzero(~there))
-    return there, f"{missing} of {there.size} runs without a result are not drawn" if missing else ""
-
-
-def _axis(axes: Axes, quantity: _Quantity, along: str) -> None:
-    """Label an axis; a parameter of words has them as ticks."""
-    (axes.set_xlabel if along == "x" else axes.set_ylabel)(quantity.label)
-    if quantity.texts:
-        axis = axes.xaxis if along == "x" else axes.yaxis
-        axis.set_ticks(np.arange(len(quantity.texts)), [literal(text) for text in quantity.texts])
-
-
 @styled
 def study_response(study: xr.Dataset, response: str, parameter: str, *, width: Width = "column") -> Figure:
     """Draw a response against a parameter: lines over a grid of two parameters at most, else a point a run.
@@ -127,8 +75,8 @@ def study_response(study: xr.Dataset, response: str, parameter: str, *, width: W
         parameter: Name of the parameter.
         width: "column" or "page".
     """
-    x, y = _quantity(study, parameter), _quantity(study, response)
-    there, said = _left_out(x, y)
+    x, y = quantity_of(study, parameter), quantity_of(study, response)
+    there, said = left_out(x, y)
     figure = new_figure(width, 66.0)
     axes = figure.add_subplot()
     others = [dim for dim in study["outcome"].dims if dim != study[parameter].dims[0]]
@@ -152,8 +100,8 @@ def study_response(study: xr.Dataset, response: str, parameter: str, *, width: W
             )
         axes.margins(x=0.03)
         legend_above(figure, [axes])
-    _axis(axes, x, "x")
-    _axis(axes, y, "y")
+    label_axis(axes, x, "x")
+    label_axis(axes, y, "y")
     if not x.texts:
         few_ticks(axes)
     footnote(figure, said)
@@ -168,8 +116,8 @@ def _lines(study: xr.Dataset, others: Sequence[str]) -> list[tuple[str, Any]] | 
     if len(others) > 1 or _SAMPLE in dims or study.sizes[others[0]] > _MOST_LINES:
         return None
     (other,) = others
-    named = [name for name in _names(study, "parameters") if study[name].dims == (other,)]
-    second = _quantity(study, named[0])
+    named = [name for name in names_of(study, "parameters") if study[name].dims == (other,)]
+    second = quantity_of(study, named[0])
     found = []
     for value in np.unique(second.values):
         text = second.texts[int(value)] if second.texts else f"{value:.4g}"
@@ -192,8 +140,8 @@ def study_map(
         second: Parameter along y.
         width: "column" or "page".
     """
-    x, y, z = (_quantity(study, name) for name in (first, second, response))
-    there, said = _left_out(x, y, z)
+    x, y, z = (quantity_of(study, name) for name in (first, second, response))
+    there, said = left_out(x, y, z)
     figure = new_figure(width, 70.0)
     axes = figure.add_subplot()
     axes.grid(False)
@@ -214,8 +162,8 @@ def study_map(
         axes.margins(0.03)
     bar = figure.colorbar(shown, ax=axes, label=z.label)
     bar.outline.set_linewidth(0.4)
-    _axis(axes, x, "x")
-    _axis(axes, y, "y")
+    label_axis(axes, x, "x")
+    label_axis(axes, y, "y")
     footnote(figure, said)
     return figure
 
@@ -229,8 +177,8 @@ def study_distribution(study: xr.Dataset, response: str, *, width: Width = "colu
         response: Name of the response.
         width: "column" or "page".
     """
-    x = _quantity(study, response)
-    there, said = _left_out(x)
+    x = quantity_of(study, response)
+    there, said = left_out(x)
     values = np.sort(x.values[there])
     figure = new_figure(width, 66.0)
     axes = figure.add_subplot()
@@ -264,7 +212,7 @@ def study_distribution(study: xr.Dataset, response: str, *, width: Width = "colu
         axes.margins(x=0.02)
     axes.set_ylabel("Runs")
     axes.yaxis.set_major_locator(MaxNLocator(5, integer=True))
-    _axis(axes, x, "x")
+    label_axis(axes, x, "x")
     footnote(figure, said)
     return figure
 
@@ -277,8 +225,8 @@ def study_scatter(study: xr.Dataset, names: Sequence[str]) -> Figure:
         study: What :func:`antenna_pin.open_study` returns.
         names: Of parameters and responses.
     """
-    found = [_quantity(study, name) for name in names]
-    there, said = _left_out(*found)
+    found = [quantity_of(study, name) for name in names]
+    there, said = left_out(*found)
     count = len(found)
     figure = new_figure("page", 22.0 * count + 14.0)
     panels: Any = figure.subplots(count, count, sharex="col", squeeze=False)
@@ -356,7 +304,7 @@ def study_figures(study: xr.Dataset) -> Iterator[StudyFigure]:
     Args:
         study: What :func:`antenna_pin.open_study` returns.
     """
-    parameters, responses = _names(study, "parameters"), _names(study, "responses")
+    parameters, responses = names_of(study, "parameters"), names_of(study, "responses")
     varied = [name for name in parameters if study[name].size > 1]
     sampled = _SAMPLE in study["outcome"].dims
     for response in responses:
