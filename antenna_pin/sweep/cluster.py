@@ -10,6 +10,7 @@ import importlib
 import logging
 import os
 import queue
+import sys
 from collections.abc import Callable, Iterator
 from typing import Any, TypeVar
 
@@ -47,6 +48,8 @@ class Cluster:
         self, workers: int | None = None, scheduler: str | None = None, tls: dict[str, str] | None = None
     ) -> None:
         """Start the processes, or reach the scheduler."""
+        if sys.modules.get("dask", sys) is None:  # the command goes without it, for a quick start
+            del sys.modules["dask"]
         try:
             distributed: Any = importlib.import_module("distributed")
         except ImportError:
