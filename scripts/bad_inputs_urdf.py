@@ -63,6 +63,7 @@ _CHANGES: tuple[tuple[str, str, str, str], ...] = (
     ("origin overflows", _ORIGIN, '<origin xyz="1e999 0 0"/>', "<origin> xyz"),
     ("mimic", _LIMIT, _LIMIT + '<mimic joint="hinge"/>', "mimics"),
     ("damping in words", _LIMIT, _LIMIT + '<dynamics damping="some"/>', "<dynamics> damping"),
+    ("damping below zero", _LIMIT, _LIMIT + '<dynamics damping="-1"/>', "<dynamics> damping must be zero"),
     ("friction nan", _LIMIT, _LIMIT + '<dynamics friction="nan"/>', "<dynamics> friction"),
     ("two masses", _MASS, _MASS + '<mass value="3"/>', "one <mass>"),
     ("two inertias", _INERTIA, _INERTIA + _INERTIA, "one <inertia>"),
