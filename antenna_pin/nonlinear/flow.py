@@ -1,0 +1,162 @@
+"""The flow of a system as a map: from a state to the one a span of time later, and its derivative."""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from antenna_pin.assemble import build_system, initial_angles, initial_state
+from antenna_pin.differences import Slope, slope
+from antenna_pin.dynamics import System, Workspace
+from antenna_pin.errors import AntennaPinError
+from antenna_pin.nonlinear.chart import Chart
+from antenna_pin.scenario import Scenario
+from antenna_pin.settings import RunSettings
+from antenna_pin.simulation.events import Event
+from antenna_pin.simulation.from_scenario import events_of
+from antenna_pin.simulation.loop import Run
+from antenna_pin.simulation.run import settings_of
+from antenna_pin.state import State
+from antenna_pin.trajectory import Outcome
+
+__all__ = ["Flow", "FlowError", "Tangent", "flow_of"]
+
+Array = NDArray[np.float64]
+
+# Steps of differences in coordinates, in which an error scale is 1: the noise of a run is some 1e-12 of that.
+_STEPS = (1e-1, 2e-2, 4e-3, 8e-4)
+# Tolerance of runs that are differentiated, where none is asked for.
+_RTOL = 1e-12
+
+
+class FlowError(AntennaPinError, RuntimeError):
+    """A run of a flow did not come to its end; the message says why."""
+
+
+class Tangent(NamedTuple):
+    """The derivative of a flow over a span, in coordinates about a state and about the one it leads to.
+
+    Attributes:
+        matrix: (size at the end, size at the start).
+        doubt: By how much differences of other steps say otherwise, of each column: large where an event
+            comes and goes with the neighbour (a graze).
+        end: The state that the one itself leads to.
+    """
+
+    matrix: Array
+    doubt: Array
+    end: State
+
+
+class Flow:
+    """A system's flow: states to states.
+
+    Runs locate contacts and events themselves, each neighbour its own, so that differences between them hold
+    what an event does to a tangent (its saltation), the approach speed that a contact remembers included.
+
+    Args:
+        system: The system; its drives may depend on time.
+        settings: How to integrate; of runs that are differentiated a tolerance near round-off.
+        events: What happens in runs besides contacts.
+    """
+
+    def __init__(
+        self, system: System, settings: RunSettings | None = None, events: Sequence[Event] = ()
+    ) -> None:
+        """Take the settings over, without samples."""
+        self.system = system
+        used = settings or RunSettings(rtol=_RTOL)
+        self._settings, self._events = used, tuple(events)
+
+    def first(self, q: Array, v: Array) -> State:
+        """Return the state at time zero of a configuration, (nq,), and velocity, (nv,)."""
+        run = Run(self.system, self.system.state(q, v), 1.0, self._sampled(1.0), self._events)
+        return run.present()
+
+    def _sampled(self, span: float) -> RunSettings:
+        return dataclasses.replace(
+            self._settings, accuracy=None, output_rate=0.5 / span, output_times=(), output_form="lean"
+        )
+
+    def after(self, start: State, span: float) -> State:
+        """Return the state a span of time [s] after another.
+
+        Raises:
+            FlowError: The run did not come so far.
+        """
+        end = start.time + span
+        run = Run(self.system, start, end, self._sampled(span), self._events)
+        run.advance()
+        if run.outcome is not Outcome.COMPLETED:
+            raise FlowError(f"a run of {span:g} s from t = {start.time:g} s: {run.message}")
+        return run.present()
+
+    def rates(self, state: State) -> tuple[Array, Array]:
+        """Return velocity and acceleration in a state, (nv,) each."""
+        workspace = Workspace(self.system)
+        workspace.memory["touching"] = state.memory[:, 0]
+        workspace.memory["approach_speed"] = state.memory[:, 1]
+        workspace.memory["effective_mass"] = state.memory[:, 2]
+        out = np.zeros(self.system.model.nv + workspace.manifold.nx)
+        workspace.derivative(state.time, np.ascontiguousarray(state.y), out)
+        return state.v.copy(), out[: self.system.model.nv].copy()
+
+    def tangent(
+        self, start: State, span: float, chart: Chart | None = None, *, step: float | None = None
+    ) -> Tangent:
+        """Return the derivative of the flow over a span [s] from a state.
+
+        Args:
+            start: From where.
+            span: [s].
+            chart: Coordinates at the end; about the state that the start leads to, if not given.
+            step: Of differences of second order, in error scales; if not given, differences of sixth order of
+                steps that are chosen by the doubt, at four times the runs [-].
+
+        Raises:
+            FlowError: A run did not come to its end.
+            NotAlikeError: A neighbour ends with other contacts, or the start does than the chart.
+        """
+        end = self.after(start, span)
+        here, there = Chart(self.system, start), chart or Chart(self.system, end)
+        there.coordinates(end)
+
+        def along(way: Array, s: float) -> Array:
+            return there.coordinates(self.after(here.state(s * way), span))
+
+        columns, doubts = [], []
+        for way in np.eye(here.size):
+            if step is None:
+                found = slope(functools.partial(along, way), _STEPS)
+            else:
+                ahead, behind = along(way, step), along(way, -step)
+                found = Slope((ahead - behind) / (2.0 * step), float(np.linalg.norm(ahead + behind)))
+            columns.append(found.value)
+            doubts.append(found.doubt)
+        matrix = np.column_stack(columns) if columns else np.zeros((there.size, 0))
+        return Tangent(matrix, np.array(doubts), end)
+
+
+def flow_of(scenario: Scenario, settings: RunSettings | None = None) -> tuple[Flow, State]:
+    """Return the flow of a scenario and the state that it starts from.
+
+    Args:
+        scenario: The scenario; its engine is taken, its tolerance where it is finer than 1e-10.
+        settings: How to integrate instead.
+    """
+    system = build_system(scenario)
+    own = settings_of(scenario)
+    if settings is None:
+        rtol = min(own.rtol, _RTOL) if own.method == "dormand-prince-853" else _RTOL
+        settings = dataclasses.replace(own, accuracy=None, method="dormand-prince-853", rtol=rtol)
+    q, v = initial_state(scenario, system)
+    flow = Flow(system, settings, events_of(scenario))
+    run = Run(
+        system, system.state(q, v, initial_angles(scenario, system)), 1.0, flow._sampled(1.0), flow._events
+    )
+    return flow, run.present()

@@ -1,0 +1,215 @@
+"""How fast neighbours part: Lyapunov exponents, with errors and with what they are too short to say."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from antenna_pin.errors import InvalidParameterError
+from antenna_pin.nonlinear.chart import Chart, NotAlikeError
+from antenna_pin.nonlinear.flow import Flow
+from antenna_pin.state import State
+
+__all__ = ["Exponents", "Verdict", "largest_exponent", "lyapunov_spectrum"]
+
+Array = NDArray[np.float64]
+
+Verdict = Literal["chaotic", "neutral", "contracting", "too short to say"]
+"""What a largest exponent says: neighbours part, keep their distance, come together; or nothing yet."""
+
+# Distance of a neighbour, in error scales; the largest from which it is brought back, beyond which its growth
+# is no longer that of a tangent; and the step of differences of a spectrum.
+_DISTANCE, _FARTHEST, _STEP = 1e-7, 1e-3, 1e-5
+# Intervals, and blocks of them, below which nothing is said; standard errors that decide; and how large an
+# exponent may be over an interval that counts as none, if it is known so well.
+_FEWEST, _BLOCKS, _SIGMAS, _NEUTRAL = 32, 8, 3.0, 0.01
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Exponents:
+    """Lyapunov exponents of one motion, natural logarithms. The start is part of it: attractors coexist.
+
+    Attributes:
+        values: The largest first, (n,) [1/s].
+        errors: One standard error of each, from blocks of intervals so long that they know little of one
+            another, (n,) [1/s].
+        interval: Between two renormalisations, a period of the section if there is one [s].
+        growth: Logarithm of what each has grown by in each interval, (intervals, n) [-].
+        lengths: Of the intervals, (intervals,) [s]; some are longer, to where the same contacts touch.
+        start: State after the transient.
+        end: State that was come to.
+    """
+
+    values: Array
+    errors: Array
+    interval: float
+    growth: Array
+    lengths: Array
+    start: State
+    end: State
+
+    @property
+    def running(self) -> Array:
+        """The exponents as they were after each interval, (intervals, n) [1/s]: how they converge."""
+        return np.asarray(np.cumsum(self.growth, axis=0) / np.cumsum(self.lengths)[:, None])
+
+    @property
+    def verdict(self) -> Verdict:
+        """What the largest exponent says, at three standard errors."""
+        value, error = float(self.values[0]), float(self.errors[0])
+        if len(self.growth) < _FEWEST or not math.isfinite(error):
+            return "too short to say"
+        if abs(value) > _SIGMAS * error and abs(value) * self.interval > 1e-9:
+            return "chaotic" if value > 0.0 else "contracting"
+        return "neutral" if _SIGMAS * error * self.interval < _NEUTRAL else "too short to say"
+
+
+def _exponents(growth: Array, lengths: Array, interval: float, start: State, end: State) -> Exponents:
+    total = float(lengths.sum())
+    values = growth.sum(axis=0) / total
+    # Growths next to one another are not independent: a distance that swings comes back, and chaos has bursts.
+    # Of blocks as long as leave enough of them, the spread tells.
+    errors = np.full(growth.shape[1], math.inf)
+    width = len(growth) // _BLOCKS
+    if width:
+        count = len(growth) // width
+        blocks = growth[: count * width].reshape(count, width, -1).sum(axis=1)
+        spans = lengths[: count * width].reshape(count, width).sum(axis=1)
+        off = blocks - values * spans[:, None]
+        errors = np.sqrt((off**2).sum(axis=0) * count / (count - 1)) / spans.sum()
+    return Exponents(values, errors, interval, growth, lengths, start, end)
+
+
+def _check(interval: float, count: int, transient: float) -> None:
+    for name, value, least in (("interval", interval, 0.0), ("transient", transient, -1e-300)):
+        if not (math.isfinite(value) and value > least):
+            rule = "positive and finite [s]" if name == "interval" else "zero or more [s]"
+            raise InvalidParameterError("Lyapunov exponents", name, rule, value)
+    if count < 1:
+        raise InvalidParameterError("Lyapunov exponents", "count", "1 or more intervals", count)
+
+
+def largest_exponent(
+    flow: Flow,
+    start: State,
+    interval: float,
+    count: int,
+    *,
+    transient: float = 0.0,
+    seed: int = 0,
+    progress: Callable[[int, float], None] | None = None,
+) -> Exponents:
+    """Return the largest exponent by two trajectories with renormalisation (Benettin and others 1976).
+
+    The neighbour locates its own contacts and events, and remembers its own approach speeds. Where other
+    contacts touch at the end of an interval than at the trajectory's own, both go on until they are alike.
+
+    Args:
+        flow: The flow.
+        start: From where.
+        interval: Between renormalisations, such as a drive's period [s].
+        count: How many intervals.
+        transient: What is run before [s].
+        seed: Of the neighbour's first direction; the first tenth of the intervals, in which it turns into
+            that of fastest growth, is left out.
+        progress: Called with the number of intervals done and the exponent so far [1/s].
+
+    Raises:
+        FlowError: A run did not come to its end.
+    """
+    _check(interval, count, transient)
+    here = flow.after(start, transient) if transient else start
+    first = here
+    chart = Chart(flow.system, here)
+    way = np.random.default_rng(seed).standard_normal(chart.size)
+    way /= np.linalg.norm(way)
+    growth: list[float] = []
+    lengths: list[float] = []
+    turning = max(1, count // 10)
+    while len(growth) < count + turning:
+        neighbour, begun = chart.state(_DISTANCE * way), here.time
+        distance = _DISTANCE
+        while True:
+            here, neighbour = flow.after(here, interval), flow.after(neighbour, interval)
+            chart = Chart(flow.system, here)
+            try:
+                z = chart.coordinates(neighbour)
+            except NotAlikeError:
+                if here.time - begun > 50.0 * interval:
+                    raise
+                continue
+            break
+        distance = float(np.linalg.norm(z))
+        if distance > _FARTHEST and here.time - begun > 1.5 * interval:
+            way = z / distance  # parted so far while waiting that its growth is not a tangent's: not counted
+            continue
+        growth.append(math.log(max(distance, 1e-300) / _DISTANCE))
+        lengths.append(here.time - begun)
+        way = z / distance if distance > 0.0 else way
+        if progress is not None:
+            kept = max(len(growth) - turning, 1)
+            progress(len(growth), sum(growth[-kept:]) / sum(lengths[-kept:]))
+    return _exponents(np.array(growth[turning:])[:, None], np.array(lengths[turning:]), interval, first, here)
+
+
+def lyapunov_spectrum(
+    flow: Flow,
+    start: State,
+    interval: float,
+    count: int,
+    *,
+    transient: float = 0.0,
+    progress: Callable[[int, float], None] | None = None,
+) -> Exponents:
+    """Return all exponents, of the tangent over intervals made orthogonal after each.
+
+    The tangent is that of :meth:`Flow.tangent`, in whose differences events are what they are to neighbours.
+    Where a contact lasts, the approach speed that it remembers is neutral: an exponent of zero. Intervals at
+    whose end a neighbour touches elsewhere are drawn out.
+
+    Args:
+        flow: The flow.
+        start: From where.
+        interval: [s].
+        count: How many intervals.
+        transient: What is run before [s].
+        progress: Called with the number of intervals done and the largest exponent so far [1/s].
+
+    Raises:
+        FlowError: A run did not come to its end.
+    """
+    _check(interval, count, transient)
+    here = flow.after(start, transient) if transient else start
+    first = here
+    basis: Array | None = None
+    growth: list[Array] = []
+    lengths: list[float] = []
+    while len(growth) < count:
+        span = interval
+        while True:
+            try:
+                tangent = flow.tangent(here, span, step=_STEP)
+                break
+            except NotAlikeError:
+                span += interval
+                if span > 50.0 * interval:
+                    raise
+        size = tangent.matrix.shape[1]
+        if basis is None or basis.shape != (size, size):  # other contacts touch: other coordinates
+            basis = np.eye(size)
+        basis, triangle = np.linalg.qr(tangent.matrix @ basis)
+        grown = np.log(np.maximum(np.abs(np.diag(triangle)), 1e-300))
+        growth.append(grown)
+        lengths.append(span)
+        here = tangent.end
+        if progress is not None:
+            progress(len(growth), float(sum(one[0] for one in growth)) / sum(lengths))
+    fewest = min(len(one) for one in growth)
+    table = np.array([one[:fewest] for one in growth])
+    order = np.argsort(-table.sum(axis=0), kind="stable")
+    return _exponents(table[:, order], np.array(lengths), interval, first, here)

@@ -1,0 +1,182 @@
+"""Periodic solutions by shooting, and how their neighbours grow: Floquet multipliers."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from antenna_pin.errors import AntennaPinError, InvalidParameterError
+from antenna_pin.nonlinear.chart import Chart
+from antenna_pin.nonlinear.flow import Flow, Tangent
+from antenna_pin.state import State
+
+__all__ = ["NoOrbitError", "Orbit", "periodic_orbit"]
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+# Singular values of (M - 1) over the largest below which a direction is neutral: an orbit has neighbours that
+# are orbits too, and Newton's method does not ask for a step along it.
+_NEUTRAL = 1e-7
+_HALVINGS = 6
+
+
+class NoOrbitError(AntennaPinError, RuntimeError):
+    """Newton's method has found no periodic solution near its start; the message says how far it came."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Orbit:
+    """A periodic solution.
+
+    Where a contact lasts, the approach speed that it remembers is a neutral direction: orbits come in
+    families, of which this is the one with the start's, and a multiplier is 1 for it.
+
+    Attributes:
+        start: A state on it.
+        period: [s].
+        residual: Distance between the ends of a period, in error scales [-].
+        iterations: Newton's.
+        multipliers: Floquet's, the largest first, (n,).
+        doubt: Of the multipliers: what differences of other steps change in the largest [-].
+        names: Of the coordinates of a tangent.
+        tangent: Over one period, (n, n).
+        free_period: Whether the period was found too: of a system that does not depend on time; one
+            multiplier is 1 then, of the way along the orbit.
+    """
+
+    start: State
+    period: float
+    residual: float
+    iterations: int
+    multipliers: Complex
+    doubt: float
+    names: tuple[str, ...]
+    tangent: Array
+    free_period: bool
+
+    @property
+    def stable(self) -> bool | None:
+        """Whether neighbours come nearer; None where a multiplier is 1 in size within its doubt."""
+        sizes = np.abs(self.multipliers)
+        if self.free_period:
+            sizes = np.delete(sizes, int(np.argmin(np.abs(self.multipliers - 1.0))))
+        largest = float(sizes.max(initial=0.0))
+        doubt = max(self.doubt, 1e-9)
+        return None if abs(largest - 1.0) <= doubt else largest < 1.0
+
+    @property
+    def exponents(self) -> Array:
+        """Floquet exponents, the real parts of the multipliers' logarithms over the period, (n,) [1/s]."""
+        with np.errstate(divide="ignore"):
+            return np.asarray(np.log(np.abs(self.multipliers)) / self.period)
+
+
+def _multipliers(tangent: Tangent) -> tuple[Complex, float]:
+    values = np.linalg.eigvals(tangent.matrix).astype(complex)
+    values = values[np.argsort(-np.abs(values), kind="stable")]
+    # To first order an eigenvalue moves by the size of what the matrix is wrong by, in a basis of its own.
+    _, basis = np.linalg.eig(tangent.matrix)
+    condition = float(np.linalg.cond(basis)) if len(basis) else 1.0
+    return values, float(np.linalg.norm(tangent.doubt)) * min(condition, 1e3)
+
+
+def _newton_step(flow: Flow, start: State, tangent: Tangent, miss: Array, chart: Chart, free: bool) -> Array:
+    """Return the change of coordinates, and of the period behind them if that is free, of least size."""
+    size = chart.size
+    matrix = tangent.matrix - np.eye(size)
+    wanted = -miss
+    if free:
+        v, a = flow.rates(tangent.end)
+        along = chart.directions(v, a)
+        v, a = flow.rates(start)
+        across = chart.directions(v, a)
+        length = float(np.linalg.norm(across))
+        if length == 0.0:
+            raise NoOrbitError("periodic orbit: the start is at rest, and a state at rest has no period")
+        matrix = np.block([[matrix, along[:, None] / length], [across[None, :] / length, np.zeros((1, 1))]])
+        wanted = np.append(wanted, 0.0)
+    step = np.linalg.lstsq(matrix, wanted, rcond=_NEUTRAL)[0]
+    if free:
+        step[-1] /= length
+    return np.asarray(step)
+
+
+def periodic_orbit(
+    flow: Flow,
+    guess: State,
+    period: float,
+    *,
+    free_period: bool = False,
+    tolerance: float = 1e-9,
+    iterations: int = 30,
+    progress: Callable[[int, float], None] | None = None,
+) -> Orbit:
+    """Find a periodic solution near a guess, by Newton's method on the flow's map over a period.
+
+    Args:
+        flow: The flow.
+        guess: A state near it. Contacts that touch in it touch at the start of the orbit.
+        period: Its period, of a driven system that of the drive or a multiple [s]; a guess if free.
+        free_period: Whether the period is to be found too.
+        tolerance: Distance between the ends of a period that counts as none, in error scales [-].
+        iterations: Of Newton's method at most.
+        progress: Called with the number of each iteration and the distance that it begins with.
+
+    Raises:
+        NoOrbitError: There is none so near that Newton's method finds it.
+        NotAlikeError: After a period other contacts touch than before.
+        FlowError: A run did not come to its end.
+    """
+    for name, value in (("period", period), ("tolerance", tolerance)):
+        if not (math.isfinite(value) and value > 0.0):
+            raise InvalidParameterError("periodic orbit", name, "positive and finite", value)
+    if iterations < 1:
+        raise InvalidParameterError("periodic orbit", "iterations", "1 or more", iterations)
+    start, span, best = guess, period, math.inf
+    for k in range(iterations + 1):
+        chart = Chart(flow.system, start)
+        miss = chart.coordinates(flow.after(start, span))
+        best = float(np.linalg.norm(miss))
+        if progress is not None:
+            progress(k, best)
+        if best <= tolerance or k == iterations:
+            break
+        tangent = flow.tangent(start, span, chart)
+        step = _newton_step(flow, start, tangent, miss, chart, free_period)
+        start, span = _walked(flow, chart, span, step, best, free_period)
+    if not best <= tolerance:
+        raise NoOrbitError(
+            f"periodic orbit: after {iterations} iterations the ends of a period of {span:g} s are still "
+            f"{best:.3g} error scales apart; begin nearer to it, after a longer transient, or with a "
+            "multiple of the period"
+        )
+    tangent = flow.tangent(start, span, chart)
+    values, doubt = _multipliers(tangent)
+    return Orbit(start, span, best, k, values, doubt, chart.names, np.asarray(tangent.matrix), free_period)
+
+
+def _walked(
+    flow: Flow, chart: Chart, span: float, step: Array, before: float, free: bool
+) -> tuple[State, float]:
+    """Return where a step leads, halved until the ends of the period come nearer to one another."""
+    for halving in range(_HALVINGS + 1):
+        part = step * 0.5**halving
+        longer = span + (float(part[-1]) if free else 0.0)
+        there = chart.state(part[: chart.size])
+        if longer > 0.0:
+            try:
+                new = Chart(flow.system, there)
+                miss = float(np.linalg.norm(new.coordinates(flow.after(there, longer))))
+            except AntennaPinError:
+                miss = math.inf
+            if miss < before:
+                return there, longer
+    raise NoOrbitError(
+        f"periodic orbit: no step from here brings the ends of a period of {span:g} s nearer than "
+        f"{before:.3g} error scales; begin nearer to it, or after a longer transient"
+    )

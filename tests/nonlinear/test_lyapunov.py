@@ -1,0 +1,93 @@
+"""Lyapunov exponents against closed forms and against an exact map."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.linalg import expm
+
+from antenna_pin.errors import InvalidParameterError
+from antenna_pin.nonlinear import Flow, largest_exponent, lyapunov_spectrum
+from antenna_pin.simulation import Angle, Event, Jump
+
+
+def test_neighbours_of_a_damped_oscillator_come_together_at_half_its_damping(oscillator):
+    m, k, c, period = 2.0, 50.0, 1.5, 0.25
+    flow = Flow(oscillator(m, k, c, 3.0, 1.0 / period))
+    start = flow.first(np.array([0.1]), np.zeros(1))
+    spectrum = lyapunov_spectrum(flow, start, period, 40)
+    # The sum is the divergence, at every instant. Neighbours turn on ellipses of axes 1 and 5: what that does
+    # to a distance between the ends is log 5 at most, over the time.
+    off = math.log(math.sqrt(k / m)) / (40 * period)
+    assert spectrum.values.sum() == pytest.approx(-c / m, rel=1e-8)
+    assert spectrum.values == pytest.approx([-0.5 * c / m] * 2, abs=off)
+    largest = largest_exponent(flow, start, period, 40)
+    assert largest.values[0] == pytest.approx(-0.5 * c / m, abs=off)
+    assert largest.verdict == spectrum.verdict == "contracting"
+    assert lyapunov_spectrum(flow, start, period, 5).verdict == "too short to say"
+
+
+def exact_growth(state, t, period, count, matrix, steady, w, force, m, restitution):
+    """Largest exponent of impacts at x = 0, flights and jumps of the tangent in closed form [1/s]."""
+
+    def particular(time):
+        turned = steady * np.exp(1j * w * time)
+        return np.array([turned.imag, (1j * w * turned).imag])
+
+    def acceleration(time, y):
+        return matrix[1] @ y + force * math.sin(w * time) / m
+
+    step = period / 400
+    one = expm(matrix * step)
+    way, total, begin = np.array([1.0, 0.0]), 0.0, t
+    for _ in range(400 * count):
+        ahead = particular(t + step) + one @ (state - particular(t))
+        if ahead[0] > 0.0 and state[0] <= 0.0:
+            low, high = 0.0, step
+            for _ in range(60):
+                middle = 0.5 * (low + high)
+                at = particular(t + middle) + expm(matrix * middle) @ (state - particular(t))
+                low, high = (low, middle) if at[0] > 0.0 else (middle, high)
+            there, v = t + high, at[1]
+            hit, after = np.array([0.0, v]), np.array([0.0, -restitution * v])
+            rate = (acceleration(there, after) + restitution * acceleration(there, hit)) / v
+            way = np.array([[-restitution, 0.0], [rate, -restitution]]) @ (expm(matrix * high) @ way)
+            rest = step - high
+            ahead = particular(t + step) + expm(matrix * rest) @ (after - particular(there))
+            way = expm(matrix * rest) @ way
+        else:
+            way = one @ way
+        state, t = ahead, t + step
+        length = np.linalg.norm(way)
+        total, way = total + math.log(length), way / length
+    return total / (t - begin)
+
+
+@pytest.mark.slow
+def test_chaos_of_an_impact_oscillator_against_its_exact_map(oscillator):
+    """Driven at 2.8 times its own frequency against a stop at rest, its grazing chaos (Nordmark's)."""
+    m, k, c, force, frequency, restitution = 1.0, 1.0, 0.02, 1.0, 2.8 / (2.0 * math.pi), 0.8
+    stop = Event(
+        name="stop",
+        when=Angle("way", 0.0),
+        direction=1,
+        action=Jump(lambda now: (now.q, -restitution * now.v)),
+    )
+    flow = Flow(oscillator(m, k, c, force, frequency), events=(stop,))
+    period, w = 1.0 / frequency, 2.0 * math.pi * frequency
+    start = flow.after(flow.first(np.array([-0.05]), np.zeros(1)), 100 * period)
+    ours = largest_exponent(flow, start, period, 300)
+    matrix = np.array([[0.0, 1.0], [-k / m, -c / m]])
+    steady = force / (k - m * w**2 + 1j * c * w)
+    state = np.array([start.q[0], start.v[0]])
+    exact = exact_growth(state, start.time, period, 2000, matrix, steady, w, force, m, restitution)
+    assert abs(ours.values[0] - exact) < 4.0 * ours.errors[0] + 0.01
+    print(ours.values, ours.errors, exact, ours.verdict)
+
+
+@pytest.mark.parametrize(("name", "value"), [("interval", 0.0), ("transient", -1.0), ("count", 0)])
+def test_refusals(oscillator, name, value):
+    flow = Flow(oscillator(damping=1.0))
+    given = {"interval": 1.0, "count": 10, "transient": 0.0, name: value}
+    with pytest.raises(InvalidParameterError, match=f"Lyapunov exponents.*{name}"):
+        largest_exponent(flow, flow.first(np.zeros(1), np.ones(1)), **given)

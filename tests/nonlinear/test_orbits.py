@@ -1,0 +1,111 @@
+"""Periodic solutions and their multipliers against closed forms."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.linalg import expm
+from scipy.optimize import fsolve
+
+from antenna_pin.nonlinear import Flow, NoOrbitError, periodic_orbit
+from antenna_pin.simulation import Angle, Event, Jump
+
+
+def sorted_alike(one, other):
+    return np.sort_complex(np.asarray(one)), np.sort_complex(np.asarray(other))
+
+
+def test_a_driven_damped_oscillator(oscillator):
+    """Its orbit is the steady state, its multipliers are exp(lambda T); both to round-off of the runs."""
+    m, k, c, force, frequency = 2.0, 50.0, 1.5, 3.0, 1.3
+    flow = Flow(oscillator(m, k, c, force, frequency))
+    orbit = periodic_orbit(flow, flow.first(np.zeros(1), np.zeros(1)), 1.0 / frequency)
+    w = 2.0 * math.pi * frequency
+    response = force / (k - m * w**2 + 1j * c * w)
+    assert orbit.start.q == pytest.approx([response.imag], rel=1e-10)
+    assert orbit.start.v == pytest.approx([(1j * w * response).imag], rel=1e-10)
+    found, exact = sorted_alike(orbit.multipliers, np.exp(np.roots([m, c, k]) / frequency))
+    assert found == pytest.approx(exact, abs=1e-11)
+    assert orbit.stable and orbit.doubt < 1e-8 and orbit.iterations <= 2
+    assert orbit.exponents == pytest.approx([-0.5 * c / m] * 2, rel=1e-9)
+
+
+class Impacts:
+    """A mass on a spring that is driven against a stop, by exact flows between impacts."""
+
+    def __init__(self, m, k, c, force, frequency, stop, restitution):
+        self.matrix = np.array([[0.0, 1.0], [-k / m, -c / m]])
+        self.m, self.force, self.w = m, force, 2.0 * math.pi * frequency
+        self.period, self.stop, self.r = 1.0 / frequency, stop, restitution
+        self.steady = force / (k - m * self.w**2 + 1j * c * self.w)
+
+    def particular(self, t):
+        turned = self.steady * np.exp(1j * self.w * t)
+        return np.array([turned.imag, (1j * self.w * turned).imag])
+
+    def flight(self, t, state, span):
+        return self.particular(t + span) + expm(self.matrix * span) @ (state - self.particular(t))
+
+    def acceleration(self, t, state):
+        return self.matrix[1] @ state + self.force * math.sin(self.w * t) / self.m
+
+    def orbit(self, guess):
+        """Return instant and speed after the impact of the orbit with one impact in a period."""
+
+        def misses(unknown):
+            t, v = unknown
+            x, speed = self.flight(t, np.array([self.stop, v]), self.period)
+            return x - self.stop, v + self.r * speed
+
+        return fsolve(misses, guess, xtol=1e-14)
+
+    def multipliers(self, t, v):
+        """Eigenvalues of the flight over a period after the impact's jump of the tangent (its saltation)."""
+        before = -v / self.r
+        jump_rate = self.acceleration(t, np.array([self.stop, v]))
+        jump_rate += self.r * self.acceleration(t, np.array([self.stop, before]))
+        jump = np.array([[-self.r, 0.0], [jump_rate / before, -self.r]])
+        return np.linalg.eigvals(expm(self.matrix * self.period) @ jump)
+
+
+def test_an_impact_oscillator(oscillator):
+    """Each neighbour impacts at its own instant: the jump of the tangent is in the differences, to 1e-8."""
+    numbers = dict(m=1.0, k=1.0, c=0.1, force=1.0, frequency=0.4)
+    exact = Impacts(**numbers, stop=0.0, restitution=0.8)
+    system = oscillator(*numbers.values())
+    stop = Event(
+        name="stop", when=Angle("way", 0.0), direction=1, action=Jump(lambda now: (now.q, -0.8 * now.v))
+    )
+    flow = Flow(system, events=(stop,))
+    state = flow.after(flow.first(np.array([-0.5]), np.zeros(1)), 60 * exact.period)
+    orbit = periodic_orbit(flow, state, exact.period)
+    # The impact of the orbit: where the flight from its start, exact, comes to the stop.
+    times = orbit.start.time + np.linspace(0.0, exact.period, 4001)
+    start = np.array([orbit.start.q[0], orbit.start.v[0]])
+    way = np.array([exact.flight(times[0], start, t - times[0])[0] for t in times])
+    k = int(np.argmax(way >= 0.0))
+    speed = exact.flight(times[0], start, times[k] - times[0])[1]
+    t, v = exact.orbit([times[k], -0.8 * speed])
+    closed = exact.flight(times[0], start, t - times[0])
+    assert closed == pytest.approx([0.0, -v / 0.8], abs=1e-9)
+    found, expected = sorted_alike(orbit.multipliers, exact.multipliers(t, v))
+    assert found == pytest.approx(expected, abs=1e-8)
+    # The doubt is what two orders of differences disagree by: it bounds the error, and is no wild guess.
+    assert np.abs(found - expected).max() < orbit.doubt < 1e-4
+
+
+def test_a_free_oscillation_finds_its_period(oscillator):
+    """Without damping all are orbits of one period, and both multipliers 1; the period is exact."""
+    flow = Flow(oscillator(mass=1.0, stiffness=4.0))
+    start = flow.first(np.array([0.3]), np.array([0.1]))
+    orbit = periodic_orbit(flow, start, 3.0, free_period=True)
+    assert orbit.period == pytest.approx(math.pi, rel=1e-10)
+    assert orbit.multipliers == pytest.approx([1.0, 1.0], abs=1e-6)
+    assert orbit.stable is None
+
+
+def test_where_there_is_no_orbit(oscillator):
+    """In resonance without damping the motion grows: nothing closes."""
+    flow = Flow(oscillator(mass=1.0, stiffness=(2.0 * math.pi) ** 2, amplitude=1.0, frequency=1.0))
+    with pytest.raises(NoOrbitError, match="begin nearer"):
+        periodic_orbit(flow, flow.first(np.zeros(1), np.zeros(1)), 1.0, iterations=4)
