@@ -40,7 +40,16 @@ def graph():
         ("av", {"record"}),
         (
             "pinocchio",
-            {"mechanism", "joints", "constraints", "dynamics", "assemble", "simulation", "linear"},
+            {
+                "mechanism",
+                "joints",
+                "constraints",
+                "dynamics",
+                "assemble",
+                "simulation",
+                "linear",
+                "nonlinear",
+            },
         ),
         ("coal", {"geometry", "joints"}),
         ("yourdfpy", {"mechanism"}),
