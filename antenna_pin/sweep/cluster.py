@@ -71,7 +71,7 @@ class Cluster:
                     n_workers=workers or os.cpu_count() or 1,
                     threads_per_worker=1,
                     processes=True,
-                    dashboard_address=None,
+                    dashboard_address="127.0.0.1:0",  # any free port; the default one may be taken
                     silence_logs=logging.CRITICAL,
                 )
                 self._client = distributed.Client(self._local, set_as_default=False)
