@@ -30,6 +30,7 @@ from antenna_pin.errors import InvalidParameterError
 __all__ = ["UniformSignal", "dominant_frequencies", "spectrogram", "spectrum", "uniform"]
 
 _OVERSAMPLING = 16
+_AT_ONCE = 8192  # points of the grid that are filtered at once
 _LEAST_SAMPLES = 16
 _ROUND_OFF = 1e-10  # of the size of a quantity: what it varies by without a cause
 _LEAST_SHARE = 1e-3  # of the strongest peak, for one to be named beside it
@@ -93,20 +94,34 @@ def _thinned(t: Array, x: Array, grid: Array, step: float) -> Array:
     ) * _OVERSAMPLING + 1  # centred on the fine grid, so that the grid's points are in it
     edges = t[0] + fine * (np.arange(cells + 1) - 0.5)
     curve = Akima1DInterpolator(t, x, axis=0, method="makima")
-    inside = np.clip(edges, t[0], t[-1])
-    # Beyond the ends, by half a cell, it goes on straight.
-    beyond = (edges - inside).reshape(-1, *[1] * (x.ndim - 1))
-    more = beyond * (curve(inside) + 0.5 * beyond * curve(inside, nu=1))
-    averages = np.diff(curve.antiderivative()(inside) + more, axis=0) / fine
-    # Odd about both ends, so that no jump is made there.
+    primitive = curve.antiderivative()
+
+    def averages(first: int, last: int) -> Array:
+        """Return those over some of the cells."""
+        inside = np.clip(edges[first : last + 1], t[0], t[-1])
+        # Beyond the ends, by half a cell, it goes on straight.
+        beyond = (edges[first : last + 1] - inside).reshape(-1, *[1] * (x.ndim - 1))
+        more = beyond * (curve(inside) + 0.5 * beyond * curve(inside, nu=1))
+        return np.asarray(np.diff(primitive(inside) + more, axis=0) / fine)
+
     pad = 10 * _OVERSAMPLING
-    reflected = np.concatenate(
-        [2 * averages[0] - averages[pad:0:-1], averages, 2 * averages[-1] - averages[-2 : -pad - 2 : -1]]
-    )
     taps = signal.firwin(2 * pad + 1, 0.9 / _OVERSAMPLING, window=("kaiser", 8.0))
-    shape = (taps.size, *[1] * (x.ndim - 1))
-    filtered = signal.oaconvolve(reflected, taps.reshape(shape), mode="valid", axes=0)
-    return np.asarray(filtered[::_OVERSAMPLING])
+    taps = taps.reshape(taps.size, *[1] * (x.ndim - 1))
+    found = np.empty((grid.size, *x.shape[1:]))
+    # Part by part: there are more cells than samples, by far.
+    for begin in range(0, grid.size, _AT_ONCE):
+        end = min(begin + _AT_ONCE, grid.size)
+        low, high = begin * _OVERSAMPLING - pad, (end - 1) * _OVERSAMPLING + pad + 1
+        part = averages(max(low, 0), min(high, cells))
+        # Odd about both ends, so that no jump is made there.
+        if low < 0:
+            start = averages(0, pad + 1)
+            part = np.concatenate([2 * start[0] - start[-low:0:-1], part])
+        if high > cells:
+            stop = averages(cells - pad - 1, cells)
+            part = np.concatenate([part, 2 * stop[-1] - stop[-2 : -2 - (high - cells) : -1]])
+        found[begin:end] = signal.oaconvolve(part, taps, mode="valid", axes=0)[::_OVERSAMPLING]
+    return found
 
 
 def spectrum(

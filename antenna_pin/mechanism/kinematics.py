@@ -16,6 +16,8 @@ __all__ = ["link_motion", "link_poses", "link_twists"]
 
 Array = NDArray[np.float64]
 
+_AT_ONCE = 8192  # samples
+
 
 def link_poses(mechanism: Mechanism, q: ArrayLike) -> tuple[Array, Array]:
     """Return the pose of every link's frame in the world.
@@ -32,17 +34,26 @@ def link_poses(mechanism: Mechanism, q: ArrayLike) -> tuple[Array, Array]:
     configurations = _rows("link_poses", "q", q, model.nq)
     n = configurations.shape[0]
     data = model.createData()
-    joints = np.zeros((n, model.njoints, 4, 4))
-    for i in range(n):
-        pin.forwardKinematics(model, data, configurations[i])
-        for j in range(model.njoints):
-            joints[i, j] = data.oMi[j].homogeneous
     names = [link.name for link in mechanism.urdf.robot.links]
     frames = [model.frames[mechanism.frame(name)] for name in names]
     parents = [frame.parentJoint for frame in frames]
     fixed = np.array([frame.placement.homogeneous for frame in frames]).reshape(-1, 4, 4)
-    poses = joints[:, parents] @ fixed
-    return poses[..., :3, 3].copy(), quaternions(poses[..., :3, :3])
+    positions, attitudes = np.zeros((n, len(names), 3)), np.zeros((n, len(names), 4))
+    # Part by part, since matrices take much more room than what is made of them.
+    joints = np.zeros((min(n, _AT_ONCE), model.njoints, 4, 4))
+    for first in range(0, n, _AT_ONCE):
+        last = min(first + _AT_ONCE, n)
+        for i in range(last - first):
+            pin.forwardKinematics(model, data, configurations[first + i])
+            for j in range(model.njoints):
+                joints[i, j] = data.oMi[j].homogeneous
+        poses = joints[: last - first, parents] @ fixed
+        positions[first:last] = poses[..., :3, 3]
+        attitudes[first:last] = quaternions(poses[..., :3, :3])
+        if first:  # signs go on from those before
+            jumped = np.sum(attitudes[first] * attitudes[first - 1], axis=-1) < 0.0
+            attitudes[first:last] *= np.where(jumped, -1.0, 1.0)[:, None]
+    return positions, attitudes
 
 
 def link_twists(
