@@ -8,8 +8,8 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from antenna_pin.dynamics import System, Workspace
 from antenna_pin.differences import gradient
+from antenna_pin.dynamics import System, Workspace
 from antenna_pin.linear.forces import Forces
 
 __all__ = ["Held", "held_by_constraints"]

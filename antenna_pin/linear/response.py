@@ -11,10 +11,10 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.analysis import Antenna
+from antenna_pin.differences import slope
 from antenna_pin.dynamics import JointMotion, System, Workspace
 from antenna_pin.elements import ConstantDrive, Motion
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
-from antenna_pin.differences import slope
 from antenna_pin.linear.play import At
 from antenna_pin.linear.result import COMPONENTS, Modes
 
