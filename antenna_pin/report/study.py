@@ -60,7 +60,8 @@ def _status(study: xr.Dataset, name: str) -> _Status:
     counts = Counter(map(str, np.ravel(study["outcome"].values)))
     count, pending = study["outcome"].size, counts["PENDING"]
     bad = count - pending - counts["COMPLETED"] - counts["STOPPED"]
-    said = f"{count - pending} of {count} runs made; {bad or 'none'} of them did not reach their end"
+    ends = f"{bad} of them did not reach their end" if bad else "all of them reached their end"
+    said = f"{count - pending} of {count} runs made; {ends}"
     outcome = "PENDING" if pending else "COMPLETED" if not bad else "SOME ENDED EARLY"
     return _Status(name, outcome, said, not pending and not bad)
 

@@ -58,9 +58,9 @@ class Cluster:
                 "'antenna-pin[studies]', or run them in this process with --workers 0"
             ) from None
         # What it has to say of lost connections is said here, in one line.
-        logging.getLogger("distributed").setLevel(logging.CRITICAL)
-        for name in ("distributed.nanny", "distributed.worker", "distributed.scheduler", "distributed.core"):
-            logging.getLogger(name).setLevel(logging.CRITICAL)
+        for name in ["distributed", "distributed.client", *logging.root.manager.loggerDict]:
+            if name.partition(".")[0] == "distributed":
+                logging.getLogger(name).setLevel(logging.CRITICAL)
         self._distributed = distributed
         self._local: Any = None
         self._client: Any = None
@@ -135,8 +135,9 @@ class Cluster:
         except AntennaPinError:
             raise
         except (OSError, TimeoutError, self._cancelled()) as error:
+            why = "the connection is gone" if isinstance(error, self._cancelled()) else _words(error)
             raise ClusterLostError(
-                f"scheduler {self._where}: was lost: {_words(error)}; finished runs are kept: give the same "
+                f"scheduler {self._where}: was lost: {why}; finished runs are kept: give the same "
                 "command again"
             ) from None
         finally:
