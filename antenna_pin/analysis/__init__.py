@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from antenna_pin.analysis.orbit import Orbit
     from antenna_pin.analysis.pointing import Antenna, Command, boresight, pointing_error, pointing_spec
     from antenna_pin.analysis.pointing_indices import INTERPRETATIONS, error_components, pointing_indices
+    from antenna_pin.analysis.quantity import Quantity, QuantityName, quantities, quantity
     from antenna_pin.analysis.sampled import resampled, time_mean, time_percentiles, time_rms
     from antenna_pin.analysis.scenarios import (
         SCENARIO_COLUMNS,
@@ -69,6 +70,8 @@ __all__ = [
     "Growth",
     "JournalPose",
     "Orbit",
+    "Quantity",
+    "QuantityName",
     "RunSignal",
     "ScenarioPair",
     "Settling",
@@ -108,6 +111,8 @@ __all__ = [
     "pointing_spec",
     "pointing_indices",
     "possible_scenarios",
+    "quantities",
+    "quantity",
     "resampled",
     "modal_energy",
     "said_of_constraints",
@@ -150,6 +155,7 @@ loaded_when_used(
         "orbit": "Orbit",
         "pointing": "Antenna Command boresight pointing_error pointing_spec",
         "pointing_indices": "INTERPRETATIONS error_components pointing_indices",
+        "quantity": "Quantity QuantityName quantities quantity",
         "sampled": "resampled time_mean time_percentiles time_rms",
         "scenarios": "SCENARIO_COLUMNS JournalPose ScenarioPair TiltRange"
         " possible_scenarios scenario_of scenario_rows",

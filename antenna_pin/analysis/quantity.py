@@ -1,0 +1,268 @@
+r"""Any quantity of a run by one line of text, as sections, phase portraits and figures name it.
+
+The grammar::
+
+    quantity  = "time" | number | "|" number or vector "|" | signal
+    number    = variable                                  kinetic_energy
+              | variable "[" label { "," label } "]"      motion_angle[elevation], v[base.wx]
+              | vector "." component                      joint_force[s2].x, base_position.z
+    vector    = variable [ "[" label "]" ]                joint_force[s2]
+    signal    = a name of analysis.signals                s2 force x
+
+A variable is one of the result file over time, and labels stand in the order of its dimensions, time left
+out. The component of a vector or quaternion stands behind a dot, or as the last label. The label of a
+dimension that has only one may be left out: with one joint with play, ``joint_force.x`` is its force. Between
+bars stands the length of a vector or the size of a number. Blanks beside brackets, commas and bars are of no
+meaning.
+"""
+
+from __future__ import annotations
+
+import difflib
+import itertools
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from antenna_pin.analysis._run import Array, RunLike, data_of, sample_times
+from antenna_pin.analysis.closures import drives_of, effort_unit
+from antenna_pin.analysis.elastic import elastic_parts_of
+from antenna_pin.analysis.signals import signals
+from antenna_pin.errors import InvalidParameterError, UnknownNameError
+from antenna_pin.readable import printed_unit
+from antenna_pin.trajectory import names_along
+
+__all__ = ["Quantity", "QuantityName", "quantities", "quantity"]
+
+_COMPONENTS = ("axis", "quaternion")
+_NAME = re.compile(r"(?P<variable>[^\[\].|]+)(?:\[(?P<labels>.*)\])?(?:\.(?P<component>[^\[\].|]+))?")
+_ORDER = {"q": 0, "v": 1, "a": 2}  # of the derivative of a configuration by time
+_RATES = ("", "/s", "/s^2")
+_SHOWN = 8  # names that a message offers
+
+
+@dataclass(frozen=True, slots=True)
+class QuantityName:
+    """What a name of a quantity says, by parts; whether a run has it is another matter.
+
+    Attributes:
+        variable: Name of the variable, or of a signal.
+        labels: Labels along its dimensions beside time, its component at last.
+        size: Whether it stands between bars.
+    """
+
+    variable: str
+    labels: tuple[str, ...] = ()
+    size: bool = False
+
+    @classmethod
+    def parse(cls, text: str) -> QuantityName:
+        """Return the parts of a name; a text that is none is a variable without labels, which no run has."""
+        name = text.strip()
+        size = len(name) > 2 and name.startswith("|") and name.endswith("|")
+        if size:
+            name = name[1:-1].strip()
+        found = _NAME.fullmatch(name)
+        if found is None:
+            return cls(name, (), size)
+        labels = [] if found["labels"] is None else [label.strip() for label in found["labels"].split(",")]
+        if found["component"] is not None:
+            labels.append(found["component"])
+        return cls(found["variable"], tuple(labels), size)
+
+
+class Quantity(NamedTuple):
+    """A number of a run at its samples."""
+
+    name: str  # as quantities() lists it
+    time: Array  # (n,) [s], uneven; some instants twice, where something jumps
+    values: Array  # (n,)
+    units: str  # as in the result file; "1" if none
+    meaning: str  # "contact force on the journal of s2, x"
+
+    @property
+    def label(self) -> str:
+        """What an axis says that shows it: name and unit."""
+        unit = printed_unit(self.units)
+        return f"{self.name} [{unit}]" if unit else self.name
+
+
+def quantity(run: RunLike, name: str) -> Quantity:
+    """Return a recorded or derived quantity of a run.
+
+    Args:
+        run: A run, or its data.
+        name: Its name; the module's text has the grammar.
+
+    Raises:
+        UnknownNameError: The run has no such variable, signal or label.
+        InvalidParameterError: The name leaves open which one of several numbers it is.
+        FileFormatError: The result is a lean one, without series.
+    """
+    data = data_of(run)
+    time = sample_times(data, "quantity")
+    if name.strip() == "time":
+        return Quantity("time", time, time, "s", "time")
+    wanted = QuantityName.parse(name)
+    if wanted.variable not in _recorded(data):
+        return _signal(data, name, wanted)
+    array = data[wanted.variable]
+    dims = [str(dim) for dim in array.dims[1:]]
+    labels = _found_labels(data, name, wanted, dims)
+    values = np.asarray(array.sel(dict(zip(dims, labels, strict=False))).values, dtype=float)
+    if wanted.size:
+        values = np.abs(values) if values.ndim == 1 else np.linalg.norm(values, axis=1)
+    words = ", ".join([str(array.attrs.get("long_name", wanted.variable)), *labels])
+    return Quantity(
+        _written(dims, wanted.variable, labels, wanted.size),
+        time,
+        values,
+        _units(data, wanted.variable, labels),
+        f"size of {words}" if wanted.size else words,
+    )
+
+
+def quantities(run: RunLike) -> dict[str, str]:
+    """Return the names of all quantities of a run, each with its unit.
+
+    Of a vector the length stands before its components. The sizes of numbers are left out, and signals that
+    are zero throughout.
+
+    Args:
+        run: A run, or its data.
+    """
+    data = data_of(run)
+    sample_times(data, "quantities")
+    found = {"time": "s"}
+    for variable in _recorded(data):
+        dims = [str(dim) for dim in data[variable].dims[1:]]
+        whole = dims[:-1] if dims[-1:] == ["axis"] else dims
+        for labels in itertools.product(*(names_along(data, dim) for dim in whole)):
+            units = _units(data, variable, labels)
+            if whole == dims:
+                found[_written(dims, variable, labels)] = units
+                continue
+            found[_written(dims, variable, labels, size=True)] = units
+            for axis in names_along(data, "axis"):
+                found[_written(dims, variable, (*labels, axis))] = units
+    found |= {name: one.units for name, one in signals(run).items()}
+    return found
+
+
+def _recorded(data: xr.Dataset) -> list[str]:
+    """Return the variables over time that hold numbers, all of whose dimensions have labels."""
+    return [
+        str(name)
+        for name, array in data.data_vars.items()
+        if array.dims[:1] == ("time",)
+        and array.dtype.kind in "fiub"
+        and all(dim in data.coords for dim in array.dims)
+    ]
+
+
+def _signal(data: xr.Dataset, name: str, wanted: QuantityName) -> Quantity:
+    """Return a derived signal, or say what comes near."""
+    known = signals(data)
+    inside = name.strip().strip("|").strip() if wanted.size else name.strip()
+    if inside in known:
+        one = known[inside]
+        if not wanted.size:
+            return Quantity(inside, one.time, one.values, one.units, inside)
+        return Quantity(f"|{inside}|", one.time, np.abs(one.values), one.units, f"size of {inside}")
+    variables = ["time", *_recorded(data)]
+    if wanted.labels:
+        raise UnknownNameError("quantity", "variable", wanted.variable, _near(wanted.variable, variables))
+    raise UnknownNameError("quantity", "name", inside, _near(inside, [*variables, *known]))
+
+
+def _near(name: str, known: list[str]) -> list[str]:
+    """Return the names most like one: all of them would be no line any more."""
+    return difflib.get_close_matches(name, known, n=_SHOWN, cutoff=0.0)
+
+
+def _found_labels(data: xr.Dataset, name: str, wanted: QuantityName, dims: list[str]) -> list[str]:
+    """Return a label for each dimension, but for the axis of a vector whose length is asked for."""
+    given = list(wanted.labels)
+    found = None
+    if wanted.size and dims[-1:] == ["axis"]:
+        found = _matched(data, dims[:-1], given)
+    if found is None:
+        found = _matched(data, dims, given)
+    if found is not None:
+        return found
+    known = [names_along(data, dim) for dim in dims]
+    for label in given:
+        if dims and not any(label in names for names in known):
+            # What the unknown one stands for is what none of the others does.
+            taken = {k for other in given for k, names in enumerate(known) if other in names}
+            free = next((k for k in range(len(dims)) if k not in taken), 0)
+            raise UnknownNameError(f"quantity {name}", dims[free].replace("_", " "), label, known[free])
+    every = ", ".join(_examples(data, wanted.variable, dims))
+    over = " and ".join(["time", *dims])
+    rule = f"the name of one number, such as {every}, as {wanted.variable} is over {over}"
+    raise InvalidParameterError("quantity", "name", rule, name)
+
+
+def _matched(data: xr.Dataset, dims: list[str], given: list[str]) -> list[str] | None:
+    """Return labels along dimensions, those given in order and the only ones of others; None if it fails."""
+    if not dims:
+        return None if given else []
+    known = names_along(data, dims[0])
+    if given and given[0] in known:
+        rest = _matched(data, dims[1:], given[1:])
+        if rest is not None:
+            return [given[0], *rest]
+    if len(known) == 1:
+        rest = _matched(data, dims[1:], given)
+        if rest is not None:
+            return [known[0], *rest]
+    return None
+
+
+def _examples(data: xr.Dataset, variable: str, dims: list[str]) -> list[str]:
+    every = itertools.product(*(names_along(data, dim) for dim in dims))
+    return [_written(dims, variable, labels) for labels in itertools.islice(every, 3)]
+
+
+def _written(dims: Sequence[str], variable: str, labels: Sequence[str], size: bool = False) -> str:
+    """Return the name of a quantity in full."""
+    outside = len(labels) == len(dims) and dims[-1:] and dims[-1] in _COMPONENTS
+    inside = list(labels[:-1] if outside else labels)
+    name = f"{variable}[{', '.join(inside)}]" if inside else variable
+    if outside:
+        name += f".{labels[-1]}"
+    return f"|{name}|" if size else name
+
+
+def _units(data: xr.Dataset, variable: str, labels: Sequence[str]) -> str:
+    """Return the unit of a number; of one whose unit depends on what slides, the one that holds for it."""
+    units = str(data[variable].attrs.get("units", "1"))
+    label = labels[0] if labels else ""
+    if variable in _ORDER:
+        return _unit_of_coordinate(data, label, _ORDER[variable]) or units
+    if variable == "drive_torque":
+        return effort_unit(data, label)
+    about: Mapping[str, Mapping[str, object]] = {}
+    if variable in ("control_reference", "control_error"):
+        about = drives_of(data)
+    elif variable == "deflection":
+        about = elastic_parts_of(data)
+    return "m" if about.get(label, {}).get("slides") else units
+
+
+def _unit_of_coordinate(data: xr.Dataset, label: str, order: int) -> str:
+    """Return the unit of a number of q (order 0), v (1) or a (2); nothing where it cannot be told."""
+    if label in names_along(data, "joint") or label in names_along(data, "sliding_joint"):
+        way = "rad" if label in names_along(data, "joint") else "m"
+        return way + _RATES[order]
+    part = label.rpartition(".")[2]
+    if order == 0:
+        return (
+            "m" if part in ("x", "y", "z") else "1" if part in ("qx", "qy", "qz", "qw", "cos", "sin") else ""
+        )
+    way = "m" if part in ("vx", "vy", "vz") else "rad" if part in ("wx", "wy", "wz") else ""
+    return way and way + _RATES[order]

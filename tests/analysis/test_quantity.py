@@ -1,0 +1,122 @@
+"""Quantities of a run by name: the same numbers as in the result, or one line that says why not."""
+
+import numpy as np
+import pytest
+
+from antenna_pin import load_scenario, simulate
+from antenna_pin.analysis import QuantityName, quantities, quantity, signals
+from antenna_pin.errors import InvalidParameterError, UnknownNameError
+
+
+@pytest.fixture(scope="module")
+def antenna():
+    overrides = ["clearance.elevation.geometry=closed-form"]
+    return simulate(load_scenario("bai2020", case="case3", overrides=overrides), duration=0.03)
+
+
+@pytest.fixture(scope="module")
+def platform():
+    return simulate(load_scenario("chen2021"), duration=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("name", "variable", "place", "units"),
+    [
+        ("kinetic_energy", "kinetic_energy", {}, "J"),
+        ("motion_angle[elevation]", "motion_angle", {"joint": "elevation"}, "rad"),
+        ("v[base.vx]", "v", {"coordinate": "base.vx"}, "m/s"),
+        ("a[elevation.wz]", "a", {"coordinate": "elevation.wz"}, "rad/s^2"),
+        ("v[azimuth]", "v", {"coordinate": "azimuth"}, "rad/s"),
+        ("q[base.qw]", "q", {"configuration": "base.qw"}, "1"),
+        ("joint_force[elevation].x", "joint_force", {"clearance_joint": "elevation", "axis": "x"}, "N"),
+        ("joint_force.y", "joint_force", {"clearance_joint": "elevation", "axis": "y"}, "N"),
+        (
+            " contact_force[ elevation.radial+ , z ]",
+            "contact_force",
+            {"contact": "elevation.radial+", "axis": "z"},
+            "N",
+        ),
+        ("base_attitude.w", "base_attitude", {"quaternion": "w"}, "1"),
+        ("drive_torque[azimuth]", "drive_torque", {"drive": "azimuth"}, "N m"),
+        ("touching[elevation.axial-]", "touching", {"contact": "elevation.axial-"}, "1"),
+    ],
+)
+def test_a_number_is_that_of_the_result(antenna, name, variable, place, units):
+    found = quantity(antenna, name)
+    assert np.array_equal(found.values, antenna.data[variable].sel(place).values)
+    assert np.array_equal(found.time, antenna.data["time"].values)
+    assert found.units == units
+    assert quantity(antenna, found.name).name == found.name  # a name written in full reads as itself
+    assert found.name in quantities(antenna)
+
+
+def test_lengths_and_sizes(antenna):
+    force = antenna.data["joint_force"].values[:, 0, :]
+    length = np.sqrt((force**2).sum(axis=1))
+    assert np.allclose(quantity(antenna, "|joint_force[elevation]|").values, length, rtol=1e-14, atol=0.0)
+    assert quantity(antenna, "| joint_force |").name == "|joint_force[elevation]|"
+    assert np.array_equal(quantity(antenna, "|joint_force.y|").values, np.abs(force[:, 1]))
+    assert np.array_equal(quantity(antenna, "|elevation force y|").values, np.abs(force[:, 1]))
+    assert length.max() > 0.0 and force[:, 1].min() < 0.0
+
+
+def test_every_listed_name_is_one(antenna, platform):
+    for run in (antenna, platform):
+        listed = quantities(run)
+        assert set(signals(run)) < set(listed)
+        for name, units in listed.items():
+            found = quantity(run, name)
+            assert found.units == units, name
+            assert found.values.shape == found.time.shape
+            assert found.label.startswith(name)
+            assert " or " not in units, name
+
+
+def test_what_slides_has_metres_and_newtons(platform):
+    assert quantity(platform, "slide_rate[leg1]").units == quantity(platform, "v[leg1]").units == "m/s"
+    assert quantity(platform, "drive_torque[leg1]").units == "N"
+    assert quantity(platform, "a[tilt1]").units == "rad/s^2"
+
+
+@pytest.mark.parametrize(
+    ("name", "error", "said"),
+    [
+        (
+            "motion_angel[elevation]",
+            UnknownNameError,
+            "variable 'motion_angel' is unknown; did you mean motion_angle?",
+        ),
+        (
+            "motion_angle[elevatoin]",
+            UnknownNameError,
+            "joint 'elevatoin' is unknown; did you mean elevation?",
+        ),
+        ("joint_force[elevation].u", UnknownNameError, "axis 'u' is unknown; known: x, y, z"),
+        ("joint_force[hinge].x", UnknownNameError, "clearance joint 'hinge' is unknown"),
+        ("motion_angle", InvalidParameterError, "such as motion_angle[azimuth], motion_angle[elevation], as"),
+        ("joint_force", InvalidParameterError, "such as joint_force[elevation].x"),
+        (
+            "kinetic_energy[x]",
+            InvalidParameterError,
+            "such as kinetic_energy, as kinetic_energy is over time",
+        ),
+        ("peak_force", UnknownNameError, "name 'peak_force' is unknown"),  # not over time
+        ("elevation force", UnknownNameError, "did you mean elevation force"),
+        ("", UnknownNameError, "name '' is unknown"),
+        ("a]b[", UnknownNameError, "name 'a]b[' is unknown"),
+    ],
+)
+def test_what_is_none_is_refused_in_one_line(antenna, name, error, said):
+    with pytest.raises(error) as refused:
+        quantity(antenna, name)
+    message = str(refused.value)
+    assert said in message
+    assert "\n" not in message and len(message) < 400
+
+
+def test_names_have_parts():
+    assert QuantityName.parse("|contact_force[a.b+, x]|") == QuantityName(
+        "contact_force", ("a.b+", "x"), True
+    )
+    assert QuantityName.parse("base_position.z") == QuantityName("base_position", ("z",))
+    assert QuantityName.parse("s2 force x") == QuantityName("s2 force x")
