@@ -1,22 +1,40 @@
-"""What motions come to: periodic solutions, their stability, and how neighbours part."""
+"""What motions come to: sections, diagrams, periodic solutions, their stability, and how neighbours part."""
 
+from antenna_pin.nonlinear.carry import carried
 from antenna_pin.nonlinear.chart import Chart, NotAlikeError
+from antenna_pin.nonlinear.diagram import Made, bifurcation
 from antenna_pin.nonlinear.flow import Flow, FlowError, Tangent, flow_of
 from antenna_pin.nonlinear.lyapunov import Exponents, Verdict, largest_exponent, lyapunov_spectrum
 from antenna_pin.nonlinear.orbits import NoOrbitError, Orbit, periodic_orbit
+from antenna_pin.nonlinear.sections import poincare
+from antenna_pin.nonlinear.surfaces import Crossing, Section, Stroboscope, drive_period, section_of
+from antenna_pin.nonlinear.table import open_diagram
+from antenna_pin.nonlinear.transient import Settled, judge
 
 __all__ = [
     "Chart",
+    "Crossing",
     "Exponents",
     "Flow",
     "FlowError",
+    "Made",
     "NoOrbitError",
     "NotAlikeError",
     "Orbit",
+    "Section",
+    "Settled",
+    "Stroboscope",
     "Tangent",
     "Verdict",
+    "bifurcation",
+    "carried",
+    "drive_period",
     "flow_of",
+    "judge",
     "largest_exponent",
     "lyapunov_spectrum",
+    "open_diagram",
     "periodic_orbit",
+    "poincare",
+    "section_of",
 ]

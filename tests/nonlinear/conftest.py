@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from antenna_pin import System, Urdf, build_mechanism
+from antenna_pin import System, Urdf, build_mechanism, load_scenario
 from antenna_pin.elements import JointSpring, SineDrive
 
 CARRIAGE = (
@@ -27,5 +27,44 @@ def oscillator():
         if amplitude:
             drives["motor"] = SineDrive(joint="way", amplitude=amplitude, frequency=frequency, phase=phase)
         return System(mechanism, springs=springs, drives=drives)
+
+    return make
+
+
+BAR = (
+    '<robot name="{name}"><link name="ground"/>'
+    '<link name="bob"><inertial><origin xyz="{centre}"/><mass value="1"/>'
+    '<inertia ixx="1e-6" iyy="1e-6" izz="1e-6" ixy="0" ixz="0" iyz="0"/></inertial></link>'
+    '<joint name="{joint}" type="{kind}"><parent link="ground"/><child link="bob"/>{more}</joint></robot>'
+)
+HINGE = {"name": "pendulum", "joint": "hinge", "kind": "continuous", "centre": "0 0 -1"}
+WAY = {"name": "carriage", "joint": "way", "kind": "prismatic", "centre": "0 0 0"}
+FILE = """
+format = 1
+title = "{title}"
+duration = "{duration}"
+[mechanism]
+urdf = "rig.urdf"
+base = "fixed"
+gravity = [0, 0, {gravity!r}]
+[integrator]
+engine = "compiled"
+rtol = {rtol}
+{tables}
+"""
+
+
+@pytest.fixture
+def rig(tmp_path):
+    """A function that makes a scenario of one mass: a carriage on a way, or a pendulum of 1 m and 1 kg."""
+
+    def make(tables, turns=False, gravity=0.0, duration="10 s", rtol=1e-10):
+        parts = HINGE if turns else WAY
+        axis = '<axis xyz="0 1 0"/>' if turns else '<axis xyz="1 0 0"/>'
+        limit = "" if turns else '<limit lower="-9" upper="9" effort="1" velocity="1"/>'
+        (tmp_path / "rig.urdf").write_text(BAR.format(more=axis + limit, **parts))
+        text = FILE.format(title=parts["name"], duration=duration, gravity=gravity, rtol=rtol, tables=tables)
+        (tmp_path / "scenario.toml").write_text(text)
+        return load_scenario(tmp_path / "scenario.toml")
 
     return make

@@ -1,0 +1,77 @@
+"""A state of one system as the start of another whose parameters differ: how a branch is followed."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+
+from antenna_pin.dynamics import System, Workspace
+from antenna_pin.settings import RunSettings
+from antenna_pin.simulation.loop import Run
+from antenna_pin.simulation.run import check_sizes
+from antenna_pin.state import OpenContact, State
+
+__all__ = ["carried"]
+
+
+def carried(state: State, system: System, *, scale: float = 1.0) -> State:
+    """Return a state as a start of another system of the same shape.
+
+    Positions, velocities, integrals and time go over as they are, but for what the other system cannot have:
+    they are brought onto its closures and motions, a contact touches if its gap is closed there, and what
+    contacts that touch on either side remember is kept. Step sizes start anew.
+
+    Args:
+        state: What a run of the one system left.
+        system: The other.
+        scale: By which time is stretched [-]: the new period of a drive over its old one, so that its phase
+            stays where it was.
+
+    Raises:
+        InvalidParameterError: The state is not as large as one of the other system.
+    """
+    check_sizes(system, state)
+    time = state.time * scale
+    shift = time - state.time
+    y = state.y
+    workspace = Workspace(system)
+    if workspace.constraints is not None:
+        workspace.hold(time, y)
+    system.turn_on(y)
+    nq, nv = system.model.nq, system.model.nv
+    moved = dataclasses.replace(
+        state,
+        time=time,
+        reached=state.reached + shift,
+        q=y[:nq].copy(),
+        v=y[nq : nq + nv].copy(),
+        x=y[nq + nv :].copy(),
+        sizes=(),
+        error=0.0,
+        changed=tuple(0 for _ in state.changed),
+        # Events of its own count from their own beginning; which side they are on is looked at anew.
+        events=(),
+        adjusted=(),
+        contacts=tuple(_later(one, shift) for one in state.contacts),
+    )
+    if not len(state.memory):
+        return moved
+    # As if for the first time: which contacts touch there, by the rule of every start.
+    begun = Run(system, y, max(1.0, time), RunSettings()).present()
+    old = state.memory[:, 0] != 0.0
+    new = begun.memory[:, 0] != 0.0
+    memory = np.where((old & new)[:, None], state.memory, begun.memory)
+    kept = {one.contact: one for one in moved.contacts if new[one.contact]}
+    fresh = {
+        one.contact: dataclasses.replace(one, onset=time, peak=(one.peak[0], time, one.peak[2]))
+        for one in begun.contacts
+    }
+    contacts = tuple((fresh | kept)[c] for c in sorted(fresh | kept))
+    return dataclasses.replace(moved, memory=memory, contacts=contacts)
+
+
+def _later(contact: OpenContact, shift: float) -> OpenContact:
+    """Return what is kept of a contact with its times [s] moved."""
+    force, when, depth = contact.peak
+    return dataclasses.replace(contact, onset=contact.onset + shift, peak=(force, when + shift, depth))

@@ -1,0 +1,253 @@
+"""Bifurcation diagrams: settled points of a section over a parameter, from fresh starts and on branches."""
+
+from __future__ import annotations
+
+import math
+import os
+import shutil
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import (
+    FIRST_COMPLETED,
+    Executor,
+    Future,
+    ProcessPoolExecutor,
+    ThreadPoolExecutor,
+    wait,
+)
+from contextlib import contextmanager
+from dataclasses import dataclass
+from multiprocessing import get_context
+from typing import Any
+
+import xarray as xr
+
+from antenna_pin.errors import InvalidParameterError, UnknownNameError
+from antenna_pin.files import check_writable, replacing
+from antenna_pin.nonlinear.branches import BRANCHES, Asked, Branch, Entry, make
+from antenna_pin.nonlinear.parts import Parts
+from antenna_pin.nonlinear.sections import check_counts
+from antenna_pin.nonlinear.surfaces import Section, Stroboscope
+from antenna_pin.nonlinear.table import diagram_table
+from antenna_pin.scenario import Scenario
+from antenna_pin.state import State
+from antenna_pin.trajectory.file import write
+from antenna_pin.units import any_quantity
+
+__all__ = ["Made", "bifurcation"]
+
+
+@dataclass(frozen=True, slots=True)
+class Made:
+    """How far a diagram is.
+
+    Attributes:
+        done: Values made, of an earlier call too [-].
+        count: Values in all, of all branches [-].
+        unsettled: Those of them whose points have not settled, failures included [-].
+    """
+
+    done: int
+    count: int
+    unsettled: int
+
+
+def bifurcation(
+    scenario: Scenario,
+    parameter: str,
+    values: Sequence[Any],
+    section: Section,
+    quantities: Sequence[str],
+    *,
+    branches: Sequence[Branch] = ("fresh",),
+    count: int = 100,
+    transient: int | None = None,
+    most: int | None = None,
+    tolerance: float = 1e-4,
+    out: str | os.PathLike[str] | None = None,
+    workers: int | None = None,
+    progress: Callable[[Made], None] | None = None,
+) -> xr.Dataset:
+    """Return the points of a section over a parameter of a scenario.
+
+    ``fresh`` begins every value at the scenario's start; ``forward`` begins the first value there, and each
+    other in the state that the one before has left, its time, contacts and what these remember included;
+    ``backward`` does so from the last value to the first. Where two branches differ attractors coexist.
+    A stroboscope keeps its phase where its period changes. A value that fails is an entry with its reason,
+    and the next is begun in the state before it.
+
+    With ``out`` every value is kept on the disk as it is made, in the folder ``OUT.parts``: what was killed
+    goes on with the same call, and comes to the same diagram bit for bit.
+
+    Args:
+        scenario: What is run.
+        parameter: Key of the scenario, with dots, as in ``--set``.
+        values: Of it, in order: numbers in SI units, or text with a unit.
+        section: Where the motion is looked at.
+        quantities: What is noted there, by the names that :func:`antenna_pin.analysis.quantity` knows.
+        branches: Any of ``fresh``, ``forward``, ``backward``.
+        count: Points of each value, at least 8 [-].
+        transient: Points cut before them; None to cut until what follows has settled [-].
+        most: Points of a value after which to stop cutting; 20 times ``count`` if left out [-].
+        tolerance: A drift below this part of a quantity's largest amount is none [-].
+        out: File of the result, ``.nc``.
+        workers: Runs made at a time, each of which does not depend on another: in threads for the compiled
+            engine, in processes for the other; one for each core if left out.
+        progress: Called after each value.
+
+    Returns:
+        See :func:`antenna_pin.nonlinear.open_diagram`.
+
+    Raises:
+        AntennaPinError: The input is not valid; every value is built before any is run.
+        OutputError: The result cannot be written, or ``OUT.parts`` is of another diagram.
+    """
+    check_counts("bifurcation", count, transient, most, tolerance)
+    if not quantities or isinstance(quantities, str):
+        raise InvalidParameterError("bifurcation", "quantities", "names of one or more", quantities)
+    if not branches or isinstance(branches, str):
+        raise InvalidParameterError("bifurcation", "branches", f"some of {', '.join(BRANCHES)}", branches)
+    for branch in branches:
+        if branch not in BRANCHES:
+            raise UnknownNameError("bifurcation", "branch", branch, BRANCHES)
+    if workers is not None and (isinstance(workers, bool) or workers < 1):
+        raise InvalidParameterError("bifurcation", "workers", "1 or more", workers)
+    given = list(values)
+    asked = Asked(
+        scenario=scenario,
+        parameter=parameter,
+        section=section,
+        quantities=tuple(dict.fromkeys(quantities)),
+        count=count,
+        transient=transient,
+        most=most,
+        tolerance=tolerance,
+    )
+    chosen = tuple(branch for branch in BRANCHES if branch in branches)
+    _check(asked, given)
+    target = None if out is None else check_writable(out)
+    with Parts.of(target, asked, given, chosen) as parts:
+        _Driver(asked, given, chosen, parts, workers, progress).run()
+        table = diagram_table(asked, given, chosen, parts.entries)
+        if target is not None:
+            table.attrs["coordinates"] = " ".join(str(n) for n in table.coords if n not in table.dims)
+            with replacing(target) as partial:
+                write(table, partial)
+    if parts.folder is not None:
+        shutil.rmtree(parts.folder)
+    return table
+
+
+def _check(asked: Asked, values: list[Any]) -> None:
+    """Refuse values that are none, or that the scenario does not take."""
+    if len(values) < 2:
+        raise InvalidParameterError("bifurcation", "values", "two or more", said=f"{len(values)}")
+    numbers = []
+    for k, value in enumerate(values):
+        found = any_quantity(value)
+        if found is None or not math.isfinite(found[0]):
+            rule = "a number, or text with a unit"
+            raise InvalidParameterError("bifurcation", f"values[{k}]", rule, value)
+        numbers.append(found[0])
+    steps = [b - a for a, b in zip(numbers, numbers[1:], strict=False)]
+    if not (all(step > 0.0 for step in steps) or all(step < 0.0 for step in steps)):
+        raise InvalidParameterError("bifurcation", "values", "in order, each but once", values)
+    for value in values:
+        changed = asked.at(value)
+        if isinstance(asked.section, Stroboscope):
+            asked.section.period_in(changed)
+
+
+class _Driver:
+    """Makes what is missing: fresh values in any order, each branch one value after the other."""
+
+    def __init__(
+        self,
+        asked: Asked,
+        values: list[Any],
+        branches: tuple[Branch, ...],
+        parts: Parts,
+        workers: int | None,
+        progress: Callable[[Made], None] | None,
+    ) -> None:
+        self.asked, self.values, self.branches, self.parts = asked, values, branches, parts
+        self.width = workers or len(os.sched_getaffinity(0))
+        self.progress = progress
+        self.ending = threading.Event()
+
+    def run(self) -> None:
+        """Make all that is missing."""
+        waiting = self._jobs()
+        self._tell()
+        if not any(one is not None for one in waiting):
+            return
+        with self._executor() as executor:
+            running: dict[Future[Entry], Iterator[tuple[int, Any, State | None, float]]] = {}
+            numbers: dict[Future[Entry], int] = {}
+            queue = list(waiting)
+            while queue or running:
+                while queue and len(running) < self.width:
+                    chain = queue.pop(0)
+                    job = next(chain, None)
+                    if job is None:
+                        continue
+                    number, value, start, period = job
+                    ending = self.ending if isinstance(executor, ThreadPoolExecutor) else None
+                    future = executor.submit(make, self.asked, value, start, period, ending)
+                    running[future], numbers[future] = chain, number
+                for future in wait(running, return_when=FIRST_COMPLETED).done if running else ():
+                    chain, number = running.pop(future), numbers.pop(future)
+                    self.parts.add({"run": number} | future.result())
+                    self._tell()
+                    queue.insert(0, chain)  # a branch has the longest way
+
+    def _jobs(self) -> list[Iterator[tuple[int, Any, State | None, float]]]:
+        """Return what is to be done, as chains of which one job at a time may be made."""
+        n = len(self.values)
+        chains: list[Iterator[tuple[int, Any, State | None, float]]] = []
+        for b, branch in enumerate(self.branches):
+            if branch == "fresh":
+                chains += [
+                    iter([(b * n + k, self.values[k], None, math.nan)])
+                    for k in range(n)
+                    if b * n + k not in self.parts.entries
+                ]
+            else:
+                order = range(n) if branch == "forward" else range(n - 1, -1, -1)
+                chains.insert(0, self._branch(b * n, order))
+        return chains
+
+    def _branch(self, first: int, order: range) -> Iterator[tuple[int, Any, State | None, float]]:
+        """Yield the values of a branch, each once the one before is there."""
+        state: State | None = None
+        period = math.nan
+        for k in order:
+            if first + k not in self.parts.entries:
+                yield first + k, self.values[k], state, period
+            entry = self.parts.entries[first + k]
+            if entry["state"]:
+                state = State.from_json(entry["state"])
+                period = math.nan if entry["period"] is None else float(entry["period"])
+
+    @contextmanager
+    def _executor(self) -> Iterator[Executor]:
+        """Yield who makes the runs; what is interrupted ends at once."""
+        compiled = self.asked.scenario.integrator.engine == "compiled"
+        executor: Executor
+        if compiled or self.width == 1:
+            executor = ThreadPoolExecutor(self.width)
+        else:
+            executor = ProcessPoolExecutor(self.width, mp_context=get_context("spawn"))
+        try:
+            yield executor
+        except BaseException:
+            self.ending.set()
+            executor.shutdown(wait=True, cancel_futures=True)
+            raise
+        executor.shutdown()
+
+    def _tell(self) -> None:
+        if self.progress is not None:
+            entries = self.parts.entries.values()
+            unsettled = sum(not entry["settled"] for entry in entries)
+            self.progress(Made(len(self.parts.entries), len(self.branches) * len(self.values), unsettled))
