@@ -17,7 +17,7 @@ _REPORT = "report run.nc"
 _COMMANDS: tuple[tuple[str, str], ...] = (
     ("fly", "No such command 'fly'"),
     ("--fly", "No such option: --fly"),
-    ("run", "Missing argument"),
+    ("run", "must be given a SCENARIO"),
     ("run scenario.toml --out out.nc --fly", "No such option: --fly"),
     ("run scenario.toml --case", "requires an argument"),
     ("run scenario.toml scenario.toml", "unexpected extra argument"),
@@ -144,7 +144,7 @@ _COMMANDS: tuple[tuple[str, str], ...] = (
     ("impacts run.nc --csv no/a.csv", ""),
     ("impacts run.nc --csv .", ""),
     ("pointing run.nc", ""),
-    ("pointing run.nc --direction 1,0", "--direction"),
+    ("pointing run.nc --body bar --boresight 1,0,0 --direction 1,0", "--direction"),
     ("pointing run.nc --body bar --boresight 1,0,0 --direction 0,0,0", "direction"),
     ("pointing run.nc --body bar --boresight 0,0,0 --direction 1,0,0", "boresight"),
     ("pointing run.nc --body bra --boresight 1,0,0 --direction 1,0,0", "bra"),

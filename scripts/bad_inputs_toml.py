@@ -90,6 +90,7 @@ _CHANGES: tuple[tuple[str, str, str, str], ...] = (
     ("steps infinite", _RTOL, "max_steps = inf", "max_steps must be"),
     ("wall time zero", _RTOL, "max_wall_time = 0", "max_wall_time must be positive"),
     ("times that go back", '"1 kHz"', '"1 kHz"\ntimes = [0.2, 0.1]', "output.times[1] must be above"),
+    ("a time past the end", '"1 kHz"', '"1 kHz"\ntimes = [9.0]', "output.times must be at most 0.001 s"),
     ("a time in metres", '"1 kHz"', '"1 kHz"\ntimes = ["1 m"]', "output.times[0] must be a time"),
     ("rate zero", '"1 kHz"', "0", "output.rate must be positive"),
     ("rate angular", '"1 kHz"', '"1 rad/s"', "output.rate must be a frequency"),

@@ -12,32 +12,46 @@ from antenna_pin.trajectory import is_lean, names_along
 
 __all__ = ["said_of_limits"]
 
-_KINDS = (("joint", "motion_angle", "rad"), ("sliding_joint", "slide_position", "m"))
+# Dimension; variable over time, and at the end; unit.
+_KINDS = (
+    ("joint", "motion_angle", "final_angle", "rad"),
+    ("sliding_joint", "slide_position", "final_position", "m"),
+)
 
 
 def said_of_limits(run: RunLike) -> tuple[str, ...]:
     """Return a line for each joint that a run has taken past a ``<limit>`` of its URDF.
 
     By how much at most, and since when, are those of samples. A joint with play has no limits, for it is free
-    in the URDF that is simulated. Nothing is said of a lean result, nor of one without a URDF.
+    in the URDF that is simulated. A lean result knows where its joints end only: of a limit that was passed
+    on the way nothing is said there, nor of a result without a URDF.
 
     Args:
         run: A run, or its data.
     """
     data = data_of(run)
-    limits = {} if is_lean(data) else _limits(str(data.attrs.get("urdf", "")))
+    limits = _limits(str(data.attrs.get("urdf", "")))
+    lean = is_lean(data)
     lines = []
-    for dim, variable, unit in _KINDS:
+    for dim, over_time, final, unit in _KINDS:
         for name in names_along(data, dim) if limits else ():
             if name not in limits:
                 continue
             lower, upper = limits[name]
-            values = np.asarray(data[variable].sel({dim: name}).values, dtype=float)
+            variable = data[final if lean else over_time]
+            values = np.atleast_1d(np.asarray(variable.sel({dim: name}).values, dtype=float))
             beyond = np.maximum(values - upper, lower - values)
             # What stands at its limit may be over it by round-off.
             passed = np.flatnonzero(beyond > 1e-9 * max(upper - lower, 1e-3))
-            if passed.size:
-                side = upper if values[passed[0]] > upper else lower
+            if not passed.size:
+                continue
+            side = upper if values[passed[0]] > upper else lower
+            if lean:
+                lines.append(
+                    f"joint {name!r} ends beyond its limit of {number(side, 4)} {unit}, by "
+                    f"{number(float(beyond.max()), 3)} {unit}: limits are not simulated"
+                )
+            else:
                 lines.append(
                     f"joint {name!r} passes its limit of {number(side, 4)} {unit} at "
                     f"{number(float(data['time'].values[passed[0]]), 4)} s, by up to "

@@ -22,7 +22,11 @@ _SMALLEST, _LARGEST = 64, 4096  # [px]
 _VIEW = (1280, 720)  # [px]
 _SCALES = (4.0, 3.0, 2.0, 1.5, 1.0)
 
+# Until the page's own script has run, the name is that of the element that the player will be in.
 _OPEN = """
+const begun = () => Boolean(window.recording && (window.recording.ready || window.recording.failed));
+for (let k = 0; k < 600 && !begun(); k++) await new Promise((done) => setTimeout(done, 50));
+if (!begun()) return "a page whose script has not run within 30 s";
 const player = window.recording;
 if (player.failed) return player.stage.textContent;
 document.head.insertAdjacentHTML("beforeend", `<style>${a[0]} { display: none !important; }</style>`);

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from antenna_pin.scenario.events import AngleEvent, EventSpec, ForceEvent, GapEvent, RateEvent, TimeEvent
     from antenna_pin.scenario.flexible import FlexibleSpec, ModalDataSpec, ModeSpec, ModesSpec, PetalsSpec
     from antenna_pin.scenario.initial import InitialBaseSpec, InitialJointSpec, InitialSpec
-    from antenna_pin.scenario.integrator import IntegratorSpec, OutputSpec, ScalesSpec
+    from antenna_pin.scenario.integrator import IntegratorSpec, OutputSpec, ScalesSpec, settings_key
     from antenna_pin.scenario.laws import LawChange, LawSpec
     from antenna_pin.scenario.load import load_scenario
     from antenna_pin.scenario.mechanism import JointSpec, LinkSpec, MaterialSpec, MechanismSpec, ShapeSpec
@@ -94,6 +94,7 @@ _HOMES = {
     "scenario_cases": "shipped",
     "scenario_summary": "shipped",
     "scenario_toml": "write",
+    "settings_key": "integrator",
 }
 
 __all__ = [
@@ -147,6 +148,7 @@ __all__ = [
     "scenario_cases",
     "scenario_summary",
     "scenario_toml",
+    "settings_key",
 ]
 
 

@@ -12,7 +12,7 @@ from antenna_pin.scenario._made import MadeSpec, reads
 from antenna_pin.settings import ErrorScales, RunSettings, choice_for
 from antenna_pin.units import shown
 
-__all__ = ["IntegratorSpec", "OutputSpec", "ScalesSpec"]
+__all__ = ["IntegratorSpec", "OutputSpec", "ScalesSpec", "settings_key"]
 
 
 @reads(ErrorScales)
@@ -40,6 +40,12 @@ class IntegratorSpec(MadeSpec):
                 rule = f"must be left out beside accuracy = {given:g}, which chooses it"
                 refuse(f"{rule}, got {shown(data[name])}; leave out one of them", name)
         return {**data, **chosen}
+
+
+def settings_key(parameter: str) -> tuple[str, str]:
+    """Return the keys of a scenario by which a parameter of the settings is set."""
+    output = parameter.removeprefix("output_")
+    return ("integrator", parameter) if output == parameter else ("output", output)
 
 
 @reads(

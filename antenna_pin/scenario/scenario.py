@@ -18,7 +18,7 @@ from antenna_pin.scenario.drives import DRIVE_SPECS, AnySpring, DriveSpec, betwe
 from antenna_pin.scenario.events import EventSpec, number_to_set
 from antenna_pin.scenario.flexible import FlexibleSpec, ModesSpec
 from antenna_pin.scenario.initial import InitialBaseSpec, InitialSpec
-from antenna_pin.scenario.integrator import IntegratorSpec, OutputSpec
+from antenna_pin.scenario.integrator import IntegratorSpec, OutputSpec, settings_key
 from antenna_pin.scenario.mechanism import MaterialSpec, MechanismSpec
 from antenna_pin.scenario.pointing import PointingSpec
 from antenna_pin.scenario.shipped import tables
@@ -201,12 +201,11 @@ class Scenario(Spec):
 
     def _check_pace(self) -> None:
         """Refuse a run without end."""
-        settings = self.integrator.build(output_rate=self.output.rate)
+        settings = self.integrator.build(output_rate=self.output.rate, output_times=self.output.times)
         try:
             settings.check_span(0.0, self.duration)
         except InvalidParameterError as error:
-            place = {"output_rate": ("output", "rate")}.get(error.parameter, ("integrator", error.parameter))
-            refuse(error.reason, *place)
+            refuse(error.reason, *settings_key(error.parameter))
 
     def _check_shown(self, name: str, link: Any) -> None:
         """Refuse a frequency that the samples cannot show."""

@@ -16,13 +16,13 @@ from numpy.typing import ArrayLike
 
 from antenna_pin.assemble import build_system, initial_angles, initial_state
 from antenna_pin.dynamics import System, Workspace, check_closed, check_motions
-from antenna_pin.errors import InvalidParameterError
+from antenna_pin.errors import InvalidParameterError, ScenarioError
 from antenna_pin.geometry import RevoluteClearance
 from antenna_pin.interruption import interruptible
 from antenna_pin.joints._pose_kernels import place_journal
 from antenna_pin.parameters import holds
 from antenna_pin.records import CONTACT, POSE
-from antenna_pin.scenario import Scenario
+from antenna_pin.scenario import Scenario, settings_key
 from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.checkpoint import Checkpoint, about_run, check_same
 from antenna_pin.simulation.events import Event, check_events
@@ -136,7 +136,7 @@ def simulate(
     start_q = first_q if q is None else _numbers("q", q)
     start_v = first_v if v is None else _numbers("v", v)
     begin = stood.begin if stood is not None else 0.0 if start is None else start.reached
-    used.check_span(begin, begin + span)
+    _check_settings(used, begin, begin + span, None if settings is not None else scenario)
     check_spans(system, begin, begin + span)
     if start is None:
         first = system.state(start_q, start_v, angles)
@@ -168,6 +168,16 @@ def simulate(
         with interruptible() as interrupted:
             run.advance(progress, interrupted, keeper)
             return finished(run, scenario, told, keeper, time.perf_counter())
+
+
+def _check_settings(used: RunSettings, begin: float, end: float, scenario: Scenario | None) -> None:
+    """Refuse settings that do not fit a run's times, by the keys of the scenario that they come from."""
+    try:
+        used.check_span(begin, end)
+    except InvalidParameterError as error:
+        if scenario is None:
+            raise
+        raise ScenarioError(f"simulate: {'.'.join(settings_key(error.parameter))} {error.reason}") from error
 
 
 def _as_run(scenario: Scenario, duration: float, settings: RunSettings) -> Scenario:

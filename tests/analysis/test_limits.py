@@ -28,3 +28,15 @@ def test_a_joint_past_its_limit_is_named_with_place_and_time():
     assert said_of_limits(run([0.0, 0.5 + 1e-12, -0.5])) == ()
     assert said_of_limits(run([0.0, 9.0], kind="continuous")) == ()
     assert said_of_limits(run([0.0, 9.0]).assign_attrs(urdf="<limit")) == ()
+
+
+def test_a_lean_result_tells_of_the_end():
+    lean = xr.Dataset(
+        {"final_angle": ("joint", [-0.75])},
+        coords={"joint": ["arm"]},
+        attrs={"urdf": URDF.format(kind="revolute"), "form": "lean"},
+    )
+    (line,) = said_of_limits(lean)
+    said = line.replace("\N{NO-BREAK SPACE}", " ").replace("\N{MINUS SIGN}", "-")
+    assert said == "joint 'arm' ends beyond its limit of -0.5 rad, by 0.25 rad: limits are not simulated"
+    assert said_of_limits(lean.assign(final_angle=("joint", [0.5]))) == ()

@@ -17,6 +17,7 @@ from antenna_pin.analysis import body_poses
 from antenna_pin.cli import app
 from antenna_pin.errors import AntennaPinError, InvalidParameterError, MissingToolError, OutputError
 from antenna_pin.record import Filmed, _camera, film_times, record, save_frames, save_picture, save_video
+from antenna_pin.record._browser import open_browser
 from antenna_pin.record._camera import open_camera
 
 SMALL = (320, 180)
@@ -114,6 +115,21 @@ def test_frames_are_pictures_with_a_table_of_their_times(recording, tmp_path, br
 def test_texts_of_a_large_picture_are_enlarged(size, scale):
     """Where the size is a whole number of pages; a small one keeps them as large as they are."""
     assert _camera._scale(*size) == scale
+
+
+def test_the_camera_waits_for_the_page_s_own_script(browser, tmp_path):
+    """Until it has run, ``window.recording`` is the element of that id, which has no ``pause``."""
+    player = "{ready: Promise.resolve(), pause() { document.title = 'paused'; }}"
+    late = tmp_path / "late.html"
+    late.write_text(
+        '<!DOCTYPE html><title>page</title><div id="recording"></div>'
+        f"<script>setTimeout(() => {{ window.recording = {player}; }}, 400);</script>"
+    )
+    with open_browser() as there:
+        there.open(late.as_uri())
+        assert there.run("return recording instanceof Element && !recording.pause;")
+        assert there.run(_camera._OPEN, ".ap-bar") == ""
+        assert there.run("return document.title;") == "paused"
 
 
 def test_an_enlarged_picture_has_the_size_asked_for(recording, browser, monkeypatch):

@@ -10,7 +10,7 @@ from antenna_pin import load_scenario, simulate
 from antenna_pin.assemble import build_system
 from antenna_pin.dynamics import System
 from antenna_pin.elements import JointFriction
-from antenna_pin.errors import AntennaPinError, NotSimulatedWarning
+from antenna_pin.errors import AntennaPinError, NotSimulatedWarning, ScenarioError
 from antenna_pin.mechanism import Urdf, build_mechanism
 from antenna_pin.settings import RunSettings
 
@@ -200,6 +200,12 @@ def test_chosen_output_times_are_there_and_change_nothing_else(engine):
     )
     assert plain["episode"].size > 3
     assert _same_elsewhere(plain, more, (0.012345, 1 / 70, 0.05)) == len(plain["time"])
+
+
+def test_output_times_past_the_end_are_refused_by_the_scenario_s_key():
+    scenario = load_scenario("pendulum").with_overrides({"output.times": [0.04]})
+    with pytest.raises(ScenarioError, match=r"output\.times must be at most 0\.02 s, the end of the run"):
+        simulate(scenario, duration=0.02)
 
 
 def _same_elsewhere(plain, more, times):
