@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     from antenna_pin.analysis.base import base_motion
     from antenna_pin.analysis.bodies import body_poses, body_twists, joint_loads, mechanism_of
     from antenna_pin.analysis.body import body_deviation, body_motion, moved_body
+    from antenna_pin.analysis.chaos_test import Chaos, ChaosTest, chaos_test
     from antenna_pin.analysis.closures import (
         closure_loads,
         closures_of,
@@ -36,6 +37,7 @@ if TYPE_CHECKING:
     from antenna_pin.analysis.pointing import Antenna, Command, boresight, pointing_error, pointing_spec
     from antenna_pin.analysis.pointing_indices import INTERPRETATIONS, error_components, pointing_indices
     from antenna_pin.analysis.quantity import Quantity, QuantityName, quantities, quantity
+    from antenna_pin.analysis.recurrence import Recurrence, RecurrenceKind, recurrence, section_lines
     from antenna_pin.analysis.sampled import resampled, time_mean, time_percentiles, time_rms
     from antenna_pin.analysis.scenarios import (
         SCENARIO_COLUMNS,
@@ -56,6 +58,7 @@ if TYPE_CHECKING:
         spectrum,
         uniform,
     )
+    from antenna_pin.analysis.transients import Settled, settled
     from antenna_pin.analysis.upright import STEADY, bearing_up, steady_up
 
 __all__ = [
@@ -64,6 +67,8 @@ __all__ = [
     "SPIN_WITHIN",
     "STEADY",
     "Antenna",
+    "Chaos",
+    "ChaosTest",
     "Command",
     "Deviation",
     "DeviationMeasures",
@@ -72,8 +77,11 @@ __all__ = [
     "Orbit",
     "Quantity",
     "QuantityName",
+    "Recurrence",
+    "RecurrenceKind",
     "RunSignal",
     "ScenarioPair",
+    "Settled",
     "Settling",
     "TiltRange",
     "UniformSignal",
@@ -113,6 +121,8 @@ __all__ = [
     "possible_scenarios",
     "quantities",
     "quantity",
+    "chaos_test",
+    "recurrence",
     "resampled",
     "modal_energy",
     "said_of_constraints",
@@ -124,6 +134,8 @@ __all__ = [
     "scenario_rows",
     "scenario_shares",
     "scenario_spans",
+    "section_lines",
+    "settled",
     "settling",
     "signals",
     "spectrogram",
@@ -143,6 +155,7 @@ loaded_when_used(
         "base": "base_motion",
         "bodies": "body_poses body_twists joint_loads mechanism_of",
         "body": "body_deviation body_motion moved_body",
+        "chaos_test": "Chaos ChaosTest chaos_test",
         "closures": "closure_loads closures_of drive_loads drive_power drives_of"
         " effort_unit said_of_constraints said_of_singular",
         "deviation": "Deviation DeviationMeasures deviation",
@@ -156,6 +169,7 @@ loaded_when_used(
         "pointing": "Antenna Command boresight pointing_error pointing_spec",
         "pointing_indices": "INTERPRETATIONS error_components pointing_indices",
         "quantity": "Quantity QuantityName quantities quantity",
+        "recurrence": "Recurrence RecurrenceKind recurrence section_lines",
         "sampled": "resampled time_mean time_percentiles time_rms",
         "scenarios": "SCENARIO_COLUMNS JournalPose ScenarioPair TiltRange"
         " possible_scenarios scenario_of scenario_rows",
@@ -163,6 +177,7 @@ loaded_when_used(
         "shares": "scenario_shares scenario_spans",
         "signals": "RunSignal scales_of signals",
         "spectrum": "UniformSignal dominant_frequencies spectrogram spectrum uniform",
+        "transients": "Settled settled",
         "upright": "STEADY bearing_up steady_up",
     },
 )

@@ -1,0 +1,136 @@
+"""When a motion has settled: from which point on the statistics of its section points drift no more.
+
+The rest of the points behind a candidate start is cut into eight blocks of equal length. Of each block and
+coordinate two statistics are taken, the mean and the mean square about the mean of all, under Hann weights,
+so that it matters little how many oscillations fit into a block. A statistic drifts where the eight values
+rise or fall all the way, but for two neighbours at most (Kendall's S of 26 or more, of 28: by chance once in
+2500), or where the first block is further from the others than they are from each other (Student's t, risk
+1 %). A drift smaller than a tolerance does not count.
+
+That is the method of batch means, with the comparison of early and late parts of Geweke (1992), Bayesian
+Statistics 4, 169-193. It cannot see a change that is still to come: one so slow that the run is short beside
+it looks settled.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.stats import t as student
+
+from antenna_pin.analysis._run import Array
+from antenna_pin.errors import InvalidParameterError
+
+__all__ = ["Settled", "settled"]
+
+_BLOCKS = 8
+_LEAST = 4 * _BLOCKS  # points behind a start
+_STARTS = 32  # candidate starts along the whole, of which the first half is tried
+_RISK = 0.01  # of calling a stationary series drifting, over all statistics of one start
+_MONOTONE = 26  # Kendall's S of eight values, 28 at most
+
+
+@dataclass(frozen=True, slots=True)
+class Settled:
+    """From where on a series of points has settled.
+
+    Attributes:
+        start: Index of the first settled point; None if there is none in the first half, or too few points.
+        drift: Largest drift of a statistic behind the start (or behind the middle if there is none), as a
+            share of the scale [-]; NaN for too few points.
+        tolerance: Drift that does not count, as a share of the scale [-].
+        points: How many there are.
+    """
+
+    start: int | None
+    drift: float
+    tolerance: float
+    points: int
+
+    @property
+    def words(self) -> str:
+        """The verdict, as a line says it."""
+        if self.points < _LEAST:
+            return f"too short to say ({self.points} points, {_LEAST} are needed)"
+        if self.start is None:
+            return (
+                f"not settled: its statistics drift by {self.drift:.2g} of their scale over the second half"
+            )
+        return f"settled from point {self.start} of {self.points} on"
+
+
+def settled(points: ArrayLike, *, scale: ArrayLike | None = None, tolerance: float = 1e-3) -> Settled:
+    """Return from which point on a series has settled.
+
+    Args:
+        points: Section points in order of time, (n,) or (n, d); or even samples of signals, where a block, a
+            sixteenth of them, spans several oscillations.
+        scale: Size of each coordinate's motion, () or (d,), in its unit; half the range of all the points,
+            its transient in, if left out.
+        tolerance: Drift that does not count, as a share of the scale, of its square for mean squares [-].
+
+    Raises:
+        InvalidParameterError: A value is not finite, or a scale is not positive.
+    """
+    z = scaled("settled", points, scale, None)
+    count = len(z)
+    if count < _LEAST:
+        return Settled(None, float("nan"), tolerance, count)
+    step = max(1, count // _STARTS)
+    latest = min(count // 2, count - _LEAST)
+    drift = 0.0
+    for start in range(0, latest + 1, step):
+        drift, moved = _drift(z[start:], tolerance)
+        if not moved:
+            return Settled(start, drift, tolerance, count)
+    return Settled(None, drift, tolerance, count)
+
+
+def scaled(place: str, points: ArrayLike, scale: ArrayLike | None, least: Array | None) -> Array:
+    """Return points (n, d) by their scale [-].
+
+    Args:
+        place: Who asks, for messages.
+        points: (n,) or (n, d).
+        scale: () or (d,), half the range of the points if left out.
+        least: Least scale, (d,), where none is given.
+    """
+    x = np.asarray(points, dtype=float)
+    x = x[:, None] if x.ndim == 1 else x
+    if x.ndim != 2 or not np.isfinite(x).all():
+        raise InvalidParameterError(place, "points", "finite, (n,) or (n, d)", said=f"an array {x.shape}")
+    if scale is not None:
+        sizes = np.broadcast_to(np.asarray(scale, dtype=float), (x.shape[1],))
+        if not (np.isfinite(sizes).all() and (sizes > 0.0).all()):
+            raise InvalidParameterError(place, "scale", "positive, one for each coordinate", scale)
+        return np.asarray(x / sizes)
+    if len(x) == 0:
+        return x
+    sizes = 0.5 * np.ptp(x, axis=0) if least is None else least
+    # Round-off about a point is no motion.
+    floor = 1e-9 * np.abs(x).max(axis=0)
+    sizes = np.maximum(sizes, floor)
+    return np.asarray(x / np.where(sizes > 0.0, sizes, 1.0))
+
+
+def _drift(z: Array, tolerance: float) -> tuple[float, bool]:
+    """Return the largest drift of a statistic over scaled points (m, d), and whether one is a drift."""
+    length = len(z) // _BLOCKS
+    z = z[len(z) - length * _BLOCKS :]
+    weights = np.hanning(length + 2)[1:-1]
+    weights /= weights.sum()
+    deviation = z - z.mean(axis=0)
+    both = np.concatenate([z, deviation**2], axis=1).reshape(_BLOCKS, length, -1)
+    found = np.einsum("l,bls->bs", weights, both)  # (blocks, statistics)
+    risk = _RISK / found.shape[1]
+    later, sooner = np.triu_indices(_BLOCKS, 1)
+    order = np.abs(np.sign(found[sooner] - found[later]).sum(axis=0))
+    rise = np.abs(found[-1] - found[0])
+    rising = (rise > tolerance) & (order >= _MONOTONE)
+    rest = found[1:]
+    off = np.abs(found[0] - rest.mean(axis=0))
+    scatter = rest.std(axis=0, ddof=1) * np.sqrt(1.0 + 1.0 / (_BLOCKS - 1))
+    apart = (off > tolerance) & (off > scatter * student.isf(0.5 * risk, _BLOCKS - 2))
+    return float(np.maximum(rise, off).max()), bool((rising | apart).any())
