@@ -38,6 +38,20 @@ class FlowError(AntennaPinError, RuntimeError):
     """A run of a flow did not come to its end; the message says why."""
 
 
+class Way(NamedTuple):
+    """What a run of a flow comes to.
+
+    Attributes:
+        end: Where to.
+        onsets: How many contacts began on the way.
+        events: How many events happened.
+    """
+
+    end: State
+    onsets: int
+    events: int
+
+
 class Tangent(NamedTuple):
     """The derivative of a flow over a span, in coordinates about a state and about the one it leads to.
 
@@ -89,12 +103,21 @@ class Flow:
         Raises:
             FlowError: The run did not come so far.
         """
+        return self.went(start, span).end
+
+    def went(self, start: State, span: float) -> Way:
+        """Return the state a span of time [s] after another, and what has happened between.
+
+        Raises:
+            FlowError: The run did not come so far.
+        """
         end = start.time + span
         run = Run(self.system, start, end, self._sampled(span), self._events)
         run.advance()
         if run.outcome is not Outcome.COMPLETED:
             raise FlowError(f"a run of {span:g} s from t = {start.time:g} s: {run.message}")
-        return run.present()
+        onsets = int(np.count_nonzero(run.episodes["onset"] > start.time))
+        return Way(run.present(), onsets, len(run.happened))
 
     def rates(self, state: State) -> tuple[Array, Array]:
         """Return velocity and acceleration in a state, (nv,) each."""

@@ -72,8 +72,8 @@ class Exponents:
 def _exponents(growth: Array, lengths: Array, interval: float, start: State, end: State) -> Exponents:
     total = float(lengths.sum())
     values = growth.sum(axis=0) / total
-    # Growths next to one another are not independent: a distance that swings comes back, and chaos has bursts.
-    # Of blocks as long as leave enough of them, the spread tells.
+    # Growths next to one another are not independent: a distance that swings comes back, and chaos has
+    # bursts. Of blocks as long as leave enough of them, the spread tells.
     errors = np.full(growth.shape[1], math.inf)
     width = len(growth) // _BLOCKS
     if width:

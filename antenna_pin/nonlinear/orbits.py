@@ -47,6 +47,7 @@ class Orbit:
         tangent: Over one period, (n, n).
         free_period: Whether the period was found too: of a system that does not depend on time; one
             multiplier is 1 then, of the way along the orbit.
+        onsets: Contacts that begin in a period, and events that happen.
     """
 
     start: State
@@ -58,6 +59,7 @@ class Orbit:
     names: tuple[str, ...]
     tangent: Array
     free_period: bool
+    onsets: tuple[int, int]
 
     @property
     def stable(self) -> bool | None:
@@ -155,9 +157,27 @@ def periodic_orbit(
             f"{best:.3g} error scales apart; begin nearer to it, after a longer transient, or with a "
             "multiple of the period"
         )
-    tangent = flow.tangent(start, span, chart)
+    return orbit_at(flow, start, span, best, k, free_period)
+
+
+def orbit_at(flow: Flow, start: State, period: float, residual: float, count: int, free: bool) -> Orbit:
+    """Return what is known of an orbit that has been found."""
+    chart = Chart(flow.system, start)
+    tangent = flow.tangent(start, period, chart)
     values, doubt = _multipliers(tangent)
-    return Orbit(start, span, best, k, values, doubt, chart.names, np.asarray(tangent.matrix), free_period)
+    way = flow.went(start, period)
+    return Orbit(
+        start=start,
+        period=period,
+        residual=residual,
+        iterations=count,
+        multipliers=values,
+        doubt=doubt,
+        names=chart.names,
+        tangent=np.asarray(tangent.matrix),
+        free_period=free,
+        onsets=(way.onsets, way.events),
+    )
 
 
 def _walked(
