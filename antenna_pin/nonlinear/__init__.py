@@ -1,5 +1,6 @@
 """What motions come to: sections, diagrams, periodic solutions, their stability, and how neighbours part."""
 
+from antenna_pin.nonlinear.branch import Bifurcation, Branch, Family, Point, continued
 from antenna_pin.nonlinear.carry import carried
 from antenna_pin.nonlinear.chart import Chart, NotAlikeError
 from antenna_pin.nonlinear.diagram import Made, bifurcation
@@ -12,15 +13,19 @@ from antenna_pin.nonlinear.table import open_diagram
 from antenna_pin.nonlinear.transient import Settled, judge
 
 __all__ = [
+    "Bifurcation",
+    "Branch",
     "Chart",
     "Crossing",
     "Exponents",
+    "Family",
     "Flow",
     "FlowError",
     "Made",
     "NoOrbitError",
     "NotAlikeError",
     "Orbit",
+    "Point",
     "Section",
     "Settled",
     "Stroboscope",
@@ -28,6 +33,7 @@ __all__ = [
     "Verdict",
     "bifurcation",
     "carried",
+    "continued",
     "drive_period",
     "flow_of",
     "judge",

@@ -117,7 +117,7 @@ class Flow:
         if run.outcome is not Outcome.COMPLETED:
             raise FlowError(f"a run of {span:g} s from t = {start.time:g} s: {run.message}")
         onsets = int(np.count_nonzero(run.episodes["onset"] > start.time))
-        return Way(run.present(), onsets, len(run.happened))
+        return Way(run.present(), onsets, len(run.actions.happened))
 
     def rates(self, state: State) -> tuple[Array, Array]:
         """Return velocity and acceleration in a state, (nv,) each."""

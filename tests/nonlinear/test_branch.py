@@ -1,0 +1,101 @@
+"""Branches of periodic solutions against parameters at which closed forms say that they change."""
+
+import math
+
+import numpy as np
+import pytest
+from impact_oscillator import Impacts
+from scipy.optimize import brentq
+
+from antenna_pin.errors import InvalidParameterError
+from antenna_pin.nonlinear import Flow, continued
+from antenna_pin.simulation import Angle, Event, Jump
+
+NUMBERS = {"m": 1.0, "k": 1.0, "c": 0.1}
+
+
+def against_a_stop(oscillator, force, frequency, stop, restitution):
+    """The flow of a mass on a spring, driven against a stop, and the drive's period."""
+    hit = Event(
+        name="stop",
+        when=Angle("way", stop),
+        direction=1,
+        action=Jump(lambda now: (now.q, -restitution * now.v)),
+    )
+    system = oscillator(*NUMBERS.values(), force, frequency)
+    return Flow(system, events=(hit,)), 1.0 / frequency
+
+
+def test_a_linear_branch_follows_the_response(oscillator):
+    """Over the frequency of the drive, through resonance: the steady state in closed form."""
+    m, k, c, force = 1.0, (2.0 * math.pi) ** 2, 1.0, 2.0
+
+    def family(frequency):
+        return Flow(oscillator(m, k, c, force, frequency)), 1.0 / frequency
+
+    flow, period = family(0.8)
+    branch = continued(
+        family, flow.after(flow.first(np.zeros(1), np.zeros(1)), 10 * period), (0.8, 1.3), arc=0.2
+    )
+    assert branch.message == "the range of the parameter was left" and branch.bifurcations == ()
+    for point in branch.points:
+        w = 2.0 * math.pi * point.value
+        phase = 2.0 * math.pi * point.value * point.orbit.start.time
+        response = force / (k - m * w**2 + 1j * c * w) * np.exp(1j * phase)
+        assert point.orbit.start.q[0] == pytest.approx(response.imag, abs=1e-9)
+
+
+@pytest.mark.slow
+def test_a_graze(oscillator):
+    """Where the steady state comes to the stop, its amplitude is the stop's distance: closed form."""
+    frequency, stop = 0.3, 0.5
+    w = 2.0 * math.pi * frequency
+    exact = stop * abs(NUMBERS["k"] - NUMBERS["m"] * w**2 + 1j * NUMBERS["c"] * w)
+
+    def family(force):
+        return against_a_stop(oscillator, force, frequency, stop, 0.8)
+
+    # From the steady state: from rest it would come to an orbit with impacts, which is there too.
+    steady = 0.9 * exact / (NUMBERS["k"] - NUMBERS["m"] * w**2 + 1j * NUMBERS["c"] * w)
+    flow, _ = family(0.9 * exact)
+    guess = flow.first(np.array([steady.imag]), np.array([(1j * w * steady).imag]))
+    branch = continued(family, guess, (0.9 * exact, 1.1 * exact), arc=0.3, most=12)
+    graze = branch.bifurcations[0]
+    assert graze.kind == "grazing" and graze.doubt < 1e-6
+    assert graze.value == pytest.approx(exact, abs=1e-6)
+
+
+@pytest.mark.slow
+def test_a_period_doubling(oscillator):
+    """Where a multiplier of the orbit with one impact passes -1, by its closed form, to 1e-6."""
+    restitution, force, first, last = 0.3, 1.0, 0.42, 0.435
+
+    def product(frequency):
+        exact = Impacts(**NUMBERS, force=force, frequency=frequency, stop=0.0, restitution=restitution)
+        t, v = exact.orbit([0.66 / frequency, -0.16])
+        return float(np.prod(exact.multipliers(t, v) + 1.0).real)
+
+    exact = brentq(product, first, last, xtol=1e-13)
+
+    def family(frequency):
+        return against_a_stop(oscillator, force, frequency, 0.0, restitution)
+
+    flow, period = family(first)
+    guess = flow.after(flow.first(np.array([-0.5]), np.zeros(1)), 40 * period)
+    branch = continued(family, guess, (first, last), arc=0.3, most=12)
+    (flip,) = branch.bifurcations
+    assert flip.kind == "flip" and flip.value == pytest.approx(exact, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"values": (1.0, 1.0)}, "values must be two different, finite ones"),
+        ({"values": (1.0, 2.0), "arc": 0.0}, "arc must be positive and finite"),
+        ({"values": (1.0, 2.0), "most": 1}, "most must be 2 points or more"),
+    ],
+)
+def test_refusals(oscillator, given, message):
+    flow = Flow(oscillator(damping=1.0))
+    with pytest.raises(InvalidParameterError, match=message):
+        continued(lambda value: (flow, 1.0), flow.first(np.zeros(1), np.zeros(1)), **given)
