@@ -23,8 +23,9 @@ Verdict = Literal["chaotic", "neutral", "contracting", "too short to say"]
 """What a largest exponent says: neighbours part, keep their distance, come together; or nothing yet."""
 
 # Distance of a neighbour, in error scales; the largest from which it is brought back, beyond which its growth
-# is no longer that of a tangent; and the step of differences of a spectrum.
-_DISTANCE, _FARTHEST, _STEP = 1e-7, 1e-3, 1e-5
+# is no longer that of a tangent; the nearest that is told from round-off; and the step of differences of a
+# spectrum.
+_DISTANCE, _FARTHEST, _NEAREST, _STEP = 1e-6, 1e-3, 1e-10, 1e-5
 # Intervals, and blocks of them, below which nothing is said; standard errors that decide; and how large an
 # exponent may be over an interval that counts as none, if it is known so well.
 _FEWEST, _BLOCKS, _SIGMAS, _NEUTRAL = 32, 8, 3.0, 0.01
@@ -148,9 +149,13 @@ def largest_exponent(
         if distance > _FARTHEST and here.time - begun > 1.5 * interval:
             way = z / distance  # parted so far while waiting that its growth is not a tangent's: not counted
             continue
-        growth.append(math.log(max(distance, 1e-300) / _DISTANCE))
+        if distance < _NEAREST:
+            rule = "so short that neighbours do not come together to round-off in it"
+            said = f"{interval:g} s, in which they come {_DISTANCE / max(distance, 1e-300):.0e} times nearer"
+            raise InvalidParameterError("Lyapunov exponents", "interval", rule, said=said)
+        growth.append(math.log(distance / _DISTANCE))
         lengths.append(here.time - begun)
-        way = z / distance if distance > 0.0 else way
+        way = z / distance
         if progress is not None:
             kept = max(len(growth) - turning, 1)
             progress(len(growth), sum(growth[-kept:]) / sum(lengths[-kept:]))

@@ -91,3 +91,10 @@ def test_refusals(oscillator, name, value):
     given = {"interval": 1.0, "count": 10, "transient": 0.0, name: value}
     with pytest.raises(InvalidParameterError, match=f"Lyapunov exponents.*{name}"):
         largest_exponent(flow, flow.first(np.zeros(1), np.ones(1)), **given)
+
+
+def test_an_interval_in_which_neighbours_meet_is_refused(oscillator):
+    """They come e^-50 nearer: what is left of their distance is round-off."""
+    flow = Flow(oscillator(stiffness=1.0, damping=2.0))
+    with pytest.raises(InvalidParameterError, match="interval must be so short that neighbours"):
+        largest_exponent(flow, flow.first(np.ones(1), np.zeros(1)), 50.0, 40)
