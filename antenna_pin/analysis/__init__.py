@@ -7,6 +7,7 @@ from antenna_pin._lazy import loaded_when_used
 if TYPE_CHECKING:
     from antenna_pin.analysis.attitude import interpolate_attitude, interpolation_error
     from antenna_pin.analysis.base import base_motion
+    from antenna_pin.analysis.between import between_samples
     from antenna_pin.analysis.bodies import body_poses, body_twists, joint_loads, mechanism_of
     from antenna_pin.analysis.body import body_deviation, body_motion, moved_body
     from antenna_pin.analysis.chaos_test import Chaos, ChaosTest, chaos_test
@@ -87,6 +88,7 @@ __all__ = [
     "UniformSignal",
     "base_motion",
     "bearing_up",
+    "between_samples",
     "body_deviation",
     "body_motion",
     "body_poses",
@@ -153,6 +155,7 @@ loaded_when_used(
     {
         "attitude": "interpolate_attitude interpolation_error",
         "base": "base_motion",
+        "between": "between_samples",
         "bodies": "body_poses body_twists joint_loads mechanism_of",
         "body": "body_deviation body_motion moved_body",
         "chaos_test": "Chaos ChaosTest chaos_test",

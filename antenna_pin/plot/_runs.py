@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 import numpy as np
 import xarray as xr
 
+from antenna_pin.analysis import between_samples
 from antenna_pin.errors import FileFormatError, InvalidParameterError
-from antenna_pin.plot._style import COLOURS, IDEAL, Array
+from antenna_pin.plot._style import COLOURS, IDEAL, MANY, Array
 from antenna_pin.trajectory import contacts_of, names_along, series
 
 if TYPE_CHECKING:
@@ -149,6 +150,16 @@ def with_reference(
         else:
             reference = same
     return every, reference if reference is not None and reference.time.size > 1 else None
+
+
+def smooth(run: LabelledRun, joint: str) -> LabelledRun:
+    """Return a run with what is known of a joint with play between its samples (``between_samples``).
+
+    Samples of which there are many stand closer than a figure shows.
+    """
+    if not 2 <= run.time.size <= MANY:
+        return run
+    return replace(run, data=between_samples(run.data, joint))
 
 
 def styles(runs: Sequence[LabelledRun], reference: LabelledRun | None) -> list[dict[str, Any]]:

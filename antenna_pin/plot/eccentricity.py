@@ -18,6 +18,7 @@ from antenna_pin.plot._runs import (
     labelled,
     left_out,
     long_enough,
+    smooth,
     too_short,
 )
 from antenna_pin.plot._style import (
@@ -65,12 +66,13 @@ def figure_eccentricity(
     every = labelled(runs)
     joint = choose_joint(TOUCHING, every, joint)
     drawn = [run for run in long_enough(every) if joint in run.clearance_joints]
-    motions = [journal_motion(run.data, joint) for run in drawn]
+    curves = [smooth(run, joint) for run in drawn]
+    motions = [journal_motion(curve.data, joint) for curve in curves]
     bounded = [
         row for row in _BOUNDED if any(np.isfinite(motion.attrs[f"{row[0]}_limit"]) for motion in motions)
     ]
     figure, grid, letter = blocks(len(drawn), [True] * (2 + len(bounded)), width, 32.0)
-    depths = [_depths(run, joint) for run in drawn]
+    depths = [_depths(run, curve, joint) for run, curve in zip(drawn, curves, strict=True)]
     deepest = max(float(part.max(initial=0.0)) for sampled, _, peaks in depths for part in (sampled, peaks))
     depth, depth_unit = prefixed("m", deepest)
     labels = ["eccentricity /\nclearance [-]", f"depth [{depth_unit}]"]
@@ -80,18 +82,19 @@ def figure_eccentricity(
         factors.append(factor)
         labels.append(f"{label} [{printed}]")
     titles = ("eccentricity", "penetration", *(title for _, _, title, _, _ in bounded))
-    for column, (run, motion) in enumerate(zip(drawn, motions, strict=True)):
-        many = run.time.size > MANY
+    for column, (run, curve, motion) in enumerate(zip(drawn, curves, motions, strict=True)):
+        time = curve.time
+        many = time.size > MANY
         panels = [row[column] for row in grid]
         for number, place in enumerate(motion["place"].values):
             colour, line = _LOOKS[str(place)]
             ratio = motion["eccentricity_ratio"].values[:, number]
             panels[0].plot(
-                run.time, ratio, line, color=colour, linewidth=0.5, label=_NAMES[str(place)], rasterized=many
+                time, ratio, line, color=colour, linewidth=0.5, label=_NAMES[str(place)], rasterized=many
             )
         panels[0].axhline(1.0, **_LIMIT)
         sampled, peak_time, peaks = depths[column]
-        panels[1].plot(run.time, depth * sampled, color=COLOURS[0], linewidth=0.5, rasterized=many)
+        panels[1].plot(time, depth * sampled, color=COLOURS[0], linewidth=0.5, rasterized=many)
         panels[1].plot(
             peak_time,
             depth * peaks,
@@ -107,9 +110,7 @@ def figure_eccentricity(
             if not np.isfinite(limit):
                 axes.text(0.5, 0.6, "none in this joint", transform=axes.transAxes, ha="center")
                 continue
-            axes.plot(
-                run.time, factor * motion[name].values, color=COLOURS[0], linewidth=0.5, rasterized=many
-            )
+            axes.plot(time, factor * motion[name].values, color=COLOURS[0], linewidth=0.5, rasterized=many)
             for side in sides:
                 axes.axhline(side * factor * limit, **_LIMIT)
         for axes, title in zip(panels, titles, strict=True):
@@ -139,10 +140,10 @@ def _largest(motions: list[xr.Dataset], name: str) -> float:
     return float(np.nanmax(np.concatenate(sizes)))
 
 
-def _depths(run: LabelledRun, joint: str) -> tuple[Array, Array, Array]:
-    """Return the largest depth in the bore at every sample [m], and times [s] and depths [m] of the peaks."""
+def _depths(run: LabelledRun, curve: LabelledRun, joint: str) -> tuple[Array, Array, Array]:
+    """Return the largest depth in the bore over time [m], and times [s] and depths [m] of the peaks."""
     names = run.contacts_of(joint, flanges=False)
-    sampled = np.stack([run.values("depth", contact=name) for name in names], axis=1).max(axis=1)
+    sampled = np.stack([curve.values("depth", contact=name) for name in names], axis=1).max(axis=1)
     if run.data.sizes.get("episode", 0) == 0:
         return sampled, np.empty(0), np.empty(0)
     index = run.values("episode_contact").astype(int)

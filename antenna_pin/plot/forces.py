@@ -15,6 +15,7 @@ from antenna_pin.plot._runs import (
     Run,
     labelled,
     long_enough,
+    smooth,
     too_short,
 )
 from antenna_pin.plot._style import (
@@ -40,7 +41,7 @@ _ROWS = {
     "axial": ("radial", "axial"),
     "radial": ("radial",),
 }
-_SAMPLED = "resultant on the journal, as sampled"
+_SAMPLED = "resultant on the journal"
 _PEAKS = "peak normal force of each contact episode"
 
 
@@ -50,10 +51,9 @@ def figure_contact_forces(
 ) -> Figure:
     """Return the radial and axial forces on the journal over time, one column per run that has contact.
 
-    The line is the resultant of all contacts at the output samples: its size across the bearing's axis, and
-    its component along that axis. Most impacts fall between two samples, so the peak normal force of every
-    contact episode, which the run finds between the samples, is drawn as a stem: a line to the peak and a dot
-    on it. An axial peak carries the sign of its flange.
+    The line is the resultant of all contacts, a smooth one through the samples: its size across the bearing's
+    axis, and its component along that axis. The peak normal force of every contact episode is drawn as a
+    stem: a line to the peak and a dot on it. An axial peak carries the sign of its flange.
 
     Args:
         runs: Trajectories, or pairs of a label and a dataset.
@@ -64,7 +64,8 @@ def figure_contact_forces(
     joint = choose_joint(TOUCHING, every, joint)
     drawn = [run for run in long_enough(every) if joint in run.clearance_joints]
     kinds = _kinds(drawn, joint)
-    resultants = [_resultant(run, joint, kinds) for run in drawn]
+    curves = [smooth(run, joint) for run in drawn]
+    resultants = [_resultant(curve, joint, kinds) for curve in curves]
     peaks = [{kind: _peaks(run, joint, kind) for kind in kinds} for run in drawn]
     sizes = {
         kind: [
@@ -79,13 +80,13 @@ def figure_contact_forces(
         factor, printed = prefixed(unit, max(sizes[kind]))
         for column, (axes, run) in enumerate(zip(grid[row], drawn, strict=True)):
             axes.plot(
-                run.time,
+                curves[column].time,
                 factor * resultants[column][kind],
                 color=COLOURS[0],
                 linewidth=0.6,
                 label=_SAMPLED,
                 zorder=3,
-                rasterized=run.time.size > MANY,
+                rasterized=curves[column].time.size > MANY,
             )
             _stems(axes, *peaks[column][kind], factor)
             few_ticks(axes, 5)

@@ -26,6 +26,7 @@ from antenna_pin.plot._runs import (
     labelled,
     left_out,
     long_enough,
+    smooth,
     too_short,
 )
 from antenna_pin.plot._style import (
@@ -54,6 +55,7 @@ _FREE = "#B8B8B8"
 _ACROSS = ((0, 1),)
 _PROJECTIONS = ((0, 1), (0, 2), (1, 2))
 _MM = 25.4
+_ALIKE = 2.0  # clearances whose ratio is no larger are drawn on one scale [-]
 _PLACES = {"+": "end +", "-": "end \N{MINUS SIGN}", "centre": "centre"}
 
 
@@ -66,7 +68,8 @@ def figure_orbit(
     A revolute joint has two panels: where the journal's axis passes through the plane of each end of the
     bore. Outside the circle the surfaces are pressed into each other, by a hundredth of the clearance or so.
     A ball joint has the three projections of its ball's centre. A slider's axis is seen at its own two ends,
-    inside the rectangle that its guide leaves it.
+    inside the rectangle that its guide leaves it. Between samples the path is that of their places and
+    velocities. Where the largest clearance is more than twice the smallest, every run is drawn in its own.
 
     Under gravity "up" is against it, as far as the bearing keeps still: the labels say which axis of the
     bearing that is, and a triad in the corner shows its axes where others than x and y are across and up.
@@ -82,22 +85,31 @@ def figure_orbit(
     every = labelled(runs)
     joint = choose_joint(TOUCHING, every, joint)
     drawn = [run for run in long_enough(every) if joint in run.clearance_joints]
-    motions = [journal_motion(run.data, joint) for run in drawn]
+    curves = [smooth(run, joint) for run in drawn]
+    motions = [journal_motion(curve.data, joint) for curve in curves]
     planes = [_PROJECTIONS if motion.attrs["spatial"] else _ACROSS for motion in motions]
     count = sum(motion.sizes["place"] * len(plane) for motion, plane in zip(motions, planes, strict=True))
     note = left_out(every, drawn, "no clearance in this joint")
     figure, panels = _square_panels(width, count, 23.0 if note or too_short(every) else 18.0)
     # The whole play is in view, however little the journal has moved.
-    largest = max(
+    sizes = [
         float(max(np.nanmax(motion["eccentricity"].values), np.abs(motion.attrs["outline"]).max()))
         for motion in motions
-    )
-    factor, printed = prefixed("m", largest)
-    loads = [_bore_forces(run, joint) for run in drawn]
+    ]
+    clearances = [float(motion.attrs["radial_clearance"]) for motion in motions]
+    if max(clearances) > _ALIKE * min(clearances):  # on one scale the smallest would be a dot
+        factors, printed, by = [1.0 / one for one in clearances], "-", " / clearance"
+    else:
+        factor, printed = prefixed("m", max(sizes))
+        factors, by = [factor] * len(drawn), ""
+    reach = 1.1 * max(factor * size for factor, size in zip(factors, sizes, strict=True))
+    loads = [_bore_forces(curve, joint) for curve in curves]
     norm = _norm(shade, drawn, loads)
     letter = letters()
     panel = iter(panels)
-    for run, motion, plane, load in zip(drawn, motions, planes, loads, strict=True):
+    for run, curve, motion, plane, load, factor in zip(
+        drawn, curves, motions, planes, loads, factors, strict=True
+    ):
         shown = shown_axes(run.data, joint, spatial=len(plane) > 1)
         outline = motion.attrs["outline"]
         outline = factor * (np.pad(outline, ((0, 0), (0, 1))) @ shown.turn.T)[:, :2]
@@ -108,18 +120,17 @@ def figure_orbit(
             for across, up in plane:
                 axes = next(panel)
                 if shade == "time":
-                    _line(axes, offset[:, across], offset[:, up], run.time, norm)
+                    _line(axes, offset[:, across], offset[:, up], curve.time, norm)
                 else:
                     _loaded_line(axes, offset[:, across], offset[:, up], load[:, number], norm)
                 axes.add_patch(
                     Polygon(outline, closed=True, fill=False, edgecolor="black", linewidth=0.6, zorder=1.6)
                 )
-                reach = 1.1 * factor * largest
                 axes.set(xlim=(-reach, reach), ylim=(-reach, reach))
                 axes.set_aspect("equal")
                 few_ticks(axes, 4, 4)
-                axes.set_xlabel(f"{shown.names[across]} [{printed}]")
-                axes.set_ylabel(f"{shown.names[up]} [{printed}]")
+                axes.set_xlabel(f"{shown.names[across]}{by} [{printed}]")
+                axes.set_ylabel(f"{shown.names[up]}{by} [{printed}]")
                 mark_axes(axes, shown, across, up)
                 seen = "ball" if len(plane) > 1 else _PLACES[str(place)]
                 panel_title(axes, next(letter) if count > 1 else "", f"{run.label}, {seen}")

@@ -206,7 +206,7 @@ def test_sampled_resultant_is_split_across_and_along_the_axis(runs):
     figure = figure_contact_forces(runs[2:])
     force = data["joint_force"].sel(clearance_joint="elevation").values
     factors = [1e-3 if "[kN]" in axes.get_ylabel() else 1.0 for axes in figure.axes]
-    radial, axial = (line(axes, "resultant on the journal, as sampled").get_ydata() for axes in figure.axes)
+    radial, axial = (line(axes, "resultant on the journal").get_ydata() for axes in figure.axes)
     np.testing.assert_allclose(radial, factors[0] * np.hypot(force[:, 0], force[:, 1]))
     np.testing.assert_allclose(axial, factors[1] * force[:, 2])
 

@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 from antenna_pin import load_scenario, simulate
 from antenna_pin.analysis import (
     base_motion,
+    between_samples,
     body_deviation,
     body_motion,
     body_poses,
@@ -18,6 +19,7 @@ from antenna_pin.analysis import (
     clearance_shapes,
     deviation,
     joint_loads,
+    journal_motion,
     pointing_error,
     scenario_shares,
     spectrum,
@@ -105,8 +107,32 @@ def test_orbit_stays_inside_the_clearance_circle_but_for_the_depth(real_runs):
         clearance = np.hypot(*axes.patches[0].get_xy()[0]) / factor
         assert clearance == pytest.approx(2e-4, rel=1e-9, abs=0.0)
         depth = -data["gap"].sel(contact=contact).values
+        radius = radius[sampled(data)]
         np.testing.assert_allclose(radius - clearance, depth, rtol=0.0, atol=0.33e-6)
         assert np.any(radius > clearance)
+
+
+def sampled(data, joint="elevation"):
+    """Where a curve between the samples of a run has the samples."""
+    return np.isin(between_samples(data, joint)["time"].values, data["time"].values)
+
+
+def test_runs_of_very_different_clearances_are_each_drawn_in_its_own(real_runs):
+    """One of 0.2 mm beside one of 2 mm, made up: both circles have radius 1. Alike, both are in mm."""
+    data = real_runs["case3"]
+    about = json.loads(data.attrs["clearance_joints"])
+    for radius, factor, label in ((0.0118, 5e3, "x / clearance [-]"), (0.01019, 1e3, "x [mm]")):
+        about["elevation"]["dimensions"]["bearing_radius"] = radius
+        other = data.assign_attrs(clearance_joints=json.dumps(about))
+        panels = [axes for axes in figure_orbit([("a", data), ("b", other)]).axes if axes.patches]
+        radii = [np.hypot(*axes.patches[0].get_xy()[0]) for axes in panels]
+        alone = factor * (radius - 0.0098) if factor == 1e3 else 1.0
+        assert radii == pytest.approx([factor * 2e-4] * 2 + [alone] * 2)
+        assert {axes.get_xlabel() for axes in panels} == {label}
+        (orbit,) = (each for each in panels[0].collections if isinstance(each, LineCollection))
+        starts = np.array([piece[0] for piece in orbit.get_segments()])[sampled(data)[:-1]]
+        expected = factor * journal_motion(data, "elevation")["offset"].values[:-1, 0, :2]
+        assert starts == pytest.approx(expected, rel=1e-9, abs=1e-12)
 
 
 def test_orbit_of_a_planar_joint_is_its_centre(real_runs):
@@ -114,6 +140,7 @@ def test_orbit_of_a_planar_joint_is_its_centre(real_runs):
     axes = figure_orbit(("planar", data), width="column").axes[0]
     (orbit,) = (each for each in axes.collections if isinstance(each, LineCollection))
     starts = np.array([piece[0] for piece in orbit.get_segments()]) / factor_of(axes.get_xlabel(), "m")
+    starts = starts[sampled(data)[:-1]]
     # A path keeps what it is given; the factor costs a rounding.
     expected = data["journal_position"].values[:-1, 0, :2]
     np.testing.assert_allclose(starts, expected, rtol=1e-12, atol=1e-18)
@@ -132,6 +159,7 @@ def test_orbit_and_bore_load_have_up_against_gravity(real_runs, gravity):
     axes = figure_orbit(("planar", data)).axes[0]
     (orbit,) = (each for each in axes.collections if isinstance(each, LineCollection))
     starts = np.array([piece[0] for piece in orbit.get_segments()]) / factor_of(axes.get_xlabel(), "m")
+    starts = starts[sampled(data)[:-1]]
     offset = data["journal_position"].values[:-1, 0, :2]
     (polar,) = (each for each in figure_bore_load(("planar", data)).axes if each.name == "polar")
     if np.hypot(*up) < 0.1 * np.linalg.norm(gravity) + 1e-9:  # along the axis, or none: as it was
@@ -163,7 +191,7 @@ def test_orbit_shaded_by_load_leaves_flight_grey(real_runs):
     data = real_runs["case2-planar"]
     axes = figure_orbit(("planar", data), shade="load").axes[0]
     (loaded,) = (each for each in axes.collections if isinstance(each, LineCollection))
-    force = data["normal_force"].values[:, 0]
+    force = between_samples(data, "elevation")["normal_force"].values[:, 0]
     pressed = np.maximum(force[1:], force[:-1]) > 1e-4 * force.max()
     assert len(loaded.get_segments()) == pressed.sum() < force.size
     assert len(axes.lines[0].get_xdata()) == force.size
@@ -200,7 +228,7 @@ def test_eccentricity_is_drawn_over_the_clearance(real_runs):
     data = real_runs["case2-planar"]
     ratio, depth = figure_eccentricity(("planar", data)).axes
     centre = np.hypot(*data["journal_position"].values[:, 0, :2].T)
-    np.testing.assert_allclose(lines_of(ratio)["centre"].get_ydata(), centre / 2e-4, rtol=1e-9)
+    np.testing.assert_allclose(lines_of(ratio)["centre"].get_ydata()[sampled(data)], centre / 2e-4, rtol=1e-9)
     peaks = lines_of(depth)["largest of each contact episode"]
     size = factor_of(depth.get_ylabel(), "m")
     np.testing.assert_allclose(peaks.get_ydata(), size * data["peak_depth"].values, rtol=1e-12)
@@ -212,7 +240,8 @@ def test_tilt_and_axial_place_are_of_joints_that_can_move_so(runs):
     titles = {title_of(axes): axes for axes in figure.axes}
     tilt = next(axes for title, axes in titles.items() if title.endswith("case3, tilt"))
     size = factor_of(tilt.get_ylabel() or figure.axes[4].get_ylabel(), "rad")
-    np.testing.assert_allclose(tilt.lines[0].get_ydata(), size * runs[2][1]["journal_tilt"].values[:, 0])
+    drawn, recorded = tilt.lines[0].get_ydata(), size * runs[2][1]["journal_tilt"].values[:, 0]
+    np.testing.assert_allclose(drawn[sampled(runs[2][1])], recorded, atol=1e-9 * recorded.max())
     planar = next(axes for title, axes in titles.items() if title.endswith("case2-planar, tilt"))
     assert [text.get_text() for text in planar.texts] == ["none in this joint"]
 
@@ -255,7 +284,8 @@ def test_contact_forces_of_a_ball_are_the_whole_force(real_runs):
     (axes,) = figure_contact_forces(("balls", data)).axes
     size = factor_of(axes.get_ylabel(), "N")
     force = np.linalg.norm(data["joint_force"].sel(clearance_joint="upper").values, axis=1)
-    np.testing.assert_allclose(axes.lines[0].get_ydata(), size * force)
+    drawn = axes.lines[0].get_ydata()[sampled(data, "upper")]
+    np.testing.assert_allclose(drawn, size * force, atol=1e-12 * size * force.max())
     peaks = next(line for line in axes.lines if line.get_marker() == ".")
     upper = data["episode_contact"].values == 0
     np.testing.assert_array_equal(peaks.get_xdata(), data["peak_time"].values[upper])
