@@ -16,10 +16,12 @@ import typer
 
 from antenna_pin.cli import (
     analyse,
+    bifurcation,
     contact,
     figures,
     info,
     modes,
+    poincare,
     pointing,
     record,
     report,
@@ -79,6 +81,8 @@ _COMMANDS: dict[str, Callable[..., None]] = {
     "impacts": analyse.impacts,
     "pointing": pointing.pointing,
     "modes": modes.modes,
+    "poincare": poincare.poincare,
+    "bifurcation": bifurcation.bifurcation,
     "plot": info.plot,
     "figures": figures.figures,
     "record": record.record,

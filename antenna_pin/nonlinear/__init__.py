@@ -9,7 +9,7 @@ from antenna_pin.nonlinear.lyapunov import Exponents, Verdict, largest_exponent,
 from antenna_pin.nonlinear.orbits import NoOrbitError, Orbit, periodic_orbit
 from antenna_pin.nonlinear.sections import poincare
 from antenna_pin.nonlinear.surfaces import Crossing, Section, Stroboscope, drive_period, section_of
-from antenna_pin.nonlinear.table import open_diagram
+from antenna_pin.nonlinear.table import open_diagram, save_table
 from antenna_pin.nonlinear.transient import Settled, judge
 
 __all__ = [
@@ -42,5 +42,6 @@ __all__ = [
     "open_diagram",
     "periodic_orbit",
     "poincare",
+    "save_table",
     "section_of",
 ]

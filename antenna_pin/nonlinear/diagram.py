@@ -23,15 +23,15 @@ from typing import Any
 import xarray as xr
 
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
-from antenna_pin.files import check_writable, replacing
+from antenna_pin.files import check_writable
 from antenna_pin.nonlinear.branches import BRANCHES, Asked, Branch, Entry, make
 from antenna_pin.nonlinear.parts import Parts
+from antenna_pin.nonlinear.returns import Returns
 from antenna_pin.nonlinear.sections import check_counts
 from antenna_pin.nonlinear.surfaces import Section, Stroboscope
-from antenna_pin.nonlinear.table import diagram_table
+from antenna_pin.nonlinear.table import diagram_table, save_table
 from antenna_pin.scenario import Scenario
 from antenna_pin.state import State
-from antenna_pin.trajectory.file import write
 from antenna_pin.units import any_quantity
 
 __all__ = ["Made", "bifurcation"]
@@ -130,9 +130,7 @@ def bifurcation(
         _Driver(asked, given, chosen, parts, workers, progress).run()
         table = diagram_table(asked, given, chosen, parts.entries)
         if target is not None:
-            table.attrs["coordinates"] = " ".join(str(n) for n in table.coords if n not in table.dims)
-            with replacing(target) as partial:
-                write(table, partial)
+            save_table(table, target)
     if parts.folder is not None:
         shutil.rmtree(parts.folder)
     return table
@@ -152,6 +150,7 @@ def _check(asked: Asked, values: list[Any]) -> None:
     steps = [b - a for a, b in zip(numbers, numbers[1:], strict=False)]
     if not (all(step > 0.0 for step in steps) or all(step < 0.0 for step in steps)):
         raise InvalidParameterError("bifurcation", "values", "in order, each but once", values)
+    Returns(asked.at(values[0]), asked.section, asked.quantities)
     for value in values:
         changed = asked.at(value)
         if isinstance(asked.section, Stroboscope):

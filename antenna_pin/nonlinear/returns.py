@@ -29,6 +29,8 @@ Array = NDArray[np.float64]
 _NO_RATE = 1e-12
 # Stretches of a run that cross a surface are made longer and shorter as points come, by at most so much.
 _LONGER = 8.0
+# Part of the scenario's duration that is run to see whether it has the quantities.
+_GLANCE = 1e-9
 # Points of one stretch: what bounds the memory that its record takes.
 _AT_ONCE = 64
 # What the datasets of sections and diagrams call something else.
@@ -109,6 +111,16 @@ class Returns:
         self._patience = self._span = scenario.duration
         q, v = initial_state(scenario, self.system)
         self._first = {"q": q, "v": v, "angles": initial_angles(scenario, self.system)}
+        # A run that is next to none tells what is wrong with names before a long one is made.
+        glance = dataclasses.replace(self._settings, max_wall_time=None, output_form="full")
+        shown = simulate(
+            self.system,
+            duration=_GLANCE * scenario.duration,
+            settings=glance,
+            events=self._events,
+            **self._first,
+        )
+        self._points(shown, np.zeros(0, dtype=np.intp))
 
     @property
     def time(self) -> float:

@@ -133,7 +133,7 @@ def poincare(
             "poincare",
             "section",
             "one that the motion comes to; choose another surface, direction or start, or a longer duration",
-            said=f"{section.words}: not once in {returns.time:.6g} s; {found.message}",
+            said=f"{section.words}: {_fate(returns)}",
         )
     return _dataset(scenario, returns, found, tolerance)
 
@@ -182,3 +182,9 @@ def _dataset(scenario: Scenario, returns: Returns, found: SettledPoints, toleran
             "state": "" if found.end is None else found.end.to_json(),
         },
     )
+
+
+def _fate(returns: Returns) -> str:
+    """Return what became of a run without a point."""
+    kept = "" if returns.outcome.name == "STOPPED" else f"; {returns.message}"
+    return f"not once in {returns.time:.6g} s{kept}"

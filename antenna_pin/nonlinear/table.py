@@ -12,12 +12,13 @@ import numpy as np
 import xarray as xr
 
 from antenna_pin.errors import FileFormatError
-from antenna_pin.files import has_whole_seal
+from antenna_pin.files import has_whole_seal, replacing
 from antenna_pin.nonlinear.branches import Asked, Entry
 from antenna_pin.nonlinear.transient import RULE
+from antenna_pin.trajectory.file import write
 from antenna_pin.units import any_quantity
 
-__all__ = ["FORMAT", "diagram_table", "open_diagram"]
+__all__ = ["FORMAT", "diagram_table", "open_diagram", "save_table"]
 
 #: Identifies the format of a diagram's dataset.
 FORMAT = "antenna_pin bifurcation 1"
@@ -99,6 +100,18 @@ def diagram_table(
             "scenario": asked.scenario.model_dump_json(),
         },
     )
+
+
+def save_table(table: xr.Dataset, path: str | os.PathLike[str]) -> None:
+    """Write a section or a diagram to a file (NetCDF 4), whole or not at all.
+
+    Raises:
+        OutputError: It cannot be written there.
+    """
+    stored = table.copy()
+    stored.attrs["coordinates"] = " ".join(str(name) for name in table.coords if name not in table.dims)
+    with replacing(path) as partial:
+        write(stored, partial)
 
 
 def open_diagram(path: str | os.PathLike[str]) -> xr.Dataset:

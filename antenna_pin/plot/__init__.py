@@ -29,6 +29,7 @@ from antenna_pin.plot.papers import PAPERS, PaperFigure, paper_figures
 from antenna_pin.plot.pointing import figure_pointing
 from antenna_pin.plot.response import figure_response
 from antenna_pin.plot.scenarios import figure_scenarios
+from antenna_pin.plot.sections import figure_bifurcation, figure_section
 from antenna_pin.plot.spectra import SIGNALS, figure_spectra, figure_spectrogram
 from antenna_pin.plot.study import (
     QUANTILES,
@@ -55,6 +56,7 @@ __all__ = [
     "RunFigure",
     "StudyFigure",
     "allowed_figures",
+    "figure_bifurcation",
     "figure_base",
     "figure_body",
     "figure_bore_load",
@@ -74,6 +76,7 @@ __all__ = [
     "figure_orbit",
     "figure_pointing",
     "figure_response",
+    "figure_section",
     "figure_restitution",
     "figures_of_experiment",
     "rendered",

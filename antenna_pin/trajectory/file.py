@@ -158,7 +158,7 @@ def _structure(file: Any, data: xr.Dataset) -> dict[Any, Any]:
 def _create(file: Any, name: str, variable: xr.Variable) -> Any:
     if variable.dtype.kind in "OUT":
         made = file.create_dataset(name, shape=variable.shape, dtype=_TEXT)
-    elif variable.size:
+    elif variable.size and variable.ndim:
         rows = variable.shape[0] if variable.nbytes <= _AT_ONCE else min(variable.shape[0], _ROWS)
         shape = variable.shape
         made = file.create_dataset(
