@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Callable, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -110,7 +110,7 @@ class Returns:
             self._events = (*own, passing)
         self._patience = self._span = scenario.duration
         q, v = initial_state(scenario, self.system)
-        self._first = {"q": q, "v": v, "angles": initial_angles(scenario, self.system)}
+        self._first: dict[str, Any] = {"q": q, "v": v, "angles": initial_angles(scenario, self.system)}
         # A run that is next to none tells what is wrong with names before a long one is made.
         glance = dataclasses.replace(self._settings, max_wall_time=None, output_form="full")
         shown = simulate(
@@ -195,7 +195,7 @@ class Returns:
 
     def _go_on(self, span: float, instants: tuple[float, ...] = ()) -> Trajectory:
         settings = dataclasses.replace(self._settings, output_times=instants)
-        start = self._first if self.state is None else {"start": self.state}
+        start: dict[str, Any] = self._first if self.state is None else {"start": self.state}
         run = simulate(
             self.system,
             duration=span,
