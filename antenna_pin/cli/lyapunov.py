@@ -1,0 +1,95 @@
+"""``antenna-pin lyapunov``: how fast neighbours part, and whether that is chaos."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from antenna_pin.cli._common import CaseOption, SetOption, load
+from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, exported, plain
+from antenna_pin.cli._quantities import positive_quantity
+from antenna_pin.cli._tables import print_rows
+from antenna_pin.cli.orbit import PeriodOption, period_of
+from antenna_pin.errors import InvalidParameterError
+
+if TYPE_CHECKING:
+    from antenna_pin.nonlinear import Exponents
+
+__all__ = ["lyapunov"]
+
+
+def lyapunov(
+    scenario: Annotated[str, typer.Argument(metavar="SCENARIO", help="Scenario.")],
+    case: CaseOption = None,
+    period: PeriodOption = None,
+    interval: Annotated[
+        str | None,
+        typer.Option(metavar="TIME", help="Between renormalisations; the period if left out."),
+    ] = None,
+    count: Annotated[int, typer.Option(help="Intervals.")] = 200,
+    transient: Annotated[int, typer.Option(help="Intervals to run before.")] = 20,
+    spectrum: Annotated[
+        bool, typer.Option("--spectrum", help="All exponents, by the tangent; the largest alone else.")
+    ] = False,
+    seed: Annotated[int, typer.Option(help="Of the neighbour's first direction.")] = 0,
+    settings: SetOption = None,
+    as_json: JsonOption = False,
+    csv: CsvOption = None,
+) -> None:
+    """Say how fast neighbours of a motion part: Lyapunov exponents, natural logarithms per second."""
+    from antenna_pin.nonlinear import flow_of, largest_exponent, lyapunov_spectrum
+
+    table = csv_target(csv)
+    for name, number, least in (("--count", count, 1), ("--transient", transient, 0)):
+        if number < least:
+            raise InvalidParameterError("lyapunov", name, f"{least} or more", number)
+    known = load(scenario, case, settings)
+    if interval is not None:
+        span = positive_quantity(interval, "s", "--interval", "lyapunov")
+    else:
+        span = period_of(known, period, "lyapunov")
+    flow, start = flow_of(known)
+    if spectrum:
+        found = lyapunov_spectrum(flow, start, span, count, transient=transient * span)
+    else:
+        found = largest_exponent(flow, start, span, count, transient=transient * span, seed=seed)
+    rows = [
+        plain({"exponent [1/s]": float(value), "error [1/s]": _finite(float(error))})
+        for value, error in zip(found.values, found.errors, strict=True)
+    ]
+    if not exported(_facts(found), rows, as_json, table):
+        _print(found, period is not None or interval is None)
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None
+
+
+def _facts(found: Exponents) -> dict[str, Any]:
+    facts: dict[str, Any] = plain(
+        {
+            "verdict": found.verdict,
+            "exponents": found.values.tolist(),
+            "errors": [_finite(error) for error in found.errors.tolist()],
+            "interval": found.interval,
+            "intervals": len(found.growth),
+            "running": found.running[:, 0].tolist(),
+        }
+    )
+    return facts
+
+
+def _print(found: Exponents, periodic: bool) -> None:
+    typer.echo(f"{found.verdict}, over {len(found.growth)} intervals of {found.interval:.6g} s")
+    unit = "per period" if periodic else "per interval"
+    rows = [
+        [
+            f"{value:.4g}",
+            f"{error:.2g}" if math.isfinite(error) else "unknown",
+            f"{value * found.interval:.4g}",
+        ]
+        for value, error in zip(found.values, found.errors, strict=True)
+    ]
+    print_rows("Lyapunov exponents", ["[1/s]", "standard error [1/s]", unit], rows)
