@@ -22,12 +22,14 @@ from antenna_pin.simulation.events import Event
 from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.parts import (
     CHECKPOINT,
+    changed_words,
     chunk_of,
     folder_of,
     late_numbers,
     late_of,
     numbers_of,
     read_sealed,
+    words_of,
     write_sealed,
 )
 from antenna_pin.state import State
@@ -42,7 +44,7 @@ __all__ = ["Checkpoint", "about_run", "check_same"]
 _MAY_DIFFER = {"name", "description", "overrides", "folder", "duration"}
 
 #: Identifies the file format; others are refused.
-FORMAT = "antenna_pin checkpoint 1"
+FORMAT = "antenna_pin checkpoint 2"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -84,8 +86,8 @@ class Checkpoint:
             "handed": handed,
         }
         base = run.system.program
-        changed = [] if before is None else np.flatnonzero(before != base).tolist()
-        how["before"] = [(word, float(before[word])) for word in changed] if before is not None else []
+        changed = [] if before is None else changed_words(before, base)
+        how["before"] = [] if before is None else [(word, int(words_of(before)[word])) for word in changed]
         numbers = {
             **numbers_of(samples.held, base),
             **late_numbers(samples.late, manifold.size, len(run.contacts)),
@@ -108,7 +110,7 @@ class Checkpoint:
         if how["handed"] is not None:
             before = base.copy()
             for word, value in how["before"]:
-                before[word] = value
+                words_of(before)[word] = value
             samples.go_on_after(how["handed"], before)
         run.outcome, run.message = Outcome[how["outcome"]], how["message"]
         run.search.gap_difference = how["gap_difference"]

@@ -25,12 +25,14 @@ from antenna_pin.simulation.samples import Chunk, Late
 __all__ = [
     "CHECKPOINT",
     "Parts",
+    "changed_words",
     "chunk_of",
     "folder_of",
     "late_numbers",
     "late_of",
     "numbers_of",
     "read_sealed",
+    "words_of",
     "write_sealed",
 ]
 
@@ -84,6 +86,19 @@ def read_sealed(path: Path) -> dict[str, NDArray[Any]]:
 # --- samples in numbers ---------------------------------------------------------------------------------
 
 
+def words_of(program: Array) -> NDArray[np.int64]:
+    """Return a program's words as they are in memory; a view.
+
+    Some are integers, which as floats may be NaN: those are not equal to themselves, and lose bits as text.
+    """
+    return program.view(np.int64)
+
+
+def changed_words(program: Array, base: Array) -> list[int]:
+    """Return which words of a program differ from another's."""
+    return np.flatnonzero(words_of(program) != words_of(base)).tolist()
+
+
 def numbers_of(chunk: Chunk, base: Array) -> dict[str, NDArray[Any]]:
     """Return samples as arrays for a file; of programs what differs from the system's own.
 
@@ -95,7 +110,7 @@ def numbers_of(chunk: Chunk, base: Array) -> dict[str, NDArray[Any]]:
         if not distinct or program is not distinct[-1]:
             distinct.append(program)
         which[k] = len(distinct) - 1
-    changes = [(k, word) for k, program in enumerate(distinct) for word in np.flatnonzero(program != base)]
+    changes = [(k, word) for k, program in enumerate(distinct) for word in changed_words(program, base)]
     return {
         "times": chunk.times,
         "states": chunk.states,
@@ -103,7 +118,7 @@ def numbers_of(chunk: Chunk, base: Array) -> dict[str, NDArray[Any]]:
         "program": which,
         "programs": np.array(len(distinct)),
         "changed": np.array(changes, dtype=np.int64).reshape(-1, 2),
-        "values": np.array([distinct[k][word] for k, word in changes], dtype=float),
+        "values": np.array([words_of(distinct[k])[word] for k, word in changes], dtype=np.int64),
     }
 
 
@@ -111,7 +126,7 @@ def chunk_of(numbers: Mapping[str, NDArray[Any]], base: Array) -> Chunk:
     """Return the samples that :func:`numbers_of` has made arrays of."""
     distinct = [base.copy() for _ in range(int(numbers["programs"]))]
     for (k, word), value in zip(numbers["changed"].tolist(), numbers["values"].tolist(), strict=True):
-        distinct[k][word] = value
+        words_of(distinct[k])[word] = value
     return Chunk(
         numbers["times"],
         numbers["states"],
