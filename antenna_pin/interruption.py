@@ -7,7 +7,9 @@ up, terminals the other when they are closed.
 
 from __future__ import annotations
 
+import os
 import signal
+import sys
 import threading
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
@@ -52,6 +54,23 @@ def ending_by_signals() -> None:
             signal.signal(number, _end)
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         signal.signal(signal.SIGINT, _interrupt)
+    if sys.unraisablehook is not _come_again:
+        _hook.append(sys.unraisablehook)
+        sys.unraisablehook = _come_again
+
+
+# What stood in the place of :func:`_come_again`.
+_hook: list[Callable[[sys.UnraisableHookArgs], object]] = []
+
+
+def _come_again(unraisable: sys.UnraisableHookArgs) -> None:
+    """Have a signal come once more that came where Python drops exceptions, as when an object is removed."""
+    if not isinstance(unraisable.exc_value, KeyboardInterrupt):
+        _hook[-1](unraisable)
+        return
+    again = threading.Timer(0.01, os.kill, (os.getpid(), ended_by()))  # here it would be dropped again
+    again.daemon = True
+    again.start()
 
 
 def _end(number: int, frame: FrameType | None) -> NoReturn:

@@ -65,8 +65,10 @@ def as_command_line():
     """SIGTERM and SIGHUP as the command line takes them, for one test."""
     numbers = (signal.SIGTERM, signal.SIGHUP, signal.SIGINT)
     before = {number: signal.getsignal(number) for number in numbers}
+    hook = sys.unraisablehook
     ending_by_signals()
     yield
+    sys.unraisablehook = hook
     for number, handler in before.items():
         signal.signal(number, handler)
 
@@ -146,6 +148,20 @@ def test_signals_count_as_ctrl_c_on_the_command_line(as_command_line):
             signal.raise_signal(signal.SIGINT)
     with pytest.raises(Ended):
         signal.raise_signal(signal.SIGHUP)
+
+
+def test_a_signal_is_not_lost_where_python_drops_exceptions(as_command_line, capsys):
+    """As in the callbacks of weak references and in ``__del__``: it comes again, and nothing is printed."""
+
+    class Removed:
+        def __del__(self):
+            signal.raise_signal(signal.SIGTERM)
+
+    with pytest.raises(Ended):  # noqa: PT012 - removed first, ended later
+        one = Removed()
+        del one
+        time.sleep(5.0)
+    assert capsys.readouterr().err == ""
 
 
 def test_what_a_library_makes_of_ctrl_c_is_an_interruption_still(as_command_line):
