@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from antenna_pin.analysis.limits import said_of_limits
     from antenna_pin.analysis.loads import load_statistics
     from antenna_pin.analysis.orbit import Orbit
+    from antenna_pin.analysis.phase import Periods, PhasePortrait, phase_portrait
     from antenna_pin.analysis.pointing import Antenna, Command, boresight, pointing_error, pointing_spec
     from antenna_pin.analysis.pointing_indices import INTERPRETATIONS, error_components, pointing_indices
     from antenna_pin.analysis.quantity import Quantity, QuantityName, quantities, quantity
@@ -76,6 +77,8 @@ __all__ = [
     "Growth",
     "JournalPose",
     "Orbit",
+    "Periods",
+    "PhasePortrait",
     "Quantity",
     "QuantityName",
     "Recurrence",
@@ -117,6 +120,7 @@ __all__ = [
     "load_statistics",
     "mechanism_of",
     "moved_body",
+    "phase_portrait",
     "pointing_error",
     "pointing_spec",
     "pointing_indices",
@@ -169,6 +173,7 @@ loaded_when_used(
         "limits": "said_of_limits",
         "loads": "load_statistics",
         "orbit": "Orbit",
+        "phase": "Periods PhasePortrait phase_portrait",
         "pointing": "Antenna Command boresight pointing_error pointing_spec",
         "pointing_indices": "INTERPRETATIONS error_components pointing_indices",
         "quantity": "Quantity QuantityName quantities quantity",

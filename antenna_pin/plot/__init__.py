@@ -26,6 +26,7 @@ from antenna_pin.plot.loads import figure_joint_load, figure_steady_force
 from antenna_pin.plot.motion import QUANTITIES, figure_motion
 from antenna_pin.plot.orbit import figure_bore_load, figure_orbit
 from antenna_pin.plot.papers import PAPERS, PaperFigure, paper_figures
+from antenna_pin.plot.phase import figure_phase
 from antenna_pin.plot.pointing import figure_pointing
 from antenna_pin.plot.response import figure_response
 from antenna_pin.plot.scenarios import figure_scenarios
@@ -74,6 +75,7 @@ __all__ = [
     "figure_momentum",
     "figure_motion",
     "figure_orbit",
+    "figure_phase",
     "figure_pointing",
     "figure_response",
     "figure_section",

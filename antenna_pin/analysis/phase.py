@@ -1,0 +1,142 @@
+"""Phase portraits: two or three quantities of a run over each other, its transient cut by a stated rule."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from antenna_pin.analysis._run import Array, RunLike, data_of, label_of
+from antenna_pin.analysis.quantity import Quantity, quantity
+from antenna_pin.analysis.transients import settled
+from antenna_pin.errors import InvalidParameterError
+
+__all__ = ["Periods", "PhasePortrait", "phase_portrait"]
+
+_JUDGED = 4096  # even samples that the judge sees
+
+
+class Periods(NamedTuple):
+    """A transient of so many periods."""
+
+    count: float  # [-]
+    period: float  # [s]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PhasePortrait:
+    """Quantities of a run over each other.
+
+    Attributes:
+        run: What the run is called.
+        quantities: Two or three of them, behind the transient.
+        start: When the transient ends [s].
+        rule: How that was decided, in words.
+    """
+
+    run: str
+    quantities: tuple[Quantity, ...]
+    start: float
+    rule: str
+
+    @property
+    def time(self) -> Array:
+        """Sample times [s], (n,)."""
+        return self.quantities[0].time
+
+    @property
+    def points(self) -> Array:
+        """The portrait, (n, 2) or (n, 3), each column in the unit of its quantity."""
+        return np.column_stack([one.values for one in self.quantities])
+
+
+def phase_portrait(
+    run: RunLike,
+    x: str,
+    y: str,
+    z: str | None = None,
+    *,
+    transient: float | Periods | Literal["judge"] | None = None,
+) -> PhasePortrait:
+    """Return two or three quantities of a run for a portrait, without its transient.
+
+    The judge (:func:`antenna_pin.analysis.settled`) looks at 4096 even samples of the quantities. It
+    needs a run of many oscillations: where half a run is transient, each of its blocks is a sixteenth of it.
+
+    Args:
+        run: A run, or its data.
+        x: Name of the first quantity (:func:`antenna_pin.analysis.quantity`).
+        y: Of the second.
+        z: Of the third; two if left out.
+        transient: What is cut: all before a time [s], a number of periods from the first sample on, or what
+            the judge finds not settled; nothing if left out.
+
+    Raises:
+        UnknownNameError: The run has no such quantity.
+        InvalidParameterError: A name leaves open which quantity it is; nothing is left of the run; or the
+            judge finds that it has not settled.
+    """
+    label = label_of(data_of(run))
+    every = tuple(quantity(run, name) for name in (x, y, z) if name is not None)
+    time = every[0].time
+    start, rule = _cut(every, label, transient)
+    kept = time >= start
+    if kept.sum() < 2:
+        raise InvalidParameterError(
+            "phase_portrait",
+            "transient",
+            f"over before the run ends, at {_seconds(time[-1])}",
+            said=_seconds(start),
+        )
+    cut = tuple(one._replace(time=one.time[kept], values=one.values[kept]) for one in every)
+    return PhasePortrait(label, cut, start, rule)
+
+
+def _seconds(value: float) -> str:
+    return f"{value:.6g} s"
+
+
+def _cut(
+    every: tuple[Quantity, ...], label: str, transient: float | Periods | str | None
+) -> tuple[float, str]:
+    """Return when the transient ends, and the rule in words."""
+    time = every[0].time
+    begin = float(time[0])
+    if transient is None:
+        return begin, "from the first sample on"
+    if isinstance(transient, Periods):
+        if not (transient.count >= 0.0 and transient.period > 0.0):
+            raise InvalidParameterError(
+                "phase_portrait", "transient", "a number of periods and a positive period [s]", transient
+            )
+        words = f"after {transient.count:g} periods of {_seconds(transient.period)}"
+        return begin + transient.count * transient.period, words
+    if isinstance(transient, str):
+        if transient != "judge":
+            raise InvalidParameterError(
+                "phase_portrait", "transient", "a time [s], Periods, or 'judge'", transient
+            )
+        return _judged(every, label)
+    if not transient >= 0.0:
+        raise InvalidParameterError("phase_portrait", "transient", "a time, zero or later [s]", transient)
+    return float(transient), f"from {_seconds(transient)} on, as given"
+
+
+def _judged(every: tuple[Quantity, ...], label: str) -> tuple[float, str]:
+    time = every[0].time
+    even = np.linspace(time[0], time[-1], _JUDGED)
+    found = settled(np.column_stack([np.interp(even, one.time, one.values) for one in every]))
+    if found.start is None:
+        raise InvalidParameterError(
+            "phase_portrait",
+            "transient",
+            f"given as a time, as {label} has not settled within {_seconds(time[-1])}"
+            f" (the statistics of {' and '.join(one.name for one in every)} drift by {found.drift:.2g} of"
+            " half their ranges): or run it longer",
+            "judge",
+        )
+    if found.start == 0:
+        return float(time[0]), "from the first sample on, as its statistics do not drift"
+    start = float(even[found.start])
+    return start, f"from {_seconds(start)} on, where its statistics drift no more"

@@ -1,0 +1,113 @@
+"""``antenna-pin phase``: phase portraits of a run, and what its quantities are called."""
+
+from __future__ import annotations
+
+import re
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import typer
+
+from antenna_pin.cli._common import Width, WidthOption, load_result, not_interrupted, say, writable_file
+from antenna_pin.cli._quantities import bare
+from antenna_pin.errors import InvalidParameterError
+
+if TYPE_CHECKING:
+    from antenna_pin.analysis import Periods
+
+_FIGURES = (".png", ".pdf", ".svg")
+_PERIODS = re.compile(r"\s*([\d.]+)\s*periods?\s*")
+
+
+class Colour(StrEnum):
+    """What the colours of a portrait are."""
+
+    TIME = "time"
+    DENSITY = "density"
+
+
+def phase(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="Result file of a run.")],
+    x: Annotated[str | None, typer.Option("-x", metavar="NAME", help="Quantity across.")] = None,
+    y: Annotated[str | None, typer.Option("-y", metavar="NAME", help="Quantity up.")] = None,
+    z: Annotated[
+        str | None, typer.Option("-z", metavar="NAME", help="Third one, for a portrait in 3D.")
+    ] = None,
+    start: Annotated[
+        str | None,
+        typer.Option(
+            "--from",
+            metavar="TIME|N periods|judge",
+            help="What of the run is left out as its transient; judge: until its statistics drift no more.",
+        ),
+    ] = None,
+    period: Annotated[
+        str | None, typer.Option(metavar="TIME", help="Period, where --from counts them.")
+    ] = None,
+    colour: Annotated[
+        Colour, typer.Option(help="Line coloured by time, or the share of time.")
+    ] = Colour.TIME,
+    out: Annotated[
+        Path | None, typer.Option("-o", "--out", metavar="FILE", help="Figure: png, pdf or svg.")
+    ] = None,
+    width: WidthOption = Width.PAGE,
+    names: Annotated[
+        bool, typer.Option("--list", help="List the run's quantities with their units, and stop.")
+    ] = False,
+) -> None:
+    """Draw two or three quantities of a run over each other, its transient cut.
+
+    Names are those of the result's variables, as motion_angle[elevation], joint_force[elevation].x,
+    |joint_force[elevation]|, v[base.wx], and of signals, as 'elevation force x'; --list has all.
+    """
+    if names:
+        _list(file)
+        return
+    for option, given in (("-x", x), ("-y", y), ("-o", out)):
+        if given is None:
+            what = "FILE" if option == "-o" else "NAME"
+            raise InvalidParameterError(
+                "phase", option, f"given as {option} {what}, or --list", said="nothing"
+            )
+    assert x is not None and y is not None and out is not None
+    if out.suffix not in _FIGURES:
+        raise InvalidParameterError("phase", "-o", f"a file that ends in {', '.join(_FIGURES)}", str(out))
+    writable_file(out, out.suffix)
+    transient = _transient(start, period)
+    from antenna_pin.analysis import phase_portrait
+    from antenna_pin.plot import figure_phase, save_figure
+
+    portrait = phase_portrait(load_result(file, scenario=False), x, y, z, transient=transient)
+    figure = figure_phase(portrait, shade=colour.value, width=width.value)
+    with not_interrupted():
+        save_figure(figure, out.with_suffix(""), [out.suffix[1:]])
+        say(f"{portrait.run} {portrait.rule}, {len(portrait.time)} samples")
+        typer.echo(f"saved {out}")
+
+
+def _transient(text: str | None, period: str | None) -> float | Periods | Literal["judge"] | None:
+    from antenna_pin.analysis import Periods
+    from antenna_pin.units import quantity
+
+    counted = None if text is None else _PERIODS.fullmatch(text)
+    if (counted is None) != (period is None):
+        rule = "given with --period TIME" if counted else "given with --from 'N periods'"
+        option, seen = ("--from", text) if counted else ("--period", period)
+        raise InvalidParameterError("phase", option, rule, seen)
+    if text is None or text == "judge":
+        return "judge" if text else None
+    if counted is not None:
+        assert period is not None
+        return Periods(quantity(bare(counted[1]), "1", "--from"), quantity(bare(period), "s", "--period"))
+    return quantity(bare(text), "s", "--from")
+
+
+def _list(file: Path) -> None:
+    from antenna_pin.analysis import quantities
+    from antenna_pin.readable import printed_unit
+
+    found = quantities(load_result(file, scenario=False))
+    width = max(map(len, found))
+    for name, unit in found.items():
+        say(f"{name:<{width}} {printed_unit(unit) or '-'}")
