@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal, NamedTuple
+from typing import Literal
 
 import numpy as np
 
@@ -17,11 +17,23 @@ __all__ = ["Periods", "PhasePortrait", "phase_portrait"]
 _JUDGED = 4096  # even samples that the judge sees
 
 
-class Periods(NamedTuple):
-    """A transient of so many periods."""
+@dataclass(frozen=True, slots=True)
+class Periods:
+    """A transient of so many periods.
 
-    count: float  # [-]
-    period: float  # [s]
+    Attributes:
+        count: How many, zero or more [-].
+        period: Of what, positive [s].
+    """
+
+    count: float
+    period: float
+
+    def __post_init__(self) -> None:
+        if not self.count >= 0.0:
+            raise InvalidParameterError(self, "count", "zero or more")
+        if not self.period > 0.0:
+            raise InvalidParameterError(self, "period", "positive [s]")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -106,10 +118,6 @@ def _cut(
     if transient is None:
         return begin, "from the first sample on"
     if isinstance(transient, Periods):
-        if not (transient.count >= 0.0 and transient.period > 0.0):
-            raise InvalidParameterError(
-                "phase_portrait", "transient", "a number of periods and a positive period [s]", transient
-            )
         words = f"after {transient.count:g} periods of {_seconds(transient.period)}"
         return begin + transient.count * transient.period, words
     if isinstance(transient, str):
@@ -131,9 +139,9 @@ def _judged(every: tuple[Quantity, ...], label: str) -> tuple[float, str]:
         raise InvalidParameterError(
             "phase_portrait",
             "transient",
-            f"given as a time, as {label} has not settled within {_seconds(time[-1])}"
+            f"a time, or the run longer: {label} has not settled within {_seconds(time[-1])}"
             f" (the statistics of {' and '.join(one.name for one in every)} drift by {found.drift:.2g} of"
-            " half their ranges): or run it longer",
+            " half their ranges)",
             "judge",
         )
     if found.start == 0:

@@ -203,7 +203,7 @@ def _found_labels(data: xr.Dataset, name: str, wanted: QuantityName, dims: list[
             raise UnknownNameError(f"quantity {name}", dims[free].replace("_", " "), label, known[free])
     every = ", ".join(_examples(data, wanted.variable, dims))
     over = " and ".join(["time", *dims])
-    rule = f"the name of one number, such as {every}, as {wanted.variable} is over {over}"
+    rule = f"that of one number, such as {every}, as {wanted.variable} is over {over}"
     raise InvalidParameterError("quantity", "name", rule, name)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any, Literal
 
 import numpy as np
+import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection
@@ -78,7 +79,7 @@ def _scaled(one: Quantity) -> tuple[Array, str]:
     return factor * one.values, f"{one.name} [{unit}]" if unit else one.name
 
 
-def thinned(points: Array) -> Array:
+def thinned(points: Array) -> npt.NDArray[np.intp]:
     """Return the indices of the points, (n, d), at which a line enters or leaves a cell of the picture."""
     low, span = points.min(axis=0), np.ptp(points, axis=0)
     cell = np.floor((points - low) / np.where(span > 0.0, span, 1.0) * _CELLS)
@@ -129,8 +130,8 @@ def _density(figure: Figure, points: Array, time: Array) -> tuple[Axes, ScalarMa
     finite = np.isfinite(points).all(axis=1)
     even = np.linspace(time[finite][0], time[finite][-1], _EVEN)
     dense = [np.interp(even, time[finite], column[finite]) for column in points.T]
-    where = [_limits(column) for column in dense]
-    share, x, y = np.histogram2d(*dense, bins=_BINS, range=where)
+    where = np.array([_limits(column) for column in dense])
+    share, x, y = np.histogram2d(dense[0], dense[1], bins=_BINS, range=where)
     share = 100.0 * share / _EVEN
     shown = np.ma.masked_less_equal(share.T, 0.0)
     norm = LogNorm(max(float(shown.min()), 1e-5 * float(shown.max())), float(shown.max()))
