@@ -37,7 +37,7 @@ def test_a_table_refuses_what_its_class_refuses(cls: type, table: type[MadeSpec]
         key = {**{field: key for key, field in table.fields_of_keys.items()}}.get(name, name)
         if key not in table.model_fields:
             continue
-        bad = [[-1.0] * max(parameter.sizes)] if parameter.sizes else [-1.0]
+        bad = [[-1.0] * max(*parameter.sizes, 1)] if parameter.sizes else [-1.0]
         for value in bad if parameter.rule else []:
             with pytest.raises(InvalidParameterError, match=f"{cls.__name__}: {name} must be"):
                 cls(**{name: value})

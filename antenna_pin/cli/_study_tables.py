@@ -6,8 +6,6 @@ from collections import Counter
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from antenna_pin.cli._tables import number_text
 
 if TYPE_CHECKING:
@@ -41,6 +39,8 @@ def said_of_time(runs: int, seconds: float, cores: int) -> str:
 
 def outcome_rows(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:
     """Return head and rows of how runs ended: outcome, number, and the time of one."""
+    import numpy as np
+
     outcomes = np.ravel(table["outcome"].values)
     wall = np.ravel(table["wall_time"].values)
     rows = []
@@ -53,6 +53,8 @@ def outcome_rows(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:
 
 def failures(table: xr.Dataset) -> Iterator[tuple[int, str, str, str]]:
     """Yield the runs that did not reach their end: number, values of the parameters, outcome, message."""
+    import numpy as np
+
     outcomes = table["outcome"].values
     for place in np.argwhere(~np.isin(outcomes, ("COMPLETED", "STOPPED", "PENDING"))):
         index = dict(zip(table["outcome"].dims, map(int, place), strict=True))

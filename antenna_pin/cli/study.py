@@ -9,7 +9,6 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import numpy as np
 import typer
 
 from antenna_pin.cli._common import (
@@ -52,6 +51,8 @@ def show(
     csv: CsvOption = None,
 ) -> None:
     """Say how the runs ended and what the responses come to; --csv and --json have every run."""
+    import numpy as np
+
     from antenna_pin.sweep import open_study, sensitivities
     from antenna_pin.sweep.statistics import quantiles
 
@@ -176,6 +177,8 @@ def _with_unit(response: xr.DataArray) -> str:
 
 def _rows(table: xr.Dataset) -> list[dict[str, Any]]:
     """Return every run in plain numbers."""
+    import numpy as np
+
     like = table["outcome"]
     names = ["run", *parameters_of(table), *_responses(table), "outcome", "message", "end_time", "steps"]
     names += ["evaluations", "seed", "wall_time"]

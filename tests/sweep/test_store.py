@@ -134,6 +134,9 @@ def test_a_full_disk_costs_no_finished_run(write, tmp_path, fake, whole, monkeyp
     real, room = os.write, [1500]
 
     def write_some(descriptor, content):
+        # Others write too, such as the one that this process of tests reports to.
+        if not os.readlink(f"/proc/self/fd/{descriptor}").endswith("journal"):
+            return real(descriptor, content)
         if room[0] <= 0:
             raise OSError(28, "No space left on device")
         done = real(descriptor, bytes(content[: room[0]]))
