@@ -21,7 +21,13 @@ from typing import TYPE_CHECKING, Annotated, NoReturn, ParamSpec, TypeVar
 
 import typer
 
-from antenna_pin.errors import AntennaPinError, OutputError, UnknownNameError, printable
+from antenna_pin.errors import (
+    AntennaPinError,
+    InvalidParameterError,
+    OutputError,
+    UnknownNameError,
+    printable,
+)
 from antenna_pin.interruption import Ended, ended_by, held_back, is_interruption
 
 if TYPE_CHECKING:
@@ -35,6 +41,8 @@ ENDED_EARLY = 3
 
 #: To which the number of the signal is added that has stopped a command.
 SIGNALLED = 128
+
+_FIGURES = (".png", ".pdf", ".svg")
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -189,6 +197,15 @@ def writable_file(path: Path, suffix: str) -> Path:
     if path.suffix != suffix and not path.is_dir():
         raise OutputError(f"{path}: the output's name must end in {suffix}; try {path.with_suffix(suffix)}")
     return check_writable(path)
+
+
+def figure_target(path: Path | None, command: str, option: str) -> Path | None:
+    """Return the file of a figure, or say what keeps it from being one."""
+    if path is None:
+        return None
+    if path.suffix not in _FIGURES:
+        raise InvalidParameterError(command, option, f"a file that ends in {', '.join(_FIGURES)}", str(path))
+    return writable_file(path, path.suffix)
 
 
 @contextlib.contextmanager

@@ -10,6 +10,8 @@ from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, TextIO, cast
 
 if TYPE_CHECKING:
+    from rich.progress import Progress as Bar
+
     from antenna_pin.simulation import Progress
     from antenna_pin.sweep import Standing
 
@@ -40,6 +42,34 @@ class _ErrorStream(io.TextIOBase):
         return self._stream.fileno()
 
 
+def _bar(*texts: str, counted: bool = False) -> Bar:
+    """Return a bar on the error stream, not shown yet: what, how far, counts if wanted, texts, time to go."""
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
+    from rich.progress import Progress as Bar
+
+    return Bar(
+        TextColumn("{task.description}"),
+        BarColumn(bar_width=None),
+        *([MofNCompleteColumn()] if counted else []),
+        *map(TextColumn, texts),
+        TimeRemainingColumn(compact=True),
+        console=Console(file=cast(TextIO, _ErrorStream())),
+        expand=True,
+        refresh_per_second=5,
+    )
+
+
+@contextlib.contextmanager
+def _ended(bar: Bar) -> Iterator[None]:
+    """Take a bar away at the end, if it was ever shown."""
+    try:
+        yield
+    finally:
+        if bar.live.is_started:
+            bar.stop()
+
+
 @contextlib.contextmanager
 def progress_bar(title: str, shown: bool) -> Iterator[Callable[[Progress], None] | None]:
     """Yield what a run reports its progress to: simulated time, speed and step size on the error stream.
@@ -50,21 +80,7 @@ def progress_bar(title: str, shown: bool) -> Iterator[Callable[[Progress], None]
     if not shown:
         yield None
         return
-    from rich.console import Console
-    from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
-    from rich.progress import Progress as Bar
-
-    bar = Bar(
-        TextColumn("{task.description}"),
-        BarColumn(bar_width=None),
-        TextColumn("{task.fields[time]}"),
-        TextColumn("{task.fields[speed]}"),
-        TextColumn("{task.fields[step]}"),
-        TimeRemainingColumn(compact=True),
-        console=Console(file=cast(TextIO, _ErrorStream())),
-        expand=True,
-        refresh_per_second=5,
-    )
+    bar = _bar("{task.fields[time]}", "{task.fields[speed]}", "{task.fields[step]}")
     task = bar.add_task(title, total=None, time="", speed="", step="")
     compiled = itertools.count(1)
 
@@ -87,12 +103,8 @@ def progress_bar(title: str, shown: bool) -> Iterator[Callable[[Progress], None]
 
     from antenna_pin._kernel_cache import told_of_compiling
 
-    try:
-        with told_of_compiling(compiling):
-            yield report
-    finally:
-        if bar.live.is_started:
-            bar.stop()
+    with _ended(bar), told_of_compiling(compiling):
+        yield report
 
 
 @contextlib.contextmanager
@@ -101,31 +113,15 @@ def picture_bar(title: str, shown: bool) -> Iterator[Callable[[int, int], None] 
     if not shown:
         yield None
         return
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
-    from rich.progress import Progress as Bar
-
-    bar = Bar(
-        TextColumn("{task.description}"),
-        BarColumn(bar_width=None),
-        MofNCompleteColumn(),
-        TextColumn("pictures"),
-        TimeRemainingColumn(compact=True),
-        console=Console(file=cast(TextIO, _ErrorStream())),
-        expand=True,
-        refresh_per_second=5,
-    )
+    bar = _bar("pictures", counted=True)
     task = bar.add_task(title, total=None)
 
     def report(done: int, planned: int) -> None:
         bar.update(task, completed=done, total=planned)
         bar.start()
 
-    try:
+    with _ended(bar):
         yield report
-    finally:
-        if bar.live.is_started:
-            bar.stop()
 
 
 @contextlib.contextmanager
@@ -134,20 +130,7 @@ def study_bar(title: str, shown: bool) -> Iterator[Callable[[Standing], None] | 
     if not shown:
         yield None
         return
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
-    from rich.progress import Progress as Bar
-
-    bar = Bar(
-        TextColumn("{task.description}"),
-        BarColumn(bar_width=None),
-        MofNCompleteColumn(),
-        TextColumn("{task.fields[failed]}"),
-        TimeRemainingColumn(compact=True),
-        console=Console(file=cast(TextIO, _ErrorStream())),
-        expand=True,
-        refresh_per_second=5,
-    )
+    bar = _bar("{task.fields[failed]}", counted=True)
     tasks = {stage: bar.add_task("", total=None, failed="", visible=False) for stage in ("check", "run")}
 
     def report(now: Standing) -> None:
@@ -166,11 +149,8 @@ def study_bar(title: str, shown: bool) -> Iterator[Callable[[Standing], None] | 
         )
         bar.start()
 
-    try:
+    with _ended(bar):
         yield report
-    finally:
-        if bar.live.is_started:
-            bar.stop()
 
 
 def _seconds(value: float) -> str:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from antenna_pin.cli._quantities import bare
 from antenna_pin.errors import InvalidParameterError
 
 if TYPE_CHECKING:
@@ -66,11 +67,11 @@ def values_from(text: str) -> list[Any]:
     place, rule = "bifurcation", "FIRST:LAST:COUNT as '0 mm:0.9 mm:10', or values with commas between"
     parts = [part.strip() for part in text.split(":")]
     if len(parts) == 1:
-        found: list[Any] = [_bare(part.strip()) for part in text.split(",") if part.strip()]
+        found: list[Any] = [bare(part.strip()) for part in text.split(",") if part.strip()]
         if any(any_quantity(value) is None for value in found):
             raise InvalidParameterError(place, "--values", rule, text)
         return found
-    ends = [any_quantity(_bare(part)) for part in parts[:2]]
+    ends = [any_quantity(bare(part)) for part in parts[:2]]
     if len(parts) != 3 or not parts[2].isdigit() or int(parts[2]) < 2 or None in ends:
         raise InvalidParameterError(place, "--values", f"{rule}, COUNT 2 or more", text)
     (first, one), (last, other) = (end for end in ends if end is not None)
@@ -80,10 +81,3 @@ def values_from(text: str) -> list[Any]:
     suffix = f" {unit}" if unit not in ("", "1") else ""
     numbers = np.linspace(first, last, int(parts[2])).tolist()
     return [f"{number!r}{suffix}" if suffix else number for number in numbers]
-
-
-def _bare(text: str) -> str | float:
-    try:
-        return float(text)
-    except ValueError:
-        return text

@@ -14,6 +14,7 @@ from antenna_pin.cli._common import (
     SetOption,
     Width,
     WidthOption,
+    figure_target,
     load,
     not_interrupted,
     say,
@@ -34,7 +35,6 @@ from antenna_pin.cli._sections import (
     values_from,
 )
 from antenna_pin.cli._tables import print_rows
-from antenna_pin.cli.poincare import figure_target
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -92,7 +92,7 @@ def bifurcation(
 
     What was interrupted or killed goes on with the same command.
     """
-    target, figure = writable_file(out, ".nc"), figure_target(plot)
+    target, figure = writable_file(out, ".nc"), figure_target(plot, "figure", "--plot")
     from antenna_pin.nonlinear import bifurcation as made
     from antenna_pin.sweep import Standing
 

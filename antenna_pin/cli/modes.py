@@ -14,6 +14,7 @@ from antenna_pin.cli._common import (
     SetOption,
     Width,
     WidthOption,
+    figure_target,
     load,
     load_result,
     not_interrupted,
@@ -30,7 +31,6 @@ if TYPE_CHECKING:
 
 # Shares of energy below which a body is not named, and how many are at most.
 _NAMED, _NAMES = 0.05, 3
-_FIGURES = (".png", ".pdf", ".svg")
 
 
 class PlayName(StrEnum):
@@ -106,12 +106,7 @@ def modes(
     Motions of a free base as one rigid body, and those that nothing resists, are counted, not listed.
     """
     table, page = csv_target(csv), None if record is None else writable_file(record, ".html")
-    if plot is not None and plot.suffix not in _FIGURES:
-        raise InvalidParameterError(
-            "modes", "--plot", f"a file that ends in {', '.join(_FIGURES)}", str(plot)
-        )
-    if plot is not None:
-        writable_file(plot, plot.suffix)
+    figure_target(plot, "modes", "--plot")
     beside: tuple[tuple[str, object, Path | None, str], ...] = (
         ("--from", source, plot, "--plot"),
         ("--to", target, plot, "--plot"),

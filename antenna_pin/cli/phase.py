@@ -9,14 +9,13 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from antenna_pin.cli._common import Width, WidthOption, load_result, not_interrupted, say, writable_file
+from antenna_pin.cli._common import Width, WidthOption, figure_target, load_result, not_interrupted, say
 from antenna_pin.cli._quantities import bare
 from antenna_pin.errors import InvalidParameterError
 
 if TYPE_CHECKING:
     from antenna_pin.analysis import Periods
 
-_FIGURES = (".png", ".pdf", ".svg")
 _PERIODS = re.compile(r"\s*([\d.]+)\s*periods?\s*")
 
 
@@ -71,9 +70,7 @@ def phase(
                 "phase", option, f"given as {option} {what}, or --list", said="nothing"
             )
     assert x is not None and y is not None and out is not None
-    if out.suffix not in _FIGURES:
-        raise InvalidParameterError("phase", "-o", f"a file that ends in {', '.join(_FIGURES)}", str(out))
-    writable_file(out, out.suffix)
+    figure_target(out, "phase", "-o")
     transient = _transient(start, period)
     from antenna_pin.analysis import phase_portrait
     from antenna_pin.plot import figure_phase, save_figure

@@ -14,6 +14,7 @@ from antenna_pin.cli._common import (
     SetOption,
     Width,
     WidthOption,
+    figure_target,
     load,
     not_interrupted,
     say,
@@ -33,12 +34,9 @@ from antenna_pin.cli._sections import (
     section_from,
 )
 from antenna_pin.cli._tables import print_rows
-from antenna_pin.errors import InvalidParameterError
 
 if TYPE_CHECKING:
     import xarray as xr
-
-FIGURES = (".png", ".pdf", ".svg")
 
 
 def poincare(
@@ -66,7 +64,7 @@ def poincare(
     The scenario is run for as long as that takes, whatever its duration.
     """
     table = csv_target(csv)
-    targets = [figure_target(plot), None if out is None else writable_file(out, ".nc")]
+    targets = [figure_target(plot, "figure", "--plot"), None if out is None else writable_file(out, ".nc")]
     from antenna_pin.nonlinear import poincare as returned
     from antenna_pin.nonlinear import save_table
 
@@ -107,17 +105,6 @@ def poincare(
         ]
         if not exported(facts, rows, as_json, table):
             _print(found, names)
-
-
-def figure_target(path: Path | None) -> Path | None:
-    """Return the file of a figure, or say what keeps it from being one."""
-    if path is None:
-        return None
-    if path.suffix not in FIGURES:
-        raise InvalidParameterError(
-            "figure", "--plot", f"a file that ends in {', '.join(FIGURES)}", str(path)
-        )
-    return writable_file(path, path.suffix)
 
 
 def _parts(path: Path) -> tuple[Path, list[str]]:
