@@ -1,8 +1,8 @@
 """What motions come to: sections, diagrams, periodic solutions, their stability, and how neighbours part."""
 
-from antenna_pin.nonlinear.branch import Bifurcation, Branch, Family, Point, continued
 from antenna_pin.nonlinear.carry import carried
 from antenna_pin.nonlinear.chart import Chart, NotAlikeError
+from antenna_pin.nonlinear.continuation import Bifurcation, Branch, Family, Point, continued
 from antenna_pin.nonlinear.diagram import Made, bifurcation
 from antenna_pin.nonlinear.flow import Flow, FlowError, Tangent, flow_of
 from antenna_pin.nonlinear.lyapunov import Exponents, Verdict, largest_exponent, lyapunov_spectrum

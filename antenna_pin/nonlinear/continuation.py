@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import functools
+import itertools
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -152,22 +153,24 @@ class _Follower:
         raise NoOrbitError("branch: Newton's method does not come back onto it")
 
 
+def _pairs(orbit: Orbit) -> list[tuple[complex, complex]]:
+    """Return every two multipliers of an orbit."""
+    return list(itertools.combinations(orbit.multipliers.tolist(), 2))
+
+
 def _tests(orbit: Orbit) -> dict[BifurcationKind, float]:
     """Return numbers that pass zero where an orbit doubles its period, or sheds a torus."""
-    mu = orbit.multipliers
-    pairs = [mu[i] * mu[j] - 1.0 for i in range(len(mu)) for j in range(i)]
+    products = [one * other - 1.0 for one, other in _pairs(orbit)]
     return {
-        "flip": float(np.prod(mu + 1.0).real),
-        "neimark-sacker": float(np.prod(pairs).real) if pairs else 1.0,
+        "flip": float(np.prod(orbit.multipliers + 1.0).real),
+        "neimark-sacker": float(np.prod(products).real) if products else 1.0,
     }
 
 
 def _is_torus(orbit: Orbit) -> bool:
     """Whether the pair of multipliers whose product is nearest to 1 is a complex one, not two real ones."""
-    mu = orbit.multipliers
-    pairs = [(abs(mu[i] * mu[j] - 1.0), i, j) for i in range(len(mu)) for j in range(i)]
-    _, i, j = min(pairs)
-    return bool(abs(mu[i].imag) > 1e-9 and abs(mu[i] - mu[j].conjugate()) < 1e-6 * abs(mu[i]))
+    one, other = min(_pairs(orbit), key=lambda pair: abs(pair[0] * pair[1] - 1.0))
+    return abs(one.imag) > 1e-9 and abs(one - other.conjugate()) < 1e-6 * abs(one)
 
 
 def _located(

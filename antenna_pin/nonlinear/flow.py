@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import functools
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -15,6 +15,7 @@ from antenna_pin.differences import Slope, slope
 from antenna_pin.dynamics import System, Workspace
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.nonlinear.chart import Chart
+from antenna_pin.records import memory_records
 from antenna_pin.scenario import Scenario
 from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.events import Event
@@ -87,9 +88,15 @@ class Flow:
         used = settings or RunSettings(rtol=_RTOL)
         self._settings, self._events = used, tuple(events)
 
-    def first(self, q: Array, v: Array) -> State:
-        """Return the state at time zero of a configuration, (nq,), and velocity, (nv,)."""
-        run = Run(self.system, self.system.state(q, v), 1.0, self._sampled(1.0), self._events)
+    def first(self, q: Array, v: Array, angles: Mapping[str, float] | None = None) -> State:
+        """Return the state at time zero of a configuration, (nq,), and velocity, (nv,).
+
+        Args:
+            q: Configuration.
+            v: Velocity.
+            angles: As for :meth:`antenna_pin.dynamics.System.state`.
+        """
+        run = Run(self.system, self.system.state(q, v, angles), 1.0, self._sampled(1.0), self._events)
         return run.present()
 
     def _sampled(self, span: float) -> RunSettings:
@@ -122,9 +129,7 @@ class Flow:
     def rates(self, state: State) -> tuple[Array, Array]:
         """Return velocity and acceleration in a state, (nv,) each."""
         workspace = Workspace(self.system)
-        workspace.memory["touching"] = state.memory[:, 0]
-        workspace.memory["approach_speed"] = state.memory[:, 1]
-        workspace.memory["effective_mass"] = state.memory[:, 2]
+        workspace.memory[:] = memory_records(state.memory)
         out = np.zeros(self.system.model.nv + workspace.manifold.nx)
         workspace.derivative(state.time, np.ascontiguousarray(state.y), out)
         return state.v.copy(), out[: self.system.model.nv].copy()
@@ -146,7 +151,8 @@ class Flow:
             NotAlikeError: A neighbour ends with other contacts, or the start does than the chart.
         """
         end = self.after(start, span)
-        here, there = Chart(self.system, start), chart or Chart(self.system, end)
+        here = chart if chart is not None and chart.origin is start else Chart(self.system, start)
+        there = chart or Chart(self.system, end)
         there.coordinates(end)
 
         def along(way: Array, s: float) -> Array:
@@ -169,7 +175,8 @@ def flow_of(scenario: Scenario, settings: RunSettings | None = None) -> tuple[Fl
     """Return the flow of a scenario and the state that it starts from.
 
     Args:
-        scenario: The scenario; its engine is taken, its tolerance where it is finer than 1e-10.
+        scenario: The scenario; its engine is taken, with order 8(5,3) at a tolerance of 1e-12, or at its own
+            if that is this order at a finer one.
         settings: How to integrate instead.
     """
     system = build_system(scenario)
@@ -179,7 +186,4 @@ def flow_of(scenario: Scenario, settings: RunSettings | None = None) -> tuple[Fl
         settings = dataclasses.replace(own, accuracy=None, method="dormand-prince-853", rtol=rtol)
     q, v = initial_state(scenario, system)
     flow = Flow(system, settings, events_of(scenario))
-    run = Run(
-        system, system.state(q, v, initial_angles(scenario, system)), 1.0, flow._sampled(1.0), flow._events
-    )
-    return flow, run.present()
+    return flow, flow.first(q, v, initial_angles(scenario, system))

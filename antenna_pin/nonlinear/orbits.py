@@ -81,10 +81,9 @@ class Orbit:
 
 
 def _multipliers(tangent: Tangent) -> tuple[Complex, float]:
-    values = np.linalg.eigvals(tangent.matrix).astype(complex)
-    values = values[np.argsort(-np.abs(values), kind="stable")]
+    values, basis = np.linalg.eig(tangent.matrix)
+    values = values[np.argsort(-np.abs(values), kind="stable")].astype(complex)
     # To first order an eigenvalue moves by the size of what the matrix is wrong by, in a basis of its own.
-    _, basis = np.linalg.eig(tangent.matrix)
     condition = float(np.linalg.cond(basis)) if len(basis) else 1.0
     return values, float(np.linalg.norm(tangent.doubt)) * min(condition, 1e3)
 
