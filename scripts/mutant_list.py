@@ -71,6 +71,7 @@ TEST_RECORD = "tests/simulation/test_record.py"
 TEST_RUN = "tests/simulation/test_run.py"
 TEST_ON_CHILD = "tests/simulation/test_bearing_on_child.py"
 IN_STATES = ("-k", "same_contacts or power or ledger or against")
+CHART = "antenna_pin/nonlinear/chart.py"
 TEST_PARTS = "tests/flexible/test_parts.py"
 TEST_EVENTS = "tests/simulation/test_events.py"
 TEST_TURNS = "tests/simulation/test_turns.py"
@@ -838,5 +839,33 @@ MUTANTS = (
         "self.stiffness - to_force @ by_speed",
         "self.stiffness",
         "tests/linear/test_play.py",
+    ),
+    _compiled(
+        "a neighbour does not keep its own approach speed",
+        CHART,
+        "memory[self._touching, 1] *= np.exp(z[bristles:])",
+        "pass",
+        "tests/nonlinear/test_chart.py",
+    ),
+    _compiled(
+        "neighbours of a loop are off its closures",
+        CHART,
+        "self._workspace.hold(origin.time, y)",
+        "pass",
+        "tests/nonlinear/test_chart.py",
+    ),
+    _compiled(
+        "growth is not over the distance begun with",
+        "antenna_pin/nonlinear/lyapunov.py",
+        "math.log(distance / _DISTANCE)",
+        "math.log(distance)",
+        "tests/nonlinear/test_lyapunov.py",
+    ),
+    _compiled(
+        "a run that goes on forgets the error of its last step",
+        "antenna_pin/simulation/loop.py",
+        "self.control.error = state.error",
+        "pass",
+        TEST_GOING_ON,
     ),
 )
