@@ -23,6 +23,7 @@ TABLE = "antenna_pin/elements/table.py"
 WORKSPACE = "antenna_pin/dynamics/workspace.py"
 ROWS = "antenna_pin/constraints/_rows_kernels.py"
 SOLVE = "antenna_pin/constraints/_solve_kernels.py"
+FORCES = "antenna_pin/constraints/_force_kernels.py"
 SOLVER = "antenna_pin/constraints/solver.py"
 LOOP = "antenna_pin/simulation/loop.py"
 PACE = "antenna_pin/engine/_pace_kernels.py"
@@ -452,9 +453,9 @@ MUTANTS = (
     ),
     _compiled(
         "redundant rows carry nothing",
-        SOLVER,
-        "forces[independent], forces[others] = self.force[independent] - share @ fewer, fewer",
-        "forces[independent] = self.force[independent]",
+        FORCES,
+        "        out[int(work[order + rank + c])] = carried[c]\n",
+        "        out[int(work[order + rank + c])] = 0.0\n",
         TEST_CLOSURES,
     ),
     _compiled(

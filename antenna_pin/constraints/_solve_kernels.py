@@ -61,7 +61,7 @@ def factorize(plan: Any, work: Any, mass: Any) -> None:
     """Factorize rows that :func:`write_rows` has written, with the mass matrix, (nv, nv)."""
     head, found = plan_of(plan), found_in(plan, work)
     nv, rows, root = head.nv, head.rows, head.root
-    _root(mass, nv, work[root : root + nv * nv], work[head.first : head.first + nv])
+    write_root(mass, nv, work[root : root + nv * nv], work[head.first : head.first + nv])
     for r in range(rows):
         _reduce(plan, work, r)
         work[head.order + r] = r
@@ -94,7 +94,7 @@ def factorize(plan: Any, work: Any, mass: Any) -> None:
 
 
 @inlined
-def _root(mass: Any, nv: int, root: Any, first: Any) -> None:
+def write_root(mass: Any, nv: int, root: Any, first: Any) -> None:
     """Write L of M = L L^T row by row, (nv nv,), and where each row begins: limbs leave zeros in it.
 
     On the diagonal stand inverses.
@@ -143,7 +143,9 @@ def _reduce(plan: Any, work: Any, r: int) -> None:
     for k in range(nv):
         work[out + k] = work[row + k]
         largest = max(largest, abs(work[row + k]))
-    square = _forth(nv, work[root : root + nv * nv], work[head.first : head.first + nv], work[out : out + nv])
+    square = solve_forth(
+        nv, work[root : root + nv * nv], work[head.first : head.first + nv], work[out : out + nv]
+    )
     work[head.lengths + 2 * r] = largest if largest > NOTHING * head.length else 0.0
     work[head.lengths + 2 * r + 1] = math.sqrt(square)
     for p in range(head.rows):
@@ -151,7 +153,7 @@ def _reduce(plan: Any, work: Any, r: int) -> None:
 
 
 @inlined
-def _forth(nv: int, root: Any, first: Any, out: Any) -> float:
+def solve_forth(nv: int, root: Any, first: Any, out: Any) -> float:
     """Solve L x = out in place; return the square of its length."""
     begin = 0
     while begin < nv and out[begin] == 0.0:
@@ -218,16 +220,22 @@ def _forward(plan: Any, work: Any, wanted: int, sign: float, at: int) -> None:
 
 
 @inlined
+def solve_back(nv: int, root: Any, first: Any, out: Any) -> None:
+    """Solve L^T x = out in place."""
+    for i in range(nv - 1, -1, -1):
+        out[i] *= root[i * nv + i]
+        for k in range(int(first[i]), i):
+            out[k] -= root[i * nv + k] * out[i]
+
+
+@inlined
 def _from_reduced(plan: Any, work: Any, at: int, out: Any) -> None:
     """Write L^-T of the numbers at work[at:] into out[:nv]."""
     head = plan_of(plan)
     nv, root = head.nv, head.root
-    for i in range(nv - 1, -1, -1):
+    for i in range(nv):
         out[i] = work[at + i]
-    for i in range(nv - 1, -1, -1):
-        out[i] *= work[root + i * nv + i]
-        for k in range(int(work[head.first + i]), i):
-            out[k] -= work[root + i * nv + k] * out[i]
+    solve_back(nv, work[root : root + nv * nv], work[head.first : head.first + nv], out)
 
 
 @kernel
@@ -271,7 +279,7 @@ def accelerate(
     rank = found_in(plan, work).rank
     for i in range(nv):
         work[first + i] = effort[i] - bias[i]
-    _forth(nv, work[root : root + nv * nv], work[head.first : head.first + nv], work[first : first + nv])
+    solve_forth(nv, work[root : root + nv * nv], work[head.first : head.first + nv], work[first : first + nv])
     _forward(plan, work, head.lack, 1.0, second)
     for p in range(rank):
         direction = head.reduced + int(work[head.order + p]) * nv

@@ -9,11 +9,10 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from antenna_pin.constraints import _force_kernels, _rows_kernels, _solve_kernels
 from antenna_pin.constraints import _layout_kernels as _layout
-from antenna_pin.constraints import _rows_kernels, _solve_kernels
 from antenna_pin.constraints._solve_kernels import CLOSED, NEAR, OPEN, ROUNDS
 from antenna_pin.constraints.plan import Plan
-from antenna_pin.mechanism import PLACE
 
 __all__ = ["Constraints"]
 
@@ -66,24 +65,15 @@ class Constraints:
         self.jacobian = part("jacobian", rows, nv)
         self.gap, self.speed, self.force = part("gap", rows), part("speed", rows), part("force", rows)
         self.lack = part("lack", rows)
-        self.triangle, self.order = part("triangle", rows, rows), part("order", rows)
         #: What is left of each row's length over its scale, and the scale.
         self.shares = part("lengths", rows, 2)
         self._found = part("found", _layout.FOUND_WORDS).view(_layout.FOUND)
         self._step = np.zeros(nv)
+        self._room = np.zeros(2 * rows * (rows + 1))
+        self._least = np.zeros(rows)
         bodies, closures = int(head["bodies"]), int(head["closures"])
-        self._places = self.work[: _layout.PLACE_WORDS * bodies].view(PLACE)
-        at = _layout.PLAN_WORDS + _layout.BODY_WORDS * bodies
-        to = at + _layout.CLOSURE_WORDS * closures
-        self._closures = plan.words[at:to].view(_layout.CLOSURE)
-        self._on_axes = self._axes_of_rows()
-        #: Closures that hold two axes at right angles: number and row of that.
-        self._squares = [
-            (c, int(one["row"]) + int(one["rows"]) - 1)
-            for c, one in enumerate(self._closures)
-            if one["square"]
-        ]
-        slides = plan.words[to:].view(_layout.DRIVEN)["slides"]
+        driven = _layout.PLAN_WORDS + _layout.BODY_WORDS * bodies + _layout.CLOSURE_WORDS * closures
+        slides = plan.words[driven:].view(_layout.DRIVEN)["slides"]
         #: By what the rows of motions are multiplied.
         self.motion_scales = np.where(slides != 0, 1.0, plan.length)
 
@@ -117,6 +107,42 @@ class Constraints:
             accelerate(t, y, program, plan, work, effort, mass, bias(model, data, q, v), rates)
 
         return solve
+
+    def observe(
+        self, t: float, y: Array, program: Array, effort: Array, rates: Array, closures: Array, motions: Array
+    ) -> None:
+        """Write accelerations, and the forces that hold closures and motions: of redundant rows the least.
+
+        Redundant rows share what their independent ones would carry alone. A turn's row counts with its
+        moment over the plan's length.
+
+        Args:
+            t: Time [s].
+            y: State [q, v, x].
+            program: Of the system's elements.
+            effort: Generalized force of the elements, (nv,).
+            rates: To write to: accelerations and rates of x, (nv + nx,).
+            closures: To write to: force [N] and moment [N m] of each closure on its second link, in axes of
+                the first side's frame, the moment about the second side's point, (closures, 2, 3).
+            motions: To write to: the forces [N] and torques [N m] that hold the motions, (motions,).
+        """
+        nq, model, data = self.model.nq, self.model, self.data
+        q, v = y[:nq], y[nq : nq + self.nv]
+        _force_kernels.observe_held(
+            t,
+            y,
+            program,
+            self.plan.words,
+            self.work,
+            effort,
+            pin.crba(model, data, q),
+            pin.nonLinearEffects(model, data, q, v),
+            self._room,
+            self._least,
+            rates,
+            closures,
+            motions,
+        )
 
     def residuals(self, t: float, y: Array, program: Array) -> Found:
         """Write the rows of a state; return what is found, with the largest residuals."""
@@ -182,66 +208,3 @@ class Constraints:
                 self.factorize(y[:nq])
         y[nq : nq + nv] += self.step(of_speed=True)
         return bool(last <= OPEN * length)
-
-    def least_forces(self) -> Array:
-        """Return the multipliers of least norm that do what those of the last solution do, (rows,).
-
-        Redundant rows share what their independent ones would carry alone. A turn's row counts with its
-        moment over the plan's length.
-        """
-        rank = self.found.rank
-        order = self.order.astype(int)
-        independent, others = order[:rank], order[rank:]
-        if len(others) == 0:
-            return self.force.copy()
-        triangle = self.triangle[:rank]
-        share = np.linalg.solve(triangle[:, independent], triangle[:, others])
-        # (1 + S S^T)^-1 = 1 - S (1 + S^T S)^-1 S^T, and of redundant rows there are few.
-        forces = np.zeros(self.rows)
-        given = share.T @ self.force[independent]
-        fewer = np.linalg.solve(np.eye(len(others)) + share.T @ share, given)
-        forces[independent], forces[others] = self.force[independent] - share @ fewer, fewer
-        return forces
-
-    def motion_forces(self, forces: Array) -> Array:
-        """Return the forces [N] and torques [N m] that hold the motions, (motions,).
-
-        Args:
-            forces: Multipliers, (rows,).
-        """
-        return np.asarray(forces[: len(self.motion_scales)] * self.motion_scales)
-
-    def wrenches(self, forces: Array) -> Array:
-        """Return force [N] and moment [N m] of each closure on its second link, (closures, 2, 3).
-
-        In axes of the first side's frame, the moment about the second side's point.
-
-        Args:
-            forces: Multipliers of the state that was solved last, (rows,).
-        """
-        found = np.zeros((len(self._closures), 2, 3))
-        rows, places, scales = self._on_axes
-        found.reshape(-1)[places] = scales * forces[rows]
-        for c, row in self._squares:
-            closure = self._closures[c]
-            first = self._rotation(int(closure["first"])) @ closure["first_rotation"]
-            second = self._rotation(int(closure["second"])) @ closure["second_rotation"]
-            (ax, ay, az), (bx, by, bz) = first[:, 2], second[:, 2]
-            direction = np.array([by * az - bz * ay, bz * ax - bx * az, bx * ay - by * ax]) @ first
-            found[c, 1] = self.plan.length * forces[row] * direction
-        return found
-
-    def _axes_of_rows(self) -> tuple[NDArray[np.int64], NDArray[np.int64], Array]:
-        """Return of each row that is a component of a wrench: itself, its place among these, its scale."""
-        found = []
-        for c, closure in enumerate(self._closures):
-            held = [6 * c + k for k in np.flatnonzero(closure["along"])]
-            held += [6 * c + 3 + k for k in np.flatnonzero(closure["about"])]
-            scales = [1.0 if place % 6 < 3 else self.plan.length for place in held]
-            found += list(zip(range(int(closure["row"]), self.rows), held, scales, strict=False))
-        rows, places, scale = zip(*found, strict=True) if found else ((), (), ())
-        return np.array(rows, dtype=int), np.array(places, dtype=int), np.array(scale, dtype=float)
-
-    def _rotation(self, body: int) -> Array:
-        """Return the rotation of a body in the world, (3, 3)."""
-        return np.eye(3) if body < 0 else np.asarray(self._places[body]["rotation"])

@@ -157,15 +157,16 @@ def _held(
     accelerations = np.zeros((len(times), system.model.nv))
     wrenches = np.zeros((len(times), len(constraints.plan.closures), 2, 3))
     residuals = np.zeros((len(times), 4))
-    drives = list(system.drives)
-    columns = [drives.index(name) for name in constraints.plan.motions]
+    motions = np.zeros((len(times), len(constraints.plan.motions)))
+    rates = np.zeros(system.model.nv + system.manifold.nx)
     for i, (t, y, force) in enumerate(zip(times, states, forces, strict=True)):
         workspace.program[:] = programs[i]
-        accelerations[i] = workspace.acceleration(float(t), y, force)
-        least = constraints.least_forces()
-        wrenches[i] = constraints.wrenches(least)
-        effort["effort"][i, columns] = constraints.motion_forces(least)
+        workspace.prepare_motions(t, y)
+        constraints.observe(t, y, workspace.program, force, rates, wrenches[i], motions[i])
+        accelerations[i] = rates[: system.model.nv]
         residuals[i] = constraints.residual
+    drives = list(system.drives)
+    effort["effort"][:, [drives.index(name) for name in constraints.plan.motions]] = motions
     return accelerations, wrenches, residuals
 
 
