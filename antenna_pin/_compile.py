@@ -29,7 +29,6 @@ def stamped_files() -> tuple[Path, ...]:
     folder = Path(__file__).parent
     names = (
         "*/_*kernels.py",
-        "*/_inspect.py",
         "*/_records.py",
         "records.py",
         "_called.py",

@@ -9,7 +9,8 @@ POSE = "antenna_pin/joints/_pose_kernels.py"
 ROW = "antenna_pin/joints/_row_kernels.py"
 PATCH = "antenna_pin/joints/_patch_kernels.py"
 DYNAMICS = "antenna_pin/dynamics/_kernels.py"
-INSPECT = "antenna_pin/dynamics/_inspect.py"
+PEAKS = "antenna_pin/dynamics/_peak_kernels.py"
+INSPECT = "antenna_pin/dynamics/_inspect_kernels.py"
 AUDIT_KERNELS = "antenna_pin/dynamics/_audit_kernels.py"
 TREE = "antenna_pin/mechanism/tree.py"
 TREE_KERNELS = "antenna_pin/mechanism/_tree_kernels.py"
@@ -385,16 +386,16 @@ MUTANTS = (
     _compiled(
         "no margin for dips whose curvature changes",
         INSPECT,
-        "            if fa + 2.0 * da * s <= 0.0:",
-        "            if fa + da * s <= 0.0:",
+        "            if fa + 2.0 * rise_of",
+        "            if fa + rise_of",
         TEST_GRAZES,
         *("-k", "dip"),
     ),
     _equivalent(
         "a larger margin for dips",
         INSPECT,
-        "            if fa + 2.0 * da * s <= 0.0:",
-        "            if fa + 3.0 * da * s <= 0.0:",
+        "            if fa + 2.0 * rise_of",
+        "            if fa + 3.0 * rise_of",
         "more dips are looked at, each by its own gap: it takes longer and finds the same",
     ),
     _compiled(
@@ -415,10 +416,18 @@ MUTANTS = (
         *("-k", "too_deep"),
     ),
     _compiled(
+        "depths at the points of a step only",
+        PEAKS,
+        "            if not rate",
+        "            if rate",
+        TEST_IMPACTS,
+        *("-k", "closed_form or hertz_depth"),
+    ),
+    _compiled(
         "peaks at the points of a step only",
-        INSPECT,
-        "        refine = force > 0.0 and 1.05 * force > peak.force\n",
-        "        refine = False\n",
+        PEAKS,
+        "        if force > 0.0 and _may_pass",
+        "        if force < 0.0 and _may_pass",
         TEST_IMPACTS,
         *("-k", "closed_form or hertz_depth"),
     ),

@@ -10,7 +10,7 @@ import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.constraints import Constraints
-from antenna_pin.dynamics import _inspect, _kernels, _point_kernels
+from antenna_pin.dynamics import _kernels, _point_kernels, _trial_kernels
 from antenna_pin.dynamics._audit_kernels import AUDIT, audit_state
 from antenna_pin.dynamics.system import System
 from antenna_pin.joints import PythonPath
@@ -126,7 +126,7 @@ class Workspace:
 
         That is the closed form where there is one, coal's gaps being those; else it is the backend.
         """
-        _inspect.contacts_in(y, self.program, self._pose, table)
+        _trial_kernels.contacts_in(y, self.program, self._pose, table)
         for path in self.measured:
             path.locate(y, table)
 
@@ -136,7 +136,7 @@ class Workspace:
         The derivative itself updates the touching contacts only. Coal's gaps are asked for where it is the
         backend.
         """
-        _inspect.contacts_in(y, self.program, self._pose, self.table)
+        _trial_kernels.contacts_in(y, self.program, self._pose, self.table)
         for path in self.paths:
             path.prepare(y, everything=True)
 

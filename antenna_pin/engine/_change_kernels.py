@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 
 from antenna_pin._compile import kernel
-from antenna_pin.dynamics._inspect import contacts_in, fill_nodes, track_peaks
+from antenna_pin.dynamics._inspect_kernels import fill_nodes
+from antenna_pin.dynamics._peak_kernels import track_peaks
+from antenna_pin.dynamics._trial_kernels import contacts_in
 from antenna_pin.engine._episode_kernels import effective_mass, release, touch
 from antenna_pin.engine._pace_kernels import hopeless, note_size, shortened, size_after_change
 from antenna_pin.engine._step_kernels import attempt, derivative

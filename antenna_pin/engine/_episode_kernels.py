@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 
 from antenna_pin._compile import kernel
 from antenna_pin.constraints._solve_kernels import accelerate
-from antenna_pin.dynamics._inspect import contacts_in
 from antenna_pin.dynamics._kernels import HEADER, block_at, head_of
+from antenna_pin.dynamics._trial_kernels import contacts_in
 from antenna_pin.integrate._kernels import STATE_ROW, dense_state
 from antenna_pin.joints._kernels import unit_normal_force
 from antenna_pin.joints._layout_kernels import CLEARANCE, joint_at

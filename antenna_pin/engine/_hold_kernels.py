@@ -12,9 +12,9 @@ from antenna_pin.constraints._layout_kernels import found_in, plan_of
 from antenna_pin.constraints._rows_kernels import write_rows
 from antenna_pin.constraints._solve_kernels import CLOSED, NEAR, OPEN, ROUNDS, correction, factorize
 from antenna_pin.dynamics._audit_kernels import audit_state
-from antenna_pin.dynamics._inspect import contacts_in
 from antenna_pin.dynamics._kernels import head_of, stored_energy
 from antenna_pin.dynamics._point_kernels import stored
+from antenna_pin.dynamics._trial_kernels import contacts_in
 from antenna_pin.integrate._manifold_kernels import move_by_velocity
 from antenna_pin.mechanism._mass_kernels import mass_and_bias
 

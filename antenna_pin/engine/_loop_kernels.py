@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 
 from antenna_pin._compile import released
-from antenna_pin.dynamics._inspect import inspect_step
+from antenna_pin.dynamics._inspect_kernels import inspect_step
 from antenna_pin.engine._change_kernels import change
 from antenna_pin.engine._pace_kernels import cut, following, hopeless, shortened
 from antenna_pin.engine._step_kernels import attempt

@@ -58,7 +58,7 @@ class Buffers(NamedTuple):
 
 
 class Search(NamedTuple):
-    """What is looked for in a step (:func:`antenna_pin.dynamics._inspect.inspect_step`).
+    """What is looked for in a step (:func:`antenna_pin.dynamics._inspect_kernels.inspect_step`).
 
     Attributes:
         nodes: Scratch.

@@ -10,8 +10,8 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 from antenna_pin._compile import kernel
-from antenna_pin.dynamics._inspect import contacts_in
 from antenna_pin.dynamics._kernels import element_kink, evaluate, head_of, joint_motion
+from antenna_pin.dynamics._trial_kernels import contacts_in
 from antenna_pin.integrate._kernels import STATE_ROW, dense_state
 from antenna_pin.records import layout
 

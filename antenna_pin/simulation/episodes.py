@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.dynamics import Workspace, _inspect
+from antenna_pin.dynamics import Workspace, _peak_kernels
 from antenna_pin.engine import CompiledImplicitStepper, CompiledStepper
 from antenna_pin.engine import _episode_kernels as _kernels
 from antenna_pin.integrate import Stepper
@@ -49,7 +49,7 @@ class Episodes:
         self.samples = samples
         self.begin = begin
         contacts = len(system.contact_names)
-        self.peaks = np.zeros(contacts, _inspect.PEAK)
+        self.peaks = np.zeros(contacts, _peak_kernels.PEAK)
         first = system.model.nq + system.model.nv
         places = np.zeros(contacts, _kernels.PLACES)
         places["impulse"] = first + system.impulse_x
