@@ -37,7 +37,7 @@ QuantityOption = Annotated[
     list[str],
     typer.Option("--quantity", "-q", metavar="NAME", help="What is noted, as 'v[hinge]'. May be repeated."),
 ]
-CountOption = Annotated[int, typer.Option(metavar="N", help="Points to keep, 8 or more.")]
+CountOption = Annotated[int, typer.Option(metavar="N", help="Points to keep, 32 or more.")]
 TransientOption = Annotated[
     int | None,
     typer.Option(metavar="N", help="Points to cut before them; until they have settled if left out."),

@@ -10,7 +10,6 @@ from antenna_pin.nonlinear.orbits import NoOrbitError, Orbit, periodic_orbit
 from antenna_pin.nonlinear.sections import poincare
 from antenna_pin.nonlinear.surfaces import Crossing, Section, Stroboscope, drive_period, section_of
 from antenna_pin.nonlinear.table import open_diagram, save_table
-from antenna_pin.nonlinear.transient import Settled, judge
 
 __all__ = [
     "Bifurcation",
@@ -27,7 +26,6 @@ __all__ = [
     "Orbit",
     "Point",
     "Section",
-    "Settled",
     "Stroboscope",
     "Tangent",
     "Verdict",
@@ -36,7 +34,6 @@ __all__ = [
     "continued",
     "drive_period",
     "flow_of",
-    "judge",
     "largest_exponent",
     "lyapunov_spectrum",
     "open_diagram",

@@ -86,7 +86,7 @@ def bifurcation(
         section: Where the motion is looked at.
         quantities: What is noted there, by the names that :func:`antenna_pin.analysis.quantity` knows.
         branches: Any of ``fresh``, ``forward``, ``backward``.
-        count: Points of each value, at least 8 [-].
+        count: Points of each value, at least 32 [-].
         transient: Points cut before them; None to cut until what follows has settled [-].
         most: Points of a value after which to stop cutting; 20 times ``count`` if left out [-].
         tolerance: A drift below this part of a quantity's largest amount is none [-].

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -11,10 +12,10 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from antenna_pin.analysis.transients import LEAST, RULE, Settled, settled
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.nonlinear.returns import Points, Returns
 from antenna_pin.nonlinear.surfaces import Section
-from antenna_pin.nonlinear.transient import LEAST, RULE, judge
 from antenna_pin.scenario import Scenario
 from antenna_pin.simulation import Progress
 from antenna_pin.state import State
@@ -35,7 +36,7 @@ class SettledPoints:
         times: (n,) [s].
         values: (n, quantities).
         settled: Whether they have settled.
-        drift: Of one half of them from the other, over the size of the quantities [-].
+        drift: Largest of their statistics over the size of the quantities; NaN for too few [-].
         transient: Points before them [-].
         outcome: How the run ended, by name.
         message: That in words.
@@ -68,20 +69,28 @@ def settled_points(
         some = returns.more(ask)
         made += len(some.times)
         kept = Points(*(np.concatenate(pair)[-count:] for pair in zip(kept, some, strict=True)))
-        found = judge(kept.values, tolerance, returns.sizes)
-        if found.yes or made >= limit or returns.ended:
+        found = _judged(kept.values, returns.sizes, tolerance)
+        if found.start == 0 or made >= limit or returns.ended:
             break
         ask = min(max(count // 2, 1), limit - made)
     whole = len(kept.times) == count and not returns.ended
     return SettledPoints(
         *kept,
-        settled=found.yes and whole,
+        settled=found.start == 0 and whole,
         drift=found.drift,
         transient=made - len(kept.times),
         outcome=returns.outcome.name,
         message=returns.message,
         end=returns.state,
     )
+
+
+def _judged(values: Array, sizes: Array, tolerance: float) -> Settled:
+    """Return whether points, (n, quantities), have settled; those that are no numbers have not."""
+    if not np.isfinite(values).all():
+        return Settled(None, math.nan, tolerance, len(values))
+    scale = np.where(sizes > 0.0, sizes, 1.0)
+    return settled(values, scale=scale, tolerance=tolerance, whole=True)
 
 
 def poincare(
@@ -99,13 +108,13 @@ def poincare(
     """Return the points in which the motion of a scenario returns to a section.
 
     The run is made in stretches as long as it takes, whatever the scenario's duration, and keeps nothing but
-    these points. Where they have settled is judged (:func:`antenna_pin.nonlinear.judge`), not assumed.
+    these points. Where they have settled is judged (:func:`antenna_pin.analysis.settled`), not assumed.
 
     Args:
         scenario: What to run.
         section: Once a period (:class:`Stroboscope`), or where a surface is passed (:class:`Crossing`).
         quantities: What to note, by the names that :func:`antenna_pin.analysis.quantity` knows.
-        count: Points to return, at least 8 [-].
+        count: Points to return, at least 32 [-].
         transient: Points to cut before them; None to cut until what follows has settled [-].
         most: Points after which to stop cutting; 20 times ``count`` if left out [-].
         tolerance: A drift below this part of a quantity's largest amount is none [-].
@@ -115,8 +124,8 @@ def poincare(
 
     Returns:
         Over ``point``: ``time`` [s] and each quantity. ``settled`` says whether they have settled,
-        ``transient`` how many points were cut before them, ``drift`` [-] how far one half of them lies from
-        the other; attributes ``rule``, ``section``, ``period`` [s], ``outcome``, ``message``,
+        ``transient`` how many points were cut before them, ``drift`` [-] how far their statistics
+        went; attributes ``rule``, ``section``, ``period`` [s], ``outcome``, ``message``,
         ``scenario`` (JSON) and ``state``, to go on from (:meth:`antenna_pin.state.State.from_json`); it is
         that to which the run got, behind the last point, and of a surface behind later ones too. A run that
         ended early has fewer points, and has not settled.
@@ -162,7 +171,7 @@ def _dataset(scenario: Scenario, returns: Returns, found: SettledPoints, toleran
     about = {"long_name": "whether the points have settled"}
     variables["settled"] = ((), found.settled, about)
     variables["transient"] = ((), found.transient, {"units": "1", "long_name": "points cut before these"})
-    what = "distance of one half of the points from the other, over the size of the quantities"
+    what = "largest drift of a statistic of the points, over the size of the quantities"
     variables["drift"] = ((), found.drift, {"units": "1", "long_name": what})
     return xr.Dataset(
         variables,

@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from antenna_pin.analysis.transients import RULE
 from antenna_pin.errors import FileFormatError
 from antenna_pin.files import has_whole_seal, replacing
 from antenna_pin.nonlinear.branches import Asked, Entry
-from antenna_pin.nonlinear.transient import RULE
 from antenna_pin.trajectory.file import write
 from antenna_pin.units import any_quantity
 
@@ -68,7 +68,7 @@ def diagram_table(
         "settled": {"long_name": "whether the points have settled"},
         "drift": {
             "units": "1",
-            "long_name": "distance of one half of the points from the other",
+            "long_name": "largest drift of a statistic of the points",
         },
         "points": {"units": "1", "long_name": "points kept"},
         "transient": {"units": "1", "long_name": "points cut before these"},

@@ -187,6 +187,22 @@ def test_stationary_series_are_settled_at_once():
     assert settled(np.full((64, 2), [0.1, 5.0]) * (1.0 + 1e-15)).start == 0
 
 
+@pytest.mark.parametrize("multiplier", [0.9, -0.9, 0.99, -0.99])
+def test_a_fixed_point_is_not_yet_come_to(multiplier):
+    """From one side, or from both in turn: of an alternating way the mean is zero, and it shows."""
+    way = 1.0 + 0.3 * multiplier ** np.arange(100)
+    assert settled(way, scale=1.0, tolerance=1e-4, whole=True).start is None
+    assert settled(1.0 + 1e-5 * way, scale=1.0, tolerance=1e-4, whole=True).start == 0
+
+
+def test_a_slow_drift_of_a_strange_attractor_shows():
+    """The logistic map at 3.9 spans 0.88; its edges, which scatter least, move with it."""
+    drift = np.arange(400) / 400.0
+    starts = [logistic(3.9, 400 + s)[s:] for s in range(100)]
+    seen = [[settled(x + d * drift, whole=True).start is None for x in starts] for d in (0.0, 0.1)]
+    assert sum(seen[0]) <= 6 and sum(seen[1]) >= 95
+
+
 def test_drift_below_the_tolerance_does_not_count():
     k = np.arange(400)
     points = np.cos(2.0 * np.pi * GOLDEN * k) + 1e-4 * k

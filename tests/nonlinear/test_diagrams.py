@@ -84,7 +84,7 @@ def test_a_branch_forward_and_one_backward_differ_where_attractors_coexist(rig):
         section_of("rate.way=0", "falling"),
         ["q[way]"],
         branches=["forward", "backward"],
-        count=8,
+        count=32,
         transient=60,
     )
     forward, backward = found["q[way]"].mean("point").values
@@ -99,7 +99,7 @@ def test_what_was_killed_goes_on_to_the_same_diagram(rig, tmp_path):
     scenario = taylor(rig)
     values = [1.05 * W0**2, 1.06 * W0**2, 1.07 * W0**2]
 
-    def diagram(out=None, progress=None, count=8):
+    def diagram(out=None, progress=None, count=32):
         return bifurcation(
             scenario,
             "drives.motor.amplitude",
@@ -134,7 +134,7 @@ def test_what_was_killed_goes_on_to_the_same_diagram(rig, tmp_path):
     assert made.count(b"\n") >= 4
     journal.write_bytes(made[:-7])
     with pytest.raises(AntennaPinError, match="unfinished part of another diagram; what differs: points"):
-        diagram(out, count=9)
+        diagram(out, count=33)
     diagram(out)
     assert not journal.parent.exists()
     found = open_diagram(out)
@@ -155,10 +155,10 @@ def test_a_value_that_fails_is_an_entry(rig):
         Stroboscope(),
         ["v[hinge]"],
         branches=["fresh", "forward"],
-        count=8,
+        count=32,
         transient=0,
     )
-    assert found["points"].values.tolist() == [[0, 8], [0, 8]]
+    assert found["points"].values.tolist() == [[0, 32], [0, 32]]
     assert not found["settled"].values[:, 0].any()
     assert "most" in found["message"].values[0, 0] or "step" in found["message"].values[0, 0]
     # The branch begins at the next value as if it were the first.
@@ -174,7 +174,7 @@ def test_a_value_that_fails_is_an_entry(rig):
         ({"values": [1.0, 2.0, 1.5]}, "values must be in order"),
         ({"values": [1.0, "2 m"]}, "amplitude"),
         ({"branches": ["sideways"]}, "branch 'sideways' is unknown"),
-        ({"count": 4}, "count must be a whole number of 8 or more"),
+        ({"count": 31}, "count must be a whole number of 32 or more"),
         ({"quantities": []}, "quantities"),
         ({"quantities": ["v[hing]"]}, "did you mean hinge"),
         ({"section": Stroboscope(drive="moter")}, "did you mean motor"),
