@@ -224,12 +224,12 @@ class Samples:
             memories: Contact memory at each, MEMORY, (n, contacts).
             early: Whether it is one of an earlier time, to be put between others, (n,).
         """
-        first, stops = 0, [*np.flatnonzero(early).tolist(), len(times)]
-        for stop in stops:
-            self._append(times[first:stop], states[first:stop], memories[first:stop])
-            if stop < len(times):
-                self.insert(float(times[stop]), states[stop], memories[stop])
-            first = stop + 1
+        # Those that come in order first, all at once: what is put between them finds the same neighbours.
+        early = early.astype(bool)
+        ordered = ~early
+        self._append(times[ordered], states[ordered], memories[ordered])
+        for k in np.flatnonzero(early).tolist():
+            self.insert(float(times[k]), states[k], memories[k])
 
     def _append(self, times: Array, states: Array, memories: NDArray[Any]) -> None:
         """Append samples in the order of time; of those at one instant the last counts."""
