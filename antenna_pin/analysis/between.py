@@ -146,7 +146,8 @@ def _rates(data: xr.Dataset, joint: str) -> tuple[Array, Array]:
     Its centre's velocity, bearing axes (n, 3) [m/s]; its angular velocity, journal axes (n, 3) [rad/s].
     """
     shape = clearance_shapes(data)[joint]
-    poses, twists = body_poses(data), body_twists(data)
+    bodies = list(dict.fromkeys(shape[f"{side}_body"] for side in ("bearing", "journal")))
+    poses, twists = body_poses(data, bodies=bodies), body_twists(data, bodies=bodies)
     seen = []
     for side in ("bearing", "journal"):
         body = shape[f"{side}_body"]

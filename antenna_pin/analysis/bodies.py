@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 
 import numpy as np
 import xarray as xr
@@ -58,19 +59,23 @@ def _array(data: xr.Dataset, name: str) -> NDArray[np.float64]:
     return np.asarray(data[name].values, dtype=float)
 
 
-def body_poses(run: Trajectory | xr.Dataset, times: ArrayLike | None = None) -> xr.Dataset:
-    """Return the pose of every link's frame in the world.
+def body_poses(
+    run: Trajectory | xr.Dataset, times: ArrayLike | None = None, bodies: Sequence[str] | None = None
+) -> xr.Dataset:
+    """Return the pose of every link's frame in the world, or of those that are named.
 
     Args:
         run: A run, or its data.
         times: Indices of samples; all if not given.
+        bodies: Names of links; all if not given.
 
     Returns:
         ``position`` (time, body, axis) [m] and ``attitude`` (time, body, quaternion), xyzw.
     """
     data = _picked(run, times)
     mechanism = mechanism_of(run)
-    position, attitude = link_poses(mechanism, _array(data, "q"))
+    names = _names(mechanism, bodies)
+    position, attitude = link_poses(mechanism, _array(data, "q"), names)
     return xr.Dataset(
         {
             "position": (
@@ -86,26 +91,34 @@ def body_poses(run: Trajectory | xr.Dataset, times: ArrayLike | None = None) -> 
         },
         coords={
             "time": data["time"],
-            "body": [link.name for link in mechanism.urdf.robot.links],
+            "body": names,
             "axis": list(_AXES),
             "quaternion": ["x", "y", "z", "w"],
         },
     )
 
 
-def body_twists(run: Trajectory | xr.Dataset, times: ArrayLike | None = None) -> xr.Dataset:
+def _names(mechanism: Mechanism, bodies: Sequence[str] | None) -> list[str]:
+    return [link.name for link in mechanism.urdf.robot.links] if bodies is None else list(bodies)
+
+
+def body_twists(
+    run: Trajectory | xr.Dataset, times: ArrayLike | None = None, bodies: Sequence[str] | None = None
+) -> xr.Dataset:
     """Return the velocity of every link's frame relative to the world, in the link's own axes.
 
     Args:
         run: A run, or its data.
         times: Indices of samples; all if not given.
+        bodies: Names of links; all if not given.
 
     Returns:
         ``velocity`` [m/s] and ``angular_velocity`` [rad/s], (time, body, axis).
     """
     data = _picked(run, times)
     mechanism = mechanism_of(run)
-    twists = link_twists(mechanism, _array(data, "q"), _array(data, "v"))
+    names = _names(mechanism, bodies)
+    twists = link_twists(mechanism, _array(data, "q"), _array(data, "v"), names)
     dims = ("time", "body", "axis")
     return xr.Dataset(
         {
@@ -114,7 +127,7 @@ def body_twists(run: Trajectory | xr.Dataset, times: ArrayLike | None = None) ->
         },
         coords={
             "time": data["time"],
-            "body": [link.name for link in mechanism.urdf.robot.links],
+            "body": names,
             "axis": list(_AXES),
         },
     )

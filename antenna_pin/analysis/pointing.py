@@ -134,7 +134,8 @@ def boresight(
     """
     antenna = Antenna.of(run) if antenna is None else antenna
     orbit = _orbit_of(run) if orbit is None else orbit
-    poses = body_poses(run, times).sel(body=_link(run, antenna))
+    link = _link(run, antenna)
+    poses = body_poses(run, times, [link]).sel(body=link)
     time = np.asarray(poses["time"].values, dtype=float)
     attitude = Rotation.from_quat(poses["attitude"].values) * antenna.axes
     direction = attitude.apply([1.0, 0.0, 0.0])
@@ -247,7 +248,7 @@ def _swing(relative: Rotation) -> tuple[Array, Array]:
 def _ideal_attitude(ideal: RunLike, antenna: Antenna, time: Array) -> tuple[Rotation, float]:
     """Return the ideal attitude of the antenna's axes at given times, and an estimate of its error [rad]."""
     body = _link(ideal, antenna)
-    poses = body_poses(ideal).sel(body=body)
+    poses = body_poses(ideal, bodies=[body]).sel(body=body)
     knots = np.asarray(poses["time"].values, dtype=float)
     slack = 1e-9 * (knots[-1] - knots[0])
     if time[0] < knots[0] - slack or time[-1] > knots[-1] + slack:
@@ -258,7 +259,8 @@ def _ideal_attitude(ideal: RunLike, antenna: Antenna, time: Array) -> tuple[Rota
             f"{knots[0]:g} s to {knots[-1]:g} s",
         )
     attitude = Rotation.from_quat(poses["attitude"].values)
-    omega = np.asarray(body_twists(ideal)["angular_velocity"].sel(body=body).values, dtype=float)
+    spin = body_twists(ideal, bodies=[body])["angular_velocity"].sel(body=body)
+    omega = np.asarray(spin.values, dtype=float)
     found = interpolate_attitude(time, knots, attitude, omega)
     return found * antenna.axes, interpolation_error(knots, attitude, omega)
 

@@ -42,7 +42,7 @@ def bearing_up(run: RunLike, joint: str, times: ArrayLike | None = None) -> NDAr
     if not gravity.any():
         return None
     turn = Rotation.from_quat(np.asarray(place["bearing_placement"], dtype=float)[3:])
-    attitude = body_poses(data, times)["attitude"].sel(body=place["bearing_body"])
+    attitude = body_poses(data, times, [place["bearing_body"]])["attitude"][:, 0]
     body = Rotation.from_quat(np.asarray(attitude.values, dtype=float))
     return np.asarray((body * turn).apply(-gravity / np.linalg.norm(gravity), inverse=True))
 

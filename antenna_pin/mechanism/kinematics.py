@@ -19,34 +19,37 @@ Array = NDArray[np.float64]
 _AT_ONCE = 8192  # samples
 
 
-def link_poses(mechanism: Mechanism, q: ArrayLike) -> tuple[Array, Array]:
-    """Return the pose of every link's frame in the world.
+def link_poses(mechanism: Mechanism, q: ArrayLike, links: Sequence[str] | None = None) -> tuple[Array, Array]:
+    """Return the pose of every link's frame in the world, or of those that are named.
 
     Args:
         mechanism: The mechanism.
         q: Configurations, (n, nq).
+        links: Which; all, in the URDF's order (``[link.name for link in mechanism.urdf.robot.links]``), if
+            left out.
 
     Returns:
         Positions (n, links, 3) [m] and attitudes (n, links, 4), quaternions xyzw that do not jump in sign
-        along n [-]; links in the URDF's order (``[link.name for link in mechanism.urdf.robot.links]``).
+        along n [-].
     """
     model = mechanism.model
     configurations = _rows("link_poses", "q", q, model.nq)
     n = configurations.shape[0]
     data = model.createData()
-    names = [link.name for link in mechanism.urdf.robot.links]
+    names = [link.name for link in mechanism.urdf.robot.links] if links is None else links
     frames = [model.frames[mechanism.frame(name)] for name in names]
-    parents = [frame.parentJoint for frame in frames]
+    used = sorted({int(frame.parentJoint) for frame in frames})
+    parents = [used.index(int(frame.parentJoint)) for frame in frames]
     fixed = np.array([frame.placement.homogeneous for frame in frames]).reshape(-1, 4, 4)
     positions, attitudes = np.zeros((n, len(names), 3)), np.zeros((n, len(names), 4))
     # Part by part, since matrices take much more room than what is made of them.
-    joints = np.zeros((min(n, _AT_ONCE), model.njoints, 4, 4))
+    joints = np.zeros((min(n, _AT_ONCE), len(used), 4, 4))
     for first in range(0, n, _AT_ONCE):
         last = min(first + _AT_ONCE, n)
         for i in range(last - first):
             pin.forwardKinematics(model, data, configurations[first + i])
-            for j in range(model.njoints):
-                joints[i, j] = data.oMi[j].homogeneous
+            for k, j in enumerate(used):
+                joints[i, k] = data.oMi[j].homogeneous
         poses = joints[: last - first, parents] @ fixed
         positions[first:last] = poses[..., :3, 3]
         attitudes[first:last] = quaternions(poses[..., :3, :3])

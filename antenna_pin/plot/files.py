@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import io
 import re
 from collections.abc import Callable, Collection, Iterable, Sequence
@@ -12,8 +13,8 @@ from matplotlib.figure import Figure
 
 from antenna_pin.errors import AntennaPinError, OutputError, UnknownNameError
 from antenna_pin.files import replacing
-from antenna_pin.plot._runs import Run
-from antenna_pin.plot._style import Width, styled
+from antenna_pin.plot._runs import Run, labelled
+from antenna_pin.plot._style import MANY, Width, styled
 from antenna_pin.plot.catalogue import CATALOGUE, Allowed, allowed_figures
 
 FORMATS = ("png", "pdf", "svg")
@@ -55,6 +56,7 @@ def save_figures(
         drawings[_free_name(each, drawings)] = each
     target = folder_for_figures(folder)
     written: list[Path] = []
+    long = any(run.data.sizes.get("time", 0) > MANY for run in labelled(given))
     tell = on_left_out or (lambda name, reason: None)
     for name in sorted(set(names or ()) - {each.figure.name for each in drawings.values()}):
         tell(name, f"no run has {CATALOGUE[name].needed}")
@@ -65,6 +67,9 @@ def save_figures(
             tell(name, str(error))
             continue
         written += save_figure(figure, target / name, formats)
+        del figure
+        if long:  # Matplotlib's figures refer to themselves: Python leaves many of them before it looks
+            gc.collect()
     return written
 
 

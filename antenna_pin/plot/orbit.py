@@ -8,7 +8,6 @@ from typing import Any, Literal
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
-from matplotlib.collections import LineCollection
 from matplotlib.colors import Colormap, LogNorm, Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -19,6 +18,7 @@ from matplotlib.ticker import MaxNLocator
 from antenna_pin.analysis import bore_load, journal_motion
 from antenna_pin.errors import UnknownNameError
 from antenna_pin.plot._kinds import TOUCHING, choose_joint
+from antenna_pin.plot._lines import draw_pieces
 from antenna_pin.plot._run_figure import RunFigure
 from antenna_pin.plot._runs import (
     LabelledRun,
@@ -168,20 +168,17 @@ def _bore_forces(run: LabelledRun, joint: str) -> Array:
 
 def _line(axes: Axes, x: Array, y: Array, value: Array, norm: Normalize) -> None:
     """Draw a line whose colour is the mean value of each piece's ends."""
-    points = np.stack([x, y], axis=1)
-    pieces = np.stack([points[:-1], points[1:]], axis=1)
-    axes.add_collection(
-        LineCollection(
-            list(pieces),
-            array=0.5 * (value[:-1] + value[1:]),
-            cmap=SEQUENTIAL,
-            norm=norm,
-            linewidth=0.5,
-            capstyle="round",
-            zorder=2,
-            # Thousands of single pieces: as pixels they make a small file.
-            rasterized=x.size > MANY // 20,
-        )
+    draw_pieces(
+        axes,
+        np.stack([x, y], axis=1),
+        0.5 * (value[:-1] + value[1:]),
+        cmap=SEQUENTIAL,
+        norm=norm,
+        linewidth=0.5,
+        capstyle="round",
+        zorder=2,
+        # Thousands of single pieces: as pixels they make a small file.
+        rasterized=x.size > MANY // 20,
     )
 
 
@@ -189,24 +186,21 @@ def _loaded_line(axes: Axes, x: Array, y: Array, load: Array, norm: Normalize) -
     """Draw flight in grey, and the pieces with load above it, the hardest last."""
     many = x.size > MANY // 20
     axes.plot(x, y, color=_FREE, linewidth=0.4, zorder=1.5, rasterized=many)
-    points = np.stack([x, y], axis=1)
-    pieces = np.stack([points[:-1], points[1:]], axis=1)
     value = np.maximum(load[:-1], load[1:])
     order = np.argsort(value)
-    order = order[
-        value[order] > float(norm.vmin or 0.0)
-    ]  # at a touch's first instant there is round-off only
-    axes.add_collection(
-        LineCollection(
-            list(pieces[order]),
-            array=value[order],
-            cmap=_colours("load"),
-            norm=norm,
-            linewidth=0.9,
-            capstyle="round",
-            zorder=2,
-            rasterized=many,
-        )
+    # At a touch's first instant there is round-off only.
+    order = order[value[order] > float(norm.vmin or 0.0)]
+    draw_pieces(
+        axes,
+        np.stack([x, y], axis=1),
+        value,
+        order,
+        cmap=_colours("load"),
+        norm=norm,
+        linewidth=0.9,
+        capstyle="round",
+        zorder=2,
+        rasterized=many,
     )
 
 

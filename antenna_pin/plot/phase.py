@@ -8,7 +8,6 @@ import numpy as np
 import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
-from matplotlib.collections import LineCollection
 from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
@@ -17,6 +16,7 @@ from mpl_toolkits.mplot3d.art3d import Line3DCollection
 
 from antenna_pin.analysis import PhasePortrait, Quantity
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
+from antenna_pin.plot._lines import draw_pieces
 from antenna_pin.plot._style import (
     SEQUENTIAL,
     Array,
@@ -95,9 +95,8 @@ def _line(figure: Figure, points: Array, time: Array) -> tuple[Axes, ScalarMappa
     points, time = points[finite], time[finite]
     kept = thinned(points)
     line, when = points[kept], time[kept]
-    pieces = np.stack([line[:-1], line[1:]], axis=1)
+    values = 0.5 * (when[:-1] + when[1:])
     looks: dict[str, Any] = {
-        "array": 0.5 * (when[:-1] + when[1:]),
         "cmap": SEQUENTIAL,
         "norm": norm,
         "linewidth": 0.6 if len(line) < 20_000 else 0.35,
@@ -105,9 +104,10 @@ def _line(figure: Figure, points: Array, time: Array) -> tuple[Axes, ScalarMappa
         "rasterized": len(line) > _MANY,
     }
     if points.shape[1] == 3:
+        pieces = np.stack([line[:-1], line[1:]], axis=1)
         space = figure.add_subplot(projection="3d")
         assert isinstance(space, Axes3D)
-        space.add_collection3d(Line3DCollection(list(pieces), **looks))
+        space.add_collection3d(Line3DCollection(list(pieces), array=values, **looks))
         for name, column in zip("xyz", points.T, strict=True):
             getattr(space, f"set_{name}lim")(*_limits(column))
             axis = getattr(space, f"{name}axis")
@@ -118,7 +118,7 @@ def _line(figure: Figure, points: Array, time: Array) -> tuple[Axes, ScalarMappa
         space.set_box_aspect(None, zoom=0.9 if figure.get_figwidth() > 5.0 else 0.7)
         return space, ScalarMappable(norm, SEQUENTIAL)
     axes = figure.add_subplot()
-    axes.add_collection(LineCollection(list(pieces), **looks))
+    draw_pieces(axes, line, values, **looks)
     axes.set(xlim=_limits(points[:, 0]), ylim=_limits(points[:, 1]))
     few_ticks(axes)
     return axes, ScalarMappable(norm, SEQUENTIAL)

@@ -41,12 +41,14 @@ print(memory("VmHWM") - before, file=sys.stderr)
 """
 RUN = ("run", "bai2020", "--case", "case3", "--set", CLOSED_FORM, "--engine", "compiled")
 RUN += ("--set", "output.rate=10 kHz", "--out", "run.nc", "--no-progress")
+IDEAL = ("run", "bai2020", "--case", "case1", "--out", "ideal.nc", "--no-progress")
 READERS = {
     "info": ("info", "run.nc"),
     "impacts": ("impacts", "run.nc"),
     "record": ("record", "run.nc", "--out", "run.html"),
     "analyse": ("analyse", "run.nc"),
     "plot": ("plot", "run.nc", "--out", "figures"),
+    "pointing": ("pointing", "run.nc", "--ideal", "ideal.nc"),
     "report": ("report", "run.nc", "--out", "report.html"),
 }
 
@@ -66,6 +68,7 @@ def main() -> int:
     span = "1" if quick else "40"
     with tempfile.TemporaryDirectory() as folder:
         report.add(f"run, {span} s at 10 kHz", above_imports((*RUN, "--duration", span), folder), "MB", 300.0)
+        above_imports((*IDEAL, "--duration", span), folder)
         for name, words in READERS.items():
             report.add(name, above_imports(words, folder), "MB", 600.0)
     return report.finish()
