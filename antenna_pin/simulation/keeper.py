@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 import secrets
+import time
 import warnings
 from collections.abc import Mapping
 from pathlib import Path
@@ -20,6 +21,7 @@ from antenna_pin.trajectory import Outcome
 __all__ = ["Keeper", "NotKeptWarning"]
 
 _PART = 16_000_000  # bytes of samples that make a part
+_TIMES = 4.0  # what a checkpoint took: so long the next waits at least, or they would take most of the time
 _AGAIN = 10.0  # [s] of wall time from one vain try to write to the next
 
 
@@ -36,7 +38,8 @@ class Keeper:
         path: Of the run's result.
         system: The system.
         about: What the run is of, for its checkpoints.
-        interval: Wall time from one checkpoint to the next [s]; infinity for none but at an interruption.
+        interval: Wall time from one checkpoint to the next [s], and at least four times what the last one
+            took; infinity for none but at an interruption.
         checkpoint: That the run goes on from.
 
     Attributes:
@@ -111,6 +114,8 @@ class Keeper:
         Raises:
             OutputError: It cannot be written.
         """
+        began = time.perf_counter()
         self.parts.open()
         Checkpoint.of(run, {**self._about, "rows": self.parts.rows}).write(self.parts.folder)
-        self._due = run.wall + self._interval
+        cost = time.perf_counter() - began
+        self._due = run.wall + max(self._interval, _TIMES * cost)

@@ -4,6 +4,7 @@ import contextlib
 import dataclasses
 import os
 import signal
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -259,6 +260,24 @@ def test_a_result_without_room_is_made_of_what_was_kept(tmp_path, small_parts, m
             simulate(antenna(), duration=0.03, out=tmp_path / "run.nc")
     again = simulate(antenna(), out=tmp_path / "run.nc", resume=True)
     same(simulate(antenna(), duration=0.03), again)
+
+
+@pytest.mark.parametrize(("took", "many"), [(0.0, True), (1e4, False)])
+def test_the_next_checkpoint_waits_for_what_the_last_one_took(
+    tmp_path, monkeypatch, took, many
+):
+    """Of checkpoints that are always due each step has one; of one that took hours the run sees no second."""
+    written, write, now = [], Checkpoint.write, [0.0]
+
+    def dear(self, folder):
+        written.append(self)
+        now[0] += took
+        write(self, folder)
+
+    monkeypatch.setattr(Checkpoint, "write", dear)
+    monkeypatch.setattr(keeper, "time", SimpleNamespace(perf_counter=lambda: now[0]))
+    simulate(antenna(), duration=0.01, out=tmp_path / "run.nc", checkpoint=1e-6)
+    assert (len(written) > 1) is many
 
 
 def test_a_system_built_in_python_goes_on(tmp_path, small_parts):
