@@ -263,9 +263,7 @@ def test_a_result_without_room_is_made_of_what_was_kept(tmp_path, small_parts, m
 
 
 @pytest.mark.parametrize(("took", "many"), [(0.0, True), (1e4, False)])
-def test_the_next_checkpoint_waits_for_what_the_last_one_took(
-    tmp_path, monkeypatch, took, many
-):
+def test_the_next_checkpoint_waits_for_what_the_last_one_took(tmp_path, monkeypatch, took, many):
     """Of checkpoints that are always due each step has one; of one that took hours the run sees no second."""
     written, write, now = [], Checkpoint.write, [0.0]
 
