@@ -5,6 +5,7 @@ Scenarios go to the workers as data and results come back as data: nothing of a 
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import importlib
 import logging
@@ -24,6 +25,15 @@ T = TypeVar("T")
 _AHEAD = 2  # batches for each worker: one it works on, one it finds ready
 _LOOK_EVERY = 1.0  # [s] at whether anybody is there
 _PATIENCE = 30.0  # [s] without any worker
+_QUIET = {  # what processes of this machine look at between the runs: their cores are the runs'
+    "distributed.worker.profile.enabled": False,
+    "distributed.worker.memory.monitor-interval": "1s",
+    "distributed.admin.tick.interval": "500ms",
+    "distributed.admin.system-monitor.interval": "10s",
+    "distributed.admin.system-monitor.gil.enabled": False,
+    "distributed.scheduler.work-stealing": False,
+    "distributed.scheduler.active-memory-manager.start": False,
+}
 
 
 class ClusterLostError(AntennaPinError, RuntimeError):
@@ -62,18 +72,24 @@ class Cluster:
             if name.partition(".")[0] == "distributed":
                 logging.getLogger(name).setLevel(logging.CRITICAL)
         self._distributed = distributed
+        if (scheduler or "").startswith("tls://") and len(tls or {}) < 3:
+            raise ClusterLostError(
+                f"scheduler {scheduler}: must be given the files of its authority, of a certificate and "
+                "of its key (--tls-ca, --tls-cert, --tls-key)"
+            )
         self._local: Any = None
         self._client: Any = None
         self._where = scheduler or "this machine"
         try:
             if scheduler is None:
-                self._local = distributed.LocalCluster(
-                    n_workers=workers or os.cpu_count() or 1,
-                    threads_per_worker=1,
-                    processes=True,
-                    dashboard_address="127.0.0.1:0",  # any free port; the default one may be taken
-                    silence_logs=logging.CRITICAL,
-                )
+                with importlib.import_module("dask").config.set(_QUIET):
+                    self._local = distributed.LocalCluster(
+                        n_workers=workers or os.cpu_count() or 1,
+                        threads_per_worker=1,
+                        processes=True,
+                        dashboard_address="127.0.0.1:0",  # any free port; the default one may be taken
+                        silence_logs=logging.CRITICAL,
+                    )
                 self._client = distributed.Client(self._local, set_as_default=False)
             else:
                 self._client = distributed.Client(
@@ -81,13 +97,18 @@ class Cluster:
                 )
         except (OSError, TimeoutError, ValueError, RuntimeError) as error:
             self.close()
+            if scheduler is None:
+                raise ClusterLostError(
+                    f"processes of this machine: must start, got: {_words(error)}; a script that starts them "
+                    "does so under if __name__ == '__main__': only, as they read it too"
+                ) from None
             raise ClusterLostError(
-                f"scheduler {self._where}: must answer, got: {_words(error)}; is it running, and is the "
+                f"scheduler {scheduler}: must answer, got: {_words(error)}; is it running, and is the "
                 "address right?"
             ) from None
 
         # What they have to load, they load while the driver makes its own trial.
-        with contextlib.suppress(Exception):
+        with contextlib.suppress(OSError):
             self._client.run(_wake, wait=False)
 
     def _security(self, tls: dict[str, str] | None) -> Any:
@@ -119,7 +140,8 @@ class Cluster:
         under_way: dict[Any, list[T]] = {}
         ready: queue.SimpleQueue[Any] = queue.SimpleQueue()
         try:
-            (data,) = self._client.scatter([shared], broadcast=False, hash=True)
+            # To every worker: batches go where it is, and all but one would wait.
+            (data,) = self._client.scatter([shared], broadcast=True, hash=True)
             while True:
                 while len(under_way) < _AHEAD * self.width:
                     batch = next(batches, None)
@@ -186,8 +208,8 @@ class Cluster:
                     made.close()
 
 
-def _wake() -> None:
-    import antenna_pin.sweep.work  # noqa: F401
+async def _wake() -> None:
+    await asyncio.to_thread(importlib.import_module, "antenna_pin.sweep.work")
 
 
 def _words(error: BaseException) -> str:
