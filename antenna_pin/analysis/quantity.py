@@ -14,6 +14,9 @@ out. The component of a vector or quaternion stands behind a dot, or as the last
 dimension that has only one may be left out: with one joint with play, ``joint_force.x`` is its force. Between
 bars stands the length of a vector or the size of a number. Blanks beside brackets, commas and bars are of no
 meaning.
+
+Vectors that follow from a result are named as if they stood in it: ``body_velocity[LINK].x`` and the like, in
+world axes, and ``journal_velocity[JOINT].x``, in those of the bearing.
 """
 
 from __future__ import annotations
@@ -28,7 +31,8 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from antenna_pin.analysis._run import Array, RunLike, data_of, sample_times
+from antenna_pin.analysis._body_quantities import AXES, DERIVED, owners_of
+from antenna_pin.analysis._run import Array, RunLike, data_of, label_of, sample_times
 from antenna_pin.analysis.closures import drives_of, effort_unit
 from antenna_pin.analysis.elastic import elastic_parts_of
 from antenna_pin.analysis.signals import signals
@@ -108,22 +112,52 @@ def quantity(run: RunLike, name: str) -> Quantity:
     if name.strip() == "time":
         return Quantity("time", time, time, "s", "time")
     wanted = QuantityName.parse(name)
+    if wanted.variable in DERIVED:
+        return _derived(data, name, wanted)
     if wanted.variable not in _recorded(data):
         return _signal(data, name, wanted)
     array = data[wanted.variable]
     dims = [str(dim) for dim in array.dims[1:]]
     labels = _found_labels(data, name, wanted, dims)
     values = np.asarray(array.sel(dict(zip(dims, labels, strict=False))).values, dtype=float)
+    units = _units(data, wanted.variable, labels)
+    return _made(
+        time, values, wanted, dims, labels, units, str(array.attrs.get("long_name", wanted.variable))
+    )
+
+
+def _made(
+    time: Array,
+    values: Array,
+    wanted: QuantityName,
+    dims: list[str],
+    labels: list[str],
+    units: str,
+    meaning: str,
+) -> Quantity:
+    """Return a quantity under its name in full; of a vector, (n, 3), or a number its size where wanted."""
     if wanted.size:
         values = np.abs(values) if values.ndim == 1 else np.linalg.norm(values, axis=1)
-    words = ", ".join([str(array.attrs.get("long_name", wanted.variable)), *labels])
-    return Quantity(
-        _written(dims, wanted.variable, labels, wanted.size),
-        time,
-        values,
-        _units(data, wanted.variable, labels),
-        f"size of {words}" if wanted.size else words,
-    )
+    words = ", ".join([meaning, *labels])
+    written = _written(dims, wanted.variable, labels, wanted.size)
+    return Quantity(written, time, values, units, f"size of {words}" if wanted.size else words)
+
+
+def _derived(data: xr.Dataset, name: str, wanted: QuantityName) -> Quantity:
+    """Return a component or the length of a vector that follows from the result."""
+    one = DERIVED[wanted.variable]
+    owners = owners_of(data)[one.dim]
+    if not owners:
+        what = "a joint with play" if one.dim == "clearance_joint" else "the mechanism that it is of"
+        raise InvalidParameterError("quantity", "run", f"one with {what} for {name}", label_of(data))
+    dims = [one.dim, "axis"]
+    named = xr.Dataset(coords={one.dim: owners, "axis": list(AXES)})
+    labels = _found_labels(named, name, wanted, dims)
+    values = one.values(data, labels[0])
+    if len(labels) > 1:
+        values = values[:, AXES.index(labels[1])]
+    time = sample_times(data, "quantity")
+    return _made(time, values, wanted, dims, labels, one.units, one.meaning)
 
 
 def quantities(run: RunLike) -> dict[str, str]:
@@ -149,6 +183,12 @@ def quantities(run: RunLike) -> dict[str, str]:
             found[_written(dims, variable, labels, size=True)] = units
             for axis in names_along(data, "axis"):
                 found[_written(dims, variable, (*labels, axis))] = units
+    owners = owners_of(data)
+    for variable, one in DERIVED.items():
+        dims = [one.dim, "axis"]
+        for owner in owners[one.dim]:
+            found[_written(dims, variable, (owner,), size=True)] = one.units
+            found |= {_written(dims, variable, (owner, axis)): one.units for axis in AXES}
     found |= {name: one.units for name, one in signals(run).items()}
     return found
 
@@ -173,7 +213,7 @@ def _signal(data: xr.Dataset, name: str, wanted: QuantityName) -> Quantity:
         if not wanted.size:
             return Quantity(inside, one.time, one.values, one.units, inside)
         return Quantity(f"|{inside}|", one.time, np.abs(one.values), one.units, f"size of {inside}")
-    variables = ["time", *_recorded(data)]
+    variables = ["time", *_recorded(data), *DERIVED]
     if wanted.labels:
         raise UnknownNameError("quantity", "variable", wanted.variable, _near(wanted.variable, variables))
     raise UnknownNameError("quantity", "name", inside, _near(inside, [*variables, *known]))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from antenna_pin import load_scenario, simulate
-from antenna_pin.analysis import QuantityName, quantities, quantity, signals
+from antenna_pin.analysis import QuantityName, body_motion, quantities, quantity, signals
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 
 
@@ -120,3 +120,35 @@ def test_names_have_parts():
     )
     assert QuantityName.parse("base_position.z") == QuantityName("base_position", ("z",))
     assert QuantityName.parse("s2 force x") == QuantityName("s2 force x")
+
+
+def test_the_motion_of_any_link_is_that_of_its_frame_in_the_world(antenna):
+    motion = body_motion(antenna, "reflector")
+    for variable in ("position", "velocity", "acceleration", "angular_velocity", "angular_acceleration"):
+        for k, axis in enumerate("xyz"):
+            found = quantity(antenna, f"body_{variable}[reflector].{axis}")
+            assert np.array_equal(found.values, motion[variable].values[:, k])
+            assert found.units == motion[variable].attrs["units"]
+    speed = quantity(antenna, "|body_velocity[reflector]|").values
+    assert np.allclose(speed, np.linalg.norm(motion["velocity"].values, axis=1), rtol=1e-14)
+    with pytest.raises(UnknownNameError, match=r"body 'mirror'.*reflector"):
+        quantity(antenna, "body_velocity[mirror].x")
+
+
+@pytest.mark.parametrize("side", ["parent", "child"])
+def test_the_velocity_of_a_journal_is_the_rate_of_its_place_in_the_bearing(side):
+    # Also with the bearing on the child, which turns, so that the velocity is not that of the joint's twist.
+    changes = ["clearance.elevation.geometry=closed-form", f"clearance.elevation.bearing_on={side}"]
+    changes += ["output.rate='200 kHz'"]
+    run = simulate(load_scenario("bai2020", case="case3", overrides=changes), duration=2e-3)
+    place = run.data["journal_position"].values[:, 0]
+    for k, axis in enumerate("xyz"):
+        found = quantity(run, f"journal_velocity[elevation].{axis}")
+        assert found.units == "m/s"
+        # Simpson's rule between every second sample of a smooth motion: h^5/90 of a fourth derivative that the
+        # contact's oscillations at 2 kHz make at most 1e-10 of a velocity of mm/s.
+        v, t = found.values, found.time
+        inner = np.flatnonzero(np.isclose(t[2:] - t[1:-1], t[1:-1] - t[:-2], rtol=1e-6))
+        h = t[inner + 1] - t[inner]
+        by_rule = h / 3.0 * (v[inner] + 4.0 * v[inner + 1] + v[inner + 2])
+        assert np.allclose(place[inner + 2, k] - place[inner, k], by_rule, rtol=0.0, atol=1e-13)
