@@ -45,7 +45,8 @@ class FigureIndex:
         text = [f"# {self.title or 'Figures'}", ""]
         text += [f"Source: {self.source}.", ""] if self.source else []
         text += ["Made by", "", f"    {self.command}", ""]
-        text += ["| case | what it is | result | how it ended |", "|---|---|---|---|"]
+        if store.cases:
+            text += ["| case | what it is | result | how it ended |", "|---|---|---|---|"]
         for case, run in store.runs.items():
             what = store.scenarios[case].description or store.scenarios[case].title
             file = Path(os.path.relpath(store.files[case], self.folder)).as_posix()

@@ -24,10 +24,10 @@ _ORIGIN = {"name", "description", "overrides", "folder"}
 class RunStore:
     """The runs of some cases: those in a folder whose scenario is the same, the others made."""
 
-    def __init__(self, folder: Path, scenarios: Sequence[Scenario], progress: bool) -> None:
+    def __init__(self, folder: Path, name: str, scenarios: Sequence[Scenario], progress: bool) -> None:
         self.folder = folder
         self.scenarios = {scenario.case: scenario for scenario in scenarios}
-        self.name = scenarios[0].name
+        self.name = name
         self.progress = progress
         self.early = False
         self.files: dict[str | None, Path] = {}
@@ -56,7 +56,7 @@ class RunStore:
             except FileFormatError:  # not there, or something else
                 continue
             current = run.data.attrs["format"] == FORMAT
-            if current and run.completed and run.scenario and _same(run.scenario, scenario):
+            if current and run.completed and run.scenario and same_scenario(run.scenario, scenario):
                 complain(f"{stem(scenario)}: using {path}")
                 self.files[scenario.case] = path
                 return run
@@ -96,11 +96,11 @@ class RunStore:
                 old = Trajectory.load(path).scenario
             except FileFormatError:
                 old = None
-            if old is not None and _same(old, scenario):  # cut short, or of an older format
+            if old is not None and same_scenario(old, scenario):  # cut short, or of an older format
                 return path
             number += 1
 
 
-def _same(one: Scenario, other: Scenario) -> bool:
+def same_scenario(one: Scenario, other: Scenario) -> bool:
     """Whether two scenarios are the same but for where they came from."""
     return one.model_dump(exclude=_ORIGIN) == other.model_dump(exclude=_ORIGIN)

@@ -5,10 +5,11 @@ from __future__ import annotations
 import shlex
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from antenna_pin.cli._attractor_store import AttractorStore
 from antenna_pin.cli._common import (
     ENDED_EARLY,
     Geometry,
@@ -20,13 +21,17 @@ from antenna_pin.cli._common import (
     figure_formats,
     load,
     not_interrupted,
+    refuse,
 )
 from antenna_pin.cli._index import FigureIndex
 from antenna_pin.cli._run_store import RunStore
 from antenna_pin.errors import AntennaPinError
 
 if TYPE_CHECKING:
-    from antenna_pin.plot import PaperFigure
+    from antenna_pin.plot import AttractorFigure, DiagramFigure, PaperFigure
+    from antenna_pin.scenario import Scenario
+
+    AnyFigure = PaperFigure | AttractorFigure | DiagramFigure
 
 
 def figures(
@@ -50,6 +55,16 @@ def figures(
             help="Case to draw the standard figures of, instead of a paper's. May be repeated.",
         ),
     ] = None,
+    numbers: Annotated[
+        list[int] | None,
+        typer.Option("--figure", metavar="N", help="Number of a figure in the paper; all if left out."),
+    ] = None,
+    values: Annotated[
+        int, typer.Option(metavar="N", min=2, help="Values of a parameter in figures over one.")
+    ] = 20,
+    points: Annotated[
+        int, typer.Option(metavar="N", min=32, help="Points of each Poincare map, behind its transient.")
+    ] = 200,
     duration: Annotated[
         str | None, typer.Option(help="Simulated time, in seconds or with a unit ('20 ms').")
     ] = None,
@@ -66,28 +81,42 @@ def figures(
     """Draw all figures of the paper that a shipped scenario repeats, and run what they need.
 
     Files are named after the paper's figures, and index.md says what each shows there and here. A scenario
-    that repeats no paper gets the standard figures of its cases.
+    that repeats no paper gets the standard figures of its cases. Those of settled motions run as long as that
+    takes, whatever the duration, compiled and with gaps in closed form.
     """
     suffixes = figure_formats(formats)
-    numbered = () if cases else _paper(scenario)
-    wanted = cases or list(dict.fromkeys(case for each in numbered for case in each.cases))
+    of_runs, of_attractors = _paper(scenario, cases, numbers)
+    numbered = bool(of_runs or of_attractors)
+    wanted = cases or list(dict.fromkeys(case for each in of_runs for case in each.cases))
     # Everything is read and checked before the first run.
     loaded = {
-        case: load(scenario, case, settings, geometry, duration) for case in wanted or _all_cases(scenario)
+        case: load(scenario, case, settings, geometry, duration)
+        for case in wanted or ([] if numbered else _all_cases(scenario))
     }
-    first = next(iter(loaded.values()))
+    first = next(iter(loaded.values()), None) or load(scenario, None, settings, geometry)
+
+    def settled(case: str | None, quick: Sequence[str]) -> Scenario:
+        return load(scenario, case, [*quick, *(settings or ())])
+
     target = figure_folder(out or Path(f"{first.name}-figures"))
 
     from antenna_pin.plot import folder_for_figures
 
+    name = str(first.name)
+    attractors = AttractorStore(runs or target / "runs", name, settled, points, values, progress)
+    attractors.check(of_attractors)
     folder_for_figures(target)
-    store = RunStore(folder_for_figures(runs or target / "runs"), list(loaded.values()), progress)
-    index = FigureIndex(
-        target, first.title, first.source, _command(scenario, cases, duration, settings, geometry)
-    )
+    store = RunStore(folder_for_figures(runs or target / "runs"), name, list(loaded.values()), progress)
+    command = _command(scenario, cases, duration, settings, geometry)
+    command += "".join(f" --figure {number}" for number in numbers or ())
+    if of_attractors:
+        command += f" --values {values} --points {points}"
+    index = FigureIndex(target, first.title, first.source, command)
+    index.expected = [f"Figure {each.number}" for each in (*of_runs, *of_attractors)]
     try:
         if numbered:
-            _draw_paper(numbered, store, index, suffixes, width)
+            _draw_paper(of_runs, store, index, suffixes, width)
+            _draw_settled(of_attractors, attractors, index, suffixes, width)
         else:
             _draw_standard(store, index, suffixes, width)
     finally:  # what is done counts, after Ctrl-C as well
@@ -98,11 +127,30 @@ def figures(
         raise typer.Exit(ENDED_EARLY)
 
 
-def _paper(name: str) -> tuple[PaperFigure, ...]:
-    """Return the figures of the paper that a shipped scenario repeats; none if it repeats none."""
-    from antenna_pin.plot import PAPERS
+def _paper(
+    name: str, cases: Sequence[str] | None, numbers: Sequence[int] | None
+) -> tuple[list[PaperFigure], list[AttractorFigure | DiagramFigure]]:
+    """Return the figures of the paper that a shipped scenario repeats; none if it repeats none.
 
-    return PAPERS.get(name, ())
+    Those of runs stand before those of settled motions.
+    """
+    from antenna_pin.plot import ATTRACTORS, PAPERS
+
+    every = PAPERS.get(name, ()), ATTRACTORS.get(name, ())
+    if cases:
+        if numbers:
+            refuse("figures: --figure must be left out beside --case, which draws the standard figures")
+        return [], []
+    known = [each.number for group in every for each in group]
+    for number in numbers or ():
+        if number not in known:
+            have = f"one of {', '.join(map(str, known))}" if known else "left out: it repeats no paper"
+            refuse(f"{name}: --figure must be {have}, got {number}")
+    chosen = set(numbers or known)
+    return (
+        [each for each in every[0] if each.number in chosen],
+        [each for each in every[1] if each.number in chosen],
+    )
 
 
 def _all_cases(name: str) -> list[str | None]:
@@ -136,24 +184,54 @@ def _draw_paper(
     width: Width,
 ) -> None:
     """Draw figure after figure, each as soon as the runs it takes are there."""
+    for each in numbered:
+        _draw(each, [store.run_of(case) for case in each.cases], index, suffixes, width)
+
+
+def _draw_settled(
+    numbered: Sequence[AttractorFigure | DiagramFigure],
+    store: AttractorStore,
+    index: FigureIndex,
+    suffixes: Sequence[str],
+    width: Width,
+) -> None:
+    """Draw figures of settled motions, each as soon as what it takes is there."""
+    from antenna_pin.plot import AttractorFigure
+
+    portraits = [each for each in numbered if isinstance(each, AttractorFigure)]
+    for each in numbered:
+        taken: Any
+        try:
+            if isinstance(each, AttractorFigure):
+                taken = store.attractors(each, portraits)
+            else:
+                taken = store.diagram(each.diagram)
+        except AntennaPinError as error:
+            _left_out(each, index, error)
+            continue
+        _draw(each, taken, index, suffixes, width)
+
+
+def _draw(each: AnyFigure, taken: Any, index: FigureIndex, suffixes: Sequence[str], width: Width) -> None:
+    """Draw a figure of what it takes, and say in the index what it shows."""
     from antenna_pin.plot import save_figure
 
-    index.expected = [f"Figure {each.number}" for each in numbered]
-    for each in numbered:
-        runs = [store.run_of(case) for case in each.cases]
-        title = f"Figure {each.number}"
-        try:
-            drawn = each.draw(runs, width=width.value)
-            found = f"{_VERDICTS[each.judge(runs)]}{each.describe(runs)}"
-        except AntennaPinError as error:
-            complain(f"{title} is not drawn: {error}")
-            index.add(title, (), each.shows, f"not drawn: {error}")
-            continue
-        with not_interrupted():
-            files = save_figure(drawn, index.folder / each.name, suffixes)
-        index.add(title, files, each.shows, found)
-        for file in files:
-            typer.echo(file)
+    try:
+        drawn = each.draw(taken, width=width.value)
+        found = f"{_VERDICTS[each.judge(taken)]}{each.describe(taken)}"
+    except AntennaPinError as error:
+        _left_out(each, index, error)
+        return
+    with not_interrupted():
+        files = save_figure(drawn, index.folder / each.name, suffixes)
+    index.add(f"Figure {each.number}", files, each.shows, found)
+    for file in files:
+        typer.echo(file)
+
+
+def _left_out(each: AnyFigure, index: FigureIndex, error: AntennaPinError) -> None:
+    complain(f"Figure {each.number} is not drawn: {error}")
+    index.add(f"Figure {each.number}", (), each.shows, f"not drawn: {error}")
 
 
 _VERDICTS = {True: "**agrees**: ", False: "**differs**: ", None: ""}

@@ -9,7 +9,7 @@ from antenna_pin.nonlinear.lyapunov import Exponents, Verdict, largest_exponent,
 from antenna_pin.nonlinear.orbits import NoOrbitError, Orbit, periodic_orbit
 from antenna_pin.nonlinear.sections import poincare
 from antenna_pin.nonlinear.surfaces import Crossing, Section, Stroboscope, drive_period, section_of
-from antenna_pin.nonlinear.table import open_diagram, save_table
+from antenna_pin.nonlinear.table import open_diagram, open_section, save_table
 
 __all__ = [
     "Bifurcation",
@@ -37,6 +37,7 @@ __all__ = [
     "largest_exponent",
     "lyapunov_spectrum",
     "open_diagram",
+    "open_section",
     "periodic_orbit",
     "poincare",
     "save_table",

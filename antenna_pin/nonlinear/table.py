@@ -14,11 +14,12 @@ import xarray as xr
 from antenna_pin.analysis.transients import RULE
 from antenna_pin.errors import FileFormatError
 from antenna_pin.files import has_whole_seal, replacing
+from antenna_pin.nonlinear import sections
 from antenna_pin.nonlinear.branches import Asked, Entry
 from antenna_pin.trajectory.file import write
 from antenna_pin.units import any_quantity
 
-__all__ = ["FORMAT", "diagram_table", "open_diagram", "save_table"]
+__all__ = ["FORMAT", "diagram_table", "open_diagram", "open_section", "save_table"]
 
 #: Identifies the format of a diagram's dataset.
 FORMAT = "antenna_pin bifurcation 1"
@@ -129,6 +130,32 @@ def open_diagram(path: str | os.PathLike[str]) -> xr.Dataset:
     Raises:
         FileFormatError: It is none, or damaged.
     """
+    table = _opened(path, FORMAT, "a bifurcation diagram")
+    for name in ("outcome", "message"):
+        table[name] = table[name].astype(object)
+    table["settled"] = table["settled"].astype(bool)
+    return table
+
+
+def open_section(path: str | os.PathLike[str]) -> xr.Dataset:
+    """Return the points of a section from their file.
+
+    Args:
+        path: The file, as :func:`save_table` wrote it.
+
+    Returns:
+        As :func:`antenna_pin.nonlinear.poincare` does.
+
+    Raises:
+        FileFormatError: It is none, or damaged.
+    """
+    table = _opened(path, sections.FORMAT, "points of a section")
+    table["settled"] = table["settled"].astype(bool)
+    return table
+
+
+def _opened(path: str | os.PathLike[str], form: str, what: str) -> xr.Dataset:
+    """Return what a file holds, if it is whole and of a format."""
     file = Path(path)
     try:
         if has_whole_seal(file) is not True:
@@ -139,12 +166,9 @@ def open_diagram(path: str | os.PathLike[str]) -> xr.Dataset:
         raise
     except Exception as error:  # HDF5 raises any
         words = " ".join(str(error).split())
-        raise FileFormatError(f"{file}: must be a bifurcation diagram, got: {words}") from None
-    if table.attrs.get("format") != FORMAT:
+        raise FileFormatError(f"{file}: must be {what}, got: {words}") from None
+    if table.attrs.get("format") != form:
         raise FileFormatError(
-            f"{file}: must be a bifurcation diagram, of format {FORMAT!r}, got {table.attrs.get('format')!r}"
+            f"{file}: must be {what}, of format {form!r}, got {table.attrs.get('format')!r}"
         )
-    for name in ("outcome", "message"):
-        table[name] = table[name].astype(object)
-    table["settled"] = table["settled"].astype(bool)
     return table

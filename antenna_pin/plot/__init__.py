@@ -11,6 +11,7 @@ returns a :class:`matplotlib.figure.Figure` that belongs to no window and shows 
 from __future__ import annotations
 
 from antenna_pin.plot._run_figure import RunFigure
+from antenna_pin.plot.attractors import Attractor, figure_attractors
 from antenna_pin.plot.audit import figure_energy, figure_momentum
 from antenna_pin.plot.base import BASE_QUANTITIES, figure_base, figure_joints
 from antenna_pin.plot.bodies import BODY_QUANTITIES, figure_body
@@ -25,7 +26,15 @@ from antenna_pin.plot.forces import figure_contact_forces
 from antenna_pin.plot.loads import figure_joint_load, figure_steady_force
 from antenna_pin.plot.motion import QUANTITIES, figure_motion
 from antenna_pin.plot.orbit import figure_bore_load, figure_orbit
-from antenna_pin.plot.papers import PAPERS, PaperFigure, paper_figures
+from antenna_pin.plot.papers import (
+    ATTRACTORS,
+    PAPERS,
+    AttractorFigure,
+    Diagram,
+    DiagramFigure,
+    PaperFigure,
+    paper_figures,
+)
 from antenna_pin.plot.phase import figure_phase
 from antenna_pin.plot.pointing import figure_pointing
 from antenna_pin.plot.response import figure_response
@@ -44,6 +53,12 @@ from antenna_pin.plot.study import (
 )
 
 __all__ = [
+    "ATTRACTORS",
+    "Attractor",
+    "AttractorFigure",
+    "Diagram",
+    "DiagramFigure",
+    "figure_attractors",
     "BASE_QUANTITIES",
     "BODY_QUANTITIES",
     "CATALOGUE",

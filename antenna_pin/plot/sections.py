@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
+from antenna_pin.errors import UnknownNameError
 from antenna_pin.plot._style import Width, footnote, legend_above, letters, new_figure, panel_title, styled
 from antenna_pin.readable import printed_unit
 
@@ -73,16 +75,26 @@ def figure_section(section: xr.Dataset, *, width: Width = "column") -> Figure:
 
 
 @styled
-def figure_bifurcation(diagram: xr.Dataset, *, width: Width = "page") -> Figure:
+def figure_bifurcation(
+    diagram: xr.Dataset, *, quantities: Sequence[str] | None = None, width: Width = "page"
+) -> Figure:
     """Return a bifurcation diagram (:func:`antenna_pin.nonlinear.bifurcation`), a panel for each quantity.
 
     Points that had not settled are crosses; values that failed are ticks at the lower edge.
 
     Args:
         diagram: Quantities over ``branch``, ``value`` and ``point``.
+        quantities: Which of them; all if left out.
         width: "column" (88 mm) or "page" (180 mm).
+
+    Raises:
+        UnknownNameError: The diagram has no such quantity.
     """
     names = json.loads(diagram.attrs["quantities"])
+    for name in quantities or ():
+        if name not in names:
+            raise UnknownNameError("figure", "quantity", name, names)
+    names = list(quantities or names)
     figure = new_figure(width, 24.0 + 52.0 * len(names))
     panels = figure.subplots(len(names), 1, sharex=True, squeeze=False).ravel()
     values = np.asarray(diagram["value"].values, dtype=float)

@@ -145,8 +145,8 @@ def test_the_velocity_of_a_journal_is_the_rate_of_its_place_in_the_bearing(side)
     for k, axis in enumerate("xyz"):
         found = quantity(run, f"journal_velocity[elevation].{axis}")
         assert found.units == "m/s"
-        # Simpson's rule between every second sample of a smooth motion: h^5/90 of a fourth derivative that the
-        # contact's oscillations at 2 kHz make at most 1e-10 of a velocity of mm/s.
+        # Simpson's rule over pairs of steps of 5 us: its error is h^5/90 of a fourth derivative, which
+        # oscillations of the contact at 2 kHz make (2 pi 2 kHz)^4 of a velocity of a few mm/s.
         v, t = found.values, found.time
         inner = np.flatnonzero(np.isclose(t[2:] - t[1:-1], t[1:-1] - t[:-2], rtol=1e-6))
         h = t[inner + 1] - t[inner]

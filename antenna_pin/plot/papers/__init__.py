@@ -7,9 +7,18 @@ from __future__ import annotations
 
 from antenna_pin.errors import UnknownNameError
 from antenna_pin.plot.papers import bai2020, chen2021, you2010
+from antenna_pin.plot.papers._attractor_figures import AttractorFigure, Diagram, DiagramFigure
 from antenna_pin.plot.papers._figure import PaperFigure
 
-__all__ = ["PAPERS", "PaperFigure", "paper_figures"]
+__all__ = [
+    "ATTRACTORS",
+    "PAPERS",
+    "AttractorFigure",
+    "Diagram",
+    "DiagramFigure",
+    "PaperFigure",
+    "paper_figures",
+]
 
 #: The figures of each paper, by the name of the shipped model that repeats them.
 PAPERS: dict[str, tuple[PaperFigure, ...]] = {
@@ -17,6 +26,9 @@ PAPERS: dict[str, tuple[PaperFigure, ...]] = {
     "you2010": you2010.FIGURES,
     "chen2021": chen2021.FIGURES,
 }
+
+#: Those of settled motions, likewise.
+ATTRACTORS: dict[str, tuple[AttractorFigure | DiagramFigure, ...]] = {"chen2021": chen2021.ATTRACTORS}
 
 
 def paper_figures(model: str) -> tuple[PaperFigure, ...]:

@@ -1,18 +1,21 @@
-"""Figures 5 to 8 of Chen and Cui (2021), J. Harbin Institute of Technology (New Series) 28(3), 61-78.
+"""Figures 5 to 16 of Chen and Cui (2021), J. Harbin Institute of Technology (New Series) 28(3), 61-78.
 
-The paper draws two to four periods after fifty of them; these begin at the start, and their numbers are of
-the second half of the run. ``--duration 110s`` goes as far as the paper's.
+Of Figures 5 to 8 the paper draws two to four periods after fifty of them; these begin at the start, and their
+numbers are of the second half of the run. ``--duration 110s`` goes as far as the paper's. Figures 9 to 16
+are of settled motions, looked at once a period of the drives.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import partial
 
 from antenna_pin.plot.bodies import BodyQuantity
 from antenna_pin.plot.papers import _findings
+from antenna_pin.plot.papers._attractor_figures import AttractorFigure, Diagram, DiagramFigure, Verdict
 from antenna_pin.plot.papers._figure import PaperFigure
 
-__all__ = ["FIGURES"]
+__all__ = ["ATTRACTORS", "FIGURES"]
 
 _JOINT = "s2"
 _TWO = ("ideal", "friction-005", "friction-010")
@@ -62,5 +65,132 @@ FIGURES = (
         figure="steady_force",
         joint=_JOINT,
         finding=partial(_findings.steady_forces, joint=_JOINT),
+    ),
+)
+
+_FRICTIONS = {f"friction-{hundredths:03d}": f"friction {hundredths / 100:.2f}" for hundredths in (1, 5, 10)}
+_CLEARANCES = {
+    "clearance-300um": "clearance 0.30 mm",
+    "clearance-420um": "clearance 0.42 mm",
+    "clearance-670um": "clearance 0.67 mm",
+}
+_PLATFORM = tuple(f"body_velocity[platform].{axis}" for axis in "xyz")
+_BALL = tuple(f"journal_velocity[{_JOINT}].{axis}" for axis in "xyz")
+_NOTED = (*_PLATFORM, *_BALL, f"|joint_force[{_JOINT}]|")
+_ONE, _QUASI, _CHAOS = "period 1", "quasi-periodic", "chaotic"
+
+_OVER_FRICTION = Diagram(
+    name="friction",
+    parameter=f"clearance.{_JOINT}.friction.coefficient_of_friction",
+    first="0.01",
+    last="0.20",
+    quantities=_NOTED,
+    label="coefficient of friction",
+)
+_OVER_CLEARANCE = Diagram(
+    name="clearance",
+    parameter=f"clearance.{_JOINT}.bearing_radius",
+    first="15.02 mm",
+    last="15.9 mm",
+    quantities=_NOTED,
+    label="clearance",
+    zero=15e-3,  # the ball's radius
+)
+
+
+def _mostly_single(values: Sequence[float], verdicts: Sequence[Verdict]) -> bool:
+    """Whether the motion is single-period, but for the smaller half of the values at most."""
+    other = [value for value, one in zip(values, verdicts, strict=True) if one != _ONE]
+    middle = 0.5 * (values[0] + values[-1]) if values else 0.0
+    return len(other) < 0.5 * len(values) and all(value < middle for value in other)
+
+
+def _chaotic_then_quasi(values: Sequence[float], verdicts: Sequence[Verdict]) -> bool:
+    """Whether no motion has a period: fewer points than a test of chaos takes cannot tell more."""
+    return bool(values) and not any(one.startswith("period") for one in verdicts)
+
+
+def _single(values: Sequence[float], verdicts: Sequence[Verdict]) -> bool:
+    return bool(values) and all(one == _ONE for one in verdicts)
+
+
+ATTRACTORS: tuple[AttractorFigure | DiagramFigure, ...] = (
+    AttractorFigure(
+        number=9,
+        name="figure09-platform-friction",
+        cases=_FRICTIONS,
+        x="body_position[platform].z",
+        y=_PLATFORM[2],
+        shows="Phase trajectory and Poincare map of the platform along Z: a ring of some width and points "
+        "over some length with friction 0.01, quasi-periodic; one line and one point with 0.05 and 0.10, "
+        "period 1.",
+        there=dict(zip(_FRICTIONS, (_QUASI, _ONE, _ONE), strict=True)),
+    ),
+    DiagramFigure(
+        number=10,
+        name="figure10-platform-over-friction",
+        diagram=_OVER_FRICTION,
+        quantities=_PLATFORM,
+        shows="Velocity of the platform over friction 0.01 to 0.20: single-period mostly, quasi-periodic "
+        "where friction is small.",
+        agrees=_mostly_single,
+    ),
+    AttractorFigure(
+        number=11,
+        name="figure11-ball-friction",
+        cases=_FRICTIONS,
+        x=f"journal_position[{_JOINT}].y",
+        y=_BALL[1],
+        shows="Phase trajectory and Poincare map of the ball in its socket along Y: entangled rings and "
+        "scattered points with friction 0.01, chaotic; a wide ring and a line of points with 0.05, a "
+        "narrower and shorter one with 0.10, quasi-periodic both.",
+        there=dict(zip(_FRICTIONS, (_CHAOS, _QUASI, _QUASI), strict=True)),
+    ),
+    DiagramFigure(
+        number=12,
+        name="figure12-ball-over-friction",
+        diagram=_OVER_FRICTION,
+        quantities=_BALL,
+        shows="Velocity of the ball in its socket over friction 0.01 to 0.20: chaotic from 0.010 to 0.022, "
+        "quasi-periodic above, most stable near 0.07 and 0.10.",
+        agrees=_chaotic_then_quasi,
+    ),
+    AttractorFigure(
+        number=13,
+        name="figure13-platform-clearance",
+        cases=_CLEARANCES,
+        x="body_position[platform].z",
+        y=_PLATFORM[2],
+        shows="Phase trajectory and Poincare map of the platform along Z for three clearances: one line like "
+        "an ellipse, one point; period 1 for all.",
+        there=dict.fromkeys(_CLEARANCES, _ONE),
+    ),
+    DiagramFigure(
+        number=14,
+        name="figure14-platform-over-clearance",
+        diagram=_OVER_CLEARANCE,
+        quantities=_PLATFORM,
+        shows="Velocity of the platform over clearances of 0 to 0.9 mm: one point at each, period 1.",
+        agrees=_single,
+    ),
+    AttractorFigure(
+        number=15,
+        name="figure15-ball-clearance",
+        cases=_CLEARANCES,
+        x=f"journal_position[{_JOINT}].y",
+        y=_BALL[1],
+        shows="Phase trajectory and Poincare map of the ball in its socket along Y for three clearances: "
+        "wavy rings, points along a line; quasi-periodic all three, the more agitated the larger the "
+        "clearance.",
+        there=dict.fromkeys(_CLEARANCES, _QUASI),
+    ),
+    DiagramFigure(
+        number=16,
+        name="figure16-ball-over-clearance",
+        diagram=_OVER_CLEARANCE,
+        quantities=_BALL,
+        shows="Velocity of the ball in its socket over clearances of 0 to 0.9 mm: mostly quasi-periodic, "
+        "nowhere chaotic; the range of velocities is larger at 0.42 mm and largest at 0.67 mm.",
+        agrees=_chaotic_then_quasi,
     ),
 )

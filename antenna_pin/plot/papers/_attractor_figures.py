@@ -1,0 +1,216 @@
+"""Figures of a paper that are of settled motions: of some cases side by side, and of one over a parameter.
+
+What they take is made elsewhere: attractors, and bifurcation diagrams.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+
+from antenna_pin.analysis import RecurrenceKind, recurrence
+from antenna_pin.errors import InvalidParameterError
+from antenna_pin.plot._style import Width, prefixed
+from antenna_pin.plot.attractors import SAME, SEEN, Attractor, figure_attractors
+from antenna_pin.plot.papers._findings import with_unit
+from antenna_pin.plot.sections import figure_bifurcation
+
+__all__ = ["AttractorFigure", "Diagram", "DiagramFigure", "Verdict"]
+
+Verdict = str
+"""What a motion is: "period 1", "period 2" and so on, "quasi-periodic", "chaotic", or "too short to say"."""
+
+#: Points this near, over the largest amount of the quantities, are the same [-]: four times what runs of an
+#: accuracy of 1e-4 scatter by, and less than a dot.
+_SAME = 1e-3
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AttractorFigure:
+    """Phase trajectories and Poincare maps of some cases.
+
+    Attributes:
+        number: Number in the paper.
+        name: File name without a format.
+        cases: Cases of the model, each with what it is called in the figure.
+        x: Name of the quantity across.
+        y: Of the quantity upward.
+        shows: What the paper's figure shows.
+        there: What the paper calls the motion of each case.
+    """
+
+    number: int
+    name: str
+    cases: Mapping[str, str]
+    x: str
+    y: str
+    shows: str
+    there: Mapping[str, Verdict]
+
+    def draw(self, attractors: Mapping[str, Attractor], *, width: Width = "page") -> Figure:
+        """Return the figure.
+
+        Args:
+            attractors: By case; those it does not take are left aside.
+            width: "column" (88 mm) or "page" (180 mm).
+
+        Raises:
+            InvalidParameterError: A case is missing.
+        """
+        return figure_attractors(self._picked(attractors), self.x, self.y, width=width)
+
+    def describe(self, attractors: Mapping[str, Attractor]) -> str:
+        """Return in one line what the motions are."""
+        picked = self._picked(attractors)
+        said = []
+        for one in picked:
+            small = one.settled and not one.words(self.x, self.y).startswith("period")
+            small = small and one.spread(self.x, self.y) < SEEN
+            words = " of the portrait: one dot" if small else ""
+            said.append(f"{one.label}: {one.words(self.x, self.y)}{words}")
+        return "; ".join(said)
+
+    def judge(self, attractors: Mapping[str, Attractor]) -> bool:
+        """Return whether every case is what the paper calls it, by eye: points of one dot are one point."""
+        picked = self._picked(attractors)
+        return all(
+            one.settled and _verdict(one, self.x, self.y) == said
+            for one, said in zip(picked, (self.there[case] for case in self.cases), strict=True)
+        )
+
+    def _picked(self, attractors: Mapping[str, Attractor]) -> list[Attractor]:
+        missing = [case for case in self.cases if case not in attractors]
+        if missing:
+            rule = f"with {' and '.join(missing)} among them"
+            raise InvalidParameterError(
+                f"figure {self.number}", "attractors", rule, ", ".join(attractors) or "none"
+            )
+        return [attractors[case] for case in self.cases]
+
+
+def _verdict(one: Attractor, *names: str) -> Verdict:
+    """Return what a motion is to the eye; what has no period there is what it is when looked at closely."""
+    for tolerance in (SEEN, SAME):
+        found = one.recurs(*names, tolerance=tolerance)
+        if found.kind is RecurrenceKind.PERIODIC:
+            return f"period {found.period}"
+    return found.kind.value
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Diagram:
+    """A parameter that a model's settled motion is looked at over.
+
+    Attributes:
+        name: What files of it are called.
+        parameter: Key of the scenario.
+        first: Its first value, as text with a unit.
+        last: Its last value.
+        quantities: What is noted.
+        label: What the parameter is called in figures.
+        zero: What stands at zero there, in SI units.
+    """
+
+    name: str
+    parameter: str
+    first: str
+    last: str
+    quantities: tuple[str, ...]
+    label: str
+    zero: float = 0.0
+
+    def relabelled(self, diagram: xr.Dataset) -> xr.Dataset:
+        """Return a diagram over what figures call the parameter, in a readable unit."""
+        values = np.asarray(diagram["value"].values, dtype=float) - self.zero
+        factor, unit = prefixed(str(diagram["value"].attrs.get("units", "")), float(np.abs(values).max()))
+        return diagram.assign_coords(value=("value", factor * values, {"units": unit})).assign_attrs(
+            parameter=self.label
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DiagramFigure:
+    """Settled points of a motion over a parameter.
+
+    Attributes:
+        number: Number in the paper.
+        name: File name without a format.
+        diagram: Over what.
+        quantities: Which of its quantities are drawn.
+        shows: What the paper's figure shows.
+        agrees: Whether verdicts over the shown values, those that settled, are what the paper says.
+    """
+
+    number: int
+    name: str
+    diagram: Diagram
+    quantities: tuple[str, ...]
+    shows: str
+    agrees: Callable[[Sequence[float], Sequence[Verdict]], bool]
+
+    def draw(self, diagram: xr.Dataset, *, width: Width = "page") -> Figure:
+        """Return the figure of a diagram of fresh starts (:func:`antenna_pin.nonlinear.bifurcation`)."""
+        return figure_bifurcation(self.diagram.relabelled(diagram), quantities=self.quantities, width=width)
+
+    def describe(self, diagram: xr.Dataset) -> str:
+        """Return in one line at which values the motion is what, and how far its points lie apart at most."""
+        shown = self.diagram.relabelled(diagram)
+        unit = str(shown["value"].attrs["units"])
+        values, verdicts = self.verdicts(diagram)
+        said = [f"{len(values)} values of {shown.sizes['value']} settled"]
+        for kind in sorted(set(verdicts), key=lambda one: -verdicts.count(one)):
+            there = [value for value, one in zip(values, verdicts, strict=True) if one == kind]
+            words = "no period up to 10" if kind == RecurrenceKind.TOO_SHORT.value else kind
+            said.append(f"{words} at {len(there)}: {_spans(there, values, unit)}")
+        widest = []
+        for name in self.quantities:
+            extent = np.nanmax(diagram[name].values, axis=-1) - np.nanmin(diagram[name].values, axis=-1)
+            k = int(np.nanargmax(extent[0]))
+            value = float(shown["value"].values[k])
+            widest.append(
+                f"{name} {with_unit(float(extent[0, k]), str(diagram[name].attrs['units']))}"
+                f" at {f'{value:.3g} {unit}'.strip()}"
+            )
+        return "; ".join(said) + f". Points farthest apart: {', '.join(widest)}"
+
+    def judge(self, diagram: xr.Dataset) -> bool:
+        """Return whether the motion is what the paper's figure shows."""
+        return self.agrees(*self.verdicts(diagram))
+
+    def verdicts(self, diagram: xr.Dataset) -> tuple[list[float], list[Verdict]]:
+        """Return the values whose points have settled, as figures show them, and what the motion is there.
+
+        Points that differ by less than 1e-3 of the largest amount of any of the quantities in the diagram are
+        one.
+        """
+        shown = self.diagram.relabelled(diagram)
+        settled = np.asarray(diagram["settled"].values[0], dtype=bool)
+        columns = np.stack([diagram[name].values[0] for name in self.quantities], axis=-1)
+        size = float(np.nanmax(np.abs(columns))) or 1.0
+        values, verdicts = [], []
+        for k in np.flatnonzero(settled):
+            points = columns[k][np.isfinite(columns[k]).all(axis=1)]
+            found = recurrence(points, scale=size, tolerance=_SAME)
+            values.append(float(shown["value"].values[k]))
+            periodic = found.kind is RecurrenceKind.PERIODIC
+            verdicts.append(f"period {found.period}" if periodic else found.kind.value)
+        return values, verdicts
+
+
+def _spans(there: Sequence[float], every: Sequence[float], unit: str) -> str:
+    """Return values as spans of neighbours, such as "0.01 to 0.05, 0.2"."""
+    parts: list[list[float]] = []
+    last = -2
+    for value in there:
+        k = every.index(value)
+        if k == last + 1:
+            parts[-1].append(value)
+        else:
+            parts.append([value])
+        last = k
+    words = [f"{one[0]:.3g}" if len(one) == 1 else f"{one[0]:.3g} to {one[-1]:.3g}" for one in parts]
+    return ", ".join(words) + (f" {unit}" if unit else "")
