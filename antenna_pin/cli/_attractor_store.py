@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from antenna_pin.cli._common import complain, not_interrupted, save_result, stem
+from antenna_pin.cli._common import complain, not_interrupted, save_result
 from antenna_pin.cli._progress import progress_bar, study_bar
 from antenna_pin.cli._run_store import same_scenario
 from antenna_pin.errors import FileFormatError
@@ -23,69 +23,61 @@ if TYPE_CHECKING:
 
 # Of a settled motion a stretch this long is drawn, sampled so often. [periods], [1/period]
 _PERIODS, _SAMPLES = 10, 4000
-# Points of each value of a diagram, and those cut before them.
-_COUNT, _CUT = 40, 10
-# Accuracies of the runs: of points that are judged to a millionth of the motion's range, and to 1e-4.
-_FINE, _COARSE = 1e-5, 1e-4
-
-
-def quick(scenario: str, accuracy: float) -> list[str]:
-    """Return the settings of long runs of a scenario: compiled, with gaps in closed form."""
-    from antenna_pin.scenario import load_scenario
-
-    joints = load_scenario(scenario).clearance
-    settings = ["integrator.engine=compiled", f"integrator.accuracy={accuracy:g}"]
-    return [*settings, *(f"clearance.{joint}.geometry=closed-form" for joint in joints)]
+# Accuracy of the runs whose points are judged to a millionth of the motion's range.
+_FINE = "integrator.accuracy=1e-5"
 
 
 @dataclass(slots=True)
 class AttractorStore:
-    """Settled motions and diagrams of a scenario, kept in a folder.
+    """Settled motions and diagrams of a paper's figures, kept in a folder.
 
     Attributes:
         folder: Where they are kept.
-        name: Of the scenario.
-        load: Returns a case of it with settings before those of the command line.
+        settings: What is set over the shipped diagrams' scenarios.
         points: Of a settled motion [-].
         values: Of a diagram [-].
         progress: Whether bars are shown.
     """
 
     folder: Path
-    name: str
-    load: Callable[[str | None, Sequence[str]], Scenario]
+    settings: Sequence[str]
     points: int
     values: int
     progress: bool
 
     def check(self, figures: Sequence[AttractorFigure | DiagramFigure]) -> None:
         """Refuse what cannot be made, before anything is: every scenario is read."""
+        from antenna_pin.nonlinear import load_plan
         from antenna_pin.plot import AttractorFigure
 
         for each in figures:
-            for case in each.cases if isinstance(each, AttractorFigure) else (None,):
-                self._scenario(case, _FINE)
+            if isinstance(each, AttractorFigure):
+                for value in each.values:
+                    self._at(each.over, value)
+            else:
+                load_plan(each.diagram.name).base(self.settings)
 
     def attractors(self, figure: AttractorFigure, figures: Sequence[AttractorFigure]) -> dict[str, Attractor]:
         """Return the settled motions that a figure takes, with what other figures take of them."""
-        noted = [name for each in figures if set(each.cases) & set(figure.cases) for name in (each.x, each.y)]
+        alike = (each for each in figures if each.over is figure.over)
+        noted = tuple(dict.fromkeys(name for each in alike for name in (each.x, each.y)))
         return {
-            case: self._attractor(case, label, tuple(dict.fromkeys(noted)))
-            for case, label in figure.cases.items()
+            value: self._attractor(figure.over, value, label, noted) for value, label in figure.values.items()
         }
 
     def diagram(self, wanted: Diagram) -> xr.Dataset:
-        """Return a bifurcation diagram from fresh starts, at the period of the drives."""
+        """Return a bifurcation diagram, of as many values as are asked for."""
         import numpy as np
 
-        from antenna_pin.nonlinear import Stroboscope, bifurcation, open_diagram
+        from antenna_pin.nonlinear import bifurcation, load_plan, open_diagram
         from antenna_pin.sweep import Standing
         from antenna_pin.units import any_quantity
 
-        scenario = self._scenario(None, _COARSE)
-        first, last = (found[0] for found in map(any_quantity, (wanted.first, wanted.last)) if found)
-        values = np.linspace(first, last, self.values)
-        path = self.folder / f"{self.name}-{wanted.name}.nc"
+        plan = load_plan(wanted.name)
+        scenario = plan.base(self.settings)
+        numbers = [found[0] for found in map(any_quantity, plan.given()) if found is not None]
+        values = np.linspace(numbers[0], numbers[-1], self.values)
+        path = self.folder / f"{_stem(wanted)}.nc"
         with contextlib.suppress(FileFormatError):
             found = open_diagram(path)
             if self._alike(found, scenario) and np.array_equal(found["value"].values, values):
@@ -100,26 +92,34 @@ class AttractorStore:
 
             return bifurcation(
                 scenario,
-                wanted.parameter,
+                plan.parameter,
                 [float(value) for value in values],
-                Stroboscope(),
-                wanted.quantities,
-                count=_COUNT,
-                transient=_CUT,
+                plan.where(),
+                plan.quantities,
+                branches=plan.branches,
+                count=plan.count,
+                transient=plan.transient,
+                most=plan.most,
+                tolerance=plan.tolerance,
                 out=path,
                 progress=tell,
             )
 
-    def _scenario(self, case: str | None, accuracy: float) -> Scenario:
-        return self.load(case, quick(self.name, accuracy))
+    def _at(self, over: Diagram, value: str) -> Scenario:
+        """Return the scenario of a settled motion."""
+        from antenna_pin.nonlinear import load_plan
 
-    def _attractor(self, case: str, label: str, quantities: tuple[str, ...]) -> Attractor:
-        from antenna_pin.nonlinear import Stroboscope, open_section, poincare, save_table
+        plan = load_plan(over.name)
+        return plan.base([_FINE, *self.settings, f"{plan.parameter}={value}"])
+
+    def _attractor(self, over: Diagram, value: str, label: str, quantities: tuple[str, ...]) -> Attractor:
+        from antenna_pin.nonlinear import load_plan, open_section, poincare, save_table
         from antenna_pin.plot import Attractor
         from antenna_pin.plot.attractors import SAME
 
-        scenario = self._scenario(case, _FINE)
-        path = self.folder / f"{stem(scenario)}-section.nc"
+        scenario, plan = self._at(over, value), load_plan(over.name)
+        stem = f"{_stem(over)}-{value.replace(' ', '')}"
+        path = self.folder / f"{stem}-section.nc"
         section = None
         with contextlib.suppress(FileFormatError):
             found = open_section(path)
@@ -129,15 +129,21 @@ class AttractorStore:
             complain(f"{label}: running {self.points} periods or more")
             with progress_bar(label, self.progress) as report:
                 section = poincare(
-                    scenario, Stroboscope(), quantities, count=self.points, tolerance=SAME, progress=report
+                    scenario,
+                    plan.where(),
+                    quantities,
+                    count=self.points,
+                    transient=plan.transient,
+                    tolerance=SAME,
+                    progress=report,
                 )
             with not_interrupted():
                 save_table(section, path)
         else:
             complain(f"{label}: using {path}")
-        return Attractor(label, section, self._stretch(scenario, section))
+        return Attractor(label, section, self._stretch(scenario, section, self.folder / f"{stem}-stretch.nc"))
 
-    def _stretch(self, scenario: Scenario, section: xr.Dataset) -> Trajectory:
+    def _stretch(self, scenario: Scenario, section: xr.Dataset, path: Path) -> Trajectory:
         """Return how the motion goes on behind the points."""
         import dataclasses
 
@@ -146,7 +152,6 @@ class AttractorStore:
         from antenna_pin.state import State
         from antenna_pin.trajectory import Trajectory
 
-        path = self.folder / f"{stem(scenario)}-stretch.nc"
         state = State.from_json(str(section.attrs["state"]))
         period = float(section.attrs["period"])
         with contextlib.suppress(FileFormatError):
@@ -160,8 +165,14 @@ class AttractorStore:
             save_result(run, path)
         return Trajectory.load(path)
 
-    def _alike(self, table: xr.Dataset, scenario: Scenario) -> bool:
+    @staticmethod
+    def _alike(table: xr.Dataset, scenario: Scenario) -> bool:
         """Whether a table is of a scenario."""
         from antenna_pin.scenario import Scenario
 
         return same_scenario(Scenario.model_validate_json(str(table.attrs["scenario"])), scenario)
+
+
+def _stem(over: Diagram) -> str:
+    """Return what files of a diagram are called."""
+    return over.name.replace("/", "-")

@@ -29,7 +29,6 @@ from antenna_pin.errors import AntennaPinError
 
 if TYPE_CHECKING:
     from antenna_pin.plot import AttractorFigure, DiagramFigure, PaperFigure
-    from antenna_pin.scenario import Scenario
 
     AnyFigure = PaperFigure | AttractorFigure | DiagramFigure
 
@@ -95,15 +94,12 @@ def figures(
     }
     first = next(iter(loaded.values()), None) or load(scenario, None, settings, geometry)
 
-    def settled(case: str | None, quick: Sequence[str]) -> Scenario:
-        return load(scenario, case, [*quick, *(settings or ())])
-
     target = figure_folder(out or Path(f"{first.name}-figures"))
 
     from antenna_pin.plot import folder_for_figures
 
     name = str(first.name)
-    attractors = AttractorStore(runs or target / "runs", name, settled, points, values, progress)
+    attractors = AttractorStore(runs or target / "runs", settings or (), points, values, progress)
     attractors.check(of_attractors)
     folder_for_figures(target)
     store = RunStore(folder_for_figures(runs or target / "runs"), name, list(loaded.values()), progress)

@@ -7,6 +7,7 @@ from antenna_pin.nonlinear.diagram import Made, bifurcation
 from antenna_pin.nonlinear.flow import Flow, FlowError, Tangent, flow_of
 from antenna_pin.nonlinear.lyapunov import Exponents, Verdict, largest_exponent, lyapunov_spectrum
 from antenna_pin.nonlinear.orbits import NoOrbitError, Orbit, periodic_orbit
+from antenna_pin.nonlinear.plan import DiagramPlan, list_plans, load_plan, values_of
 from antenna_pin.nonlinear.sections import poincare
 from antenna_pin.nonlinear.surfaces import Crossing, Section, Stroboscope, drive_period, section_of
 from antenna_pin.nonlinear.table import open_diagram, open_section, save_table
@@ -16,6 +17,7 @@ __all__ = [
     "Branch",
     "Chart",
     "Crossing",
+    "DiagramPlan",
     "Exponents",
     "Family",
     "Flow",
@@ -36,10 +38,13 @@ __all__ = [
     "flow_of",
     "largest_exponent",
     "lyapunov_spectrum",
+    "list_plans",
+    "load_plan",
     "open_diagram",
     "open_section",
     "periodic_orbit",
     "poincare",
     "save_table",
     "section_of",
+    "values_of",
 ]

@@ -190,7 +190,7 @@ def section_of(text: str, direction: str = "rising", phase: float = 0.0) -> Sect
         if not equals:
             return Stroboscope(phase=phase)
         if re.match(r"\s*[-+.\d]", tail):
-            return Stroboscope(period=quantity(_bare(tail), "s", "section period"), phase=phase)
+            return Stroboscope(period=quantity(bare(tail), "s", "section period"), phase=phase)
         return Stroboscope(drive=tail.strip().removeprefix("drives."), phase=phase)
     match = _CROSSING.fullmatch(said)
     if match is None:
@@ -205,13 +205,13 @@ def section_of(text: str, direction: str = "rising", phase: float = 0.0) -> Sect
         raise InvalidParameterError("section", "phase", "left out for a crossing, which has none", phase)
     kind, name, value = match.groups()
     units = {"angle": ("rad", "m"), "rate": ("rad/s", "m/s"), "gap": ("m",), "force": ("N",)}[kind]
-    number = quantity(_bare(value), units if len(units) > 1 else units[0], f"section {kind}.{name}")
+    number = quantity(bare(value), units if len(units) > 1 else units[0], f"section {kind}.{name}")
     kinds: dict[str, Callable[[str, float], Callable[[Moment], float]]]
     kinds = {"angle": Angle, "rate": Rate, "gap": Gap, "force": Force}
     return Crossing(when=kinds[kind](name, number), direction=_DIRECTIONS[direction], name=said)
 
 
-def _bare(text: str) -> str | float:
+def bare(text: str) -> str | float:
     try:
         return float(text)
     except ValueError:

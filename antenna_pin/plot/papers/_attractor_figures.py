@@ -30,22 +30,47 @@ _SAME = 1e-3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Diagram:
+    """A shipped diagram of a model, and how the paper counts its parameter.
+
+    Attributes:
+        name: Of the shipped diagram, as ``chen2021/friction``.
+        label: What the parameter is called in figures.
+        zero: What stands at zero there, in SI units.
+    """
+
+    name: str
+    label: str
+    zero: float = 0.0
+
+    def relabelled(self, diagram: xr.Dataset) -> xr.Dataset:
+        """Return a diagram over what figures call the parameter, in a readable unit."""
+        values = np.asarray(diagram["value"].values, dtype=float) - self.zero
+        factor, unit = prefixed(str(diagram["value"].attrs.get("units", "")), float(np.abs(values).max()))
+        return diagram.assign_coords(value=("value", factor * values, {"units": unit})).assign_attrs(
+            parameter=self.label
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class AttractorFigure:
-    """Phase trajectories and Poincare maps of some cases.
+    """Phase trajectories and Poincare maps at some values of a parameter.
 
     Attributes:
         number: Number in the paper.
         name: File name without a format.
-        cases: Cases of the model, each with what it is called in the figure.
+        over: The parameter.
+        values: Of it, as text with a unit, each with what it is called in the figure.
         x: Name of the quantity across.
         y: Of the quantity upward.
         shows: What the paper's figure shows.
-        there: What the paper calls the motion of each case.
+        there: What the paper calls the motion at each value.
     """
 
     number: int
     name: str
-    cases: Mapping[str, str]
+    over: Diagram
+    values: Mapping[str, str]
     x: str
     y: str
     shows: str
@@ -55,11 +80,11 @@ class AttractorFigure:
         """Return the figure.
 
         Args:
-            attractors: By case; those it does not take are left aside.
+            attractors: By value; those it does not take are left aside.
             width: "column" (88 mm) or "page" (180 mm).
 
         Raises:
-            InvalidParameterError: A case is missing.
+            InvalidParameterError: One is missing.
         """
         return figure_attractors(self._picked(attractors), self.x, self.y, width=width)
 
@@ -75,21 +100,21 @@ class AttractorFigure:
         return "; ".join(said)
 
     def judge(self, attractors: Mapping[str, Attractor]) -> bool:
-        """Return whether every case is what the paper calls it, by eye: points of one dot are one point."""
+        """Return whether each is what the paper calls it, by eye: points of one dot are one point."""
         picked = self._picked(attractors)
         return all(
             one.settled and _verdict(one, self.x, self.y) == said
-            for one, said in zip(picked, (self.there[case] for case in self.cases), strict=True)
+            for one, said in zip(picked, (self.there[value] for value in self.values), strict=True)
         )
 
     def _picked(self, attractors: Mapping[str, Attractor]) -> list[Attractor]:
-        missing = [case for case in self.cases if case not in attractors]
+        missing = [value for value in self.values if value not in attractors]
         if missing:
             rule = f"with {' and '.join(missing)} among them"
             raise InvalidParameterError(
                 f"figure {self.number}", "attractors", rule, ", ".join(attractors) or "none"
             )
-        return [attractors[case] for case in self.cases]
+        return [attractors[value] for value in self.values]
 
 
 def _verdict(one: Attractor, *names: str) -> Verdict:
@@ -99,37 +124,6 @@ def _verdict(one: Attractor, *names: str) -> Verdict:
         if found.kind is RecurrenceKind.PERIODIC:
             return f"period {found.period}"
     return found.kind.value
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Diagram:
-    """A parameter that a model's settled motion is looked at over.
-
-    Attributes:
-        name: What files of it are called.
-        parameter: Key of the scenario.
-        first: Its first value, as text with a unit.
-        last: Its last value.
-        quantities: What is noted.
-        label: What the parameter is called in figures.
-        zero: What stands at zero there, in SI units.
-    """
-
-    name: str
-    parameter: str
-    first: str
-    last: str
-    quantities: tuple[str, ...]
-    label: str
-    zero: float = 0.0
-
-    def relabelled(self, diagram: xr.Dataset) -> xr.Dataset:
-        """Return a diagram over what figures call the parameter, in a readable unit."""
-        values = np.asarray(diagram["value"].values, dtype=float) - self.zero
-        factor, unit = prefixed(str(diagram["value"].attrs.get("units", "")), float(np.abs(values).max()))
-        return diagram.assign_coords(value=("value", factor * values, {"units": unit})).assign_attrs(
-            parameter=self.label
-        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

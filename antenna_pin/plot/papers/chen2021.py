@@ -68,34 +68,14 @@ FIGURES = (
     ),
 )
 
-_FRICTIONS = {f"friction-{hundredths:03d}": f"friction {hundredths / 100:.2f}" for hundredths in (1, 5, 10)}
-_CLEARANCES = {
-    "clearance-300um": "clearance 0.30 mm",
-    "clearance-420um": "clearance 0.42 mm",
-    "clearance-670um": "clearance 0.67 mm",
-}
+_FRICTIONS = {value: f"friction {value}" for value in ("0.01", "0.05", "0.10")}
+_CLEARANCES = {f"15.{part} mm": f"clearance 0.{part} mm" for part in ("30", "42", "67")}
 _PLATFORM = tuple(f"body_velocity[platform].{axis}" for axis in "xyz")
 _BALL = tuple(f"journal_velocity[{_JOINT}].{axis}" for axis in "xyz")
-_NOTED = (*_PLATFORM, *_BALL, f"|joint_force[{_JOINT}]|")
 _ONE, _QUASI, _CHAOS = "period 1", "quasi-periodic", "chaotic"
 
-_OVER_FRICTION = Diagram(
-    name="friction",
-    parameter=f"clearance.{_JOINT}.friction.coefficient_of_friction",
-    first="0.01",
-    last="0.20",
-    quantities=_NOTED,
-    label="coefficient of friction",
-)
-_OVER_CLEARANCE = Diagram(
-    name="clearance",
-    parameter=f"clearance.{_JOINT}.bearing_radius",
-    first="15.02 mm",
-    last="15.9 mm",
-    quantities=_NOTED,
-    label="clearance",
-    zero=15e-3,  # the ball's radius
-)
+_OVER_FRICTION = Diagram(name="chen2021/friction", label="coefficient of friction")
+_OVER_CLEARANCE = Diagram(name="chen2021/clearance", label="clearance", zero=15e-3)  # the ball's radius
 
 
 def _mostly_single(values: Sequence[float], verdicts: Sequence[Verdict]) -> bool:
@@ -118,7 +98,8 @@ ATTRACTORS: tuple[AttractorFigure | DiagramFigure, ...] = (
     AttractorFigure(
         number=9,
         name="figure09-platform-friction",
-        cases=_FRICTIONS,
+        over=_OVER_FRICTION,
+        values=_FRICTIONS,
         x="body_position[platform].z",
         y=_PLATFORM[2],
         shows="Phase trajectory and Poincare map of the platform along Z: a ring of some width and points "
@@ -138,7 +119,8 @@ ATTRACTORS: tuple[AttractorFigure | DiagramFigure, ...] = (
     AttractorFigure(
         number=11,
         name="figure11-ball-friction",
-        cases=_FRICTIONS,
+        over=_OVER_FRICTION,
+        values=_FRICTIONS,
         x=f"journal_position[{_JOINT}].y",
         y=_BALL[1],
         shows="Phase trajectory and Poincare map of the ball in its socket along Y: entangled rings and "
@@ -158,7 +140,8 @@ ATTRACTORS: tuple[AttractorFigure | DiagramFigure, ...] = (
     AttractorFigure(
         number=13,
         name="figure13-platform-clearance",
-        cases=_CLEARANCES,
+        over=_OVER_CLEARANCE,
+        values=_CLEARANCES,
         x="body_position[platform].z",
         y=_PLATFORM[2],
         shows="Phase trajectory and Poincare map of the platform along Z for three clearances: one line like "
@@ -176,7 +159,8 @@ ATTRACTORS: tuple[AttractorFigure | DiagramFigure, ...] = (
     AttractorFigure(
         number=15,
         name="figure15-ball-clearance",
-        cases=_CLEARANCES,
+        over=_OVER_CLEARANCE,
+        values=_CLEARANCES,
         x=f"journal_position[{_JOINT}].y",
         y=_BALL[1],
         shows="Phase trajectory and Poincare map of the ball in its socket along Y for three clearances: "
