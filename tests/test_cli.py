@@ -409,7 +409,8 @@ def test_figures_of_a_paper_are_numbered_and_listed(cli, tmp_path, drawn_quickly
 
 
 def test_figures_of_a_closed_loop_are_made(cli, tmp_path, drawn_quickly):
-    said = cli("figures", "chen2021", "--out", "paper", *FAST)
+    numbers = [word for number in range(5, 9) for word in ("--figure", number)]
+    said = cli("figures", "chen2021", *numbers, "--out", "paper", *FAST)
     assert said.code == 0, said.err
     names = [line.removeprefix("paper/") for line in said.out.splitlines()]
     assert [name[:8] for name in names[:-1]] == [f"figure{number:02d}" for number in range(5, 9)]
@@ -419,6 +420,37 @@ def test_figures_of_a_closed_loop_are_made(cli, tmp_path, drawn_quickly):
     results = sorted(path.name for path in (tmp_path / "paper/runs").iterdir())
     cases = ("friction-005", "friction-010", "friction-015", "ideal")
     assert results == [f"chen2021-{case}.nc" for case in cases]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (
+            ("chen2021", "--figure", "17"),
+            "--figure must be one of 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, got 17",
+        ),
+        (("pendulum", "--figure", "1"), "it repeats no paper"),
+        (("chen2021", "--figure", "9", "--case", "ideal"), "left out beside --case"),
+        (("chen2021", "--figure", "9", "--set", "clearance.s2.friction.law=glue"), "friction"),
+        (("chen2021", "--figure", "9", "--points", "3"), "32"),
+    ],
+)
+def test_figures_that_cannot_be_made_are_refused_before_anything_is(cli, tmp_path, arguments, says):
+    assert says in refused(cli("figures", *arguments, "--out", "paper"))
+    assert not (tmp_path / "paper").exists()
+
+
+@pytest.mark.slow
+def test_figures_of_settled_motions_are_made_once(cli, tmp_path, drawn_quickly):
+    """Of the parallel mechanism, two values of a diagram and 32 points of a map: a minute and a half."""
+    arguments = ("--figure", "13", "--figure", "14", "--values", "2", "--points", "32", "--no-progress")
+    said = cli("figures", "chen2021", *arguments, "--out", "paper", "--format", "svg")
+    assert said.code == 0, said.err
+    index = (tmp_path / "paper/index.md").read_text()
+    assert "clearance 0.30 mm: " in index and "2 values of 2 settled" in index
+    assert "| case |" not in index
+    again = cli("figures", "chen2021", *arguments, "--out", "paper", "--format", "svg")
+    assert again.err.count("using ") == 4 and "running" not in again.err
 
 
 def test_figures_use_results_of_the_same_scenario_again(cli, tmp_path, drawn_quickly):

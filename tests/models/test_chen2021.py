@@ -15,7 +15,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from antenna_pin import load_scenario, models_path, simulate
-from antenna_pin.analysis import body_motion, body_poses, closures_of, joint_loads
+from antenna_pin.analysis import body_motion, body_poses, closures_of, joint_loads, quantity
 from antenna_pin.mechanism import Urdf, build_mechanism
 
 FOLDER = models_path() / "chen2021"
@@ -424,6 +424,27 @@ def test_with_clearance_the_ball_comes_to_rest_on_its_socket(played_run):
     assert contact == pytest.approx(ideal_force(data["time"].values[late]), rel=0.05)
     kept = json.loads(data.attrs["conservation"])
     assert kept["energy_error"] < 1e-9 * kept["gross_work"]
+
+
+def test_the_slip_as_printed_switches_friction_off(played_run):
+    """Depth times the rate of the normal stays below the law's lower speed once the ball lies on its socket."""
+    friction = played_run.scenario.clearance["s2"].friction
+    settings = ("integrator.engine=compiled", "integrator.accuracy=1e-5", "output.rate=20 kHz")
+    run = simulate(scenario("printed-slip", *settings), duration=4.0)
+    place, rate = (
+        np.stack([quantity(run, f"journal_{name}[s2].{axis}").values for axis in "xyz"], axis=1)
+        for name in ("position", "velocity")
+    )
+    late = run.data["time"].values > 2.0
+    place, rate = place[late], rate[late]
+    far = np.linalg.norm(place, axis=1)
+    normal = place / far[:, None]
+    turning = np.linalg.norm(rate - normal * (normal * rate).sum(axis=1)[:, None], axis=1) / far
+    depth = far - 0.5e-3
+    assert depth.min() > 0.0  # in contact throughout
+    assert (depth * turning).max() < friction.lower_speed
+    # And the case has no friction there, though the ball slides at 2 mm/s.
+    assert np.abs(run.data["friction_force"].values[late]).max() == 0.0
 
 
 def ideal_force(times):
