@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import contextlib
+import itertools
+import os
+import threading
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from antenna_pin.cli._common import complain, not_interrupted, save_result
-from antenna_pin.cli._progress import progress_bar, study_bar
+from antenna_pin.cli._common import complain
+from antenna_pin.cli._progress import study_bar
 from antenna_pin.cli._run_store import same_scenario
 from antenna_pin.errors import FileFormatError
 
@@ -59,11 +63,30 @@ class AttractorStore:
 
     def attractors(self, figure: AttractorFigure, figures: Sequence[AttractorFigure]) -> dict[str, Attractor]:
         """Return the settled motions that a figure takes, with what other figures take of them."""
+        from antenna_pin.sweep import Standing
+
         alike = (each for each in figures if each.over is figure.over)
         noted = tuple(dict.fromkeys(name for each in alike for name in (each.x, each.y)))
-        return {
-            value: self._attractor(figure.over, value, label, noted) for value, label in figure.values.items()
-        }
+        # Runs that do not depend on each other, in threads, as the compiled engine lets them.
+        ending, done = threading.Event(), itertools.count(1)
+        with (
+            study_bar(figure.over.label, self.progress) as report,
+            ThreadPoolExecutor(len(os.sched_getaffinity(0))) as pool,
+        ):
+            futures = {
+                pool.submit(self._attractor, figure.over, value, label, noted, ending): value
+                for value, label in figure.values.items()
+            }
+            found = {}
+            try:
+                for future in as_completed(futures):
+                    found[futures[future]] = future.result()
+                    if report is not None:
+                        report(Standing("run", next(done), len(futures), 0))
+            except BaseException:
+                ending.set()
+                raise
+        return found
 
     def diagram(self, wanted: Diagram) -> xr.Dataset:
         """Return a bifurcation diagram, of as many values as are asked for."""
@@ -112,8 +135,11 @@ class AttractorStore:
         plan = load_plan(over.name)
         return plan.base([_FINE, *self.settings, f"{plan.parameter}={value}"])
 
-    def _attractor(self, over: Diagram, value: str, label: str, quantities: tuple[str, ...]) -> Attractor:
+    def _attractor(
+        self, over: Diagram, value: str, label: str, quantities: tuple[str, ...], ending: threading.Event
+    ) -> Attractor:
         from antenna_pin.nonlinear import load_plan, open_section, poincare, save_table
+        from antenna_pin.nonlinear.branches import watching
         from antenna_pin.plot import Attractor
         from antenna_pin.plot.attractors import SAME
 
@@ -127,18 +153,16 @@ class AttractorStore:
             section = found if enough and self._alike(found, scenario) else None
         if section is None:
             complain(f"{label}: running {self.points} periods or more")
-            with progress_bar(label, self.progress) as report:
-                section = poincare(
-                    scenario,
-                    plan.where(),
-                    quantities,
-                    count=self.points,
-                    transient=plan.transient,
-                    tolerance=SAME,
-                    progress=report,
-                )
-            with not_interrupted():
-                save_table(section, path)
+            section = poincare(
+                scenario,
+                plan.where(),
+                quantities,
+                count=self.points,
+                transient=plan.transient,
+                tolerance=SAME,
+                progress=watching(ending),
+            )
+            save_table(section, path)
         else:
             complain(f"{label}: using {path}")
         return Attractor(label, section, self._stretch(scenario, section, self.folder / f"{stem}-stretch.nc"))
@@ -161,8 +185,7 @@ class AttractorStore:
                 return found
         settings = dataclasses.replace(settings_of(scenario), output_rate=_SAMPLES / period)
         run = simulate(scenario, start=state, duration=_PERIODS * period, settings=settings)
-        with not_interrupted():
-            save_result(run, path)
+        run.save(path)
         return Trajectory.load(path)
 
     @staticmethod

@@ -63,7 +63,7 @@ def figures(
     ] = 20,
     points: Annotated[
         int, typer.Option(metavar="N", min=32, help="Points of each Poincare map, behind its transient.")
-    ] = 200,
+    ] = 400,
     duration: Annotated[
         str | None, typer.Option(help="Simulated time, in seconds or with a unit ('20 ms').")
     ] = None,

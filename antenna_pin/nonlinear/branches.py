@@ -17,7 +17,7 @@ from antenna_pin.scenario import Scenario
 from antenna_pin.simulation import Progress
 from antenna_pin.state import State
 
-__all__ = ["BRANCHES", "Asked", "Branch", "Entry", "make"]
+__all__ = ["BRANCHES", "Asked", "Branch", "Entry", "make", "watching"]
 
 Branch = Literal["fresh", "forward", "backward"]
 """How a value is come to: from the scenario's start, or from the end of the value before or after it."""
@@ -77,7 +77,7 @@ def make(
     entry: Entry = {"times": [], "values": [], "units": [], "titles": [], "settled": False, "drift": None}
     entry |= {"transient": 0, "period": None, "state": ""}
     try:
-        returns = Returns(asked.at(value), asked.section, asked.quantities, progress=_watching(ending))
+        returns = Returns(asked.at(value), asked.section, asked.quantities, progress=watching(ending))
         if start is not None:
             scale = returns.period / period if math.isfinite(period) else 1.0
             returns.state = carried(start, returns.system, scale=scale)
@@ -101,7 +101,8 @@ def make(
     }
 
 
-def _watching(ending: threading.Event | None) -> Callable[[Progress], None] | None:
+def watching(ending: threading.Event | None) -> Callable[[Progress], None] | None:
+    """Return what a run tells its progress to that ends it, by KeyboardInterrupt, once an event is set."""
     if ending is None:
         return None
 

@@ -81,7 +81,12 @@ class Attractor:
             tolerance: Share of the range below which points are the same [-]: above the error of the run.
         """
         span = self.ranges(*names)
-        return recurrence(self.points(*names), scale=np.where(span > 0.0, span, 1.0), tolerance=tolerance)
+        points, scale = self.points(*names), np.where(span > 0.0, span, 1.0)
+        found = recurrence(points, scale=scale, tolerance=tolerance)
+        if found.period in (None, 1):
+            return found
+        # A period among points that are hardly farther apart than the tolerance is none yet.
+        return recurrence(points, scale=scale, tolerance=min(tolerance, 1e-2 * self.spread(*names)))
 
     def spread(self, *names: str) -> float:
         """Return the largest extent of its points, as a share of that of the motion [-]."""
