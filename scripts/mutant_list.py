@@ -865,6 +865,13 @@ MUTANTS = (
         "tests/nonlinear/test_chart.py",
     ),
     _compiled(
+        "a fold is where the step that goes round it ends",
+        "antenna_pin/nonlinear/bifurcations.py",
+        "if doubt <= precision:",
+        "if True:",
+        "tests/nonlinear/test_continuation.py",
+    ),
+    _compiled(
         "growth is not over the distance begun with",
         "antenna_pin/nonlinear/lyapunov.py",
         "math.log(distance / _DISTANCE)",

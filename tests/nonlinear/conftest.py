@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from antenna_pin import System, Urdf, build_mechanism, load_scenario
-from antenna_pin.elements import JointSpring, SineDrive
+from antenna_pin.elements import ConstantDrive, JointSpring, SineDrive
 
 CARRIAGE = (
     '<robot name="oscillator"><link name="ground"/>'
@@ -39,6 +39,23 @@ BAR = (
 )
 HINGE = {"name": "pendulum", "joint": "hinge", "kind": "continuous", "centre": "0 0 -1"}
 WAY = {"name": "carriage", "joint": "way", "kind": "prismatic", "centre": "0 0 0"}
+
+
+@pytest.fixture
+def pendulum():
+    """A function that makes a pendulum of 1 kg at 1 m, with a damper, that a constant torque holds."""
+
+    def make(gravity, damping, torque):
+        urdf = Urdf.from_text(BAR.format(more='<axis xyz="0 1 0"/>', **HINGE), "pendulum")
+        return System(
+            build_mechanism(urdf, "fixed", (0.0, 0.0, -gravity)),
+            springs={"damper": JointSpring(joint="hinge", damping=damping)},
+            drives={"motor": ConstantDrive(joint="hinge", value=torque)},
+        )
+
+    return make
+
+
 FILE = """
 format = 1
 title = "{title}"

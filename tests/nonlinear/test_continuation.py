@@ -45,6 +45,31 @@ def test_a_linear_branch_follows_the_response(oscillator):
         assert point.orbit.start.q[0] == pytest.approx(response.imag, abs=1e-9)
 
 
+def test_a_fold(pendulum):
+    """A constant torque holds a pendulum up to m g l, where its two equilibria meet: closed form.
+
+    At rest any time is a period. The parameter is of second order about the fold: where its slope over the
+    arc is known to 1e-6, so is the fold to much less, and what is left are the orbits' own 1e-9.
+    """
+    weight = 9.0  # of 1 kg at 1 m
+
+    def family(torque):
+        return Flow(pendulum(weight, damping=1.5, torque=torque)), 0.5
+
+    flow, _ = family(8.0)
+    held = math.asin(8.0 / weight)
+    guess = flow.first(np.array([math.cos(held), math.sin(held)]), np.zeros(1))
+    branch = continued(family, guess, (8.0, 10.0), arc=0.3, most=12)
+    (fold,) = branch.bifurcations
+    assert fold.kind == "fold" and branch.points[fold.after].orbit.stable
+    assert fold.value == pytest.approx(weight, abs=1e-8)
+    assert abs(fold.value - weight) < fold.doubt < 2e-7
+    # Round the fold the branch goes on to the other equilibrium, above the hinge's height.
+    cosine, sine = branch.points[-1].orbit.start.q
+    assert cosine < 0.0 and sine == pytest.approx(branch.points[-1].value / weight, rel=1e-9)
+    assert branch.points[-1].orbit.stable is False
+
+
 @pytest.mark.slow
 def test_a_graze(oscillator):
     """Where the steady state comes to the stop, its amplitude is the stop's distance: closed form."""
