@@ -860,7 +860,21 @@ MUTANTS = (
     _compiled(
         "neighbours of a loop are off its closures",
         CHART,
-        "self._workspace.hold(origin.time, y)",
+        "self._close(workspace, workspace.constraints, y, way)",
+        "pass",
+        "tests/nonlinear/test_chart.py",
+    ),
+    _compiled(
+        "neighbours of a loop are beside where they are asked for",
+        CHART,
+        "self._close(workspace, workspace.constraints, y, way)",
+        "workspace.hold(origin.time, y)",
+        "tests/nonlinear/test_chart.py",
+    ),
+    _compiled(
+        "small turns are none",
+        CHART,
+        "way[of_v.stop - 1] = turn",
         "pass",
         "tests/nonlinear/test_chart.py",
     ),

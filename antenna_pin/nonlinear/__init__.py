@@ -1,7 +1,7 @@
 """What motions come to: sections, diagrams, periodic solutions, their stability, and how neighbours part."""
 
 from antenna_pin.nonlinear.carry import carried
-from antenna_pin.nonlinear.chart import Chart, NotAlikeError
+from antenna_pin.nonlinear.chart import Chart, NotAlikeError, OutOfReachError
 from antenna_pin.nonlinear.continuation import Bifurcation, Branch, Family, Point, continued
 from antenna_pin.nonlinear.diagram import Made, bifurcation
 from antenna_pin.nonlinear.flow import Flow, FlowError, Tangent, flow_of
@@ -26,6 +26,7 @@ __all__ = [
     "NoOrbitError",
     "NotAlikeError",
     "Orbit",
+    "OutOfReachError",
     "Point",
     "Section",
     "Stroboscope",

@@ -149,6 +149,7 @@ class Flow:
         Raises:
             FlowError: A run did not come to its end.
             NotAlikeError: A neighbour ends with other contacts, or the start does than the chart.
+            OutOfReachError: Closures do not hold in neighbours.
         """
         end = self.after(start, span)
         here = chart if chart is not None and chart.origin is start else Chart(self.system, start)
@@ -161,7 +162,9 @@ class Flow:
         columns, doubts = [], []
         for way in np.eye(here.size):
             if step is None:
-                found = slope(functools.partial(along, way), _STEPS)
+                # Where a loop is small beside an error scale, the largest steps tear it.
+                steps = [h for h in _STEPS if here.reaches(3.0 * h * way) and here.reaches(-3.0 * h * way)]
+                found = slope(functools.partial(along, way), steps or _STEPS[-1:])
             else:
                 ahead, behind = along(way, step), along(way, -step)
                 found = Slope((ahead - behind) / (2.0 * step), float(np.linalg.norm(ahead + behind)))

@@ -188,9 +188,9 @@ def _walked(
     for halving in range(_HALVINGS + 1):
         part = step * 0.5**halving
         longer = span + (float(part[-1]) if free else 0.0)
-        there = chart.state(part[: chart.size])
         if longer > 0.0:
             try:
+                there = chart.state(part[: chart.size])
                 new = Chart(flow.system, there)
                 miss = float(np.linalg.norm(new.coordinates(flow.after(there, longer))))
             except AntennaPinError:
