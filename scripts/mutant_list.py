@@ -872,6 +872,20 @@ MUTANTS = (
         "tests/nonlinear/test_chart.py",
     ),
     _compiled(
+        "a direction has the same numbers in every chart",
+        CHART,
+        "return np.concatenate([self._free.T @ way, self._free.T @ rate, z[2 * n :]])",
+        "return z",
+        "tests/nonlinear/test_chart.py",
+    ),
+    _compiled(
+        "a branch over a length leaves its loops open",
+        "antenna_pin/nonlinear/follower.py",
+        "chart.state(np.zeros(chart.size), flow.system)",
+        "chart.origin",
+        "tests/nonlinear/test_continuation.py",
+    ),
+    _compiled(
         "small turns are none",
         CHART,
         "way[of_v.stop - 1] = turn",

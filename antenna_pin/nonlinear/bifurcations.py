@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.errors import AntennaPinError
-from antenna_pin.nonlinear.chart import Chart
 from antenna_pin.nonlinear.follower import Follower, Point
 from antenna_pin.nonlinear.orbits import Orbit
 
@@ -78,9 +77,9 @@ def _located(
         if abs(high - low) <= precision:
             break
         value = 0.5 * (low + high)
-        chart = Chart(follower.family(known.value)[0].system, known.orbit.start)
-        guess = chart.state(way[:-1] * ((value - known.value) / (way[-1] * follower.unit)))
+        ahead = follower.turned(way, one, known)[:-1] * ((value - known.value) / (way[-1] * follower.unit))
         try:
+            guess = follower.chart(known).state(ahead, follower.family(value)[0].system)
             orbit: Orbit | None = follower.orbit(guess, value, iterations=4)
         except AntennaPinError:
             orbit = None
@@ -125,7 +124,7 @@ def _fold(
     """
     way = ways[-2]
     low = _Onward.at(0.0, points[-2], way, way)
-    high = _Onward.at(arc, points[-1], ways[-1], way)
+    high = _Onward.at(arc, points[-1], ways[-1], follower.turned(way, points[-2], points[-1]))
     weights, before = [1.0, 1.0], None
     for _ in range(_ROUNDS):
         nearest = min(low, high, key=lambda one: abs(one.slope))
@@ -138,7 +137,8 @@ def _fold(
             point = follower.correct(points[-2], way, along)
         except AntennaPinError:
             break  # what the two ends say is all there is
-        found = _Onward.at(along, point, follower.direction(point, way), way)
+        here = follower.turned(way, points[-2], point)
+        found = _Onward.at(along, point, follower.direction(point, way, points[-2]), here)
         ahead = found.part * way[-1] > 0.0
         low, high = (found, high) if ahead else (low, found)
         # An end that stays once more counts half: or else it would stay for ever.
@@ -179,11 +179,10 @@ def graze_ahead(
 ) -> list[Bifurcation]:
     """Return the graze that a branch ends in, if it does: a little farther on, more happens or less."""
     last = points[-1]
-    flow, _ = follower.family(last.value)
     ahead = last.value + arc * way[-1] * follower.unit
     try:
         farther, period = follower.family(ahead)
-        went = farther.went(Chart(flow.system, last.orbit.start).state(arc * way[:-1]), period)
+        went = farther.went(follower.chart(last).state(arc * way[:-1], farther.system), period)
     except AntennaPinError:
         return []
     if (went.onsets, went.events) == last.orbit.onsets:

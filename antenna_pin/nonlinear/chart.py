@@ -198,6 +198,17 @@ class Chart:
             return False
         return True
 
+    def turned(self, z: Array, other: Chart) -> Array:
+        """Return a direction in coordinates of another chart, (its size,), as one in this, (size,).
+
+        What constraints leave has axes of its own in each state. Both are of one system or of systems of the
+        same shape, and the same contacts touch in both.
+        """
+        n = other.ways
+        way = other._way * (other._free @ z[:n]) / self._way
+        rate = other._rate * (other._free @ z[n : 2 * n]) / self._rate
+        return np.concatenate([self._free.T @ way, self._free.T @ rate, z[2 * n :]])
+
     def directions(self, v: Array, a: Array) -> Array:
         """Return a velocity and an acceleration, (nv,) each, as a direction in coordinates, (size,)."""
         rest = np.zeros(self.size - 2 * self.ways)

@@ -8,6 +8,8 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
+import numpy as np
+
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
 from antenna_pin.nonlinear.bifurcations import (
     Bifurcation,
@@ -15,6 +17,7 @@ from antenna_pin.nonlinear.bifurcations import (
     bifurcations_between,
     graze_ahead,
 )
+from antenna_pin.nonlinear.chart import Chart
 from antenna_pin.nonlinear.follower import Family, Follower, Point
 from antenna_pin.state import State
 
@@ -83,8 +86,9 @@ def continued(
         raise InvalidParameterError("branch", "most", "2 points or more", most)
     unit = end - begin
     follower = Follower(functools.lru_cache(maxsize=64)(family), unit, tolerance)
-    _, period = family(begin)
-    points = [Point(begin, follower.orbit(_early(guess, period), begin))]
+    flow, period = family(begin)
+    near = Chart(flow.system, _early(guess, period))
+    points = [Point(begin, follower.orbit(near.state(np.zeros(near.size)), begin))]
     ways = [follower.direction(points[0], None)]
     found: list[Bifurcation] = []
     message, step = f"{most} points were made", arc
@@ -103,7 +107,7 @@ def continued(
                 break
             continue
         points.append(point)
-        ways.append(follower.direction(point, ways[-1]))
+        ways.append(follower.direction(point, ways[-1], points[-2]))
         found += bifurcations_between(follower, points, ways, step, precision * abs(unit))
         if progress is not None:
             progress(point)

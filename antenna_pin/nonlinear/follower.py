@@ -52,38 +52,46 @@ class Follower:
         flow, period = self.family(value)
         return periodic_orbit(flow, guess, period, tolerance=self.tolerance, iterations=iterations)
 
-    def by_parameter(self, chart: Chart, start: State, value: float) -> Array:
-        """Return the derivative of the map over the parameter, (size,), per unit."""
+    def chart(self, point: Point) -> Chart:
+        """Return the coordinates about an orbit's start."""
+        return Chart(self.family(point.value)[0].system, point.orbit.start)
+
+    def turned(self, way: Array, of: Point, at: Point) -> Array:
+        """Return a direction at one point of a branch, (size + 1,), as one at another."""
+        return np.append(self.chart(at).turned(way[:-1], self.chart(of)), way[-1])
+
+    def by_parameter(self, chart: Chart, value: float) -> Array:
+        """Return the derivative of the map over the parameter, (size,), per unit, at the chart's origin.
+
+        Where closures or motions move with the parameter, the start is brought onto them across the
+        coordinates, which so are those of the origin still: of all that moves only the end counts.
+        """
 
         def at(s: float) -> Array:
             flow, period = self.family(value + s * self.unit)
-            return chart.coordinates(flow.after(start, period))
+            return chart.coordinates(flow.after(chart.state(np.zeros(chart.size), flow.system), period))
 
         return slope(at, _STEPS).value
 
-    def direction(self, point: Point, last: Array | None) -> Array:
-        """Return the unit tangent of the branch, (size + 1,), on from the last one."""
-        flow, _ = self.family(point.value)
-        chart = Chart(flow.system, point.orbit.start)
+    def direction(self, point: Point, last: Array | None, of: Point | None = None) -> Array:
+        """Return the unit tangent of the branch, (size + 1,), on from the last one, at an orbit before."""
+        chart = self.chart(point)
         rows = np.column_stack(
-            [
-                point.orbit.tangent - np.eye(chart.size),
-                self.by_parameter(chart, point.orbit.start, point.value),
-            ]
+            [point.orbit.tangent - np.eye(chart.size), self.by_parameter(chart, point.value)]
         )
         way = np.linalg.svd(rows)[2][-1]
-        if last is None or len(last) != len(way):
+        if last is None or of is None or len(last) != len(way):
             return np.asarray(way if way[-1] >= 0.0 else -way)
-        return np.asarray(way if way @ last >= 0.0 else -way)
+        return np.asarray(way if way @ self.turned(last, of, point) >= 0.0 else -way)
 
     def correct(self, point: Point, way: Array, arc: float) -> Point:
         """Return the orbit an arc ahead, square to the direction there (Keller's pseudo-arclength)."""
-        flow, _ = self.family(point.value)
-        origin = Chart(flow.system, point.orbit.start)
-        start, value = origin.state(arc * way[:-1]), point.value + float(arc * way[-1] * self.unit)
+        origin = self.chart(point)
+        value = point.value + float(arc * way[-1] * self.unit)
+        flow, period = self.family(value)
+        start = origin.state(arc * way[:-1], flow.system)
         last = math.inf
         for k in range(12):
-            flow, period = self.family(value)
             chart = Chart(flow.system, start)
             miss = chart.coordinates(flow.after(start, period))
             before, last = last, float(np.linalg.norm(miss))
@@ -92,15 +100,10 @@ class Follower:
             if last <= self.tolerance:
                 return Point(value, orbit_at(flow, start, period, last, k, False))
             tangent = flow.tangent(start, period, chart, step=NEWTON_STEP)
-            matrix = np.block(
-                [
-                    [
-                        tangent.matrix - np.eye(chart.size),
-                        self.by_parameter(chart, start, value)[:, None],
-                    ],
-                    [way[None, :]],
-                ]
-            )
-            step = np.linalg.lstsq(matrix, np.append(-miss, 0.0), rcond=1e-12)[0]
-            start, value = chart.state(step[:-1]), value + float(step[-1]) * self.unit
+            square = np.append(chart.turned(way[:-1], origin), way[-1])
+            rows = np.column_stack([tangent.matrix - np.eye(chart.size), self.by_parameter(chart, value)])
+            step = np.linalg.lstsq(np.vstack([rows, square]), np.append(-miss, 0.0), rcond=1e-12)[0]
+            value += float(step[-1]) * self.unit
+            flow, period = self.family(value)
+            start = chart.state(step[:-1], flow.system)
         raise NoOrbitError("branch: Newton's method does not come back onto it")

@@ -82,6 +82,23 @@ def test_neighbours_of_a_loop_are_on_it_and_where_they_are_asked_for(case, chang
         assert np.abs(chart.coordinates(neighbour) - z).max() < 1e-11
 
 
+def test_a_direction_in_one_chart_is_one_in_another():
+    """What closures leave has other axes in each state; the same neighbours are where it leads in both."""
+    flow, state = crank("planar", **TORQUE)
+    chart = Chart(flow.system, state)
+    random = np.random.default_rng(3)
+    largest = 0.0
+    for _ in range(6):
+        other = Chart(flow.system, chart.state(0.05 * random.standard_normal(chart.size)))
+        way = random.standard_normal(chart.size)
+        ahead, behind = (other.coordinates(chart.state(h * way)) for h in (1e-4, -1e-4))
+        turned = other.turned(way, chart)
+        # By what the loop's tangent turns over the 0.05 between the two.
+        assert (ahead - behind) / 2e-4 == pytest.approx(turned, abs=0.05)
+        largest = max(largest, float(np.abs(turned - way).max()))
+    assert largest > 1.0
+
+
 def test_where_a_loop_tears_there_is_no_neighbour():
     """A rod of 0.045 m on a crank of 0.05 m lets the crank turn by asin(0.9), or 1.12 rad, either way."""
     flow, state = crank("ideal", **TORQUE, **{"mechanism.joints.pin.origin_xyz": [0.045, 0.0, 0.0]})

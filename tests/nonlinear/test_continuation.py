@@ -7,8 +7,10 @@ import pytest
 from impact_oscillator import Impacts
 from scipy.optimize import brentq
 
+from antenna_pin import load_scenario
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.nonlinear import Flow, continued
+from antenna_pin.nonlinear import Chart, Flow, continued, flow_of, periodic_orbit
+from antenna_pin.nonlinear.follower import Follower
 from antenna_pin.simulation import Angle, Event, Jump
 
 NUMBERS = {"m": 1.0, "k": 1.0, "c": 0.1}
@@ -68,6 +70,51 @@ def test_a_fold(pendulum):
     cosine, sine = branch.points[-1].orbit.start.q
     assert cosine < 0.0 and sine == pytest.approx(branch.points[-1].value / weight, rel=1e-9)
     assert branch.points[-1].orbit.stable is False
+
+
+SWUNG = {
+    "integrator.engine": "compiled",
+    "drives.crank": {"replace": True, "kind": "sine", "amplitude": 0.2, "frequency": 10.0},
+    "springs.crank": {"stiffness": 2.0, "damping": 0.02, "rest_angle": 0.8},
+}
+
+
+@pytest.mark.parametrize(
+    ("key", "values"),
+    [("closures.guide.first.point", (0.0, 0.02)), ("mechanism.joints.pin.origin_xyz", (0.12, 0.15))],
+)
+def test_a_branch_over_a_length_of_a_loop(key, values):
+    """A slider-crank that swings: the height of its guide, the length of its rod, by which the loop moves.
+
+    Orbits of the branch are those that transients at their own values end in, and its direction is the
+    difference of two orbits found on their own.
+    """
+    scenario = load_scenario("slider_crank", case="ideal", overrides=SWUNG)
+    place = 2 if key.startswith("closures") else 0
+
+    def family(value):
+        return flow_of(scenario.with_overrides({key: [value * (k == place) for k in range(3)]}))[0], 0.1
+
+    flow, start = flow_of(scenario)
+    branch = continued(family, flow.after(start, 2.0), values, arc=0.2, most=8)
+    assert branch.message == "the range of the parameter was left"
+    unit = values[1] - values[0]
+    follower = Follower(family, unit, 1e-9)
+    for point in branch.points[1:3]:
+        chart = follower.chart(point)
+        here, _ = family(point.value)
+        end = here.after(Chart(here.system, start).state(np.zeros(2), here.system), 4.0)
+        # The multipliers are of size 0.37, so that in 40 periods nothing is left of the transient; of the
+        # branch's orbits the ends of a period meet to 1e-9.
+        assert np.abs(chart.coordinates(end)).max() < 1e-8
+        ends = []
+        for value in (point.value - 1e-3 * unit, point.value + 1e-3 * unit):
+            flow, period = family(value)
+            found = periodic_orbit(flow, chart.state(np.zeros(2), flow.system), period, tolerance=1e-11)
+            ends.append(chart.coordinates(found.start))
+        way = follower.direction(point, None)
+        # Second order in a thousandth of the range, over which slopes change by their own size.
+        assert way[:-1] / way[-1] == pytest.approx((ends[1] - ends[0]) / 2e-3, rel=2e-6, abs=2e-6)
 
 
 @pytest.mark.slow
