@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from antenna_pin.analysis.between import between_samples
     from antenna_pin.analysis.bodies import body_poses, body_twists, joint_loads, mechanism_of
     from antenna_pin.analysis.body import body_deviation, body_motion, moved_body
+    from antenna_pin.analysis.branch import StabilitySpan, stability_spans, unexplained_changes
     from antenna_pin.analysis.chaos_test import Chaos, ChaosTest, chaos_test
     from antenna_pin.analysis.closures import (
         closure_loads,
@@ -35,7 +36,14 @@ if TYPE_CHECKING:
     from antenna_pin.analysis.limits import said_of_limits
     from antenna_pin.analysis.loads import load_statistics
     from antenna_pin.analysis.orbit import Orbit
-    from antenna_pin.analysis.phase import Periods, PhasePortrait, phase_portrait
+    from antenna_pin.analysis.phase import (
+        Periods,
+        PhasePortrait,
+        open_portrait,
+        phase_portrait,
+        portrait_of,
+        portrait_table,
+    )
     from antenna_pin.analysis.pointing import Antenna, Command, boresight, pointing_error, pointing_spec
     from antenna_pin.analysis.pointing_indices import INTERPRETATIONS, error_components, pointing_indices
     from antenna_pin.analysis.quantity import Quantity, QuantityName, quantities, quantity
@@ -87,6 +95,7 @@ __all__ = [
     "ScenarioPair",
     "Settled",
     "Settling",
+    "StabilitySpan",
     "TiltRange",
     "UniformSignal",
     "base_motion",
@@ -120,7 +129,10 @@ __all__ = [
     "load_statistics",
     "mechanism_of",
     "moved_body",
+    "open_portrait",
     "phase_portrait",
+    "portrait_of",
+    "portrait_table",
     "pointing_error",
     "pointing_spec",
     "pointing_indices",
@@ -146,11 +158,13 @@ __all__ = [
     "signals",
     "spectrogram",
     "spectrum",
+    "stability_spans",
     "steady_up",
     "time_mean",
     "time_percentiles",
     "time_rms",
     "touching_intervals",
+    "unexplained_changes",
     "uniform",
 ]
 
@@ -162,6 +176,7 @@ loaded_when_used(
         "between": "between_samples",
         "bodies": "body_poses body_twists joint_loads mechanism_of",
         "body": "body_deviation body_motion moved_body",
+        "branch": "StabilitySpan stability_spans unexplained_changes",
         "chaos_test": "Chaos ChaosTest chaos_test",
         "closures": "closure_loads closures_of drive_loads drive_power drives_of"
         " effort_unit said_of_constraints said_of_singular",
@@ -173,7 +188,7 @@ loaded_when_used(
         "limits": "said_of_limits",
         "loads": "load_statistics",
         "orbit": "Orbit",
-        "phase": "Periods PhasePortrait phase_portrait",
+        "phase": "Periods PhasePortrait open_portrait phase_portrait portrait_of portrait_table",
         "pointing": "Antenna Command boresight pointing_error pointing_spec",
         "pointing_indices": "INTERPRETATIONS error_components pointing_indices",
         "quantity": "Quantity QuantityName quantities quantity",

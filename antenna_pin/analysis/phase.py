@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import json
+import os
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
+import xarray as xr
 
 from antenna_pin.analysis._run import Array, RunLike, data_of, label_of
 from antenna_pin.analysis.quantity import Quantity, quantity
 from antenna_pin.analysis.transients import settled
 from antenna_pin.errors import InvalidParameterError
+from antenna_pin.trajectory import Trajectory, open_table, table_attributes
 
-__all__ = ["Periods", "PhasePortrait", "phase_portrait"]
+__all__ = ["Periods", "PhasePortrait", "open_portrait", "phase_portrait", "portrait_of", "portrait_table"]
 
 _JUDGED = 4096  # even samples that the judge sees
 
@@ -148,3 +152,64 @@ def _judged(every: tuple[Quantity, ...], label: str) -> tuple[float, str]:
         return float(time[0]), "from the first sample on, as its statistics do not drift"
     start = float(even[found.start])
     return start, f"from {_seconds(start)} on, where its statistics drift no more"
+
+
+# --- as a dataset, and its file ---
+
+
+def portrait_table(portrait: PhasePortrait, run: RunLike) -> xr.Dataset:
+    """Return a portrait as a dataset, which :func:`antenna_pin.trajectory.save_table` writes.
+
+    Args:
+        portrait: The portrait.
+        run: What it is of: its scenario and the versions that made it come along.
+
+    Returns:
+        Over ``sample``: ``time`` [s] and each quantity in its unit; attributes ``quantities`` (JSON, in the
+        order of the axes), ``run``, ``start`` [s] and ``rule``.
+    """
+    data = data_of(run)
+    attributes = table_attributes("portrait", run.scenario if isinstance(run, Trajectory) else None)
+    # A result that was read without its scenario has its text all the same; versions are those of the run.
+    for name in ("title", "case", "scenario", "versions"):
+        attributes[name] = str(data.attrs.get(name) or attributes[name])
+    attributes["name"] = json.loads(attributes["scenario"] or "{}").get("name", "")
+    attributes |= {
+        "quantities": json.dumps([one.name for one in portrait.quantities]),
+        "run": portrait.run,
+        "start": portrait.start,
+        "rule": portrait.rule,
+    }
+    variables: dict[str, Any] = {
+        one.name: ("sample", one.values, {"units": one.units, "long_name": one.meaning})
+        for one in portrait.quantities
+        if one.name != "time"
+    }
+    time = ("sample", portrait.time, {"units": "s", "long_name": "time"})
+    return xr.Dataset(variables, coords={"time": time}, attrs=attributes)
+
+
+def portrait_of(table: xr.Dataset) -> PhasePortrait:
+    """Return the portrait that a dataset holds (:func:`portrait_table`)."""
+    time = np.asarray(table["time"].values, dtype=float)
+    every = tuple(
+        Quantity(
+            name,
+            time,
+            np.asarray(table[name].values, dtype=float),
+            str(table[name].attrs["units"]),
+            str(table[name].attrs["long_name"]),
+        )
+        for name in json.loads(table.attrs["quantities"])
+    )
+    attributes = table.attrs
+    return PhasePortrait(str(attributes["run"]), every, float(attributes["start"]), str(attributes["rule"]))
+
+
+def open_portrait(path: str | os.PathLike[str]) -> PhasePortrait:
+    """Return a portrait from its file, as ``antenna-pin phase --out`` writes it.
+
+    Raises:
+        FileFormatError: It is none, or damaged.
+    """
+    return portrait_of(open_table(path, "portrait"))

@@ -4,8 +4,17 @@ from antenna_pin.nonlinear.carry import carried
 from antenna_pin.nonlinear.chart import Chart, NotAlikeError, OutOfReachError
 from antenna_pin.nonlinear.continuation import Bifurcation, Branch, Family, Point, continued
 from antenna_pin.nonlinear.diagram import Made, bifurcation
+from antenna_pin.nonlinear.families import amplitudes, family_of
 from antenna_pin.nonlinear.flow import Flow, FlowError, Tangent, flow_of
-from antenna_pin.nonlinear.lyapunov import Exponents, Verdict, largest_exponent, lyapunov_spectrum
+from antenna_pin.nonlinear.lyapunov import (
+    Exponents,
+    Verdict,
+    exponents_table,
+    largest_exponent,
+    lyapunov_spectrum,
+    open_exponents,
+)
+from antenna_pin.nonlinear.orbit_table import branch_table, open_branch, open_orbit, orbit_table
 from antenna_pin.nonlinear.orbits import NoOrbitError, Orbit, periodic_orbit
 from antenna_pin.nonlinear.plan import DiagramPlan, list_plans, load_plan, values_of
 from antenna_pin.nonlinear.sections import poincare
@@ -32,10 +41,14 @@ __all__ = [
     "Stroboscope",
     "Tangent",
     "Verdict",
+    "amplitudes",
     "bifurcation",
+    "branch_table",
     "carried",
     "continued",
     "drive_period",
+    "exponents_table",
+    "family_of",
     "flow_of",
     "largest_exponent",
     "lyapunov_spectrum",
@@ -43,6 +56,10 @@ __all__ = [
     "load_plan",
     "open_diagram",
     "open_section",
+    "open_branch",
+    "open_exponents",
+    "open_orbit",
+    "orbit_table",
     "periodic_orbit",
     "poincare",
     "save_table",

@@ -32,6 +32,7 @@ from antenna_pin.nonlinear.surfaces import Section, Stroboscope
 from antenna_pin.nonlinear.table import diagram_table, save_table
 from antenna_pin.scenario import Scenario
 from antenna_pin.state import State
+from antenna_pin.trajectory import table_attributes
 from antenna_pin.units import any_quantity
 
 __all__ = ["Made", "bifurcation"]
@@ -129,6 +130,7 @@ def bifurcation(
     with Parts.of(target, asked, given, chosen) as parts:
         _Driver(asked, given, chosen, parts, workers, progress).run()
         table = diagram_table(asked, given, chosen, parts.entries)
+        table.attrs |= table_attributes("bifurcation", scenario)
         if target is not None:
             save_table(table, target)
     if parts.folder is not None:

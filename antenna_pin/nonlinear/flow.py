@@ -21,9 +21,9 @@ from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.events import Event
 from antenna_pin.simulation.from_scenario import events_of
 from antenna_pin.simulation.loop import Run
-from antenna_pin.simulation.run import settings_of
+from antenna_pin.simulation.run import settings_of, simulate
 from antenna_pin.state import State
-from antenna_pin.trajectory import Outcome
+from antenna_pin.trajectory import Outcome, Trajectory
 
 __all__ = ["Flow", "FlowError", "Tangent", "flow_of"]
 
@@ -125,6 +125,18 @@ class Flow:
             raise FlowError(f"a run of {span:g} s from t = {start.time:g} s: {run.message}")
         onsets = int(np.count_nonzero(run.episodes["onset"] > start.time))
         return Way(run.present(), onsets, len(run.actions.happened))
+
+    def seen(self, start: State, span: float, count: int) -> Trajectory:
+        """Return the run of a span of time [s] from a state, with so many even samples.
+
+        Raises:
+            FlowError: The run did not come so far.
+        """
+        settings = dataclasses.replace(self._sampled(span), output_rate=count / span, output_form="full")
+        run = simulate(self.system, start=start, duration=span, settings=settings, events=self._events)
+        if not run.completed:
+            raise FlowError(f"a run of {span:g} s from t = {start.time:g} s: {run.message}")
+        return run
 
     def rates(self, state: State) -> tuple[Array, Array]:
         """Return velocity and acceleration in a state, (nv,) each."""

@@ -3,19 +3,30 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+import xarray as xr
 from numpy.typing import NDArray
 
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.nonlinear.chart import Chart, NotAlikeError
 from antenna_pin.nonlinear.flow import Flow
+from antenna_pin.scenario import Scenario
 from antenna_pin.state import State
+from antenna_pin.trajectory import open_table, table_attributes
 
-__all__ = ["Exponents", "Verdict", "largest_exponent", "lyapunov_spectrum"]
+__all__ = [
+    "Exponents",
+    "Verdict",
+    "exponents_table",
+    "largest_exponent",
+    "lyapunov_spectrum",
+    "open_exponents",
+]
 
 Array = NDArray[np.float64]
 
@@ -218,3 +229,57 @@ def lyapunov_spectrum(
     table = np.array([one[:fewest] for one in growth])
     order = np.argsort(-table.sum(axis=0), kind="stable")
     return _exponents(table[:, order], np.array(lengths), interval, first, here)
+
+
+# --- as a dataset, and its file ---
+
+
+def exponents_table(found: Exponents, scenario: Scenario | None = None) -> xr.Dataset:
+    """Return exponents as a dataset, which :func:`antenna_pin.nonlinear.save_table` writes.
+
+    Args:
+        found: The exponents.
+        scenario: What was run; None for a system built in Python.
+
+    Returns:
+        Over ``exponent``, from 1 on: ``value`` and ``error`` [1/s]. Over ``interval``: ``length`` [s], and
+        ``time``, when it ends, from the end of the transient on [s]. Over both: ``growth`` [-] and
+        ``running`` [1/s], the exponents as they were after each interval. Attributes ``verdict``,
+        ``interval`` [s], and ``start`` and ``end``, states to go on from
+        (:meth:`antenna_pin.state.State.from_json`).
+    """
+    over = ("interval", "exponent")
+    rate, none = {"units": "1/s"}, {"units": "1"}
+    count = found.growth.shape[1]
+    return xr.Dataset(
+        {
+            "value": ("exponent", found.values, rate | {"long_name": "Lyapunov exponent"}),
+            "error": ("exponent", found.errors, rate | {"long_name": "one standard error of it"}),
+            "length": ("interval", found.lengths, {"units": "s", "long_name": "length of an interval"}),
+            "growth": (over, found.growth, none | {"long_name": "logarithm of the growth in an interval"}),
+            "running": (over, found.running, rate | {"long_name": "exponent after each interval"}),
+        },
+        coords={
+            "exponent": ("exponent", np.arange(1, count + 1), {"long_name": "the largest first"}),
+            "time": ("interval", np.cumsum(found.lengths), {"units": "s", "long_name": "end of an interval"}),
+        },
+        attrs={
+            **table_attributes("exponents", scenario),
+            "verdict": found.verdict,
+            "interval": found.interval,
+            "start": found.start.to_json(),
+            "end": found.end.to_json(),
+        },
+    )
+
+
+def open_exponents(path: str | os.PathLike[str]) -> xr.Dataset:
+    """Return Lyapunov exponents from their file, as ``antenna-pin lyapunov --out`` writes it.
+
+    Returns:
+        See :func:`exponents_table`.
+
+    Raises:
+        FileFormatError: It is none, or damaged.
+    """
+    return open_table(path, "exponents")

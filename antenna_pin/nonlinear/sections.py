@@ -19,13 +19,14 @@ from antenna_pin.nonlinear.surfaces import Section
 from antenna_pin.scenario import Scenario
 from antenna_pin.simulation import Progress
 from antenna_pin.state import State
+from antenna_pin.trajectory import FORMATS, table_attributes
 
 __all__ = ["FORMAT", "SettledPoints", "poincare", "settled_points"]
 
 Array = NDArray[np.float64]
 
 #: Identifies the format of a section's dataset.
-FORMAT = "antenna_pin section 1"
+FORMAT = FORMATS["section"]
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -177,9 +178,7 @@ def _dataset(scenario: Scenario, returns: Returns, found: SettledPoints, toleran
         variables,
         coords={"time": ("point", found.times, {"units": "s", "long_name": "when the section is passed"})},
         attrs={
-            "format": FORMAT,
-            "title": scenario.title,
-            "case": scenario.case or "",
+            **table_attributes("section", scenario),
             "quantities": json.dumps(returns.quantities),
             "section": returns.section.words,
             "period": returns.period,
@@ -187,7 +186,6 @@ def _dataset(scenario: Scenario, returns: Returns, found: SettledPoints, toleran
             "tolerance": tolerance,
             "outcome": found.outcome,
             "message": found.message,
-            "scenario": scenario.model_dump_json(),
             "state": "" if found.end is None else found.end.to_json(),
         },
     )

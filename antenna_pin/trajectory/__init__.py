@@ -11,19 +11,35 @@ from antenna_pin.trajectory.read import (
     series,
 )
 from antenna_pin.trajectory.result import Counts, Outcome, Trajectory, library_versions
+from antenna_pin.trajectory.table import (
+    FORMATS,
+    TableKind,
+    format_of,
+    kind_of,
+    open_table,
+    save_table,
+    table_attributes,
+)
 
 __all__ = [
     "FORMAT",
+    "FORMATS",
     "Counts",
     "Outcome",
+    "TableKind",
     "Trajectory",
     "contact_ends",
     "contact_joints",
     "contact_kinds",
     "contacts_of",
+    "format_of",
     "is_lean",
+    "kind_of",
     "library_versions",
     "names_along",
+    "open_table",
+    "save_table",
     "series",
+    "table_attributes",
     "write_blocks",
 ]

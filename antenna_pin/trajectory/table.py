@@ -1,0 +1,118 @@
+"""What motions come to, as files: labelled datasets beside runs, sealed as these are, told apart by a format.
+
+A portrait, a section, a bifurcation diagram, an orbit, a branch of orbits and Lyapunov exponents are a
+dataset each. Their attributes say what they are and what they came from: ``format``; ``title``, ``name`` and
+``case`` of the scenario, and the whole of it as JSON; the ``versions`` of what made them; and the ``command``
+if it was one.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, get_args
+
+import h5py
+import xarray as xr
+
+from antenna_pin.errors import FileFormatError
+from antenna_pin.files import has_whole_seal, replacing
+from antenna_pin.trajectory.file import write
+from antenna_pin.trajectory.result import library_versions
+
+if TYPE_CHECKING:
+    from antenna_pin.scenario import Scenario
+
+__all__ = ["FORMATS", "TableKind", "format_of", "kind_of", "open_table", "save_table", "table_attributes"]
+
+TableKind = Literal["portrait", "section", "bifurcation", "orbit", "branch", "exponents"]
+"""What a dataset is of."""
+
+#: The format of each kind; another version of it is another format.
+FORMATS: dict[TableKind, str] = {kind: f"antenna_pin {kind} 1" for kind in get_args(TableKind)}
+
+_WORDS: dict[TableKind, str] = {
+    "portrait": "a phase portrait",
+    "section": "a section",
+    "bifurcation": "a bifurcation diagram",
+    "orbit": "a periodic solution",
+    "branch": "a branch of periodic solutions",
+    "exponents": "Lyapunov exponents",
+}
+
+
+def table_attributes(kind: TableKind, scenario: Scenario | None) -> dict[str, Any]:
+    """Return the attributes that say what a dataset is, and what it came from.
+
+    Args:
+        kind: What it is of.
+        scenario: What was run; None for a system built in Python.
+    """
+    return {
+        "format": FORMATS[kind],
+        "title": "" if scenario is None else scenario.title,
+        "name": "" if scenario is None else scenario.name,
+        "case": "" if scenario is None else scenario.case or "",
+        "scenario": "" if scenario is None else scenario.model_dump_json(),
+        "versions": json.dumps(library_versions()),
+    }
+
+
+def kind_of(data: xr.Dataset) -> TableKind | None:
+    """Return what a dataset is of; None for one of another format."""
+    found = data.attrs.get("format")
+    return next((kind for kind, name in FORMATS.items() if name == found), None)
+
+
+def format_of(path: str | os.PathLike[str]) -> str | None:
+    """Return the format that a file says it has; None where it says none, or cannot be read."""
+    try:
+        with h5py.File(path, "r") as file:
+            found = file.attrs.get("format")
+    except Exception:  # HDF5 raises any
+        return None
+    return found if isinstance(found, str) else None
+
+
+def save_table(table: xr.Dataset, path: str | os.PathLike[str]) -> None:
+    """Write a dataset to a file (NetCDF 4), whole or not at all.
+
+    Raises:
+        OutputError: It cannot be written there.
+    """
+    stored = table.copy()
+    stored.attrs["coordinates"] = " ".join(str(name) for name in table.coords if name not in table.dims)
+    with replacing(path) as partial:
+        write(stored, partial)
+
+
+def open_table(path: str | os.PathLike[str], kind: TableKind) -> xr.Dataset:
+    """Return a dataset from its file.
+
+    Args:
+        path: The file, as :func:`save_table` wrote it.
+        kind: What it is to be of.
+
+    Raises:
+        FileFormatError: It is of something else, or damaged, or not there.
+    """
+    file = Path(path)
+    if not file.is_file():
+        raise FileFormatError(f"{file}: no such file; it must be {_WORDS[kind]} that antenna-pin wrote")
+    try:
+        whole = has_whole_seal(file)
+        with xr.open_dataset(file, engine="h5netcdf") as stored:
+            table = stored.load()
+    except Exception as error:  # HDF5 raises any
+        words = " ".join(str(error).split())
+        raise FileFormatError(f"{file}: must be {_WORDS[kind]}, got: {words}") from None
+    found = table.attrs.get("format")
+    if found != FORMATS[kind]:
+        raise FileFormatError(f"{file}: must be {_WORDS[kind]}, of format {FORMATS[kind]!r}, got {found!r}")
+    if whole is not True:
+        raise FileFormatError(
+            f"{file}: must be as antenna-pin wrote it, got another checksum, or none: it was damaged, or "
+            "edited in place; take another copy of it, or make it again"
+        )
+    return table
