@@ -21,6 +21,7 @@ from antenna_pin.plot.contact import figure_force_curves, figure_restitution, sa
 from antenna_pin.plot.eccentricity import figure_eccentricity
 from antenna_pin.plot.elastic import figure_deflection
 from antenna_pin.plot.experiment import figure_contact_width, figure_experiment, figures_of_experiment
+from antenna_pin.plot.exponents import figure_exponents
 from antenna_pin.plot.files import FORMATS, folder_for_figures, rendered, save_figure, save_figures
 from antenna_pin.plot.forces import figure_contact_forces
 from antenna_pin.plot.loads import figure_joint_load, figure_steady_force
@@ -35,6 +36,8 @@ from antenna_pin.plot.papers import (
     PaperFigure,
     paper_figures,
 )
+from antenna_pin.plot.papers import PAPERS, PaperFigure, paper_figures
+from antenna_pin.plot.periodic import figure_branch, figure_multipliers
 from antenna_pin.plot.phase import figure_phase
 from antenna_pin.plot.pointing import figure_pointing
 from antenna_pin.plot.response import figure_response
@@ -76,6 +79,7 @@ __all__ = [
     "figure_base",
     "figure_body",
     "figure_bore_load",
+    "figure_branch",
     "figure_closure_forces",
     "figure_contact_forces",
     "figure_contact_width",
@@ -84,11 +88,13 @@ __all__ = [
     "figure_eccentricity",
     "figure_energy",
     "figure_experiment",
+    "figure_exponents",
     "figure_force_curves",
     "figure_joint_load",
     "figure_joints",
     "figure_momentum",
     "figure_motion",
+    "figure_multipliers",
     "figure_orbit",
     "figure_phase",
     "figure_pointing",
