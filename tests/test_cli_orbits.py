@@ -1,11 +1,16 @@
-"""``antenna-pin orbit`` and ``lyapunov``: what they print, and what they refuse in one line."""
+"""``antenna-pin orbit`` and ``lyapunov``: what they print, save and draw, and what they refuse."""
 
 import json
 
+import numpy as np
 import pytest
+
+from antenna_pin import load_scenario, simulate
+from antenna_pin.nonlinear import open_branch, open_exponents, open_orbit
 
 DRIVE = "drives.motor={joint='hinge', kind='sine', amplitude='1 N*m', frequency='0.625 Hz'}"
 PENDULUM = ("pendulum", "--case", "ideal", "--set", DRIVE)
+OVER = ("--over", "drives.motor.amplitude", "--values")
 
 
 def test_an_orbit_is_told(cli):
@@ -26,9 +31,51 @@ def test_exponents_are_told_with_their_error(cli, tmp_path):
     assert short.out.startswith("too short to say, over 4 intervals")
 
 
+def test_orbits_and_exponents_are_saved_and_drawn(cli, tmp_path):
+    """The file has the numbers that --json tells, its scenario's name, and the command."""
+    said = cli("orbit", *PENDULUM, "--out", "orbit.nc", "--plot", "orbit.svg", "--json")
+    facts, kept = json.loads(said.out), open_orbit("orbit.nc")
+    assert [one for one, _ in facts["multipliers"]] == kept["multiplier_real"].values.tolist()
+    assert kept["v"].values.tolist() == facts["v"] and kept.attrs["name"] == "pendulum"
+    assert kept.attrs["command"].startswith("antenna-pin orbit pendulum --case ideal --set ")
+    files = ("--out", "e.nc", "--plot", "e.png")
+    said = cli("lyapunov", *PENDULUM, "--interval", "0.2 s", "--count", "40", *files)
+    assert said.out.startswith("saved e.nc\nsaved e.png\ncontracting")
+    assert f" {open_exponents('e.nc')['value'].values[0]:.4g} " in said.out
+    assert (tmp_path / "e.png").stat().st_size > 5000
+    assert (tmp_path / "orbit.svg").read_text().startswith("<?xml")
+
+
+def test_an_orbit_is_followed_over_a_key(cli):
+    """The pendulum's symmetric swing loses its stability where a multiplier passes 1, without a fold."""
+    over = ("--over", "drives.motor.amplitude", "--values", "11 N*m:13 N*m", "--arc", "0.5")
+    files = ("--out", "branch.nc", "--plot", "b.svg")
+    said = cli("orbit", *PENDULUM, *over, "-q", "motion_angle[hinge]", *files)
+    kept = open_branch("branch.nc")
+    assert f"{kept.sizes['point']} orbits: the range of the parameter was left" in said.out
+    assert kept["value"].values[0] == 11.0 and kept["value"].attrs["units"] == "N*m"
+    assert kept["stability"].values[0] == "stable" and kept["stability"].values[-1] == "unstable"
+    assert "a multiplier passes 1" in said.out and "no fold, flip, torus or graze" in said.out
+    known = load_scenario("pendulum", case="ideal", overrides=[DRIVE, "drives.motor.amplitude='11 N*m'"])
+    angle = simulate(known, duration=80.0).data["motion_angle"].sel(joint="hinge")
+    swing = angle.sel(time=slice(80.0 - 1.6, None)).values
+    # What is left of the start after 50 periods is 0.6^50 = 1e-11; a sampled top is short by 3.1e-5 at most.
+    assert kept["amplitude"].values[0, 0] == pytest.approx(0.5 * np.ptp(swing), rel=3.2e-5)
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
+        (("orbit", *PENDULUM, "--values", "1:2"), "--values must be given with --over"),
+        (("orbit", *PENDULUM, "-q", "v[hinge]"), "--quantity must be given with --over"),
+        (("orbit", *PENDULUM, "--over", "drives.motor.amplitude"), "--values must be given with --over as"),
+        (("orbit", *PENDULUM, *OVER, "1:2:3"), "--values must be given with --over as FIRST:LAST"),
+        (("orbit", *PENDULUM, *OVER, "1 m:2 m"), "amplitude must be a torque [N*m] or a force [N]"),
+        (("orbit", *PENDULUM, *OVER, "1:2", "--free-period"), "--free-period must be left out beside --over"),
+        (("orbit", *PENDULUM, *OVER, "1:2", "-q", "v[hing]"), "did you mean hinge"),
+        (("orbit", *PENDULUM, *OVER, "1:1"), "values must be two different"),
+        (("orbit", *PENDULUM, "--out", "orbit.txt"), "name must end in .nc"),
+        (("lyapunov", *PENDULUM, "--plot", "no/where.png"), "does not exist"),
         (("orbit", "pendulum", "--case", "ideal"), "drives must be periodic"),
         (("orbit", *PENDULUM, "--multiple", "0"), "--multiple must be 1 or more, got 0"),
         (("orbit", *PENDULUM, "--period", "0 s"), "--period must be positive"),

@@ -5,10 +5,11 @@ import pytest
 import xarray as xr
 
 from antenna_pin import load_scenario, simulate
-from antenna_pin.analysis import Periods, phase_portrait
+from antenna_pin.analysis import Periods, open_portrait, phase_portrait
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.plot import figure_phase
 from antenna_pin.plot.phase import thinned
+from antenna_pin.trajectory import open_table
 
 X, Y = "motion_angle[hinge]", "motion_rate[hinge]"
 
@@ -93,6 +94,22 @@ def test_thinning_keeps_the_line():
     assert len(kept) < 20_000
     near = np.interp(np.arange(len(points)), kept, points[kept, 0])
     assert np.abs(near - points[:, 0]).max() < 4.0 / 2000 * 1.01
+
+
+def test_a_portrait_comes_back_from_its_file(cli):
+    """Also of a quantity over time, whose name the time axis has."""
+    run = simulate(load_scenario("pendulum", case="planar"), duration=0.05)
+    run.save("run.nc")
+    for names in ((X, Y), ("time", X, Y)):
+        options = [word for pair in zip(("-x", "-y", "-z"), names, strict=False) for word in pair]
+        said = cli("phase", "run.nc", *options, "--from", "10 ms", "--out", "p.nc", "--plot", "p.svg")
+        assert said.code == 0 and said.out.endswith("saved p.nc\nsaved p.svg\n")
+        found, wanted = open_portrait("p.nc"), phase_portrait(run, *names, transient=0.01)
+        assert np.array_equal(found.points, wanted.points) and np.array_equal(found.time, wanted.time)
+        assert (found.run, found.start, found.rule) == (wanted.run, wanted.start, wanted.rule)
+        assert [one[3:] for one in found.quantities] == [one[3:] for one in wanted.quantities]
+    kept = open_table("p.nc", "portrait")
+    assert kept.attrs["name"] == "pendulum" and kept.attrs["versions"] == run.data.attrs["versions"]
 
 
 def test_the_command(cli):

@@ -42,7 +42,8 @@ ENDED_EARLY = 3
 #: To which the number of the signal is added that has stopped a command.
 SIGNALLED = 128
 
-_FIGURES = (".png", ".pdf", ".svg")
+#: What a figure's file may end in.
+FIGURES = (".png", ".pdf", ".svg")
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -203,8 +204,8 @@ def figure_target(path: Path | None, command: str, option: str) -> Path | None:
     """Return the file of a figure, or say what keeps it from being one."""
     if path is None:
         return None
-    if path.suffix not in _FIGURES:
-        raise InvalidParameterError(command, option, f"a file that ends in {', '.join(_FIGURES)}", str(path))
+    if path.suffix not in FIGURES:
+        raise InvalidParameterError(command, option, f"a file that ends in {', '.join(FIGURES)}", str(path))
     return writable_file(path, path.suffix)
 
 

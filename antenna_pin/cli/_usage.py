@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import functools
+import shlex
 from collections.abc import Iterator
 from typing import Any
 
@@ -12,14 +13,24 @@ from typer.core import TyperGroup
 
 from antenna_pin.cli._common import complain, told_interruption
 
+_WORDS = "antenna_pin.words"
+
+
+def command_of(context: typer.Context) -> str:
+    """Return the command line that a command was called with, as a shell takes it."""
+    return shlex.join(["antenna-pin", *context.meta.get(_WORDS, ())])
+
 
 class OneLineGroup(TyperGroup):
     """Commands whose wrong options and arguments are refused in one line."""
 
-    def make_context(self, *arguments: Any, **options: Any) -> Any:
-        """Read the words that stand before the command."""
+    def make_context(self, info_name: str | None, args: list[str], *more: Any, **options: Any) -> Any:
+        """Read the words that stand before the command; keep all, for results that say how they were made."""
+        words = tuple(args)  # reading takes them away
         with _told_in_one_line():
-            return super().make_context(*arguments, **options)
+            context = super().make_context(info_name, args, *more, **options)
+        context.meta[_WORDS] = words
+        return context
 
     def invoke(self, *arguments: Any, **options: Any) -> Any:
         """Read the command's own words, and run it."""

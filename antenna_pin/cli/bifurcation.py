@@ -14,13 +14,12 @@ from antenna_pin.cli._common import (
     SetOption,
     Width,
     WidthOption,
-    figure_target,
     load,
     not_interrupted,
     say,
-    writable_file,
 )
 from antenna_pin.cli._progress import study_bar
+from antenna_pin.cli._saved import PlotOption, save_both, targets_of
 from antenna_pin.cli._sections import (
     CountOption,
     Direction,
@@ -54,6 +53,7 @@ class BranchName(StrEnum):
 
 
 def bifurcation(
+    context: typer.Context,
     scenario: ScenarioArgument,
     over: Annotated[str, typer.Option(metavar="KEY", help="Key of the scenario, as in --set.")],
     values: Annotated[
@@ -79,9 +79,7 @@ def bifurcation(
     out: Annotated[Path, typer.Option(metavar="FILE", help="Dataset of the diagram, NAME.nc.")] = Path(
         "bifurcation.nc"
     ),
-    plot: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Figure of the diagram: png, pdf or svg.")
-    ] = None,
+    plot: PlotOption = None,
     width: WidthOption = Width.PAGE,
     workers: Annotated[
         int | None, typer.Option(metavar="N", help="Runs made at a time; one for each core if left out.")
@@ -92,8 +90,9 @@ def bifurcation(
 
     What was interrupted or killed goes on with the same command.
     """
-    target, figure = writable_file(out, ".nc"), figure_target(plot, "figure", "--plot")
+    targets = targets_of(out, plot)
     from antenna_pin.nonlinear import bifurcation as made
+    from antenna_pin.plot import figure_bifurcation
     from antenna_pin.sweep import Standing
 
     loaded = load(scenario, case, settings)
@@ -114,18 +113,12 @@ def bifurcation(
             transient=transient,
             most=most,
             tolerance=tolerance,
-            out=target,
+            out=targets[0],
             workers=workers,
             progress=tell,
         )
     with not_interrupted():
-        if figure is not None:
-            from antenna_pin.plot import figure_bifurcation, save_figure
-
-            drawn = figure_bifurcation(found, width=width.value)
-            save_figure(drawn, figure.with_suffix(""), [figure.suffix[1:]])
-            typer.echo(f"saved {figure}")
-        typer.echo(f"saved {target}")
+        save_both(found, lambda: figure_bifurcation(found, width=width.value), targets, context)
         _print(found)
 
 

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from antenna_pin.cli._common import CaseOption, SetOption, load
+from antenna_pin.cli._common import CaseOption, SetOption, Width, WidthOption, load, not_interrupted
 from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, exported, plain
 from antenna_pin.cli._quantities import positive_quantity
+from antenna_pin.cli._saved import PlotOption, TableOption, save_both, targets_of
 from antenna_pin.cli._tables import print_rows
 from antenna_pin.cli.orbit import PeriodOption, period_of
 from antenna_pin.errors import InvalidParameterError
@@ -21,6 +22,7 @@ __all__ = ["lyapunov"]
 
 
 def lyapunov(
+    context: typer.Context,
     scenario: Annotated[str, typer.Argument(metavar="SCENARIO", help="Scenario.")],
     case: CaseOption = None,
     period: PeriodOption = None,
@@ -35,13 +37,17 @@ def lyapunov(
     ] = False,
     seed: Annotated[int, typer.Option(help="Of the neighbour's first direction.")] = 0,
     settings: SetOption = None,
+    out: TableOption = None,
+    plot: PlotOption = None,
+    width: WidthOption = Width.PAGE,
     as_json: JsonOption = False,
     csv: CsvOption = None,
 ) -> None:
     """Say how fast neighbours of a motion part: Lyapunov exponents, natural logarithms per second."""
-    from antenna_pin.nonlinear import flow_of, largest_exponent, lyapunov_spectrum
+    table, targets = csv_target(csv), targets_of(out, plot)
+    from antenna_pin.nonlinear import exponents_table, flow_of, largest_exponent, lyapunov_spectrum
+    from antenna_pin.plot import figure_exponents
 
-    table = csv_target(csv)
     for name, number, least in (("--count", count, 1), ("--transient", transient, 0)):
         if number < least:
             raise InvalidParameterError("lyapunov", name, f"{least} or more", number)
@@ -59,8 +65,11 @@ def lyapunov(
         plain({"exponent [1/s]": float(value), "error [1/s]": _finite(float(error))})
         for value, error in zip(found.values, found.errors, strict=True)
     ]
-    if not exported(_facts(found), rows, as_json, table):
-        _print(found, period is not None or interval is None)
+    kept = exponents_table(found, known)
+    with not_interrupted():
+        save_both(kept, lambda: figure_exponents(kept, width=width.value), targets, context, silent=as_json)
+        if not exported(_facts(found), rows, as_json, table):
+            _print(found, period is not None or interval is None)
 
 
 def _finite(value: float) -> float | None:

@@ -1,4 +1,4 @@
-"""``antenna-pin orbit``: a periodic solution, its Floquet multipliers, and whether neighbours come to it."""
+"""``antenna-pin orbit``: a periodic solution, whether neighbours come to it, and how that changes."""
 
 from __future__ import annotations
 
@@ -7,13 +7,27 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from antenna_pin.cli._common import CaseOption, SetOption, load
+from antenna_pin.cli._branch import (
+    AmplitudeOption,
+    ArcOption,
+    MostOrbitsOption,
+    OverOption,
+    ValuesOption,
+    ends_of,
+    facts_of,
+    print_branch,
+    rows_of_branch,
+)
+from antenna_pin.cli._common import CaseOption, SetOption, Width, WidthOption, load, not_interrupted
 from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, exported, plain
 from antenna_pin.cli._quantities import positive_quantity
+from antenna_pin.cli._saved import PlotOption, TableOption, save_both, targets_of
 from antenna_pin.cli._tables import power_above, print_rows
 from antenna_pin.errors import InvalidParameterError
 
 if TYPE_CHECKING:
+    import xarray as xr
+
     from antenna_pin.nonlinear import Orbit
     from antenna_pin.scenario import Scenario
 
@@ -32,6 +46,7 @@ def period_of(scenario: Scenario, period: str | None, command: str) -> float:
 
 
 def orbit(
+    context: typer.Context,
     scenario: Annotated[str, typer.Argument(metavar="SCENARIO", help="Scenario.")],
     case: CaseOption = None,
     period: PeriodOption = None,
@@ -40,29 +55,87 @@ def orbit(
         bool, typer.Option("--free-period", help="Find the period too, of what nothing drives.")
     ] = False,
     transient: Annotated[int, typer.Option(help="Periods to run before Newton's method begins.")] = 20,
+    over: OverOption = None,
+    values: ValuesOption = None,
+    quantity: AmplitudeOption = None,
+    arc: ArcOption = 0.1,
+    most: MostOrbitsOption = 100,
     settings: SetOption = None,
+    out: TableOption = None,
+    plot: PlotOption = None,
+    width: WidthOption = Width.COLUMN,
     as_json: JsonOption = False,
     csv: CsvOption = None,
 ) -> None:
     """Find a periodic solution near where a scenario has come to, and say whether neighbours come to it.
 
     Multipliers are by how much they grow in a period. The instant of its start must be one between impacts.
+    With --over the orbit is followed over a key of the scenario, through folds.
     """
-    from antenna_pin.nonlinear import flow_of, periodic_orbit
-
-    table = csv_target(csv)
+    table, targets = csv_target(csv), targets_of(out, plot)
     for name, number, least in (("--multiple", multiple, 1), ("--transient", transient, 0)):
         if number < least:
             raise InvalidParameterError("orbit", name, f"{least} or more", number)
+    for name, given in (("--values", values), ("--quantity", ", ".join(quantity or ()))):
+        if given and over is None:
+            raise InvalidParameterError("orbit", name, "given with --over KEY", said=given)
+    if free_period and over is not None:
+        raise InvalidParameterError("orbit", "--free-period", "left out beside --over", said="both")
+    from antenna_pin.plot import figure_branch, figure_multipliers
+
     known = load(scenario, case, settings)
+    if over is not None:
+        ends = ends_of(values, over, known)
+        branch = _followed(known, over, ends, period, multiple, transient, arc, most, quantity or [])
+        with not_interrupted():
+            save_both(branch, lambda: figure_branch(branch, width=width.value), targets, context, as_json)
+            if not exported(facts_of(branch), rows_of_branch(branch), as_json, table):
+                print_branch(branch)
+        return
+    from antenna_pin.nonlinear import flow_of, orbit_table, periodic_orbit
+
     span = multiple * period_of(known, period, "orbit")
     flow, start = flow_of(known)
     if transient:
         start = flow.after(start, transient * span)
     found = periodic_orbit(flow, start, span, free_period=free_period)
-    if exported(_facts(found), _rows(found), as_json, table):
-        return
-    _print(found)
+    kept = orbit_table(found, flow.system, known)
+    with not_interrupted():
+        save_both(kept, lambda: figure_multipliers(kept, width=width.value), targets, context, as_json)
+        if not exported(_facts(found), _rows(found), as_json, table):
+            _print(found)
+
+
+def _followed(
+    known: Scenario,
+    over: str,
+    ends: tuple[float, float, str],
+    period: str | None,
+    multiple: int,
+    transient: int,
+    arc: float,
+    most: int,
+    quantities: list[str],
+) -> xr.Dataset:
+    """Return the branch of the orbit that a scenario has come to at the first value."""
+    from antenna_pin.nonlinear import amplitudes, branch_table, continued, family_of, flow_of
+
+    first, last, unit = ends
+    given = None if period is None else period_of(known, period, "orbit")
+    family = family_of(known, over, period=given, multiple=multiple)
+    flow, span = family(first)
+    _, start = flow_of(known.with_overrides({over: first}))
+    if quantities:  # what is wrong with a name is said before a long way is gone
+        from antenna_pin.analysis import quantity
+
+        glance = flow.seen(start, 1e-6 * span, 1)
+        for name in quantities:
+            quantity(glance, name)
+    if transient:
+        start = flow.after(start, transient * span)
+    branch = continued(family, start, (first, last), arc=arc, most=most)
+    found = amplitudes(branch, family, quantities)
+    return branch_table(branch, flow.system, over, unit, known, found)
 
 
 def _facts(found: Orbit) -> dict[str, Any]:

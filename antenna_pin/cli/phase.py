@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from antenna_pin.cli._common import Width, WidthOption, figure_target, load_result, not_interrupted, say
+from antenna_pin.cli._common import FIGURES, Width, WidthOption, load_result, not_interrupted, say
 from antenna_pin.cli._quantities import bare
+from antenna_pin.cli._saved import PlotOption, save_both, targets_of
 from antenna_pin.errors import InvalidParameterError
 
 if TYPE_CHECKING:
@@ -27,6 +28,7 @@ class Colour(StrEnum):
 
 
 def phase(
+    context: typer.Context,
     file: Annotated[Path, typer.Argument(metavar="FILE", help="Result file of a run.")],
     x: Annotated[str | None, typer.Option("-x", metavar="NAME", help="Quantity across.")] = None,
     y: Annotated[str | None, typer.Option("-y", metavar="NAME", help="Quantity up.")] = None,
@@ -48,8 +50,10 @@ def phase(
         Colour, typer.Option(help="Line coloured by time, or the share of time.")
     ] = Colour.TIME,
     out: Annotated[
-        Path | None, typer.Option("-o", "--out", metavar="FILE", help="Figure: png, pdf or svg.")
+        Path | None,
+        typer.Option("-o", "--out", metavar="FILE", help="Dataset, NAME.nc; or a figure, as --plot."),
     ] = None,
+    plot: PlotOption = None,
     width: WidthOption = Width.PAGE,
     names: Annotated[
         bool, typer.Option("--list", help="List the run's quantities with their units, and stop.")
@@ -63,24 +67,33 @@ def phase(
     if names:
         _list(file)
         return
-    for option, given in (("-x", x), ("-y", y), ("-o", out)):
+    for option, given in (("-x", x), ("-y", y), ("-o", out or plot)):
         if given is None:
             what = "FILE" if option == "-o" else "NAME"
             raise InvalidParameterError(
                 "phase", option, f"given as {option} {what}, or --list", said="nothing"
             )
-    assert x is not None and y is not None and out is not None
-    figure_target(out, "phase", "-o")
+    assert x is not None and y is not None
+    if out is not None and out.suffix != ".nc" and plot is None:
+        if out.suffix not in FIGURES:
+            rule = f"a file that ends in {', '.join(FIGURES)} or .nc"
+            raise InvalidParameterError("phase", "-o", rule, str(out))
+        out, plot = None, out
+    targets = targets_of(out, plot)
     transient = _transient(start, period)
-    from antenna_pin.analysis import phase_portrait
-    from antenna_pin.plot import figure_phase, save_figure
+    from antenna_pin.analysis import phase_portrait, portrait_table
+    from antenna_pin.plot import figure_phase
 
-    portrait = phase_portrait(load_result(file, scenario=False), x, y, z, transient=transient)
-    figure = figure_phase(portrait, shade=colour.value, width=width.value)
+    run = load_result(file, scenario=False)
+    portrait = phase_portrait(run, x, y, z, transient=transient)
     with not_interrupted():
-        save_figure(figure, out.with_suffix(""), [out.suffix[1:]])
         say(f"{portrait.run} {portrait.rule}, {len(portrait.time)} samples")
-        typer.echo(f"saved {out}")
+        save_both(
+            portrait_table(portrait, run),
+            lambda: figure_phase(portrait, shade=colour.value, width=width.value),
+            targets,
+            context,
+        )
 
 
 def _transient(text: str | None, period: str | None) -> float | Periods | Literal["judge"] | None:

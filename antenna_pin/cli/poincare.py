@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import json
-from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 import typer
 
@@ -14,13 +13,12 @@ from antenna_pin.cli._common import (
     SetOption,
     Width,
     WidthOption,
-    figure_target,
     load,
     not_interrupted,
     say,
-    writable_file,
 )
 from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, exported
+from antenna_pin.cli._saved import PlotOption, TableOption, save_both, targets_of
 from antenna_pin.cli._sections import (
     CountOption,
     Direction,
@@ -40,6 +38,7 @@ if TYPE_CHECKING:
 
 
 def poincare(
+    context: typer.Context,
     scenario: ScenarioArgument,
     quantity: QuantityOption,
     section: SectionOption = "period",
@@ -51,10 +50,8 @@ def poincare(
     tolerance: ToleranceOption = 1e-4,
     case: CaseOption = None,
     settings: SetOption = None,
-    out: Annotated[Path | None, typer.Option(metavar="FILE", help="Dataset of the points, NAME.nc.")] = None,
-    plot: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Figure of the points: png, pdf or svg.")
-    ] = None,
+    out: TableOption = None,
+    plot: PlotOption = None,
     width: WidthOption = Width.COLUMN,
     as_json: JsonOption = False,
     csv: CsvOption = None,
@@ -64,9 +61,9 @@ def poincare(
     The scenario is run for as long as that takes, whatever its duration.
     """
     table = csv_target(csv)
-    targets = [figure_target(plot, "figure", "--plot"), None if out is None else writable_file(out, ".nc")]
+    targets = targets_of(out, plot)
     from antenna_pin.nonlinear import poincare as returned
-    from antenna_pin.nonlinear import save_table
+    from antenna_pin.plot import figure_section
 
     found = returned(
         load(scenario, case, settings),
@@ -78,15 +75,7 @@ def poincare(
         tolerance=tolerance,
     )
     with not_interrupted():
-        if targets[1] is not None:
-            save_table(found, targets[1])
-        if targets[0] is not None:
-            from antenna_pin.plot import figure_section, save_figure
-
-            save_figure(figure_section(found, width=width.value), *_parts(targets[0]))
-        for target in targets if not as_json else ():
-            if target is not None:
-                typer.echo(f"saved {target}")
+        save_both(found, lambda: figure_section(found, width=width.value), targets, context, silent=as_json)
         names = json.loads(found.attrs["quantities"])
         facts = {
             "settled": bool(found["settled"].item()),
@@ -105,10 +94,6 @@ def poincare(
         ]
         if not exported(facts, rows, as_json, table):
             _print(found, names)
-
-
-def _parts(path: Path) -> tuple[Path, list[str]]:
-    return path.with_suffix(""), [path.suffix[1:]]
 
 
 def _print(found: xr.Dataset, names: list[str]) -> None:
