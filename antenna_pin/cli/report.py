@@ -1,4 +1,4 @@
-"""``antenna-pin report``: one file that tells of any number of runs."""
+"""``antenna-pin report``: one file that tells of any number of runs, and of what motions come to."""
 
 from __future__ import annotations
 
@@ -8,12 +8,18 @@ from typing import Annotated
 
 import typer
 
-from antenna_pin.cli._common import FilesArgument, writable_file
+from antenna_pin.cli._common import writable_file
 from antenna_pin.cli._quantities import bare
 
 
 def report(
-    files: FilesArgument,
+    files: Annotated[
+        list[Path],
+        typer.Argument(
+            metavar="FILES...",
+            help="Result files of runs; also what phase, poincare, bifurcation, orbit and lyapunov save.",
+        ),
+    ],
     out: Annotated[Path, typer.Option(metavar="FILE", help="The report, an HTML file.")],
     title: Annotated[str | None, typer.Option(help="Title; that of the runs if left out.")] = None,
     figures: Annotated[bool, typer.Option(help="Draw figures.")] = True,
@@ -25,7 +31,10 @@ def report(
         ),
     ] = None,
 ) -> None:
-    """Write a report that compares runs: one HTML file for screen, phone and paper."""
+    """Write a report that compares runs: one HTML file for screen, phone and paper.
+
+    Portraits, sections, bifurcation diagrams, orbits, branches of these and exponents have a section each.
+    """
     target = writable_file(out, ".html")
     words = ["antenna-pin", "report", *map(str, files), "--out", str(out)]
     words += [] if title is None else ["--title", title]

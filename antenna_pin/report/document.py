@@ -1,7 +1,8 @@
-"""Runs in, one HTML file out."""
+"""Runs and what motions come to in, one HTML file out."""
 
 from __future__ import annotations
 
+import dataclasses
 import functools
 import itertools
 import math
@@ -18,16 +19,28 @@ from markupsafe import Markup
 from antenna_pin.card import in_frame
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.files import check_writable, replacing
-from antenna_pin.report import contacts, elastic, loops, motion, pointing, provenance, results, words
-from antenna_pin.report._parts import Embedded, Section
-from antenna_pin.report._runs import ReportedRun, Run, reported
+from antenna_pin.report import (
+    contacts,
+    elastic,
+    loops,
+    motion,
+    orbits,
+    order,
+    pointing,
+    provenance,
+    results,
+    words,
+)
+from antenna_pin.report._findings import Finding, Judged, Reported, origin, parted
+from antenna_pin.report._parts import Details, Embedded, Section
+from antenna_pin.report._runs import ReportedRun, reported
 
 __all__ = ["Report", "page", "report"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Report:
-    """A report on runs: a page that needs nothing but itself.
+    """A report: a page that needs nothing but itself.
 
     Attributes:
         title: Its title.
@@ -60,7 +73,7 @@ class Report:
 
 
 def report(
-    runs: Iterable[Run] | Run,
+    runs: Iterable[Reported] | Reported,
     *,
     title: str | None = None,
     figures: bool = True,
@@ -68,13 +81,15 @@ def report(
     window: float | None = None,
     command: str | None = None,
 ) -> Report:
-    """Return a report on runs, which it compares.
+    """Return a report on runs, which it compares, and on what motions come to.
 
     A run without contact among them is the ideal one that deviations are from. What a run does not hold (one
-    sample, no clearance, an older file) is left out, with the reason in its place.
+    sample, no clearance, an older file) is left out, with the reason in its place. Phase portraits, sections,
+    bifurcation diagrams, periodic solutions, branches of these and Lyapunov exponents have a section each.
 
     Args:
-        runs: Trajectories, files of them, or pairs of a label and a trajectory; one, or any number.
+        runs: Trajectories, files of them, or pairs of a label and a trajectory; datasets of what motions come
+            to, or files of these; one, or any number.
         title: Of the report; what the runs are titled if left out.
         figures: Whether to draw figures.
         recordings: Whether to embed 3D recordings.
@@ -83,13 +98,41 @@ def report(
             out.
 
     Raises:
-        InvalidParameterError: There is no run, or the window has no length.
-        FileFormatError: A file is not one of a run.
+        InvalidParameterError: There is nothing to report on, or the window has no length.
+        FileFormatError: A file is none of these.
     """
     if window is not None and not 0.0 < window < math.inf:
         raise InvalidParameterError("report", "window", "positive and finite [s]", window)
-    found = reported(runs)
-    heading = title if title is not None else _title(found)
+    given, findings = parted(runs)
+    found = reported(given) if given or not findings else []
+    parts = _of_runs(found, figures, recordings, window) if found else _Parts()
+    shown = {detail.text for part in parts.closing for detail in part.items if isinstance(detail, Details)}
+    told = [_of_finding(k, one, figures, shown) for k, one in enumerate(findings, start=1)]
+    files = [one.file for one in findings]
+    sections = (
+        *parts.opening,
+        *(section for section, _ in told),
+        *parts.closing,
+        provenance.provenance(found, command, files),
+    )
+    kept = tuple(section for section in sections if not section.empty or section.key == "what")
+    judged = [one for _, one in told]
+    statuses = [*results.statuses(found), *judged]
+    labels = [run.label for run in found] + [one.label for one in findings]
+    heading = title if title is not None else _title(found, findings)
+    return page(heading, labels, statuses, kept, warnings=results.warnings(found), viewer=parts.head)
+
+
+@dataclass(frozen=True, slots=True)
+class _Parts:
+    """What runs bring to a page: sections before and behind those of findings, and what its head needs."""
+
+    opening: tuple[Section, ...] = ()
+    closing: tuple[Section, ...] = ()
+    head: str = ""
+
+
+def _of_runs(found: list[ReportedRun], figures: bool, recordings: bool, window: float | None) -> _Parts:
     sections = [
         results.key_results(found),
         loops.loops(found),
@@ -112,15 +155,33 @@ def report(
         from antenna_pin.report.figures import drawn
 
         sections.insert(1, drawn(found))
-    sections += [
+    closing = (
         Section(key="what", title="What was run"),
         *words.scenario_sections(found),
         results.conservation(found),
-        provenance.provenance(found, command),
-    ]
-    kept = tuple(section for section in sections if not section.empty or section.key == "what")
-    labels, warnings = [run.label for run in found], results.warnings(found)
-    return page(heading, labels, results.statuses(found), kept, warnings=warnings, viewer=head)
+    )
+    return _Parts(tuple(sections), closing, head)
+
+
+# The section of every kind of finding.
+_TELLS = {
+    "portrait": order.portrait,
+    "section": order.section,
+    "bifurcation": order.diagram,
+    "orbit": orbits.orbit,
+    "branch": orbits.branch,
+    "exponents": orbits.exponents,
+}
+
+
+def _of_finding(k: int, finding: Finding, figures: bool, shown: set[str]) -> tuple[Section, Judged]:
+    """Return the section of a finding, with where it comes from, and what it comes to."""
+    section, judged = _TELLS[finding.kind](finding, f"finding-{k}", figures)
+    statements, details = origin(finding, shown)
+    whole = dataclasses.replace(
+        section, statements=(*section.statements, *statements), items=(*section.items, *details)
+    )
+    return whole, judged
 
 
 def page(
@@ -156,9 +217,11 @@ def page(
     return Report(title, kept, made)
 
 
-def _title(runs: list[ReportedRun]) -> str:
-    titles = dict.fromkeys(str(run.data.attrs.get("title") or "") for run in runs)
-    return "; ".join(filter(None, titles)) or "Report on " + ", ".join(run.label for run in runs)
+def _title(runs: list[ReportedRun], findings: list[Finding]) -> str:
+    every = [run.data for run in runs] + [one.table for one in findings]
+    titles = dict.fromkeys(str(data.attrs.get("title") or "") for data in every)
+    labels = [run.label for run in runs] + [one.label for one in findings]
+    return "; ".join(filter(None, titles)) or "Report on " + ", ".join(labels)
 
 
 @functools.cache

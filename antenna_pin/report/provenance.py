@@ -15,21 +15,21 @@ from antenna_pin.trajectory import library_versions
 __all__ = ["provenance", "report_command", "run_command"]
 
 
-def provenance(runs: Sequence[ReportedRun], command: str | None) -> Section:
+def provenance(
+    runs: Sequence[ReportedRun], command: str | None, beside: Sequence[Path | None] = ()
+) -> Section:
     """Return versions, dates, scenarios and commands.
 
     Args:
         runs: What is reported.
         command: The command line that wrote the report; None for one made in Python.
+        beside: Files of what is reported beside runs, which say themselves how they were made.
     """
-    statements = [
-        Statement(
-            label="repeat the runs",
-            texts=tuple(((run.label,), run_command(run) or _NO_COMMAND) for run in runs),
-            code=True,
-        )
-    ]
-    again = command or report_command(runs)
+    statements = []
+    if runs:
+        commands = tuple(((run.label,), run_command(run) or _NO_COMMAND) for run in runs)
+        statements.append(Statement(label="repeat the runs", texts=commands, code=True))
+    again = command or report_command(runs, beside)
     if again is not None:
         statements.append(Statement(label="repeat this report", texts=(((), again),), code=True))
     dates = tuple(
@@ -121,8 +121,14 @@ def _file_name(label: str) -> str:
     return "".join(letter if letter.isalnum() or letter in "-_." else "-" for letter in label)
 
 
-def report_command(runs: Sequence[ReportedRun]) -> str | None:
-    """Return a command that writes a report of files; None where a run came from no file."""
-    if any(run.file is None for run in runs):
+def report_command(runs: Sequence[ReportedRun], beside: Sequence[Path | None] = ()) -> str | None:
+    """Return a command that writes a report of files; None where something came from no file.
+
+    Args:
+        runs: Runs that are reported.
+        beside: Files of what is reported beside them.
+    """
+    files = [*(run.file for run in runs), *beside]
+    if any(file is None for file in files):
         return None
-    return shlex.join(["antenna-pin", "report", *(str(run.file) for run in runs), "--out", "report.html"])
+    return shlex.join(["antenna-pin", "report", *map(str, files), "--out", "report.html"])

@@ -13,6 +13,7 @@ from antenna_pin.trajectory.read import (
 from antenna_pin.trajectory.result import Counts, Outcome, Trajectory, library_versions
 from antenna_pin.trajectory.table import (
     FORMATS,
+    KINDS,
     TableKind,
     format_of,
     kind_of,
@@ -24,6 +25,7 @@ from antenna_pin.trajectory.table import (
 __all__ = [
     "FORMAT",
     "FORMATS",
+    "KINDS",
     "Counts",
     "Outcome",
     "TableKind",

@@ -24,7 +24,16 @@ from antenna_pin.trajectory.result import library_versions
 if TYPE_CHECKING:
     from antenna_pin.scenario import Scenario
 
-__all__ = ["FORMATS", "TableKind", "format_of", "kind_of", "open_table", "save_table", "table_attributes"]
+__all__ = [
+    "FORMATS",
+    "KINDS",
+    "TableKind",
+    "format_of",
+    "kind_of",
+    "open_table",
+    "save_table",
+    "table_attributes",
+]
 
 TableKind = Literal["portrait", "section", "bifurcation", "orbit", "branch", "exponents"]
 """What a dataset is of."""
@@ -32,7 +41,8 @@ TableKind = Literal["portrait", "section", "bifurcation", "orbit", "branch", "ex
 #: The format of each kind; another version of it is another format.
 FORMATS: dict[TableKind, str] = {kind: f"antenna_pin {kind} 1" for kind in get_args(TableKind)}
 
-_WORDS: dict[TableKind, str] = {
+#: What each kind is, in words.
+KINDS: dict[TableKind, str] = {
     "portrait": "a phase portrait",
     "section": "a section",
     "bifurcation": "a bifurcation diagram",
@@ -66,13 +76,13 @@ def kind_of(data: xr.Dataset) -> TableKind | None:
 
 
 def format_of(path: str | os.PathLike[str]) -> str | None:
-    """Return the format that a file says it has; None where it says none, or cannot be read."""
+    """Return the format that a file says it has, "" if it says none; None where it cannot be read."""
     try:
         with h5py.File(path, "r") as file:
             found = file.attrs.get("format")
     except Exception:  # HDF5 raises any
         return None
-    return found if isinstance(found, str) else None
+    return found if isinstance(found, str) else ""
 
 
 def save_table(table: xr.Dataset, path: str | os.PathLike[str]) -> None:
@@ -99,17 +109,17 @@ def open_table(path: str | os.PathLike[str], kind: TableKind) -> xr.Dataset:
     """
     file = Path(path)
     if not file.is_file():
-        raise FileFormatError(f"{file}: no such file; it must be {_WORDS[kind]} that antenna-pin wrote")
+        raise FileFormatError(f"{file}: no such file; it must be {KINDS[kind]} that antenna-pin wrote")
     try:
         whole = has_whole_seal(file)
         with xr.open_dataset(file, engine="h5netcdf") as stored:
             table = stored.load()
     except Exception as error:  # HDF5 raises any
         words = " ".join(str(error).split())
-        raise FileFormatError(f"{file}: must be {_WORDS[kind]}, got: {words}") from None
+        raise FileFormatError(f"{file}: must be {KINDS[kind]}, got: {words}") from None
     found = table.attrs.get("format")
     if found != FORMATS[kind]:
-        raise FileFormatError(f"{file}: must be {_WORDS[kind]}, of format {FORMATS[kind]!r}, got {found!r}")
+        raise FileFormatError(f"{file}: must be {KINDS[kind]}, of format {FORMATS[kind]!r}, got {found!r}")
     if whole is not True:
         raise FileFormatError(
             f"{file}: must be as antenna-pin wrote it, got another checksum, or none: it was damaged, or "
