@@ -2,43 +2,43 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from antenna_pin.cli._common import (
     CaseOption,
-    ScenarioArgument,
     SetOption,
     Width,
     WidthOption,
     load,
     not_interrupted,
+    refuse,
     say,
 )
 from antenna_pin.cli._progress import study_bar
 from antenna_pin.cli._saved import PlotOption, save_both, targets_of
 from antenna_pin.cli._sections import (
-    CountOption,
+    COUNT,
+    DIRECTION,
+    PHASE,
+    QUANTITY,
+    SECTION,
+    TOLERANCE,
     Direction,
-    DirectionOption,
     MostOption,
-    PhaseOption,
-    QuantityOption,
-    SectionOption,
-    ToleranceOption,
     TransientOption,
-    section_from,
-    values_from,
 )
 from antenna_pin.cli._tables import print_rows
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from antenna_pin.nonlinear import Made
+    from antenna_pin.nonlinear import DiagramPlan, Made
+    from antenna_pin.scenario import Scenario
 
 # Values that are named of those that failed.
 _NAMED = 5
@@ -54,15 +54,23 @@ class BranchName(StrEnum):
 
 def bifurcation(
     context: typer.Context,
-    scenario: ScenarioArgument,
-    over: Annotated[str, typer.Option(metavar="KEY", help="Key of the scenario, as in --set.")],
-    values: Annotated[
-        str, typer.Option(metavar="A:B:N", help="N values from A to B, as '0 mm:0.9 mm:10', or a list A,B,C.")
+    scenario: Annotated[
+        str,
+        typer.Argument(
+            metavar="SCENARIO|DIAGRAM",
+            help="Name of a shipped scenario, or path of a TOML file; or a diagram, NAME.diagram.toml or a"
+            " shipped one as chen2021/friction, whose keys the options replace.",
+        ),
     ],
-    quantity: QuantityOption,
-    section: SectionOption = "period",
-    direction: DirectionOption = Direction.RISING,
-    phase: PhaseOption = 0.0,
+    over: Annotated[str | None, typer.Option(metavar="KEY", help="Key of the scenario, as in --set.")] = None,
+    values: Annotated[
+        str | None,
+        typer.Option(metavar="A:B:N", help="N values from A to B, as '0 mm:0.9 mm:10', or a list A,B,C."),
+    ] = None,
+    quantity: Annotated[list[str] | None, QUANTITY] = None,
+    section: Annotated[str | None, SECTION] = None,
+    direction: Annotated[Direction | None, DIRECTION] = None,
+    phase: Annotated[float | None, PHASE] = None,
     branch: Annotated[
         list[BranchName] | None,
         typer.Option(
@@ -70,10 +78,10 @@ def bifurcation(
             " before. May be repeated; fresh if left out."
         ),
     ] = None,
-    count: CountOption = 100,
+    count: Annotated[int | None, COUNT] = None,
     transient: TransientOption = None,
     most: MostOption = None,
-    tolerance: ToleranceOption = 1e-4,
+    tolerance: Annotated[float | None, TOLERANCE] = None,
     case: CaseOption = None,
     settings: SetOption = None,
     out: Annotated[Path, typer.Option(metavar="FILE", help="Dataset of the diagram, NAME.nc.")] = Path(
@@ -95,8 +103,22 @@ def bifurcation(
     from antenna_pin.plot import figure_bifurcation
     from antenna_pin.sweep import Standing
 
-    loaded = load(scenario, case, settings)
-    with study_bar(over, progress) as report:
+    given = {
+        "case": case,
+        "parameter": over,
+        "values": values,
+        "quantities": quantity,
+        "section": section,
+        "direction": None if direction is None else direction.value,
+        "phase": phase,
+        "branches": [one.value for one in branch] if branch else None,
+        "count": count,
+        "transient": transient,
+        "most": most,
+        "tolerance": tolerance,
+    }
+    plan, loaded = _planned(scenario, given, settings)
+    with study_bar(plan.parameter, progress) as report:
 
         def tell(now: Made) -> None:
             if report is not None:
@@ -104,15 +126,15 @@ def bifurcation(
 
         found = made(
             loaded,
-            over,
-            values_from(values),
-            section_from(section, direction, phase),
-            quantity,
-            branches=[one.value for one in branch] if branch else ("fresh",),
-            count=count,
-            transient=transient,
-            most=most,
-            tolerance=tolerance,
+            plan.parameter,
+            plan.given(),
+            plan.where(),
+            plan.quantities,
+            branches=plan.branches,
+            count=plan.count,
+            transient=plan.transient,
+            most=plan.most,
+            tolerance=plan.tolerance,
             out=targets[0],
             workers=workers,
             progress=tell,
@@ -120,6 +142,24 @@ def bifurcation(
     with not_interrupted():
         save_both(found, lambda: figure_bifurcation(found, width=width.value), targets, context)
         _print(found)
+
+
+def _planned(
+    name: str, given: Mapping[str, Any], settings: Sequence[str] | None
+) -> tuple[DiagramPlan, Scenario]:
+    """Return what is asked for, by a diagram's file or by options alone, and the scenario."""
+    from antenna_pin.nonlinear import DiagramPlan, load_plan
+    from antenna_pin.nonlinear.plan import is_plan
+
+    options = {key: value for key, value in given.items() if value is not None}
+    if is_plan(name):
+        plan = load_plan(name, options)
+        return plan, plan.base(settings or ())
+    for key, option in (("parameter", "--over"), ("values", "--values"), ("quantities", "--quantity")):
+        if key not in options:
+            refuse(f"bifurcation: {option} must be given; or name a diagram, as chen2021/friction")
+    # What is wrong with the rest is said where it is used.
+    return DiagramPlan.model_construct(scenario=name, **options), load(name, given["case"], settings)
 
 
 def _print(found: xr.Dataset) -> None:

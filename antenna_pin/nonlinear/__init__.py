@@ -19,7 +19,8 @@ from antenna_pin.nonlinear.orbits import NoOrbitError, Orbit, periodic_orbit
 from antenna_pin.nonlinear.plan import DiagramPlan, list_plans, load_plan, values_of
 from antenna_pin.nonlinear.sections import poincare
 from antenna_pin.nonlinear.surfaces import Crossing, Section, Stroboscope, drive_period, section_of
-from antenna_pin.nonlinear.table import open_diagram, open_section, save_table
+from antenna_pin.nonlinear.table import open_diagram, open_section
+from antenna_pin.trajectory import save_table
 
 __all__ = [
     "Bifurcation",

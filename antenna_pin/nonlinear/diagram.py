@@ -29,10 +29,10 @@ from antenna_pin.nonlinear.parts import Parts
 from antenna_pin.nonlinear.returns import Returns
 from antenna_pin.nonlinear.sections import check_counts
 from antenna_pin.nonlinear.surfaces import Section, Stroboscope
-from antenna_pin.nonlinear.table import diagram_table, save_table
+from antenna_pin.nonlinear.table import diagram_table
 from antenna_pin.scenario import Scenario
 from antenna_pin.state import State
-from antenna_pin.trajectory import table_attributes
+from antenna_pin.trajectory import save_table, table_attributes
 from antenna_pin.units import any_quantity
 
 __all__ = ["Made", "bifurcation"]

@@ -19,14 +19,11 @@ from antenna_pin.nonlinear.surfaces import Section
 from antenna_pin.scenario import Scenario
 from antenna_pin.simulation import Progress
 from antenna_pin.state import State
-from antenna_pin.trajectory import FORMATS, table_attributes
+from antenna_pin.trajectory import table_attributes
 
-__all__ = ["FORMAT", "SettledPoints", "poincare", "settled_points"]
+__all__ = ["SettledPoints", "check_counts", "poincare", "settled_points"]
 
 Array = NDArray[np.float64]
-
-#: Identifies the format of a section's dataset.
-FORMAT = FORMATS["section"]
 
 
 @dataclasses.dataclass(frozen=True, slots=True)

@@ -5,24 +5,17 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from antenna_pin.analysis.transients import RULE
-from antenna_pin.errors import FileFormatError
-from antenna_pin.files import has_whole_seal, replacing
-from antenna_pin.nonlinear import sections
 from antenna_pin.nonlinear.branches import Asked, Entry
-from antenna_pin.trajectory.file import write
+from antenna_pin.trajectory import open_table, table_attributes
 from antenna_pin.units import any_quantity
 
-__all__ = ["FORMAT", "diagram_table", "open_diagram", "open_section", "save_table"]
-
-#: Identifies the format of a diagram's dataset.
-FORMAT = "antenna_pin bifurcation 1"
+__all__ = ["diagram_table", "open_diagram", "open_section"]
 
 
 def diagram_table(
@@ -90,29 +83,14 @@ def diagram_table(
             "value": ("value", np.array([one[0] for one in numbers if one is not None]), said),
         },
         attrs={
-            "format": FORMAT,
-            "title": asked.scenario.title,
-            "case": asked.scenario.case or "",
+            **table_attributes("bifurcation", asked.scenario),
             "parameter": asked.parameter,
             "quantities": json.dumps(asked.quantities),
             "section": asked.section.words,
             "rule": RULE,
             "tolerance": asked.tolerance,
-            "scenario": asked.scenario.model_dump_json(),
         },
     )
-
-
-def save_table(table: xr.Dataset, path: str | os.PathLike[str]) -> None:
-    """Write a section or a diagram to a file (NetCDF 4), whole or not at all.
-
-    Raises:
-        OutputError: It cannot be written there.
-    """
-    stored = table.copy()
-    stored.attrs["coordinates"] = " ".join(str(name) for name in table.coords if name not in table.dims)
-    with replacing(path) as partial:
-        write(stored, partial)
 
 
 def open_diagram(path: str | os.PathLike[str]) -> xr.Dataset:
@@ -130,7 +108,7 @@ def open_diagram(path: str | os.PathLike[str]) -> xr.Dataset:
     Raises:
         FileFormatError: It is none, or damaged.
     """
-    table = _opened(path, FORMAT, "a bifurcation diagram")
+    table = open_table(path, "bifurcation")
     for name in ("outcome", "message"):
         table[name] = table[name].astype(object)
     table["settled"] = table["settled"].astype(bool)
@@ -149,26 +127,6 @@ def open_section(path: str | os.PathLike[str]) -> xr.Dataset:
     Raises:
         FileFormatError: It is none, or damaged.
     """
-    table = _opened(path, sections.FORMAT, "points of a section")
+    table = open_table(path, "section")
     table["settled"] = table["settled"].astype(bool)
-    return table
-
-
-def _opened(path: str | os.PathLike[str], form: str, what: str) -> xr.Dataset:
-    """Return what a file holds, if it is whole and of a format."""
-    file = Path(path)
-    try:
-        if has_whole_seal(file) is not True:
-            raise FileFormatError(f"{file}: must be as antenna-pin wrote it, got another checksum, or none")
-        with xr.open_dataset(file, engine="h5netcdf") as stored:
-            table = stored.load()
-    except FileFormatError:
-        raise
-    except Exception as error:  # HDF5 raises any
-        words = " ".join(str(error).split())
-        raise FileFormatError(f"{file}: must be {what}, got: {words}") from None
-    if table.attrs.get("format") != form:
-        raise FileFormatError(
-            f"{file}: must be {what}, of format {form!r}, got {table.attrs.get('format')!r}"
-        )
     return table

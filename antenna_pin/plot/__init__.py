@@ -36,7 +36,6 @@ from antenna_pin.plot.papers import (
     PaperFigure,
     paper_figures,
 )
-from antenna_pin.plot.papers import PAPERS, PaperFigure, paper_figures
 from antenna_pin.plot.periodic import figure_branch, figure_multipliers
 from antenna_pin.plot.phase import figure_phase
 from antenna_pin.plot.pointing import figure_pointing

@@ -427,7 +427,7 @@ def test_with_clearance_the_ball_comes_to_rest_on_its_socket(played_run):
 
 
 def test_the_slip_as_printed_switches_friction_off(played_run):
-    """Depth times the rate of the normal stays below the law's lower speed once the ball lies on its socket."""
+    """Depth times rate of the normal stay below the law's lower speed once the ball lies on its socket."""
     law = json.loads(played_run.data.attrs["clearance_joints"])["s2"]["friction_law"]
     lower_speed, _ = law["parameters"]["lower_speed"]
     settings = ("integrator.engine=compiled", "integrator.accuracy=1e-5", "output.rate=20 kHz")
