@@ -907,6 +907,27 @@ MUTANTS = (
         "tests/nonlinear/test_lyapunov.py",
     ),
     _compiled(
+        "a bearing that turns adds nothing to the velocity of a journal in it",
+        "antenna_pin/analysis/_body_quantities.py",
+        "seen = rates[1] - rates[0] - np.cross(spin, places[1] - places[0])",
+        "seen = rates[1] - rates[0]",
+        "tests/analysis/test_quantity.py",
+    ),
+    _python(
+        "points hardly farther apart than the tolerance have a period",
+        "antenna_pin/plot/attractors.py",
+        "if found.period in (None, 1):",
+        "if True:",
+        "tests/plot/test_attractors.py",
+    ),
+    _python(
+        "a diagram is judged by its first points, not by those that settled",
+        "antenna_pin/plot/papers/_attractor_figures.py",
+        "for k in np.flatnonzero(settled):",
+        "for k in range(len(settled)):",
+        "tests/plot/test_attractors.py",
+    ),
+    _compiled(
         "a run that goes on forgets the error of its last step",
         "antenna_pin/simulation/loop.py",
         "self.control.error = state.error",

@@ -34,8 +34,8 @@ def attractor(label, modulation, noise=0.0, settled=True, count=400):
     return Attractor(label, section, run)
 
 
-def quasi(size):
-    return lambda n, k: size * np.cos(2.0 * np.pi * GOLDEN * n - 0.5 * np.pi * k)
+def quasi(size, rotation=GOLDEN):
+    return lambda n, k: size * np.cos(2.0 * np.pi * rotation * n - 0.5 * np.pi * k)
 
 
 @pytest.fixture(autouse=True)
@@ -56,6 +56,9 @@ def test_a_motion_is_judged_by_the_range_of_its_trajectory():
     curve = attractor("curve", quasi(4e-6))
     assert curve.recurs(X, Y).kind is RecurrenceKind.QUASI_PERIODIC
     assert curve.words(X, Y) == "quasi-periodic, over 4e-06"
+    # Nor is it of period 13 where it has turned but a fiftieth after 200 turns, less than the tolerance.
+    assert attractor("near", quasi(4e-6, 2.0 / 13.0 + 1e-4)).recurs(X, Y).period is None
+    assert attractor("locked", quasi(4e-3, 2.0 / 13.0)).recurs(X, Y).period == 13
     assert attractor("way", quasi(0.1), settled=False).words(X, Y) == "not settled"
     with pytest.raises(InvalidParameterError, match="holds speed"):
         curve.points(X, "speed")
