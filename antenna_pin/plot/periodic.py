@@ -55,8 +55,8 @@ def track(branch: xr.Dataset, numbers: Array) -> _Track:
     """Return a branch in one number of its orbits, (points,).
 
     What happens to it lies on the line between the points about it, at its value of the parameter; a fold, to
-    which neither comes, at their mean. Stability changes there, or, between two points that differ without
-    any of it, where the size of the largest multiplier on the line between them is 1: that is marked too.
+    which neither comes, where the size of the largest multiplier on that line is 1. Stability changes there,
+    or, between two points that differ without any of it, where that size is 1: that is marked too.
     """
     values = np.asarray(branch["value"].values, dtype=float)
     said = [str(one) for one in branch["stability"].values]
@@ -65,7 +65,7 @@ def track(branch: xr.Dataset, numbers: Array) -> _Track:
     between: dict[int, list[tuple[float, str, float]]] = {}
     for kind, at, after in zip(*happened, strict=True):
         one, other = values[[after, min(after + 1, len(values) - 1)]]
-        share = 0.5 if kind == "fold" or one == other else (at - one) / (other - one)
+        share = _to_one(sizes, after) if kind == "fold" or one == other else (at - one) / (other - one)
         between.setdefault(int(after), []).append((float(share), str(kind), float(at)))
     pieces: list[tuple[str, Array, Array]] = []
     marks: list[tuple[str, float, float]] = []
@@ -78,7 +78,7 @@ def track(branch: xr.Dataset, numbers: Array) -> _Track:
         changes = not last and said[k] != said[k + 1]
         places = sorted(between.get(k, []))
         if changes and not places:
-            share = float(np.clip((1.0 - sizes[k]) / (sizes[k + 1] - sizes[k]), 0.0, 1.0))
+            share = _to_one(sizes, k)
             places = [(share, _OTHER, float(value + share * (values[k + 1] - value)))]
         for share, kind, at in places:
             level = float(number if last else (1.0 - share) * number + share * numbers[k + 1])
@@ -90,6 +90,13 @@ def track(branch: xr.Dataset, numbers: Array) -> _Track:
             x, y = x[-1:], y[-1:]
     pieces.append((said[-1], np.array(x), np.array(y)))
     return _Track(pieces, marks)
+
+
+def _to_one(sizes: Array, k: int) -> float:
+    """Return how far from a point to the next a size is 1, as a share of that way; half if it nowhere is."""
+    if k + 1 >= len(sizes) or (sizes[k] - 1.0) * (sizes[k + 1] - 1.0) >= 0.0:
+        return 0.5
+    return float((1.0 - sizes[k]) / (sizes[k + 1] - sizes[k]))
 
 
 def _largest(branch: xr.Dataset) -> Array:

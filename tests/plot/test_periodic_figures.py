@@ -48,10 +48,11 @@ def test_stability_changes_where_something_happens():
     first, second, third = found.pieces
     assert first[1].tolist() == [0.0, 1.0, 1.9, 2.0] and second[1].tolist() == [2.0, 1.9, 1.6, 1.4]
     assert third[1].tolist() == [1.4, 1.2, 1.0]
-    # The fold is between its neighbours; the flip half way, as 1.4 is between 1.6 and 1.2; no orbit is behind
-    # the graze.
-    assert found.marks == [("fold", 2.0, 2.5), ("flip", 1.4, pytest.approx(4.5)), ("grazing", 1.0, 5.0)]
-    assert first[2][-1] == second[2][0] == 2.5 and third[2][-1] == 5.0
+    # The fold is where the multiplier is 1, from 0.9 to 1.2 a third of the way; the flip half way, as 1.4 is
+    # between 1.6 and 1.2; no orbit is behind the graze.
+    fold = pytest.approx(2.0 + 1.0 / 3.0)
+    assert found.marks == [("fold", 2.0, fold), ("flip", 1.4, pytest.approx(4.5)), ("grazing", 1.0, 5.0)]
+    assert first[2][-1] == second[2][0] == fold and third[2][-1] == 5.0
 
 
 def test_a_change_that_nobody_located_is_where_the_multiplier_is_one():
