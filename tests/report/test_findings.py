@@ -59,63 +59,67 @@ def found(known, run):
 
 
 @pytest.fixture(scope="module")
-def page(found, run, tmp_path_factory, shown):
+def saved(found, run, tmp_path_factory):
     """The page of all of them as files beside a run, with the command that a file says it is of."""
     folder = tmp_path_factory.mktemp("found")
     files = [run.save(folder / "run.nc")]
     for kind, table in found.items():
         files.append(folder / f"{kind}.nc")
         save_table(table.assign_attrs(command=f"antenna-pin {kind} <b>"), files[-1])
-    made = report(files, recordings=False)
-    return shown(made.html)
+    return report(files, recordings=False).save(folder / "all.html")
 
 
-def section_of(page, kind, found):
+@pytest.fixture(scope="module")
+def told(saved, shown):
+    return shown(saved.read_text(encoding="utf-8"))
+
+
+def section_of(kind, found):
     return f"finding-{list(found).index(kind) + 1}"
 
 
-def test_each_has_a_section_with_a_figure_and_its_command(page, found):
+def test_each_has_a_section_with_a_figure_and_its_command(told, found):
     for kind in found:
-        key = section_of(page, kind, found)
-        said = page.said(key)
+        key = section_of(kind, found)
+        said = told.said(key)
         assert said["repeat it"] == f"antenna-pin {kind} <b>"  # and so it is escaped
         assert said["versions"] == "those of this report" and said["file"].endswith(f"{kind}.nc")
         assert said["scenario"].startswith("pendulum: Pendulum on a hinge with play, case ideal")
-        pictures = page.tree.xpath(f"//section[@id='{key}']//img/@src")
+        pictures = told.tree.xpath(f"//section[@id='{key}']//img/@src")
         assert len(pictures) == (2 if kind == "branch" else 1)
         assert all(one.startswith("data:image/") for one in pictures)
-    heads = page.text("//section[@id='outcome']")
+    heads = told.text("//section[@id='outcome']")
     for words in ("section settled", "orbit stable", "branch stable", "exponents contracting"):
         assert words in heads
-    assert all(f"{kind}.nc" in page.said("provenance")["repeat this report"] for kind in found)
-    keys = page.tree.xpath("//@id")
+    assert all(f"{kind}.nc" in told.said("provenance")["repeat this report"] for kind in found)
+    keys = told.tree.xpath("//@id")
     assert len(keys) == len(set(keys))
 
 
-def test_numbers_are_those_of_the_datasets(page, found):
-    key = {kind: section_of(page, kind, found) for kind in found}
+def test_numbers_are_those_of_the_datasets(told, found):
+    key = {kind: section_of(kind, found) for kind in found}
     points = found["section"]["v[hinge]"].values
-    shown = page.numbers(f"{key['section']}-range", "v[hinge]")
+    shown = told.numbers(f"{key['section']}-range", "v[hinge]")
     assert shown == [points.min(), points.max(), points.mean(), points[-1]]
     orbit, branch, exponents = found["orbit"], found["branch"], found["exponents"]
-    first = page.numbers(f"{key['orbit']}-multipliers", "1")
+    first = told.numbers(f"{key['orbit']}-multipliers", "1")
     real, imaginary = float(orbit["multiplier_real"][0]), float(orbit["multiplier_imaginary"][0])
     assert first == [real, imaginary, np.hypot(real, imaginary), float(orbit["exponent"][0])]
     values = branch["value"].values
-    assert page.numbers(f"{key['branch']}-stability", "stable")[:3] == [values[0], values[-1], len(values)]
+    assert told.numbers(f"{key['branch']}-stability", "stable")[:3] == [values[0], values[-1], len(values)]
     value, error = float(exponents["value"][0]), float(exponents["error"][0])
-    assert page.numbers(f"{key['exponents']}-exponents", "1") == [value, error, value * 0.2]
+    assert told.numbers(f"{key['exponents']}-exponents", "1") == [value, error, value * 0.2]
     rate = found["portrait"]["motion_rate[hinge]"].values
-    assert page.numbers(f"{key['portrait']}-range", "motion_rate[hinge]")[1] == rate.max()
+    assert told.numbers(f"{key['portrait']}-range", "motion_rate[hinge]")[1] == rate.max()
 
 
-def test_verdicts_are_those_of_the_judges(page, found):
+def test_verdicts_are_those_of_the_judges(told, found):
     points = np.column_stack([found["section"][name].values for name in ("motion_angle[hinge]", "v[hinge]")])
     words = recurrence(points).words
-    assert words == "period 1" and f"recur: {words}" in page.text("//section[@id='finding-2']")
-    rows = page.rows("finding-3-values")
+    assert words == "period 1" and f"recur: {words}" in told.text("//section[@id='finding-2']")
+    rows = told.rows("finding-3-values")
     assert [cells[0][0] for cells in rows.values()] == ["period 1", "period 1"]
-    assert found["exponents"].attrs["verdict"] in page.text("//section[@id='finding-6']")
+    assert found["exponents"].attrs["verdict"] in told.text("//section[@id='finding-6']")
 
 
 def test_what_has_not_settled_is_said_at_the_top(found, shown):
@@ -165,3 +169,18 @@ def test_the_command_takes_files_of_all_kinds(found, run, cli, shown):
     assert made.said("provenance")["repeat this report"].startswith("antenna-pin report section.nc run.nc")
     assert made.numbers("key-results", "simulated time") == [3.2]
     assert list(made.rows("finding-1-range")) == ["motion_angle[hinge]", "v[hinge]"]
+
+
+@pytest.mark.parametrize(("width", "mobile"), [(380, True), (1280, False)])
+def test_no_page_is_wider_than_its_screen(page, saved, width, mobile):
+    """Long commands and names of quantities are broken or scrolled; a phone shows all of it."""
+    page.open(saved, width, 800)
+    page.resize(width, 800, mobile)
+    page.run("document.querySelectorAll('details').forEach((part) => { part.open = true; });")
+    wide, outside = page.run(
+        "const scrolled = (e) => e.closest('.scroll, .source');"
+        "const out = [...document.querySelectorAll('main *')].filter((e) => !scrolled(e) && "
+        "e.getBoundingClientRect().right > innerWidth + 0.5);"
+        "return [document.documentElement.scrollWidth, out.map((e) => e.outerHTML.slice(0, 80))];"
+    )
+    assert outside == [] and wide <= width and page.errors == [] and page.requests == []
