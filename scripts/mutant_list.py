@@ -872,6 +872,20 @@ MUTANTS = (
         "tests/nonlinear/test_chart.py",
     ),
     _compiled(
+        "a torus is where the product of two multipliers is -1",
+        "antenna_pin/nonlinear/bifurcations.py",
+        "one * other - 1.0",
+        "one * other + 1.0",
+        "tests/nonlinear/test_continuation.py",
+    ),
+    _compiled(
+        "differences give up where their largest steps do",
+        "antenna_pin/nonlinear/flow.py",
+        "            continue\n    return slope(function, _STEPS[-1:])",
+        "            raise\n    return slope(function, _STEPS[-1:])",
+        "tests/nonlinear/test_shaking_table.py",
+    ),
+    _compiled(
         "a direction has the same numbers in every chart",
         CHART,
         "return np.concatenate([self._free.T @ way, self._free.T @ rate, z[2 * n :]])",

@@ -190,14 +190,6 @@ class Chart:
         v = np.linalg.lstsq(rows, constraints.speed, rcond=_FAINT)[0]
         y[nq : nq + nv] -= self._rate * (bound @ v)
 
-    def reaches(self, z: Array) -> bool:
-        """Whether there is a neighbour at coordinates z, (size,)."""
-        try:
-            self.state(z)
-        except OutOfReachError:
-            return False
-        return True
-
     def turned(self, z: Array, other: Chart) -> Array:
         """Return a direction in coordinates of another chart, (its size,), as one in this, (size,).
 

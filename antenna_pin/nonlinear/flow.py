@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import functools
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -166,17 +166,15 @@ class Flow:
         end = self.after(start, span)
         here = chart if chart is not None and chart.origin is start else Chart(self.system, start)
         there = chart or Chart(self.system, end)
-        there.coordinates(end)
+        at_end = there.coordinates(end)
 
         def along(way: Array, s: float) -> Array:
-            return there.coordinates(self.after(here.state(s * way), span))
+            return there.coordinates(self.after(here.state(s * way), span)) if s else at_end
 
         columns, doubts = [], []
         for way in np.eye(here.size):
             if step is None:
-                # Where a loop is small beside an error scale, the largest steps tear it.
-                steps = [h for h in _STEPS if here.reaches(3.0 * h * way) and here.reaches(-3.0 * h * way)]
-                found = slope(functools.partial(along, way), steps or _STEPS[-1:])
+                found = _slope(functools.partial(along, way))
             else:
                 ahead, behind = along(way, step), along(way, -step)
                 found = Slope((ahead - behind) / (2.0 * step), float(np.linalg.norm(ahead + behind)))
@@ -184,6 +182,19 @@ class Flow:
             doubts.append(found.doubt)
         matrix = np.column_stack(columns) if columns else np.zeros((there.size, 0))
         return Tangent(matrix, np.array(doubts), end)
+
+
+def _slope(function: Callable[[float], Array]) -> Slope:
+    """Return a derivative at zero by the steps at which there are neighbours to differ from.
+
+    The largest may be so large that a loop tears, or that a neighbour touches at the end or presses too deep.
+    """
+    for steps in (_STEPS[k:] for k in range(len(_STEPS) - 1)):
+        try:
+            return slope(function, steps)
+        except AntennaPinError:
+            continue
+    return slope(function, _STEPS[-1:])
 
 
 def flow_of(scenario: Scenario, settings: RunSettings | None = None) -> tuple[Flow, State]:

@@ -18,14 +18,15 @@ CARRIAGE = (
 
 @pytest.fixture
 def oscillator():
-    """A function that makes a mass on a spring and a damper, driven by a sine."""
+    """A function that makes a mass on a spring and a damper, driven by a sine, and by more if given."""
 
-    def make(mass=1.0, stiffness=1.0, damping=0.0, amplitude=0.0, frequency=1.0, phase=0.0):
-        mechanism = build_mechanism(Urdf.from_text(CARRIAGE.format(mass=mass), "oscillator"), "fixed")
+    def make(mass=1.0, stiffness=1.0, damping=0.0, amplitude=0.0, frequency=1.0, phase=0.0, pull=0.0, **more):
+        urdf = Urdf.from_text(CARRIAGE.format(mass=mass), "oscillator")
         springs = {"coil": JointSpring(joint="way", stiffness=stiffness, damping=damping)}
-        drives = {}
+        drives = dict(more)
         if amplitude:
             drives["motor"] = SineDrive(joint="way", amplitude=amplitude, frequency=frequency, phase=phase)
+        mechanism = build_mechanism(urdf, "fixed", (-pull, 0.0, 0.0))
         return System(mechanism, springs=springs, drives=drives)
 
     return make
