@@ -5,9 +5,11 @@ import math
 import numpy as np
 import pytest
 from impact_oscillator import Impacts
+from numba import njit
 from scipy.optimize import brentq
 
-from antenna_pin import load_scenario
+from antenna_pin import RunSettings, load_scenario
+from antenna_pin.elements import CallableDrive, SineDrive
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.nonlinear import Chart, Flow, continued, flow_of, periodic_orbit
 from antenna_pin.nonlinear.follower import Follower
@@ -70,6 +72,45 @@ def test_a_fold(pendulum):
     cosine, sine = branch.points[-1].orbit.start.q
     assert cosine < 0.0 and sine == pytest.approx(branch.points[-1].value / weight, rel=1e-9)
     assert branch.points[-1].orbit.stable is False
+
+
+@njit
+def self_excited(t, x, v):
+    """Return a force that drives slow motions and damps fast ones (Rayleigh)."""
+    return 0.15 * v - 0.2 * v**3
+
+
+def test_a_torus_is_born(oscillator):
+    """Of a driven oscillator that excites itself, where its damping over a period is none: closed form.
+
+    The drive is what makes x = A sin(w t) a solution. By Liouville the product of its multipliers, a complex
+    pair, is exp of the integral of 0.15 - 3 0.2 x'^2: it passes 1 where A^2 w^2 = 2 0.15 / (3 0.2).
+    """
+    w, stiffness, a, b = 1.3, 1.0, 0.15, 0.2
+    period, exact = 2.0 * math.pi / w, math.sqrt(2.0 * a / (3.0 * b)) / w
+    own = CallableDrive(joint="way", torque=self_excited)
+
+    def family(size):
+        cube = b * (size * w) ** 3
+        one = (stiffness - w**2) * size + 1j * (0.75 * cube - a * size * w)
+        third = SineDrive(joint="way", amplitude=0.25 * cube, frequency=3.0 / period, phase=0.5 * math.pi)
+        system = oscillator(
+            1.0, stiffness, 0.0, abs(one), 1.0 / period, float(np.angle(one)), own=own, third=third
+        )
+        return Flow(system, RunSettings(rtol=1e-12, engine="compiled")), period
+
+    first, last = 1.1 * exact, 0.9 * exact
+    flow, _ = family(first)
+    branch = continued(family, flow.first(np.zeros(1), np.array([first * w])), (first, last), arc=0.5)
+    (torus,) = branch.bifurcations
+    assert torus.kind == "neimark-sacker" and torus.doubt < 1e-7 * (first - last)
+    # Products of multipliers are known to 1e-11, and halving ends within its doubt.
+    assert torus.value == pytest.approx(exact, abs=1.1 * torus.doubt)
+    for point in branch.points:
+        divergence = (a - 1.5 * b * (point.value * w) ** 2) * period
+        assert point.orbit.start.v == pytest.approx([point.value * w], abs=1e-10)
+        assert point.orbit.multipliers.prod() == pytest.approx(math.exp(divergence), rel=1e-10)
+        assert np.abs(point.orbit.multipliers.imag).min() > 0.5
 
 
 SWUNG = {
