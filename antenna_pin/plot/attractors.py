@@ -32,6 +32,8 @@ __all__ = ["SAME", "SEEN", "Attractor", "figure_attractors"]
 SAME = 1e-6
 #: Share of a portrait that one dot in it covers, and the eye takes for one place [-].
 SEEN = 5e-3
+# Of these the words say more than the kind: the period, and how many bands of chaos there are.
+_IN_FULL = (RecurrenceKind.PERIODIC, RecurrenceKind.CHAOTIC)
 # Points are not looked at from nearer than this part of the line's range: what is nearer is one point.
 _NEAREST = 1e-2
 
@@ -98,8 +100,8 @@ class Attractor:
         if not self.settled:
             return "not settled"
         found = self.recurs(*names, tolerance=tolerance)
-        said = "too short to say" if found.kind is RecurrenceKind.TOO_SHORT else found.words
-        return said if found.kind is RecurrenceKind.PERIODIC else f"{said}, over {self.spread(*names):.1g}"
+        said = found.words if found.kind in _IN_FULL else found.kind.value
+        return said if found.period is not None else f"{said}, over {self.spread(*names):.1g}"
 
 
 @styled
