@@ -61,8 +61,8 @@ def main() -> None:
             except FileFormatError as error:
                 print(f"  Figure {figure.number}: {error}")
                 continue
-            print(f"  Figure {figure.number}: {'agrees' if figure.judge(diagram) else 'differs'}: ", end="")
-            print(figure.describe(diagram))
+            said = {True: "agrees", False: "differs", None: "cannot be decided"}[figure.judge(diagram)]
+            print(f"  Figure {figure.number}: {said}: {figure.describe(diagram)}")
             if figure.number == 16:
                 print(f"    extent of the points in y: {_extents(diagram)}")
 

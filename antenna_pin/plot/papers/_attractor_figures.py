@@ -171,9 +171,10 @@ class DiagramFigure:
             )
         return "; ".join(said) + f". Points farthest apart: {', '.join(widest)}"
 
-    def judge(self, diagram: xr.Dataset) -> bool:
-        """Return whether the motion is what the paper's figure shows."""
-        return self.agrees(*self.verdicts(diagram))
+    def judge(self, diagram: xr.Dataset) -> bool | None:
+        """Return whether the motion is what the paper's figure shows; None if less than half has settled."""
+        values, verdicts = self.verdicts(diagram)
+        return self.agrees(values, verdicts) if 2 * len(values) >= diagram.sizes["value"] else None
 
     def verdicts(self, diagram: xr.Dataset) -> tuple[list[float], list[Verdict]]:
         """Return the values whose points have settled, as figures show them, and what the motion is there.
