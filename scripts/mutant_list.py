@@ -936,9 +936,9 @@ MUTANTS = (
     ),
     _python(
         "a diagram is judged by its first points, not by those that settled",
-        "antenna_pin/plot/papers/_attractor_figures.py",
-        "for k in np.flatnonzero(settled):",
-        "for k in range(len(settled)):",
+        "antenna_pin/analysis/diagrams.py",
+        "if not settled or not len(points):",
+        "if not len(points):",
         "tests/plot/test_attractors.py",
     ),
     _compiled(

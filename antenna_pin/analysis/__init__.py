@@ -23,6 +23,7 @@ if TYPE_CHECKING:
         said_of_singular,
     )
     from antenna_pin.analysis.deviation import Deviation, DeviationMeasures, deviation
+    from antenna_pin.analysis.diagrams import Verdict, diagram_verdicts, said_of_verdicts
     from antenna_pin.analysis.elastic import (
         SPIN_WITHIN,
         elastic_motion,
@@ -72,6 +73,8 @@ if TYPE_CHECKING:
     from antenna_pin.analysis.upright import STEADY, bearing_up, steady_up
 
 __all__ = [
+    "Verdict",
+    "said_of_verdicts",
     "INTERPRETATIONS",
     "SCENARIO_COLUMNS",
     "SPIN_WITHIN",
@@ -111,6 +114,7 @@ __all__ = [
     "closure_loads",
     "closures_of",
     "deviation",
+    "diagram_verdicts",
     "dominant_frequencies",
     "drive_loads",
     "drive_power",
@@ -180,6 +184,7 @@ loaded_when_used(
         "chaos_test": "Chaos ChaosTest chaos_test",
         "closures": "closure_loads closures_of drive_loads drive_power drives_of"
         " effort_unit said_of_constraints said_of_singular",
+        "diagrams": "Verdict diagram_verdicts said_of_verdicts",
         "deviation": "Deviation DeviationMeasures deviation",
         "elastic": "SPIN_WITHIN elastic_motion elastic_parts_of modal_energy said_of_spin",
         "growth": "Growth growth_of",

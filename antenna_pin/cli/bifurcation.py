@@ -163,6 +163,9 @@ def _planned(
 
 
 def _print(found: xr.Dataset) -> None:
+    from antenna_pin.analysis import diagram_verdicts, said_of_verdicts
+    from antenna_pin.readable import printed_unit
+
     rows = []
     for name in found["branch"].values:
         one = found.sel(branch=name)
@@ -172,6 +175,11 @@ def _print(found: xr.Dataset) -> None:
         rows.append([str(name), *(str(int(count)) for count in counts)])
     head = ["branch", "settled", "not settled", "failed", "most points cut"]
     print_rows(f"{found.attrs['parameter']}: {found.sizes['value']} values", head, rows)
+    values, unit = found["value"].values.tolist(), printed_unit(str(found["value"].attrs.get("units", "")))
+    for name in found["branch"].values:
+        verdicts = diagram_verdicts(found, branch=str(name))
+        for line in said_of_verdicts(values, verdicts, unit):
+            say(f"{name}: {line}")
     failed = [
         (float(value), str(found["message"].sel(branch=name).values[k]))
         for name in found["branch"].values

@@ -12,7 +12,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from antenna_pin.analysis import RecurrenceKind, recurrence
+from antenna_pin.analysis import RecurrenceKind, Verdict, diagram_verdicts, said_of_verdicts
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.plot._style import Width, prefixed
 from antenna_pin.plot.attractors import SAME, SEEN, Attractor, figure_attractors
@@ -20,13 +20,6 @@ from antenna_pin.plot.papers._findings import with_unit
 from antenna_pin.plot.sections import figure_bifurcation
 
 __all__ = ["AttractorFigure", "Diagram", "DiagramFigure", "Verdict"]
-
-Verdict = str
-"""What a motion is: "period 1", "period 2" and so on, "quasi-periodic", "chaotic", or "too short to say"."""
-
-#: Points this near, over the largest amount of the quantities, are the same [-]: four times what runs of an
-#: accuracy of 1e-4 scatter by, and less than a dot.
-_SAME = 1e-3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -154,12 +147,8 @@ class DiagramFigure:
         """Return in one line at which values the motion is what, and how far its points lie apart at most."""
         shown = self.diagram.relabelled(diagram)
         unit = str(shown["value"].attrs["units"])
-        values, verdicts = self.verdicts(diagram)
-        said = [f"{len(values)} values of {shown.sizes['value']} settled"]
-        for kind in sorted(set(verdicts), key=lambda one: -verdicts.count(one)):
-            there = [value for value, one in zip(values, verdicts, strict=True) if one == kind]
-            words = "no period up to 10" if kind == RecurrenceKind.TOO_SHORT.value else kind
-            said.append(f"{words} at {len(there)}: {_spans(there, values, unit)}")
+        verdicts = diagram_verdicts(diagram, self.quantities)
+        said = said_of_verdicts(shown["value"].values.tolist(), verdicts, unit)
         widest = []
         for name in self.quantities:
             extent = np.nanmax(diagram[name].values, axis=-1) - np.nanmin(diagram[name].values, axis=-1)
@@ -177,35 +166,11 @@ class DiagramFigure:
         return self.agrees(values, verdicts) if 2 * len(values) >= diagram.sizes["value"] else None
 
     def verdicts(self, diagram: xr.Dataset) -> tuple[list[float], list[Verdict]]:
-        """Return the values whose points have settled, as figures show them, and what the motion is there.
-
-        Points that differ by less than 1e-3 of the largest amount of any of the quantities in the diagram are
-        one.
-        """
-        shown = self.diagram.relabelled(diagram)
-        settled = np.asarray(diagram["settled"].values[0], dtype=bool)
-        columns = np.stack([diagram[name].values[0] for name in self.quantities], axis=-1)
-        size = float(np.nanmax(np.abs(columns))) or 1.0
-        values, verdicts = [], []
-        for k in np.flatnonzero(settled):
-            points = columns[k][np.isfinite(columns[k]).all(axis=1)]
-            found = recurrence(points, scale=size, tolerance=_SAME)
-            values.append(float(shown["value"].values[k]))
-            periodic = found.kind is RecurrenceKind.PERIODIC
-            verdicts.append(f"period {found.period}" if periodic else found.kind.value)
-        return values, verdicts
-
-
-def _spans(there: Sequence[float], every: Sequence[float], unit: str) -> str:
-    """Return values as spans of neighbours, such as "0.01 to 0.05, 0.2"."""
-    parts: list[list[float]] = []
-    last = -2
-    for value in there:
-        k = every.index(value)
-        if k == last + 1:
-            parts[-1].append(value)
-        else:
-            parts.append([value])
-        last = k
-    words = [f"{one[0]:.3g}" if len(one) == 1 else f"{one[0]:.3g} to {one[-1]:.3g}" for one in parts]
-    return ", ".join(words) + (f" {unit}" if unit else "")
+        """Return the values whose points have settled, as figures show them, and what the motion is there."""
+        every = zip(
+            self.diagram.relabelled(diagram)["value"].values.tolist(),
+            diagram_verdicts(diagram, self.quantities),
+            strict=True,
+        )
+        known = [(float(value), verdict) for value, verdict in every if verdict is not None]
+        return [value for value, _ in known], [verdict for _, verdict in known]
