@@ -19,36 +19,35 @@ Verdict = str
 _UNDECIDED = RecurrenceKind.TOO_SHORT.value
 
 
+# What is smaller than this part of the largest quantity, in SI units, is zero but for round-off.
+_ZERO = 1e-9
+
+
 def diagram_verdicts(
     diagram: xr.Dataset,
     quantities: Sequence[str] | None = None,
     *,
     branch: str | None = None,
+    vector: bool = False,
     tolerance: float = 1e-3,
 ) -> list[Verdict | None]:
     """Return what the motion is at each value of a diagram; None where its points have not settled.
 
-    Points are the same that differ by less than the tolerance, over the largest amount of any quantity of
-    the same unit in the diagram: less than a dot in a figure of it.
+    Points are the same that differ by less than the tolerance, over the largest amount of the quantity in the
+    diagram: less than a dot in a figure of it.
 
     Args:
         diagram: As :func:`antenna_pin.nonlinear.bifurcation` returns it.
         quantities: Which of its quantities are looked at; all if left out.
         branch: Which of its branches; the first if left out.
+        vector: Whether the quantities are components of one vector, whose largest amount counts for all.
         tolerance: Above what the accuracy of the runs leaves [-].
     """
     names = list(quantities or json.loads(diagram.attrs["quantities"]))
     whole = [np.asarray(diagram[name].values, dtype=float) for name in names]
-    units = [str(diagram[name].attrs.get("units", "1")) for name in names]
-    sizes = {
-        unit: max(
-            float(np.nanmax(np.abs(one), initial=0.0))
-            for one, of in zip(whole, units, strict=True)
-            if of == unit
-        )
-        for unit in units
-    }
-    scale = np.array([sizes[unit] or 1.0 for unit in units])
+    sizes = np.array([float(np.nanmax(np.abs(one), initial=0.0)) for one in whole])
+    scale = np.full(len(names), sizes.max()) if vector else np.maximum(sizes, _ZERO * sizes.max())
+    scale[scale == 0.0] = 1.0
     place = 0 if branch is None else [str(one) for one in diagram["branch"].values].index(branch)
     found: list[Verdict | None] = []
     for k, settled in enumerate(np.asarray(diagram["settled"].values[place], dtype=bool)):
@@ -57,8 +56,8 @@ def diagram_verdicts(
         if not settled or not len(points):
             found.append(None)
             continue
-        one = recurrence(points, scale=scale, tolerance=tolerance)
-        found.append(one.kind.value if one.period is None else f"period {one.period}")
+        recurs = recurrence(points, scale=scale, tolerance=tolerance)
+        found.append(recurs.kind.value if recurs.period is None else f"period {recurs.period}")
     return found
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from antenna_pin.analysis import RecurrenceKind
+from antenna_pin.analysis import RecurrenceKind, diagram_verdicts
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.nonlinear import load_plan
 from antenna_pin.plot import ATTRACTORS, Attractor, AttractorFigure, DiagramFigure, figure_bifurcation
@@ -110,9 +110,13 @@ def test_a_diagram_is_judged_value_by_value():
     # Over clearance, not the radius of the socket, in millimetres; the one that had not settled is left out.
     assert len(values) == 19 and values[0] == pytest.approx(0.02) and values[-1] == pytest.approx(0.9)
     assert set(verdicts) == {"period 1"} and figure.judge(single)
-    assert figure.describe(single).startswith(
-        "period 1 at 19 values: 0.02 to 0.298, 0.391 to 0.9 mm; not settled at 1 value: 0.344 mm. Points farthest"
-    )
+    said, _, rest = figure.describe(single).partition(". ")
+    assert said == "period 1 at 19 values: 0.02 to 0.298, 0.391 to 0.9 mm; not settled at 1 value: 0.344 mm"
+    assert rest.startswith("Points farthest apart: ")
+    # A component of a vector that is nearly zero is judged beside the others; by itself it would scatter.
+    tiny = single.assign({figure.quantities[2]: single[figure.quantities[2]] * 0.0 + n % 3 * 1e-9})
+    assert set(figure.verdicts(tiny)[1]) == {"period 1"}
+    assert set(diagram_verdicts(tiny, figure.quantities)) == {"period 3", None}
     half = single.assign(settled=single["settled"] & (np.arange(20) > 15))
     assert figure.judge(half) is None  # of what has not settled nothing can be said
     double = diagram(figure, lambda value: 0.01 * (-1.0) ** n * (value > 15.5e-3))

@@ -147,7 +147,7 @@ class DiagramFigure:
         """Return in one line at which values the motion is what, and how far its points lie apart at most."""
         shown = self.diagram.relabelled(diagram)
         unit = str(shown["value"].attrs["units"])
-        verdicts = diagram_verdicts(diagram, self.quantities)
+        verdicts = diagram_verdicts(diagram, self.quantities, vector=True)
         said = said_of_verdicts(shown["value"].values.tolist(), verdicts, unit)
         widest = []
         for name in self.quantities:
@@ -169,7 +169,7 @@ class DiagramFigure:
         """Return the values whose points have settled, as figures show them, and what the motion is there."""
         every = zip(
             self.diagram.relabelled(diagram)["value"].values.tolist(),
-            diagram_verdicts(diagram, self.quantities),
+            diagram_verdicts(diagram, self.quantities, vector=True),
             strict=True,
         )
         known = [(float(value), verdict) for value, verdict in every if verdict is not None]
