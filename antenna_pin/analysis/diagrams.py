@@ -19,8 +19,8 @@ Verdict = str
 _UNDECIDED = RecurrenceKind.TOO_SHORT.value
 
 
-# What is smaller than this part of the largest quantity, in SI units, is zero but for round-off.
-_ZERO = 1e-9
+# What is smaller than this part of the largest quantity of its unit is zero but for round-off.
+_ZERO = 1e-6
 
 
 def diagram_verdicts(
@@ -46,7 +46,9 @@ def diagram_verdicts(
     names = list(quantities or json.loads(diagram.attrs["quantities"]))
     whole = [np.asarray(diagram[name].values, dtype=float) for name in names]
     sizes = np.array([float(np.nanmax(np.abs(one), initial=0.0)) for one in whole])
-    scale = np.full(len(names), sizes.max()) if vector else np.maximum(sizes, _ZERO * sizes.max())
+    units = np.array([str(diagram[name].attrs.get("units", "1")) for name in names])
+    largest = np.array([sizes[units == unit].max() for unit in units])
+    scale = largest if vector else np.maximum(sizes, _ZERO * largest)
     scale[scale == 0.0] = 1.0
     place = 0 if branch is None else [str(one) for one in diagram["branch"].values].index(branch)
     found: list[Verdict | None] = []
