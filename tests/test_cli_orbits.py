@@ -52,8 +52,8 @@ def test_an_orbit_is_followed_over_a_key(cli):
     files = ("--out", "branch.nc", "--plot", "b.svg")
     said = cli("orbit", *PENDULUM, *over, "-q", "motion_angle[hinge]", *files)
     kept = open_branch("branch.nc")
-    assert f"{kept.sizes['point']} orbits: the range of the parameter was left" in said.out
-    assert kept["value"].values[0] == 11.0 and kept["value"].attrs["units"] == "N*m"
+    assert f"{kept.sizes['point']} orbits: it came to the end of the range" in said.out
+    assert kept["value"].values[[0, -1]].tolist() == [11.0, 13.0] and kept["value"].attrs["units"] == "N*m"
     assert kept["stability"].values[0] == "stable" and kept["stability"].values[-1] == "unstable"
     assert "a multiplier passes 1" in said.out and "no fold, flip, torus or graze" in said.out
     known = load_scenario("pendulum", case="ideal", overrides=[DRIVE, "drives.motor.amplitude='11 N*m'"])

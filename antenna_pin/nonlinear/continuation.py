@@ -24,6 +24,8 @@ from antenna_pin.state import State
 __all__ = ["Bifurcation", "BifurcationKind", "Branch", "Family", "Point", "continued"]
 
 _SHORTEST = 2.0**-10  # of an arc, over the first: there the branch is given up
+_REACHED = "it came to the end of the range"
+_BACK = "it came back to the beginning of the range"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -64,8 +66,8 @@ def continued(
         family: Flow and period of every value of the parameter. Systems that depend on time have the period
             of their drives, or a multiple.
         guess: A state near the orbit at the first value.
-        values: First value of the parameter, and the one at which the branch has been followed far enough;
-            it also ends where it comes back past the first one.
+        values: First value of the parameter, and the one at which the branch ends, to the last bit; it ends
+            likewise where it comes back to the first one.
         arc: Length of its steps: of states in error scales, of the parameter over the whole range [-]. Steps
             are halved where Newton's method does not come back, and doubled where it comes back at once.
         most: Points at most.
@@ -93,8 +95,14 @@ def continued(
     found: list[Bifurcation] = []
     message, step = f"{most} points were made", arc
     while len(points) < most:
+        made, stopped = step, ""
         try:
             point = follower.correct(points[-1], ways[-1], step)
+            share = (point.value - begin) / unit
+            if not 0.0 < share < 1.0:
+                bound, stopped = (begin, _BACK) if share <= 0.0 else (end, _REACHED)
+                if point.value != bound:
+                    point, made = follower.stopped(points[-1], ways[-1], step, point, bound)
         except AntennaPinError as error:
             grazes = graze_ahead(follower, points, ways[-1], step, precision * abs(unit))
             if grazes:
@@ -108,12 +116,11 @@ def continued(
             continue
         points.append(point)
         ways.append(follower.direction(point, ways[-1], points[-2]))
-        found += bifurcations_between(follower, points, ways, step, precision * abs(unit))
+        found += bifurcations_between(follower, points, ways, made, precision * abs(unit))
         if progress is not None:
             progress(point)
-        share = (point.value - begin) / unit
-        if not 0.0 <= share <= 1.0:
-            message = "the range of the parameter was left"
+        if stopped:
+            message = stopped
             break
         if point.orbit.iterations <= 3:
             step = min(2.0 * step, 4.0 * arc)

@@ -7,6 +7,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import brentq
 
 from antenna_pin.differences import slope
 from antenna_pin.nonlinear.chart import Chart
@@ -19,6 +20,7 @@ __all__ = ["Family", "Follower", "Point"]
 Array = NDArray[np.float64]
 
 _STEPS = (1e-3, 2e-4)  # of differences over a parameter, over its unit
+_NEAR = 1e-3  # of an arc: how near to an end of the range Newton's method begins there
 
 
 class Family(Protocol):
@@ -38,6 +40,15 @@ class Point(NamedTuple):
 
     value: float
     orbit: Orbit
+
+
+class _Reached(NamedTuple):
+    """Where a step has come to: value of the parameter, start of the orbit, what is left, iterations."""
+
+    value: float
+    start: State
+    residual: float
+    iterations: int
 
 
 class Follower:
@@ -86,6 +97,13 @@ class Follower:
 
     def correct(self, point: Point, way: Array, arc: float) -> Point:
         """Return the orbit an arc ahead, square to the direction there (Keller's pseudo-arclength)."""
+        found = self._reached(point, way, arc)
+        flow, period = self.family(found.value)
+        return Point(
+            found.value, orbit_at(flow, found.start, period, found.residual, found.iterations, False)
+        )
+
+    def _reached(self, point: Point, way: Array, arc: float) -> _Reached:
         origin = self.chart(point)
         value = point.value + float(arc * way[-1] * self.unit)
         flow, period = self.family(value)
@@ -98,7 +116,7 @@ class Follower:
             if not last < before:
                 break  # it does not come nearer: a shorter step may
             if last <= self.tolerance:
-                return Point(value, orbit_at(flow, start, period, last, k, False))
+                return _Reached(value, start, last, k)
             tangent = flow.tangent(start, period, chart, step=NEWTON_STEP)
             square = np.append(chart.turned(way[:-1], origin), way[-1])
             rows = np.column_stack([tangent.matrix - np.eye(chart.size), self.by_parameter(chart, value)])
@@ -107,3 +125,36 @@ class Follower:
             flow, period = self.family(value)
             start = chart.state(step[:-1], flow.system)
         raise NoOrbitError("branch: Newton's method does not come back onto it")
+
+    def stopped(
+        self, point: Point, way: Array, arc: float, beyond: Point, value: float
+    ) -> tuple[Point, float]:
+        """Return the orbit at a value that a step passes, and the arc to it.
+
+        Along the arc, where the branch cannot be mistaken for another, to a thousandth of it; from there by
+        Newton's method at the value itself.
+
+        Args:
+            point: That the step begins with, on this side of the value.
+            way: The direction there.
+            arc: Of the step.
+            beyond: What it came to, on the other side.
+            value: Of the parameter.
+        """
+        known = {0.0: point.value, arc: beyond.value}
+
+        def off(s: float) -> float:
+            if s not in known:
+                known[s] = self._reached(point, way, s).value
+            return known[s] - value
+
+        if off(0.0) == 0.0:
+            raise NoOrbitError("branch: it begins at this value")
+        near = float(brentq(off, 0.0, arc, xtol=_NEAR * arc, rtol=1e-12))
+        found = self._reached(point, way, near)
+        here = Chart(self.family(found.value)[0].system, found.start)
+        guess = here.state(np.zeros(here.size), self.family(value)[0].system)
+        orbit = self.orbit(guess, value)
+        origin = self.chart(point)
+        along = np.append(origin.coordinates(orbit.start), (value - point.value) / self.unit) @ way
+        return Point(value, orbit), float(along)

@@ -41,7 +41,8 @@ def test_a_linear_branch_follows_the_response(oscillator):
     branch = continued(
         family, flow.after(flow.first(np.zeros(1), np.zeros(1)), 10 * period), (0.8, 1.3), arc=0.2
     )
-    assert branch.message == "the range of the parameter was left" and branch.bifurcations == ()
+    assert branch.message == "it came to the end of the range" and branch.bifurcations == ()
+    assert [branch.points[k].value for k in (0, -1)] == [0.8, 1.3]
     for point in branch.points:
         w = 2.0 * math.pi * point.value
         phase = 2.0 * math.pi * point.value * point.orbit.start.time
@@ -63,15 +64,19 @@ def test_a_fold(pendulum):
     flow, _ = family(8.0)
     held = math.asin(8.0 / weight)
     guess = flow.first(np.array([math.cos(held), math.sin(held)]), np.zeros(1))
-    branch = continued(family, guess, (8.0, 10.0), arc=0.3, most=12)
+    branch = continued(family, guess, (8.0, 10.0), arc=0.3, most=20)
     (fold,) = branch.bifurcations
     assert fold.kind == "fold" and branch.points[fold.after].orbit.stable
     assert fold.value == pytest.approx(weight, abs=1e-8)
     assert abs(fold.value - weight) < fold.doubt < 2e-7
-    # Round the fold the branch goes on to the other equilibrium, above the hinge's height.
-    cosine, sine = branch.points[-1].orbit.start.q
-    assert cosine < 0.0 and sine == pytest.approx(branch.points[-1].value / weight, rel=1e-9)
-    assert branch.points[-1].orbit.stable is False
+    # Round the fold the branch goes on to the other equilibrium, above the hinge's height, and to the value
+    # that it began at: to the last bit.
+    assert branch.message == "it came back to the beginning of the range"
+    assert [branch.points[k].value for k in (0, -1)] == [8.0, 8.0]
+    for point in branch.points[fold.after + 1 :]:
+        cosine, sine = point.orbit.start.q
+        assert cosine < 0.0 and sine == pytest.approx(point.value / weight, rel=1e-9)
+        assert point.orbit.stable is False
 
 
 @njit
@@ -138,7 +143,8 @@ def test_a_branch_over_a_length_of_a_loop(key, values):
 
     flow, start = flow_of(scenario)
     branch = continued(family, flow.after(start, 2.0), values, arc=0.2, most=8)
-    assert branch.message == "the range of the parameter was left"
+    assert branch.message == "it came to the end of the range"
+    assert branch.points[-1].value == values[1]
     unit = values[1] - values[0]
     follower = Follower(family, unit, 1e-9)
     for point in branch.points[1:3]:
