@@ -4,6 +4,8 @@ import json
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
 
 from antenna_pin import load_scenario, simulate
 from antenna_pin.nonlinear import open_branch, open_exponents, open_orbit
@@ -46,8 +48,35 @@ def test_orbits_and_exponents_are_saved_and_drawn(cli, tmp_path):
     assert (tmp_path / "orbit.svg").read_text().startswith("<?xml")
 
 
+def symmetry_breaks(low, high):
+    """Return the amplitude at which a swing of the pendulum with phi(t + T/2) = -phi(t) loses its stability.
+
+    Of half a period, turned over, it is a fixed point, of which a multiplier passes -1.
+    """
+    inertia, weight, half = 0.0251004 + 1.872 * 0.2**2, 1.872 * 9.80665 * 0.2, 0.8
+    guess = np.array([-1.0, -8.0])
+
+    def rates(t, y, torque):
+        pull = (torque * np.sin(np.pi * t / half) - 1.2 * y[1] - weight * np.sin(y[0])) / inertia
+        jacobian = np.array([[0.0, 1.0], [-weight * np.cos(y[0]) / inertia, -1.2 / inertia]])
+        return np.concatenate([[y[1], pull], (jacobian @ y[2:].reshape(2, 2)).ravel()])
+
+    def of_half(torque):
+        start = guess
+        for _ in range(40):
+            y = np.concatenate([start, np.eye(2).ravel()])
+            end = -solve_ivp(rates, (0.0, half), y, "DOP853", rtol=1e-12, atol=1e-12, args=(torque,)).y[:, -1]
+            step = np.linalg.solve(end[2:].reshape(2, 2) - np.eye(2), start - end[:2])
+            start = start + step
+            if np.abs(step).max() < 1e-11:
+                break
+        return np.linalg.det(end[2:].reshape(2, 2) + np.eye(2))
+
+    return brentq(of_half, low, high, xtol=1e-10)
+
+
 def test_an_orbit_is_followed_over_a_key(cli):
-    """The pendulum's symmetric swing loses its stability where a multiplier passes 1, without a fold."""
+    """The pendulum's symmetric swing loses its stability where another branch crosses, by scipy's runs."""
     over = ("--over", "drives.motor.amplitude", "--values", "11 N*m:13 N*m", "--arc", "0.5")
     files = ("--out", "branch.nc", "--plot", "b.svg")
     said = cli("orbit", *PENDULUM, *over, "-q", "motion_angle[hinge]", *files)
@@ -55,7 +84,10 @@ def test_an_orbit_is_followed_over_a_key(cli):
     assert f"{kept.sizes['point']} orbits: it came to the end of the range" in said.out
     assert kept["value"].values[[0, -1]].tolist() == [11.0, 13.0] and kept["value"].attrs["units"] == "N*m"
     assert kept["stability"].values[0] == "stable" and kept["stability"].values[-1] == "unstable"
-    assert "a multiplier passes 1" in said.out and "no fold, flip, torus or graze" in said.out
+    assert kept["kind"].values.tolist() == ["branch-point"]
+    # Both by runs at 1e-12; what multipliers are wrong by is 1e-9, and they change by 0.2 for each N m.
+    assert kept["at"].item() == pytest.approx(symmetry_breaks(11.0, 13.0), abs=1e-7)
+    assert " branch-point " in said.out and "a multiplier passes 1" not in said.out
     known = load_scenario("pendulum", case="ideal", overrides=[DRIVE, "drives.motor.amplitude='11 N*m'"])
     angle = simulate(known, duration=80.0).data["motion_angle"].sel(joint="hinge")
     swing = angle.sel(time=slice(80.0 - 1.6, None)).values

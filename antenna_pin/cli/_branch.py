@@ -113,7 +113,7 @@ def print_branch(branch: xr.Dataset) -> None:
     for before, behind in unexplained_changes(branch):
         say(f"between {before:.6g} and {behind:.6g} a multiplier passes 1; another branch may cross there")
     if not branch.sizes["bifurcation"]:
-        say("no fold, flip, torus or graze between them")
+        say("no fold, branch point, flip, torus or graze between them")
         return
     parts = [branch[name].values for name in ("kind", "at", "at_doubt")]
     rows = [[str(kind), f"{at:.9g}", f"{doubt:.2g}"] for kind, at, doubt in zip(*parts, strict=True)]

@@ -24,6 +24,9 @@ from antenna_pin.state import State
 __all__ = ["Bifurcation", "BifurcationKind", "Branch", "Family", "Point", "continued"]
 
 _SHORTEST = 2.0**-10  # of an arc, over the first: there the branch is given up
+# Upon a crossing: where it is as good as singular; and by how much a step is shortened not to end there.
+_ON, _BESIDE = 1e-6, 0.7
+_SHORT = 2.0**-4  # likewise: shorter steps may turn a branch as they like
 _REACHED = "it came to the end of the range"
 _BACK = "it came back to the beginning of the range"
 
@@ -90,33 +93,45 @@ def continued(
     follower = Follower(functools.lru_cache(maxsize=64)(family), unit, tolerance)
     flow, period = family(begin)
     near = Chart(flow.system, _early(guess, period))
-    points = [Point(begin, follower.orbit(near.state(np.zeros(near.size)), begin))]
-    ways = [follower.direction(points[0], None)]
+    point = Point(begin, follower.orbit(near.state(np.zeros(near.size)), begin))
+    nodes = [follower.node(point, None)]
     found: list[Bifurcation] = []
-    message, step = f"{most} points were made", arc
-    while len(points) < most:
-        made, stopped = step, ""
+    message, step, near_by = f"{most} points were made", arc, precision * abs(unit)
+    while len(nodes) < most:
+        last, made, stopped = nodes[-1], step, ""
         try:
-            point = follower.correct(points[-1], ways[-1], step)
+            point = follower.correct(last.point, last.way, step)
             share = (point.value - begin) / unit
             if not 0.0 < share < 1.0:
                 bound, stopped = (begin, _BACK) if share <= 0.0 else (end, _REACHED)
                 if point.value != bound:
-                    point, made = follower.stopped(points[-1], ways[-1], step, point, bound)
+                    point, made = follower.stopped(last.point, last.way, step, point, bound)
+            node = follower.node(point, last)
         except AntennaPinError as error:
-            grazes = graze_ahead(follower, points, ways[-1], step, precision * abs(unit))
+            grazes = graze_ahead(follower, last, step, len(nodes) - 1, near_by)
             if grazes:
                 found += grazes
                 message = f"it ends in a graze at {grazes[0].value:g}"
                 break
             step *= 0.5
             if step < arc * _SHORTEST:
-                message = f"no orbit farther than at {points[-1].value:g}: {error}"
+                message = f"no orbit farther than at {last.point.value:g}: {error}"
                 break
             continue
-        points.append(point)
-        ways.append(follower.direction(point, ways[-1], points[-2]))
-        found += bifurcations_between(follower, points, ways, made, precision * abs(unit))
+        if (
+            last.told
+            and not node.told
+            and node.margin < _ON
+            and not stopped
+            and step == made > arc * _SHORTEST
+        ):
+            step *= _BESIDE  # upon a crossing directions are any: the next orbit is to be beside it
+            continue
+        if step > _SHORT * arc and not follower.smooth(last, node):
+            step *= 0.5  # too long, or it has come onto another branch
+            continue
+        nodes.append(node)
+        found += bifurcations_between(follower, last, node, made, len(nodes) - 2, near_by)
         if progress is not None:
             progress(point)
         if stopped:
@@ -124,4 +139,4 @@ def continued(
             break
         if point.orbit.iterations <= 3:
             step = min(2.0 * step, 4.0 * arc)
-    return Branch(tuple(points), tuple(found), message)
+    return Branch(tuple(one.point for one in nodes), tuple(found), message)

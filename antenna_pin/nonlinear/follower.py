@@ -15,12 +15,16 @@ from antenna_pin.nonlinear.flow import Flow
 from antenna_pin.nonlinear.orbits import NEWTON_STEP, NoOrbitError, Orbit, orbit_at, periodic_orbit
 from antenna_pin.state import State
 
-__all__ = ["Family", "Follower", "Point"]
+__all__ = ["Family", "Follower", "Node", "Point"]
 
 Array = NDArray[np.float64]
 
 _STEPS = (1e-3, 2e-4)  # of differences over a parameter, over its unit
-_NEAR = 1e-3  # of an arc: how near to an end of the range Newton's method begins there
+# Size of a row of derivatives that nothing acts on, and least singular values over the largest that are none.
+_HELD, _SINGULAR = 1e-6, 1e-6
+# Cosines: by how much the branch may turn in a step, and the chord lie beside the directions at its ends.
+_TURN, _ASIDE = 0.9, 0.99
+_NEAR = 2e-2  # of an arc: how near to an end of the range Newton's method begins there
 
 
 class Family(Protocol):
@@ -40,6 +44,25 @@ class Point(NamedTuple):
 
     value: float
     orbit: Orbit
+
+
+class Node(NamedTuple):
+    """An orbit of a branch and the branch's direction at it.
+
+    Attributes:
+        point: The orbit.
+        way: Unit tangent of the branch, (size + 1,): coordinates, and the parameter in its unit.
+        crossing: Determinant of the map's derivatives less 1 over way, bordered by that: on along a branch
+            it passes zero where another branch crosses, and not where the branch turns back.
+        margin: Least singular value of that matrix [-].
+        told: Whether that is above doubt, so that the determinant has a sign and the tangent is one.
+    """
+
+    point: Point
+    way: Array
+    crossing: float
+    margin: float
+    told: bool
 
 
 class _Reached(NamedTuple):
@@ -71,8 +94,10 @@ class Follower:
         """Return a direction at one point of a branch, (size + 1,), as one at another."""
         return np.append(self.chart(at).turned(way[:-1], self.chart(of)), way[-1])
 
-    def by_parameter(self, chart: Chart, value: float) -> Array:
+    def by_parameter(self, chart: Chart, value: float, step: float | None = None) -> Array:
         """Return the derivative of the map over the parameter, (size,), per unit, at the chart's origin.
+
+        By differences of second order of a step, or, without one, of sixth order.
 
         Where closures or motions move with the parameter, the start is brought onto them across the
         coordinates, which so are those of the origin still: of all that moves only the end counts.
@@ -82,33 +107,84 @@ class Follower:
             flow, period = self.family(value + s * self.unit)
             return chart.coordinates(flow.after(chart.state(np.zeros(chart.size), flow.system), period))
 
-        return slope(at, _STEPS).value
+        return slope(at, _STEPS).value if step is None else (at(step) - at(-step)) / (2.0 * step)
 
-    def direction(self, point: Point, last: Array | None, of: Point | None = None) -> Array:
-        """Return the unit tangent of the branch, (size + 1,), on from the last one, at an orbit before."""
+    def node(self, point: Point, last: Node | None) -> Node:
+        """Return an orbit with the unit tangent of the branch there, on from that at the orbit before."""
         chart = self.chart(point)
         rows = np.column_stack(
             [point.orbit.tangent - np.eye(chart.size), self.by_parameter(chart, point.value)]
         )
-        way = np.linalg.svd(rows)[2][-1]
-        if last is None or of is None or len(last) != len(way):
-            return np.asarray(way if way[-1] >= 0.0 else -way)
-        return np.asarray(way if way @ self.turned(last, of, point) >= 0.0 else -way)
+        # While a contact lasts nothing changes the speed that it remembers: orbits are found with one each.
+        free = np.array(
+            [
+                not (name.endswith("approach speed") and np.linalg.norm(row) < _HELD)
+                for name, row in zip(chart.names, rows, strict=True)
+            ]
+            + [True],
+            dtype=bool,
+        )
+        matrix = rows[np.ix_(free[:-1], free)]
+        sizes, basis = np.linalg.svd(matrix)[1:]
+        before = None
+        if last is not None and len(last.way) == len(free):
+            before = self.turned(last.way, last.point, point)[free]
+        way = basis[-1]
+        if before is not None and len(sizes) and sizes[-1] < _SINGULAR * sizes[0]:
+            # On a crossing all of a plane is tangent: the branch that one has come on goes on as it did.
+            left = basis[np.append(sizes < _SINGULAR * sizes[0], True)]
+            ahead = left.T @ (left @ before)
+            way = ahead / np.linalg.norm(ahead) if np.linalg.norm(ahead) > 0.5 else way
+        sign = way[-1] if before is None else way @ before
+        whole = np.zeros(len(free))
+        whole[free] = way if sign >= 0.0 else -way
+        square = np.vstack([matrix, whole[free]])
+        margin = float(np.linalg.svd(square, compute_uv=False)[-1])
+        told = margin > max(10.0 * point.orbit.doubt, _SINGULAR)
+        return Node(point, whole, float(np.linalg.det(square)), margin, told)
 
-    def correct(self, point: Point, way: Array, arc: float) -> Point:
-        """Return the orbit an arc ahead, square to the direction there (Keller's pseudo-arclength)."""
-        found = self._reached(point, way, arc)
+    def smooth(self, one: Node, other: Node) -> bool:
+        """Whether the next orbit is on the same branch, as far as directions tell.
+
+        They turn little, and their chord lies half way between them, to the turn's second order. An orbit of
+        a branch that crosses this one is aside.
+        """
+        if len(one.way) != len(other.way):
+            return True
+        first = one.point
+        place = self.chart(first).coordinates(other.point.orbit.start)
+        chord = np.append(place, (other.point.value - first.value) / self.unit)
+        way = self.turned(other.way, other.point, first)
+        half = (one.way + way) @ chord / (np.linalg.norm(one.way + way) * np.linalg.norm(chord))
+        return bool(one.way @ way >= _TURN and half >= _ASIDE)
+
+    def correct(self, point: Point, way: Array, arc: float, guess: Array | None = None) -> Point:
+        """Return the orbit an arc ahead, square to the direction there (Keller's pseudo-arclength).
+
+        Args:
+            point: From where.
+            way: The direction there.
+            arc: How far along it.
+            guess: Coordinates about the point, and the parameter in its unit from there, of a place that
+                is so far ahead, (size + 1,), to which Newton's method goes once more than it must; straight
+                ahead if left out.
+
+        Raises:
+            AntennaPinError: Newton's method finds none.
+        """
+        found = self._reached(point, way, arc, guess)
         flow, period = self.family(found.value)
         return Point(
             found.value, orbit_at(flow, found.start, period, found.residual, found.iterations, False)
         )
 
-    def _reached(self, point: Point, way: Array, arc: float) -> _Reached:
+    def _reached(self, point: Point, way: Array, arc: float, guess: Array | None = None) -> _Reached:
         origin = self.chart(point)
-        value = point.value + float(arc * way[-1] * self.unit)
+        place = arc * way if guess is None else guess
+        value = point.value + float(place[-1] * self.unit)
         flow, period = self.family(value)
-        start = origin.state(arc * way[:-1], flow.system)
-        last = math.inf
+        start = origin.state(place[:-1], flow.system)
+        last, good = math.inf, None
         for k in range(12):
             chart = Chart(flow.system, start)
             miss = chart.coordinates(flow.after(start, period))
@@ -116,22 +192,28 @@ class Follower:
             if not last < before:
                 break  # it does not come nearer: a shorter step may
             if last <= self.tolerance:
-                return _Reached(value, start, last, k)
+                enough = guess is None or good is not None
+                good = _Reached(value, start, last, k)
+                if enough:
+                    break
             tangent = flow.tangent(start, period, chart, step=NEWTON_STEP)
             square = np.append(chart.turned(way[:-1], origin), way[-1])
-            rows = np.column_stack([tangent.matrix - np.eye(chart.size), self.by_parameter(chart, value)])
+            over = self.by_parameter(chart, value, NEWTON_STEP)
+            rows = np.column_stack([tangent.matrix - np.eye(chart.size), over])
             step = np.linalg.lstsq(np.vstack([rows, square]), np.append(-miss, 0.0), rcond=1e-12)[0]
             value += float(step[-1]) * self.unit
             flow, period = self.family(value)
             start = chart.state(step[:-1], flow.system)
-        raise NoOrbitError("branch: Newton's method does not come back onto it")
+        if good is None:
+            raise NoOrbitError("branch: Newton's method does not come back onto it")
+        return good
 
     def stopped(
         self, point: Point, way: Array, arc: float, beyond: Point, value: float
     ) -> tuple[Point, float]:
         """Return the orbit at a value that a step passes, and the arc to it.
 
-        Along the arc, where the branch cannot be mistaken for another, to a thousandth of it; from there by
+        Along the arc, where the branch cannot be mistaken for another, until it is near; from there by
         Newton's method at the value itself.
 
         Args:
@@ -141,16 +223,18 @@ class Follower:
             beyond: What it came to, on the other side.
             value: Of the parameter.
         """
-        known = {0.0: point.value, arc: beyond.value}
+        known = {arc: beyond.value}
 
         def off(s: float) -> float:
             if s not in known:
-                known[s] = self._reached(point, way, s).value
+                known[s] = self._reached(point, way, s).value if s else point.value
             return known[s] - value
 
-        if off(0.0) == 0.0:
-            raise NoOrbitError("branch: it begins at this value")
-        near = float(brentq(off, 0.0, arc, xtol=_NEAR * arc, rtol=1e-12))
+        # A step may begin at the value and come back to it.
+        first = 0.0 if point.value != value else _NEAR * arc
+        if off(first) * off(arc) > 0.0:
+            raise NoOrbitError("branch: Newton's method does not come back onto it")
+        near = float(brentq(off, first, arc, xtol=_NEAR * arc, rtol=1e-12))
         found = self._reached(point, way, near)
         here = Chart(self.family(found.value)[0].system, found.start)
         guess = here.state(np.zeros(here.size), self.family(value)[0].system)

@@ -136,7 +136,8 @@ def branch_table(
 
     Returns:
         Over ``point``, which has the ``value`` of the parameter: what :func:`orbit_table` has of an orbit,
-        without its tangent. Over ``bifurcation``: ``kind`` (fold, flip, neimark-sacker, grazing), ``at`` and
+        without its tangent. Over ``bifurcation``: ``kind`` (fold, branch-point, flip, neimark-sacker,
+        grazing), ``at`` and
         ``at_doubt`` in the unit of the parameter, and ``after``, the number of the point that it comes after,
         from 0 on. ``amplitude`` over ``quantity`` and ``point``, and ``amplitude_unit``, where amplitudes are
         given. Attributes ``parameter`` and ``message``, why it ends.

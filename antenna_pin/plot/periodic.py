@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
@@ -33,10 +34,15 @@ _MARKS = {
     "fold": ("^", "C1"),
     "flip": ("D", "C2"),
     "neimark-sacker": ("o", "C3"),
+    "branch-point": ("P", "C5"),
     "grazing": ("s", "C4"),
     _OTHER: ("X", "#777777"),
 }
-_KINDS = {"neimark-sacker": "torus (Neimark-Sacker)", _OTHER: "stability changes, between orbits"}
+_KINDS = {
+    "branch-point": "branch point",
+    "neimark-sacker": "torus (Neimark-Sacker)",
+    _OTHER: "stability changes, between orbits",
+}
 
 
 class _Track(NamedTuple):
@@ -54,9 +60,9 @@ class _Track(NamedTuple):
 def track(branch: xr.Dataset, numbers: Array) -> _Track:
     """Return a branch in one number of its orbits, (points,).
 
-    What happens to it lies on the line between the points about it, at its value of the parameter; a fold, to
-    which neither comes, where the size of the largest multiplier on that line is 1. Stability changes there,
-    or, between two points that differ without any of it, where that size is 1: that is marked too.
+    What happens to it lies on the line between the points about it, at its value of the parameter; a fold, or
+    what else neither comes to, where the size of the largest multiplier on that line is 1. Stability changes
+    there, or, between two points that differ without any of it, where that size is 1: that is marked too.
     """
     values = np.asarray(branch["value"].values, dtype=float)
     said = [str(one) for one in branch["stability"].values]
@@ -65,7 +71,8 @@ def track(branch: xr.Dataset, numbers: Array) -> _Track:
     between: dict[int, list[tuple[float, str, float]]] = {}
     for kind, at, after in zip(*happened, strict=True):
         one, other = values[[after, min(after + 1, len(values) - 1)]]
-        share = _to_one(sizes, after) if kind == "fold" or one == other else (at - one) / (other - one)
+        share = math.nan if kind == "fold" or one == other else (at - one) / (other - one)
+        share = share if 0.0 <= share <= 1.0 else _to_one(sizes, after)
         between.setdefault(int(after), []).append((float(share), str(kind), float(at)))
     pieces: list[tuple[str, Array, Array]] = []
     marks: list[tuple[str, float, float]] = []

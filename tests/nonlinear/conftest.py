@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
-from antenna_pin import System, Urdf, build_mechanism, load_scenario
+from antenna_pin import RunSettings, System, Urdf, build_mechanism, load_scenario
 from antenna_pin.elements import ConstantDrive, JointSpring, SineDrive
+from antenna_pin.nonlinear import Flow
+from antenna_pin.simulation import Event, Jump
 
 CARRIAGE = (
     '<robot name="oscillator"><link name="ground"/>'
@@ -44,15 +47,34 @@ WAY = {"name": "carriage", "joint": "way", "kind": "prismatic", "centre": "0 0 0
 
 @pytest.fixture
 def pendulum():
-    """A function that makes a pendulum of 1 kg at 1 m, with a damper, that a constant torque holds."""
+    """A function that makes a pendulum of 1 kg at 1 m, with a damper, that a torque and a spring hold."""
 
-    def make(gravity, damping, torque):
+    def make(gravity, damping, torque=0.0, stiffness=0.0):
         urdf = Urdf.from_text(BAR.format(more='<axis xyz="0 1 0"/>', **HINGE), "pendulum")
         return System(
             build_mechanism(urdf, "fixed", (0.0, 0.0, -gravity)),
-            springs={"damper": JointSpring(joint="hinge", damping=damping)},
+            springs={"damper": JointSpring(joint="hinge", stiffness=stiffness, damping=damping)},
             drives={"motor": ConstantDrive(joint="hinge", value=torque)},
         )
+
+    return make
+
+
+@pytest.fixture
+def mapped(oscillator):
+    """A function that makes a flow whose map over 1 s is a map of (x, v) that is given.
+
+    A mass flies, and half way an event maps the state to where the flight from what is wanted leads.
+    """
+    system = oscillator(stiffness=0.0)
+
+    def make(map_of):
+        def jump(now):
+            x, v = map_of(now.q[0] - 0.5 * now.v[0], now.v[0])
+            return np.array([x - 0.5 * v]), np.array([v])
+
+        half = Event(name="half", when=lambda now: now.time - 0.5, direction=1, action=Jump(jump))
+        return Flow(system, RunSettings(rtol=1e-12, engine="compiled"), (half,)), 1.0
 
     return make
 

@@ -159,7 +159,7 @@ def test_a_branch_over_a_length_of_a_loop(key, values):
             flow, period = family(value)
             found = periodic_orbit(flow, chart.state(np.zeros(2), flow.system), period, tolerance=1e-11)
             ends.append(chart.coordinates(found.start))
-        way = follower.direction(point, None)
+        way = follower.node(point, None).way
         # Second order in a thousandth of the range, over which slopes change by their own size.
         assert way[:-1] / way[-1] == pytest.approx((ends[1] - ends[0]) / 2e-3, rel=2e-6, abs=2e-6)
 

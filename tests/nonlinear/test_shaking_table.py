@@ -72,7 +72,7 @@ def test_where_a_bouncing_orbit_changes(oscillator, kind, begin, end):
     flow, period = family(begin)
     # Begun in the midst of the flight: at the fold it impacts at phase zero.
     start = flow.after(flow.first(np.array([height]), np.array([velocity])), 0.5 * period)
-    branch = continued(family, start, (begin, end), arc=0.15, most=4, precision=1e-5)
+    branch = continued(family, start, (begin, end), arc=0.15, most=8, precision=1e-5)
     (change,) = branch.bifurcations
     assert change.kind == kind
     assert change.value == pytest.approx(limits(e)[kind == "flip"], abs=1.1 * change.doubt)

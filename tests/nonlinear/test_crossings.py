@@ -1,0 +1,101 @@
+"""Where branches of periodic solutions cross one another, and what happens about a fold: closed forms."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from antenna_pin.nonlinear import Flow, continued
+
+WEIGHT = 9.0  # m g l of 1 kg at 1 m
+
+
+def upright(pendulum):
+    """A pendulum that stands on its hinge, held by a spring, over the stiffness: k phi = m g l sin(phi)."""
+
+    def family(stiffness):
+        return Flow(pendulum(-WEIGHT, damping=3.0, stiffness=stiffness)), 0.5
+
+    return family
+
+
+@pytest.mark.parametrize("end", [6.0, 7.0])
+def test_an_upright_pendulum_loses_its_stability(pendulum, end):
+    """Where the spring is as stiff as the weight is heavy; with an end of 6, orbits fall upon that value.
+
+    On the symmetric branch, where the multiplier depends on the stiffness by its logarithm.
+    """
+    family = upright(pendulum)
+    flow, _ = family(12.0)
+    branch = continued(family, flow.first(np.array([1.0, 0.0]), np.zeros(1)), (12.0, end), arc=0.25)
+    (crossing,) = branch.bifurcations
+    assert crossing.kind == "branch-point" and crossing.doubt < 1e-7 * (12.0 - end)
+    # Multipliers are known to 1e-10, and change by 0.15 for each N m/rad.
+    assert crossing.value == pytest.approx(WEIGHT, abs=1e-8)
+    stable = [point.orbit.stable for point in branch.points]
+    assert all(stable[: crossing.after + 1]) and not any(stable[crossing.after + 1 :])
+    assert all(abs(point.value - WEIGHT) > 1e-6 for point in branch.points)
+
+
+def test_a_leaning_pendulum_comes_upright(pendulum):
+    """The branch without the symmetry turns back there, and is no fold: on both sides it is stable.
+
+    The values go with the square of the angle, so that a place along it to 1e-4 is one to 1e-8.
+    """
+    family = upright(pendulum)
+    flow, _ = family(8.0)
+    leans = brentq(lambda phi: 8.0 * phi - WEIGHT * math.sin(phi), 0.1, 3.0)
+    state = flow.first(np.array([math.cos(leans), math.sin(leans)]), np.zeros(1), {"hinge": leans})
+    branch = continued(family, state, (8.0, 10.0), arc=0.3)
+    (crossing,) = branch.bifurcations
+    assert crossing.kind == "branch-point"
+    assert crossing.value == pytest.approx(WEIGHT, abs=1e-8)
+    assert branch.message == "it came back to the beginning of the range"
+    assert all(point.orbit.stable for point in branch.points)
+    assert branch.points[-1].orbit.start.q[1] == pytest.approx(-math.sin(leans), abs=1e-8)
+
+
+@pytest.mark.parametrize("side", [0.0, 1.0])
+def test_two_branches_exchange_their_stability(mapped, side):
+    """x -> x + sin(p) y - y^2 with y = x - p^2: orbits at y = 0 and y = sin(p), which cross at p = 0."""
+
+    def family(p):
+        def of(x, v):
+            y = x - p**2
+            return x + math.sin(p) * y - y**2, 0.4 * v
+
+        return mapped(of)
+
+    first = -0.4
+    flow, _ = family(first)
+    start = flow.first(np.array([first**2 + side * math.sin(first)]), np.zeros(1))
+    branch = continued(family, start, (first, 0.4), arc=0.2)
+    (crossing,) = branch.bifurcations
+    assert crossing.kind == "branch-point"
+    # Its determinant, by differences of runs at 1e-12, is known to 1e-10, and its slope over p is 0.75.
+    assert crossing.value == pytest.approx(0.0, abs=1e-9) and crossing.doubt < 1e-7
+    for point in branch.points:
+        assert point.orbit.start.q[0] == pytest.approx(
+            point.value**2 + side * math.sin(point.value), abs=1e-8
+        )
+
+
+@pytest.mark.parametrize(
+    ("x", "arc", "order"), [(0.06, 0.18, ["flip", "fold"]), (-0.16, 0.3, ["fold", "flip"])]
+)
+def test_a_flip_beside_a_fold(mapped, x, arc, order):
+    """Henon's map has both where 2 x = -+(1 - b), here within one step: before the fold, or behind it."""
+    b = 0.9
+
+    def family(p):
+        return mapped(lambda x, y: (p - x**2 + b * y, x))
+
+    p = x**2 + (1.0 - b) * x
+    flow, _ = family(p)
+    branch = continued(family, flow.first(np.array([x]), np.array([x])), (p, p - 1.0), arc=arc, most=2)
+    assert [one.kind for one in branch.bifurcations] == order
+    assert {one.after for one in branch.bifurcations} == {0}
+    exact = {"fold": -0.25 * (1.0 - b) ** 2, "flip": 0.75 * (1.0 - b) ** 2}
+    for one in branch.bifurcations:
+        assert one.value == pytest.approx(exact[one.kind], abs=1.1e-7) and one.doubt <= 1e-7
