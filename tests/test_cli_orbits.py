@@ -1,6 +1,8 @@
 """``antenna-pin orbit`` and ``lyapunov``: what they print, save and draw, and what they refuse."""
 
+import contextlib
 import json
+import signal
 
 import numpy as np
 import pytest
@@ -93,6 +95,33 @@ def test_an_orbit_is_followed_over_a_key(cli):
     swing = angle.sel(time=slice(80.0 - 1.6, None)).values
     # What is left of the start after 50 periods is 0.6^50 = 1e-11; a sampled top is short by 3.1e-5 at most.
     assert kept["amplitude"].values[0, 0] == pytest.approx(0.5 * np.ptp(swing), rel=3.2e-5)
+
+
+def test_what_is_interrupted_is_kept(cli, monkeypatch):
+    """Ctrl-C at the second orbit: both are in the file, which says so, and the exit code is its own."""
+    from antenna_pin.cli import _progress
+
+    known = []
+
+    def interrupting(value):
+        known.append(value)
+        signal.raise_signal(signal.SIGINT)
+
+    @contextlib.contextmanager
+    def bar(title, ends, shown):
+        assert ends == (1.0, 3.0) and shown
+        yield interrupting
+
+    monkeypatch.setattr("antenna_pin.cli.orbit.branch_bar", bar)
+    said = cli("orbit", *PENDULUM, *OVER, "1 N*m:3 N*m", "--arc", "0.2", "--out", "cut.nc")
+    assert said.code == 130 and said.err.endswith("antenna-pin: interrupted\n")
+    kept = open_branch("cut.nc")
+    assert kept["value"].values.tolist() == [1.0, *known]
+    assert (
+        kept.attrs["message"] == f"it was interrupted at {known[0]:g}" and kept.attrs["message"] in said.out
+    )
+    with _progress.branch_bar("torque", (1.0, 3.0), True) as report:
+        report(2.0)  # as it is given
 
 
 @pytest.mark.parametrize(

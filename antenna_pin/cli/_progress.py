@@ -153,6 +153,28 @@ def study_bar(title: str, shown: bool) -> Iterator[Callable[[Standing], None] | 
         yield report
 
 
+@contextlib.contextmanager
+def branch_bar(
+    title: str, ends: tuple[float, float], shown: bool
+) -> Iterator[Callable[[float], None] | None]:
+    """Yield what a branch reports each value it comes to: how far it is in its range, and how many orbits."""
+    if not shown:
+        yield None
+        return
+    first, last = ends
+    bar = _bar("{task.fields[value]}", "{task.fields[orbits]}")
+    task = bar.add_task(title, total=1.0, value="", orbits="")
+    counted = itertools.count(2)  # the first orbit is that which it begins with
+
+    def report(value: float) -> None:
+        share = min(max((value - first) / (last - first), 0.0), 1.0)
+        bar.update(task, completed=share, value=f"at {value:.6g}", orbits=f"{next(counted)} orbits")
+        bar.start()
+
+    with _ended(bar):
+        yield report
+
+
 def _seconds(value: float) -> str:
     """Return a short duration with a unit that suits it."""
     for size, unit in ((1.0, "s"), (1e-3, "ms"), (1e-6, "us"), (1e-9, "ns")):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import signal
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -20,15 +21,17 @@ from antenna_pin.cli._branch import (
 )
 from antenna_pin.cli._common import CaseOption, SetOption, Width, WidthOption, load, not_interrupted
 from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, exported, plain
+from antenna_pin.cli._progress import branch_bar
 from antenna_pin.cli._quantities import positive_quantity
 from antenna_pin.cli._saved import PlotOption, TableOption, save_both, targets_of
 from antenna_pin.cli._tables import power_above, print_rows
 from antenna_pin.errors import InvalidParameterError
+from antenna_pin.interruption import Ended, ended_by
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from antenna_pin.nonlinear import Orbit
+    from antenna_pin.nonlinear import Orbit, Point
     from antenna_pin.scenario import Scenario
 
 __all__ = ["orbit", "period_of"]
@@ -66,11 +69,13 @@ def orbit(
     width: WidthOption = Width.COLUMN,
     as_json: JsonOption = False,
     csv: CsvOption = None,
+    progress: Annotated[bool, typer.Option(help="Show a progress bar along --over.")] = True,
 ) -> None:
     """Find a periodic solution near where a scenario has come to, and say whether neighbours come to it.
 
     Multipliers are by how much they grow in a period. The instant of its start must be one between impacts.
-    With --over the orbit is followed over a key of the scenario, through folds.
+    With --over the orbit is followed over a key of the scenario, through folds; what is interrupted is saved
+    as far as it is.
     """
     table, targets = csv_target(csv), targets_of(out, plot)
     for name, number, least in (("--multiple", multiple, 1), ("--transient", transient, 0)):
@@ -86,11 +91,15 @@ def orbit(
     known = load(scenario, case, settings)
     if over is not None:
         ends = ends_of(values, over, known)
-        branch = _followed(known, over, ends, period, multiple, transient, arc, most, quantity or [])
+        branch, cut = _followed(
+            known, over, ends, period, multiple, transient, arc, most, quantity or [], progress
+        )
         with not_interrupted():
             save_both(branch, lambda: figure_branch(branch, width=width.value), targets, context, as_json)
             if not exported(facts_of(branch), rows_of_branch(branch), as_json, table):
                 print_branch(branch)
+        if cut:
+            raise Ended if ended_by() != signal.SIGINT else KeyboardInterrupt
         return
     from antenna_pin.nonlinear import flow_of, orbit_table, periodic_orbit
 
@@ -116,8 +125,9 @@ def _followed(
     arc: float,
     most: int,
     quantities: list[str],
-) -> xr.Dataset:
-    """Return the branch of the orbit that a scenario has come to at the first value."""
+    progress: bool,
+) -> tuple[xr.Dataset, bool]:
+    """Return the branch of the orbit that a scenario has come to, and whether it was cut short."""
     from antenna_pin.nonlinear import amplitudes, branch_table, continued, family_of, flow_of
 
     first, last, unit = ends
@@ -133,9 +143,19 @@ def _followed(
             quantity(glance, name)
     if transient:
         start = flow.after(start, transient * span)
-    branch = continued(family, start, (first, last), arc=arc, most=most)
-    found = amplitudes(branch, family, quantities)
-    return branch_table(branch, flow.system, over, unit, known, found)
+    with branch_bar(over, (first, last), progress) as report:
+
+        def tell(point: Point) -> None:
+            if report is not None:
+                report(point.value)
+
+        branch = continued(family, start, (first, last), arc=arc, most=most, progress=tell)
+    found, cut = {}, branch.interrupted
+    try:
+        found = amplitudes(branch, family, quantities)
+    except KeyboardInterrupt:  # the orbits are the longer work
+        cut = True
+    return branch_table(branch, flow.system, over, unit, known, found), cut
 
 
 def _facts(found: Orbit) -> dict[str, Any]:

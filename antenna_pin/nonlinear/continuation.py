@@ -18,7 +18,7 @@ from antenna_pin.nonlinear.bifurcations import (
     graze_ahead,
 )
 from antenna_pin.nonlinear.chart import Chart
-from antenna_pin.nonlinear.follower import Family, Follower, Point
+from antenna_pin.nonlinear.follower import Family, Follower, Node, Point
 from antenna_pin.state import State
 
 __all__ = ["Bifurcation", "BifurcationKind", "Branch", "Family", "Point", "continued"]
@@ -39,11 +39,13 @@ class Branch:
         points: In their order along it.
         bifurcations: Likewise.
         message: Why it ends.
+        interrupted: Whether Ctrl-C has ended it.
     """
 
     points: tuple[Point, ...]
     bifurcations: tuple[Bifurcation, ...]
     message: str
+    interrupted: bool = False
 
 
 def _early(state: State, period: float) -> State:
@@ -64,6 +66,8 @@ def continued(
     progress: Callable[[Point], None] | None = None,
 ) -> Branch:
     """Follow a branch of periodic solutions over a parameter, round folds too (pseudo-arclength).
+
+    What Ctrl-C interrupts, once there is a first orbit, is returned as far as it is.
 
     Args:
         family: Flow and period of every value of the parameter. Systems that depend on time have the period
@@ -96,12 +100,31 @@ def continued(
     point = Point(begin, follower.orbit(near.state(np.zeros(near.size)), begin))
     nodes = [follower.node(point, None)]
     found: list[Bifurcation] = []
-    message, step, near_by = f"{most} points were made", arc, precision * abs(unit)
+    interrupted = False
+    try:
+        message = _followed(follower, nodes, found, (begin, end), arc, most, precision * abs(unit), progress)
+    except KeyboardInterrupt:
+        interrupted, message = True, f"it was interrupted at {nodes[-1].point.value:g}"
+    return Branch(tuple(one.point for one in nodes), tuple(found), message, interrupted)
+
+
+def _followed(
+    follower: Follower,
+    nodes: list[Node],
+    found: list[Bifurcation],
+    values: tuple[float, float],
+    arc: float,
+    most: int,
+    near_by: float,
+    progress: Callable[[Point], None] | None,
+) -> str:
+    """Follow a branch on from its first node, and return why it ends; what is found is added to the lists."""
+    (begin, end), step = values, arc
     while len(nodes) < most:
         last, made, stopped = nodes[-1], step, ""
         try:
             point = follower.correct(last.point, last.way, step)
-            share = (point.value - begin) / unit
+            share = (point.value - begin) / (end - begin)
             if not 0.0 < share < 1.0:
                 bound, stopped = (begin, _BACK) if share <= 0.0 else (end, _REACHED)
                 if point.value != bound:
@@ -111,12 +134,10 @@ def continued(
             grazes = graze_ahead(follower, last, step, len(nodes) - 1, near_by)
             if grazes:
                 found += grazes
-                message = f"it ends in a graze at {grazes[0].value:g}"
-                break
+                return f"it ends in a graze at {grazes[0].value:g}"
             step *= 0.5
             if step < arc * _SHORTEST:
-                message = f"no orbit farther than at {last.point.value:g}: {error}"
-                break
+                return f"no orbit farther than at {last.point.value:g}: {error}"
             continue
         if (
             last.told
@@ -130,13 +151,13 @@ def continued(
         if step > _SHORT * arc and not follower.smooth(last, node):
             step *= 0.5  # too long, or it has come onto another branch
             continue
+        happened = bifurcations_between(follower, last, node, made, len(nodes) - 1, near_by)
         nodes.append(node)
-        found += bifurcations_between(follower, last, node, made, len(nodes) - 2, near_by)
+        found += happened
         if progress is not None:
             progress(point)
         if stopped:
-            message = stopped
-            break
+            return stopped
         if point.orbit.iterations <= 3:
             step = min(2.0 * step, 4.0 * arc)
-    return Branch(tuple(one.point for one in nodes), tuple(found), message)
+    return f"{most} points were made"

@@ -134,6 +134,8 @@ class Flow:
         """
         settings = dataclasses.replace(self._sampled(span), output_rate=count / span, output_form="full")
         run = simulate(self.system, start=start, duration=span, settings=settings, events=self._events)
+        if run.outcome is Outcome.INTERRUPTED:
+            raise KeyboardInterrupt
         if not run.completed:
             raise FlowError(f"a run of {span:g} s from t = {start.time:g} s: {run.message}")
         return run
