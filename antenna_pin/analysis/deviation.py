@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
@@ -11,14 +12,15 @@ import xarray as xr
 from antenna_pin.analysis._motion import motion_deviation
 from antenna_pin.analysis._run import Array, RunLike, choose, data_of, label_of, sample_times, variable
 from antenna_pin.analysis.base import base_motion
-from antenna_pin.analysis.growth import Growth, growth_of
-from antenna_pin.analysis.sampled import resampled, time_rms
+from antenna_pin.analysis.blocks import beside, blocks
+from antenna_pin.analysis.growth import Growth, growths_of
+from antenna_pin.analysis.sampled import Mean, resampled
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.trajectory import names_along
 
 _Variable: TypeAlias = "tuple[tuple[str, ...], Array, dict[str, str]]"
 
-__all__ = ["Deviation", "DeviationMeasures", "deviation"]
+__all__ = ["Deviation", "DeviationMeasures", "deviation", "deviation_measures", "deviation_over_time"]
 
 # By dimension: quantity, what it is called, its variable, that of its derivative.
 _JOINTS: dict[str, tuple[tuple[str, str, str, str | None], ...]] = {
@@ -97,88 +99,182 @@ def deviation(run: RunLike, ideal: RunLike, joint: str | None = None) -> Deviati
     Raises:
         InvalidParameterError: If the ideal run has contacts, or the runs share less than two samples' time.
     """
-    data, reference = data_of(run), data_of(ideal)
-    if reference.sizes.get("contact", 0):
-        touching = ", ".join(names_along(reference, "clearance_joint"))
-        raise InvalidParameterError(
-            "deviation",
-            "ideal",
-            "a run without contacts (a case whose joints are all ideal)",
-            f"{label_of(reference)} with play in {touching}",
-        )
-    time, own = sample_times(data, "deviation"), sample_times(reference, "deviation")
-    if own.size < 2:
-        raise InvalidParameterError(
-            "deviation", "ideal", "a run of two samples or more", f"{label_of(reference)} with {own.size}"
-        )
-    common = (time >= own[0]) & (time <= own[-1])
-    if np.count_nonzero(common) < 2:
-        span = f"{label_of(data)} with {np.count_nonzero(common)} samples from {own[0]:g} to {own[-1]:g} s"
-        raise InvalidParameterError("deviation", "run", "of two samples or more while the ideal lasts", span)
-    at = time[common]
-    shared = {
-        dim: [name for name in names_along(data, dim) if name in names_along(reference, dim)]
-        for dim in _JOINTS
-    }
-    every = [name for names in shared.values() for name in names]
-    chosen = choose("deviation", "joint", joint, every)
-    based = "base_position" in data and "base_position" in reference
-    if not chosen and not based:
-        raise InvalidParameterError(
-            "deviation",
-            "ideal",
-            "a run of the same mechanism",
-            f"{label_of(reference)} with joints {', '.join(names_along(reference, 'joint')) or 'none'}",
-        )
-    variables: dict[str, _Variable] = {}
-    measures: list[DeviationMeasures] = []
-    joints = {dim: [name for name in names if name in chosen] for dim, names in shared.items()}
-    for dim, names in joints.items():
-        for quantity, words, name, derivative in _JOINTS[dim] if names else ():
-            wanted = variable(data, name, "deviation")
-            values = np.asarray(wanted.sel({dim: names}).values, dtype=float)[common]
-            base_line = variable(reference, name, "deviation").sel({dim: names}).values
-            slope = None
-            if derivative in reference:
-                slope = np.asarray(reference[derivative].sel({dim: names}).values, dtype=float)
-            variables[quantity] = (
-                ("time", dim),
-                values - resampled(own, np.asarray(base_line, dtype=float), at, slope),
-                _attributes(wanted, f"deviation of the {words}"),
+    found = deviation_over_time(run, ideal, joint)
+    return Deviation(found, _measured(found["time"].values, lambda: [found]))
+
+
+def deviation_measures(
+    run: RunLike, ideal: RunLike, joint: str | None = None
+) -> tuple[DeviationMeasures, ...]:
+    """Return what deviations come to, of runs of any length: the ``measures`` of :func:`deviation`.
+
+    Long runs are looked at part by part. Arguments and errors are those of :func:`deviation`.
+    """
+    pair = _Pair(data_of(run), data_of(ideal), joint)
+    return _measured(pair.at, lambda: (pair.apart(part) for part in blocks(pair.data)))
+
+
+def deviation_over_time(run: RunLike, ideal: RunLike, joint: str | None = None) -> xr.Dataset:
+    """Return how far a run is from the ideal one: the ``data`` of :func:`deviation`, without its measures."""
+    pair = _Pair(data_of(run), data_of(ideal), joint)
+    return pair.apart(pair.data)
+
+
+class _Pair:
+    """A run and the ideal one, checked, while both last.
+
+    Attributes:
+        data: Of the run.
+        at: Its sample times, (n,) [s].
+    """
+
+    def __init__(self, data: xr.Dataset, reference: xr.Dataset, joint: str | None) -> None:
+        if reference.sizes.get("contact", 0):
+            touching = ", ".join(names_along(reference, "clearance_joint"))
+            raise InvalidParameterError(
+                "deviation",
+                "ideal",
+                "a run without contacts (a case whose joints are all ideal)",
+                f"{label_of(reference)} with play in {touching}",
             )
-        for k, name in enumerate(names):
-            for quantity, words, *_ in _JOINTS[dim]:
-                _, values, attributes = variables[quantity]
-                measures.append(_measures(f"{name} {words}", attributes["units"], at, values[:, k]))
-    if based:
-        apart = motion_deviation(base_motion(data.isel(time=common)), base_motion(reference), "base")
-        for name, part in apart.items():
-            variables[f"base_{name}"] = (("time", "axis"), part.values, part.attrs)
-            words = f"base {name.replace('_', ' ')}"
-            measures.append(_measures(words, part.attrs["units"], at, np.linalg.norm(part.values, axis=1)))
-    coords: dict[str, Any] = {"time": ("time", at, {"units": "s", "long_name": "time"})}
-    coords["joint"] = joints["joint"]
-    if joints["sliding_joint"]:
-        coords["sliding_joint"] = joints["sliding_joint"]
-    if based:
-        coords["axis"] = data.coords["axis"].values
-    described = {"case": str(data.attrs.get("case", "")), "ideal": str(reference.attrs.get("case", ""))}
-    return Deviation(xr.Dataset(variables, coords=coords, attrs=described), tuple(measures))
+        time, own = sample_times(data, "deviation"), sample_times(reference, "deviation")
+        if own.size < 2:
+            raise InvalidParameterError(
+                "deviation", "ideal", "a run of two samples or more", f"{label_of(reference)} with {own.size}"
+            )
+        first, last = np.searchsorted(time, own[0], "left"), np.searchsorted(time, own[-1], "right")
+        if last - first < 2:
+            span = f"{label_of(data)} with {last - first} samples from {own[0]:g} to {own[-1]:g} s"
+            rule = "of two samples or more while the ideal lasts"
+            raise InvalidParameterError("deviation", "run", rule, span)
+        shared = {
+            dim: [name for name in names_along(data, dim) if name in names_along(reference, dim)]
+            for dim in _JOINTS
+        }
+        every = [name for names in shared.values() for name in names]
+        chosen = choose("deviation", "joint", joint, every)
+        self._based = "base_position" in data and "base_position" in reference
+        if not chosen and not self._based:
+            raise InvalidParameterError(
+                "deviation",
+                "ideal",
+                "a run of the same mechanism",
+                f"{label_of(reference)} with joints {', '.join(names_along(reference, 'joint')) or 'none'}",
+            )
+        self._joints = {dim: [name for name in names if name in chosen] for dim, names in shared.items()}
+        self.data = data.isel(time=slice(int(first), int(last)))
+        self.at, self._reference = time[first:last], reference
+
+    def apart(self, part: xr.Dataset) -> xr.Dataset:
+        """Return how far a part of the run is from the ideal one."""
+        at = sample_times(part, "deviation")
+        near = [
+            self._variables(part.isel(time=some), at[some], smooth)
+            for some, smooth in beside(self._reference, at)
+        ]
+        variables = {
+            name: (dims, values if len(near) == 1 else np.concatenate([one[name][1] for one in near]), about)
+            for name, (dims, values, about) in near[0].items()
+        }
+        coords: dict[str, Any] = {"time": ("time", at, {"units": "s", "long_name": "time"})}
+        coords["joint"] = self._joints["joint"]
+        if self._joints["sliding_joint"]:
+            coords["sliding_joint"] = self._joints["sliding_joint"]
+        if self._based:
+            coords["axis"] = part.coords["axis"].values
+        cases = (str(one.attrs.get("case", "")) for one in (part, self._reference))
+        return xr.Dataset(variables, coords=coords, attrs=dict(zip(("case", "ideal"), cases, strict=True)))
+
+    def _variables(self, data: xr.Dataset, at: Array, reference: xr.Dataset) -> dict[str, _Variable]:
+        own = sample_times(reference, "deviation")
+        variables: dict[str, _Variable] = {}
+        for dim, names in self._joints.items():
+            for quantity, words, name, derivative in _JOINTS[dim] if names else ():
+                wanted = variable(data, name, "deviation")
+                values = np.asarray(wanted.sel({dim: names}).values, dtype=float)
+                base_line = variable(reference, name, "deviation").sel({dim: names}).values
+                slope = None
+                if derivative in reference:
+                    slope = np.asarray(reference[derivative].sel({dim: names}).values, dtype=float)
+                variables[quantity] = (
+                    ("time", dim),
+                    values - resampled(own, np.asarray(base_line, dtype=float), at, slope),
+                    _attributes(wanted, f"deviation of the {words}"),
+                )
+        if self._based:
+            for name, one in motion_deviation(base_motion(data), base_motion(reference), "base").items():
+                variables[f"base_{name}"] = (("time", "axis"), one.values, one.attrs)
+        return variables
 
 
 def _attributes(like: xr.DataArray, long_name: str) -> dict[str, str]:
     return {"units": str(like.attrs.get("units", "")), "long_name": long_name}
 
 
-def _measures(of: str, units: str, time: Array, values: Array) -> DeviationMeasures:
-    size = np.abs(values)
-    largest = int(np.argmax(np.nan_to_num(size)))
-    return DeviationMeasures(
-        of=of,
-        units=units,
-        maximum=float(size[largest]),
-        time_of_maximum=float(time[largest]),
-        rms=float(time_rms(time, values)),
-        end=float(values[-1]),
-        growth=growth_of(time, values),
+def _measured(time: Array, parts: Callable[[], Iterable[xr.Dataset]]) -> tuple[DeviationMeasures, ...]:
+    """Return what deviations come to.
+
+    Args:
+        time: Sample times, (n,) [s].
+        parts: Returns the deviations part by part; it is asked three times.
+    """
+    told: dict[str, str] = {}
+    sums: list[_Sums] = []
+    for part in parts():
+        columns = _columns(part)
+        told = {of: units for of, (units, _) in columns.items()}
+        sums = sums or [_Sums() for _ in columns]
+        for one, (_, values) in zip(sums, columns.values(), strict=True):
+            one.add(part["time"].values, values)
+    growths = growths_of(
+        time, lambda: (np.stack([values for _, values in _columns(part).values()], 1) for part in parts())
     )
+    return tuple(
+        DeviationMeasures(
+            of=of,
+            units=units,
+            maximum=one.maximum,
+            time_of_maximum=one.time_of_maximum,
+            rms=one.rms,
+            end=one.end,
+            growth=growth,
+        )
+        for (of, units), one, growth in zip(told.items(), sums, growths, strict=True)
+    )
+
+
+def _columns(part: xr.Dataset) -> dict[str, tuple[str, Array]]:
+    """Return units and values over time, (m,), of each quantity of each joint and of the base."""
+    found = {}
+    for dim, quantities in _JOINTS.items():
+        for k, name in enumerate(names_along(part, dim)):
+            for quantity, words, *_ in quantities:
+                one = part[quantity]
+                found[f"{name} {words}"] = (str(one.attrs["units"]), np.asarray(one.values[:, k]))
+    for name, one in part.data_vars.items():
+        if str(name).startswith("base_"):
+            words = str(name).replace("_", " ")
+            found[words] = (str(one.attrs["units"]), np.linalg.norm(one.values, axis=1))
+    return found
+
+
+class _Sums:
+    """Largest size, root mean square and end of a deviation, gathered part by part."""
+
+    def __init__(self) -> None:
+        self.maximum, self.time_of_maximum, self.end = float("nan"), float("nan"), float("nan")
+        self._mean = Mean()
+
+    @property
+    def rms(self) -> float:
+        """Root mean square over time."""
+        return float(np.sqrt(self._mean.value))
+
+    def add(self, time: Array, values: Array) -> None:
+        """Take the next samples."""
+        size = np.abs(values)
+        largest = int(np.argmax(np.nan_to_num(size)))
+        if not size[largest] <= self.maximum:
+            self.maximum, self.time_of_maximum = float(size[largest]), float(time[largest])
+        self.end = float(values[-1])
+        self._mean.add(time, np.square(values))

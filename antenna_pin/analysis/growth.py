@@ -12,6 +12,7 @@ differ by) to where it reaches that value. The rest of the run, where nothing gr
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -20,7 +21,7 @@ from numpy.typing import ArrayLike
 
 from antenna_pin.analysis._run import Array
 
-__all__ = ["Growth", "growth_of"]
+__all__ = ["Growth", "growth_of", "growths_of"]
 
 _POINTS = 200
 _LEAST_RECORDS = 8
@@ -75,37 +76,112 @@ def growth_of(time: ArrayLike, deviation: ArrayLike) -> Growth:
         time: Sample times, not decreasing, (n,) [s].
         deviation: Samples, (n,).
     """
-    t = np.asarray(time, dtype=float)
-    envelope = np.maximum.accumulate(np.abs(np.asarray(deviation, dtype=float)))
-    if t.size < 2 or not envelope[-1] > 0.0:
-        return _nothing("it does not deviate", t)
-    # Time zero has no logarithm, and a deviation there would be no growth.
-    first = max(int(np.argmax(envelope > 1e-3 * envelope[-1])), int(np.argmax(t > t[0])))
-    last = int(np.argmax(envelope >= envelope[-1]))
-    if np.count_nonzero(np.diff(envelope[first : last + 1])) + 1 < _LEAST_RECORDS:
-        return _nothing("it rises in a few jumps only", t)
-    if envelope[last] < _LEAST_GROWTH * envelope[first]:
-        return _nothing("it is level", t)
-    if t[last] - t[first] < _LEAST_SHARE * (t[-1] - t[0]):
-        return _nothing("it grows for less than a fifth of the run", t)
-    since = t - t[0]
-    points = np.linspace(since[first], since[last], _POINTS)
-    held = np.searchsorted(since, points, side="right") - 1
-    logarithm = np.log(envelope[np.clip(held, first, last)])
-    exponent, power = _line(np.log(points), logarithm)
-    rate, exponential = _line(points, logarithm)
-    better = max(power, exponential)
-    poor = better < _LEAST_FIT
-    return Growth(
-        kind="none" if poor else "power" if power >= exponential else "exponential",
-        exponent=exponent,
-        power_r2=power,
-        rate=rate,
-        exponential_r2=exponential,
-        start=float(t[first]),
-        end=float(t[last]),
-        note="neither a power nor an exponential fits" if poor else "",
-    )
+    values = np.asarray(deviation, dtype=float)
+    return growths_of(np.asarray(time, dtype=float), lambda: [values[:, None]])[0]
+
+
+def growths_of(time: Array, parts: Callable[[], Iterable[Array]]) -> list[Growth]:
+    """Return how deviations grow that are too long for memory: those of :func:`growth_of`, to the last digit.
+
+    Args:
+        time: Sample times, not decreasing, (n,) [s].
+        parts: Returns the samples part by part, (m, k) of k deviations; it is asked twice.
+    """
+    tops: list[_Top] = []
+    begin = 0
+    for part in parts():
+        sizes = np.abs(part)
+        if not tops:
+            tops = [_Top() for _ in sizes.T]
+        for top, size in zip(tops, sizes.T, strict=True):
+            top.rise(size, begin)
+        begin += len(sizes)
+    envelopes = [_Envelope(time, top) for top in tops]
+    begin = 0
+    for part in parts() if time.size > 1 else ():
+        sizes = np.abs(part)
+        for envelope, size in zip(envelopes, sizes.T, strict=True):
+            envelope.go_on(size, begin)
+        begin += len(sizes)
+    return [envelope.fitted() for envelope in envelopes]
+
+
+class _Top:
+    """The largest of a size, and where it is first."""
+
+    def __init__(self) -> None:
+        self.size, self.place = 0.0, 0
+
+    def rise(self, size: Array, begin: int) -> None:
+        """Take the next samples, the first of which is ``begin`` of all; what is not a number stays so."""
+        if size.size and not size.max() <= self.size:
+            self.place, self.size = begin + int(np.argmax(size)), float(size.max())
+
+
+class _Envelope:
+    """What is fitted of an envelope, gathered as it goes on."""
+
+    def __init__(self, time: Array, top: _Top) -> None:
+        self._time, self._top = time, top
+        self._so_far = 0.0
+        self._first: int | None = None
+        self._rises = 0
+        self._points, self._places = np.zeros(0), np.zeros(0, dtype=int)
+        self._held = np.zeros(0)
+        self._at_first = 0.0
+
+    def go_on(self, size: Array, begin: int) -> None:
+        """Take the next samples, the first of which is ``begin`` of all."""
+        if not self._top.size > 0.0 or not size.size:
+            return
+        all_of_it = np.maximum.accumulate(np.concatenate([[self._so_far], size]))
+        self._so_far, envelope = float(all_of_it[-1]), all_of_it[1:]
+        if self._first is None and self._so_far > 1e-3 * self._top.size:
+            self._start(begin + int(np.argmax(envelope > 1e-3 * self._top.size)))
+        if self._first is None:
+            return
+        if begin <= self._first < begin + size.size:
+            self._at_first = float(envelope[self._first - begin])
+        first, last = max(self._first + 1 - begin, 0), self._top.place + 1 - begin
+        self._rises += int(np.count_nonzero(np.diff(all_of_it)[first : max(last, 0)]))
+        here = (self._places >= begin) & (self._places < begin + size.size)
+        self._held[here] = envelope[self._places[here] - begin]
+
+    def _start(self, risen: int) -> None:
+        time, last = self._time, self._top.place
+        # Time zero has no logarithm, and a deviation there would be no growth.
+        first = self._first = max(risen, int(np.argmax(time > time[0])))
+        self._points = np.linspace(time[first] - time[0], time[last] - time[0], _POINTS)
+        places = np.searchsorted(time - time[0], self._points, side="right") - 1
+        self._places = np.clip(places, first, max(last, first))
+        self._held = np.zeros(_POINTS)
+
+    def fitted(self) -> Growth:
+        """Return the fits to what has been gathered."""
+        t, first, last = self._time, self._first, self._top.place
+        if t.size < 2 or not self._top.size > 0.0 or first is None:
+            return _nothing("it does not deviate", t)
+        if self._rises + 1 < _LEAST_RECORDS:
+            return _nothing("it rises in a few jumps only", t)
+        if self._top.size < _LEAST_GROWTH * self._at_first:
+            return _nothing("it is level", t)
+        if t[last] - t[first] < _LEAST_SHARE * (t[-1] - t[0]):
+            return _nothing("it grows for less than a fifth of the run", t)
+        logarithm = np.log(self._held)
+        exponent, power = _line(np.log(self._points), logarithm)
+        rate, exponential = _line(self._points, logarithm)
+        better = max(power, exponential)
+        poor = better < _LEAST_FIT
+        return Growth(
+            kind="none" if poor else "power" if power >= exponential else "exponential",
+            exponent=exponent,
+            power_r2=power,
+            rate=rate,
+            exponential_r2=exponential,
+            start=float(t[first]),
+            end=float(t[last]),
+            note="neither a power nor an exponential fits" if poor else "",
+        )
 
 
 def _nothing(note: str, time: Array) -> Growth:

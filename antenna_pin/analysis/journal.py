@@ -20,7 +20,8 @@ import xarray as xr
 from scipy.spatial.transform import Rotation
 
 from antenna_pin.analysis._journal_kinds import JOURNAL_KINDS
-from antenna_pin.analysis._run import RunLike, choose, data_of, label_of, variable
+from antenna_pin.analysis._run import Array, RunLike, choose, data_of, label_of, variable
+from antenna_pin.analysis.blocks import blocks
 from antenna_pin.errors import FileFormatError, InvalidParameterError
 from antenna_pin.trajectory import contact_ends, contacts_of, names_along
 
@@ -153,26 +154,13 @@ def bore_load(run: RunLike, joint: str | None = None, sectors: int = 36) -> xr.D
         raise InvalidParameterError("bore_load", "run", "one with a clearance joint", label_of(data))
     joint = choose("bore_load", "clearance joint", joint or known[0], known)[0]
     contacts = contacts_of(data, joint, flanges=False)
-    picked = data.sel(contact=contacts)
-    point, force, impulse = (
-        np.asarray(variable(picked, name, "bore_load").values, dtype=float)
-        for name in ("contact_point", "normal_force", "normal_impulse")
-    )
-    direction = point[..., 0] + 1j * point[..., 1]
-    kind, size = _kind(data, joint, "bore_load")
-    faces = JOURNAL_KINDS[kind].faces
-    if faces is not None:
-        ends = contact_ends(data)
-        direction[:] = [faces(size, ends[name]) for name in contacts]
-    direction = direction / np.where(direction == 0.0, 1.0, np.abs(direction))
-    loaded = force[:-1] + force[1:] > 0.0
-    first, second = (np.where(loaded, weight, 1.0) for weight in (force[:-1], force[1:]))
-    angle = np.angle(first * direction[:-1] + second * direction[1:])
+    faces = _faces(data, joint, contacts)
     width = 2.0 * np.pi / sectors
-    sector = np.floor(np.mod(angle, 2.0 * np.pi) / width).astype(int) % sectors
     taken = np.zeros((len(contacts), sectors))
-    for row, (where, gained) in enumerate(zip(sector.T, np.diff(impulse, axis=0).T, strict=True)):
-        np.add.at(taken[row], where, gained)
+    for part in blocks(data.sel(contact=contacts), overlap=1):
+        sector, gained = _taken(part, faces, width)
+        for row, (where, more) in enumerate(zip(sector.T % sectors, gained.T, strict=True)):
+            np.add.at(taken[row], where, more)
     return xr.Dataset(
         {
             "impulse": (
@@ -187,3 +175,29 @@ def bore_load(run: RunLike, joint: str | None = None, sectors: int = 36) -> xr.D
         },
         attrs={"joint": joint},
     )
+
+
+def _faces(data: xr.Dataset, joint: str, contacts: list[str]) -> Array | None:
+    """Return the directions of contacts that keep theirs, (contacts,) as complex numbers; None of others."""
+    kind, size = _kind(data, joint, "bore_load")
+    faces = JOURNAL_KINDS[kind].faces
+    if faces is None:
+        return None
+    ends = contact_ends(data)
+    return np.array([faces(size, ends[name]) for name in contacts])
+
+
+def _taken(part: xr.Dataset, faces: Array | None, width: float) -> tuple[Array, Array]:
+    """Return the sector that each contact's impulse between two samples belongs to, and the impulse [N s]."""
+    point, force, impulse = (
+        np.asarray(variable(part, name, "bore_load").values, dtype=float)
+        for name in ("contact_point", "normal_force", "normal_impulse")
+    )
+    direction = point[..., 0] + 1j * point[..., 1]
+    if faces is not None:
+        direction[:] = faces
+    direction = direction / np.where(direction == 0.0, 1.0, np.abs(direction))
+    loaded = force[:-1] + force[1:] > 0.0
+    first, second = (np.where(loaded, weight, 1.0) for weight in (force[:-1], force[1:]))
+    angle = np.angle(first * direction[:-1] + second * direction[1:])
+    return np.floor(np.mod(angle, 2.0 * np.pi) / width).astype(int), np.diff(impulse, axis=0)

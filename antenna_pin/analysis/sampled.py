@@ -6,6 +6,8 @@ over them would weigh impacts more than they last; here every sample counts for 
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -53,6 +55,42 @@ def resampled(
     return np.asarray(spline(wanted), dtype=float)
 
 
+class Mean:
+    """Mean over time by the trapezoidal rule, of samples that come part by part; of one instant, its value.
+
+    In one part it is that of the rule over all, in several it differs from that by round-off.
+    """
+
+    def __init__(self) -> None:
+        """Begin without samples."""
+        self._start: Any = None
+        self._end: Any = None
+        self._first: Any = None
+        self._last: Any = None
+        self._area: Any = 0.0
+
+    def add(self, time: Array, values: Array) -> None:
+        """Take the next samples.
+
+        Args:
+            time: Not decreasing, (m,) [s].
+            values: (m,) or (m, ...).
+        """
+        if self._start is None:
+            self._start, self._first = time[0], values[0]
+        else:
+            time, values = np.append(self._end, time), np.concatenate([self._last[None], values])
+        self._area = np.trapezoid(values, time, axis=0) + self._area
+        self._end, self._last = time[-1], values[-1]
+
+    @property
+    def value(self) -> Array:
+        """The mean of all that has come, () or (...)."""
+        if self._end == self._start:
+            return np.asarray(self._first)
+        return np.asarray(self._area / (self._end - self._start))
+
+
 def time_mean(time: ArrayLike, values: ArrayLike) -> Array:
     """Return the mean over time by the trapezoidal rule; of one instant, its value.
 
@@ -63,10 +101,9 @@ def time_mean(time: ArrayLike, values: ArrayLike) -> Array:
     Returns:
         () or (...), in the unit of the values.
     """
-    t, x = _checked(time, values)
-    if t[-1] == t[0]:
-        return np.asarray(x[0])
-    return np.asarray(np.trapezoid(x, t, axis=0) / (t[-1] - t[0]))
+    mean = Mean()
+    mean.add(*_checked(time, values))
+    return mean.value
 
 
 def time_rms(time: ArrayLike, values: ArrayLike) -> Array:

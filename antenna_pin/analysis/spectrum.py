@@ -25,12 +25,14 @@ from scipy.interpolate import Akima1DInterpolator
 from scipy.ndimage import median_filter
 
 from antenna_pin.analysis._run import Array
+from antenna_pin.analysis.blocks import LONG
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["UniformSignal", "dominant_frequencies", "spectrogram", "spectrum", "uniform"]
 
 _OVERSAMPLING = 16
 _AT_ONCE = 8192  # points of the grid that are filtered at once
+_AROUND = 8  # samples beside those of a part that the cubic through them is made of; it looks at three
 _LEAST_SAMPLES = 16
 _ROUND_OFF = 1e-10  # of the size of a quantity: what it varies by without a cause
 _LEAST_SHARE = 1e-3  # of the strongest peak, for one to be named beside it
@@ -65,16 +67,15 @@ def uniform(time: ArrayLike, values: ArrayLike, rate: float | None = None) -> Un
     if t.ndim != 1 or x.ndim not in (1, 2) or x.shape[:1] != t.shape:
         seen = f"{x.shape} values at {t.shape} times"
         raise InvalidParameterError("spectrum", "values", "(n,) or (n, k), one row per time", seen)
-    t, first = np.unique(t, return_index=True)
-    x = x[first]
+    if np.any(t[1:] <= t[:-1]):
+        t, first = np.unique(t, return_index=True)
+        x = x[first]
     if t.size < _LEAST_SAMPLES:
         raise InvalidParameterError("spectrum", "time", f"{_LEAST_SAMPLES} instants or more", t.size)
     if not np.isfinite(x).all():
         raise InvalidParameterError("spectrum", "values", "finite; cut off what is not", "NaN or infinity")
-    steps = np.diff(t)
     span = float(t[-1] - t[0])
-    # Half of the steps or more are the output step, whatever events lie between.
-    usual = float(np.median(steps[steps >= np.median(steps)])) if rate is None else 1.0 / rate
+    usual = usual_step(t) if rate is None else 1.0 / rate
     if not usual > 0.0 or not span / usual >= _LEAST_SAMPLES - 1 - 1e-6:
         rule = f"so high that {_LEAST_SAMPLES} points lie in {span:.4g} s"
         raise InvalidParameterError("spectrum", "rate", rule, rate)
@@ -86,21 +87,38 @@ def uniform(time: ArrayLike, values: ArrayLike, rate: float | None = None) -> Un
     return UniformSignal(grid, _thinned(t, x, grid, step), 1.0 / step)
 
 
+def usual_step(time: Array) -> float:
+    """Return the commonest spacing of samples [s]; of a long run that of its first ones.
+
+    Half of the steps or more are the output step, whatever events lie between.
+    """
+    steps = np.diff(time[: LONG + 1])
+    return float(np.median(steps[steps >= np.median(steps)]))
+
+
 def _thinned(t: Array, x: Array, grid: Array, step: float) -> Array:
     """Return averages over fine cells, filtered and thinned to the grid."""
     fine = step / _OVERSAMPLING
     cells = (
         grid.size - 1
     ) * _OVERSAMPLING + 1  # centred on the fine grid, so that the grid's points are in it
-    edges = t[0] + fine * (np.arange(cells + 1) - 0.5)
-    curve = Akima1DInterpolator(t, x, axis=0, method="makima")
-    primitive = curve.antiderivative()
+    curve = primitive = None
 
     def averages(first: int, last: int) -> Array:
         """Return those over some of the cells."""
-        inside = np.clip(edges[first : last + 1], t[0], t[-1])
+        nonlocal curve, primitive
+        edges = t[0] + fine * (np.arange(first, last + 1) - 0.5)  # centred on the fine grid
+        inside = np.clip(edges, t[0], t[-1])
+        if curve is None or primitive is None or t.size > LONG:
+            # The cubic is local: of a long signal the one through the samples around is enough.
+            low, high = 0, t.size
+            if t.size > LONG:
+                low = max(int(np.searchsorted(t, inside[0])) - _AROUND, 0)
+                high = int(np.searchsorted(t, inside[-1], side="right")) + _AROUND
+            curve = Akima1DInterpolator(t[low:high], x[low:high], axis=0, method="makima")
+            primitive = curve.antiderivative()
         # Beyond the ends, by half a cell, it goes on straight.
-        beyond = (edges[first : last + 1] - inside).reshape(-1, *[1] * (x.ndim - 1))
+        beyond = (edges - inside).reshape(-1, *[1] * (x.ndim - 1))
         more = beyond * (curve(inside) + 0.5 * beyond * curve(inside, nu=1))
         return np.asarray(np.diff(primitive(inside) + more, axis=0) / fine)
 

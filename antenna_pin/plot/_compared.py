@@ -40,6 +40,7 @@ class Curve:
         value: (n,).
         style: How it is drawn.
         smooth: Whether it is the ideal run's: its size is what must stay legible beside spikes.
+        many: Whether it is of so many samples that it is drawn as pixels in a vector file.
     """
 
     label: str
@@ -47,6 +48,7 @@ class Curve:
     value: Array
     style: dict[str, Any]
     smooth: bool = False
+    many: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -98,8 +100,13 @@ def between_spikes(time: Array, value: Array) -> float:
     time, size = time[known], np.abs(value[known])
     if time.size < 2 or not time[-1] > time[0]:
         return float(size.max(initial=0.0))
-    even = np.linspace(time[0], time[-1], _WINDOWS * _IN_WINDOW)
+    even = even_instants(time)
     return float(np.median(np.interp(even, time, size).reshape(_WINDOWS, _IN_WINDOW), axis=1).max())
+
+
+def even_instants(time: Array) -> Array:
+    """Return the instants at which :func:`between_spikes` looks at samples at some times, (n,) [s]."""
+    return np.linspace(time[0], time[-1], _WINDOWS * _IN_WINDOW)
 
 
 def _largest(curve: Curve) -> float:
@@ -142,7 +149,7 @@ def _draw(axes: Axes, panel: Panel, overall: float, spikes: bool) -> None:
     alone = panel.apart or panel.largest < 1e-2 * overall
     factor, printed = prefixed(panel.unit, panel.largest if alone else overall)
     for curve in panel.curves:
-        many = curve.time.size > MANY
+        many = curve.many or curve.time.size > MANY
         axes.plot(curve.time, factor * curve.value, label=curve.label, rasterized=many, **curve.style)
     label = literal(textwrap.fill(f"{panel.label} [{printed}]", 22))  # as long as a panel is high
     limit = linear_then_log([axes], factor * panel.core, factor * panel.largest) if spikes else None

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from antenna_pin.analysis import between_samples
 from antenna_pin.errors import FileFormatError, InvalidParameterError
@@ -29,11 +30,25 @@ class LabelledRun:
         label: Name in legends.
         data: The samples, with the scenario among their attributes if it is known.
         source: The dataset that was given.
+        kept: Which samples of the run ``data`` has, if not all.
+        all: The run with all its samples, if ``data`` has not all.
     """
 
     label: str
     data: xr.Dataset
     source: xr.Dataset
+    kept: NDArray[np.int_] | None = None
+    all: LabelledRun | None = None
+
+    @property
+    def whole(self) -> LabelledRun:
+        """The run with all its samples."""
+        return self if self.all is None else self.all
+
+    @property
+    def many(self) -> bool:
+        """Whether its lines are drawn as pixels in a vector file."""
+        return int(self.whole.data.sizes["time"]) > MANY
 
     @property
     def ideal(self) -> bool:
@@ -170,5 +185,6 @@ def styles(runs: Sequence[LabelledRun], reference: LabelledRun | None) -> list[d
 
 def left_out(runs: Sequence[LabelledRun], drawn: Sequence[LabelledRun], why: str) -> str:
     """Return a note naming the runs that a figure leaves out for a reason, or nothing."""
-    names = [run.label for run in runs if run not in drawn and run.time.size > 1]
+    shown = {run.label for run in drawn}
+    names = [run.label for run in runs if run.label not in shown and run.time.size > 1]
     return f"not drawn, {why}: {', '.join(names)}" if names else ""

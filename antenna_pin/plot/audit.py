@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,6 @@ from antenna_pin.plot._runs import LabelledRun, Run, labelled, too_short
 from antenna_pin.plot._style import (
     COLOURS,
     IDEAL,
-    MANY,
     Array,
     Width,
     blocks,
@@ -28,6 +28,7 @@ from antenna_pin.plot._style import (
     prefixed,
     styled,
 )
+from antenna_pin.plot._thinned import Columns, thinned
 
 # Below this an error is round-off of round-off; the logarithmic scale ends there.
 _FLOOR = 1e-18
@@ -47,6 +48,8 @@ _LOST = (
     ("dissipation_elastic", "lost in flexible links", COLOURS[5]),
 )
 
+_MOMENTA = (("linear_momentum", "momentum_scale"), ("angular_momentum", "angular_momentum_scale"))
+
 
 @styled
 def figure_energy(runs: Iterable[Run] | Run, *, width: Width = "page") -> Figure:
@@ -61,7 +64,7 @@ def figure_energy(runs: Iterable[Run] | Run, *, width: Width = "page") -> Figure
         width: "column" (88 mm) or "page" (180 mm).
     """
     every = labelled(runs)
-    drawn = [run for run in every if run.time.size > 1]
+    drawn = [thinned(run, _ledger) for run in every if run.time.size > 1]
     figure, grid, letter = blocks(len(drawn), [True] * 3, width, 38.0)
     titles = ("energy", "losses", "largest error so far")
     for row, parts in enumerate((_STORED, _LOST)):
@@ -115,14 +118,15 @@ def figure_momentum(runs: Iterable[Run] | Run, *, width: Width = "page") -> Figu
         width: "column" (88 mm) or "page" (180 mm).
     """
     every = labelled(runs)
-    drawn = [run for run in every if run.time.size > 1 and "base_position" in run.data]
+    drawn = [
+        thinned(run, _drifting(run)) for run in every if run.time.size > 1 and "base_position" in run.data
+    ]
     if not drawn:
         raise none_with(FREE_BASE, every)
     page = width == "page"
     figure = new_figure(width, 66.0 if page else 110.0)
     panels = figure.subplots(1 if page else 2, 2 if page else 1, sharey=True, squeeze=False).ravel()
-    pairs = (("linear_momentum", "momentum_scale"), ("angular_momentum", "angular_momentum_scale"))
-    for letter, axes, (name, scale_name) in zip("ab", panels, pairs, strict=True):
+    for letter, axes, (name, scale_name) in zip("ab", panels, _MOMENTA, strict=True):
         for run, colour in zip(drawn, _colours(drawn), strict=True):
             momentum = run.values(name)
             scale = float(np.nanmax(run.values(scale_name), initial=0.0))
@@ -144,6 +148,25 @@ def figure_momentum(runs: Iterable[Run] | Run, *, width: Width = "page") -> Figu
     return figure
 
 
+def _drifting(run: LabelledRun) -> Columns:
+    """Return what tells how far momenta have come from those at a run's start."""
+    start = replace(run, data=run.data.isel(time=slice(0, 1)))
+
+    def columns(part: LabelledRun) -> list[Array]:
+        found = []
+        for name, scale in _MOMENTA:
+            found += [np.linalg.norm(part.values(name) - start.values(name), axis=1), part.values(scale)]
+        return found
+
+    return columns
+
+
+def _ledger(run: LabelledRun) -> list[Array]:
+    """Return all entries of the energy ledger, and the size of its error [J]."""
+    entries = [_total(run, name) for name, _, _ in (*_STORED, *_LOST)]
+    return [*entries, np.abs(run.values("energy_error"))]
+
+
 def _total(run: LabelledRun, name: str) -> Array:
     """Return a ledger entry over time [J], summed over drives, springs or contacts; zeros if absent."""
     if name not in run.data:
@@ -155,7 +178,7 @@ def _total(run: LabelledRun, name: str) -> Array:
 def _log_line(axes: Axes, run: LabelledRun, value: Array, colour: str, label: str) -> None:
     """Draw the largest of the values so far on a logarithmic scale; exact zeros lie on its floor."""
     style: dict[str, Any] = IDEAL if colour == "black" else {"linewidth": 0.7, "color": colour}
-    many = value.size > MANY
+    many = run.many
     so_far = np.fmax.accumulate(np.maximum(value, _FLOOR))
     axes.plot(run.time, so_far, label=label or None, rasterized=many, **style)
     axes.set_yscale("log")

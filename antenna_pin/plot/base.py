@@ -13,13 +13,14 @@ import xarray as xr
 from matplotlib.figure import Figure
 from scipy.spatial.transform import Rotation
 
-from antenna_pin.analysis import base_motion, deviation
+from antenna_pin.analysis import base_motion, deviation_over_time
 from antenna_pin.errors import AntennaPinError, InvalidParameterError, UnknownNameError
 from antenna_pin.plot._compared import ROUND_OFF, Curve, Panel, panels_figure
 from antenna_pin.plot._kinds import FREE_BASE, SEVERAL_JOINTS, none_with
 from antenna_pin.plot._run_figure import RunFigure
 from antenna_pin.plot._runs import LabelledRun, Run, left_out, long_enough, styles, too_short, with_reference
 from antenna_pin.plot._style import Array, Width, footnote, styled
+from antenna_pin.plot._thinned import thinned_beside, turning
 from antenna_pin.plot.motion import QUANTITIES, Quantity
 
 BaseQuantity = Literal[
@@ -76,6 +77,15 @@ def figure_base(
     if not drawn:
         raise none_with(FREE_BASE, every)
     drawn = _reference_last(drawn, reference)
+
+    def columns(run: LabelledRun) -> list[Array]:
+        motion = base_motion(run.data)
+        if quantity != "attitude":
+            return [np.asarray(motion[quantity].values), *_apart(run, reference, f"base_{quantity}")]
+        angles = _components(motion, quantity)
+        return [angles, *map(turning, angles.T), *_apart(run, reference, "base_attitude")]
+
+    drawn, reference = thinned_beside(drawn, reference, columns)
     words = "base " + quantity.replace("_", " ")
     looks = dict(zip([run.label for run in drawn], styles(drawn, reference), strict=True))
     motions = [_components(base_motion(run.data), quantity) for run in drawn]
@@ -85,7 +95,7 @@ def figure_base(
             quantity.replace("_", " ") if quantity != "attitude" else "angle",
             _UNITS[quantity],
             [
-                Curve(run.legend, run.time, motion[:, axis], looks[run.label], run is reference)
+                Curve(run.legend, run.time, motion[:, axis], looks[run.label], run is reference, run.many)
                 for run, motion in zip(drawn, motions, strict=True)
             ],
         )
@@ -97,7 +107,7 @@ def figure_base(
     apart = _deviations(drawn, reference, f"base_{quantity}")
     if apart:
         curves = [
-            Curve(run.label, time, np.linalg.norm(values, axis=1), looks[run.label])
+            Curve(run.label, time, np.linalg.norm(values, axis=1), looks[run.label], many=run.many)
             for run, time, values in apart
         ]
         title = "size of the deviation from the ideal run"
@@ -148,6 +158,11 @@ def figure_joints(
         raise InvalidParameterError(
             "figure", "runs", "at least one run with a turning joint", ", ".join(run.label for run in every)
         )
+
+    def columns(run: LabelledRun) -> list[Array]:
+        return [run.values(f"motion_{quantity}"), *_apart(run, reference, quantity)]
+
+    drawn, reference = thinned_beside(drawn, reference, columns)
     looks = dict(zip([run.label for run in drawn], styles(drawn, reference), strict=True))
     unit = drawn[0].unit(f"motion_{quantity}", _UNITS.get(quantity, "rad/s^2"))
     apart = _deviations(drawn, reference, quantity)
@@ -161,13 +176,14 @@ def figure_joints(
                 run.values(f"motion_{quantity}", joint=joint),
                 looks[run.label],
                 run is reference,
+                run.many,
             )
             for run in drawn
             if joint in run.joints
         ]
         panels.append(Panel(words, words, unit, curves))
         curves = [
-            Curve(run.label, time, values[:, run.joints.index(joint)], looks[run.label])
+            Curve(run.label, time, values[:, run.joints.index(joint)], looks[run.label], many=run.many)
             for run, time, values in apart
             if joint in run.joints
         ]
@@ -192,12 +208,29 @@ def _deviations(
         if reference is None or not reference.ideal or run is reference:
             continue
         try:
-            compared = deviation(run.data, reference.data).data
+            compared = deviation_over_time(run.data, reference.whole.data)
         except AntennaPinError:  # of another mechanism, or of another span of time
             continue
         if name in compared:
             found.append((run, np.asarray(compared["time"].values), np.asarray(compared[name].values)))
     return found
+
+
+def _apart(run: LabelledRun, reference: LabelledRun | None, name: str) -> list[Array]:
+    """Return the deviation of a part of a run from the ideal one, NaN where they cannot be compared.
+
+    Of a vector its size.
+    """
+    if reference is None or run.source is reference.source:
+        return []
+    found = _deviations([run], reference, name)
+    apart = np.full(run.time.size, np.nan)
+    for _, time, values in found:
+        first = int(np.searchsorted(run.time, time[0]))
+        size = np.linalg.norm(values, axis=1) if name.startswith("base_") else values
+        apart = np.full((run.time.size, *size.shape[1:]), np.nan)
+        apart[first : first + time.size] = size
+    return [apart]
 
 
 _REPORTED = ("position", "attitude")

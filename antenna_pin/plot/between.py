@@ -6,16 +6,19 @@ As in the Figures 11 and 12 of Bai and Zhao (2020), where only the axial clearan
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 
 import numpy as np
 from matplotlib.figure import Figure
 
+from antenna_pin.analysis import beside
 from antenna_pin.errors import UnknownNameError
 from antenna_pin.plot._compared import Curve, Panel, panels_figure
 from antenna_pin.plot._kinds import TURNING, choose_joint
 from antenna_pin.plot._run_figure import RunFigure
 from antenna_pin.plot._runs import LabelledRun, Run, long_enough, styles, too_short, with_reference
 from antenna_pin.plot._style import Array, Width, footnote, literal, styled
+from antenna_pin.plot._thinned import thinned_beside
 from antenna_pin.plot.motion import MOTIONS, Quantity
 
 __all__ = ["FIGURES", "figure_between"]
@@ -46,6 +49,18 @@ def figure_between(
     what = MOTIONS[quantity]
     name = choose_joint(what.of, every, joint)
     drawn = [run for run in long_enough(every) if name in what.of.names(run)]
+    plain = next((run for run in drawn if run is not reference and base in (None, run.label)), None)
+    bases = [run for run in (reference, plain) if run is not None and run in drawn]
+
+    def less_that_of(run: LabelledRun, other: LabelledRun) -> Array:
+        value = run.values(what.variable, joint=name)
+        return value - _at(other.whole, what.variable, name, run.time)
+
+    def columns(run: LabelledRun) -> list[Array]:
+        compared = [less_that_of(run, one) for one in bases if one.source is not run.source]
+        return [run.values(what.variable, joint=name), *compared]
+
+    drawn, reference = thinned_beside(drawn, reference, columns)
     others = [run for run in drawn if run is not reference]
     looks = dict(zip([run.label for run in drawn], styles(drawn, reference), strict=True))
     if base is not None and base not in [run.label for run in others]:
@@ -57,10 +72,9 @@ def figure_between(
     def curves(shown: list[LabelledRun], less: LabelledRun | None) -> list[Curve]:
         found = []
         for run in shown:
-            value = run.values(what.variable, joint=name)
-            if less is not None:
-                value = value - _at(less, what.variable, name, run.time)
-            found.append(Curve(run.legend, run.time, value, looks[run.label], run is reference))
+            value = run.values(what.variable, joint=name) if less is None else less_that_of(run, less)
+            smooth = run is reference
+            found.append(Curve(run.legend, run.time, value, looks[run.label], smooth, run.many))
         return found
 
     ordered = [*others, *(run for run in drawn if run is reference)]
@@ -78,9 +92,13 @@ def figure_between(
 
 def _at(run: LabelledRun, variable: str, joint: str, time: Array) -> Array:
     """Return the motion of a run at other times, along straight lines: across impacts no curve is better."""
-    own, index = np.unique(run.time, return_index=True)
-    values = run.values(variable, joint=joint)[index]
-    return np.asarray(np.interp(time, own, values, left=np.nan, right=np.nan))
+    found = np.empty(time.size)
+    for some, data in beside(run.data, time):
+        part = replace(run, data=data)
+        own, index = np.unique(part.time, return_index=True)
+        values = part.values(variable, joint=joint)[index]
+        found[some] = np.interp(time[some], own, values, left=np.nan, right=np.nan)
+    return found
 
 
 FIGURES = tuple(

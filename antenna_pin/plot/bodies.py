@@ -18,6 +18,7 @@ from antenna_pin.plot._kinds import LOOPED, MOVING, choose_joint
 from antenna_pin.plot._run_figure import RunFigure
 from antenna_pin.plot._runs import LabelledRun, Run, long_enough, styles, too_short, with_reference
 from antenna_pin.plot._style import Array, Width, footnote, styled
+from antenna_pin.plot._thinned import thinned_beside
 
 BodyQuantity = Literal["position", "velocity", "acceleration"]
 BODY_QUANTITIES: tuple[BodyQuantity, ...] = get_args(BodyQuantity)
@@ -52,6 +53,14 @@ def figure_body(
     joint = choose_joint(MOVING, every, joint)
     drawn = sorted(long_enough(every), key=lambda run: run is reference)
     body = moved_body(drawn[0].data, joint)
+
+    def columns(run: LabelledRun) -> list[Array]:
+        return [
+            np.asarray(body_motion(run.data, body)[quantity].values),
+            *_apart(run, reference, body, quantity),
+        ]
+
+    drawn, reference = thinned_beside(drawn, reference, columns)
     looks = dict(zip([run.label for run in drawn], styles(drawn, reference), strict=True))
     motions = [np.asarray(body_motion(run.data, body)[quantity].values, dtype=float) for run in drawn]
     apart = _deviations(drawn, reference, body, quantity)
@@ -64,11 +73,14 @@ def figure_body(
             continue
         words = f"{body.replace('_', ' ')} {quantity}, {component}"
         curves = [
-            Curve(run.legend, run.time, motion[:, axis], looks[run.label], run is reference)
+            Curve(run.legend, run.time, motion[:, axis], looks[run.label], run is reference, run.many)
             for run, motion in zip(drawn, motions, strict=True)
         ]
         panels.append(Panel(words, f"{component} {quantity}", _UNITS[quantity], curves))
-        curves = [Curve(run.label, time, values[:, axis], looks[run.label]) for run, time, values in apart]
+        curves = [
+            Curve(run.label, time, values[:, axis], looks[run.label], many=run.many)
+            for run, time, values in apart
+        ]
         if curves:
             title = f"deviation along {component} from the ideal run"
             panels.append(Panel(title, "deviation", _UNITS[quantity], curves, True))
@@ -87,11 +99,22 @@ def _deviations(
         if reference is None or not reference.ideal or run is reference:
             continue
         try:
-            compared = body_deviation(run.data, reference.data, body)
+            compared = body_deviation(run.data, reference.whole.data, body)
         except AntennaPinError:  # of another mechanism, or of another span of time
             continue
         found.append((run, np.asarray(compared["time"].values), np.asarray(compared[quantity].values)))
     return found
+
+
+def _apart(run: LabelledRun, reference: LabelledRun | None, body: str, quantity: str) -> list[Array]:
+    """Return the deviation of a part of a run from the ideal one, NaN where they cannot be compared."""
+    if reference is None or run.source is reference.source:
+        return []
+    apart = np.full((run.time.size, 3), np.nan)
+    for _, time, values in _deviations([run], reference, body, quantity):
+        first = int(np.searchsorted(run.time, time[0]))
+        apart[first : first + time.size] = values
+    return [apart]
 
 
 FIGURES = tuple(

@@ -14,8 +14,10 @@ from antenna_pin.plot._kinds import CLOSED, PRESCRIBED, RunKind, none_with
 from antenna_pin.plot._run_figure import RunFigure
 from antenna_pin.plot._runs import LabelledRun, Run, left_out, long_enough, styles, too_short, with_reference
 from antenna_pin.plot._style import Array, Width, footnote, styled
+from antenna_pin.plot._thinned import thinned_beside
 from antenna_pin.trajectory import names_along
 
+_OF_CLOSURES = {"force": "N", "moment": "N m"}
 _Pick = Callable[[LabelledRun], Array | None]
 
 
@@ -36,10 +38,16 @@ def figure_closure_forces(
     """
     every, reference = with_reference(runs, ideal)
     drawn = _drawn(CLOSED, every, reference)
+
+    def columns(run: LabelledRun) -> list[Array]:
+        picks = [_size(name, what) for name in names_along(run.data, "closure") for what in _OF_CLOSURES]
+        return [found for found in (pick(run) for pick in picks) if found is not None]
+
+    drawn, reference = thinned_beside(drawn, reference, columns)
     panels: list[Panel] = []
     for name in dict.fromkeys(name for run in drawn for name in names_along(run.data, "closure")):
         kind = next(closures_of(run.data)[name]["kind"] for run in drawn if name in closures_of(run.data))
-        for what, unit in (("force", "N"), ("moment", "N m")):
+        for what, unit in _OF_CLOSURES.items():
             panel = _panel(f"{name} ({kind}), {what}", what, unit, drawn, reference, _size(name, what))
             force = panels[-1].largest if what == "moment" else 0.0
             if what == "force" or panel.largest > ROUND_OFF * force:
@@ -71,6 +79,12 @@ def figure_drive_efforts(
     """
     every, reference = with_reference(runs, ideal)
     drawn = _drawn(PRESCRIBED, every, reference)
+
+    def columns(run: LabelledRun) -> list[Array]:
+        picks = [of(name) for name in names_along(run.data, "drive") for of in (_effort, _power)]
+        return [found for found in (pick(run) for pick in picks) if found is not None]
+
+    drawn, reference = thinned_beside(drawn, reference, columns)
     panels: list[Panel] = []
     for name in dict.fromkeys(name for run in drawn for name in names_along(run.data, "drive")):
         unit = next(effort_unit(run.data, name) for run in drawn if name in names_along(run.data, "drive"))
@@ -104,7 +118,7 @@ def _panel(
     for run, style in zip(runs, styles(runs, reference), strict=True):
         values = pick(run)
         if values is not None:
-            curves.append(Curve(run.legend, run.time, values, style, run is reference))
+            curves.append(Curve(run.legend, run.time, values, style, run is reference, run.many))
     return Panel(title, label, unit, curves, apart=True)
 
 

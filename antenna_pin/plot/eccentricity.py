@@ -35,6 +35,7 @@ from antenna_pin.plot._style import (
     prefixed,
     styled,
 )
+from antenna_pin.plot._thinned import thinned
 
 _NAMES = {"+": "end +", "-": "end \N{MINUS SIGN}", "centre": "centre"}
 _LOOKS = {"+": (COLOURS[0], "-"), "-": (COLOURS[4], "-"), "centre": (COLOURS[0], "-")}
@@ -66,7 +67,7 @@ def figure_eccentricity(
     every = labelled(runs)
     joint = choose_joint(TOUCHING, every, joint)
     drawn = [run for run in long_enough(every) if joint in run.clearance_joints]
-    curves = [smooth(run, joint) for run in drawn]
+    curves = [thinned(smooth(run, joint), lambda part: _columns(part, joint)) for run in drawn]
     motions = [journal_motion(curve.data, joint) for curve in curves]
     bounded = [
         row for row in _BOUNDED if any(np.isfinite(motion.attrs[f"{row[0]}_limit"]) for motion in motions)
@@ -84,7 +85,7 @@ def figure_eccentricity(
     titles = ("eccentricity", "penetration", *(title for _, _, title, _, _ in bounded))
     for column, (run, curve, motion) in enumerate(zip(drawn, curves, motions, strict=True)):
         time = curve.time
-        many = time.size > MANY
+        many = curve.many
         panels = [row[column] for row in grid]
         for number, place in enumerate(motion["place"].values):
             colour, line = _LOOKS[str(place)]
@@ -133,6 +134,19 @@ def figure_eccentricity(
     return figure
 
 
+def _columns(run: LabelledRun, joint: str) -> list[Array]:
+    """Return all that is drawn of a run's samples."""
+    motion = journal_motion(run.data, joint)
+    names = ("eccentricity_ratio", *(name for name, *_ in _BOUNDED))
+    return [_sampled_depth(run, joint), *(motion[name].values for name in names)]
+
+
+def _sampled_depth(run: LabelledRun, joint: str) -> Array:
+    """Return the largest depth in the bore over time [m]."""
+    names = run.contacts_of(joint, flanges=False)
+    return np.stack([run.values("depth", contact=name) for name in names], axis=1).max(axis=1)
+
+
 def _largest(motions: list[xr.Dataset], name: str) -> float:
     """Return the largest size of a variable and of its limit, in the joints where it has one."""
     limited = [motion for motion in motions if np.isfinite(motion.attrs[f"{name}_limit"])]
@@ -143,7 +157,7 @@ def _largest(motions: list[xr.Dataset], name: str) -> float:
 def _depths(run: LabelledRun, curve: LabelledRun, joint: str) -> tuple[Array, Array, Array]:
     """Return the largest depth in the bore over time [m], and times [s] and depths [m] of the peaks."""
     names = run.contacts_of(joint, flanges=False)
-    sampled = np.stack([curve.values("depth", contact=name) for name in names], axis=1).max(axis=1)
+    sampled = _sampled_depth(curve, joint)
     if run.data.sizes.get("episode", 0) == 0:
         return sampled, np.empty(0), np.empty(0)
     index = run.values("episode_contact").astype(int)

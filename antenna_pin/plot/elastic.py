@@ -16,7 +16,6 @@ from antenna_pin.plot._kinds import FLEXIBLE, none_with
 from antenna_pin.plot._run_figure import RunFigure
 from antenna_pin.plot._runs import LabelledRun, Run, labelled, left_out, long_enough, styles, too_short
 from antenna_pin.plot._style import (
-    MANY,
     Array,
     Width,
     few_ticks,
@@ -29,6 +28,7 @@ from antenna_pin.plot._style import (
     prefixed,
     styled,
 )
+from antenna_pin.plot._thinned import thinned_beside
 
 # Parts that a figure shows, those with the largest deflections of their unit; decades of a spectrum.
 _MOST = {"page": 4, "column": 3}
@@ -53,6 +53,7 @@ def figure_deflection(runs: Iterable[Run] | Run, *, width: Width = "page") -> Fi
     reference = next((run for run in drawn if run.ideal), None)
     drawn.sort(key=lambda run: run is reference)  # it lies on top
     parts, count = _largest(drawn, _MOST[width])
+    drawn, reference = thinned_beside(drawn, reference, lambda run: _deflections(run, parts))
     page = width == "page"
     figure = new_figure(width, 12.0 + 44.0 * len(parts) * (1 if page else 2))
     grid = figure.subplots(len(parts) * (1 if page else 2), 2 if page else 1, squeeze=False)
@@ -100,6 +101,10 @@ def _largest(runs: Sequence[LabelledRun], most: int) -> tuple[list[str], int]:
     return sorted(chosen[:most], key=order.index), len(order)
 
 
+def _deflections(run: LabelledRun, parts: Sequence[str]) -> list[Array]:
+    return [_deflection(run, part) for part in parts if part in elastic_parts_of(run.data)]
+
+
 def _deflection(run: LabelledRun, part: str) -> Array:
     return run.values("deflection", elastic_part=part)
 
@@ -111,8 +116,8 @@ def _motion(
     largest = max(float(np.abs(_deflection(run, part)).max()) for run in runs)
     factor, printed = prefixed("m" if slides else "rad", largest)
     for run, look in zip(runs, looks, strict=True):
-        many = run.time.size > MANY
-        axes.plot(run.time, factor * _deflection(run, part), label=run.legend, rasterized=many, **look)
+        deflection = factor * _deflection(run, part)
+        axes.plot(run.time, deflection, label=run.legend, rasterized=run.many, **look)
     axes.set_ylabel(f"deflection [{printed}]")
     few_ticks(axes, 5)
 
@@ -155,6 +160,7 @@ def _spectra(
 
 def _density(run: LabelledRun, part: str) -> tuple[Array, Array] | None:
     """Return frequencies [Hz] and amplitude densities of a part's deflection; None of too few samples."""
+    run = run.whole
     values = _deflection(run, part)
     for segment in (0.5 * float(run.time[-1] - run.time[0]), None):
         try:

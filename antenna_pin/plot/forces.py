@@ -20,7 +20,6 @@ from antenna_pin.plot._runs import (
 )
 from antenna_pin.plot._style import (
     COLOURS,
-    MANY,
     PEAK,
     Array,
     Width,
@@ -32,6 +31,7 @@ from antenna_pin.plot._style import (
     prefixed,
     styled,
 )
+from antenna_pin.plot._thinned import thinned
 from antenna_pin.trajectory import contact_ends, contact_kinds
 
 # Rows of the figure by the kinds of contact that a joint has: a ball has no axis, a slider no flange.
@@ -64,7 +64,9 @@ def figure_contact_forces(
     joint = choose_joint(TOUCHING, every, joint)
     drawn = [run for run in long_enough(every) if joint in run.clearance_joints]
     kinds = _kinds(drawn, joint)
-    curves = [smooth(run, joint) for run in drawn]
+    curves = [
+        thinned(smooth(run, joint), lambda part: _resultant(part, joint, kinds).values()) for run in drawn
+    ]
     resultants = [_resultant(curve, joint, kinds) for curve in curves]
     peaks = [{kind: _peaks(run, joint, kind) for kind in kinds} for run in drawn]
     sizes = {
@@ -86,7 +88,7 @@ def figure_contact_forces(
                 linewidth=0.6,
                 label=_SAMPLED,
                 zorder=3,
-                rasterized=curves[column].time.size > MANY,
+                rasterized=curves[column].many,
             )
             _stems(axes, *peaks[column][kind], factor)
             few_ticks(axes, 5)

@@ -33,6 +33,7 @@ from antenna_pin.plot._style import (
     prefixed,
     styled,
 )
+from antenna_pin.plot._thinned import closer, thinned_beside
 
 _DECADES = 5
 
@@ -60,7 +61,7 @@ def figure_joint_load(
         width: "column" (88 mm) or "page" (180 mm).
     """
     every, reference = with_reference(runs, ideal)
-    joint, drawn, forces = _forces(every, reference, joint)
+    joint, drawn, forces, reference = _forces(every, reference, joint)
     largest = [float(np.nanmax(force, initial=0.0)) for force in forces]
     overall = max(largest)
     if not overall > 0.0:
@@ -71,10 +72,12 @@ def figure_joint_load(
     whole, near = figure.subplots(1 if page else 2, 2 if page else 1, squeeze=False).ravel()
     hardest = int(np.argmax(largest))
     window = zoom or _around(drawn[hardest].time, forces[hardest])
-    for run, force, style in zip(drawn, forces, styles(drawn, reference), strict=True):
+    looks = styles(drawn, reference)
+    ratios = _ratios(drawn, largest, reference)
+    drawn, forces = _seen_closer(drawn, forces, window, joint)
+    for run, force, style in zip(drawn, forces, looks, strict=True):
         for axes in (whole, near):
-            many = run.time.size > MANY
-            axes.plot(run.time, factor * force, label=run.legend, rasterized=many, **style)
+            axes.plot(run.time, factor * force, label=run.legend, rasterized=run.many, **style)
     whole.set_xlim(min(run.time[0] for run in drawn), max(run.time[-1] for run in drawn))
     near.set_xlim(window)
     whole.axvspan(*window, facecolor=SHADE, edgecolor="#888888", linewidth=0.5, zorder=0.5)
@@ -89,7 +92,7 @@ def figure_joint_load(
         axes.set_xlabel("time [s]")
         axes.set_ylabel(f"force through {literal(joint.replace('_', ' '))} [{printed}]")
     legend_above(figure, [whole])
-    footnote(figure, _ratios(drawn, largest, reference), too_short(every))
+    footnote(figure, ratios, too_short(every))
     return figure
 
 
@@ -115,7 +118,7 @@ def figure_steady_force(
         width: "column" (88 mm) or "page" (180 mm).
     """
     every, reference = with_reference(runs, ideal)
-    joint, drawn, forces = _forces(every, reference, joint)
+    joint, drawn, forces, reference = _forces(every, reference, joint)
     start, end = min(run.time[0] for run in drawn), max(run.time[-1] for run in drawn)
     middle = 0.5 * (start + end)
     figure = new_figure(width, 110.0)
@@ -128,12 +131,14 @@ def figure_steady_force(
     window = zoom or (centre - half, centre + half)
     factor, printed = prefixed("N", float(np.nanmax(held[hardest])))
     spans = ((middle, end), window)
+    looks = styles(drawn, reference)
+    drawn, forces = _seen_closer(drawn, forces, window, joint)
     for axes, span, letter, title in zip(
         panels, spans, "ab", ("second half of the run", "close view of the shaded span"), strict=True
     ):
-        for run, force, style in zip(drawn, forces, styles(drawn, reference), strict=True):
+        for run, force, style in zip(drawn, forces, looks, strict=True):
             shown = (run.time >= span[0]) & (run.time <= span[1])
-            many = np.count_nonzero(shown) > MANY
+            many = np.count_nonzero(shown) > MANY or run.kept is not None
             axes.plot(run.time[shown], factor * force[shown], label=run.legend, rasterized=many, **style)
         axes.set_xlim(span)
         few_ticks(axes, 6)
@@ -148,17 +153,30 @@ def figure_steady_force(
 
 def _forces(
     every: list[LabelledRun], reference: LabelledRun | None, joint: str | None
-) -> tuple[str, list[LabelledRun], list[Array]]:
-    """Return the joint to draw, the runs that have it, the ideal one last, and the sizes of its force [N]."""
-    loads = {run.label: joint_loads(run.data)["force"] for run in long_enough(every)}
+) -> tuple[str, list[LabelledRun], list[Array], LabelledRun | None]:
+    """Return the joint to draw, the runs that have it, the ideal one last, the sizes of its force [N]."""
+    long = long_enough(every)
+    known = [joint_loads(run.data, [0])["moving_joint"].values for run in long]
     joint = choose_joint(MOVING, every, joint)
-    drawn = [run for run in long_enough(every) if joint in loads[run.label]["moving_joint"]]
+    drawn = [run for run, names in zip(long, known, strict=True) if joint in names]
     drawn.sort(key=lambda run: run is reference)
-    forces = [
-        np.linalg.norm(np.asarray(loads[run.label].sel(moving_joint=joint).values, dtype=float), axis=1)
-        for run in drawn
-    ]
-    return joint, drawn, forces
+    drawn, reference = thinned_beside(drawn, reference, lambda part: [_force(part, joint)])
+    return joint, drawn, [_force(run, joint) for run in drawn], reference
+
+
+def _seen_closer(
+    runs: list[LabelledRun], forces: list[Array], window: tuple[float, float], joint: str
+) -> tuple[list[LabelledRun], list[Array]]:
+    """Return runs and sizes of the force with all samples in a close view, in the order of the runs."""
+    near = [closer(run, window, lambda part: [_force(part, joint)]) for run in runs]
+    pairs = zip(runs, near, forces, strict=True)
+    return near, [force if seen is run else _force(seen, joint) for run, seen, force in pairs]
+
+
+def _force(run: LabelledRun, joint: str) -> Array:
+    """Return the size of the force through a joint [N], (n,)."""
+    force = joint_loads(run.data)["force"].sel(moving_joint=joint)
+    return np.asarray(np.linalg.norm(np.asarray(force.values, dtype=float), axis=1))
 
 
 def _around(time: Array, force: Array) -> tuple[float, float]:

@@ -7,21 +7,27 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
-from typing import Literal, NamedTuple
+from typing import Literal
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from antenna_pin.analysis import resampled
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.plot._compared import between_spikes
-from antenna_pin.plot._kinds import SLIDING, TURNING, JointKind, choose_joint
+from antenna_pin.plot._kinds import SLIDING, TURNING, choose_joint
+from antenna_pin.plot._motion_curves import (
+    MotionCurve,
+    MotionQuantity,
+    Span,
+    curves_of,
+    drawn_columns,
+    from_rest,
+    zoom_of,
+)
 from antenna_pin.plot._run_figure import RunFigure
-from antenna_pin.plot._runs import LabelledRun, Run, long_enough, too_short, with_reference
+from antenna_pin.plot._runs import Run, long_enough, too_short, with_reference
 from antenna_pin.plot._style import (
-    COLOURS,
     IDEAL,
     MANY,
     SHADE,
@@ -38,53 +44,22 @@ from antenna_pin.plot._style import (
     prefixed,
     styled,
 )
+from antenna_pin.plot._thinned import closer, thinned_beside
 
 Quantity = Literal["angle", "rate", "acceleration", "position", "slide rate", "slide acceleration"]
-_Span = tuple[float, float]
 
-
-class _Quantity(NamedTuple):
-    """A quantity of a joint's motion."""
-
-    variable: str
-    unit: str
-    derivative: str | None
-    of: JointKind
-    # Largest half width of the zoom, as a share of the whole span.
-    half_width: float = 0.05
-    spiky: bool = False  # as accelerations are in contact: a strip each, and closer
-
-    @property
-    def dim(self) -> str:
-        """Along which the joints are."""
-        return "sliding_joint" if self.of is SLIDING else "joint"
-
-
-MOTIONS: dict[Quantity, _Quantity] = {
-    "angle": _Quantity("motion_angle", "rad", "motion_rate", TURNING),
-    "rate": _Quantity("motion_rate", "rad/s", "motion_acceleration", TURNING),
-    "acceleration": _Quantity("motion_acceleration", "rad/s^2", None, TURNING, 0.01, True),
-    "position": _Quantity("slide_position", "m", "slide_rate", SLIDING),
-    "slide rate": _Quantity("slide_rate", "m/s", "slide_acceleration", SLIDING),
-    "slide acceleration": _Quantity("slide_acceleration", "m/s^2", None, SLIDING, 0.01, True),
+MOTIONS: dict[Quantity, MotionQuantity] = {
+    "angle": MotionQuantity("motion_angle", "rad", "motion_rate", TURNING),
+    "rate": MotionQuantity("motion_rate", "rad/s", "motion_acceleration", TURNING),
+    "acceleration": MotionQuantity("motion_acceleration", "rad/s^2", None, TURNING, 0.01, True),
+    "position": MotionQuantity("slide_position", "m", "slide_rate", SLIDING),
+    "slide rate": MotionQuantity("slide_rate", "m/s", "slide_acceleration", SLIDING),
+    "slide acceleration": MotionQuantity("slide_acceleration", "m/s^2", None, SLIDING, 0.01, True),
 }
 
 
 #: Those of joints that turn.
 QUANTITIES: tuple[Quantity, ...] = tuple(name for name, what in MOTIONS.items() if what.of is TURNING)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Curve:
-    """One run's line: times [s], values, and the deviation from the ideal run (None without one)."""
-
-    label: str
-    time: Array
-    value: Array
-    deviation: Array | None
-    is_ideal: bool
-    colour: str
-    linewidth: float = 1.0
 
 
 @styled
@@ -94,7 +69,7 @@ def figure_motion(
     *,
     joint: str | None = None,
     ideal: Run | None = None,
-    zoom: _Span | None = None,
+    zoom: Span | None = None,
     width: Width = "page",
 ) -> Figure:
     """Return the motion of one joint in all runs: whole span, close view, deviation from the ideal joint.
@@ -117,100 +92,41 @@ def figure_motion(
     every, reference = with_reference(runs, ideal)
     what = MOTIONS[quantity]
     name = choose_joint(what.of, every, joint)
-    drawn = long_enough(every)
-    curves = _curves(drawn, reference, name, what)
     given = None if zoom is None else _check_zoom(zoom)
+    columns = drawn_columns(reference, name, what)
+    drawn, reference = thinned_beside(long_enough(every), reference, columns)
+    curves = curves_of(drawn, reference, name, what)
+
+    def seen(windows: Sequence[Span | None]) -> list[MotionCurve]:
+        """Return the curves with all samples in close views."""
+        if all(run.kept is None for run in drawn):
+            return curves
+        near = drawn
+        for window in windows:
+            near = [closer(run, window, columns) for run in near]
+        return curves_of(near, reference, name, what)
+
     unit = drawn[0].unit(what.variable, what.unit)
     label = f"{literal(name.replace('_', ' '))} {quantity.removeprefix('slide ')}"
     if what.spiky and any(not c.is_ideal for c in curves):
-        windows = [given or _zoom([_from_rest(c)], what) for c in curves if not c.is_ideal]
-        figure = _strips(curves, windows, label, unit, width)
+        windows = [given or zoom_of([from_rest(c)], what) for c in curves if not c.is_ideal]
+        figure = _strips(seen(windows), windows, label, unit, width)
     else:
-        figure = _panels(curves, given or _zoom(curves, what), label, unit, width)
+        window = given or zoom_of(curves, what)
+        figure = _panels(seen([window]), window, label, unit, width)
     footnote(figure, too_short(every))
     return figure
 
 
-def _curves(
-    runs: Sequence[LabelledRun], reference: LabelledRun | None, joint: str, what: _Quantity
-) -> list[_Curve]:
-    """Return what is to be drawn, the ideal run last so that it lies on top."""
-    curves: list[_Curve] = []
-    colours = iter(COLOURS * (1 + len(runs) // len(COLOURS)))
-    for run in runs:
-        if joint not in what.of.names(run):
-            continue
-        time, value = run.time, run.values(what.variable, **{what.dim: joint})
-        is_ideal = run is reference
-        deviation = None
-        if reference is not None and not is_ideal and joint in what.of.names(reference):
-            deviation = value - _resampled(reference, joint, what, time)
-        colour = "black" if is_ideal else next(colours)
-        curves.append(_Curve(run.legend if is_ideal else run.label, time, value, deviation, is_ideal, colour))
-    return sorted(curves, key=lambda curve: curve.is_ideal)
-
-
-def _resampled(run: LabelledRun, joint: str, what: _Quantity, time: Array) -> Array:
-    """Return a smooth run's motion at other times; NaN outside its span."""
-    place = {what.dim: joint}
-    known = what.derivative is not None and what.derivative in run.data
-    slope = run.values(what.derivative, **place) if known and what.derivative else None
-    return resampled(run.time, run.values(what.variable, **place), time, slope)
-
-
-def _from_rest(curve: _Curve) -> _Curve:
-    """Return a curve with its deviation, from zero if there is no ideal run to deviate from."""
-    return curve if curve.deviation is not None else dataclasses.replace(curve, deviation=curve.value)
-
-
-def _check_zoom(zoom: _Span) -> _Span:
+def _check_zoom(zoom: Span) -> Span:
     if not zoom[0] < zoom[1]:
         raise InvalidParameterError("figure", "zoom", "a start before its end [s]", zoom)
     return float(zoom[0]), float(zoom[1])
 
 
-def _zoom(curves: Sequence[_Curve], what: _Quantity) -> _Span | None:
-    """Return the span around the largest deviation in which that deviation is a good part of the height."""
-    spread = _spread(curves)
-    if spread is None:
-        return None
-    curve, deviation = spread
-    size = np.abs(np.where(np.isfinite(deviation), deviation, 0.0))
-    at = int(np.argmax(size))
-    if size[at] <= 0.0:
-        return None
-    start, end = float(curve.time[0]), float(curve.time[-1])
-    half = what.half_width * (end - start)
-    smallest = min(5.0 * float(np.median(np.diff(curve.time))), half)
-    smooth = curve.value - np.where(np.isfinite(deviation), deviation, 0.0)
-    while half > smallest:
-        near = smooth[np.abs(curve.time - curve.time[at]) <= half]
-        if np.ptp(near) <= 6.0 * size[at]:
-            break
-        half /= 1.25
-    half = max(half, smallest)
-    # The close view keeps its width at the ends of the span.
-    centre = min(max(float(curve.time[at]), start + half), end - half)
-    return centre - half, centre + half
-
-
-def _spread(curves: Sequence[_Curve]) -> tuple[_Curve, Array] | None:
-    """Return the curve that deviates most, and by how much: from the ideal run, else from the first run."""
-    compared = [
-        (c, c.deviation) for c in curves if c.deviation is not None and np.isfinite(c.deviation).any()
-    ]
-    if not compared and len(curves) > 1:
-        first = curves[0]
-        own, index = np.unique(first.time, return_index=True)
-        for other in curves[1:]:
-            base = np.interp(other.time, own, first.value[index], left=np.nan, right=np.nan)
-            compared.append((other, other.value - base))
-    if not compared:
-        return None
-    return max(compared, key=lambda pair: float(np.nanmax(np.abs(pair[1]), initial=0.0)))
-
-
-def _draw(axes: Axes, curve: _Curve, values: Array, span: _Span | None = None, thin: bool = False) -> None:
+def _draw(
+    axes: Axes, curve: MotionCurve, values: Array, span: Span | None = None, thin: bool = False
+) -> None:
     """Draw one curve, or the part of it in a span (with one sample more on either side)."""
     time = curve.time
     if span is not None:
@@ -220,10 +136,11 @@ def _draw(axes: Axes, curve: _Curve, values: Array, span: _Span | None = None, t
     style = (
         IDEAL if curve.is_ideal else {"color": curve.colour, "linewidth": 0.6 if thin else curve.linewidth}
     )
-    axes.plot(time, values, label=curve.label, rasterized=time.size > MANY, **style)
+    many = time.size > MANY or (span is None and curve.many)
+    axes.plot(time, values, label=curve.label, rasterized=many, **style)
 
 
-def _widened(curves: Sequence[_Curve]) -> list[_Curve]:
+def _widened(curves: Sequence[MotionCurve]) -> list[MotionCurve]:
     """Return the curves, the ones below wider: of runs that nearly coincide, all are seen."""
     others = sum(not curve.is_ideal for curve in curves)
     return [
@@ -232,7 +149,9 @@ def _widened(curves: Sequence[_Curve]) -> list[_Curve]:
     ]
 
 
-def _panels(curves: Sequence[_Curve], window: _Span | None, label: str, unit: str, width: Width) -> Figure:
+def _panels(
+    curves: Sequence[MotionCurve], window: Span | None, label: str, unit: str, width: Width
+) -> Figure:
     """Draw the whole span, the close view and the deviation."""
     count = 1 + (window is not None) + any(curve.deviation is not None for curve in curves)
     if width == "page" and count > 1:
@@ -284,7 +203,7 @@ def _panels(curves: Sequence[_Curve], window: _Span | None, label: str, unit: st
 
 
 def _strips(
-    curves: Sequence[_Curve], windows: Sequence[_Span | None], label: str, unit: str, width: Width
+    curves: Sequence[MotionCurve], windows: Sequence[Span | None], label: str, unit: str, width: Width
 ) -> Figure:
     """Draw one strip per run with the ideal run on top: spikes of several runs would hide each other."""
     ideal = next((curve for curve in curves if curve.is_ideal), None)
@@ -333,7 +252,7 @@ def _strips(
     return figure
 
 
-def _mark(axes: Axes, window: _Span) -> None:
+def _mark(axes: Axes, window: Span) -> None:
     """Shade the span that the close view shows; its edges keep a narrow one visible."""
     axes.axvspan(*window, facecolor=SHADE, edgecolor="#888888", linewidth=0.5, zorder=0.5)
 

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import Any, Literal
 
 import numpy as np
+import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Colormap, LogNorm, Normalize
@@ -15,10 +16,10 @@ from matplotlib.patches import Polygon
 from matplotlib.projections.polar import PolarAxes
 from matplotlib.ticker import MaxNLocator
 
-from antenna_pin.analysis import bore_load, journal_motion
+from antenna_pin.analysis import LONG, blocks, bore_load, journal_motion
 from antenna_pin.errors import UnknownNameError
 from antenna_pin.plot._kinds import TOUCHING, choose_joint
-from antenna_pin.plot._lines import draw_pieces
+from antenna_pin.plot._lines import draw_parts, draw_pieces
 from antenna_pin.plot._run_figure import RunFigure
 from antenna_pin.plot._runs import (
     LabelledRun,
@@ -86,15 +87,16 @@ def figure_orbit(
     joint = choose_joint(TOUCHING, every, joint)
     drawn = [run for run in long_enough(every) if joint in run.clearance_joints]
     curves = [smooth(run, joint) for run in drawn]
-    motions = [journal_motion(curve.data, joint) for curve in curves]
+    # Of a long run what holds for all of it is that of its first part; its path is made while it is drawn.
+    motions = [journal_motion(next(blocks(curve.data)), joint) for curve in curves]
     planes = [_PROJECTIONS if motion.attrs["spatial"] else _ACROSS for motion in motions]
     count = sum(motion.sizes["place"] * len(plane) for motion, plane in zip(motions, planes, strict=True))
     note = left_out(every, drawn, "no clearance in this joint")
     figure, panels = _square_panels(width, count, 23.0 if note or too_short(every) else 18.0)
     # The whole play is in view, however little the journal has moved.
     sizes = [
-        float(max(np.nanmax(motion["eccentricity"].values), np.abs(motion.attrs["outline"]).max()))
-        for motion in motions
+        float(max(_farthest(curve, joint), np.abs(motion.attrs["outline"]).max()))
+        for curve, motion in zip(curves, motions, strict=True)
     ]
     clearances = [float(motion.attrs["radial_clearance"]) for motion in motions]
     if max(clearances) > _ALIKE * min(clearances):  # on one scale the smallest would be a dot
@@ -103,7 +105,7 @@ def figure_orbit(
         factor, printed = prefixed("m", max(sizes))
         factors, by = [factor] * len(drawn), ""
     reach = 1.1 * max(factor * size for factor, size in zip(factors, sizes, strict=True))
-    loads = [_bore_forces(curve, joint) for curve in curves]
+    loads = [_bore_forces(curve, joint) if shade == "load" else np.zeros((0, 0)) for curve in curves]
     norm = _norm(shade, drawn, loads)
     letter = letters()
     panel = iter(panels)
@@ -116,12 +118,13 @@ def figure_orbit(
         if len(plane) > 1:
             outline = factor * motion.attrs["outline"]  # a circle however it is seen
         for number, place in enumerate(motion["place"].values):
-            offset = factor * (motion["offset"].values[:, number] @ shown.turn.T)
+            path = _Path(curve, motion, joint, number, factor * shown.turn)
             for across, up in plane:
                 axes = next(panel)
                 if shade == "time":
-                    _line(axes, offset[:, across], offset[:, up], curve.time, norm)
+                    _line(axes, path, [across, up], norm)
                 else:
+                    offset = path.whole
                     _loaded_line(axes, offset[:, across], offset[:, up], load[:, number], norm)
                 axes.add_patch(
                     Polygon(outline, closed=True, fill=False, edgecolor="black", linewidth=0.6, zorder=1.6)
@@ -166,20 +169,63 @@ def _bore_forces(run: LabelledRun, joint: str) -> Array:
     return np.stack([run.values("normal_force", contact=name) for name in names], axis=1)
 
 
-def _line(axes: Axes, x: Array, y: Array, value: Array, norm: Normalize) -> None:
-    """Draw a line whose colour is the mean value of each piece's ends."""
-    draw_pieces(
-        axes,
-        np.stack([x, y], axis=1),
-        0.5 * (value[:-1] + value[1:]),
-        cmap=SEQUENTIAL,
-        norm=norm,
-        linewidth=0.5,
-        capstyle="round",
-        zorder=2,
-        # Thousands of single pieces: as pixels they make a small file.
-        rasterized=x.size > MANY // 20,
-    )
+def _farthest(run: LabelledRun, joint: str) -> float:
+    """Return the largest eccentricity of the journal in a run [m]."""
+    parts = (journal_motion(part, joint)["eccentricity"].values for part in blocks(run.data))
+    return float(np.nanmax([np.nanmax(part) for part in parts]))
+
+
+class _Path:
+    """Where the journal's axis or centre passes, at one place.
+
+    Args:
+        run: Its samples.
+        motion: Of the journal in the first part of them, which is all of a run that is not long.
+        joint: The joint with clearance.
+        place: Number of the place.
+        turn: Turns offsets to the axes that are shown, and scales them, (3, 3).
+    """
+
+    def __init__(self, run: LabelledRun, motion: xr.Dataset, joint: str, place: int, turn: Array) -> None:
+        self._run, self._motion, self._joint, self._place, self._turn = run, motion, joint, place, turn
+        self.long = run.time.size > LONG
+
+    def parts(self) -> Iterator[tuple[Array, Array]]:
+        """Yield offsets (m, 3) and times (m,) [s], each part from the last sample of the one before on."""
+        if not self.long:
+            yield self._motion["offset"].values[:, self._place] @ self._turn.T, self._run.time
+            return
+        for part in blocks(self._run.data, overlap=1):
+            offset = journal_motion(part, self._joint)["offset"].values[:, self._place]
+            yield offset @ self._turn.T, part["time"].values
+
+    @property
+    def whole(self) -> Array:
+        """All offsets, (n, 3)."""
+        found = [offset for offset, _ in self.parts()]
+        return np.concatenate([*(offset[:-1] for offset in found[:-1]), found[-1]])
+
+
+def _line(axes: Axes, path: _Path, shown: list[int], norm: Normalize) -> None:
+    """Draw a line whose colour is the mean time of each piece's ends."""
+    looks: dict[str, Any] = {
+        "cmap": SEQUENTIAL,
+        "norm": norm,
+        "linewidth": 0.5,
+        "capstyle": "round",
+        "zorder": 2,
+    }
+
+    def parts() -> Iterator[tuple[Array, Array]]:
+        for offset, time in path.parts():
+            yield offset[:, shown], 0.5 * (time[:-1] + time[1:])
+
+    if path.long:
+        draw_parts(axes, parts, rasterized=True, **looks)
+        return
+    points, value = next(parts())
+    # Thousands of single pieces: as pixels they make a small file.
+    draw_pieces(axes, points, value, rasterized=len(points) > MANY // 20, **looks)
 
 
 def _loaded_line(axes: Axes, x: Array, y: Array, load: Array, norm: Normalize) -> None:

@@ -13,7 +13,8 @@ from antenna_pin.plot._compared import Curve, Panel, panels_figure
 from antenna_pin.plot._kinds import POINTED
 from antenna_pin.plot._run_figure import RunFigure
 from antenna_pin.plot._runs import LabelledRun, Run, left_out, long_enough, styles, too_short, with_reference
-from antenna_pin.plot._style import Width, footnote, styled
+from antenna_pin.plot._style import Array, Width, footnote, styled
+from antenna_pin.plot._thinned import thinned_beside, turning
 
 _CROSS = ("cross", "up")
 
@@ -33,6 +34,7 @@ def figure_pointing(runs: Iterable[Run] | Run, *, ideal: Run | None = None, widt
     """
     every, reference = with_reference(runs, ideal)
     long = sorted(long_enough(every), key=lambda run: run is reference)
+    long, reference = thinned_beside(long, reference, lambda run: _columns(run, reference))
     looks = dict(zip([run.label for run in long], styles(long, reference), strict=True))
     directions, errors = {}, {}
     drawn: list[LabelledRun] = []
@@ -44,7 +46,9 @@ def figure_pointing(runs: Iterable[Run] | Run, *, ideal: Run | None = None, widt
         drawn.append(run)
         if run is not reference:
             try:
-                errors[run.label] = pointing_error(run.data, None if reference is None else reference.data)
+                errors[run.label] = pointing_error(
+                    run.data, None if reference is None else reference.whole.data
+                )
             except AntennaPinError:  # nothing to compare with
                 continue
     if not drawn:
@@ -66,6 +70,7 @@ def figure_pointing(runs: Iterable[Run] | Run, *, ideal: Run | None = None, widt
                     np.asarray(directions[run.label][name].values, dtype=float),
                     looks[run.label],
                     run is reference,
+                    run.many,
                 )
                 for run in drawn
             ],
@@ -85,6 +90,7 @@ def figure_pointing(runs: Iterable[Run] | Run, *, ideal: Run | None = None, widt
                         run.time,
                         np.asarray(errors[run.label]["boresight_error"].sel(cross_axis=axis).values),
                         looks[run.label],
+                        many=run.many,
                     )
                     for run in missed
                 ],
@@ -93,7 +99,13 @@ def figure_pointing(runs: Iterable[Run] | Run, *, ideal: Run | None = None, widt
         )
     if missed:
         cones = [
-            Curve(run.label, run.time, np.asarray(errors[run.label]["half_cone"].values), looks[run.label])
+            Curve(
+                run.label,
+                run.time,
+                np.asarray(errors[run.label]["half_cone"].values),
+                looks[run.label],
+                many=run.many,
+            )
             for run in missed
         ]
         panels.append(Panel("half-cone error", "error", "rad", cones, True))
@@ -106,6 +118,23 @@ def figure_pointing(runs: Iterable[Run] | Run, *, ideal: Run | None = None, widt
         left_out(every, drawn, "scenario without pointing"),
     )
     return figure
+
+
+def _columns(run: LabelledRun, reference: LabelledRun | None) -> list[Array]:
+    """Return all that is drawn of a part of a run; nothing where it does not say what looks where."""
+    try:
+        looks = boresight(run.data)
+    except AntennaPinError:
+        return []
+    found = [np.asarray(looks[name].values) for name in ("azimuth", "elevation")]
+    found.append(turning(found[0]))
+    if reference is None or run.source is not reference.source:
+        try:
+            error = pointing_error(run.data, None if reference is None else reference.whole.data)
+        except AntennaPinError:
+            return found
+        found += [np.asarray(error[name].values) for name in ("boresight_error", "half_cone")]
+    return found
 
 
 FIGURES = (

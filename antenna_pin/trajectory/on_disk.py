@@ -6,11 +6,14 @@ from pathlib import Path
 from typing import Any
 
 import h5py
+import numpy as np
 import xarray as xr
 from xarray.backends import BackendArray
 from xarray.core import indexing
 
 __all__ = ["Stored", "StoredFile"]
+
+_ROWS = 8192  # of a part that is read at once where single rows or columns are asked for
 
 
 class StoredFile:
@@ -51,12 +54,35 @@ class Stored(BackendArray):
         self.dtype = stored.dtype
 
     def __getitem__(self, key: indexing.ExplicitIndexer) -> Any:
-        support = indexing.IndexingSupport.OUTER_1VECTOR
+        support = indexing.IndexingSupport.OUTER
         return indexing.explicit_indexing_adapter(key, self.shape, support, self._read)
 
     def _read(self, key: tuple[Any, ...]) -> Any:
-        return self._source.file[self._name][key]
+        stored = self._source.file[self._name]
+        if not any(isinstance(one, np.ndarray) for one in key):
+            return stored[key]
+        if not isinstance(key[0], np.ndarray | slice):
+            return _outer(stored[key[0]], key[1:])
+        # HDF5 takes its time over lists of rows or columns: what they are in is read part by part.
+        rows = np.arange(self.shape[0])[key[0]]
+        parts = [_outer(stored[:0], (slice(None), *key[1:]))]
+        begin = 0
+        while begin < rows.size:
+            first = int(rows[begin])
+            near = (rows[begin : begin + _ROWS] >= first) & (rows[begin : begin + _ROWS] < first + _ROWS)
+            end = begin + (int(np.argmin(near)) if not near.all() else near.size)
+            part = stored[first : int(rows[begin:end].max()) + 1]
+            parts.append(_outer(part, (rows[begin:end] - first, *key[1:])))
+            begin = end
+        return np.concatenate(parts)
 
     def variable(self, dims: tuple[str, ...], attributes: dict[str, Any]) -> xr.Variable:
         """Return it as a variable."""
         return xr.Variable(dims, indexing.LazilyIndexedArray(self), attributes)
+
+
+def _outer(values: Any, key: tuple[Any, ...]) -> Any:
+    """Return what lies at a key of numbers, slices and lists, one for each dimension."""
+    for axis in reversed(range(len(key))):  # so that a number takes away no axis that is still to come
+        values = values[(slice(None),) * axis + (key[axis],)]
+    return values

@@ -1,0 +1,128 @@
+"""Long runs with as few samples as show all there is to see.
+
+A line of more samples than it has pixels looks the same with fewer: of the samples in each of 4096 equal
+parts of the time the first, the last, the lowest and the highest are kept, of every quantity that is drawn,
+so that none is moved or smoothed and no extreme is lost; beside a gap (NaN) both ends of it. So are the
+samples around 2050 even instants, by which sizes between spikes are told: they stay as they are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from antenna_pin.analysis import LONG, blocks
+from antenna_pin.plot._compared import even_instants
+from antenna_pin.plot._runs import LabelledRun
+from antenna_pin.plot._style import Array
+
+__all__ = ["Columns", "closer", "thinned", "thinned_beside", "turning"]
+
+#: Returns what is to be drawn of a part of a run: arrays over its samples, (m,) or (m, k).
+Columns = Callable[[LabelledRun], Iterable[Array]]
+_Indices = NDArray[np.int_]
+
+_PARTS = 4096
+
+
+def thinned(run: LabelledRun, columns: Columns) -> LabelledRun:
+    """Return a long run with the samples only that show what is drawn of it; another one as it is.
+
+    Args:
+        run: All of it.
+        columns: What is drawn.
+    """
+    time = run.time
+    if time.size <= LONG:
+        return run
+    even = np.searchsorted(time, even_instants(time), side="right")
+    # At an instant with two samples, and at the end, interpolation may look at any of the four.
+    around = np.concatenate([even - 2, even - 1, even, even + 1])
+    kept = np.concatenate([around, _shown(run, columns, 0, time.size)])
+    return _of(run, np.unique(np.clip(kept, 0, time.size - 1)))
+
+
+def closer(run: LabelledRun, window: tuple[float, float] | None, columns: Columns) -> LabelledRun:
+    """Return a thinned run with the samples that a close view of it shows besides.
+
+    Args:
+        run: As :func:`thinned` has left it.
+        window: Start and end of the close view [s]; None for none.
+        columns: What is drawn.
+    """
+    if run.kept is None or window is None:
+        return run
+    whole = run.whole
+    time = whole.time
+    first = max(int(np.searchsorted(time, window[0])) - 1, 0)
+    last = min(int(np.searchsorted(time, window[1], side="right")) + 1, time.size)
+    shown = np.arange(first, last)
+    if shown.size > LONG:
+        shown = _shown(whole, columns, first, last)
+    return _of(whole, np.union1d(run.kept, shown))
+
+
+def thinned_beside(
+    runs: Sequence[LabelledRun], reference: LabelledRun | None, columns: Columns
+) -> tuple[list[LabelledRun], LabelledRun | None]:
+    """Return runs thinned, and the one among them to compare with.
+
+    Args:
+        runs: What is drawn.
+        reference: One of them, or None.
+        columns: What is drawn of each.
+    """
+    fewer = [thinned(run, columns) for run in runs]
+    same = [new for new, old in zip(fewer, runs, strict=True) if old is reference]
+    return fewer, same[0] if same else reference
+
+
+def turning(angle: Array) -> Array:
+    """Return a column that has a sample kept wherever an angle has turned on by a radian.
+
+    Between two samples that are kept an angle may then turn no further than half a turn, and it goes on where
+    it would jump by a whole one (``numpy.unwrap``), as it does with all samples.
+    """
+    steps = np.floor(np.unwrap(angle))
+    odd = np.mod(steps, 2.0) == 1.0
+    return np.where(odd, np.nan, 0.0)
+
+
+def _of(run: LabelledRun, kept: _Indices) -> LabelledRun:
+    return replace(run, data=run.data.isel(time=kept), kept=kept, all=run)
+
+
+def _shown(run: LabelledRun, columns: Columns, first: int, last: int) -> _Indices:
+    """Return which samples show all of some neighbours."""
+    data = run.data.isel(time=slice(first, last))
+    start, end = (float(data["time"].values[k]) for k in (0, -1))
+    found = []
+    begin = first
+    for part in blocks(data):
+        drawn = replace(run, data=part)
+        time = drawn.time
+        place = np.minimum((time - start) * (_PARTS / ((end - start) or 1.0)), _PARTS - 1).astype(int)
+        starts = np.flatnonzero(np.diff(place, prepend=-1))
+        mine = [starts, starts[1:] - 1, [time.size - 1]]
+        for column in columns(drawn):
+            flat = np.asarray(column, dtype=float).reshape(time.size, -1)
+            for values in flat.T:
+                mine += _telling(values, starts)
+        found.append(begin + np.unique(np.concatenate(mine)))
+        begin += time.size
+    return np.concatenate(found).astype(int)
+
+
+def _telling(values: Array, starts: _Indices) -> list[_Indices]:
+    """Return where stretches of values have their least and their largest, and both sides of gaps."""
+    lengths = np.diff(starts, append=values.size)
+    stretch = np.repeat(np.arange(starts.size), lengths)
+    found = []
+    for extreme in (np.fmin, np.fmax):
+        hits = np.flatnonzero(values == extreme.reduceat(values, starts)[stretch])
+        found.append(hits[np.unique(stretch[hits], return_index=True)[1]])
+    edges = np.flatnonzero(np.diff(np.isnan(values)))
+    return [*found, edges, edges + 1]
