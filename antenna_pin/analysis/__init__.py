@@ -44,6 +44,7 @@ if TYPE_CHECKING:
     from antenna_pin.analysis.journal import bore_load, clearance_shapes, journal_motion
     from antenna_pin.analysis.limits import said_of_limits
     from antenna_pin.analysis.loads import load_statistics
+    from antenna_pin.analysis.long_spectra import long_spectrogram, long_spectrum
     from antenna_pin.analysis.orbit import Orbit
     from antenna_pin.analysis.phase import (
         Periods,
@@ -145,6 +146,8 @@ __all__ = [
     "joint_loads",
     "journal_motion",
     "load_statistics",
+    "long_spectrogram",
+    "long_spectrum",
     "mechanism_of",
     "modal_energy",
     "moved_body",
@@ -207,6 +210,7 @@ loaded_when_used(
         "journal": "bore_load clearance_shapes journal_motion",
         "limits": "said_of_limits",
         "loads": "load_statistics",
+        "long_spectra": "long_spectrogram long_spectrum",
         "orbit": "Orbit",
         "phase": "Periods PhasePortrait open_portrait phase_portrait portrait_of portrait_table",
         "pointing": "Antenna Command boresight pointing_error pointing_spec",

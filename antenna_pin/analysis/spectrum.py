@@ -14,132 +14,30 @@ samples of the plain output rate the cubic takes 0.3 % off a sine of a tenth of 
 
 from __future__ import annotations
 
-import math
-from typing import Literal, NamedTuple
+from typing import Literal
 
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 from scipy import signal
-from scipy.interpolate import Akima1DInterpolator
 from scipy.ndimage import median_filter
 
 from antenna_pin.analysis._run import Array
 from antenna_pin.analysis.blocks import LONG
+from antenna_pin.analysis.even import LEAST_SAMPLES, EvenSignal, Read, UniformSignal, uniform
+from antenna_pin.analysis.long_spectra import long_amplitudes
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["UniformSignal", "dominant_frequencies", "spectrogram", "spectrum", "uniform"]
+__all__ = [
+    "UniformSignal",
+    "dominant_frequencies",
+    "spectrogram",
+    "spectrum",
+    "uniform",
+]
 
-_OVERSAMPLING = 16
-_AT_ONCE = 8192  # points of the grid that are filtered at once
-_AROUND = 8  # samples beside those of a part that the cubic through them is made of; it looks at three
-_LEAST_SAMPLES = 16
 _ROUND_OFF = 1e-10  # of the size of a quantity: what it varies by without a cause
 _LEAST_SHARE = 1e-3  # of the strongest peak, for one to be named beside it
-
-
-class UniformSignal(NamedTuple):
-    """A signal on an even grid."""
-
-    time: Array  # (n,) [s]
-    values: Array  # (n,) or (n, k)
-    rate: float  # samples per time [Hz]
-
-
-def uniform(time: ArrayLike, values: ArrayLike, rate: float | None = None) -> UniformSignal:
-    """Return a signal on an even grid, without folding; the module's text says how.
-
-    A signal that lies on an even grid of the rate already is returned as it is.
-
-    Args:
-        time: Sample times, not decreasing, (n,) [s].
-        values: Samples, (n,) or (n, k).
-        rate: Of the grid [Hz]; the run's output rate (the commonest spacing) if left out.
-
-    Returns:
-        Times from the first to the last sample, values there, and the rate.
-
-    Raises:
-        InvalidParameterError: Fewer than 16 instants, a value that is not finite, or a rate that gives fewer
-            than 16 grid points.
-    """
-    t, x = np.asarray(time, dtype=float), np.asarray(values, dtype=float)
-    if t.ndim != 1 or x.ndim not in (1, 2) or x.shape[:1] != t.shape:
-        seen = f"{x.shape} values at {t.shape} times"
-        raise InvalidParameterError("spectrum", "values", "(n,) or (n, k), one row per time", seen)
-    if np.any(t[1:] <= t[:-1]):
-        t, first = np.unique(t, return_index=True)
-        x = x[first]
-    if t.size < _LEAST_SAMPLES:
-        raise InvalidParameterError("spectrum", "time", f"{_LEAST_SAMPLES} instants or more", t.size)
-    if not np.isfinite(x).all():
-        raise InvalidParameterError("spectrum", "values", "finite; cut off what is not", "NaN or infinity")
-    span = float(t[-1] - t[0])
-    usual = usual_step(t) if rate is None else 1.0 / rate
-    if not usual > 0.0 or not span / usual >= _LEAST_SAMPLES - 1 - 1e-6:
-        rule = f"so high that {_LEAST_SAMPLES} points lie in {span:.4g} s"
-        raise InvalidParameterError("spectrum", "rate", rule, rate)
-    count = math.floor(span / usual + 1e-6) + 1
-    step = span / (count - 1) if abs(span / usual - (count - 1)) < 1e-6 * count else usual
-    grid = t[0] + step * np.arange(count)
-    if t.size == count and np.abs(t - grid).max() <= 1e-6 * step:
-        return UniformSignal(grid, x, 1.0 / step)
-    return UniformSignal(grid, _thinned(t, x, grid, step), 1.0 / step)
-
-
-def usual_step(time: Array) -> float:
-    """Return the commonest spacing of samples [s]; of a long run that of its first ones.
-
-    Half of the steps or more are the output step, whatever events lie between.
-    """
-    steps = np.diff(time[: LONG + 1])
-    return float(np.median(steps[steps >= np.median(steps)]))
-
-
-def _thinned(t: Array, x: Array, grid: Array, step: float) -> Array:
-    """Return averages over fine cells, filtered and thinned to the grid."""
-    fine = step / _OVERSAMPLING
-    cells = (
-        grid.size - 1
-    ) * _OVERSAMPLING + 1  # centred on the fine grid, so that the grid's points are in it
-    curve = primitive = None
-
-    def averages(first: int, last: int) -> Array:
-        """Return those over some of the cells."""
-        nonlocal curve, primitive
-        edges = t[0] + fine * (np.arange(first, last + 1) - 0.5)  # centred on the fine grid
-        inside = np.clip(edges, t[0], t[-1])
-        if curve is None or primitive is None or t.size > LONG:
-            # The cubic is local: of a long signal the one through the samples around is enough.
-            low, high = 0, t.size
-            if t.size > LONG:
-                low = max(int(np.searchsorted(t, inside[0])) - _AROUND, 0)
-                high = int(np.searchsorted(t, inside[-1], side="right")) + _AROUND
-            curve = Akima1DInterpolator(t[low:high], x[low:high], axis=0, method="makima")
-            primitive = curve.antiderivative()
-        # Beyond the ends, by half a cell, it goes on straight.
-        beyond = (edges - inside).reshape(-1, *[1] * (x.ndim - 1))
-        more = beyond * (curve(inside) + 0.5 * beyond * curve(inside, nu=1))
-        return np.asarray(np.diff(primitive(inside) + more, axis=0) / fine)
-
-    pad = 10 * _OVERSAMPLING
-    taps = signal.firwin(2 * pad + 1, 0.9 / _OVERSAMPLING, window=("kaiser", 8.0))
-    taps = taps.reshape(taps.size, *[1] * (x.ndim - 1))
-    found = np.empty((grid.size, *x.shape[1:]))
-    # Part by part: there are more cells than samples, by far.
-    for begin in range(0, grid.size, _AT_ONCE):
-        end = min(begin + _AT_ONCE, grid.size)
-        low, high = begin * _OVERSAMPLING - pad, (end - 1) * _OVERSAMPLING + pad + 1
-        part = averages(max(low, 0), min(high, cells))
-        # Odd about both ends, so that no jump is made there.
-        if low < 0:
-            start = averages(0, pad + 1)
-            part = np.concatenate([2 * start[0] - start[-low:0:-1], part])
-        if high > cells:
-            stop = averages(cells - pad - 1, cells)
-            part = np.concatenate([part, 2 * stop[-1] - stop[-2 : -2 - (high - cells) : -1]])
-        found[begin:end] = signal.oaconvolve(part, taps, mode="valid", axes=0)[::_OVERSAMPLING]
-    return found
 
 
 def spectrum(
@@ -191,7 +89,7 @@ def spectrum(
 
 def dominant_frequencies(
     time: ArrayLike,
-    values: ArrayLike,
+    values: ArrayLike | Read,
     count: int = 5,
     *,
     rate: float | None = None,
@@ -211,11 +109,13 @@ def dominant_frequencies(
 
     exact for one sine in a long signal (Grandke 1983). Sines closer together than 4/T are not told apart,
     below 2/T none is found (and below 3/T a frequency is off by up to 4 %), and an amplitude is a
-    mean over the whole signal: a decaying one reads low.
+    mean over the whole signal: a decaying one reads low. Of more than 100,000 samples the last few of the
+    even grid are left out, so that their number is a product of small primes: another would take ten times
+    the memory. The attribute ``left_out`` says how many.
 
     Args:
         time: Sample times, not decreasing, (n,) [s].
-        values: Samples, (n,).
+        values: Samples, (n,), or a function that returns those from one number up to another.
         count: Most peaks to return.
         rate: Of the even grid [Hz]; see :func:`uniform`.
         detrend: What is taken off first: the mean, or a straight line, which frees a drifting signal of its
@@ -228,13 +128,21 @@ def dominant_frequencies(
         ``contrast``, the maximum over the median around it [-]. Attributes ``resolution``: 1/T [Hz];
         ``round_off``: 1 if the whole signal varies by no more than round-off. No rows if nothing stands out.
     """
-    even = uniform(time, values, rate)
-    if even.values.ndim != 1:
-        raise InvalidParameterError("dominant_frequencies", "values", "one signal, (n,)", even.values.shape)
-    n = even.values.size
-    window = signal.get_window("hann", n)
-    size = np.abs(np.fft.rfft(signal.detrend(even.values, type=detrend) * window)) / window.sum()
-    largest = float(np.abs(even.values).max())
+    times = np.asarray(time, dtype=float)
+    if times.size > LONG:
+        read = values if callable(values) else _reader(values)
+        even = EvenSignal(times, read, rate)
+        size, n, largest, extent = long_amplitudes(even, detrend)
+        step_rate, left_out = even.rate, even.size - n
+    else:
+        whole = uniform(times, values(0, times.size) if callable(values) else values, rate)
+        if whole.values.ndim != 1:
+            rule = "one signal, (n,)"
+            raise InvalidParameterError("dominant_frequencies", "values", rule, whole.values.shape)
+        n, step_rate, left_out = whole.values.size, whole.rate, 0
+        window = signal.get_window("hann", n)
+        size = np.abs(np.fft.rfft(signal.detrend(whole.values, type=detrend) * window)) / window.sum()
+        largest, extent = float(np.abs(whole.values).max()), float(np.ptp(whole.values))
     round_off = _ROUND_OFF * max(largest, scale)
     around = max(9, n // 16)
     level = _running_median(size, around) + 1e-15 * largest
@@ -252,7 +160,7 @@ def dominant_frequencies(
         side = 1 if size[k + 1] >= size[k - 1] else -1
         alpha = size[k + side] / size[k]
         delta = min(max((2.0 * alpha - 1.0) / (1.0 + alpha), 0.0), 0.5)
-        frequency.append((k + side * delta) * even.rate / n)
+        frequency.append((k + side * delta) * step_rate / n)
         amplitude.append(2.0 * size[k] * (1.0 - delta**2) / np.sinc(delta))
         kept.append(int(k))
         if len(kept) == count:
@@ -269,9 +177,10 @@ def dominant_frequencies(
         },
         coords={"peak": np.arange(len(kept))},
         attrs={
-            "resolution": even.rate / n,
-            "rate": even.rate,
-            "round_off": int(np.ptp(even.values) <= 2.0 * round_off),
+            "resolution": step_rate / n,
+            "rate": step_rate,
+            "left_out": left_out,
+            "round_off": int(extent <= 2.0 * round_off),
         },
     )
 
@@ -330,15 +239,22 @@ def spectrogram(
     )
 
 
+def _reader(values: ArrayLike) -> Read:
+    held = np.asarray(values, dtype=float)
+    if held.ndim != 1:
+        raise InvalidParameterError("dominant_frequencies", "values", "one signal, (n,)", held.shape)
+    return lambda first, last: held[first:last]
+
+
 def _segment(even: UniformSignal, segment: float | None) -> int:
     """Return the length of a window in samples."""
     n = even.time.size
     if segment is None:
         return n
     length = round(segment * even.rate)
-    if length > n or length < _LEAST_SAMPLES:
-        least, most = _LEAST_SAMPLES / even.rate, n / even.rate
-        rule = f"from {least:.4g} to {most:.4g} s ({_LEAST_SAMPLES} samples to all)"
+    if length > n or length < LEAST_SAMPLES:
+        least, most = LEAST_SAMPLES / even.rate, n / even.rate
+        rule = f"from {least:.4g} to {most:.4g} s ({LEAST_SAMPLES} samples to all)"
         raise InvalidParameterError("spectrum", "segment", rule, segment)
     return length
 

@@ -19,7 +19,7 @@ from antenna_pin.plot._compared import even_instants
 from antenna_pin.plot._runs import LabelledRun
 from antenna_pin.plot._style import Array
 
-__all__ = ["Columns", "closer", "thinned", "thinned_beside", "turning"]
+__all__ = ["Columns", "closer", "telling", "thinned", "thinned_beside", "turning"]
 
 #: Returns what is to be drawn of a part of a run: arrays over its samples, (m,) or (m, k).
 Columns = Callable[[LabelledRun], Iterable[Array]]
@@ -95,6 +95,30 @@ def _of(run: LabelledRun, kept: _Indices) -> LabelledRun:
     return replace(run, data=run.data.isel(time=kept), kept=kept, all=run)
 
 
+def telling(place: Array, values: Array) -> _Indices:
+    """Return which points of a line show all of it, where it is drawn over thousands of pixels.
+
+    Args:
+        place: Along the axis, not decreasing, (n,).
+        values: (n,).
+    """
+    starts = _starts(place, float(place[0]), float(place[-1]))
+    return np.unique(np.concatenate(_kept(values, starts, place.size)))
+
+
+def _starts(place: Array, start: float, end: float) -> _Indices:
+    """Return where points enter another one of the equal parts between two places."""
+    part = np.minimum((place - start) * (_PARTS / ((end - start) or 1.0)), _PARTS - 1).astype(int)
+    return np.flatnonzero(np.diff(part, prepend=-1))
+
+
+def _kept(columns: Array, starts: _Indices, count: int) -> list[_Indices]:
+    mine = [starts, starts[1:] - 1, np.array([count - 1])]
+    for values in np.asarray(columns, dtype=float).reshape(count, -1).T:
+        mine += _telling(values, starts)
+    return mine
+
+
 def _shown(run: LabelledRun, columns: Columns, first: int, last: int) -> _Indices:
     """Return which samples show all of some neighbours."""
     data = run.data.isel(time=slice(first, last))
@@ -104,13 +128,10 @@ def _shown(run: LabelledRun, columns: Columns, first: int, last: int) -> _Indice
     for part in blocks(data):
         drawn = replace(run, data=part)
         time = drawn.time
-        place = np.minimum((time - start) * (_PARTS / ((end - start) or 1.0)), _PARTS - 1).astype(int)
-        starts = np.flatnonzero(np.diff(place, prepend=-1))
-        mine = [starts, starts[1:] - 1, [time.size - 1]]
+        starts = _starts(time, start, end)
+        mine = [starts, starts[1:] - 1, np.array([time.size - 1])]
         for column in columns(drawn):
-            flat = np.asarray(column, dtype=float).reshape(time.size, -1)
-            for values in flat.T:
-                mine += _telling(values, starts)
+            mine += _kept(column, starts, time.size)
         found.append(begin + np.unique(np.concatenate(mine)))
         begin += time.size
     return np.concatenate(found).astype(int)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 from typing import Literal, NamedTuple
 
 import matplotlib
@@ -13,7 +14,15 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter, NullLocator
 
-from antenna_pin.analysis import base_motion, joint_loads, spectrogram, spectrum
+from antenna_pin.analysis import (
+    LONG,
+    base_motion,
+    joint_loads,
+    long_spectrogram,
+    long_spectrum,
+    spectrogram,
+    spectrum,
+)
 from antenna_pin.errors import AntennaPinError, InvalidParameterError, UnknownNameError
 from antenna_pin.plot._kinds import MOVING, choose_joint
 from antenna_pin.plot._run_figure import RunFigure
@@ -39,6 +48,7 @@ from antenna_pin.plot._style import (
     panel_title,
     styled,
 )
+from antenna_pin.plot._thinned import telling
 from antenna_pin.readable import printed_unit
 
 Signal = Literal["acceleration", "base acceleration", "force"]
@@ -60,6 +70,7 @@ class _Density(NamedTuple):
     frequency: Array  # [Hz]
     density: Array  # [unit/sqrt(Hz)]
     rate: float  # [Hz]
+    window: str = ""  # of a long run: which windows it is the mean over
 
 
 @styled
@@ -118,6 +129,7 @@ def figure_spectra(
     footnote(
         figure,
         _NOT_RESOLVED,
+        "; ".join(dict.fromkeys(each.window for kind in kinds for each in found[kind] if each.window)),
         too_short(every),
         left_out(every, drawn_ones, "no such signal or fewer than 16 samples"),
     )
@@ -151,8 +163,19 @@ def figure_spectrogram(
     if signal is None:
         signal = "acceleration" if any(joint in run.joints for run in every) else "force"
     candidates = [run for run in long_enough(every) if not run.ideal] or long_enough(every)
-    drawn, maps = [], []
+    drawn, maps, windows = [], [], []
     for run in candidates:
+        if run.time.size > LONG:
+            read = _reader(run, signal, joint)
+            if read is None:
+                continue
+            of_long = long_spectrogram(run.time, read)
+            drawn.append(run)
+            maps.append(
+                (*(of_long[name].values for name in ("time", "frequency")), np.sqrt(of_long["power"].values))
+            )
+            windows.append(_windows(run, of_long, " around each instant"))
+            continue
         values = _signal(run, signal, joint)
         try:
             parts = [] if values is None else [_spectrogram(run, part) for part in values.T]
@@ -201,6 +224,7 @@ def figure_spectrogram(
     footnote(
         figure,
         _NOT_RESOLVED,
+        *windows,
         too_short(every),
         left_out(candidates, drawn, "no such signal or fewer than 64 samples"),
     )
@@ -254,6 +278,11 @@ def _densities(runs: Sequence[LabelledRun], kind: Signal, joint: str) -> list[_D
     """Return the densities of a signal of the runs that have it and are long enough."""
     result = []
     for run in runs:
+        if run.time.size > LONG:
+            read = _reader(run, kind, joint)
+            if read is not None:
+                result += _long_density(run, long_spectrum(run.time, read))
+            continue
         values = _signal(run, kind, joint)
         if values is None or not np.any(values):
             continue
@@ -266,6 +295,37 @@ def _densities(runs: Sequence[LabelledRun], kind: Signal, joint: str) -> list[_D
         keep = frequency > 0.0
         result.append(_Density(run, frequency[keep], density[keep], float(found.attrs["rate"])))
     return result
+
+
+def _reader(run: LabelledRun, kind: Signal, joint: str) -> Callable[[int, int], Array] | None:
+    """Return what reads a signal of a long run from one sample up to another; None if it has no such."""
+
+    def read(first: int, last: int) -> Array:
+        found = _signal(replace(run, data=run.data.isel(time=slice(first, last))), kind, joint)
+        assert found is not None
+        return found
+
+    return None if _signal(replace(run, data=run.data.isel(time=[0])), kind, joint) is None else read
+
+
+def _long_density(run: LabelledRun, found: xr.Dataset) -> list[_Density]:
+    """Return the density of a long run as a list of one; of none if it is zero throughout.
+
+    Of the frequencies in each of 4096 equal parts of the logarithmic axis those with the least and the
+    largest density are kept: a line of more has no room.
+    """
+    frequency = np.asarray(found["frequency"].values, dtype=float)[1:]
+    density = np.sqrt(np.asarray(found["power"].values, dtype=float).sum(axis=1))[1:]
+    if not density.any():
+        return []
+    kept = telling(np.log(frequency), density)
+    return [_Density(run, frequency[kept], density[kept], float(found.attrs["rate"]), _windows(run, found))]
+
+
+def _windows(run: LabelledRun, found: xr.Dataset, where: str = "") -> str:
+    """Return a note on the windows of a long run's spectrum."""
+    segment, count = found.attrs["segment"], found.attrs["segments"]
+    return f"{run.label}: mean over the windows of {segment:.3g} s{where}, {count} in all"
 
 
 FIGURES = (

@@ -1,0 +1,208 @@
+r"""A signal on an even grid, without folding.
+
+:mod:`antenna_pin.analysis.spectrum` says why. Of a signal that is too long for memory any stretch of the grid
+can be had by itself (:class:`EvenSignal`).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy import signal
+from scipy.interpolate import Akima1DInterpolator
+
+from antenna_pin.analysis._run import Array
+from antenna_pin.analysis.blocks import LONG, ROWS
+from antenna_pin.errors import InvalidParameterError
+
+__all__ = ["LEAST_SAMPLES", "EvenSignal", "Read", "UniformSignal", "uniform"]
+
+#: Returns the samples of a signal from one number up to, not including, another: (m,) or (m, k).
+Read = Callable[[int, int], Array]
+
+LEAST_SAMPLES = 16
+_OVERSAMPLING = 16
+_AT_ONCE = 8192  # points of the grid that are filtered at once
+_PAD = 10  # points of the grid that the filter reaches to either side
+_AROUND = 8  # samples beside those of a part that the cubic through them is made of; it looks at three
+
+
+class UniformSignal(NamedTuple):
+    """A signal on an even grid."""
+
+    time: Array  # (n,) [s]
+    values: Array  # (n,) or (n, k)
+    rate: float  # samples per time [Hz]
+
+
+def uniform(time: ArrayLike, values: ArrayLike, rate: float | None = None) -> UniformSignal:
+    """Return a signal on an even grid, without folding; the module's text says how.
+
+    A signal that lies on an even grid of the rate already is returned as it is.
+
+    Args:
+        time: Sample times, not decreasing, (n,) [s].
+        values: Samples, (n,) or (n, k).
+        rate: Of the grid [Hz]; the run's output rate (the commonest spacing) if left out.
+
+    Returns:
+        Times from the first to the last sample, values there, and the rate.
+
+    Raises:
+        InvalidParameterError: Fewer than 16 instants, a value that is not finite, or a rate that gives fewer
+            than 16 grid points.
+    """
+    t, x = np.asarray(time, dtype=float), np.asarray(values, dtype=float)
+    if t.ndim != 1 or x.ndim not in (1, 2) or x.shape[:1] != t.shape:
+        seen = f"{x.shape} values at {t.shape} times"
+        raise InvalidParameterError("spectrum", "values", "(n,) or (n, k), one row per time", seen)
+    t, x = _single(t, x)
+    if t.size < LEAST_SAMPLES:
+        raise InvalidParameterError("spectrum", "time", f"{LEAST_SAMPLES} instants or more", t.size)
+    _check_finite(x)
+    step, count = _grid(t, rate)
+    grid = t[0] + step * np.arange(count)
+    if t.size == count and np.abs(t - grid).max() <= 1e-6 * step:
+        return UniformSignal(grid, x, 1.0 / step)
+    return UniformSignal(grid, _thinned(t, x, grid, step), 1.0 / step)
+
+
+def _single(time: Array, values: Array) -> tuple[Array, Array]:
+    """Return samples at one instant each: of several the first counts."""
+    if not np.any(time[1:] <= time[:-1]):
+        return time, values
+    time, first = np.unique(time, return_index=True)
+    return time, values[first]
+
+
+def _check_finite(values: Array) -> None:
+    if not np.isfinite(values).all():
+        raise InvalidParameterError("spectrum", "values", "finite; cut off what is not", "NaN or infinity")
+
+
+def _grid(time: Array, rate: float | None) -> tuple[float, int]:
+    """Return step [s] and number of points of the even grid."""
+    span = float(time[-1] - time[0])
+    usual = _usual_step(time) if rate is None else 1.0 / rate
+    if not usual > 0.0 or not span / usual >= LEAST_SAMPLES - 1 - 1e-6:
+        rule = f"so high that {LEAST_SAMPLES} points lie in {span:.4g} s"
+        raise InvalidParameterError("spectrum", "rate", rule, rate)
+    count = math.floor(span / usual + 1e-6) + 1
+    return span / (count - 1) if abs(span / usual - (count - 1)) < 1e-6 * count else usual, count
+
+
+def _usual_step(time: Array) -> float:
+    """Return the commonest spacing of samples [s]; of a long run that of its first ones.
+
+    Half of the steps or more are the output step, whatever events lie between.
+    """
+    steps = np.diff(time[: LONG + 1])
+    steps = steps[steps > 0.0] if time.size > LONG else steps
+    return float(np.median(steps[steps >= np.median(steps)]))
+
+
+def _thinned(t: Array, x: Array, grid: Array, step: float) -> Array:
+    """Return averages over fine cells, filtered and thinned to the grid."""
+    fine = step / _OVERSAMPLING
+    cells = (
+        grid.size - 1
+    ) * _OVERSAMPLING + 1  # centred on the fine grid, so that the grid's points are in it
+    curve = primitive = None
+
+    def averages(first: int, last: int) -> Array:
+        """Return those over some of the cells."""
+        nonlocal curve, primitive
+        edges = grid[0] + fine * (np.arange(first, last + 1) - 0.5)  # centred on the fine grid
+        inside = np.clip(edges, t[0], t[-1])
+        if curve is None or primitive is None or t.size > LONG:
+            # The cubic is local: of a long signal the one through the samples around is enough.
+            low, high = 0, t.size
+            if t.size > LONG:
+                low = max(int(np.searchsorted(t, inside[0])) - _AROUND, 0)
+                high = int(np.searchsorted(t, inside[-1], side="right")) + _AROUND
+            curve = Akima1DInterpolator(t[low:high], x[low:high], axis=0, method="makima")
+            primitive = curve.antiderivative()
+        # Beyond the ends, by half a cell, it goes on straight.
+        beyond = (edges - inside).reshape(-1, *[1] * (x.ndim - 1))
+        more = beyond * (curve(inside) + 0.5 * beyond * curve(inside, nu=1))
+        return np.asarray(np.diff(primitive(inside) + more, axis=0) / fine)
+
+    pad = _PAD * _OVERSAMPLING
+    taps = signal.firwin(2 * pad + 1, 0.9 / _OVERSAMPLING, window=("kaiser", 8.0))
+    taps = taps.reshape(taps.size, *[1] * (x.ndim - 1))
+    found = np.empty((grid.size, *x.shape[1:]))
+    # Part by part: there are more cells than samples, by far.
+    for begin in range(0, grid.size, _AT_ONCE):
+        end = min(begin + _AT_ONCE, grid.size)
+        low, high = begin * _OVERSAMPLING - pad, (end - 1) * _OVERSAMPLING + pad + 1
+        part = averages(max(low, 0), min(high, cells))
+        # Odd about both ends, so that no jump is made there.
+        if low < 0:
+            start = averages(0, pad + 1)
+            part = np.concatenate([2 * start[0] - start[-low:0:-1], part])
+        if high > cells:
+            stop = averages(cells - pad - 1, cells)
+            part = np.concatenate([part, 2 * stop[-1] - stop[-2 : -2 - (high - cells) : -1]])
+        found[begin:end] = signal.oaconvolve(part, taps, mode="valid", axes=0)[::_OVERSAMPLING]
+    return found
+
+
+class EvenSignal:
+    """A signal on an even grid that is too long for memory: that of :func:`uniform`, any stretch by itself.
+
+    Args:
+        time: Sample times, not decreasing, (n,) [s].
+        read: Gives the samples.
+        rate: Of the grid [Hz]; see :func:`uniform`.
+
+    Raises:
+        InvalidParameterError: Fewer than 16 instants, or a rate that gives fewer than 16 grid points.
+    """
+
+    def __init__(self, time: Array, read: Read, rate: float | None = None) -> None:
+        """Lay the grid."""
+        if time.size < LEAST_SAMPLES or not time[LEAST_SAMPLES - 1] > time[0]:
+            raise InvalidParameterError("spectrum", "time", f"{LEAST_SAMPLES} instants or more", time.size)
+        self._time, self._read = time, read
+        self._step, self.size = _grid(time, rate)
+        self._is_even = time.size == self.size and all(
+            np.abs(time[k : k + ROWS] - self.times(k, min(k + ROWS, self.size))).max() <= 1e-6 * self._step
+            for k in range(0, self.size, ROWS)
+        )
+
+    @property
+    def rate(self) -> float:
+        """Points of the grid per time [Hz]."""
+        return 1.0 / self._step
+
+    def times(self, first: int, last: int) -> Array:
+        """Return the instants of some points [s]."""
+        return np.asarray(self._time[0] + self._step * np.arange(first, last))
+
+    def values(self, first: int, last: int) -> Array:
+        """Return the signal at some points, (m,) or (m, k).
+
+        Raises:
+            InvalidParameterError: A value that is not finite.
+        """
+        if self._is_even:
+            found = self._read(first, last)
+            _check_finite(found)
+            return found
+        parts = []
+        for begin in range(first, last, ROWS):
+            end = min(begin + ROWS, last)
+            # Near its ends a stretch differs from the whole signal: it is cut out of a longer one.
+            low, high = max(begin - 2 * _PAD, 0), min(end + 2 * _PAD, self.size)
+            grid = self.times(low, high)
+            sample = max(int(np.searchsorted(self._time, grid[0])) - 2 * _AROUND, 0)
+            beyond = int(np.searchsorted(self._time, grid[-1], side="right")) + 2 * _AROUND
+            beyond = self._time.size if high == self.size else beyond
+            time, values = self._time[sample:beyond], self._read(sample, beyond)
+            _check_finite(values)
+            parts.append(_thinned(*_single(time, values), grid, self._step)[begin - low : end - low])
+        return np.concatenate(parts)
