@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,11 +58,23 @@ class Polygon:
 
     def __init__(self, time: Array, values: Array) -> None:
         self.time, self.values = time, values
-        span = np.diff(time)[:, None]
-        rise = np.diff(values, axis=0)
-        self._slope = np.divide(rise, span, out=np.zeros_like(rise), where=span > 0.0)
-        parts = 0.5 * span * (values[1:] + values[:-1])
-        self._integral = np.concatenate([np.zeros((1, values.shape[1])), np.cumsum(parts, axis=0)])
+
+    # What windows need is made when it is asked for: it takes as much room as the signal.
+    @cached_property
+    def _slope(self) -> Array:
+        return self._slopes(slice(None))
+
+    @cached_property
+    def _integral(self) -> Array:
+        span = np.diff(self.time)[:, None]
+        parts = 0.5 * span * (self.values[1:] + self.values[:-1])
+        return np.concatenate([np.zeros((1, self.values.shape[1])), np.cumsum(parts, axis=0)])
+
+    def _slopes(self, segment: Indices | slice) -> Array:
+        """Return the slopes of segments, (m, k)."""
+        span = (self.time[1:][segment] - self.time[:-1][segment])[:, None]
+        rise = self.values[1:][segment] - self.values[:-1][segment]
+        return np.divide(rise, span, out=np.zeros_like(rise), where=span > 0.0)
 
     @property
     def start(self) -> float:
@@ -78,7 +91,9 @@ class Polygon:
         if self.time.size == 1:
             return np.repeat(self.values, times.size, axis=0)
         segment = self._segment(times)
-        return self._value(times, segment)
+        return np.asarray(
+            self.values[segment] + self._slopes(segment) * (times - self.time[segment])[:, None]
+        )
 
     def means(self, starts: Array, window: float) -> Array:
         """Return the means over windows that start at times (m,): (m, k)."""

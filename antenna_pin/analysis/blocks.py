@@ -9,7 +9,7 @@ import xarray as xr
 
 from antenna_pin.analysis._run import Array
 
-__all__ = ["LONG", "beside", "blocks"]
+__all__ = ["LONG", "ROWS", "beside", "blocks"]
 
 #: A run of more samples is looked at part by part.
 LONG = 100_000

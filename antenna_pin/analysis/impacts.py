@@ -64,10 +64,9 @@ def impacts(run: RunLike, joint: str | None = None) -> xr.Dataset:
     } | {name: np.asarray(data[name].values, dtype=float)[rows] for name in ("impulse", "dissipated")}
     onset, release = column["onset_time"], column["release_time"]
     ended = np.isfinite(release)
-    rate = np.asarray(variable(data, "depth_rate", "impacts").values, dtype=float)
-    approach = rate[_sample_at(time, onset), index] + 0.0
+    approach = _rates(data, _sample_at(time, onset), index) + 0.0
     separation = np.full(onset.size, np.nan)
-    separation[ended] = -rate[_sample_at(time, release[ended]), index[ended]]
+    separation[ended] = -_rates(data, _sample_at(time, release[ended]), index[ended])
     # The memory holds the larger of rate and floor; the two rates differ by round-off otherwise.
     floored = column["approach_speed"] > approach + 1e-9 * np.abs(column["approach_speed"])
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -83,11 +82,19 @@ def impacts(run: RunLike, joint: str | None = None) -> xr.Dataset:
     return _table(values, ended, floored, [contacts[k] for k in index], data)
 
 
+def _rates(data: xr.Dataset, samples: np.ndarray, contacts: np.ndarray) -> Array:
+    """Return the depth rate of one contact at one sample each [m/s]."""
+    rate = variable(data, "depth_rate", "impacts")
+    own, place = np.unique(samples, return_inverse=True)
+    # By numbers of samples, each once: the variable may lie in a file.
+    return np.asarray(rate.isel(time=own).values, dtype=float)[place, contacts]
+
+
 def _sample_at(time: Array, moments: Array) -> np.ndarray:
     """Return the samples at given instants, the last of each: what holds from the event on."""
     if not moments.size:
         return np.zeros(0, dtype=int)
-    tolerance = 1e-12 * max(1.0, float(np.abs(time).max()))
+    tolerance = 1e-12 * max(1.0, max(abs(float(time[0])), abs(float(time[-1]))))
     found = np.clip(np.searchsorted(time, moments + tolerance, side="right") - 1, 0, time.size - 1)
     # A first touch in the last step before an interruption may lie past the last sample by round-off only.
     if np.any(np.abs(time[found] - moments) > tolerance):

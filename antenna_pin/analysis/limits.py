@@ -5,8 +5,10 @@ from __future__ import annotations
 import xml.etree.ElementTree as ET
 
 import numpy as np
+import xarray as xr
 
 from antenna_pin.analysis._run import RunLike, data_of
+from antenna_pin.analysis.blocks import blocks
 from antenna_pin.readable import number
 from antenna_pin.trajectory import is_lean, names_along
 
@@ -38,26 +40,45 @@ def said_of_limits(run: RunLike) -> tuple[str, ...]:
             if name not in limits:
                 continue
             lower, upper = limits[name]
-            variable = data[final if lean else over_time]
-            values = np.atleast_1d(np.asarray(variable.sel({dim: name}).values, dtype=float))
-            beyond = np.maximum(values - upper, lower - values)
-            # What stands at its limit may be over it by round-off.
-            passed = np.flatnonzero(beyond > 1e-9 * max(upper - lower, 1e-3))
-            if not passed.size:
+            found = _beyond(data, final if lean else over_time, {dim: name}, lower, upper)
+            if found is None:
                 continue
-            side = upper if values[passed[0]] > upper else lower
+            since, passed, most = found
+            side = upper if passed > upper else lower
             if lean:
                 lines.append(
                     f"joint {name!r} ends beyond its limit of {number(side, 4)} {unit}, by "
-                    f"{number(float(beyond.max()), 3)} {unit}: limits are not simulated"
+                    f"{number(most, 3)} {unit}: limits are not simulated"
                 )
             else:
                 lines.append(
                     f"joint {name!r} passes its limit of {number(side, 4)} {unit} at "
-                    f"{number(float(data['time'].values[passed[0]]), 4)} s, by up to "
-                    f"{number(float(beyond.max()), 3)} {unit}: limits are not simulated"
+                    f"{number(since, 4)} s, by up to "
+                    f"{number(most, 3)} {unit}: limits are not simulated"
                 )
     return tuple(lines)
+
+
+def _beyond(
+    data: xr.Dataset, variable: str, place: dict[str, str], lower: float, upper: float
+) -> tuple[float, float, float] | None:
+    """Return since when [s], where at first, and by how much at most a joint is past a limit, if it is.
+
+    Of a lean result the time means nothing.
+    """
+    lean = is_lean(data)
+    first: tuple[float, float] | None = None
+    most = -np.inf
+    for part in [data] if lean else blocks(data):
+        values = np.atleast_1d(np.asarray(part[variable].sel(place).values, dtype=float))
+        beyond = np.maximum(values - upper, lower - values)
+        most = max(most, float(beyond.max()))
+        # What stands at its limit may be over it by round-off.
+        passed = np.flatnonzero(beyond > 1e-9 * max(upper - lower, 1e-3))
+        if first is None and passed.size:
+            since = 0.0 if lean else float(part["time"].values[passed[0]])
+            first = since, float(values[passed[0]])
+    return None if first is None else (*first, most)
 
 
 def _limits(urdf: str) -> dict[str, tuple[float, float]]:

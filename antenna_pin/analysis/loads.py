@@ -8,6 +8,7 @@ import numpy as np
 import xarray as xr
 
 from antenna_pin.analysis._run import Array, RunLike, choose, data_of, sample_times, variable
+from antenna_pin.analysis.blocks import blocks
 from antenna_pin.analysis.sampled import time_mean, time_percentiles, time_rms
 from antenna_pin.analysis.settling import touching_intervals
 from antenna_pin.trajectory import contacts_of, names_along
@@ -102,11 +103,11 @@ def _contact(data: xr.Dataset, contact: str, time: Array, percent: Array) -> tup
     touched = _length(touching_intervals(data, [contact]))
     peaks = np.asarray(data["peak_force"].values, dtype=float)[mine]
     return [
-        float(np.concatenate([peaks, force]).max()),
+        float(max(peaks.max(initial=-np.inf), force.max())),
         impulse / span if span > 0.0 else float(force[0]),
         impulse / touched if touched > 0.0 else float("nan"),
         float(time_rms(time, force)),
-        touched / span if span > 0.0 else float(data["touching"].sel(contact=contact).values[0]),
+        touched / span if span > 0.0 else float(data["touching"].sel(contact=contact)[0]),
         float(np.count_nonzero(mine)),
         impulse,
         _gained(data, "dissipation_normal", [contact]) + _gained(data, "dissipation_friction", [contact]),
@@ -117,10 +118,11 @@ def _joint(data: xr.Dataset, joint: str, time: Array, percent: Array) -> tuple[l
     """Return the columns of one joint, and its percentiles."""
     span = time[-1] - time[0]
     contacts = contacts_of(data, joint)
-    vector = variable(data, "joint_force", "load_statistics").sel(clearance_joint=joint).values
-    force = np.linalg.norm(np.asarray(vector, dtype=float), axis=1)
+    variable(data, "joint_force", "load_statistics")
+    vectors = (part["joint_force"].sel(clearance_joint=joint).values for part in blocks(data))
+    force = np.concatenate([np.linalg.norm(np.asarray(vector, dtype=float), axis=1) for vector in vectors])
     index = [names_along(data, "contact").index(name) for name in contacts]
-    touching = data["touching"].sel(contact=contacts).values[0].any()
+    touching = data["touching"].sel(contact=contacts)[0].values.any()
     return [
         float(force.max()),
         float(time_mean(time, force)),
@@ -134,8 +136,9 @@ def _joint(data: xr.Dataset, joint: str, time: Array, percent: Array) -> tuple[l
 
 def _gained(data: xr.Dataset, name: str, contacts: list[str]) -> float:
     """Return by how much integrals of contacts have grown since the first sample."""
-    values = np.asarray(variable(data, name, "load_statistics").sel(contact=contacts).values, dtype=float)
-    return float((values[-1] - values[0]).sum())
+    values = variable(data, name, "load_statistics").sel(contact=contacts)
+    first, last = (np.asarray(values[k].values, dtype=float) for k in (0, -1))
+    return float((last - first).sum())
 
 
 def _length(intervals: Array) -> float:

@@ -29,6 +29,7 @@ from scipy.spatial.transform import Rotation
 
 from antenna_pin.analysis._run import Array, RunLike, data_of, label_of
 from antenna_pin.analysis.attitude import interpolate_attitude, interpolation_error
+from antenna_pin.analysis.blocks import beside, blocks
 from antenna_pin.analysis.bodies import body_poses, body_twists, mechanism_of
 from antenna_pin.analysis.orbit import Orbit
 from antenna_pin.errors import FileFormatError, InvalidParameterError, UnknownNameError
@@ -198,27 +199,26 @@ def pointing_error(
         )
     if ideal is None and command is None:
         command = _command_of(run)
-    looks = boresight(run, antenna)
-    time = np.asarray(looks["time"].values, dtype=float)
-    true = Rotation.from_quat(looks["attitude"].values)
-    axes: tuple[str, ...] = POINTING_AXES
-    estimate, versus = 0.0, "ideal run"
-    if ideal is not None:
-        wanted, estimate = _ideal_attitude(ideal, antenna, time)
-    elif command is not None:
-        wanted = _frame(command.direction, command.up)
-        axes = POINTING_AXES if command.up is not None else POINTING_AXES[1:]
-        versus = f"direction in {command.frame} axes"
-        if command.frame == "orbit":
-            wanted = _needed_orbit(run, orbit).axes(time) * wanted
-    else:
+    if command is not None and command.frame == "orbit":
+        orbit = _needed_orbit(run, orbit)
+    if ideal is None and command is None:
         raise FileFormatError(
             "run: there must be something to compare with, got neither an ideal run nor a commanded "
             "direction; give an ideal run, or set pointing.commanded and pointing.direction"
         )
-    relative = wanted.inv() * true
-    swing, half_cone = _swing(relative)
-    error = relative.as_rotvec() if len(axes) == 3 else swing
+    estimate = 0.0 if ideal is None else _checked_ideal(run, ideal, antenna)
+    known = command is None or command.up is not None
+    axes = POINTING_AXES if known else POINTING_AXES[1:]
+    time = np.asarray(data_of(run)["time"].values, dtype=float)
+    error, swing, half_cone = np.empty((time.size, len(axes))), np.empty((time.size, 2)), np.empty(time.size)
+    begin = 0
+    for part in blocks(data_of(run)):
+        some = slice(begin, begin + part.sizes["time"])
+        begin = some.stop
+        relative = _wanted(time[some], ideal, command, orbit, antenna).inv() * _attitude(part, antenna)
+        swing[some], half_cone[some] = _swing(relative)
+        error[some] = relative.as_rotvec() if known else swing[some]
+    versus = "ideal run" if command is None else f"direction in {command.frame} axes"
     return xr.Dataset(
         {
             "error": (("time", "pointing_axis"), error, _about("rad", "pointing error about")),
@@ -234,6 +234,32 @@ def pointing_error(
     )
 
 
+def _attitude(data: xr.Dataset, antenna: Antenna) -> Rotation:
+    """Return the antenna's axes in the world, at all samples."""
+    attitude = body_poses(data, bodies=[antenna.body])["attitude"].sel(body=antenna.body)
+    # There and back, as a dataset holds them: quaternions of length 1 to round-off.
+    return Rotation.from_quat((Rotation.from_quat(attitude.values) * antenna.axes).as_quat())
+
+
+def _wanted(
+    time: Array, ideal: RunLike | None, command: Command | None, orbit: Orbit | None, antenna: Antenna
+) -> Rotation:
+    """Return where the antenna's axes should be at some times."""
+    if ideal is not None:
+        found = [
+            _interpolated(data, antenna.body, time[some]).as_quat()
+            for some, data in beside(data_of(ideal), time)
+        ]
+        attitude = Rotation.from_quat(found[0] if len(found) == 1 else np.concatenate(found))
+        return attitude * antenna.axes
+    assert command is not None
+    wanted = _frame(command.direction, command.up)
+    if command.frame == "orbit":
+        assert orbit is not None
+        wanted = orbit.axes(time) * wanted
+    return wanted
+
+
 def _swing(relative: Rotation) -> tuple[Array, Array]:
     """Return the smallest turns of the first axis, about the other two, (n, 2), and their angles, (n,)."""
     x, y, z, w = relative.as_quat().T
@@ -245,11 +271,11 @@ def _swing(relative: Rotation) -> tuple[Array, Array]:
     return about * scale[:, None], half_cone
 
 
-def _ideal_attitude(ideal: RunLike, antenna: Antenna, time: Array) -> tuple[Rotation, float]:
-    """Return the ideal attitude of the antenna's axes at given times, and an estimate of its error [rad]."""
-    body = _link(ideal, antenna)
-    poses = body_poses(ideal, bodies=[body]).sel(body=body)
-    knots = np.asarray(poses["time"].values, dtype=float)
+def _checked_ideal(run: RunLike, ideal: RunLike, antenna: Antenna) -> float:
+    """Return an estimate of the error of the ideal attitude [rad], of an ideal run that lasts long enough."""
+    for one in (run, ideal):
+        _link(one, antenna)
+    time, knots = (np.asarray(data_of(one)["time"].values, dtype=float) for one in (run, ideal))
     slack = 1e-9 * (knots[-1] - knots[0])
     if time[0] < knots[0] - slack or time[-1] > knots[-1] + slack:
         raise InvalidParameterError(
@@ -258,11 +284,21 @@ def _ideal_attitude(ideal: RunLike, antenna: Antenna, time: Array) -> tuple[Rota
             f"a run that covers the time of the other, {time[0]:g} s to {time[-1]:g} s",
             f"{knots[0]:g} s to {knots[-1]:g} s",
         )
+    # An odd sample is compared with its neighbours: parts have two in common.
+    parts = blocks(data_of(ideal), overlap=2)
+    return float(np.max([interpolation_error(*_knots(part, antenna.body)) for part in parts]))
+
+
+def _knots(data: xr.Dataset, body: str) -> tuple[Array, Rotation, Array]:
+    """Return times of samples, a link's attitudes, and its angular velocities in its own axes [rad/s]."""
+    poses = body_poses(data, bodies=[body]).sel(body=body)
+    spin = body_twists(data, bodies=[body])["angular_velocity"].sel(body=body)
     attitude = Rotation.from_quat(poses["attitude"].values)
-    spin = body_twists(ideal, bodies=[body])["angular_velocity"].sel(body=body)
-    omega = np.asarray(spin.values, dtype=float)
-    found = interpolate_attitude(time, knots, attitude, omega)
-    return found * antenna.axes, interpolation_error(knots, attitude, omega)
+    return np.asarray(data["time"].values, dtype=float), attitude, np.asarray(spin.values, dtype=float)
+
+
+def _interpolated(data: xr.Dataset, body: str, times: Array) -> Rotation:
+    return interpolate_attitude(times, *_knots(data, body))
 
 
 def _frame(first: Vector3, second: Vector3 | None) -> Rotation:

@@ -6,12 +6,14 @@ over them would weigh impacts more than they last; here every sample counts for 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from antenna_pin.analysis._run import Array
+from antenna_pin.analysis.blocks import LONG, ROWS
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["resampled", "time_mean", "time_percentiles", "time_rms"]
@@ -101,8 +103,16 @@ def time_mean(time: ArrayLike, values: ArrayLike) -> Array:
     Returns:
         () or (...), in the unit of the values.
     """
+    return _mean_of(*_checked(time, values), lambda part: part)
+
+
+def _mean_of(time: Array, values: Array, function: Callable[[Array], Array]) -> Array:
+    """Return the mean of a function of samples, of many of them part by part."""
     mean = Mean()
-    mean.add(*_checked(time, values))
+    rows = time.size if time.size <= LONG else ROWS
+    for first in range(0, time.size, rows):
+        part = slice(first, first + rows)
+        mean.add(time[part], function(values[part]))
     return mean.value
 
 
@@ -116,7 +126,7 @@ def time_rms(time: ArrayLike, values: ArrayLike) -> Array:
     Returns:
         () or (...), in the unit of the values.
     """
-    return np.sqrt(time_mean(time, np.square(np.asarray(values, dtype=float))))
+    return np.sqrt(_mean_of(*_checked(time, values), np.square))
 
 
 def time_percentiles(time: ArrayLike, values: ArrayLike, percent: ArrayLike) -> Array:
@@ -137,18 +147,17 @@ def time_percentiles(time: ArrayLike, values: ArrayLike, percent: ArrayLike) -> 
     shares = np.atleast_1d(np.asarray(percent, dtype=float)) / 100.0
     if not np.all((shares >= 0.0) & (shares <= 1.0)):
         raise InvalidParameterError("time_percentiles", "percent", "from 0 to 100 [%]", percent)
-    span = np.diff(t)
-    if span.sum() == 0.0:
+    if t[-1] == t[0]:
         return np.full(shares.size, x[0])
-    low, high = np.minimum(x[:-1], x[1:]), np.maximum(x[:-1], x[1:])
-    rise = np.where(high > low, high - low, 1.0)
     levels = np.unique(x)
 
     def below(level: float, including: bool) -> float:
         """Share of the time in which the polygon is below a level, or at it."""
-        rests = (low <= level) if including else (low < level)
-        part = np.where(high > low, np.clip((level - low) / rise, 0.0, 1.0), rests)
-        return float(part @ span / span.sum())
+        return sum(_below(t[part], x[part], level, including) for part in parts) / whole
+
+    rows = t.size if t.size <= LONG else ROWS
+    parts = [slice(first, first + rows + 1) for first in range(0, max(t.size - 1, 1), rows)]
+    whole = sum(float(np.diff(t[part]).sum()) for part in parts)
 
     def quantile(share: float) -> float:
         first, last = 0, levels.size - 1  # the least level that the polygon is not above for the share
@@ -168,6 +177,15 @@ def time_percentiles(time: ArrayLike, values: ArrayLike, percent: ArrayLike) -> 
         return float(levels[first - 1] + part * (levels[first] - levels[first - 1]))
 
     return np.array([quantile(share) for share in shares])
+
+
+def _below(t: Array, x: Array, level: float, including: bool) -> float:
+    """Return for how long a polygon is below a level, or at it [s]."""
+    low, high = np.minimum(x[:-1], x[1:]), np.maximum(x[:-1], x[1:])
+    rise = np.where(high > low, high - low, 1.0)
+    rests = (low <= level) if including else (low < level)
+    part = np.where(high > low, np.clip((level - low) / rise, 0.0, 1.0), rests)
+    return float(part @ np.diff(t))
 
 
 def _checked(time: ArrayLike, values: ArrayLike) -> tuple[Array, Array]:

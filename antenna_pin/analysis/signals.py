@@ -3,34 +3,51 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import NamedTuple
+from dataclasses import dataclass
 
 import numpy as np
+import xarray as xr
 
 from antenna_pin.analysis._run import Array, RunLike, data_of, sample_times
 from antenna_pin.analysis.base import base_motion
+from antenna_pin.analysis.blocks import blocks
 from antenna_pin.analysis.elastic import elastic_parts_of
+from antenna_pin.analysis.even import Read
 from antenna_pin.trajectory import names_along
 
 __all__ = ["RunSignal", "scales_of", "signals"]
 
 _AXES = ("x", "y", "z")
+_BASE = {f"base {kind}acceleration {axis}" for kind in ("", "angular ") for axis in _AXES}
 
 
-class RunSignal(NamedTuple):
-    """A sampled quantity of a run."""
+@dataclass(frozen=True, slots=True, eq=False)
+class RunSignal:
+    """A sampled quantity of a run.
 
-    time: Array  # (n,) [s], uneven
-    values: Array  # (n,)
+    Attributes:
+        time: Of the samples, uneven, (n,) [s].
+        units: Of the values.
+        read: Returns the samples from one number up to another, (m,).
+        largest: Largest size of those that are finite.
+    """
+
+    time: Array
     units: str
+    read: Read
+    largest: float
+
+    @property
+    def values(self) -> Array:
+        """All samples, (n,)."""
+        return self.read(0, self.time.size)
 
 
 def scales_of(signals: Iterable[RunSignal]) -> dict[str, float]:
     """Return the largest size of the signals of each unit: what round-off in any of them is judged by."""
     found: dict[str, float] = {}
     for one in signals:
-        sizes = np.abs(one.values[np.isfinite(one.values)])
-        found[one.units] = max(found.get(one.units, 0.0), float(sizes.max(initial=0.0)))
+        found[one.units] = max(found.get(one.units, 0.0), one.largest)
     return found
 
 
@@ -47,23 +64,59 @@ def signals(run: RunLike) -> dict[str, RunSignal]:
     """
     data = data_of(run)
     time = sample_times(data, "signals")
-    found: dict[str, RunSignal] = {}
-    for name in names_along(data, "joint"):
-        values = np.asarray(data["motion_acceleration"].sel(joint=name).values, dtype=float)
-        found[f"{name} acceleration"] = RunSignal(time, values, "rad/s^2")
-    for name, part in elastic_parts_of(data).items():
-        values = np.asarray(data["deflection"].sel(elastic_part=name).values, dtype=float)
-        found[f"{name} deflection"] = RunSignal(time, values, "m" if part["slides"] else "rad")
-    vectors = []
+    units, shown = _units(data), dict.fromkeys(_units(data), False)
+    largest = dict.fromkeys(units, 0.0)
+    held: dict[str, Array] = {}
+    for part in blocks(data):
+        columns = _columns(part)
+        held = columns if part is data else {}
+        for name, values in columns.items():
+            shown[name] = shown[name] or bool(np.any(values))
+            sizes = np.abs(values[np.isfinite(values)])
+            largest[name] = max(largest[name], float(sizes.max(initial=0.0)))
+    return {
+        name: RunSignal(time, units[name], _reader(data, name, held), largest[name])
+        for name in units
+        if shown[name]
+    }
+
+
+def _reader(data: xr.Dataset, name: str, held: dict[str, Array]) -> Read:
+    if name in held:
+        return lambda first, last: held[name][first:last]
+    return lambda first, last: _columns(data.isel(time=slice(first, last)), name)[name]
+
+
+def _units(data: xr.Dataset) -> dict[str, str]:
+    """Return the units of all signals that a run has, by their names."""
+    found = {f"{name} acceleration": "rad/s^2" for name in names_along(data, "joint")}
+    parts = elastic_parts_of(data).items()
+    found |= {f"{name} deflection": "m" if part["slides"] else "rad" for name, part in parts}
     if "base_position" in data:
-        motion = base_motion(data)
-        vectors += [
-            ("base acceleration", motion["acceleration"].values, "m/s^2"),
-            ("base angular acceleration", motion["angular_acceleration"].values, "rad/s^2"),
-        ]
+        for name, unit in (("acceleration", "m/s^2"), ("angular acceleration", "rad/s^2")):
+            found |= {f"base {name} {axis}": unit for axis in _AXES}
     for name in names_along(data, "clearance_joint"):
-        vectors.append((f"{name} force", data["joint_force"].sel(clearance_joint=name).values, "N"))
-    for name, values, units in vectors:
+        found |= {f"{name} force {axis}": "N" for axis in _AXES}
+    return found
+
+
+def _columns(data: xr.Dataset, only: str = "") -> dict[str, Array]:
+    """Return all signals of a part of a run, (m,) each, or one of them."""
+    found: dict[str, Array] = {}
+    for name in names_along(data, "joint"):
+        if only in ("", key := f"{name} acceleration"):
+            found[key] = np.asarray(data["motion_acceleration"].sel(joint=name).values, dtype=float)
+    for name in elastic_parts_of(data):
+        if only in ("", key := f"{name} deflection"):
+            found[key] = np.asarray(data["deflection"].sel(elastic_part=name).values, dtype=float)
+    if "base_position" in data and (not only or only in _BASE):
+        motion = base_motion(data)
+        for kind in ("acceleration", "angular_acceleration"):
+            values = np.asarray(motion[kind].values, dtype=float)
+            found |= {f"base {kind.replace('_', ' ')} {axis}": values[:, k] for k, axis in enumerate(_AXES)}
+    for name in names_along(data, "clearance_joint"):
         for k, axis in enumerate(_AXES):
-            found[f"{name} {axis}"] = RunSignal(time, np.asarray(values[:, k], dtype=float), units)
-    return {name: one for name, one in found.items() if np.any(one.values)}
+            if only in ("", key := f"{name} force {axis}"):
+                force = data["joint_force"].sel(clearance_joint=name)
+                found[key] = np.asarray(force[:, k].values, dtype=float)
+    return found

@@ -90,7 +90,7 @@ def analyse(
 
 
 def _deviation(run: Trajectory, path: Path, notes: list[str]) -> list[dict[str, Any]]:
-    from antenna_pin.analysis import deviation
+    from antenna_pin.analysis import deviation_measures
 
     reference = load_result(path, scenario=False)
     ends = [float(one.data["time"].values[-1]) for one in (run, reference)]
@@ -106,7 +106,7 @@ def _deviation(run: Trajectory, path: Path, notes: list[str]) -> list[dict[str, 
             "end": _number(one.end),
             "growth": str(one.growth),
         }
-        for one in deviation(run, reference).measures
+        for one in deviation_measures(run, reference)
     ]
 
 
@@ -172,7 +172,7 @@ def _frequencies(run: Trajectory, notes: list[str]) -> list[dict[str, Any]]:
     scales = scales_of(found.values())
     for name, one in found.items():
         try:
-            peaks = dominant_frequencies(one.time, one.values, _PEAKS, scale=scales[one.units])
+            peaks = dominant_frequencies(one.time, one.read, _PEAKS, scale=scales[one.units])
         except InvalidParameterError as error:
             notes.append(f"no frequencies: {error}")
             break

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import TypeAlias
 
 import numpy as np
 import xarray as xr
 
 from antenna_pin.analysis import (
-    Deviation,
     DeviationMeasures,
     Growth,
-    deviation,
+    blocks,
+    deviation_measures,
     dominant_frequencies,
     elastic_parts_of,
 )
@@ -24,6 +26,8 @@ __all__ = ["deviations", "frequencies"]
 
 #: Frequencies named per signal and run.
 FREQUENCIES = 3
+# Returns a signal from one sample up to another; None of a run that has no such.
+_Pick: TypeAlias = Callable[[ReportedRun, int, int], np.ndarray | None]
 
 
 # --- deviation ---
@@ -35,18 +39,18 @@ def deviations(runs: Sequence[ReportedRun]) -> Section:
     if ideal is None:
         note = "No other run, without clearance, to deviate from; add one to see this."
         return _section(notes=(note,))
-    found: list[tuple[ReportedRun, Deviation]] = []
+    found: list[tuple[ReportedRun, tuple[DeviationMeasures, ...]]] = []
     notes = []
     for run in runs:
         if run is ideal:
             continue
         try:
-            found.append((run, deviation(run.data, ideal.data)))
+            found.append((run, deviation_measures(run.data, ideal.data)))
         except AntennaPinError as error:
             notes.append(f"{run.label}: {error}.")
     if not found:
         return _section(notes=tuple(notes))
-    every = list(dict.fromkeys(m.of for _, one in found for m in one.measures))
+    every = list(dict.fromkeys(m.of for _, one in found for m in one))
     joints = [of for of in every if not of.startswith("base ")]
     bases = [of for of in every if of.startswith("base ")]
     items: list[Table | Details] = []
@@ -71,7 +75,10 @@ def _section(items: tuple[Table | Details, ...] = (), notes: tuple[str, ...] = (
 
 
 def _deviation_table(
-    found: Sequence[tuple[ReportedRun, Deviation]], quantities: Sequence[str], caption: str, key: str
+    found: Sequence[tuple[ReportedRun, Sequence[DeviationMeasures]]],
+    quantities: Sequence[str],
+    caption: str,
+    key: str,
 ) -> Table:
     """Return a table with a row per quantity, or, of several runs, per quantity and run."""
     rows: list[Row] = []
@@ -79,8 +86,7 @@ def _deviation_table(
         if len(found) > 1:
             rows.append(Row(of))
         for run, one in found:
-            if of in (m.of for m in one.measures):
-                rows.append(_measures(run.label if len(found) > 1 else of, one[of]))
+            rows += [_measures(run.label if len(found) > 1 else of, m) for m in one if m.of == of]
     columns = ("", "largest", "at", "root mean square", "at the end", "growth")
     return Table(columns=columns, rows=tuple(rows), caption=caption, key=key)
 
@@ -109,7 +115,7 @@ def _growth(growth: Growth) -> str:
 
 def frequencies(runs: Sequence[ReportedRun]) -> Section:
     """Return the strongest periodic parts of the joints' accelerations and the journals' forces."""
-    signals: dict[str, Callable[[ReportedRun], np.ndarray | None]] = {}
+    signals: dict[str, _Pick] = {}
     units: dict[str, str] = {}
     for name in dict.fromkeys(name for run in runs for name in run.names("joint")):
         label = f"acceleration of {name}"
@@ -127,13 +133,13 @@ def frequencies(runs: Sequence[ReportedRun]) -> Section:
         found = []
         for run in runs:
             try:
-                values = pick(run)
+                values = pick(run, 0, 1)
                 time = run.data["time"].values
                 found.append(
                     None
                     if values is None
                     else dominant_frequencies(
-                        time, values, FREQUENCIES, scale=_scale(run, signals, units, units[label])
+                        time, _reader(run, pick), FREQUENCIES, scale=_scale(run, signals, units, units[label])
                     )
                 )
             except AntennaPinError as error:
@@ -160,24 +166,39 @@ def frequencies(runs: Sequence[ReportedRun]) -> Section:
 
 def _scale(
     run: ReportedRun,
-    signals: Mapping[str, Callable[[ReportedRun], np.ndarray | None]],
+    signals: Mapping[str, _Pick],
     units: Mapping[str, str],
     unit: str,
 ) -> float:
     """Return the largest size of what a run has in a unit, which round-off is judged by."""
-    picked = (pick(run) for label, pick in signals.items() if units[label] == unit)
-    sizes = [np.abs(values[np.isfinite(values)]).max(initial=0.0) for values in picked if values is not None]
-    return float(max(sizes, default=0.0))
+    largest = 0.0
+    for part in blocks(run.data):
+        own = replace(run, run=replace(run.run, data=part))
+        picked = (pick(own, 0, own.samples) for label, pick in signals.items() if units[label] == unit)
+        known = (values[np.isfinite(values)] for values in picked if values is not None)
+        largest = max([largest, *(float(np.abs(values).max(initial=0.0)) for values in known)])
+    return largest
 
 
-def _picker(variable: str, dimension: str, name: str) -> Callable[[ReportedRun], np.ndarray | None]:
-    def pick(run: ReportedRun) -> np.ndarray | None:
+def _picker(variable: str, dimension: str, name: str) -> _Pick:
+    def pick(run: ReportedRun, first: int, last: int) -> np.ndarray | None:
         if name not in run.names(dimension):
             return None
-        values = np.asarray(run.data[variable].sel({dimension: name}).values, dtype=float)
+        values = np.asarray(run.data[variable].sel({dimension: name})[first:last].values, dtype=float)
         return np.linalg.norm(values, axis=1) if values.ndim == 2 else values
 
     return pick
+
+
+def _reader(run: ReportedRun, pick: _Pick) -> Callable[[int, int], np.ndarray]:
+    """Return what reads a signal that a run has."""
+
+    def read(first: int, last: int) -> np.ndarray:
+        values = pick(run, first, last)
+        assert values is not None
+        return values
+
+    return read
 
 
 def _frequency_rows(label: str, found: Sequence[xr.Dataset | None], unit: str) -> Iterator[Row]:

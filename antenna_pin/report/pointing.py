@@ -19,8 +19,11 @@ __all__ = ["pointing"]
 CONFIDENCE = 0.997
 #: Places that levels are taken from; these are printed with four digits.
 RESOLUTION = 100
+#: Samples of a run up to which its windows are looked at.
+WITH_WINDOWS = 150_000
 #: Windows in a run, where no length is given.
 WINDOWS = 10
+_ASKED = ("window", "drift_spacing", "periods")
 
 
 def pointing(runs: Sequence[ReportedRun], window: float | None) -> Section:
@@ -43,7 +46,13 @@ def pointing(runs: Sequence[ReportedRun], window: float | None) -> Section:
             continue
         try:
             errors = pointing_error(run.run, None if _commanded(run) or ideal is None else ideal.run)
-            indices = _indices(errors, length)
+            long = run.samples > WITH_WINDOWS
+            indices = _indices(errors, None if long else length)
+            if long:
+                notes.append(
+                    f"{run.label}: windows over more than {WITH_WINDOWS} samples take more memory than a "
+                    "report is to; `antenna-pin pointing --window` has them."
+                )
         except AntennaPinError as error:
             notes.append(f"{run.label}: {error}.")
             continue
@@ -59,13 +68,17 @@ def pointing(runs: Sequence[ReportedRun], window: float | None) -> Section:
         caption="Pointing error indices of ECSS-E-ST-60-10C",
         key="pointing",
     )
-    asked = found[0][1].attrs
-    width, spacing, period = (readable(asked[name], "s") for name in ("window", "drift_spacing", "periods"))
+    asked = next((one.attrs for _, one in found if "window" in one.attrs), None)
+    said = ""
+    if asked is not None:
+        width, spacing, period = (readable(asked[name], "s") for name in _ASKED)
+        said = (
+            f"Windows of {width}; drift over {spacing} from one window's start to the other's; "
+            f"reproducibility between periods of {period}. Largest: over all places of the windows. "
+        )
     notes.append(
-        f"Windows of {width}; drift over {spacing} from one window's start to the other's; reproducibility "
-        f"between periods of {period}. Largest: over all places of the windows. Half-cone: the angle by "
-        "which the boresight is off; cross and up: its parts about the antenna's axes; boresight: the turn "
-        "about it."
+        f"{said}Half-cone: the angle by which the boresight is off; cross and up: its parts about the "
+        "antenna's axes; boresight: the turn about it."
     )
     return Section(key="pointing", title="Pointing", lead=lead, items=(table,), notes=tuple(notes))
 
@@ -76,15 +89,15 @@ def _commanded(run: ReportedRun) -> bool:
     return scenario is not None and scenario.pointing is not None and scenario.pointing.commanded != "ideal"
 
 
-def _indices(errors: xr.Dataset, window: float) -> xr.Dataset:
+def _indices(errors: xr.Dataset, window: float | None) -> xr.Dataset:
     time = np.asarray(errors["time"].values, dtype=float)
     span = float(time[-1] - time[0])
     return pointing_indices(
         time,
         error_components(errors),
         window=window,
-        drift_spacing=span / 4.0,
-        periods=span / 2.0,
+        drift_spacing=None if window is None else span / 4.0,
+        periods=None if window is None else span / 2.0,
         confidence=CONFIDENCE,
         resolution=RESOLUTION,
     )

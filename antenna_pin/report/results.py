@@ -9,7 +9,14 @@ from typing import Any
 
 import numpy as np
 
-from antenna_pin.analysis import impacts, load_statistics, said_of_limits, said_of_singular, said_of_spin
+from antenna_pin.analysis import (
+    blocks,
+    impacts,
+    load_statistics,
+    said_of_limits,
+    said_of_singular,
+    said_of_spin,
+)
 from antenna_pin.readable import number, readable
 from antenna_pin.report._parts import Row, Section, Table, counts, quantities, shares_row, words
 from antenna_pin.report._runs import ReportedRun, ideal_of, labels_of
@@ -191,11 +198,11 @@ def _clearance_rows(runs: Sequence[ReportedRun], joint: str) -> Iterator[Row]:
 
 
 def _last(run: ReportedRun, name: str, k: int) -> float:
-    return float(run.values(name)[-1, k])
+    return float(run.data[name][-1, k])
 
 
 def _largest(run: ReportedRun, name: str, k: int) -> float:
-    return float(np.abs(run.values(name)[:, k]).max())
+    return max(float(np.abs(part[name].values[:, k]).max()) for part in blocks(run.data))
 
 
 def _base(run: ReportedRun, of: Callable[[ReportedRun], float]) -> float | None:
@@ -203,14 +210,18 @@ def _base(run: ReportedRun, of: Callable[[ReportedRun], float]) -> float | None:
 
 
 def _displacement(run: ReportedRun) -> float:
-    position = run.values("base_position")
-    return float(np.linalg.norm(position - position[0], axis=1).max())
+    start = run.data["base_position"][0].values
+    parts = (part["base_position"].values - start for part in blocks(run.data))
+    return max(float(np.linalg.norm(part, axis=1).max()) for part in parts)
 
 
 def _turn(run: ReportedRun) -> float:
-    attitude = run.values("base_attitude")
+    x0 = run.data["base_attitude"][0].values
+    return max(_largest_turn(x0, part["base_attitude"].values) for part in blocks(run.data))
+
+
+def _largest_turn(x0: np.ndarray, q: np.ndarray) -> float:
     # Of q0* q the vector part is sin of half the angle; small angles keep their digits that way.
-    x0, q = attitude[0], attitude
     scalar = q @ x0
     vector = (
         x0[3] * q[:, :3] - q[:, 3:] * x0[:3] - np.cross(np.broadcast_to(x0[:3], q[:, :3].shape), q[:, :3])
