@@ -23,8 +23,6 @@ if TYPE_CHECKING:
         said_of_constraints,
         said_of_singular,
     )
-    from antenna_pin.analysis.deviation import Deviation, DeviationMeasures, deviation
-    from antenna_pin.analysis.diagrams import Verdict, diagram_verdicts, said_of_verdicts
     from antenna_pin.analysis.deviation import (
         Deviation,
         DeviationMeasures,
@@ -32,6 +30,7 @@ if TYPE_CHECKING:
         deviation_measures,
         deviation_over_time,
     )
+    from antenna_pin.analysis.diagrams import Verdict, diagram_verdicts, said_of_verdicts
     from antenna_pin.analysis.elastic import (
         SPIN_WITHIN,
         elastic_motion,
@@ -202,7 +201,6 @@ loaded_when_used(
         "closures": "closure_loads closures_of drive_loads drive_power drives_of"
         " effort_unit said_of_constraints said_of_singular",
         "diagrams": "Verdict diagram_verdicts said_of_verdicts",
-        "deviation": "Deviation DeviationMeasures deviation",
         "deviation": "Deviation DeviationMeasures deviation deviation_measures deviation_over_time",
         "elastic": "SPIN_WITHIN elastic_motion elastic_parts_of modal_energy said_of_spin",
         "growth": "Growth growth_of",
