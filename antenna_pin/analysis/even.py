@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -111,7 +111,8 @@ def _thinned(t: Array, x: Array, grid: Array, step: float) -> Array:
     cells = (
         grid.size - 1
     ) * _OVERSAMPLING + 1  # centred on the fine grid, so that the grid's points are in it
-    curve = primitive = None
+    curve: Any = None
+    primitive: Any = None
 
     def averages(first: int, last: int) -> Array:
         """Return those over some of the cells."""
