@@ -164,7 +164,7 @@ def _planned(
 
 def _print(found: xr.Dataset) -> None:
     from antenna_pin.analysis import diagram_verdicts, said_of_verdicts
-    from antenna_pin.readable import printed_unit
+    from antenna_pin.readable import prefixed
 
     rows = []
     for name in found["branch"].values:
@@ -175,7 +175,9 @@ def _print(found: xr.Dataset) -> None:
         rows.append([str(name), *(str(int(count)) for count in counts)])
     head = ["branch", "settled", "not settled", "failed", "most points cut"]
     print_rows(f"{found.attrs['parameter']}: {found.sizes['value']} values", head, rows)
-    values, unit = found["value"].values.tolist(), printed_unit(str(found["value"].attrs.get("units", "")))
+    numbers = found["value"].values.tolist()
+    factor, unit = prefixed(str(found["value"].attrs.get("units", "")) or "1", numbers)
+    values = [factor * value for value in numbers]
     for name in found["branch"].values:
         verdicts = diagram_verdicts(found, branch=str(name))
         for line in said_of_verdicts(values, verdicts, unit):
