@@ -246,8 +246,8 @@ def _contacts(
     nothing = np.zeros((0, 3))
     if "contact_force" not in data or not places:
         return None, nothing
-    force = np.asarray(data["contact_force"].values, dtype=float)[frames.indices]
-    point = np.asarray(data["contact_point"].values, dtype=float)[frames.indices]
+    force = np.asarray(data["contact_force"].isel(time=frames.indices).values, dtype=float)
+    point = np.asarray(data["contact_point"].isel(time=frames.indices).values, dtype=float)
     largest = max(float(np.linalg.norm(force, axis=2).max()), float(impacts.peaks.max(initial=0.0)))
     if largest == 0.0:
         return None, nothing
