@@ -281,17 +281,20 @@ def test_the_stiffness_is_that_of_each_clearance(case, stiffness):
     assert spec.hertz_stiffness(modulus, "") == pytest.approx(found, rel=1e-12)
 
 
-@pytest.mark.parametrize("case", ["planar", "flores", "friction", "bearing-on-rod", "3d"])
+@pytest.mark.parametrize("case", ["planar", "flores", "friction", "bearing-on-rod", "3d", "fast"])
 def test_a_quarter_turn_with_clearance(case):
     """Impacts are located, the slider stays within the play of the ideal one, and the ledger closes."""
-    run = simulate(scenario(case), duration=3e-3)
+    speed = 2.0 * SPEED if case == "fast" else SPEED
+    run = simulate(scenario(case), duration=3e-3 * SPEED / speed)
     data = run.data
     assert run.completed
     assert data.sizes["episode"] > 3
-    m = closed_form(SPEED * data["time"].values, SPEED)
+    m = closed_form(speed * data["time"].values, speed)
     apart = body_motion(run, "slider")["position"].values[:, 0] - m.position
     # Along x the pin's play counts in full, and what the rod's end moves across does so by tan(phi) < 0.46.
-    assert np.abs(apart).max() < 0.5e-3 * (1.0 + CRANK / math.sqrt(ROD**2 - CRANK**2)) + 1e-5
+    # The parts are pressed into each other by up to 10 um, and by 0.15 mm at twice the speed.
+    deep = 0.15e-3 if case == "fast" else 1e-5
+    assert np.abs(apart).max() < 0.5e-3 * (1.0 + CRANK / math.sqrt(ROD**2 - CRANK**2)) + deep
     assert np.abs(apart).max() > 0.2e-3
     kept = json.loads(data.attrs["conservation"])
     # Of the energy that goes through the drive, some 20 J.
