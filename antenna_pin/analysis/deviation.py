@@ -251,10 +251,9 @@ def _columns(part: xr.Dataset) -> dict[str, tuple[str, Array]]:
             for quantity, words, *_ in quantities:
                 one = part[quantity]
                 found[f"{name} {words}"] = (str(one.attrs["units"]), np.asarray(one.values[:, k]))
-    for of, one in part.data_vars.items():
-        if str(of).startswith("base_"):
-            words = str(of).replace("_", " ")
-            found[words] = (str(one.attrs["units"]), np.linalg.norm(one.values, axis=1))
+    for key, one in part.data_vars.items():
+        if str(key).startswith("base_"):
+            found[str(key).replace("_", " ")] = (str(one.attrs["units"]), np.linalg.norm(one.values, axis=1))
     return found
 
 

@@ -119,7 +119,7 @@ def _thinned(t: Array, x: Array, grid: Array, step: float) -> Array:
         nonlocal curve, primitive
         edges = grid[0] + fine * (np.arange(first, last + 1) - 0.5)  # centred on the fine grid
         inside = np.clip(edges, t[0], t[-1])
-        if curve is None or primitive is None or t.size > LONG:
+        if curve is None or t.size > LONG:
             # The cubic is local: of a long signal the one through the samples around is enough.
             low, high = 0, t.size
             if t.size > LONG:

@@ -87,8 +87,8 @@ def _rates(data: xr.Dataset, samples: np.ndarray, contacts: np.ndarray) -> Array
     rate = variable(data, "depth_rate", "impacts")
     own, place = np.unique(samples, return_inverse=True)
     # By numbers of samples, each once: the variable may lie in a file.
-    rates: Array = np.asarray(rate.isel(time=own).values, dtype=float)[place, contacts]
-    return rates
+    found: Array = np.asarray(rate.isel(time=own).values, dtype=float)[place, contacts]
+    return found
 
 
 def _sample_at(time: Array, moments: Array) -> np.ndarray:

@@ -40,7 +40,8 @@ def long_spectrum(time: Array, read: Read) -> xr.Dataset:
     length = max(min(round(0.5 * (time[-1] - time[0]) * even.rate), _SPECTRUM), LEAST_SAMPLES)
     hop = length - length // 2
     starts = range(0, even.size - length + 1, hop)
-    values, total, frequency = np.zeros((0, 1)), np.zeros(()), np.zeros(0)
+    values, frequency = np.zeros((0, 1)), np.zeros(0)
+    total: Array | float = 0.0
     for start in starts:
         fresh = even.values(start + len(values), start + length)
         values = np.concatenate([values, fresh]) if len(values) else fresh

@@ -27,10 +27,10 @@ import xarray as xr
 from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
+from antenna_pin.analysis._ideal_attitude import ideal_attitude, ideal_doubt
 from antenna_pin.analysis._run import Array, RunLike, data_of, label_of
-from antenna_pin.analysis.attitude import interpolate_attitude, interpolation_error
-from antenna_pin.analysis.blocks import beside, blocks
-from antenna_pin.analysis.bodies import body_poses, body_twists, mechanism_of
+from antenna_pin.analysis.blocks import blocks
+from antenna_pin.analysis.bodies import body_poses, mechanism_of
 from antenna_pin.analysis.orbit import Orbit
 from antenna_pin.errors import FileFormatError, InvalidParameterError, UnknownNameError
 from antenna_pin.scenario import PointingSpec
@@ -206,10 +206,13 @@ def pointing_error(
             "run: there must be something to compare with, got neither an ideal run nor a commanded "
             "direction; give an ideal run, or set pointing.commanded and pointing.direction"
         )
-    estimate = 0.0 if ideal is None else _checked_ideal(run, ideal, antenna)
+    for one in (run, ideal):
+        if one is not None:
+            _link(one, antenna)
+    time = np.asarray(data_of(run)["time"].values, dtype=float)
+    estimate = 0.0 if ideal is None else ideal_doubt(data_of(ideal), antenna.body, time)
     known = command is None or command.up is not None
     axes = POINTING_AXES if known else POINTING_AXES[1:]
-    time = np.asarray(data_of(run)["time"].values, dtype=float)
     error, swing, half_cone = np.empty((time.size, len(axes))), np.empty((time.size, 2)), np.empty(time.size)
     begin = 0
     for part in blocks(data_of(run)):
@@ -246,12 +249,7 @@ def _wanted(
 ) -> Rotation:
     """Return where the antenna's axes should be at some times."""
     if ideal is not None:
-        found = [
-            _interpolated(data, antenna.body, time[some]).as_quat()
-            for some, data in beside(data_of(ideal), time)
-        ]
-        attitude = Rotation.from_quat(found[0] if len(found) == 1 else np.concatenate(found))
-        return attitude * antenna.axes
+        return ideal_attitude(data_of(ideal), antenna.body, time) * antenna.axes
     assert command is not None
     wanted = _frame(command.direction, command.up)
     if command.frame == "orbit":
@@ -269,36 +267,6 @@ def _swing(relative: Rotation) -> tuple[Array, Array]:
     length = np.linalg.norm(about, axis=1)
     scale = np.divide(half_cone, length, out=np.zeros_like(length), where=length > 0.0)
     return about * scale[:, None], half_cone
-
-
-def _checked_ideal(run: RunLike, ideal: RunLike, antenna: Antenna) -> float:
-    """Return an estimate of the error of the ideal attitude [rad], of an ideal run that lasts long enough."""
-    for one in (run, ideal):
-        _link(one, antenna)
-    time, knots = (np.asarray(data_of(one)["time"].values, dtype=float) for one in (run, ideal))
-    slack = 1e-9 * (knots[-1] - knots[0])
-    if time[0] < knots[0] - slack or time[-1] > knots[-1] + slack:
-        raise InvalidParameterError(
-            "pointing_error",
-            "ideal",
-            f"a run that covers the time of the other, {time[0]:g} s to {time[-1]:g} s",
-            f"{knots[0]:g} s to {knots[-1]:g} s",
-        )
-    # An odd sample is compared with its neighbours: parts have two in common.
-    parts = blocks(data_of(ideal), overlap=2)
-    return float(np.max([interpolation_error(*_knots(part, antenna.body)) for part in parts]))
-
-
-def _knots(data: xr.Dataset, body: str) -> tuple[Array, Rotation, Array]:
-    """Return times of samples, a link's attitudes, and its angular velocities in its own axes [rad/s]."""
-    poses = body_poses(data, bodies=[body]).sel(body=body)
-    spin = body_twists(data, bodies=[body])["angular_velocity"].sel(body=body)
-    attitude = Rotation.from_quat(poses["attitude"].values)
-    return np.asarray(data["time"].values, dtype=float), attitude, np.asarray(spin.values, dtype=float)
-
-
-def _interpolated(data: xr.Dataset, body: str, times: Array) -> Rotation:
-    return interpolate_attitude(times, *_knots(data, body))
 
 
 def _frame(first: Vector3, second: Vector3 | None) -> Rotation:

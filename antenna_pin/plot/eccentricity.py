@@ -144,8 +144,8 @@ def _columns(run: LabelledRun, joint: str) -> list[Array]:
 def _sampled_depth(run: LabelledRun, joint: str) -> Array:
     """Return the largest depth in the bore over time [m]."""
     names = run.contacts_of(joint, flanges=False)
-    depth: Array = np.stack([run.values("depth", contact=name) for name in names], axis=1).max(axis=1)
-    return depth
+    depths = np.stack([run.values("depth", contact=name) for name in names], axis=1)
+    return np.asarray(depths.max(axis=1))
 
 
 def _largest(motions: list[xr.Dataset], name: str) -> float:

@@ -6,7 +6,6 @@ from collections.abc import Iterable, Iterator
 from typing import Any, Literal
 
 import numpy as np
-import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Colormap, LogNorm, Normalize
@@ -16,8 +15,9 @@ from matplotlib.patches import Polygon
 from matplotlib.projections.polar import PolarAxes
 from matplotlib.ticker import MaxNLocator
 
-from antenna_pin.analysis import LONG, blocks, bore_load, journal_motion
+from antenna_pin.analysis import blocks, bore_load, journal_motion
 from antenna_pin.errors import UnknownNameError
+from antenna_pin.plot._journal_path import JournalPath, farthest
 from antenna_pin.plot._kinds import TOUCHING, choose_joint
 from antenna_pin.plot._lines import draw_parts, draw_pieces
 from antenna_pin.plot._run_figure import RunFigure
@@ -95,7 +95,7 @@ def figure_orbit(
     figure, panels = _square_panels(width, count, 23.0 if note or too_short(every) else 18.0)
     # The whole play is in view, however little the journal has moved.
     sizes = [
-        float(max(_farthest(curve, joint), np.abs(motion.attrs["outline"]).max()))
+        float(max(farthest(curve, joint), np.abs(motion.attrs["outline"]).max()))
         for curve, motion in zip(curves, motions, strict=True)
     ]
     clearances = [float(motion.attrs["radial_clearance"]) for motion in motions]
@@ -118,7 +118,7 @@ def figure_orbit(
         if len(plane) > 1:
             outline = factor * motion.attrs["outline"]  # a circle however it is seen
         for number, place in enumerate(motion["place"].values):
-            path = _Path(curve, motion, joint, number, factor * shown.turn)
+            path = JournalPath(curve, motion, joint, number, factor * shown.turn)
             for across, up in plane:
                 axes = next(panel)
                 if shade == "time":
@@ -169,44 +169,7 @@ def _bore_forces(run: LabelledRun, joint: str) -> Array:
     return np.stack([run.values("normal_force", contact=name) for name in names], axis=1)
 
 
-def _farthest(run: LabelledRun, joint: str) -> float:
-    """Return the largest eccentricity of the journal in a run [m]."""
-    parts = (journal_motion(part, joint)["eccentricity"].values for part in blocks(run.data))
-    return float(np.nanmax([np.nanmax(part) for part in parts]))
-
-
-class _Path:
-    """Where the journal's axis or centre passes, at one place.
-
-    Args:
-        run: Its samples.
-        motion: Of the journal in the first part of them, which is all of a run that is not long.
-        joint: The joint with clearance.
-        place: Number of the place.
-        turn: Turns offsets to the axes that are shown, and scales them, (3, 3).
-    """
-
-    def __init__(self, run: LabelledRun, motion: xr.Dataset, joint: str, place: int, turn: Array) -> None:
-        self._run, self._motion, self._joint, self._place, self._turn = run, motion, joint, place, turn
-        self.long = run.time.size > LONG
-
-    def parts(self) -> Iterator[tuple[Array, Array]]:
-        """Yield offsets (m, 3) and times (m,) [s], each part from the last sample of the one before on."""
-        if not self.long:
-            yield self._motion["offset"].values[:, self._place] @ self._turn.T, self._run.time
-            return
-        for part in blocks(self._run.data, overlap=1):
-            offset = journal_motion(part, self._joint)["offset"].values[:, self._place]
-            yield offset @ self._turn.T, part["time"].values
-
-    @property
-    def whole(self) -> Array:
-        """All offsets, (n, 3)."""
-        found = [offset for offset, _ in self.parts()]
-        return np.concatenate([*(offset[:-1] for offset in found[:-1]), found[-1]])
-
-
-def _line(axes: Axes, path: _Path, shown: list[int], norm: Normalize) -> None:
+def _line(axes: Axes, path: JournalPath, shown: list[int], norm: Normalize) -> None:
     """Draw a line whose colour is the mean time of each piece's ends."""
     looks: dict[str, Any] = {
         "cmap": SEQUENTIAL,
