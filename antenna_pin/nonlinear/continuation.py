@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import dataclasses
+import contextlib
 import functools
 import math
 from collections.abc import Callable
@@ -18,7 +18,8 @@ from antenna_pin.nonlinear.bifurcations import (
     graze_ahead,
 )
 from antenna_pin.nonlinear.chart import Chart
-from antenna_pin.nonlinear.follower import Family, Follower, Node, Point
+from antenna_pin.nonlinear.follower import Family, Follower, Node, Point, early
+from antenna_pin.nonlinear.orbits import NoOrbitError
 from antenna_pin.state import State
 
 __all__ = ["Bifurcation", "BifurcationKind", "Branch", "Family", "Point", "continued"]
@@ -46,12 +47,6 @@ class Branch:
     bifurcations: tuple[Bifurcation, ...]
     message: str
     interrupted: bool = False
-
-
-def _early(state: State, period: float) -> State:
-    """Return a state of a periodic system as one of its first period: the same phase whatever the period."""
-    time = math.fmod(state.time, period)
-    return dataclasses.replace(state, time=time, reached=time)
 
 
 def continued(
@@ -96,7 +91,7 @@ def continued(
     unit = end - begin
     follower = Follower(functools.lru_cache(maxsize=64)(family), unit, tolerance)
     flow, period = family(begin)
-    near = Chart(flow.system, _early(guess, period))
+    near = Chart(flow.system, early(guess, period))
     point = Point(begin, follower.orbit(near.state(np.zeros(near.size)), begin))
     nodes = [follower.node(point, None)]
     found: list[Bifurcation] = []
@@ -119,7 +114,7 @@ def _followed(
     progress: Callable[[Point], None] | None,
 ) -> str:
     """Follow a branch on from its first node, and return why it ends; what is found is added to the lists."""
-    (begin, end), step = values, arc
+    (begin, end), step, moved = values, arc, -1
     while len(nodes) < most:
         last, made, stopped = nodes[-1], step, ""
         try:
@@ -129,8 +124,17 @@ def _followed(
                 bound, stopped = (begin, _BACK) if share <= 0.0 else (end, _REACHED)
                 if point.value != bound:
                     point, made = follower.stopped(last.point, last.way, step, point, bound)
+            if point.orbit.onsets != last.point.orbit.onsets and moved < len(nodes):
+                raise NoOrbitError("branch: a contact or an event comes or goes")
             node = follower.node(point, last)
         except AntennaPinError as error:
+            if moved < len(nodes):
+                # What seems to come or go may only pass the instant that orbits are told by.
+                moved = len(nodes)
+                with contextlib.suppress(AntennaPinError):
+                    nodes[-1] = follower.in_flight(last) or last
+                if nodes[-1] is not last:
+                    continue
             grazes = graze_ahead(follower, last, step, len(nodes) - 1, near_by)
             if grazes:
                 found += grazes

@@ -46,11 +46,15 @@ class Way(NamedTuple):
         end: Where to.
         onsets: How many contacts began on the way.
         events: How many events happened.
+        changes: When contacts began and ended and events happened, in order [s].
+        touching: From when to when each contact lasted [s].
     """
 
     end: State
     onsets: int
     events: int
+    changes: tuple[float, ...]
+    touching: tuple[tuple[float, float], ...]
 
 
 class Tangent(NamedTuple):
@@ -123,8 +127,12 @@ class Flow:
         run.advance()
         if run.outcome is not Outcome.COMPLETED:
             raise FlowError(f"a run of {span:g} s from t = {start.time:g} s: {run.message}")
-        onsets = int(np.count_nonzero(run.episodes["onset"] > start.time))
-        return Way(run.present(), onsets, len(run.actions.happened))
+        begun, ended = run.episodes["onset"], run.episodes["release"]
+        onsets = int(np.count_nonzero(begun > start.time))
+        events = [one.time for one in run.actions.happened]
+        changes = [t for t in (*begun.tolist(), *ended.tolist(), *events) if start.time < t <= end]
+        lasted = zip(begun.tolist(), np.where(ended <= end, ended, end).tolist(), strict=True)
+        return Way(run.present(), onsets, len(events), tuple(sorted(changes)), tuple(lasted))
 
     def seen(self, start: State, span: float, count: int) -> Trajectory:
         """Return the run of a span of time [s] from a state, with so many even samples.

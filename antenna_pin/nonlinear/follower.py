@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+import itertools
 import math
 from typing import NamedTuple, Protocol
 
@@ -15,7 +17,7 @@ from antenna_pin.nonlinear.flow import Flow
 from antenna_pin.nonlinear.orbits import NEWTON_STEP, NoOrbitError, Orbit, orbit_at, periodic_orbit
 from antenna_pin.state import State
 
-__all__ = ["Family", "Follower", "Node", "Point"]
+__all__ = ["Family", "Follower", "Node", "Point", "early"]
 
 Array = NDArray[np.float64]
 
@@ -44,6 +46,12 @@ class Point(NamedTuple):
 
     value: float
     orbit: Orbit
+
+
+def early(state: State, period: float) -> State:
+    """Return a state of a periodic system as one of its first period: the same phase whatever the period."""
+    time = math.fmod(state.time, period)
+    return dataclasses.replace(state, time=time, reached=time)
 
 
 class Node(NamedTuple):
@@ -157,6 +165,42 @@ class Follower:
         way = self.turned(other.way, other.point, first)
         half = (one.way + way) @ chord / (np.linalg.norm(one.way + way) * np.linalg.norm(chord))
         return bool(one.way @ way >= _TURN and half >= _ASIDE)
+
+    def in_flight(self, node: Node) -> Node | None:
+        """Return an orbit told by a state of it far from contacts that begin or end, and from events.
+
+        That is the middle of the longest time between them, free of contact if there is such; None where
+        the orbit's own start is about as good. The branch's direction is carried there by the flow.
+        """
+        point = node.point
+        flow, period = self.family(point.value)
+        start = point.orbit.start
+        went = flow.went(start, period)
+        phases = [t - start.time for t in went.changes]
+        if not phases:
+            return None
+        spans = [(one - start.time, other - start.time) for one, other in went.touching]
+
+        def touching(phase: float) -> int:
+            return sum(one < phase < other for one, other in spans)
+
+        gaps = []
+        for one, other in itertools.pairwise([*phases, phases[0] + period]):
+            middle = math.fmod(0.5 * (one + other), period)
+            gaps.append((touching(middle), one - other, middle))
+        fewest, length, phase = min(gaps)
+        near = min(min(abs(t - s) for s in (0.0, period)) for t in phases)
+        if touching(0.0) == fewest and near >= -0.25 * length:
+            return None
+        there = Point(point.value, self.orbit(early(flow.after(start, phase), period), point.value))
+        here, chart = self.chart(point), self.chart(there)
+
+        def carried(s: float) -> Array:
+            other, _ = self.family(point.value + s * node.way[-1] * self.unit)
+            return chart.coordinates(other.after(here.state(s * node.way[:-1], other.system), phase))
+
+        way = np.append(slope(carried, _STEPS).value, node.way[-1])
+        return self.node(there, node._replace(point=there, way=way / np.linalg.norm(way)))
 
     def correct(self, point: Point, way: Array, arc: float, guess: Array | None = None) -> Point:
         """Return the orbit an arc ahead, square to the direction there (Keller's pseudo-arclength).
