@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TypeAlias
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from antenna_pin.analysis.blocks import blocks
 from antenna_pin.errors import FileFormatError, InvalidParameterError, UnknownNameError
 from antenna_pin.geometry import AxialScenario, RadialScenario
 from antenna_pin.trajectory import Trajectory, contacts_of, series
@@ -70,16 +72,9 @@ def scenario_spans(run: Trajectory | xr.Dataset, joint: str | None = None) -> xr
     joint = known[0] if joint is None else joint
     if joint not in known:
         raise UnknownNameError("scenario_spans", "clearance joint", joint, known)
-    time, ends = _scenarios(data, joint)
-    halves = [np.stack(pair, axis=1)[: max(time.size - 1, 1)].ravel() for pair in ends]
-    middles = np.stack([time[:-1], 0.5 * (time[:-1] + time[1:])], axis=1).ravel()
-    edges = np.concatenate([middles, time[-1:]]) if time.size > 1 else np.repeat(time, 3)
-    lasting = np.diff(edges) > 0.0
-    start, until = edges[:-1][lasting], edges[1:][lasting]
-    radial, axial = (half[lasting] for half in halves)
-    new = np.ones(start.size, dtype=bool)
-    new[1:] = (radial[1:] != radial[:-1]) | (axial[1:] != axial[:-1])
-    last = np.concatenate([np.flatnonzero(new)[1:] - 1, [start.size - 1]]) if start.size else np.zeros(0, int)
+    found = [_spans(part, ends) for part, ends in _scenarios(data, joint)]
+    start, until, radial, axial = (np.concatenate(columns) for columns in zip(*found, strict=True))
+    start, until, radial, axial = _merged(start, until, radial, axial)
 
     def flags(kinds: type[RadialScenario] | type[AxialScenario], name: str) -> dict[str, object]:
         return {
@@ -91,45 +86,73 @@ def scenario_spans(run: Trajectory | xr.Dataset, joint: str | None = None) -> xr
 
     return xr.Dataset(
         {
-            "start": ("span", start[new], {"units": "s", "long_name": "start of the span"}),
-            "end": ("span", until[last], {"units": "s", "long_name": "its end"}),
-            "radial": ("span", radial[new].astype(np.int8), flags(RadialScenario, "radial")),
-            "axial": ("span", axial[new].astype(np.int8), flags(AxialScenario, "axial")),
+            "start": ("span", start, {"units": "s", "long_name": "start of the span"}),
+            "end": ("span", until, {"units": "s", "long_name": "its end"}),
+            "radial": ("span", radial.astype(np.int8), flags(RadialScenario, "radial")),
+            "axial": ("span", axial.astype(np.int8), flags(AxialScenario, "axial")),
         },
         attrs={"joint": joint},
     )
 
 
 _Ends: TypeAlias = "tuple[NDArray[np.int_], NDArray[np.int_]]"
+_Array: TypeAlias = NDArray[np.float64]
+_Spans: TypeAlias = "tuple[_Array, _Array, NDArray[np.int_], NDArray[np.int_]]"
+
+
+def _spans(time: _Array, ends: list[_Ends]) -> _Spans:
+    """Return the spans of some samples: start, end, and numbers of both scenarios."""
+    halves = [np.stack(pair, axis=1)[: max(time.size - 1, 1)].ravel() for pair in ends]
+    middles = np.stack([time[:-1], 0.5 * (time[:-1] + time[1:])], axis=1).ravel()
+    edges = np.concatenate([middles, time[-1:]]) if time.size > 1 else np.repeat(time, 3)
+    lasting = np.diff(edges) > 0.0
+    start, until = edges[:-1][lasting], edges[1:][lasting]
+    return _merged(start, until, *(half[lasting] for half in halves))
+
+
+def _merged(start: _Array, until: _Array, radial: NDArray[np.int_], axial: NDArray[np.int_]) -> _Spans:
+    """Return spans that follow one another, neighbours of the same pair as one."""
+    new = np.ones(start.size, dtype=bool)
+    new[1:] = (radial[1:] != radial[:-1]) | (axial[1:] != axial[:-1])
+    last = np.concatenate([np.flatnonzero(new)[1:] - 1, [start.size - 1]]) if start.size else np.zeros(0, int)
+    return start[new], until[last], radial[new], axial[new]
 
 
 def _shares(data: xr.Dataset, joint: str) -> NDArray[np.float64]:
-    time, ends = _scenarios(data, joint)
     shares = np.zeros((len(RadialScenario), len(AxialScenario)))
-    if time.size < 2:
-        shares[ends[0][0][0], ends[1][0][0]] = 1.0
-        return shares
-    span = np.diff(time) / (time[-1] - time[0])
-    for side in range(2):
-        np.add.at(shares, (ends[0][side][: span.size], ends[1][side][: span.size]), 0.5 * span)
+    whole = data["time"].values[-1] - data["time"].values[0]
+    for time, ends in _scenarios(data, joint):
+        if time.size < 2:
+            shares[ends[0][0][0], ends[1][0][0]] = 1.0
+            return shares
+        span = np.diff(time) / whole
+        for side in range(2):
+            np.add.at(shares, (ends[0][side][: span.size], ends[1][side][: span.size]), 0.5 * span)
     return shares
 
 
-def _scenarios(data: xr.Dataset, joint: str) -> tuple[NDArray[np.float64], list[_Ends]]:
-    """Return the sample times and, radial and axial, the scenarios at both ends of every interval."""
+def _scenarios(data: xr.Dataset, joint: str) -> Iterator[tuple[_Array, list[_Ends]]]:
+    """Yield sample times and, radial and axial, the scenarios at both ends of every interval.
+
+    Part by part, each from the last sample of the one before on.
+    """
     missing = [name for name in _NEEDED if name not in data]
     if missing:
         series(data, "contact scenarios")
         raise FileFormatError(f"run: no variable {missing[0]!r}; is it an antenna_pin result?")
-    time = np.asarray(data["time"].values, dtype=float)
-    ends = []
-    for kind in ("radial", "axial"):
-        seen = np.asarray(data[f"{kind}_scenario"].sel(clearance_joint=joint).values, dtype=int)
-        names = contacts_of(data, joint, flanges=kind == "axial")
-        # A joint without flanges knows none and one point, however many of its contacts touch.
-        most = 2 if contacts_of(data, joint, flanges=True) else 1
-        ends.append(_ends(seen, np.asarray(data["touching"].sel(contact=names).values, dtype=int), most))
-    return time, ends
+    names = {kind: contacts_of(data, joint, flanges=kind == "axial") for kind in ("radial", "axial")}
+    # A joint without flanges knows none and one point, however many of its contacts touch.
+    most = 2 if contacts_of(data, joint, flanges=True) else 1
+    for number, part in enumerate(blocks(data, overlap=2)):
+        ends = []
+        # What has changed at a sample is told by the one before: a part has it, but not its interval again.
+        begin = min(number, 1)
+        for kind, own in names.items():
+            seen = np.asarray(part[f"{kind}_scenario"].sel(clearance_joint=joint).values, dtype=int)
+            touching = np.asarray(part["touching"].sel(contact=own).values, dtype=int)
+            start, end = _ends(seen, touching, most)
+            ends.append((start[begin:], end[begin:]))
+        yield np.asarray(part["time"].values, dtype=float)[begin:], ends
 
 
 def _ends(seen: NDArray[np.int_], touching: NDArray[np.int_], most: int) -> _Ends:

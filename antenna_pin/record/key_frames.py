@@ -112,9 +112,12 @@ def key_frames(
     """
     if not rate > 0.0:
         raise InvalidParameterError("recording", "fps", "positive [1/s]", rate)
-    distinct, first = np.unique(times, return_index=True)
-    inside = (distinct >= start) & (distinct <= end)
-    distinct, first = distinct[inside], first[inside]
+    low, high = np.searchsorted(times, start, "left"), np.searchsorted(times, end, "right")
+    inside = times[low:high]
+    # Of samples at one instant the first; times do not go back, so that they need not be sorted.
+    first = np.flatnonzero(np.concatenate([np.ones(min(inside.size, 1), bool), inside[1:] > inside[:-1]]))
+    distinct = inside[first]
+    first += low
     events = _nearest(distinct, impacts.events)
     kept = _choose(distinct, events, rate)
     if most is None or len(kept) <= most:

@@ -18,6 +18,8 @@ from antenna_pin.analysis import (
     growth_of,
     load_statistics,
     resampled,
+    scenario_shares,
+    scenario_spans,
     time_mean,
     time_percentiles,
     time_rms,
@@ -144,6 +146,7 @@ def test_a_run_part_by_part(in_parts, runs):
     """Deviations, loads and the load around the bore; sums in another order differ by round-off."""
     case1, case3 = runs
     whole = deviation(case3, case1).measures, load_statistics(case3), bore_load(case3)
+    spans, shares = scenario_spans(case3), scenario_shares(case3)
     in_parts(20, 13)
     assert sum(1 for _ in blocks(case3.data)) > 3
     for found, expected in zip(deviation_measures(case3, case1), whole[0], strict=True):
@@ -155,6 +158,9 @@ def test_a_run_part_by_part(in_parts, runs):
     for name, expected in whole[1].data_vars.items():
         np.testing.assert_allclose(load_statistics(case3)[name].values, expected.values, rtol=1e-12)
     np.testing.assert_array_equal(bore_load(case3)["impulse"].values, whole[2]["impulse"].values)
+    assert spans.sizes["span"] > 5
+    xr.testing.assert_identical(scenario_spans(case3), spans)
+    np.testing.assert_allclose(scenario_shares(case3).values, shares.values, rtol=1e-12)
 
 
 def test_single_samples_of_a_file_are_read_part_by_part(tmp_path, monkeypatch):
