@@ -908,9 +908,9 @@ MUTANTS = (
     ),
     _compiled(
         "a fold is where the step that goes round it ends",
-        "antenna_pin/nonlinear/bifurcations.py",
-        "if doubt <= precision:",
-        "if True:",
+        "antenna_pin/nonlinear/locate.py",
+        "doubt = abs(step.slope(nearest) * (high - low) * step.follower.unit)",
+        "doubt = 0.0",
         "tests/nonlinear/test_continuation.py",
     ),
     _compiled(
