@@ -29,6 +29,7 @@ View = Literal["mechanism", "joint"]
 
 # Key frames per second of a run, and of one that is drawn as a ghost; more where bodies turn fast [Hz].
 _RATE, _GHOST_RATE = 500.0, 200.0
+_TRIAL = 10_000  # key frames
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -148,8 +149,11 @@ def record(
     fps = max(_RATE, turning) if fps is None else fps
     limit = 1e6 * max_megabytes
     most: int | None = None
+    wanted = len(key_frames(times, impacts, fps, first, last).indices)
+    # What a key frame of a long run takes is found out with fewer: all of them may be too many for memory.
+    trial = wanted > _TRIAL
     for _ in range(6):
-        frames = key_frames(times, impacts, fps, first, last, most)
+        frames = key_frames(times, impacts, fps, first, last, _TRIAL if trial else most)
         if view == "joint":
             seen = joint_view(run, frames, frames.impacts, places, joint, magnify)
         else:
@@ -159,12 +163,15 @@ def record(
             seen = mechanism_view(run, frames, frames.impacts, places, ghost, line, magnify)
         recording = Recording(_data(run, view, frames, seen, fps, speed, first, last), frames)
         size = len(recording.html.encode())
-        if size <= limit:
+        if size <= limit and not trial:
             return recording
         moving = _moving_bytes(recording.data)
         fixed = size - moving
         most = int(0.97 * (limit - fixed) / moving * len(frames.indices))
-        if most < 2:
+        if trial and most >= wanted:
+            most = None
+        trial = False
+        if most is not None and most < 2:
             break
     raise InvalidParameterError(
         "recording", "max_megabytes", f"above {1e-6 * fixed:.2f}, what viewer and shapes take", max_megabytes
