@@ -37,6 +37,7 @@ def scenario_shares(run: Trajectory | xr.Dataset) -> xr.DataArray:
         knows "none" and "one_point" in the bore and no axial contact; that of a slider is any contact.
     """
     data = run.data if isinstance(run, Trajectory) else run
+    series(data, "scenario_shares")
     radial, axial = ([kind.name.lower() for kind in kinds] for kinds in (RadialScenario, AxialScenario))
     joints = [str(name) for name in data["clearance_joint"].values] if "clearance_joint" in data.sizes else []
     shares = np.zeros((len(joints), len(radial), len(axial)))
