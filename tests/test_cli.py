@@ -447,7 +447,7 @@ def test_figures_of_settled_motions_are_made_once(cli, tmp_path, drawn_quickly):
     said = cli("figures", "chen2021", *arguments, "--out", "paper", "--format", "svg")
     assert said.code == 0, said.err
     index = (tmp_path / "paper/index.md").read_text()
-    assert "clearance 0.30 mm: " in index and "2 values of 2 settled" in index
+    assert "clearance 0.30 mm: " in index and "period 1 at 2 values: 0.02 to 0.9 mm" in index
     assert "| case |" not in index
     again = cli("figures", "chen2021", *arguments, "--out", "paper", "--format", "svg")
     assert again.err.count("using ") == 4 and "running" not in again.err

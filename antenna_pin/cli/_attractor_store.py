@@ -92,18 +92,19 @@ class AttractorStore:
         """Return a bifurcation diagram, of as many values as are asked for."""
         import numpy as np
 
-        from antenna_pin.nonlinear import bifurcation, load_plan, open_diagram
+        from antenna_pin.nonlinear import bifurcation, load_plan, open_diagram, values_of
         from antenna_pin.sweep import Standing
         from antenna_pin.units import any_quantity
 
         plan = load_plan(wanted.name)
         scenario = plan.base(self.settings)
-        numbers = [found[0] for found in map(any_quantity, plan.given()) if found is not None]
-        values = np.linspace(numbers[0], numbers[-1], self.values)
+        every = plan.given()
+        values = values_of(f"{every[0]}:{every[-1]}:{self.values}")
+        numbers = [found[0] for found in map(any_quantity, values) if found is not None]
         path = self.folder / f"{_stem(wanted)}.nc"
         with contextlib.suppress(FileFormatError):
             found = open_diagram(path)
-            if self._alike(found, scenario) and np.array_equal(found["value"].values, values):
+            if self._alike(found, scenario) and np.array_equal(found["value"].values, numbers):
                 complain(f"{wanted.name}: using {path}")
                 return found
         complain(f"{wanted.name}: running {self.values} values")
@@ -116,7 +117,7 @@ class AttractorStore:
             return bifurcation(
                 scenario,
                 plan.parameter,
-                [float(value) for value in values],
+                values,
                 plan.where(),
                 plan.quantities,
                 branches=plan.branches,
