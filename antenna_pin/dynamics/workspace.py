@@ -267,14 +267,27 @@ class Workspace:
             contact: Number of the contact.
         """
         nq, nv = self.model.nq, self.model.nv
-        pose, table = np.zeros(1, POSE), np.zeros_like(self.table)
-        self.locate(y, table)
-        block = self.system.block_of_contact[contact]
-        place_journal(self.program, block, y, nq, pose)
-        direction = np.zeros(nv)
-        unit_normal_force(self.program, block, pose, table, contact, direction)
+        direction, _ = self.along_normal(y, contact)
         at_rest = y.copy()
         at_rest[nq : nq + nv] = 0.0
         # What motions ask for, and gravity, goes in the difference.
         free = np.array(self._accelerate(0.0, at_rest, np.zeros(nv)))
         return float(1.0 / (direction @ (self._accelerate(0.0, at_rest, direction) - free)))
+
+    def along_normal(self, y: Array, contact: int) -> tuple[Array, float]:
+        """Return a contact's normal in the space of generalized velocities, (nv,), and its gap [m].
+
+        With the velocity of a state it gives the rate at which the gap opens, and as a generalized force it
+        is a unit force along the normal.
+
+        Args:
+            y: State [q, v, x].
+            contact: Number of the contact.
+        """
+        pose, table = np.zeros(1, POSE), np.zeros_like(self.table)
+        self.locate(y, table)
+        block = self.system.block_of_contact[contact]
+        place_journal(self.program, block, y, self.model.nq, pose)
+        direction = np.zeros(self.model.nv)
+        unit_normal_force(self.program, block, pose, table, contact, direction)
+        return direction, float(table[contact].gap)

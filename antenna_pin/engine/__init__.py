@@ -3,5 +3,14 @@
 from antenna_pin.engine.compiled import Compiled, CompiledStepper, check_compiled
 from antenna_pin.engine.implicit import CompiledImplicitStepper
 from antenna_pin.engine.pace import Pace, Sizes
+from antenna_pin.engine.slopes import Slopes
 
-__all__ = ["Compiled", "CompiledImplicitStepper", "CompiledStepper", "Pace", "Sizes", "check_compiled"]
+__all__ = [
+    "Compiled",
+    "CompiledImplicitStepper",
+    "CompiledStepper",
+    "Pace",
+    "Sizes",
+    "Slopes",
+    "check_compiled",
+]

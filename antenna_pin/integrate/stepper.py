@@ -93,6 +93,13 @@ class Stepper:
         """Evaluate the derivative at the present state again, after the problem itself has changed."""
         self.restart(self.t, self.start)
 
+    def rates(self, t: float, y: Array) -> Array:
+        """Return [acceleration (nv), rate of x (nx)] of any state; the trial step is lost by that."""
+        self.y[:] = y
+        self._derivative(t)
+        self.has_dense = False
+        return self._rates.copy()
+
     def attempt(self, h: float) -> float:
         """Try a step of size h [s]; return its scaled error: 1 is the tolerance, 0 if the step is fixed."""
         method = self.method

@@ -140,6 +140,12 @@ class ClearanceJoint:
         kinds = (place.kind for place in self.geometry.contact_places)
         return tuple(self.axial if kind == "axial" and self.axial else self.radial for kind in kinds)
 
+    @property
+    def takes_mass(self) -> tuple[bool, ...]:
+        """Of each contact, whether its law depends on the effective mass that it remembers."""
+        laws = (law.code() if isinstance(law, CompiledNormalLaw) else None for law in self.normal_laws)
+        return tuple(code is not None and takes_mass_of_contact(code) for code in laws)
+
     def python_path(
         self, block: Array, memory: NDArray[Any], table: NDArray[Any], nq: int
     ) -> PythonPath | None:
@@ -321,10 +327,7 @@ class ClearanceJoint:
         memory["approach_speed"] = np.maximum(speed, self.approach_speed_floor)
         if effective_mass is not None:
             memory["effective_mass"] = np.asarray(effective_mass, dtype=float)
-        elif any(
-            isinstance(law, CompiledNormalLaw) and takes_mass_of_contact(law.code())
-            for law in self.normal_laws
-        ):
+        elif any(self.takes_mass):
             raise InvalidParameterError(
                 f"joint {self.name!r}", "effective_mass", "given [kg], for its law depends on it", None
             )

@@ -54,6 +54,7 @@ class Run:
         settings: How to integrate and sample.
         events: What to look for besides contacts.
         since: From when on it records [s]; when ``start`` was reached, if not given.
+        stretches: Whether the compiled engine may make many steps between two looks of what keeps the run.
     """
 
     def __init__(
@@ -64,6 +65,7 @@ class Run:
         settings: RunSettings,
         events: Sequence[Event] = (),
         since: float | None = None,
+        stretches: bool = True,
     ) -> None:
         """Prepare the stepper, the search of its steps, and the contacts that touch at the start."""
         self.system = system
@@ -87,7 +89,7 @@ class Run:
         )
         self.trials = Trials(self.stepper, self.control)
         self.singular = None if system.plan is None else Singularities(Workspace(system))
-        if isinstance(self.stepper, CompiledStepper) and all(map(is_known, self.watch.events)):
+        if stretches and isinstance(self.stepper, CompiledStepper) and all(map(is_known, self.watch.events)):
             parts = self.samples, self.contacts, self.search, self.watch, self.singular
             self.trials = QuietTrials(self.stepper, self.control, *parts)
         self.wall = 0.0

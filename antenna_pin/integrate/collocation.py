@@ -1,0 +1,89 @@
+"""Linear differential equations with matrices that change, a step at a time, and what a step is wrong by."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from antenna_pin.integrate._collocation_kernels import propagate
+
+__all__ = ["NODES", "Propagated", "Propagator"]
+
+Array = NDArray[np.float64]
+
+_GAUSS = 0.5 + 0.5 * np.polynomial.legendre.leggauss(4)[0]
+#: Where in a step the matrix is asked for: at Gauss's four nodes, and at its end.
+NODES = np.append(_GAUSS, 1.0)
+
+
+class Propagated(NamedTuple):
+    """What a step makes of the identity.
+
+    Attributes:
+        matrix: By collocation at Gauss's four nodes, of order 8, (n, n).
+        other: By collocation at these and the end.
+    """
+
+    matrix: Array
+    other: Array
+
+    @property
+    def off(self) -> float:
+        """By how much the two differ, over their size [-]."""
+        return float(np.linalg.norm(self.matrix - self.other) / np.linalg.norm(self.matrix))
+
+
+def _weights(nodes: Array) -> tuple[Array, Array]:
+    """Return the weights of the stages and of the step of the collocation method with these nodes."""
+    powers = np.arange(1, len(nodes) + 1)
+    inverse = np.linalg.inv(nodes[:, None] ** (powers - 1))
+    return (nodes[:, None] ** powers / powers) @ inverse, (1.0 / powers) @ inverse
+
+
+_METHODS = _weights(_GAUSS), _weights(NODES)
+
+
+class Propagator:
+    """Steps of ``W' = A W`` by collocation (Hairer, Norsett and Wanner 1993, II.7): stiff ones too.
+
+    Args:
+        size: n.
+
+    Attributes:
+        size: n.
+    """
+
+    def __init__(self, size: int) -> None:
+        """Allocate once."""
+        self.size, most = size, len(NODES) * size
+        self._whole, self._pivots = np.zeros((most, most)), np.zeros(most, dtype=np.int64)
+        self._rates, self._out = np.zeros((size, most)), np.zeros((size, size))
+
+    def step(self, length: float, matrices: Array) -> Propagated:
+        """Return what a step makes of the identity; not numbers, if there is no such.
+
+        Args:
+            length: Of the step.
+            matrices: A at :data:`NODES`, (5, n, n).
+        """
+        one, other = (self._by(k, length, matrices) for k in range(2))
+        return Propagated(one, other)
+
+    def change(self, length: float, matrices: Array) -> Array:
+        """Return by how much a step changes with its matrices, to first order and where it is next to one.
+
+        Args:
+            length: Of the step.
+            matrices: By how much they change at :data:`NODES`, (5, n, n).
+        """
+        return np.asarray(length * np.einsum("i,iab->ab", _METHODS[0][1], matrices[:-1]))
+
+    def _by(self, method: int, length: float, matrices: Array) -> Array:
+        stages, weights = _METHODS[method]
+        s, n = len(weights), len(self._out)
+        room = self._whole[: s * n, : s * n], self._pivots[: s * n], self._rates[:, : s * n]
+        if not propagate(stages, weights, length, matrices[:s], *room, self._out):
+            return np.full((n, n), np.nan)
+        return self._out.copy()

@@ -1,0 +1,246 @@
+"""A system's rates as a vector field, and their derivatives along displacements of a state."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from antenna_pin.dynamics import System, Workspace
+from antenna_pin.engine import CompiledImplicitStepper, CompiledStepper, Slopes
+from antenna_pin.integrate import method_named
+from antenna_pin.nonlinear.frames import Frame, Units, frame_at
+from antenna_pin.settings import RunSettings
+from antenna_pin.simulation.quiet import stepper_of
+from antenna_pin.simulation.scales import scale_vector
+
+__all__ = ["Field", "Function", "Lift"]
+
+Array = NDArray[np.float64]
+Function = Callable[[float, Array], Array]
+
+# Steps of differences, in error scales. At joints with play, where scales are a clearance and 0.01 m/s, they
+# are finer; less so in closed loops, where a clearance turns links by a thousandth of a unit, which must be
+# large beside round-off. And of forces they are at most this share of a contact's depth, down to a millionth
+# of what they are else: a force that begins like depth^1.5 is smooth on no other scale.
+_STEP, _IN_PLAY, _IN_LOOPS, _SHARE, _FINEST = 1e-4, 1e-6, 1e-5, 0.02, 1e-6
+# Sixth and fourth order over the same points, at 1, 2 and 3 steps.
+_WEIGHTS = np.array([[45.0 / 60.0, -9.0 / 60.0, 1.0 / 60.0], [8.0 / 12.0, -1.0 / 12.0, 0.0]])
+# Of what rows of constraints do, over the most: what does less is what round-off has left of redundant ones.
+_FAINT = 1e-10
+
+
+class Lift(NamedTuple):
+    """Coordinates about a state as displacements of one, and back.
+
+    A displacement, (2 nv + bristles + 2 contacts + 1,), is that of the configuration in the coordinates of
+    velocities, of the velocity, of bristles, of the logarithms of approach speeds, of those of effective
+    masses, and of time.
+
+    Attributes:
+        up: Displacement of each coordinate, by columns, (displacement, size).
+        down: Coordinates of a displacement, (size, displacement).
+    """
+
+    up: Array
+    down: Array
+
+
+class Field:
+    """The rates of a system, in states near those of a run; one for each run, for it is written to.
+
+    Args:
+        system: The system.
+        settings: Of the run whose engine evaluates them.
+
+    Attributes:
+        workspace: Its contact memory and program are those of the moment.
+        units: Of displacements.
+    """
+
+    def __init__(self, system: System, settings: RunSettings) -> None:
+        """Allocate once."""
+        self.system = system
+        self.workspace = Workspace(system)
+        self.units = Units.of(system)
+        scales = scale_vector(system, settings.scales)
+        self._stepper = stepper_of(self.workspace, method_named(settings.method), scales, settings)
+        self._bristles = np.asarray(system.bristle_x, dtype=int)
+        self._slopes: Slopes | None = None
+        if isinstance(self._stepper, CompiledStepper | CompiledImplicitStepper):
+            self._slopes = Slopes(self._stepper, self._bristles, _WEIGHTS)
+        self._y = np.zeros(system.manifold.size)
+        self._memory = self.workspace.memory.copy()
+        nv, contacts = system.model.nv, len(system.contact_names)
+        ends = np.cumsum([nv, nv, len(self._bristles), contacts, contacts, 1])
+        #: Parts of a displacement: way, rate, bristles, approach speeds, masses, time.
+        self.parts = tuple(slice(end - n, end) for end, n in zip(ends, np.diff(ends, prepend=0), strict=True))
+        self.size = int(ends[-1])
+        self._coarse = self._coarseness()
+
+    def rates(self, time: float, y: Array) -> Array:
+        """Return [acceleration (nv), rate of x (nx)] with contacts and program of the moment."""
+        return self._stepper.rates(time, y)
+
+    def flow(self, time: float, y: Array) -> Array:
+        """Return the displacement per second that the system itself makes, (displacement,)."""
+        nq, nv = self.system.model.nq, self.system.model.nv
+        rates, out = self.rates(time, y), np.zeros(self.size)
+        way, rate, bristles, *_, clock = self.parts
+        out[way], out[rate], out[bristles] = y[nq : nq + nv], rates[:nv], rates[nv + self._bristles]
+        out[clock] = 1.0
+        return out
+
+    def frame(self, y: Array) -> Frame:
+        """Return the axes of coordinates in a state, with the contacts of the moment."""
+        return frame_at(self.workspace, self.units, y, self.workspace.memory["touching"])
+
+    def _coarseness(self) -> Array:
+        """Return over what a step of each part of a displacement must be one at most, (displacement,)."""
+        units, (way, rate, bristles, *_) = self.units, self.parts
+        out = np.zeros(self.size)
+        out[way], out[rate], out[bristles] = 1.0 / units.way, 1.0 / units.rate, 1.0 / units.bristle
+        steps, finer = np.full(self.system.model.nv, _STEP), _IN_LOOPS if self.system.plan else _IN_PLAY
+        for joint in self.system.clearances:
+            steps[self.system.mechanism.joint(joint.name).v] = finer
+        out[way] /= steps
+        out[rate] /= steps
+        out[bristles] /= finer
+        return out
+
+    # --- derivatives ----------------------------------------------------------------------------------------
+
+    def along(
+        self, function: Function, time: float, y: Array, ways: Array, *, of_forces: bool = False
+    ) -> tuple[Array, Array]:
+        """Return the derivatives of a function of time and state along displacements.
+
+        Args:
+            function: ``(time, y) -> values``, of the contacts and program of the moment.
+            time: [s].
+            y: State.
+            ways: Displacements of a size of about 1 in units, by columns, (displacement, k).
+            of_forces: Whether it depends on forces, which are smooth on the scale of depths only.
+
+        Returns:
+            By differences of sixth and of fourth order, (values, k) each.
+        """
+        out = np.zeros((len(_WEIGHTS), len(function(time, y)), ways.shape[1]))
+        for k, (way, step) in enumerate(zip(ways.T, self._steps(y, ways, of_forces), strict=True)):
+            ahead, behind = (
+                np.array([self._at(function, time, y, side * point * step * way) for point in (1, 2, 3)])
+                for side in (1, -1)
+            )
+            out[:, :, k] = _WEIGHTS @ (ahead - behind) / step
+        return out[0], out[1]
+
+    def slopes(self, time: float, y: Array, ways: Array) -> tuple[Array, Array]:
+        """Return the derivatives of the rates along displacements (:meth:`along`), (nv + nx, k) each."""
+        if self._slopes is None:
+            return self.along(self.rates, time, y, ways, of_forces=True)
+        sixth, fourth = self._slopes.along(time, y, ways, self._steps(y, ways, True))
+        return sixth, fourth
+
+    def _steps(self, y: Array, ways: Array, of_forces: bool) -> Array:
+        """Return the step of differences along displacements, (k,)."""
+        steps = 1.0 / np.maximum(1.0 / _STEP, np.abs(self._coarse[:, None] * ways).max(axis=0))
+        if not of_forces:
+            return steps
+        finest = _FINEST * steps
+        for c in np.flatnonzero(self.workspace.memory["touching"]).tolist():
+            normal, gap = self.workspace.along_normal(y, c)
+            opening = np.abs(normal @ ways[self.parts[0]])
+            if gap < 0.0:
+                steps = np.minimum(steps, -_SHARE * gap / np.maximum(opening, 1e-300))
+        return np.maximum(steps, finest)
+
+    def per_second(self, function: Function, time: float, y: Array, *, of_forces: bool = False) -> Array:
+        """Return the rate of a function of time and state along the flow, (values,)."""
+        flow = self.flow(time, y)
+        way, rate, *_, clock = self.parts
+        size = max(
+            float(np.linalg.norm(flow[way] / self.units.way)),
+            float(np.linalg.norm(flow[rate] / self.units.rate)),
+            float(flow[clock][0]),
+        )
+        return self.along(function, time, y, flow[:, None] / size, of_forces=of_forces)[0][:, 0] * size
+
+    def _at(self, function: Function, time: float, y: Array, displacement: Array) -> Array:
+        """Return a function's value at a neighbour."""
+        nq, nv = self.system.model.nq, self.system.model.nv
+        way, rate, bristles, speeds, masses, clock = (displacement[part] for part in self.parts)
+        memory, kept = self.workspace.memory, self._memory
+        self._y[:] = y
+        self.workspace.retract(self._y, way)
+        self._y[nq : nq + nv] += rate
+        self._y[nq + nv + self._bristles] += bristles
+        kept[:] = memory
+        memory["approach_speed"] *= np.exp(speeds)
+        memory["effective_mass"] *= np.exp(masses)
+        try:
+            return np.array(function(time + float(clock[0]), self._y))
+        finally:
+            memory[:] = kept
+
+    # --- coordinates ----------------------------------------------------------------------------------------
+
+    def lift(self, frame: Frame, time: float, y: Array) -> Lift:
+        """Return the coordinates along a frame's axes as displacements of a state near the frame's own.
+
+        Closures and motions hold in displaced states, to first order: across the axes a displacement is what
+        they want it to be.
+        """
+        units, (way, rate, bristles, *remembered, _) = self.units, self.parts
+        n, nb, nm = frame.ways, len(self._bristles), len(frame.remembered)
+        up, down = np.zeros((self.size, 2 * n + nb + nm)), np.zeros((2 * n + nb + nm, self.size))
+        ways, rates, own = slice(n), slice(n, 2 * n), slice(2 * n, 2 * n + nb)
+        up[way, ways], down[ways, way] = units.way[:, None] * frame.free, frame.free.T / units.way
+        up[rate, rates], down[rates, rate] = units.rate[:, None] * frame.free, frame.free.T / units.rate
+        up[bristles, own], down[own, bristles] = np.diag(units.bristle), np.diag(1.0 / units.bristle)
+        for k, (contact, column) in enumerate(frame.remembered, 2 * n + nb):
+            at = remembered[column - 1].start + contact
+            up[at, k] = down[k, at] = 1.0
+        constraints = self.workspace.constraints
+        if constraints is not None:
+            self._hold(up, frame, time, y)
+        return Lift(up, down)
+
+    def _hold(self, up: Array, frame: Frame, time: float, y: Array) -> None:
+        """Let closures and motions hold in displacements, in place."""
+        constraints, program = self.workspace.constraints, self.workspace.program
+        assert constraints is not None
+        way, rate, *_ = self.parts
+        n = frame.ways
+
+        def speed(at: float, state: Array) -> Array:
+            self.workspace.prepare_motions(at, state)
+            constraints.residuals(at, state, program)
+            return constraints.speed
+
+        speed(time, y)
+        rows = constraints.jacobian.copy()
+        across = self.units.way[:, None] * frame.bound
+        up[way, :n] -= across @ np.linalg.lstsq(rows @ across, rows @ up[way, :n], rcond=_FAINT)[0]
+        turned = self.along(speed, time, y, up[:, :n])[0]
+        across = self.units.rate[:, None] * frame.bound
+        wanted = np.hstack([turned, rows @ up[rate, n : 2 * n]])
+        up[rate, : 2 * n] -= across @ np.linalg.lstsq(rows @ across, wanted, rcond=_FAINT)[0]
+
+    def matrix(self, frame: Frame, time: float, y: Array) -> tuple[Array, Array]:
+        """Return the derivative of the coordinates' rates over the coordinates, (size, size), twice.
+
+        By differences of sixth and of fourth order. The coordinates are along a frame's axes, which rest.
+        """
+        lift = self.lift(frame, time, y)
+        nq, nv = self.system.model.nq, self.system.model.nv
+        way, rate, bristles, *_ = self.parts
+        v = y[nq : nq + nv]
+        both = []
+        for found in self.slopes(time, y, lift.up):
+            change = np.zeros((self.size, lift.up.shape[1]))
+            change[way] = lift.up[rate] - self.system.manifold.bracket(v, lift.up[way])
+            change[rate], change[bristles] = found[:nv], found[nv + self._bristles]
+            both.append(lift.down @ change)
+        return both[0], both[1]

@@ -1,0 +1,117 @@
+"""The axes of coordinates about a state: what may differ between it and a neighbour, to first order."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from antenna_pin.constraints import directions
+from antenna_pin.dynamics import System, Workspace
+from antenna_pin.integrate import KINDS
+from antenna_pin.settings import ErrorScales
+from antenna_pin.simulation.scales import scale_vector
+
+__all__ = ["MEMORIES", "Frame", "Units", "frame_at", "way_between"]
+
+Array = NDArray[np.float64]
+
+#: What contact memory holds besides whether a contact touches, by its column.
+MEMORIES = {1: "approach speed", 2: "effective mass"}
+
+
+class Units(NamedTuple):
+    """What counts as one in a displacement: the run's error scales.
+
+    Attributes:
+        way: Of the configuration, (nv,).
+        rate: Of the velocity, (nv,).
+        bristle: Of each bristle, (bristles,).
+    """
+
+    way: Array
+    rate: Array
+    bristle: Array
+
+    @classmethod
+    def of(cls, system: System, scales: ErrorScales | None = None) -> Units:
+        """Return the units of a system."""
+        nv, every = system.model.nv, scale_vector(system, scales or ErrorScales())
+        return cls(every[:nv], every[nv : 2 * nv], every[2 * nv + np.asarray(system.bristle_x, dtype=int)])
+
+
+class Frame(NamedTuple):
+    """Axes of coordinates in one state.
+
+    Attributes:
+        free: What closures and motions leave of the ways, in units of these, by columns, (nv, ways).
+        bound: What they do not leave, (nv, nv - ways).
+        remembered: Contact and column of its memory of each coordinate that a contact's memory is.
+    """
+
+    free: Array
+    bound: Array
+    remembered: tuple[tuple[int, int], ...]
+
+    @property
+    def ways(self) -> int:
+        """How many coordinates are ways, and as many are rates."""
+        return int(self.free.shape[1])
+
+
+def _remembered(system: System, touching: Array) -> tuple[tuple[int, int], ...]:
+    """Return contact and column of what the contacts that touch remember and their forces depend on.
+
+    Args:
+        system: The system.
+        touching: Of each contact, 0 or not, (contacts,).
+    """
+    takes_mass = [takes for joint in system.clearances for takes in joint.takes_mass]
+    touch = np.flatnonzero(touching).tolist()
+    return tuple((c, column) for c in touch for column in ((1, 2) if takes_mass[c] else (1,)))
+
+
+def frame_at(workspace: Workspace, units: Units, y: Array, touching: Array) -> Frame:
+    """Return the axes of coordinates in a state.
+
+    Args:
+        workspace: To look at constraints with.
+        units: Of ways.
+        y: State [q, v, x].
+        touching: Of each contact, 0 or not, (contacts,).
+    """
+    system, constraints = workspace.system, workspace.constraints
+    memories, nv = _remembered(system, touching), system.model.nv
+    if constraints is None:
+        return Frame(np.eye(nv), np.zeros((nv, 0)), memories)
+    left = directions(constraints, y, workspace.program, motions=True)
+    ways = np.linalg.svd(left / units.way[:, None])[0]
+    free = left.shape[1]
+    return Frame(np.ascontiguousarray(ways[:, :free]), np.ascontiguousarray(ways[:, free:]), memories)
+
+
+def way_between(system: System, here: Array, there: Array) -> Array:
+    """Return the way from one configuration to another, (nv,): what ``pin.integrate`` makes go there.
+
+    Pinocchio's own has no turns of 1e-8 rad and less where joints turn without end or move in a plane, and in
+    a plane has ways by 1 - cos of the turn.
+    """
+    way: Array = pin.difference(system.model, here, there)
+    i = j = 0
+    for kind in system.manifold.kinds:
+        _, nq, nv = KINDS[kind]
+        if kind in ("circle", "plane"):
+            (c, s), (cosine, sine) = here[i + nq - 2 : i + nq], there[i + nq - 2 : i + nq]
+            turn = math.atan2(c * sine - s * cosine, c * cosine + s * sine)
+            way[j + nv - 1] = turn
+            if kind == "plane":
+                x, y = there[i] - here[i], there[i + 1] - here[i + 1]
+                x, y = c * x + s * y, c * y - s * x
+                half = 0.5 * turn
+                share = half / math.tan(half) if half != 0.0 else 1.0
+                way[j : j + 2] = share * x + half * y, share * y - half * x
+        i, j = i + nq, j + nv
+    return way
