@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.engine._slope_kernels import write_slopes
+from antenna_pin.constraints._layout_kernels import plan_of
+from antenna_pin.engine._slope_kernels import Room, write_slopes, write_speed_slopes
 from antenna_pin.engine.compiled import CompiledStepper
 from antenna_pin.engine.implicit import CompiledImplicitStepper
 from antenna_pin.records import MEMORY
@@ -28,13 +31,19 @@ class Slopes:
         self, stepper: CompiledStepper | CompiledImplicitStepper, bristles: NDArray[np.int64], weights: Array
     ) -> None:
         """Allocate once."""
-        self._numbers, self._layout = stepper.numbers, stepper.manifold.layout
-        self._bristles, self._weights = np.ascontiguousarray(bristles, dtype=np.int64), weights
-        self._rows = np.zeros((2, stepper.manifold.size))
-        self._kept = np.zeros(len(stepper.numbers.memory), MEMORY)
-        self._rates = stepper.manifold.nv + stepper.manifold.nx
+        manifold, numbers = stepper.manifold, stepper.numbers
+        self._room = Room(
+            weights=weights,
+            layout=manifold.layout,
+            bristles=np.ascontiguousarray(bristles, dtype=np.int64),
+            numbers=numbers,
+            rows=np.zeros((2, manifold.size)),
+            kept=np.zeros(len(numbers.memory), MEMORY),
+        )
+        self._rates = manifold.nv + manifold.nx
+        self._held = plan_of(numbers.plan).rows if len(numbers.plan) else 0
 
-    def along(self, time: float, y: Array, ways: Array, steps: Array) -> Array:
+    def rates(self, time: float, y: Array, ways: Array, steps: Array) -> Array:
         """Return the derivatives of [acceleration (nv), rate of x (nx)], (kinds, nv + nx, k).
 
         Args:
@@ -43,18 +52,15 @@ class Slopes:
             ways: Displacements as :mod:`antenna_pin.engine._slope_kernels` lays them out, (displacement, k).
             steps: Of the differences, over a displacement, (k,).
         """
-        out = np.zeros((len(self._weights), ways.shape[1], self._rates))
-        write_slopes(
-            time,
-            np.ascontiguousarray(y),
-            np.ascontiguousarray(ways.T),
-            steps,
-            self._weights,
-            self._layout,
-            self._bristles,
-            self._numbers,
-            self._rows,
-            self._kept,
-            out,
-        )
+        return self._written(write_slopes, self._rates, time, y, ways, steps)
+
+    def speeds(self, time: float, y: Array, ways: Array, steps: Array) -> Array:
+        """Return the derivatives of how fast constraints are violated, (kinds, rows, k), as :meth:`rates`."""
+        return self._written(write_speed_slopes, self._held, time, y, ways, steps)
+
+    def _written(
+        self, write: Callable[..., None], count: int, time: float, y: Array, ways: Array, steps: Array
+    ) -> Array:
+        out = np.zeros((len(self._room.weights), ways.shape[1], count))
+        write(time, np.ascontiguousarray(y), np.ascontiguousarray(ways.T), steps, self._room, out)
         return np.asarray(out.transpose(0, 2, 1))

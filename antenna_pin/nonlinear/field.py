@@ -140,7 +140,7 @@ class Field:
         """Return the derivatives of the rates along displacements (:meth:`along`), (nv + nx, k) each."""
         if self._slopes is None:
             return self.along(self.rates, time, y, ways, of_forces=True)
-        sixth, fourth = self._slopes.along(time, y, ways, self._steps(y, ways, True))
+        sixth, fourth = self._slopes.rates(time, y, ways, self._steps(y, ways, True))
         return sixth, fourth
 
     def _steps(self, y: Array, ways: Array, of_forces: bool) -> Array:
@@ -217,13 +217,16 @@ class Field:
         def speed(at: float, state: Array) -> Array:
             self.workspace.prepare_motions(at, state)
             constraints.residuals(at, state, program)
-            return constraints.speed
+            return constraints.speed.copy()
 
         speed(time, y)
         rows = constraints.jacobian.copy()
         across = self.units.way[:, None] * frame.bound
         up[way, :n] -= across @ np.linalg.lstsq(rows @ across, rows @ up[way, :n], rcond=_FAINT)[0]
-        turned = self.along(speed, time, y, up[:, :n])[0]
+        if self._slopes is not None:
+            turned = self._slopes.speeds(time, y, up[:, :n], self._steps(y, up[:, :n], False))[0]
+        else:
+            turned = self.along(speed, time, y, up[:, :n])[0]
         across = self.units.rate[:, None] * frame.bound
         wanted = np.hstack([turned, rows @ up[rate, n : 2 * n]])
         up[rate, : 2 * n] -= across @ np.linalg.lstsq(rows @ across, wanted, rcond=_FAINT)[0]

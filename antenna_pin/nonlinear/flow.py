@@ -15,6 +15,8 @@ from antenna_pin.differences import Slope, slope
 from antenna_pin.dynamics import System, Workspace
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.nonlinear.chart import Chart
+from antenna_pin.nonlinear.frames import Frame
+from antenna_pin.nonlinear.variational import Carrier
 from antenna_pin.records import memory_records
 from antenna_pin.scenario import Scenario
 from antenna_pin.settings import RunSettings
@@ -62,8 +64,8 @@ class Tangent(NamedTuple):
 
     Attributes:
         matrix: (size at the end, size at the start).
-        doubt: By how much differences of other steps say otherwise, of each column: large where an event
-            comes and goes with the neighbour (a graze).
+        doubt: By how much less exact differences say otherwise, of each column. Those of runs see where an
+            event comes and goes with the neighbour (a graze).
         end: The state that the one itself leads to.
     """
 
@@ -75,8 +77,8 @@ class Tangent(NamedTuple):
 class Flow:
     """A system's flow: states to states.
 
-    Runs locate contacts and events themselves, each neighbour its own, so that differences between them hold
-    what an event does to a tangent (its saltation), the approach speed that a contact remembers included.
+    What an event does to a tangent (its saltation), the approach speed that a contact remembers included, is
+    in its derivative by the variational equation, and in differences of runs, each of which locates its own.
 
     Args:
         system: The system; its drives may depend on time.
@@ -125,8 +127,7 @@ class Flow:
         end = start.time + span
         run = Run(self.system, start, end, self._sampled(span), self._events)
         run.advance()
-        if run.outcome is not Outcome.COMPLETED:
-            raise FlowError(f"a run of {span:g} s from t = {start.time:g} s: {run.message}")
+        self._check(run, span, start)
         begun, ended = run.episodes["onset"], run.episodes["release"]
         onsets = int(np.count_nonzero(begun > start.time))
         events = [one.time for one in run.actions.happened]
@@ -156,15 +157,60 @@ class Flow:
         workspace.derivative(state.time, np.ascontiguousarray(state.y), out)
         return state.v.copy(), out[: self.system.model.nv].copy()
 
-    def tangent(
-        self, start: State, span: float, chart: Chart | None = None, *, step: float | None = None
-    ) -> Tangent:
-        """Return the derivative of the flow over a span [s] from a state.
+    def tangent(self, start: State, span: float, chart: Chart | None = None) -> Tangent:
+        """Return the derivative of the flow over a span [s] from a state, by the variational equation.
+
+        Contacts that begin and end and events act on it by their saltation
+        (:mod:`antenna_pin.nonlinear.variational`).
 
         Args:
             start: From where.
             span: [s].
-            chart: Coordinates at the end; about the state that the start leads to, if not given.
+            chart: Coordinates at the end; about the state that the start leads to, if not given. Of one about
+                the start they are those at the start too.
+
+        Raises:
+            FlowError: The run did not come to its end.
+            NotAlikeError: It ends with other contacts than the chart has.
+        """
+        here = chart if chart is not None and chart.origin is start else Chart(self.system, start)
+        carrier, end = self.carry(start, span, here.frame)
+        there = chart or Chart(self.system, end)
+        there.coordinates(end)
+        carrier.turn(there.frame)
+        matrix, other, _ = carrier.carried
+        return Tangent(matrix, np.linalg.norm(matrix - other, axis=0), end)
+
+    def carry(
+        self, start: State, span: float, frame: Frame, ways: Array | None = None
+    ) -> tuple[Carrier, State]:
+        """Return what carries displacements over a span [s] of the run from a state, and where that leads.
+
+        Args:
+            start: From where.
+            span: [s].
+            frame: Axes of coordinates in that state.
+            ways: Displacements in these, (size, k); all of them if left out.
+
+        Raises:
+            FlowError: The run did not come to its end.
+        """
+        end = start.time + span
+        run = Run(self.system, start, end, self._sampled(span), self._events, stretches=False)
+        carrier = Carrier(run, frame, ways)
+        run.advance(keep=carrier)
+        self._check(run, span, start)
+        return carrier, run.present()
+
+    def tangent_by_runs(
+        self, start: State, span: float, chart: Chart | None = None, *, step: float | None = None
+    ) -> Tangent:
+        """Return what :meth:`tangent` does by differences of runs, each of which finds its own events.
+
+        Args:
+            start: From where.
+            span: [s].
+            chart: As for :meth:`tangent`.
             step: Of differences of second order, in error scales; if not given, differences of sixth order of
                 steps that are chosen by the doubt, at four times the runs [-].
 
@@ -192,6 +238,13 @@ class Flow:
             doubts.append(found.doubt)
         matrix = np.column_stack(columns) if columns else np.zeros((there.size, 0))
         return Tangent(matrix, np.array(doubts), end)
+
+    def _check(self, run: Run, span: float, start: State) -> None:
+        """Refuse a run that has not come to its end."""
+        if run.outcome is Outcome.INTERRUPTED:
+            raise KeyboardInterrupt
+        if run.outcome is not Outcome.COMPLETED:
+            raise FlowError(f"a run of {span:g} s from t = {start.time:g} s: {run.message}")
 
 
 def _slope(function: Callable[[float], Array]) -> Slope:

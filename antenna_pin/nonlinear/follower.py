@@ -14,7 +14,8 @@ from scipy.optimize import brentq
 from antenna_pin.differences import slope
 from antenna_pin.nonlinear.chart import Chart
 from antenna_pin.nonlinear.flow import Flow
-from antenna_pin.nonlinear.orbits import NEWTON_STEP, NoOrbitError, Orbit, orbit_at, periodic_orbit
+from antenna_pin.nonlinear.frames import MEMORIES
+from antenna_pin.nonlinear.orbits import NoOrbitError, Orbit, orbit_at, periodic_orbit
 from antenna_pin.state import State
 
 __all__ = ["Family", "Follower", "Node", "Point", "early"]
@@ -22,6 +23,7 @@ __all__ = ["Family", "Follower", "Node", "Point", "early"]
 Array = NDArray[np.float64]
 
 _STEPS = (1e-3, 2e-4)  # of differences over a parameter, over its unit
+_NEWTON_STEP = 1e-5  # of those that Newton's method steps by: what counts is where it ends
 # Size of a row of derivatives that nothing acts on, and least singular values over the largest that are none.
 _HELD, _SINGULAR = 1e-6, 1e-6
 # Cosines: by how much the branch may turn in a step, and the chord lie beside the directions at its ends.
@@ -123,10 +125,10 @@ class Follower:
         rows = np.column_stack(
             [point.orbit.tangent - np.eye(chart.size), self.by_parameter(chart, point.value)]
         )
-        # While a contact lasts nothing changes the speed that it remembers: orbits are found with one each.
+        # While a contact lasts nothing changes what it remembers: orbits are found with one each.
         free = np.array(
             [
-                not (name.endswith("approach speed") and np.linalg.norm(row) < _HELD)
+                not (name.endswith(tuple(MEMORIES.values())) and np.linalg.norm(row) < _HELD)
                 for name, row in zip(chart.names, rows, strict=True)
             ]
             + [True],
@@ -240,9 +242,9 @@ class Follower:
                 good = _Reached(value, start, last, k)
                 if enough:
                     break
-            tangent = flow.tangent(start, period, chart, step=NEWTON_STEP)
+            tangent = flow.tangent(start, period, chart)
             square = np.append(chart.turned(way[:-1], origin), way[-1])
-            over = self.by_parameter(chart, value, NEWTON_STEP)
+            over = self.by_parameter(chart, value, _NEWTON_STEP)
             rows = np.column_stack([tangent.matrix - np.eye(chart.size), over])
             step = np.linalg.lstsq(np.vstack([rows, square]), np.append(-miss, 0.0), rcond=1e-12)[0]
             value += float(step[-1]) * self.unit

@@ -34,9 +34,8 @@ Verdict = Literal["chaotic", "neutral", "contracting", "too short to say"]
 """What a largest exponent says: neighbours part, keep their distance, come together; or nothing yet."""
 
 # Distance of a neighbour, in error scales; the largest from which it is brought back, beyond which its growth
-# is no longer that of a tangent; the nearest that is told from round-off; and the step of differences of a
-# spectrum.
-_DISTANCE, _FARTHEST, _NEAREST, _STEP = 1e-6, 1e-3, 1e-10, 1e-5
+# is no longer that of a tangent; and the nearest that is told from round-off.
+_DISTANCE, _FARTHEST, _NEAREST = 1e-6, 1e-3, 1e-10
 # Intervals, and blocks of them, below which nothing is said; standard errors that decide; and how large an
 # exponent may be over an interval that counts as none, if it is known so well.
 _FEWEST, _BLOCKS, _SIGMAS, _NEUTRAL = 32, 8, 3.0, 0.01
@@ -182,11 +181,11 @@ def lyapunov_spectrum(
     transient: float = 0.0,
     progress: Callable[[int, float], None] | None = None,
 ) -> Exponents:
-    """Return all exponents, of the tangent over intervals made orthogonal after each.
+    """Return all exponents, by the variational equation: displacements made orthogonal after each interval.
 
-    The tangent is that of :meth:`Flow.tangent`, in whose differences events are what they are to neighbours.
-    Where a contact lasts, the approach speed that it remembers is neutral: an exponent of zero. Intervals at
-    whose end a neighbour touches elsewhere are drawn out.
+    Contacts and events act on them by their saltation (:mod:`antenna_pin.nonlinear.variational`). Where a
+    contact lasts, the approach speed that it remembers is neutral: an exponent of zero. As many exponents are
+    found as the start has coordinates, or a later state has that has fewer of them.
 
     Args:
         flow: The flow.
@@ -201,34 +200,20 @@ def lyapunov_spectrum(
     """
     _check(interval, count, transient)
     here = flow.after(start, transient) if transient else start
-    first = here
-    basis: Array | None = None
+    first, frame = here, Chart(flow.system, here).frame
+    ways: Array | None = None
     growth: list[Array] = []
-    lengths: list[float] = []
     while len(growth) < count:
-        span = interval
-        while True:
-            try:
-                tangent = flow.tangent(here, span, step=_STEP)
-                break
-            except NotAlikeError:
-                span += interval
-                if span > 50.0 * interval:
-                    raise
-        size = tangent.matrix.shape[1]
-        if basis is None or basis.shape != (size, size):  # other contacts touch: other coordinates
-            basis = np.eye(size)
-        basis, triangle = np.linalg.qr(tangent.matrix @ basis)
-        grown = np.log(np.maximum(np.abs(np.diag(triangle)), 1e-300))
-        growth.append(grown)
-        lengths.append(span)
-        here = tangent.end
+        carrier, here = flow.carry(here, interval, frame, ways)
+        frame = carrier.carried.frame
+        ways, triangle = np.linalg.qr(carrier.carried.matrix)
+        growth.append(np.log(np.maximum(np.abs(np.diag(triangle)), 1e-300)))
         if progress is not None:
-            progress(len(growth), float(sum(one[0] for one in growth)) / sum(lengths))
+            progress(len(growth), float(sum(one[0] for one in growth)) / (len(growth) * interval))
     fewest = min(len(one) for one in growth)
     table = np.array([one[:fewest] for one in growth])
     order = np.argsort(-table.sum(axis=0), kind="stable")
-    return _exponents(table[:, order], np.array(lengths), interval, first, here)
+    return _exponents(table[:, order], np.full(count, interval), interval, first, here)
 
 
 # --- as a dataset, and its file ---

@@ -23,8 +23,6 @@ Complex = NDArray[np.complex128]
 # are orbits too, and Newton's method does not ask for a step along it.
 _NEUTRAL = 1e-7
 _HALVINGS = 6
-#: Of the differences that Newton's method steps by, in error scales: what counts is where it ends.
-NEWTON_STEP = 1e-5
 
 
 class NoOrbitError(AntennaPinError, RuntimeError):
@@ -149,7 +147,7 @@ def periodic_orbit(
             progress(k, best)
         if best <= tolerance or k == iterations:
             break
-        tangent = flow.tangent(start, span, chart, step=NEWTON_STEP)
+        tangent = flow.tangent(start, span, chart)
         step = _newton_step(flow, start, tangent, miss, chart, free_period)
         start, span = _walked(flow, chart, span, step, best, free_period)
     if not best <= tolerance:

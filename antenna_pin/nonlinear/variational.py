@@ -26,7 +26,7 @@ from antenna_pin.nonlinear.saltation import Carried, Onset, Saltation
 from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.quiet import stepper_of
 
-__all__ = ["TangentRun"]
+__all__ = ["Carrier"]
 
 Array = NDArray[np.float64]
 
@@ -36,7 +36,7 @@ _GOOD, _HALVINGS = 1e-10, 30
 _GRADE = 4
 
 
-class TangentRun:
+class Carrier:
     """Carries displacements along a run: what the run shows itself to between its steps.
 
     A contact's force counts from a depth of ten times what its onset is located to: up to there it is a step.
@@ -128,7 +128,8 @@ class TangentRun:
             begin, begins = middle, False
         self._piece(begin, 1.0, begins, ends_in_change, _HALVINGS)
         self._time, self._y, self._changed = end, self._at(1.0), False
-        self._turn()
+        if self.field.workspace.constraints is not None:
+            self.turn(self.field.frame(self._y))
 
     def _at(self, theta: float) -> Array:
         """Return the state at a fraction of the step."""
@@ -146,12 +147,13 @@ class TangentRun:
             return 2.0
         return 0.0 if lacking(0.0) <= 0.0 else float(brentq(lacking, 0.0, 1.0, xtol=1e-15))
 
-    def _turn(self) -> None:
-        """Take axes in the present state."""
+    def turn(self, frame: Frame) -> None:
+        """Take other axes in the present state.
+
+        Args:
+            frame: The axes; of the contacts that count.
+        """
         field, old = self.field, self.carried
-        if field.workspace.constraints is None:
-            return
-        frame = field.frame(self._y)
         turn = field.lift(frame, self._time, self._y).down @ field.lift(old.frame, self._time, self._y).up
         self.carried = Carried(turn @ old.matrix, turn @ old.other, frame)
 

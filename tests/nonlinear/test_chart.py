@@ -40,7 +40,7 @@ def test_what_a_lasting_contact_remembers_is_neutral_and_acts(lasting):
     """It stays what it was, whatever moves; and it acts, for damping is by the depth's rate over it."""
     flow, _, state = lasting
     moved = Chart(flow.system, state).state(np.array([0.1, 0.0, 0.0, 0.1, 0.0, 0.0, 0.0]))
-    tangent = flow.tangent(moved, 1e-4, step=1e-4)
+    tangent = flow.tangent(moved, 1e-4)
     own = np.zeros(7)
     own[-1] = 1.0
     assert tangent.matrix[-1] == pytest.approx(own, abs=1e-12)
