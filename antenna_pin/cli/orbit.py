@@ -34,10 +34,18 @@ if TYPE_CHECKING:
     from antenna_pin.nonlinear import Orbit, Point
     from antenna_pin.scenario import Scenario
 
-__all__ = ["orbit", "period_of"]
+__all__ = ["RtolOption", "orbit", "period_of"]
 
 PeriodOption = Annotated[
     str | None, typer.Option(metavar="TIME", help="Period; that of the drives if left out.")
+]
+RtolOption = Annotated[
+    float | None,
+    typer.Option(
+        "--rtol",
+        metavar="NUMBER",
+        help="Tolerance of the runs, 1e-12 if left out; a coarser one, as 1e-9, where periods are long.",
+    ),
 ]
 
 
@@ -58,6 +66,7 @@ def orbit(
         bool, typer.Option("--free-period", help="Find the period too, of what nothing drives.")
     ] = False,
     transient: Annotated[int, typer.Option(help="Periods to run before Newton's method begins.")] = 20,
+    rtol: RtolOption = None,
     over: OverOption = None,
     values: ValuesOption = None,
     quantity: AmplitudeOption = None,
@@ -92,7 +101,7 @@ def orbit(
     if over is not None:
         ends = ends_of(values, over, known)
         branch, cut = _followed(
-            known, over, ends, period, multiple, transient, arc, most, quantity or [], progress
+            known, over, ends, period, multiple, transient, rtol, arc, most, quantity or [], progress
         )
         with not_interrupted():
             save_both(branch, lambda: figure_branch(branch, width=width.value), targets, context, as_json)
@@ -104,7 +113,7 @@ def orbit(
     from antenna_pin.nonlinear import flow_of, orbit_table, periodic_orbit
 
     span = multiple * period_of(known, period, "orbit")
-    flow, start = flow_of(known)
+    flow, start = flow_of(known, rtol=rtol)
     if transient:
         start = flow.after(start, transient * span)
     found = periodic_orbit(flow, start, span, free_period=free_period)
@@ -122,6 +131,7 @@ def _followed(
     period: str | None,
     multiple: int,
     transient: int,
+    rtol: float | None,
     arc: float,
     most: int,
     quantities: list[str],
@@ -132,7 +142,7 @@ def _followed(
 
     first, last, unit = ends
     given = None if period is None else period_of(known, period, "orbit")
-    family = family_of(known, over, period=given, multiple=multiple)
+    family = family_of(known, over, period=given, multiple=multiple, rtol=rtol)
     flow, span = family(first)
     _, start = flow_of(known.with_overrides({over: first}))
     if quantities:  # what is wrong with a name is said before a long way is gone
@@ -168,6 +178,7 @@ def _facts(found: Orbit) -> dict[str, Any]:
             "residual": found.residual,
             "stable": found.stable,
             "doubt": found.doubt,
+            "neutral": found.neutral,
             "multipliers": [[one.real, one.imag] for one in found.multipliers.tolist()],
             "exponents": found.exponents.tolist(),
             "onsets": found.onsets[0],

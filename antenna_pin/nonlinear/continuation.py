@@ -19,7 +19,7 @@ from antenna_pin.nonlinear.bifurcations import (
 )
 from antenna_pin.nonlinear.chart import Chart
 from antenna_pin.nonlinear.follower import Family, Follower, Node, Point, early
-from antenna_pin.nonlinear.orbits import NoOrbitError
+from antenna_pin.nonlinear.orbits import NoOrbitError, near_enough
 from antenna_pin.state import State
 
 __all__ = ["Bifurcation", "BifurcationKind", "Branch", "Family", "Point", "continued"]
@@ -27,6 +27,7 @@ __all__ = ["Bifurcation", "BifurcationKind", "Branch", "Family", "Point", "conti
 _SHORTEST = 2.0**-10  # of an arc, over the first: there the branch is given up
 # Upon a crossing: where it is as good as singular; and by how much a step is shortened not to end there.
 _ON, _BESIDE = 1e-6, 0.7
+_PRECISE = 1e2  # of the tolerance of orbits: how well what happens to them is located, over the range
 _SHORT = 2.0**-4  # likewise: shorter steps may turn a branch as they like
 _REACHED = "it came to the end of the range"
 _BACK = "it came back to the beginning of the range"
@@ -56,8 +57,8 @@ def continued(
     *,
     arc: float = 0.05,
     most: int = 200,
-    tolerance: float = 1e-9,
-    precision: float = 1e-7,
+    tolerance: float | None = None,
+    precision: float | None = None,
     progress: Callable[[Point], None] | None = None,
 ) -> Branch:
     """Follow a branch of periodic solutions over a parameter, round folds too (pseudo-arclength).
@@ -74,7 +75,8 @@ def continued(
             are halved where Newton's method does not come back, and doubled where it comes back at once.
         most: Points at most.
         tolerance: As for :func:`periodic_orbit` [-].
-        precision: To which bifurcations are located, over the range of the parameter [-].
+        precision: To which bifurcations are located, over the range of the parameter; if left out a hundred
+            times the tolerance, which by itself is 1e-7 [-].
         progress: Called with each point.
 
     Raises:
@@ -83,6 +85,9 @@ def continued(
     begin, end = map(float, values)
     if begin == end or not (math.isfinite(begin) and math.isfinite(end)):
         raise InvalidParameterError("branch", "values", "two different, finite ones", values)
+    flow, period = family(begin)
+    tolerance = near_enough(flow) if tolerance is None else tolerance
+    precision = _PRECISE * tolerance if precision is None else precision
     for name, number in (("arc", arc), ("tolerance", tolerance), ("precision", precision)):
         if not (math.isfinite(number) and number > 0.0):
             raise InvalidParameterError("branch", name, "positive and finite", number)
@@ -90,7 +95,6 @@ def continued(
         raise InvalidParameterError("branch", "most", "2 points or more", most)
     unit = end - begin
     follower = Follower(functools.lru_cache(maxsize=64)(family), unit, tolerance)
-    flow, period = family(begin)
     near = Chart(flow.system, early(guess, period))
     point = Point(begin, follower.orbit(near.state(np.zeros(near.size)), begin))
     nodes = [follower.node(point, None)]

@@ -23,7 +23,12 @@ _SAMPLES = 400
 
 
 def family_of(
-    scenario: Scenario, parameter: str, *, period: float | None = None, multiple: int = 1
+    scenario: Scenario,
+    parameter: str,
+    *,
+    period: float | None = None,
+    multiple: int = 1,
+    rtol: float | None = None,
 ) -> Family:
     """Return the flow of a scenario and the period of its orbits, for every value of one of its keys.
 
@@ -32,6 +37,7 @@ def family_of(
         parameter: Key of the scenario, with dots, as in ``--set``; a number, in SI units.
         period: Of the drives [s]; what :func:`drive_period` says at each value if left out.
         multiple: Periods in which an orbit closes [-].
+        rtol: See :func:`flow_of` [-].
 
     Raises:
         InvalidParameterError: The multiple is less than 1.
@@ -41,7 +47,7 @@ def family_of(
 
     def at(value: float) -> tuple[Flow, float]:
         changed = scenario.with_overrides({parameter: value})
-        flow, _ = flow_of(changed)
+        flow, _ = flow_of(changed, rtol=rtol)
         return flow, multiple * (drive_period(changed) if period is None else period)
 
     return at

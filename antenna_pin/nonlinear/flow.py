@@ -94,6 +94,11 @@ class Flow:
         used = settings or RunSettings(rtol=_RTOL)
         self._settings, self._events = used, tuple(events)
 
+    @property
+    def rtol(self) -> float:
+        """Tolerance of its runs [-]."""
+        return self._settings.rtol
+
     def first(self, q: Array, v: Array, angles: Mapping[str, float] | None = None) -> State:
         """Return the state at time zero of a configuration, (nq,), and velocity, (nv,).
 
@@ -260,18 +265,25 @@ def _slope(function: Callable[[float], Array]) -> Slope:
     return slope(function, _STEPS[-1:])
 
 
-def flow_of(scenario: Scenario, settings: RunSettings | None = None) -> tuple[Flow, State]:
+def flow_of(
+    scenario: Scenario, settings: RunSettings | None = None, *, rtol: float | None = None
+) -> tuple[Flow, State]:
     """Return the flow of a scenario and the state that it starts from.
 
     Args:
         scenario: The scenario; its engine is taken, with order 8(5,3) at a tolerance of 1e-12, or at its own
             if that is this order at a finer one.
         settings: How to integrate instead.
+        rtol: Another tolerance of that order, coarser where a run is long [-].
+
+    Raises:
+        InvalidParameterError: There is no such tolerance.
     """
     system = build_system(scenario)
     own = settings_of(scenario)
     if settings is None:
-        rtol = min(own.rtol, _RTOL) if own.method == "dormand-prince-853" else _RTOL
+        if rtol is None:
+            rtol = min(own.rtol, _RTOL) if own.method == "dormand-prince-853" else _RTOL
         settings = dataclasses.replace(own, accuracy=None, method="dormand-prince-853", rtol=rtol)
     q, v = initial_state(scenario, system)
     flow = Flow(system, settings, events_of(scenario))

@@ -14,8 +14,7 @@ from scipy.optimize import brentq
 from antenna_pin.differences import slope
 from antenna_pin.nonlinear.chart import Chart
 from antenna_pin.nonlinear.flow import Flow
-from antenna_pin.nonlinear.frames import MEMORIES
-from antenna_pin.nonlinear.orbits import NoOrbitError, Orbit, orbit_at, periodic_orbit
+from antenna_pin.nonlinear.orbits import NoOrbitError, Orbit, moving, orbit_at, periodic_orbit
 from antenna_pin.state import State
 
 __all__ = ["Family", "Follower", "Node", "Point", "early"]
@@ -24,8 +23,7 @@ Array = NDArray[np.float64]
 
 _STEPS = (1e-3, 2e-4)  # of differences over a parameter, over its unit
 _NEWTON_STEP = 1e-5  # of those that Newton's method steps by: what counts is where it ends
-# Size of a row of derivatives that nothing acts on, and least singular values over the largest that are none.
-_HELD, _SINGULAR = 1e-6, 1e-6
+_SINGULAR = 1e-6  # least singular values over the largest that are none
 # Cosines: by how much the branch may turn in a step, and the chord lie beside the directions at its ends.
 _TURN, _ASIDE = 0.9, 0.99
 _NEAR = 2e-2  # of an arc: how near to an end of the range Newton's method begins there
@@ -126,14 +124,7 @@ class Follower:
             [point.orbit.tangent - np.eye(chart.size), self.by_parameter(chart, point.value)]
         )
         # While a contact lasts nothing changes what it remembers: orbits are found with one each.
-        free = np.array(
-            [
-                not (name.endswith(tuple(MEMORIES.values())) and np.linalg.norm(row) < _HELD)
-                for name, row in zip(chart.names, rows, strict=True)
-            ]
-            + [True],
-            dtype=bool,
-        )
+        free = np.append(moving(chart.names, point.orbit.tangent), True)
         matrix = rows[np.ix_(free[:-1], free)]
         sizes, basis = np.linalg.svd(matrix)[1:]
         before = None
@@ -246,7 +237,9 @@ class Follower:
             square = np.append(chart.turned(way[:-1], origin), way[-1])
             over = self.by_parameter(chart, value, _NEWTON_STEP)
             rows = np.column_stack([tangent.matrix - np.eye(chart.size), over])
-            step = np.linalg.lstsq(np.vstack([rows, square]), np.append(-miss, 0.0), rcond=1e-12)[0]
+            matrix = np.vstack([rows, square])
+            matrix[:, :-1][:, ~moving(chart.names, tangent.matrix)] = 0.0
+            step = np.linalg.lstsq(matrix, np.append(-miss, 0.0), rcond=1e-12)[0]
             value += float(step[-1]) * self.unit
             flow, period = self.family(value)
             start = chart.state(step[:-1], flow.system)

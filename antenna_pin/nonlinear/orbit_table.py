@@ -26,6 +26,7 @@ _ABOUT: dict[str, dict[str, str]] = {
     "period": {"units": "s", "long_name": "period"},
     "residual": {"units": "1", "long_name": "distance between the ends of a period, in error scales"},
     "doubt": {"units": "1", "long_name": "of the multipliers"},
+    "neutral": {"units": "1", "long_name": "multipliers that are 1 for what lasting contacts remember"},
     "stability": {"long_name": "whether neighbours come nearer: stable, unstable, neutral"},
     "onsets": {"units": "1", "long_name": "contacts that begin in a period"},
     "events": {"units": "1", "long_name": "events that happen in a period"},
@@ -54,6 +55,7 @@ def _columns(orbits: Sequence[Orbit]) -> dict[str, tuple[tuple[str, ...], Any, d
         "period": ((), [one.period for one in orbits]),
         "residual": ((), [one.residual for one in orbits]),
         "doubt": ((), [one.doubt for one in orbits]),
+        "neutral": ((), [one.neutral for one in orbits]),
         "stability": ((), np.array([_STABILITY[one.stable] for one in orbits], dtype=object)),
         "onsets": ((), [one.onsets[0] for one in orbits]),
         "events": ((), [one.onsets[1] for one in orbits]),
@@ -98,8 +100,9 @@ def orbit_table(orbit: Orbit, system: System, scenario: Scenario | None = None) 
         scenario: What that was made from; None for a system built in Python.
 
     Returns:
-        ``period`` [s], ``residual`` and ``doubt`` [-], ``stability`` (stable, unstable, neutral), ``onsets``
-        and ``events`` in a period [-], ``start`` [s] and ``state``, to go on from
+        ``period`` [s], ``residual`` and ``doubt`` [-], ``neutral``, how many multipliers are 1 for what
+        lasting contacts remember and are not among the others, ``stability`` (stable, unstable, neutral),
+        ``onsets`` and ``events`` in a period [-], ``start`` [s] and ``state``, to go on from
         (:meth:`antenna_pin.state.State.from_json`); ``q`` over ``configuration`` and ``v`` over
         ``coordinate``, in that state; over ``multiplier``: ``multiplier_real``, ``multiplier_imaginary`` [-]
         and ``exponent`` [1/s]; ``tangent`` [-] over ``to`` and ``from``, names of its coordinates. Attributes

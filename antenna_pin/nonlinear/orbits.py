@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
 from antenna_pin.nonlinear.chart import Chart
 from antenna_pin.nonlinear.flow import Flow, Tangent
+from antenna_pin.nonlinear.frames import MEMORIES
 from antenna_pin.state import State
 
-__all__ = ["NoOrbitError", "Orbit", "periodic_orbit"]
+__all__ = ["NoOrbitError", "Orbit", "moving", "near_enough", "orbit_at", "periodic_orbit"]
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -23,6 +24,9 @@ Complex = NDArray[np.complex128]
 # are orbits too, and Newton's method does not ask for a step along it.
 _NEUTRAL = 1e-7
 _HALVINGS = 6
+# Size of a row of derivatives that nothing acts on; distance of the ends of a period that is none, over the
+# tolerance of runs, and at least.
+_HELD, _NEAR, _NEAREST = 1e-6, 1e3, 1e-9
 
 
 class NoOrbitError(AntennaPinError, RuntimeError):
@@ -33,18 +37,21 @@ class NoOrbitError(AntennaPinError, RuntimeError):
 class Orbit:
     """A periodic solution.
 
-    Where a contact lasts, the approach speed that it remembers is a neutral direction: orbits come in
-    families, of which this is the one with the start's, and a multiplier is 1 for it.
+    While a contact lasts nothing changes the approach speed that it remembers. Where it lasts over the whole
+    period orbits come in families, of which this is the one with the start's, and a multiplier is 1 for it: a
+    neighbour with another speed comes to another orbit. What is said of neighbours is of those with the same.
 
     Attributes:
         start: A state on it.
         period: [s].
         residual: Distance between the ends of a period, in error scales [-].
         iterations: Newton's.
-        multipliers: Floquet's, the largest first, (n,).
+        multipliers: Floquet's, the largest first, (n,), without those that are 1 for what lasting contacts
+            remember.
+        neutral: How many these are [-].
         doubt: Of the multipliers: what differences of other steps change in the largest [-].
         names: Of the coordinates of a tangent.
-        tangent: Over one period, (n, n).
+        tangent: Over one period, (n + neutral, n + neutral).
         free_period: Whether the period was found too: of a system that does not depend on time; one
             multiplier is 1 then, of the way along the orbit.
         onsets: Contacts that begin in a period, and events that happen.
@@ -55,6 +62,7 @@ class Orbit:
     residual: float
     iterations: int
     multipliers: Complex
+    neutral: int
     doubt: float
     names: tuple[str, ...]
     tangent: Array
@@ -78,18 +86,39 @@ class Orbit:
             return np.asarray(np.log(np.abs(self.multipliers)) / self.period)
 
 
-def _multipliers(tangent: Tangent) -> tuple[Complex, float]:
-    values, basis = np.linalg.eig(tangent.matrix)
+def moving(names: Sequence[str], matrix: Array) -> NDArray[np.bool_]:
+    """Return which coordinates a period changes, (n,): all but what contacts remember that last over it.
+
+    Args:
+        names: Of the coordinates.
+        matrix: Derivative of the map over the period, (n, n).
+    """
+    rows = np.linalg.norm(matrix - np.eye(len(matrix)), axis=1)
+    kept = np.array([name.endswith(tuple(MEMORIES.values())) for name in names], dtype=bool)
+    return ~(kept & (rows < _HELD))
+
+
+def near_enough(flow: Flow) -> float:
+    """Return the distance between the ends of a period that counts as none, in error scales [-]."""
+    return max(_NEAR * flow.rtol, _NEAREST)
+
+
+def _multipliers(tangent: Tangent, moves: NDArray[np.bool_]) -> tuple[Complex, float]:
+    values, basis = np.linalg.eig(tangent.matrix[np.ix_(moves, moves)])
     values = values[np.argsort(-np.abs(values), kind="stable")].astype(complex)
     # To first order an eigenvalue moves by the size of what the matrix is wrong by, in a basis of its own.
     condition = float(np.linalg.cond(basis)) if len(basis) else 1.0
-    return values, float(np.linalg.norm(tangent.doubt)) * min(condition, 1e3)
+    return values, float(np.linalg.norm(tangent.doubt[moves])) * min(condition, 1e3)
 
 
 def _newton_step(flow: Flow, start: State, tangent: Tangent, miss: Array, chart: Chart, free: bool) -> Array:
-    """Return the change of coordinates, and of the period behind them if that is free, of least size."""
+    """Return the change of coordinates, and of the period behind them if that is free, of least size.
+
+    What lasting contacts remember stays as it is.
+    """
     size = chart.size
     matrix = tangent.matrix - np.eye(size)
+    matrix[:, ~moving(chart.names, tangent.matrix)] = 0.0
     wanted = -miss
     if free:
         v, a = flow.rates(tangent.end)
@@ -113,7 +142,7 @@ def periodic_orbit(
     period: float,
     *,
     free_period: bool = False,
-    tolerance: float = 1e-9,
+    tolerance: float | None = None,
     iterations: int = 30,
     progress: Callable[[int, float], None] | None = None,
 ) -> Orbit:
@@ -124,7 +153,8 @@ def periodic_orbit(
         guess: A state near it. Contacts that touch in it touch at the start of the orbit.
         period: Its period, of a driven system that of the drive or a multiple [s]; a guess if free.
         free_period: Whether the period is to be found too.
-        tolerance: Distance between the ends of a period that counts as none, in error scales [-].
+        tolerance: Distance between the ends of a period that counts as none, in error scales; if left out a
+            thousand times the tolerance of the flow's runs, which by itself makes 1e-9, the least [-].
         iterations: Of Newton's method at most.
         progress: Called with the number of each iteration and the distance that it begins with.
 
@@ -133,6 +163,7 @@ def periodic_orbit(
         NotAlikeError: After a period other contacts touch than before.
         FlowError: A run did not come to its end.
     """
+    tolerance = near_enough(flow) if tolerance is None else tolerance
     for name, value in (("period", period), ("tolerance", tolerance)):
         if not (math.isfinite(value) and value > 0.0):
             raise InvalidParameterError("periodic orbit", name, "positive and finite", value)
@@ -163,7 +194,8 @@ def orbit_at(flow: Flow, start: State, period: float, residual: float, count: in
     """Return what is known of an orbit that has been found."""
     chart = Chart(flow.system, start)
     tangent = flow.tangent(start, period, chart)
-    values, doubt = _multipliers(tangent)
+    moves = moving(chart.names, tangent.matrix)
+    values, doubt = _multipliers(tangent, moves)
     way = flow.went(start, period)
     return Orbit(
         start=start,
@@ -171,6 +203,7 @@ def orbit_at(flow: Flow, start: State, period: float, residual: float, count: in
         residual=residual,
         iterations=count,
         multipliers=values,
+        neutral=int(np.count_nonzero(~moves)),
         doubt=doubt,
         names=chart.names,
         tangent=np.asarray(tangent.matrix),

@@ -30,8 +30,9 @@ __all__ = ["Carrier"]
 
 Array = NDArray[np.float64]
 
-# What a piece of a step may be wrong by, over the displacements; and how often a step is halved for that.
-_GOOD, _HALVINGS = 1e-10, 30
+# What a piece of a step may be wrong by, over the displacements and over the run's tolerance; and how often a
+# step is halved for that.
+_GOOD, _HALVINGS = 1e2, 30
 # Power of what is integrated over that time goes with next to where a contact begins or ends.
 _GRADE = 4
 
@@ -61,6 +62,7 @@ class Carrier:
         self._own = Workspace(system)
         self._dense = stepper_of(self._own, method_named(settings.method), run.stepper.scales, settings)
         self._saltation = Saltation(self.field, run)
+        self._good = _GOOD * settings.rtol
         self._shallow = 10.0 * np.array(run.search.tolerances)
         self._coming: dict[int, Onset] = {}
         self._changed = False
@@ -183,7 +185,7 @@ class Carrier:
         if self._propagator.size != sixth.shape[1]:
             self._propagator = Propagator(sixth.shape[1])
         step = self._propagator.step(size * whole, sixth)
-        if not step.off <= _GOOD and halvings > 0:
+        if not step.off <= self._good and halvings > 0:
             middle = 0.5 * (a + b)
             self._piece(a, middle, graded, False, halvings - 1)
             self._piece(middle, b, False, falling, halvings - 1)
