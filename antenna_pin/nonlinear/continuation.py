@@ -76,7 +76,7 @@ def continued(
         most: Points at most.
         tolerance: As for :func:`periodic_orbit` [-].
         precision: To which bifurcations are located, over the range of the parameter; if left out a hundred
-            times the tolerance, which by itself is 1e-7 [-].
+            times the tolerance [-].
         progress: Called with each point.
 
     Raises:

@@ -26,7 +26,7 @@ _NEUTRAL = 1e-7
 _HALVINGS = 6
 # Size of a row of derivatives that nothing acts on; distance of the ends of a period that is none, over the
 # tolerance of runs, and at least.
-_HELD, _NEAR, _NEAREST = 1e-6, 1e3, 1e-9
+_HELD, _NEAR, _NEAREST = 1e-6, 10.0, 1e-9
 
 
 class NoOrbitError(AntennaPinError, RuntimeError):
@@ -153,8 +153,8 @@ def periodic_orbit(
         guess: A state near it. Contacts that touch in it touch at the start of the orbit.
         period: Its period, of a driven system that of the drive or a multiple [s]; a guess if free.
         free_period: Whether the period is to be found too.
-        tolerance: Distance between the ends of a period that counts as none, in error scales; if left out a
-            thousand times the tolerance of the flow's runs, which by itself makes 1e-9, the least [-].
+        tolerance: Distance between the ends of a period that counts as none, in error scales; if left out ten
+            times the tolerance of the flow's runs, and 1e-9 at least [-].
         iterations: Of Newton's method at most.
         progress: Called with the number of each iteration and the distance that it begins with.
 

@@ -132,12 +132,22 @@ def test_what_is_remembered_stays(table):
     assert sizes[0] < 0.9 * sizes[1] < 0.9
 
 
-# For bounces: more damped, and faster, so that it flies less far than the hollow is wide.
+# For bounces: faster, so that it flies less far than the hollow is wide; the air damps, as a contact's damper
+# would end its force before the depth, where derivatives have a kink.
 FAST = 5.0  # [Hz]
+AIR = 4.3  # [N s/m]
+HARD = 1e6  # [N/m]
 BOUNCES = {
     "drives.shaker.frequency": FAST,
-    "clearance.hollow.normal.stiffness": 1e6,
-    "clearance.hollow.normal.damping": 300.0,
+    "clearance.hollow.normal.stiffness": HARD,
+    "clearance.hollow.normal.damping": 0.0,
+    "springs.air": {
+        "first": {"link": "table", "point": [0.0, 0.0, -5.0]},
+        "second": {"link": "ball", "point": [0.0, 0.0, 0.0]},
+        "stiffness": 0.0,
+        "damping": AIR,
+        "free_length": 5.0,
+    },
 }
 
 
@@ -145,33 +155,28 @@ class Bounces:
     """The map over a period of height and velocity above the table, each piece in closed form."""
 
     def __init__(self, amplitude):
-        self.k, self.c, self.w = 1e6, 300.0, 2.0 * math.pi * FAST
-        self.amplitude, self.period = amplitude, 1.0 / FAST
-        self.matrix = np.array([[0.0, 1.0], [-self.k, -self.c]])
+        self.w, self.amplitude, self.period = 2.0 * math.pi * FAST, amplitude, 1.0 / FAST
 
-    def lying(self, t):
-        response = self.w**2 / (self.k - self.w**2 + 1j * self.c * self.w)
-        turn = self.amplitude * response * np.exp(1j * self.w * t)
-        return np.array([turn.imag - GRAVITY / self.k, (1j * self.w * turn).imag])
+    def steady(self, touches, t):
+        """Return a solution, (2,), of u'' + AIR u' + k u = -g - z'' with the contact's stiffness or none."""
+        k = HARD if touches else 0.0
+        turn = self.amplitude * self.w**2 * np.exp(1j * self.w * t) / (k - self.w**2 + 1j * AIR * self.w)
+        rest = [-GRAVITY / k, 0.0] if touches else [-GRAVITY / AIR * t, -GRAVITY / AIR]
+        return np.array([turn.imag, (1j * self.w * turn).imag]) + rest
 
     def moved(self, touches, t, y, later):
         """Return the state a while later, in contact or in flight."""
-        if touches:
-            return self.lying(t + later) + expm(self.matrix * later) @ (y - self.lying(t))
-        z, speed = self.amplitude * np.sin(self.w * t), self.amplitude * self.w * np.cos(self.w * t)
-        height = self.amplitude * np.sin(self.w * (t + later))
-        rate = self.amplitude * self.w * np.cos(self.w * (t + later))
-        fallen = y[0] + z + (y[1] + speed) * later - 0.5 * GRAVITY * later**2
-        return np.array([fallen - height, y[1] + speed - GRAVITY * later - rate])
+        matrix = np.array([[0.0, 1.0], [-HARD if touches else 0.0, -AIR]])
+        return self.steady(touches, t + later) + expm(matrix * later) @ (y - self.steady(touches, t))
 
     def __call__(self, y):
         """Return the state a period after one in flight at phase zero."""
-        t, touches, step = 0.0, False, self.period / 2000.0
+        t, touches, step = 0.0, False, self.period / 200.0
         while t < self.period:
 
             def left(later, t=t, y=y, touches=touches):
-                u, v = self.moved(touches, t, y, later)
-                return -(self.k * u + self.c * v) if touches else u
+                u = self.moved(touches, t, y, later)[0]
+                return -u if touches else u
 
             later = 0.0 if left(step) > 0.0 else step
             while t + later < self.period and not (left(later + step) <= 0.0 < left(max(later, 1e-9))):
@@ -205,7 +210,7 @@ def test_a_scenario_doubles_its_period(table):
     scenario = table.with_overrides(BOUNCES | {"drives.shaker.amplitude": first})
     flow, start = flow_of(scenario)
     # Of the impact without a duration: the phase at which it lands, at g T / 2.
-    e, period = 0.65, 1.0 / FAST
+    e, period = 0.6, 1.0 / FAST
     t = math.acos(math.pi * (1.0 - e) / (1.0 + e) / 1.1) / (2.0 * math.pi * FAST)
     height = first * math.sin(2.0 * math.pi * FAST * t) + 0.5 * GRAVITY * t * (period - t)
     speed = GRAVITY * (t - 0.5 * period) - first * 2.0 * math.pi * FAST
