@@ -138,9 +138,10 @@ def _followed(
     progress: bool,
 ) -> tuple[xr.Dataset, bool]:
     """Return the branch of the orbit that a scenario has come to, and whether it was cut short."""
-    from antenna_pin.nonlinear import amplitudes, branch_table, continued, family_of, flow_of
+    from antenna_pin.nonlinear import amplitudes, branch_table, check_steps, continued, family_of, flow_of
 
     first, last, unit = ends
+    check_steps((first, last), arc, most)
     given = None if period is None else period_of(known, period, "orbit")
     family = family_of(known, over, period=given, multiple=multiple, rtol=rtol)
     flow, span = family(first)
@@ -210,6 +211,8 @@ def _print(found: Orbit) -> None:
         if count
     ]
     rest = f"; {' and '.join(happens)} in a period" if happens else ""
+    if found.neutral:
+        rest += "; what lasting contacts remember stays as it began"
     typer.echo(f"orbit of {found.period:.9g} s, {words}{rest}")
     # Digits that are known: one multiplier does not say more than the doubt of all.
     digits = min(12, max(0, math.floor(-math.log10(max(found.doubt, 1e-12)))))

@@ -2,7 +2,7 @@
 
 from antenna_pin.nonlinear.carry import carried
 from antenna_pin.nonlinear.chart import Chart, NotAlikeError, OutOfReachError
-from antenna_pin.nonlinear.continuation import Bifurcation, Branch, Family, Point, continued
+from antenna_pin.nonlinear.continuation import Bifurcation, Branch, Family, Point, check_steps, continued
 from antenna_pin.nonlinear.diagram import Made, bifurcation
 from antenna_pin.nonlinear.families import amplitudes, family_of
 from antenna_pin.nonlinear.flow import Flow, FlowError, Tangent, flow_of
@@ -46,6 +46,7 @@ __all__ = [
     "bifurcation",
     "branch_table",
     "carried",
+    "check_steps",
     "continued",
     "drive_period",
     "exponents_table",

@@ -22,7 +22,7 @@ from antenna_pin.nonlinear.follower import Family, Follower, Node, Point, early
 from antenna_pin.nonlinear.orbits import NoOrbitError, near_enough
 from antenna_pin.state import State
 
-__all__ = ["Bifurcation", "BifurcationKind", "Branch", "Family", "Point", "continued"]
+__all__ = ["Bifurcation", "BifurcationKind", "Branch", "Family", "Point", "check_steps", "continued"]
 
 _SHORTEST = 2.0**-10  # of an arc, over the first: there the branch is given up
 # Upon a crossing: where it is as good as singular; and by how much a step is shortened not to end there.
@@ -48,6 +48,17 @@ class Branch:
     bifurcations: tuple[Bifurcation, ...]
     message: str
     interrupted: bool = False
+
+
+def check_steps(values: tuple[float, float], arc: float, most: int) -> None:
+    """Refuse what :func:`continued` does of these arguments, before a long transient is run."""
+    begin, end = map(float, values)
+    if begin == end or not (math.isfinite(begin) and math.isfinite(end)):
+        raise InvalidParameterError("branch", "values", "two different, finite ones", values)
+    if not (math.isfinite(arc) and arc > 0.0):
+        raise InvalidParameterError("branch", "arc", "positive and finite", arc)
+    if most < 2:
+        raise InvalidParameterError("branch", "most", "2 points or more", most)
 
 
 def continued(
@@ -82,17 +93,14 @@ def continued(
     Raises:
         NoOrbitError: There is no orbit near the guess at the first value.
     """
+    check_steps(values, arc, most)
     begin, end = map(float, values)
-    if begin == end or not (math.isfinite(begin) and math.isfinite(end)):
-        raise InvalidParameterError("branch", "values", "two different, finite ones", values)
     flow, period = family(begin)
     tolerance = near_enough(flow) if tolerance is None else tolerance
     precision = _PRECISE * tolerance if precision is None else precision
-    for name, number in (("arc", arc), ("tolerance", tolerance), ("precision", precision)):
+    for name, number in (("tolerance", tolerance), ("precision", precision)):
         if not (math.isfinite(number) and number > 0.0):
             raise InvalidParameterError("branch", name, "positive and finite", number)
-    if most < 2:
-        raise InvalidParameterError("branch", "most", "2 points or more", most)
     unit = end - begin
     follower = Follower(functools.lru_cache(maxsize=64)(family), unit, tolerance)
     near = Chart(flow.system, early(guess, period))

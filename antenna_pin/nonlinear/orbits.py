@@ -95,7 +95,7 @@ def moving(names: Sequence[str], matrix: Array) -> NDArray[np.bool_]:
     """
     rows = np.linalg.norm(matrix - np.eye(len(matrix)), axis=1)
     kept = np.array([name.endswith(tuple(MEMORIES.values())) for name in names], dtype=bool)
-    return ~(kept & (rows < _HELD))
+    return np.asarray(~(kept & (rows < _HELD)))
 
 
 def near_enough(flow: Flow) -> float:

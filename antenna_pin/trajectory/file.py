@@ -212,10 +212,11 @@ def read(source: Path) -> xr.Dataset:
             f"{source}: must be a NetCDF file written by antenna-pin, got: {words}"
         ) from None
     if not known:
-        raise FileFormatError(
-            f"{source}: the format must be {FORMAT!r}, got {found!r}; "
-            "run the scenario again with this version"
+        run = not isinstance(found, str) or found.startswith(FORMAT.rpartition(" ")[0])
+        way = (
+            "run the scenario again with this version" if run else "`antenna-pin report` shows what is no run"
         )
+        raise FileFormatError(f"{source}: the format must be {FORMAT!r}, got {found!r}; {way}")
     labels = {*DIMENSIONS, *(coordinate.name for coordinate in COORDINATES)}
     try:
         return xr.Dataset(

@@ -40,8 +40,8 @@ def test_chaos_of_a_driven_cubic_spring(oscillator):
     """x'' + 0.05 x' + x^3 = 7.5 cos t (Ueda 1979, J. Stat. Phys. 20, 181-196): 0.103 per unit of time.
 
     Sprott (Chaos and Time-Series Analysis, 2003, app. A) has 0.1034, recalled and not read again; variational
-    equations by a fourth-order method over 300 000 periods give that too. What was read is 0.0999, by a run of
-    unknown length with steps of 0.001 (sites.google.com/view/lyapunov-spectrum/home/duffing_eqs).
+    equations by a fourth-order method over 300 000 periods give that too. What was read is 0.0999, of a run
+    of unknown length (sites.google.com/view/lyapunov-spectrum/home/duffing_eqs).
     """
     drive = CallableDrive(joint="way", torque=cubic)
     system = oscillator(1.0, 0.0, 0.05, 7.5, 0.5 / math.pi, 0.5 * math.pi, own=drive)
