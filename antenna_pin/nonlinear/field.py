@@ -147,14 +147,14 @@ class Field:
         """Return the step of differences along displacements, (k,)."""
         steps = 1.0 / np.maximum(1.0 / _STEP, np.abs(self._coarse[:, None] * ways).max(axis=0))
         if not of_forces:
-            return steps
-        finest = _FINEST * steps
+            return np.asarray(steps)
+        finest: Array = _FINEST * steps
         for c in np.flatnonzero(self.workspace.memory["touching"]).tolist():
             normal, gap = self.workspace.along_normal(y, c)
             opening = np.abs(normal @ ways[self.parts[0]])
             if gap < 0.0:
                 steps = np.minimum(steps, -_SHARE * gap / np.maximum(opening, 1e-300))
-        return np.maximum(steps, finest)
+        return np.asarray(np.maximum(steps, finest))
 
     def per_second(self, function: Function, time: float, y: Array, *, of_forces: bool = False) -> Array:
         """Return the rate of a function of time and state along the flow, (values,)."""
@@ -165,7 +165,8 @@ class Field:
             float(np.linalg.norm(flow[rate] / self.units.rate)),
             float(flow[clock][0]),
         )
-        return self.along(function, time, y, flow[:, None] / size, of_forces=of_forces)[0][:, 0] * size
+        found = self.along(function, time, y, flow[:, None] / size, of_forces=of_forces)[0]
+        return np.asarray(found[:, 0] * size)
 
     def _at(self, function: Function, time: float, y: Array, displacement: Array) -> Array:
         """Return a function's value at a neighbour."""
