@@ -22,9 +22,10 @@ Array = NDArray[np.float64]
 Function = Callable[[float, Array], Array]
 
 # Steps of differences, in error scales. At joints with play, where scales are a clearance and 0.01 m/s, they
-# are finer; less so in closed loops, where a clearance turns links by a thousandth of a unit, which must be
-# large beside round-off. And of forces they are at most this share of a contact's depth, down to a millionth
-# of what they are else: a force that begins like depth^1.5 is smooth on no other scale.
+# are finer, to be small beside the kinks of laws; less so in closed loops, where a clearance turns links by a
+# thousandth of a unit, which must be large beside round-off. And of forces they are at most this share of a
+# contact's depth, down to a millionth of what they are else: a force that begins like depth^1.5 is smooth on
+# no other scale.
 _STEP, _IN_PLAY, _IN_LOOPS, _SHARE, _FINEST = 1e-4, 1e-6, 1e-5, 0.02, 1e-6
 # Sixth and fourth order over the same points, at 1, 2 and 3 steps.
 _WEIGHTS = np.array([[45.0 / 60.0, -9.0 / 60.0, 1.0 / 60.0], [8.0 / 12.0, -1.0 / 12.0, 0.0]])
