@@ -21,9 +21,7 @@ from antenna_pin.trajectory import Outcome
 __all__ = ["CheckpointsWaitedWarning", "Keeper", "NotKeptWarning"]
 
 _PART = 16_000_000  # bytes of samples that make a part
-_TIMES = (
-    9.0  # what a checkpoint took: so long the run goes on before the next: a tenth of its time
-)
+_TIMES = 9.0  # what a checkpoint took: so long the run goes on before the next: a tenth of its time
 _AGAIN = 10.0  # [s] of wall time from one vain try to write to the next
 
 
