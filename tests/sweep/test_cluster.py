@@ -24,6 +24,7 @@ def test_processes_of_this_machine_make_the_store_of_one_process(write, tmp_path
     study = write(PLAY)
     cluster = Cluster(2)
     try:
+        cluster.start()
         until = time.monotonic() + 120.0
         while not all(cluster._client.run(_loaded).values()):
             assert time.monotonic() < until
