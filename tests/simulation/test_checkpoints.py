@@ -1,7 +1,5 @@
 """A run that was stopped, any number of times, and goes on from its checkpoints ends as if it never was."""
 
-import contextlib
-import dataclasses
 import itertools
 import os
 import signal
@@ -10,6 +8,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from interruptions import in_pieces, same
 
 from antenna_pin import Outcome, RunSettings, Trajectory, load_scenario, simulate
 from antenna_pin.assemble import build_system, initial_state
@@ -24,8 +23,6 @@ from antenna_pin.simulation import (
     checkpoint,
     finish,
     keeper,
-    progress,
-    quiet,
 )
 
 BRISTLES = (
@@ -45,58 +42,6 @@ def antenna(*overrides, geometry="closed-form", engine="pinocchio"):
     )
 
 
-class KilledError(Exception):
-    """What kills a run on its way."""
-
-
-def in_pieces(scenario, span, out, rng, times):
-    """Make a run that is stopped so often at random steps, and return its result.
-
-    It is either killed, which loses what came after its last checkpoint, or asked to stop.
-    """
-    for _ in range(times):
-        last, kill = int(rng.integers(1, 60)), rng.random() < 0.5
-        seen = []
-
-        def look(progress, seen=seen, last=last, kill=kill):
-            seen.append(progress)
-            if len(seen) == last:
-                if kill:
-                    raise KilledError
-                signal.raise_signal(signal.SIGINT)
-
-        with contextlib.suppress(KilledError):
-            found = simulate(
-                scenario, duration=span, out=out, checkpoint=0.02, resume=is_stopped(out), progress=look
-            )
-            # What is asked to stop at its end has come there.
-            stopped = len(seen) >= last and seen[last - 1].time < seen[last - 1].end
-            assert found.outcome is (Outcome.INTERRUPTED if stopped else Outcome.COMPLETED)
-            if found.completed:
-                return found
-    return simulate(scenario, duration=span, out=out, resume=is_stopped(out))
-
-
-def is_stopped(out):
-    return out.with_name("run.nc.parts").joinpath("checkpoint").exists()
-
-
-def same(one, other):
-    """Whether two results are the same but for the time they took."""
-    assert set(one.data.variables) == set(other.data.variables)
-    for name in one.data.variables:
-        a, b = one.data[name].values, other.data[name].values
-        assert a.shape == b.shape, name
-        assert np.array_equal(a, b, equal_nan=a.dtype.kind == "f"), name
-    for name in one.data.attrs.keys() - {"finished", "counts"}:
-        assert one.data.attrs[name] == other.data.attrs[name], name
-    for name in ("outcome", "message", "scenario", "end"):
-        assert getattr(one, name) == getattr(other, name), name
-    assert dataclasses.replace(one.counts, wall_seconds=0.0) == dataclasses.replace(
-        other.counts, wall_seconds=0.0
-    )
-
-
 CASES = {
     **{method: dict(overrides=(f"integrator.method={method}", "integrator.rtol=1e-6")) for method in METHODS},
     **{
@@ -112,14 +57,6 @@ CASES = {
     "tsuji": dict(overrides=("clearance.elevation.normal={law='tsuji', restitution=0.8, replace=true}",)),
     "lean": dict(overrides=("output.form=lean",), engine="compiled"),
 }
-
-
-@pytest.fixture
-def small_parts(monkeypatch):
-    """Let a record go to the disk every few samples, and a run be looked at every few steps."""
-    monkeypatch.setattr(keeper, "_PART", 40_000)
-    monkeypatch.setattr(quiet, "_BUDGET", 16)
-    monkeypatch.setattr(progress, "_INTERVAL", -1.0)
 
 
 @pytest.mark.parametrize("case", CASES)
