@@ -21,7 +21,7 @@ from antenna_pin.sweep.reach import (
     ANSWERS_WITHIN,
     ClusterLostError,
     check_address,
-    reach,
+    check_scheduler,
     security_of,
     words_of,
 )
@@ -96,7 +96,7 @@ class Cluster:
         if self._client is not None:
             return
         if self._scheduler is not None:
-            reach(self._scheduler, self._security)
+            check_scheduler(self._scheduler, self._security)
         try:
             if self._scheduler is None:
                 with importlib.import_module("dask").config.set(_QUIET):

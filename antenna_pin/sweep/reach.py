@@ -14,7 +14,14 @@ from urllib.parse import urlsplit
 
 from antenna_pin.errors import AntennaPinError
 
-__all__ = ["ANSWERS_WITHIN", "ClusterLostError", "check_address", "reach", "security_of", "words_of"]
+__all__ = [
+    "ANSWERS_WITHIN",
+    "ClusterLostError",
+    "check_address",
+    "check_scheduler",
+    "security_of",
+    "words_of",
+]
 
 ANSWERS_WITHIN = 20.0  # [s]
 
@@ -83,7 +90,7 @@ def security_of(tls: dict[str, str]) -> Any:
     )
 
 
-def reach(address: str, security: Any) -> None:
+def check_scheduler(address: str, security: Any) -> None:
     """Ask what answers at an address, and return if it is a scheduler.
 
     Raises:
