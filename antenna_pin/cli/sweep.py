@@ -90,6 +90,13 @@ def sweep(
             )
     finally:
         executor.close()
+    for name in loaded.responses:
+        without = int((table[name].isnull() & (table["outcome"] == "COMPLETED")).sum())
+        if without:
+            complain(
+                f"note: response {name} has no number in {without} of {table['outcome'].size} runs; why is "
+                f"with each run: antenna-pin study show {table.attrs['path']} --csv runs.csv"
+            )
     if not quiet:
         print_rows(f"{loaded.name}: how {table['outcome'].size} runs ended", *outcome_rows(table))
         say(f"saved {table.attrs['path']}")

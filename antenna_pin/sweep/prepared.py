@@ -86,7 +86,10 @@ def prepare(study: Study) -> Prepared:
             raise ScenarioError(
                 f"study {study.name}: reference.follows must name {name}, which varies the duration"
             )
-    sources = {name: source_of(one, study.folder, name) for name, one in study.responses.items()}
+    try:
+        sources = {name: source_of(one, study.folder, name) for name, one in study.responses.items()}
+    except ScenarioError as error:
+        raise ScenarioError(f"study {study.name}: {error}") from None
     work = Work(
         base=base.model_dump_json(),
         reference="" if reference is None else reference.model_dump_json(),
