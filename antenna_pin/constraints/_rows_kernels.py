@@ -64,7 +64,7 @@ def write_rows(t: float, y: Any, program: Any, plan: Any, work: Any) -> None:
     bias_accelerations(tree, places)
     found = found_in(plan, work)
     found.gap = found.turn = found.speed = found.spin = 0.0
-    for k in range(head.rows * head.nv):
+    for k in range(head.width * head.nv):
         work[head.jacobian + k] = 0.0
     for c in range(head.closures):
         _closure_rows(plan, work, closure_at(plan, c))
@@ -96,7 +96,7 @@ def _motion_row(t: float, y: Any, program: Any, plan: Any, work: Any, driven: An
     if driven.turn >= 0:
         angle = unwrapped(math.atan2(y[driven.q + 1], y[driven.q]), y[head.nq + head.nv + driven.turn])
     turns = driven.slides == 0
-    work[head.jacobian + driven.row * head.nv + driven.v] = head.length if turns else 1.0
+    work[head.jacobian + driven.v * head.width + driven.row] = head.length if turns else 1.0
     speed = y[head.nq + driven.v] - rate
     _note(plan, work, driven.row, turns, angle - wanted, speed, acceleration)
 
@@ -270,7 +270,7 @@ def _column(
     """Write one column of a closure's rows: of a turn about (x, y, z) at a body's origin, or of a way."""
     head = plan_of(plan)
     a, b = place_at(work, head.bodies + 1), place_at(work, head.bodies + 2)
-    at = head.jacobian + closure.row * head.nv + v
+    at = head.jacobian + v * head.width + closure.row
     lx, ly, lz = x, y, z
     if turns:
         dx, dy, dz = b.origin[0] - own.origin[0], b.origin[1] - own.origin[1], b.origin[2] - own.origin[2]
@@ -278,12 +278,12 @@ def _column(
     for k in range(3):
         if closure.along[k] != 0:
             work[at] = a.rotation[0, k] * lx + a.rotation[1, k] * ly + a.rotation[2, k] * lz
-            at += head.nv
+            at += 1
     for k in range(3):
         if closure.about[k] != 0:
             if turns:
                 axis = a.rotation[0, k] * x + a.rotation[1, k] * y + a.rotation[2, k] * z
                 work[at] = head.length * axis
-            at += head.nv
+            at += 1
     if closure.square != 0 and turns:
         work[at] = head.length * (a.slide[0] * x + a.slide[1] * y + a.slide[2] * z)

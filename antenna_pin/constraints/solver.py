@@ -62,11 +62,11 @@ class Constraints:
             return self.work[at : at + int(np.prod(shape))].reshape(shape)
 
         #: J, in metres; what accelerations lack; residuals; multipliers.
-        self.jacobian = part("jacobian", rows, nv)
+        self.jacobian = part("jacobian", nv, int(head["width"]))[:, :rows].T
         self.gap, self.speed, self.force = part("gap", rows), part("speed", rows), part("force", rows)
         self.lack = part("lack", rows)
-        #: What is left of each row's length over its scale, and the scale.
-        self.shares = part("lengths", rows, 2)
+        #: What is left of each row, over its length and times that with which it counts.
+        self.shares = part("shares", rows)
         self._found = part("found", _layout.FOUND_WORDS).view(_layout.FOUND)
         self._step = np.zeros(nv)
         self._room = np.zeros(2 * rows * (rows + 1))
