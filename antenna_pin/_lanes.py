@@ -1,8 +1,8 @@
 """Four numbers at once in compiled code, as processors multiply them: written down, not left to be found.
 
 Compilers make such code of sums only if they may change the order of additions, which changes results. Here
-each of the four goes its own way: what comes out are the numbers of as many loops, to the last bit. Lanes add,
-subtract and multiply, with one another and with a number. Uncompiled they are arrays.
+each of the four goes its own way: what comes out are the numbers of as many loops, to the last bit. Lanes
+add, subtract and multiply, with one another and with a number. Uncompiled they are arrays.
 """
 
 from __future__ import annotations

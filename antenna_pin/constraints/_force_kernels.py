@@ -6,7 +6,8 @@ from typing import Any
 
 from antenna_pin._compile import inlined, kernel
 from antenna_pin.constraints._layout_kernels import closure_at, driven_at, found_in, place_at, plan_of
-from antenna_pin.constraints._solve_kernels import accelerate, solve_back, solve_forth, write_root
+from antenna_pin.constraints._root_kernels import solve_back, solve_forth, write_root
+from antenna_pin.constraints._solve_kernels import accelerate
 
 
 @kernel

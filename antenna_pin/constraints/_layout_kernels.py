@@ -18,10 +18,10 @@ from antenna_pin.records import layout, words_of
 #: against ways [m]. Where in a work array the following start. By the rows' own numbers: J^T, (nv, width);
 #: what accelerations lack, residuals of position and of velocity, multipliers, and the share that was left of
 #: each row, each (width,). By the places of the rows in the order in which they are made orthogonal: what is
-#: left of L^-1 J^T behind the directions, (width / LANES, span, LANES); the directions, (rows, span); the
-#: triangle R without its diagonal, (rows, width), and the diagonal's inverses; the squares of the lengths that
-#: are left, by what these count, and which rows stand there, each (width,). L with inverses on the diagonal,
-#: (nv, nv); where its rows begin, (nv,); numbers for scratch, (2, max(span, width)); ``FOUND``.
+#: left of L^-1 J^T behind the directions, (width / LANES, nv, LANES); the directions, (rows, span); the
+#: triangle R without its diagonal, (rows, width), and the diagonal's inverses; the squares of the lengths
+#: that are left, by what these count, and which rows stand there, each (width,). L with inverses on the
+#: diagonal, (nv, nv); where its rows begin, (nv,); numbers for scratch, (2, max(span, width)); ``FOUND``.
 PLAN = layout(
     ("bodies", "i8"),
     ("closures", "i8"),

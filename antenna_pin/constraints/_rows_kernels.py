@@ -57,17 +57,32 @@ from antenna_pin.mechanism._tree_kernels import (
 @kernel
 def write_rows(t: float, y: Any, program: Any, plan: Any, work: Any) -> None:
     """Write the rows of all constraints at time t [s] and state y, with their residuals, to a work array."""
+    _write(t, y, program, plan, work, True)
+
+
+@kernel
+def write_residuals(t: float, y: Any, program: Any, plan: Any, work: Any) -> None:
+    """Write residuals as :func:`write_rows` does, and leave J as it is; what accelerations lack is lost."""
+    _write(t, y, program, plan, work, False)
+
+
+@inlined
+def _write(t: float, y: Any, program: Any, plan: Any, work: Any, whole: bool) -> None:
     head = plan_of(plan)
     tree = plan[PLAN_WORDS : PLAN_WORDS + BODY_WORDS * head.bodies].view(BODY)
     places = work[: PLACE_WORDS * (head.bodies + 1)].view(PLACE)
     place_bodies(y, head.nq, tree, places)
-    bias_accelerations(tree, places)
     found = found_in(plan, work)
     found.gap = found.turn = found.speed = found.spin = 0.0
-    for k in range(head.width * head.nv):
-        work[head.jacobian + k] = 0.0
+    if whole:
+        bias_accelerations(tree, places)
+        for k in range(head.width * head.nv):
+            work[head.jacobian + k] = 0.0
     for c in range(head.closures):
-        _closure_rows(plan, work, closure_at(plan, c))
+        closure = closure_at(plan, c)
+        _closure_rows(plan, work, closure)
+        if whole:
+            _closure_columns(plan, work, closure)
     for m in range(head.motions):
         _motion_row(t, y, program, plan, work, driven_at(plan, m))
 
@@ -153,7 +168,8 @@ def _closure_rows(plan: Any, work: Any, closure: Any) -> None:
         room.slide[k] = cross(a.spin, way, k) + 2.0 * seen[k]
     for k in range(3):
         bias[k] = b.bias[k] - a.bias[k] - cross(a.bias_spin, way, k) - cross(a.spin, room.slide, k)
-    _rotation_vector(a, b, closure.attitude, angle)
+    if closure.about[0] + closure.about[1] + closure.about[2] != 0:
+        _rotation_vector(a, b, closure.attitude, angle)
     row = closure.row
     for k in range(3):
         if closure.along[k] != 0:
@@ -178,6 +194,11 @@ def _closure_rows(plan: Any, work: Any, closure: Any) -> None:
             row += 1
     if closure.square != 0:
         _square_row(plan, work, row, a, b, spin, bias_spin)
+
+
+@kernel
+def _closure_columns(plan: Any, work: Any, closure: Any) -> None:
+    """Write J of a closure, behind its other numbers."""
     first, second = closure.first, closure.second
     # Down to the body that both stand on: what lies below moves both alike.
     while first != second:

@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from antenna_pin.constraints._solve_kernels import DEPENDENT, NOTHING
+from antenna_pin.constraints._factor_kernels import DEPENDENT, NOTHING
 from antenna_pin.constraints.solver import Constraints
 
 __all__ = [

@@ -146,7 +146,7 @@ def _place_numbers(head: NDArray[np.void], bodies: int, rows: int, nv: int) -> i
         "speed": width,
         "force": width,
         "shares": width,
-        "reduced": span * width,
+        "reduced": nv * width,
         "directions": rows * span,
         "triangle": rows * width,
         "diagonal": width,

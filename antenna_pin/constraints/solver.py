@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from antenna_pin.constraints import _force_kernels, _rows_kernels, _solve_kernels
+from antenna_pin.constraints import _factor_kernels, _force_kernels, _rows_kernels, _solve_kernels
 from antenna_pin.constraints import _layout_kernels as _layout
 from antenna_pin.constraints._solve_kernels import CLOSED, NEAR, OPEN, ROUNDS
 from antenna_pin.constraints.plan import Plan
@@ -151,7 +151,7 @@ class Constraints:
 
     def factorize(self, q: Array) -> None:
         """Factorize the rows that were written last."""
-        _solve_kernels.factorize(self.plan.words, self.work, pin.crba(self.model, self.data, q))
+        _factor_kernels.factorize(self.plan.words, self.work, pin.crba(self.model, self.data, q))
 
     def step(self, *, of_speed: bool) -> Array:
         """Return the generalized step that takes the residuals away, least in kinetic energy, (nv,).
