@@ -3,7 +3,8 @@
 With M = L L^T the rows of J become those of ``J L^-T``, in which the kinetic energy is the sum of squares.
 They are made orthogonal one after another, each time the one of which most is left (modified Gram-Schmidt
 with pivoting; Golub and Van Loan (2013), Matrix Computations, sections 5.2.8 and 5.4.2); out of what is
-little the directions before are taken once more. Rows of which nothing is left are redundant and need not be held.
+little the directions before are taken once more. Rows of which nothing is left are redundant and need not be
+held.
 
 A direction is taken out of all rows behind it four rows at a time (:mod:`antenna_pin._lanes`).
 """
@@ -119,17 +120,17 @@ def _reduce(plan: Any, work: Any, left: Any, squares: Any, weights: Any) -> None
     for i in range(nv):
         for r in range(width):
             largest[r] = max(largest[r], abs(rows[i * width + r]))
-    for c in range(0, width, LANES):
-        at = c * nv
-        square = same_lane(0.0)
-        for i in range(nv):
+    for r in range(width):
+        squares[r] = 0.0
+    for i in range(nv):
+        for c in range(0, width, LANES):
+            at = c * nv
             value = lane(rows, i * width + c)
             for k in range(int(first[i]), i):
                 value = value - root[i * nv + k] * lane(left, at + LANES * k)
             value = root[i * nv + i] * value
             put_lane(left, at + LANES * i, value)
-            square = square + value * value
-        put_lane(squares, c, square)
+            put_lane(squares, c, lane(squares, c) + value * value)
     for r in range(head.rows):
         if not largest[r] > NOTHING * head.length:
             largest[r] = squares[r] = 0.0
