@@ -239,6 +239,9 @@ def _take_out(
             a = a + numbers[n] * lane(left, c * nv + at[n])
         inner = a + b
         put_lane(triangle, row + c, inner)
+        # Rows of other limbs have nothing of it.
+        if sum_of_lane(inner * inner) == 0.0:
+            continue
         for n in range(count):
             put_lane(left, c * nv + at[n], lane(left, c * nv + at[n]) - numbers[n] * inner)
         a = b = same_lane(0.0)
