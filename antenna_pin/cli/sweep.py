@@ -121,7 +121,7 @@ def _executor(workers: int | None, scheduler: str | None, tls: dict[str, Path | 
 
 
 def _show(study: Study, out: Path | None, workers: int | None) -> None:
-    from antenna_pin.sweep import prepare, trial
+    from antenna_pin.sweep import prepare, run_seconds, trial
 
     prepared = prepare(study)
     design = prepared.design
@@ -139,4 +139,4 @@ def _show(study: Study, out: Path | None, workers: int | None) -> None:
     )
     typer.echo(f"responses: {names}")
     cores = os.cpu_count() or 1 if workers is None else max(1, workers)
-    typer.echo(said_of_time(design.count, shown.seconds, cores))
+    typer.echo(said_of_time(design.count, run_seconds(prepared), cores))

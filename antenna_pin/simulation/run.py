@@ -268,6 +268,8 @@ def _numbers(name: str, given: ArrayLike) -> np.ndarray:
 
 def check_lengths(system: System, y: np.ndarray) -> None:
     """Refuse a start in which a compressed spring between points that coincide has no direction."""
+    if not system.point_springs:
+        return
     workspace = Workspace(system)
     for (name, spring), length in zip(system.point_springs.items(), workspace.lengths(y), strict=True):
         if length == 0.0 and spring.free_length > 0.0 and spring.stiffness > 0.0:

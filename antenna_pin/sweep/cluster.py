@@ -12,6 +12,7 @@ import logging
 import os
 import queue
 import sys
+from collections import deque
 from collections.abc import Callable, Iterator
 from typing import Any, TypeVar
 
@@ -32,6 +33,7 @@ T = TypeVar("T")
 
 _AHEAD = 2  # batches for each worker: one it works on, one it finds ready
 _LOOK_EVERY = 1.0  # [s] at whether anybody is there
+_LOSSES = 3  # times that all under way is lost, one after the other
 _PATIENCE = 30.0  # [s] without any worker
 _QUIET = {  # what processes of this machine look at between the runs: their cores are the runs'
     "distributed.worker.profile.enabled": False,
@@ -82,6 +84,7 @@ class Cluster:
         self._distributed = distributed
         self._local: Any = None
         self._client: Any = None
+        self._shared: tuple[Any, Any] | None = None
         self._workers, self._scheduler = workers, scheduler
         if scheduler is not None:
             check_address(scheduler, tls or {})
@@ -158,23 +161,37 @@ class Cluster:
             ClusterLostError: The scheduler, or all its workers, cannot be reached any more.
         """
         self.start()
-        under_way: dict[Any, list[T]] = {}
+        under_way: dict[Any, tuple[list[T], Any]] = {}
+        again: deque[list[T]] = deque()
         ready: queue.SimpleQueue[Any] = queue.SimpleQueue()
+        lost = 0
         try:
-            # To every worker: batches go where it is, and all but one would wait.
-            (data,) = self._client.scatter([shared], broadcast=True, hash=True)
             while True:
                 while len(under_way) < _AHEAD * self.width:
-                    batch = next(batches, None)
+                    batch = again.popleft() if again else next(batches, None)
                     if batch is None:
                         break
+                    data = self._data(shared)
                     future = self._client.submit(call, data, batch, pure=False)
-                    under_way[future] = batch
+                    under_way[future] = batch, data
                     future.add_done_callback(ready.put)
                 if not under_way:
                     return
                 future = self._finished(ready)
-                yield under_way.pop(future), self._answer(future)
+                batch, data = under_way.pop(future)
+                try:
+                    answer = self._answer(future)
+                except self._cancelled():
+                    # All who had what the runs share have gone, and it with them; or the scheduler has.
+                    lost += 1
+                    if self._client.status != "running" or lost > _LOSSES * _AHEAD * self.width:
+                        raise
+                    if self._shared is not None and self._shared[1] is data:
+                        self._shared = None
+                    again.append(batch)
+                    continue
+                lost = 0
+                yield batch, answer
         except AntennaPinError:
             raise
         except (OSError, TimeoutError, self._cancelled()) as error:
@@ -186,6 +203,16 @@ class Cluster:
         finally:
             with contextlib.suppress(Exception):
                 self._client.cancel(list(under_way))
+
+    def _data(self, shared: Any) -> Any:
+        """Return what all runs share, as the workers have it: to every one, for batches go where it is.
+
+        It is kept: given anew under the same name while the old one is let go of, it would be lost.
+        """
+        if self._shared is None or self._shared[0] is not shared:
+            (data,) = self._client.scatter([shared], broadcast=True, hash=False)
+            self._shared = shared, data
+        return self._shared[1]
 
     def _cancelled(self) -> type[BaseException]:
         from concurrent.futures import CancelledError
@@ -222,6 +249,7 @@ class Cluster:
 
     def close(self) -> None:
         """End the processes, or leave the scheduler to others."""
+        self._shared = None
         for name in ("_client", "_local"):
             made = getattr(self, name, None)
             if made is not None:

@@ -7,8 +7,10 @@ terminal for the passphrase of a key. So its scheduler is spoken to here first.
 from __future__ import annotations
 
 import asyncio
+import gc
 import importlib
 import ssl
+import warnings
 from typing import Any
 from urllib.parse import urlsplit
 
@@ -96,20 +98,28 @@ def check_scheduler(address: str, security: Any) -> None:
     Raises:
         ClusterLostError: It is none, or nothing answers within :data:`ANSWERS_WITHIN`.
     """
+    problem = _problem(address, security)
+    # Connections that are given up half-way are closed when they are let go of, which is now.
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ResourceWarning)
+        gc.collect()
+    if problem:
+        raise ClusterLostError(f"scheduler {address}: {problem}")
+
+
+def _problem(address: str, security: Any) -> str:
+    """Return why an address is not that of a scheduler, in words; "" if it is."""
     secure = address.startswith("tls://")
     try:
         kind = asyncio.run(_asked(address, security))
     except TimeoutError:
-        raise ClusterLostError(
-            f"scheduler {address}: must answer within {ANSWERS_WITHIN:g} s, got silence; is it running, is "
-            f"the address right, and does it speak {'TLS' if secure else 'plain TCP'}?"
-        ) from None
-    except Exception as error:  # of sockets, TLS, Dask's protocol, or of reading what is none of these
-        raise ClusterLostError(f"scheduler {address}: {_why(error, secure)}") from None
-    if kind != "Scheduler":
-        raise ClusterLostError(
-            f"scheduler {address}: must be the address of a scheduler, got that of a {kind}"
+        return (
+            f"must answer within {ANSWERS_WITHIN:g} s, got silence; is it running, is the address right, and "
+            f"does it speak {'TLS' if secure else 'plain TCP'}?"
         )
+    except Exception as error:  # of sockets, TLS, Dask's protocol, or of reading what is none of these
+        return _why(error, secure)
+    return "" if kind == "Scheduler" else f"must be the address of a scheduler, got that of a {kind}"
 
 
 async def _asked(address: str, security: Any) -> str:
@@ -152,11 +162,13 @@ def _why(error: BaseException, secure: bool) -> str:
             f"must answer within {ANSWERS_WITHIN:g} s, got: {words_of(chain[-1])}; is it running, and is the "
             "address right?"
         )
-    other = "tcp" if secure else "tls"
-    return (
-        f"must answer, got: {words_of(chain[-1])}; is it running, is the address right, and is it not one of "
-        f"{other}://?"
+    # A scheduler that refuses a certificate may just close the connection, as one without TLS does.
+    more = (
+        "does it speak TLS, and is --tls-cert signed by its authority"
+        if secure
+        else "is it not one of tls://"
     )
+    return f"must answer, got: {words_of(chain[-1])}; is it running, is the address right, {more}?"
 
 
 def words_of(error: BaseException) -> str:

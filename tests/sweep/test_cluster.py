@@ -1,7 +1,9 @@
 """Dask between the driver and those who make runs: on this machine, and by a scheduler started by hand."""
 
 import contextlib
+import os
 import shutil
+import signal
 import socket
 import subprocess
 import sys
@@ -10,7 +12,7 @@ import time
 
 import pytest
 
-from antenna_pin.sweep import Cluster, Here, reach, run_study
+from antenna_pin.sweep import Cluster, Here, driver, reach, run_study
 from antenna_pin.sweep.cluster import ClusterLostError
 
 PLAY = """
@@ -38,6 +40,27 @@ def test_processes_of_this_machine_make_the_store_of_one_process(write, tmp_path
     run_study(study, tmp_path / "here.study", executor=Here())
     two, here = (tmp_path / f"{name}.study" / "runs.nc" for name in ("two", "here"))
     assert two.read_bytes() == here.read_bytes()
+
+
+def test_the_only_process_may_be_killed(write, tmp_path, monkeypatch):
+    """What the runs share is lost with it, and is given to the one that takes its place."""
+    study = write(PLAY)
+    monkeypatch.setattr(driver, "_LARGEST_BATCH", 1)
+    cluster, seen = Cluster(1), []
+
+    def kill_one(standing):
+        if standing.stage == "run" and standing.done == 3 and not seen:
+            seen.extend(cluster._client.run(os.getpid).values())
+            os.kill(seen[0], signal.SIGKILL)
+
+    try:
+        run_study(study, tmp_path / "one.study", executor=cluster, progress=kill_one)
+    finally:
+        cluster.close()
+    assert seen
+    run_study(study, tmp_path / "here.study", executor=Here())
+    one, two = (tmp_path / f"{name}.study" / "runs.nc" for name in ("one", "here"))
+    assert one.read_bytes() == two.read_bytes()
 
 
 def _loaded():
@@ -92,7 +115,8 @@ def test_a_scheduler_by_tls_takes_those_with_its_certificates_only(write, tmp_pa
         assert refused.code == 2 and len(refused.err.splitlines()) == 1 and "its own key" in refused.err
         for match, where, tls in (
             ("must have a certificate of the authority that is given, got one of another", address, other),
-            ("must take the certificate that is given, got its refusal", address, other | {"ca": own["ca"]}),
+            # Its refusal may come as such, or as the end of the connection.
+            ("got its refusal|is --tls-cert signed by its authority", address, other | {"ca": own["ca"]}),
             ("must answer, got: .*; .* is it not one of tls://", address.replace("tls", "tcp"), None),
         ):
             with pytest.raises(ClusterLostError, match=match) as error:
@@ -126,21 +150,20 @@ def test_what_is_no_scheduler_is_told_in_a_bounded_time(monkeypatch, certificate
         began = time.monotonic()
         with pytest.raises(ClusterLostError, match=rf"scheduler {address}: must answer") as error:
             Cluster(scheduler=address, tls=certificate("own") if secure else None).start()
-        # A second more to say it, and as much again for a machine that is busy.
-        assert time.monotonic() - began < 2.0 + 2.0 + 5.0
-        server.close()
+        # A second more to say it; the rest is for a machine that is busy.
+        assert time.monotonic() - began < 2.0 + 1.0 + 30.0
+        with contextlib.suppress(OSError):
+            server.shutdown(socket.SHUT_RDWR)
     assert "\n" not in str(error.value)
 
 
 def _answer(server, peer):
-    kept = []
-    with contextlib.suppress(OSError):
+    with contextlib.ExitStack() as kept, contextlib.suppress(OSError):
         while True:
-            connection, _ = server.accept()
+            connection = kept.enter_context(server.accept()[0])
             if peer == "closed":
                 connection.close()
                 continue
-            kept.append(connection)
             if peer == "of another kind":
                 connection.sendall(b"HTTP/1.0 400 Bad Request\r\n\r\n")
 

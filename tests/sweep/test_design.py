@@ -1,12 +1,14 @@
 """What is run: grids, zipped lists, samples and tolerances, and what is refused before anything is."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from scipy import stats
 
 from antenna_pin import load_scenario, run_study
 from antenna_pin.errors import AntennaPinError
-from antenna_pin.sweep import design_of, load_study
+from antenna_pin.sweep import design_of, load_study, prepared, run_seconds
 from antenna_pin.units import any_quantity
 
 SAMPLED = """
@@ -252,6 +254,24 @@ def test_numbers_are_those_of_single_runs(write, tmp_path):
         "000000.nc",
         "000001.nc",
     ]
+
+
+def test_the_estimate_of_a_run_is_that_of_the_runs(write, monkeypatch):
+    """By a clock of the test's own: a run of T takes 0.1 s and 2 s per millisecond, of T = 1 ms to 8 ms.
+
+    The mean of the first, the middle and the last run; what no run is long enough for is made in full.
+    """
+    study = write('[parameters.t]\nkey = "duration"\nvalues = ["1 ms", "4 ms", "8 ms"]')
+    now, made = [0.0], []
+
+    def simulated(scenario, duration):
+        made.append(duration)
+        now[0] += 0.1 + 2e3 * duration
+
+    monkeypatch.setattr(prepared, "simulate", simulated)
+    monkeypatch.setattr(prepared, "time", SimpleNamespace(perf_counter=lambda: now[0]))
+    assert run_seconds(prepared.prepare(study)) == pytest.approx(0.1 + 2.0 * (1 + 4 + 8) / 3, rel=1e-12)
+    assert max(made) < 2e-3
 
 
 def test_shipped_studies_can_be_built():
