@@ -126,7 +126,7 @@ class Cluster:
             ) from None
 
         # What they have to load, they load while the driver makes its own trial.
-        with contextlib.suppress(OSError):
+        with contextlib.suppress(OSError, RuntimeError):
             self._client.run(_wake, wait=False)
 
     def _connected(self) -> Any:
@@ -172,7 +172,7 @@ class Cluster:
                     if batch is None:
                         break
                     data = self._data(shared)
-                    future = self._client.submit(call, data, batch, pure=False)
+                    future = _asked(self._client.submit, call, data, batch, pure=False)
                     under_way[future] = batch, data
                     future.add_done_callback(ready.put)
                 if not under_way:
@@ -210,7 +210,7 @@ class Cluster:
         It is kept: given anew under the same name while the old one is let go of, it would be lost.
         """
         if self._shared is None or self._shared[0] is not shared:
-            (data,) = self._client.scatter([shared], broadcast=True, hash=False)
+            (data,) = _asked(self._client.scatter, [shared], broadcast=True, hash=False)
             self._shared = shared, data
         return self._shared[1]
 
@@ -227,7 +227,7 @@ class Cluster:
                 return ready.get(timeout=_LOOK_EVERY)
             if self._client.status != "running":
                 raise OSError("the connection is closed")
-            waited = 0.0 if self._client.nthreads() else waited + _LOOK_EVERY
+            waited = 0.0 if _asked(self._client.nthreads) else waited + _LOOK_EVERY
             if waited > _PATIENCE:
                 raise OSError(f"it has had no workers for {_PATIENCE:g} s")
 
@@ -255,6 +255,14 @@ class Cluster:
             if made is not None:
                 with contextlib.suppress(Exception):
                     made.close()
+
+
+def _asked(call: Callable[..., Any], *arguments: Any, **more: Any) -> Any:
+    """Return what a client answers; one whose connection was closed meanwhile says so by a RuntimeError."""
+    try:
+        return call(*arguments, **more)
+    except RuntimeError as error:
+        raise OSError(words_of(error)) from None
 
 
 async def _wake() -> None:

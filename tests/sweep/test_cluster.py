@@ -1,5 +1,6 @@
 """Dask between the driver and those who make runs: on this machine, and by a scheduler started by hand."""
 
+import concurrent.futures
 import contextlib
 import os
 import shutil
@@ -61,6 +62,44 @@ def test_the_only_process_may_be_killed(write, tmp_path, monkeypatch):
     run_study(study, tmp_path / "here.study", executor=Here())
     one, two = (tmp_path / f"{name}.study" / "runs.nc" for name in ("one", "here"))
     assert one.read_bytes() == two.read_bytes()
+
+
+def test_a_connection_that_closes_at_any_call_is_lost_in_one_line(monkeypatch):
+    """Dask raises errors of several kinds then; here each of the client's calls does."""
+    for name in ("scatter", "submit", "nthreads"):
+        for error in (RuntimeError("ConnectionPool is closed"), OSError("closed"), TimeoutError("late")):
+            cluster = Cluster(1)
+            cluster._client = Closing(name, error)
+            with pytest.raises(ClusterLostError, match="was lost: .*; finished runs are kept") as lost:
+                list(cluster.each(len, "shared", iter([["a batch"]])))
+            assert "\n" not in str(lost.value)
+
+
+class Closing:
+    """A client one of whose calls raises."""
+
+    status = "running"
+
+    def __init__(self, name, error):
+        self.name, self.error, self.asked = name, error, 0
+
+    def _said(self, name, answer):
+        self.asked += name == "nthreads"
+        if name == self.name and (name != "nthreads" or self.asked > 3):
+            raise self.error
+        return answer
+
+    def scatter(self, *_, **__):
+        return self._said("scatter", ["data"])
+
+    def submit(self, *_, **__):
+        return self._said("submit", concurrent.futures.Future())  # that never comes
+
+    def nthreads(self):
+        return self._said("nthreads", {"one": 1})
+
+    def cancel(self, _):
+        pass
 
 
 def _loaded():
