@@ -32,6 +32,7 @@ def stamped_files() -> tuple[Path, ...]:
         "*/_records.py",
         "records.py",
         "_called.py",
+        "_lanes.py",
         "elements/registry.py",
     )
     return tuple(sorted(path for name in names for path in folder.glob(name)))

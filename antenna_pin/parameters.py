@@ -19,6 +19,7 @@ import math
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import MISSING, dataclass, field
+from functools import cache
 from types import MappingProxyType
 from typing import Any, Literal, get_args, get_origin, get_type_hints
 
@@ -157,33 +158,35 @@ def check(owner: Any) -> None:
     Raises:
         InvalidParameterError: The first that breaks its rule.
     """
-    hints = _hints(type(owner))
-    for item in dataclasses.fields(owner):
-        value = getattr(owner, item.name)
-        optional = type(None) in get_args(hints[item.name])
+    cls: Any = type(owner)
+    for name, optional, whole, choices, declared in _declared(cls):
+        value = getattr(owner, name)
         if value is None and optional:
             continue
-        if "unit" in item.metadata:
-            if item.metadata.get("sizes"):
-                numbers = _numbers(owner, item.name, value, item.metadata["sizes"], item.metadata["rule"])
-                object.__setattr__(owner, item.name, numbers)
+        if "unit" in declared:
+            if declared.get("sizes"):
+                numbers = _numbers(owner, name, value, declared["sizes"], declared["rule"])
+                object.__setattr__(owner, name, numbers)
             else:
-                _number(owner, item.name, value, item.metadata["rule"])
-                if int in (hints[item.name], *get_args(hints[item.name])) and value != int(value):
-                    raise InvalidParameterError(owner, item.name, "a whole number", value)
-        elif (choices := choices_of(hints[item.name])) and value not in choices:
+                _number(owner, name, value, declared["rule"])
+                if whole and value != int(value):
+                    raise InvalidParameterError(owner, name, "a whole number", value)
+        elif choices and value not in choices:
             *first, last = choices
             rule = f"{', '.join(first)} or {last}" if first else last
-            raise InvalidParameterError(owner, item.name, rule, value)
+            raise InvalidParameterError(owner, name, rule, value)
 
 
-_HINTS: dict[type[Any], dict[str, Any]] = {}
-
-
-def _hints(cls: type[Any]) -> dict[str, Any]:
-    if cls not in _HINTS:
-        _HINTS[cls] = get_type_hints(cls)
-    return _HINTS[cls]
+@cache
+def _declared(cls: type[Any]) -> tuple[tuple[str, bool, bool, tuple[str, ...], Mapping[Any, Any]], ...]:
+    """Return of each field: its name, whether it may be None, is whole, its texts, what it declares."""
+    hints, found = get_type_hints(cls), []
+    for item in dataclasses.fields(cls):
+        hint = hints[item.name]
+        parts = get_args(hint)
+        optional, whole = type(None) in parts, int in (hint, *parts)
+        found.append((item.name, optional, whole, choices_of(hint), item.metadata))
+    return tuple(found)
 
 
 def holds(value: object, rule: str) -> bool:

@@ -106,7 +106,10 @@ def any_quantity(value: object) -> tuple[float, str] | None:
     if isinstance(value, bool) or not isinstance(value, Real | str):
         return None
     if not isinstance(value, str):
-        number = float(value)
+        try:
+            number = float(value)
+        except OverflowError:  # a whole number of hundreds of digits
+            return None
         return (number, "") if math.isfinite(number) else None
     match = _QUANTITY.fullmatch(value.strip()) if len(value) <= _LONGEST else None
     seen = None if match is None else _parse_unit(match.group(2))

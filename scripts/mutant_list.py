@@ -74,6 +74,8 @@ TEST_RUN = "tests/simulation/test_run.py"
 TEST_ON_CHILD = "tests/simulation/test_bearing_on_child.py"
 IN_STATES = ("-k", "same_contacts or power or ledger or against")
 CHART = "antenna_pin/nonlinear/chart.py"
+FIELD = "antenna_pin/nonlinear/field.py"
+SALTATION = "antenna_pin/nonlinear/saltation.py"
 TEST_PARTS = "tests/flexible/test_parts.py"
 TEST_EVENTS = "tests/simulation/test_events.py"
 TEST_TURNS = "tests/simulation/test_turns.py"
@@ -853,7 +855,7 @@ MUTANTS = (
     _compiled(
         "a neighbour does not keep its own approach speed",
         CHART,
-        "memory[self._touching, 1] *= np.exp(z[bristles:])",
+        "memory[self._remembered] *= np.exp(z[bristles:])",
         "pass",
         "tests/nonlinear/test_chart.py",
     ),
@@ -883,12 +885,40 @@ MUTANTS = (
         "antenna_pin/nonlinear/flow.py",
         "            continue\n    return slope(function, _STEPS[-1:])",
         "            raise\n    return slope(function, _STEPS[-1:])",
-        "tests/nonlinear/test_shaking_table.py",
+        "tests/nonlinear/test_variational.py",
+    ),
+    _compiled(
+        "an event does nothing to a displacement",
+        SALTATION,
+        "passage.moved + np.outer(passage.going - field.flow(time, y), passage.late)",
+        "passage.moved",
+        "tests/nonlinear/test_variational.py",
+    ),
+    _compiled(
+        "a neighbour remembers the state's own approach speed",
+        SALTATION,
+        "found.matrix[k], found.other[k] = onset.rows[column]",
+        "pass",
+        "tests/nonlinear/test_variational.py",
+    ),
+    _compiled(
+        "displacements turn with the body the wrong way",
+        FIELD,
+        "lift.up[rate] - self.system.manifold.bracket(v, lift.up[way])",
+        "lift.up[rate] + self.system.manifold.bracket(v, lift.up[way])",
+        "tests/nonlinear/test_variational.py",
+    ),
+    _compiled(
+        "the rates of a loop's neighbours are those of the loop itself",
+        FIELD,
+        "wanted = np.hstack([turned, rows @ up[rate, n : 2 * n]])",
+        "wanted = np.hstack([0.0 * turned, rows @ up[rate, n : 2 * n]])",
+        "tests/nonlinear/test_variational.py",
     ),
     _compiled(
         "a direction has the same numbers in every chart",
         CHART,
-        "return np.concatenate([self._free.T @ way, self._free.T @ rate, z[2 * n :]])",
+        "return np.concatenate([self.frame.free.T @ way, self.frame.free.T @ rate, z[2 * n :]])",
         "return z",
         "tests/nonlinear/test_chart.py",
     ),
@@ -901,8 +931,8 @@ MUTANTS = (
     ),
     _compiled(
         "small turns are none",
-        CHART,
-        "way[of_v.stop - 1] = turn",
+        "antenna_pin/nonlinear/frames.py",
+        "way[j + nv - 1] = turn",
         "pass",
         "tests/nonlinear/test_chart.py",
     ),

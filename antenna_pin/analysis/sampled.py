@@ -7,7 +7,7 @@ over them would weigh impacts more than they last; here every sample counts for 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,6 +17,8 @@ from antenna_pin.analysis.blocks import LONG, ROWS
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["resampled", "time_mean", "time_percentiles", "time_rms"]
+
+_FEW = 33  # levels that all segments of a polygon are compared with
 
 
 def resampled(
@@ -149,26 +151,36 @@ def time_percentiles(time: ArrayLike, values: ArrayLike, percent: ArrayLike) -> 
         raise InvalidParameterError("time_percentiles", "percent", "from 0 to 100 [%]", percent)
     if t[-1] == t[0]:
         return np.full(shares.size, x[0])
-    levels = np.unique(x)
-
-    def below(level: float, including: bool) -> float:
-        """Share of the time in which the polygon is below a level, or at it."""
-        return sum(_below(t[part], x[part], level, including) for part in parts) / whole
-
     rows = t.size if t.size <= LONG else ROWS
     parts = [slice(first, first + rows + 1) for first in range(0, max(t.size - 1, 1), rows)]
+    segments = (_Segments.of(t[part], x[part]) for part in parts)
     whole = sum(float(np.diff(t[part]).sum()) for part in parts)
+    levels = np.unique(x)
+    # Between which of a few levels each share lies is found from all segments; the rest from those there.
+    few = np.unique(np.linspace(0, levels.size - 1, _FEW).astype(int))
+    table = np.zeros(few.size)
+    for one in segments:
+        table += [one.below(levels[k], True) for k in few]
+    found = np.minimum(np.searchsorted(table / whole, shares - 1e-15), few.size - 1)
 
-    def quantile(share: float) -> float:
-        first, last = 0, levels.size - 1  # the least level that the polygon is not above for the share
+    def quantile(share: float, place: int) -> float:
+        if place == 0:
+            return float(levels[0])
+        first, last = int(few[place - 1]), int(few[place])
+        near = [_Segments.of(t[part], x[part]).near(levels[first], levels[last]) for part in parts]
+        under = sum(below for below, _ in near)
+
+        def below(level: float, including: bool) -> float:
+            """Share of the time in which the polygon is below a level, or at it."""
+            return (under + sum(one.below(level, including) for _, one in near)) / whole
+
+        first += 1  # the least level that the polygon is not above for the share
         while first < last:
             middle = (first + last) // 2
             if below(levels[middle], True) >= share - 1e-15:
                 last = middle
             else:
                 first = middle + 1
-        if first == 0:
-            return float(levels[0])
         before, until = below(levels[first - 1], True), below(levels[first], False)
         if share >= until or until == before:
             return float(levels[first])
@@ -176,16 +188,35 @@ def time_percentiles(time: ArrayLike, values: ArrayLike, percent: ArrayLike) -> 
         part = (share - before) / (until - before)
         return float(levels[first - 1] + part * (levels[first] - levels[first - 1]))
 
-    return np.array([quantile(share) for share in shares])
+    return np.array([quantile(share, place) for share, place in zip(shares, found, strict=True)])
 
 
-def _below(t: Array, x: Array, level: float, including: bool) -> float:
-    """Return for how long a polygon is below a level, or at it [s]."""
-    low, high = np.minimum(x[:-1], x[1:]), np.maximum(x[:-1], x[1:])
-    rise = np.where(high > low, high - low, 1.0)
-    rests = (low <= level) if including else (low < level)
-    part = np.where(high > low, np.clip((level - low) / rise, 0.0, 1.0), rests)
-    return float(part @ np.diff(t))
+class _Segments(NamedTuple):
+    """Straight segments of a polygon: their ends by size, and how long they last [s]."""
+
+    low: Array
+    high: Array
+    time: Array
+
+    @classmethod
+    def of(cls, t: Array, x: Array) -> Self:
+        """Return those between samples."""
+        return cls(np.minimum(x[:-1], x[1:]), np.maximum(x[:-1], x[1:]), np.diff(t))
+
+    def below(self, level: float, including: bool) -> float:
+        """Return for how long they are below a level, or at it [s]."""
+        low, high, time = self
+        rise = np.where(high > low, high - low, 1.0)
+        rests = (low <= level) if including else (low < level)
+        part = np.where(high > low, np.clip((level - low) / rise, 0.0, 1.0), rests)
+        return float(part @ time)
+
+    def near(self, first: float, last: float) -> tuple[float, Self]:
+        """Return how long those are that lie below two levels [s], and those that do not lie above them."""
+        under = self.high <= first
+        mine = ~under & (self.low <= last)
+        kept = type(self)(self.low[mine], self.high[mine], self.time[mine])
+        return float(self.time[under].sum()), kept
 
 
 def _checked(time: ArrayLike, values: ArrayLike) -> tuple[Array, Array]:

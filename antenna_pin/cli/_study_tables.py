@@ -34,7 +34,7 @@ def said_of_time(runs: int, seconds: float, cores: int) -> str:
             text = f"{total / size if size else total:.2g} {unit}"
             break
     where = "1 core" if cores == 1 else f"{cores} cores"
-    return f"some {seconds:.2g} s a run, by a trial of 2 % of the first; some {text} on {where}"
+    return f"some {seconds:.2g} s a run, by trials of three of them; some {text} on {where}"
 
 
 def outcome_rows(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:

@@ -90,6 +90,13 @@ def sweep(
             )
     finally:
         executor.close()
+    for name in loaded.responses:
+        without = int((table[name].isnull() & (table["outcome"] == "COMPLETED")).sum())
+        if without:
+            complain(
+                f"note: response {name} has no number in {without} of {table['outcome'].size} runs; why is "
+                f"with each run: antenna-pin study show {table.attrs['path']} --csv runs.csv"
+            )
     if not quiet:
         print_rows(f"{loaded.name}: how {table['outcome'].size} runs ended", *outcome_rows(table))
         say(f"saved {table.attrs['path']}")
@@ -114,7 +121,7 @@ def _executor(workers: int | None, scheduler: str | None, tls: dict[str, Path | 
 
 
 def _show(study: Study, out: Path | None, workers: int | None) -> None:
-    from antenna_pin.sweep import prepare, trial
+    from antenna_pin.sweep import prepare, run_seconds, trial
 
     prepared = prepare(study)
     design = prepared.design
@@ -132,4 +139,4 @@ def _show(study: Study, out: Path | None, workers: int | None) -> None:
     )
     typer.echo(f"responses: {names}")
     cores = os.cpu_count() or 1 if workers is None else max(1, workers)
-    typer.echo(said_of_time(design.count, shown.seconds, cores))
+    typer.echo(said_of_time(design.count, run_seconds(prepared), cores))

@@ -6,7 +6,8 @@ from typing import Any
 
 from antenna_pin._compile import inlined, kernel
 from antenna_pin.constraints._layout_kernels import closure_at, driven_at, found_in, place_at, plan_of
-from antenna_pin.constraints._solve_kernels import accelerate, solve_back, solve_forth, write_root
+from antenna_pin.constraints._root_kernels import solve_back, solve_forth, write_root
+from antenna_pin.constraints._solve_kernels import accelerate
 
 
 @kernel
@@ -24,7 +25,7 @@ def least_forces(plan: Any, work: Any, room: Any, out: Any) -> None:
         out: Multipliers, (rows,).
     """
     head, rank = plan_of(plan), found_in(plan, work).rank
-    rows, order, triangle = head.rows, head.order, head.triangle
+    rows, width, order, triangle = head.rows, head.width, head.order, head.triangle
     for r in range(rows):
         out[r] = work[head.force + r]
     fewer = rows - rank
@@ -32,12 +33,11 @@ def least_forces(plan: Any, work: Any, room: Any, out: Any) -> None:
         return
     share = room[: rank * fewer]
     for c in range(fewer):
-        r = int(work[order + rank + c])
         for j in range(rank - 1, -1, -1):
-            total = work[triangle + j * rows + r]
+            total = work[triangle + j * width + rank + c]
             for i in range(j + 1, rank):
-                total -= work[triangle + j * rows + int(work[order + i])] * share[i * fewer + c]
-            share[j * fewer + c] = total / work[triangle + j * rows + int(work[order + j])]
+                total -= work[triangle + j * width + i] * share[i * fewer + c]
+            share[j * fewer + c] = total * work[head.diagonal + j]
     at = rank * fewer
     square, at = room[at : at + fewer * fewer].reshape((fewer, fewer)), at + fewer * fewer
     root, at = room[at : at + fewer * fewer], at + fewer * fewer

@@ -13,32 +13,41 @@ from antenna_pin._compile import inlined, record
 from antenna_pin.mechanism._tree_kernels import BODY, PLACE
 from antenna_pin.records import layout, words_of
 
-#: Head of a plan. Sizes: bodies, closures, motions, rows of all constraints, nq and nv. Length by which turns
-#: count against ways [m]. Where in a work array the following start: rows of J, (rows, nv); what their
-#: accelerations lack, (rows,); residuals of position and of velocity, (rows,); multipliers, (rows,); the
-#: reduced J, L^-1 J^T by columns, (rows, nv); what is left of their lengths over a scale, and the scale,
-#: (rows, 2); the triangle R, (rows, rows); L with inverses on the diagonal, (nv, nv); where its rows begin,
-#: (nv,); numbers for scratch, (2, max(nv, rows)); the order of rows, (rows,); ``FOUND``.
+#: Head of a plan. Sizes: bodies, closures, motions, rows of all constraints, their number in whole lanes
+#: (``width``; zeros fill the last), nq and nv, this in whole lanes (``span``). Length by which turns count
+#: against ways [m]. Where in a work array the following start. By the rows' own numbers: J^T, (nv, width);
+#: what accelerations lack, residuals of position and of velocity, multipliers, and the share that was left of
+#: each row, each (width,). By the places of the rows in the order in which they are made orthogonal: what is
+#: left of L^-1 J^T behind the directions, (width / LANES, nv, LANES); the directions, (rows, span); the
+#: triangle R without its diagonal, (rows, width), and the diagonal's inverses; the squares of the lengths
+#: that are left, by what these count, and which rows stand there, each (width,). L with inverses on the
+#: diagonal, (nv, nv); where its rows begin, (nv,); numbers for scratch, (2, max(span, width)); ``FOUND``.
 PLAN = layout(
     ("bodies", "i8"),
     ("closures", "i8"),
     ("motions", "i8"),
     ("rows", "i8"),
+    ("width", "i8"),
     ("nq", "i8"),
     ("nv", "i8"),
+    ("span", "i8"),
     ("length", "f8"),
     ("jacobian", "i8"),
     ("lack", "i8"),
     ("gap", "i8"),
     ("speed", "i8"),
     ("force", "i8"),
+    ("shares", "i8"),
     ("reduced", "i8"),
-    ("lengths", "i8"),
+    ("directions", "i8"),
     ("triangle", "i8"),
+    ("diagonal", "i8"),
+    ("squares", "i8"),
+    ("weights", "i8"),
+    ("order", "i8"),
     ("root", "i8"),
     ("first", "i8"),
     ("scratch", "i8"),
-    ("order", "i8"),
     ("found", "i8"),
 )
 PLAN_WORDS = words_of(PLAN)

@@ -27,11 +27,11 @@ import math
 from typing import Any
 
 from antenna_pin._compile import inlined, kernel
+from antenna_pin.constraints._column_kernels import closure_columns
 from antenna_pin.constraints._layout_kernels import (
     BODY_WORDS,
     PLACE_WORDS,
     PLAN_WORDS,
-    body_at,
     closure_at,
     driven_at,
     found_in,
@@ -41,12 +41,7 @@ from antenna_pin.constraints._layout_kernels import (
 from antenna_pin.elements import _kernels as elements
 from antenna_pin.mechanism._tree_kernels import (
     BODY,
-    CIRCLE,
-    FIXED_AXIS,
     PLACE,
-    PLANE,
-    RIGID,
-    SLIDE,
     bias_accelerations,
     cross,
     place_bodies,
@@ -57,17 +52,32 @@ from antenna_pin.mechanism._tree_kernels import (
 @kernel
 def write_rows(t: float, y: Any, program: Any, plan: Any, work: Any) -> None:
     """Write the rows of all constraints at time t [s] and state y, with their residuals, to a work array."""
+    _write(t, y, program, plan, work, True)
+
+
+@kernel
+def write_residuals(t: float, y: Any, program: Any, plan: Any, work: Any) -> None:
+    """Write residuals as :func:`write_rows` does, and leave J as it is; what accelerations lack is lost."""
+    _write(t, y, program, plan, work, False)
+
+
+@inlined
+def _write(t: float, y: Any, program: Any, plan: Any, work: Any, whole: bool) -> None:
     head = plan_of(plan)
     tree = plan[PLAN_WORDS : PLAN_WORDS + BODY_WORDS * head.bodies].view(BODY)
     places = work[: PLACE_WORDS * (head.bodies + 1)].view(PLACE)
     place_bodies(y, head.nq, tree, places)
-    bias_accelerations(tree, places)
     found = found_in(plan, work)
     found.gap = found.turn = found.speed = found.spin = 0.0
-    for k in range(head.rows * head.nv):
-        work[head.jacobian + k] = 0.0
+    if whole:
+        bias_accelerations(tree, places)
+        for k in range(head.width * head.nv):
+            work[head.jacobian + k] = 0.0
     for c in range(head.closures):
-        _closure_rows(plan, work, closure_at(plan, c))
+        closure = closure_at(plan, c)
+        _closure_rows(plan, work, closure)
+        if whole:
+            closure_columns(plan, work, closure)
     for m in range(head.motions):
         _motion_row(t, y, program, plan, work, driven_at(plan, m))
 
@@ -96,7 +106,7 @@ def _motion_row(t: float, y: Any, program: Any, plan: Any, work: Any, driven: An
     if driven.turn >= 0:
         angle = unwrapped(math.atan2(y[driven.q + 1], y[driven.q]), y[head.nq + head.nv + driven.turn])
     turns = driven.slides == 0
-    work[head.jacobian + driven.row * head.nv + driven.v] = head.length if turns else 1.0
+    work[head.jacobian + driven.v * head.width + driven.row] = head.length if turns else 1.0
     speed = y[head.nq + driven.v] - rate
     _note(plan, work, driven.row, turns, angle - wanted, speed, acceleration)
 
@@ -153,7 +163,8 @@ def _closure_rows(plan: Any, work: Any, closure: Any) -> None:
         room.slide[k] = cross(a.spin, way, k) + 2.0 * seen[k]
     for k in range(3):
         bias[k] = b.bias[k] - a.bias[k] - cross(a.bias_spin, way, k) - cross(a.spin, room.slide, k)
-    _rotation_vector(a, b, closure.attitude, angle)
+    if closure.about[0] + closure.about[1] + closure.about[2] != 0:
+        _rotation_vector(a, b, closure.attitude, angle)
     row = closure.row
     for k in range(3):
         if closure.along[k] != 0:
@@ -178,15 +189,6 @@ def _closure_rows(plan: Any, work: Any, closure: Any) -> None:
             row += 1
     if closure.square != 0:
         _square_row(plan, work, row, a, b, spin, bias_spin)
-    first, second = closure.first, closure.second
-    # Down to the body that both stand on: what lies below moves both alike.
-    while first != second:
-        if first > second:
-            _columns(plan, work, closure, first, -1.0)
-            first = body_at(plan, first).parent
-        else:
-            _columns(plan, work, closure, second, 1.0)
-            second = body_at(plan, second).parent
 
 
 @inlined
@@ -239,51 +241,3 @@ def _square_row(plan: Any, work: Any, row: int, a: Any, b: Any, spin: Any, bias_
         speed += a.slide[n] * spin[n]
         lack -= a.slide[n] * bias_spin[n] + turning * spin[n]
     _note(plan, work, row, True, gap, speed, lack)
-
-
-@inlined
-def _columns(plan: Any, work: Any, closure: Any, b: int, sign: float) -> None:
-    """Write the columns of a closure's rows that belong to the joint of a body."""
-    body, own = body_at(plan, b), place_at(work, b)
-    r, kind, v = own.rotation, body.kind, body.v
-    if kind == FIXED_AXIS or kind == CIRCLE or kind == SLIDE:
-        axis = body.axis
-        x = r[0, 0] * axis[0] + r[0, 1] * axis[1] + r[0, 2] * axis[2]
-        y = r[1, 0] * axis[0] + r[1, 1] * axis[1] + r[1, 2] * axis[2]
-        z = r[2, 0] * axis[0] + r[2, 1] * axis[1] + r[2, 2] * axis[2]
-        _column(plan, work, closure, own, v, kind != SLIDE, sign * x, sign * y, sign * z)
-        return
-    if kind == RIGID or kind == PLANE:
-        ways = 3 if kind == RIGID else 2
-        for k in range(ways):
-            _column(plan, work, closure, own, v + k, False, sign * r[0, k], sign * r[1, k], sign * r[2, k])
-        v += ways
-    for k in range(2 if kind == PLANE else 0, 3):
-        _column(plan, work, closure, own, v, True, sign * r[0, k], sign * r[1, k], sign * r[2, k])
-        v += 1
-
-
-@kernel
-def _column(
-    plan: Any, work: Any, closure: Any, own: Any, v: int, turns: bool, x: float, y: float, z: float
-) -> None:
-    """Write one column of a closure's rows: of a turn about (x, y, z) at a body's origin, or of a way."""
-    head = plan_of(plan)
-    a, b = place_at(work, head.bodies + 1), place_at(work, head.bodies + 2)
-    at = head.jacobian + closure.row * head.nv + v
-    lx, ly, lz = x, y, z
-    if turns:
-        dx, dy, dz = b.origin[0] - own.origin[0], b.origin[1] - own.origin[1], b.origin[2] - own.origin[2]
-        lx, ly, lz = y * dz - z * dy, z * dx - x * dz, x * dy - y * dx
-    for k in range(3):
-        if closure.along[k] != 0:
-            work[at] = a.rotation[0, k] * lx + a.rotation[1, k] * ly + a.rotation[2, k] * lz
-            at += head.nv
-    for k in range(3):
-        if closure.about[k] != 0:
-            if turns:
-                axis = a.rotation[0, k] * x + a.rotation[1, k] * y + a.rotation[2, k] * z
-                work[at] = head.length * axis
-            at += head.nv
-    if closure.square != 0 and turns:
-        work[at] = head.length * (a.slide[0] * x + a.slide[1] * y + a.slide[2] * z)

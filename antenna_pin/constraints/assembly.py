@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from antenna_pin.constraints._solve_kernels import DEPENDENT, NOTHING
+from antenna_pin.constraints._factor_kernels import DEPENDENT, NOTHING
 from antenna_pin.constraints.solver import Constraints
 
 __all__ = [
@@ -74,7 +74,7 @@ def least_row(constraints: Constraints) -> str:
     """Return of which row the least was left when rows were last factorized, in words: a closure's first."""
     names, motions = row_names(constraints), len(constraints.plan.motions)
     rows = range(motions if constraints.plan.closures else 0, constraints.rows)
-    shares = np.where(constraints.shares[:, 0] > 0.0, constraints.shares[:, 0], np.inf)
+    shares = np.where(constraints.shares > 0.0, constraints.shares, np.inf)
     return names[min(rows, key=lambda row: shares[row])][0]
 
 

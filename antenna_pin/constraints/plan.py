@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin._lanes import LANES
 from antenna_pin.constraints import _layout_kernels as _layout
 from antenna_pin.constraints.closure import WORLD, Anchor, Closure
 from antenna_pin.errors import MechanismError, UnknownNameError
@@ -136,19 +137,25 @@ def make_plan(
 def _place_numbers(head: NDArray[np.void], bodies: int, rows: int, nv: int) -> int:
     """Say where in a work array the numbers stand; return its size."""
     at = (bodies + 3) * _layout.PLACE_WORDS
+    width, span = (-(-number // LANES) * LANES for number in (rows, nv))
+    head["width"], head["span"] = width, span
     sizes = {
-        "jacobian": rows * nv,
-        "lack": rows,
-        "gap": rows,
-        "speed": rows,
-        "force": rows,
-        "reduced": rows * nv,
-        "lengths": 2 * rows,
-        "triangle": rows * rows,
+        "jacobian": nv * width,
+        "lack": width,
+        "gap": width,
+        "speed": width,
+        "force": width,
+        "shares": width,
+        "reduced": nv * width,
+        "directions": rows * span,
+        "triangle": rows * width,
+        "diagonal": width,
+        "squares": width,
+        "weights": width,
+        "order": width,
         "root": nv * nv,
         "first": nv,
-        "scratch": 2 * max(nv, rows),
-        "order": rows,
+        "scratch": 2 * max(span, width),
         "found": words_of(_layout.FOUND),
     }
     for name, size in sizes.items():

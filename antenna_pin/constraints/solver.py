@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from antenna_pin.constraints import _force_kernels, _rows_kernels, _solve_kernels
+from antenna_pin.constraints import _factor_kernels, _force_kernels, _rows_kernels, _solve_kernels
 from antenna_pin.constraints import _layout_kernels as _layout
 from antenna_pin.constraints._solve_kernels import CLOSED, NEAR, OPEN, ROUNDS
 from antenna_pin.constraints.plan import Plan
@@ -62,11 +62,11 @@ class Constraints:
             return self.work[at : at + int(np.prod(shape))].reshape(shape)
 
         #: J, in metres; what accelerations lack; residuals; multipliers.
-        self.jacobian = part("jacobian", rows, nv)
+        self.jacobian = part("jacobian", nv, int(head["width"]))[:, :rows].T
         self.gap, self.speed, self.force = part("gap", rows), part("speed", rows), part("force", rows)
         self.lack = part("lack", rows)
-        #: What is left of each row's length over its scale, and the scale.
-        self.shares = part("lengths", rows, 2)
+        #: What is left of each row, over its length and times that with which it counts.
+        self.shares = part("shares", rows)
         self._found = part("found", _layout.FOUND_WORDS).view(_layout.FOUND)
         self._step = np.zeros(nv)
         self._room = np.zeros(2 * rows * (rows + 1))
@@ -151,7 +151,7 @@ class Constraints:
 
     def factorize(self, q: Array) -> None:
         """Factorize the rows that were written last."""
-        _solve_kernels.factorize(self.plan.words, self.work, pin.crba(self.model, self.data, q))
+        _factor_kernels.factorize(self.plan.words, self.work, pin.crba(self.model, self.data, q))
 
     def step(self, *, of_speed: bool) -> Array:
         """Return the generalized step that takes the residuals away, least in kinetic energy, (nv,).

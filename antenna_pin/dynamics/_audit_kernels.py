@@ -76,6 +76,19 @@ def audit_state(y: Any, nq: int, tree: Any, gravity: Any, places: Any, audits: A
             out.angular_scale += math.sqrt(lx * lx + ly * ly + lz * lz)
 
 
+@kernel
+def energy_of(tree: Any, places: Any, gravity: Any) -> float:
+    """Return kinetic energy and that of gravity, of a tree whose bodies are placed [J]."""
+    total = 0.0
+    for b in range(tree.shape[0]):
+        body, own = tree[b], places[b]
+        sx, sy, sz = _lever(body, own)
+        _, _, _, _, _, _, kinetic = _momenta(body, own, sx, sy, sz)
+        x, y, z = own.origin[0] + sx, own.origin[1] + sy, own.origin[2] + sz
+        total += kinetic - body.mass * (gravity[0] * x + gravity[1] * y + gravity[2] * z)
+    return total
+
+
 @inlined
 def _lever(body: Any, own: Any) -> tuple[float, float, float]:
     """Mass centre of a body from its origin, in the world [m]."""

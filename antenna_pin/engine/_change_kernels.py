@@ -100,7 +100,7 @@ def _restart(loop: Loop) -> None:
     stages, n = loop.tableau.weights.shape[0], loop.numbers.rates.shape[1]
     for k in range(work.shape[1]):
         work[stages + STATE, k] = work[stages + START, k]
-    derivative(s.t, work[stages + STATE], loop.numbers, work[stages + RATES, :n])
+    derivative(s.t, work[stages + STATE], loop.numbers, work[stages + RATES, :n], False)
     s.evaluations += 1
     begin(stages, loop.space, work)
 

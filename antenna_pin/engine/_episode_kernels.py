@@ -6,15 +6,16 @@ import math
 from typing import Any, NamedTuple
 
 from antenna_pin._compile import kernel
-from antenna_pin.constraints._solve_kernels import accelerate
+from antenna_pin.constraints._rows_kernels import write_rows
+from antenna_pin.constraints._solve_kernels import solve
 from antenna_pin.dynamics._kernels import HEADER, block_at, head_of
 from antenna_pin.dynamics._trial_kernels import contacts_in
+from antenna_pin.engine._hold_kernels import factorize_rows
 from antenna_pin.integrate._kernels import STATE_ROW, dense_state
 from antenna_pin.joints._kernels import unit_normal_force
 from antenna_pin.joints._layout_kernels import CLEARANCE, joint_at
 from antenna_pin.joints._pose_kernels import journal_state
 from antenna_pin.mechanism._dynamics_kernels import aba
-from antenna_pin.mechanism._mass_kernels import mass_and_bias
 from antenna_pin.records import layout
 
 #: One contact from onset to release: which; when it began [s], how fast [m/s], onto which mass [kg]; when it
@@ -197,5 +198,6 @@ def _accelerations(y: Any, tau: Any, numbers: Any, rates: Any) -> None:
     if numbers.plan.shape[0] == 0:
         aba(y, head.nq, numbers.tree, numbers.gravity, tau, numbers.room, rates[: head.nv])
         return
-    mass_and_bias(y, head.nq, numbers.tree, numbers.gravity, numbers.room, numbers.mass, numbers.bias)
-    accelerate(0.0, y, program, numbers.plan, numbers.held, tau, numbers.mass, numbers.bias, rates)
+    write_rows(0.0, y, program, numbers.plan, numbers.held)
+    factorize_rows(numbers)
+    solve(y, program, numbers.plan, numbers.held, tau, numbers.bias, rates)

@@ -37,7 +37,7 @@ def attempt_implicit(
     numbers.flag[0] = AS_IT_WAS
     came = go_on(t, h, stages, layout, work, scales, rtol, radau)
     while came == ASK:
-        derivative(progress.t, y, numbers, out)
+        derivative(progress.t, y, numbers, out, False)
         asked[0] += 1
         came = go_on(t, h, stages, layout, work, scales, rtol, radau)
     if came == FAILED:
@@ -48,6 +48,6 @@ def attempt_implicit(
         numbers.flag[0] = project(t + h, work, stages + STATE, layout, numbers)
         if numbers.flag[0] == LOST:
             return math.nan
-    derivative(t + h, y, numbers, out)
+    derivative(t + h, y, numbers, out, True)
     asked[0] += 1
     return float(progress.error)

@@ -94,7 +94,7 @@ def write_slopes(t: float, y: Any, ways: Any, steps: Any, room: Any, out: Any) -
             for side in (1.0, -1.0):
                 h = side * (point + 1.0) * steps[k]
                 _displace(y, ways[k], h, room)
-                derivative(t + h * ways[k, ways.shape[1] - 1], room.rows[0], room.numbers, rates)
+                derivative(t + h * ways[k, ways.shape[1] - 1], room.rows[0], room.numbers, rates, False)
                 for kind in range(out.shape[0]):
                     weight = side * room.weights[kind, point] / steps[k]
                     for i in range(out.shape[2]):

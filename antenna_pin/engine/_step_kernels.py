@@ -9,14 +9,14 @@ import math
 from typing import Any, NamedTuple
 
 from antenna_pin._compile import inlined, kernel
-from antenna_pin.constraints._solve_kernels import accelerate
+from antenna_pin.constraints._rows_kernels import write_rows
+from antenna_pin.constraints._solve_kernels import solve
 from antenna_pin.dynamics._kernels import evaluate, head_of
 from antenna_pin.dynamics._point_kernels import add_forces
-from antenna_pin.engine._hold_kernels import AS_IT_WAS, LOST, MOVED, project
+from antenna_pin.engine._hold_kernels import AS_IT_WAS, LOST, MOVED, factorize_rows, project
 from antenna_pin.integrate._kernels import RATES, STATE, bend, dense_coefficients, finish, stage, store
 from antenna_pin.integrate._manifold_kernels import space_of
 from antenna_pin.mechanism._dynamics_kernels import aba
-from antenna_pin.mechanism._mass_kernels import mass_and_bias
 
 
 class Numbers(NamedTuple):
@@ -38,7 +38,6 @@ class Numbers(NamedTuple):
         table: A contact table, scratch.
         own: The contact table that the derivative writes.
         memory: The contact memory.
-        audit: AUDIT, (1,), scratch.
         rates: Derivatives, (2, nv + nx), scratch.
         force: Generalized force, (nv,), scratch.
         moved: A step's end before it was brought onto the constraints, (size,).
@@ -61,7 +60,6 @@ class Numbers(NamedTuple):
     table: Any
     own: Any
     memory: Any
-    audit: Any
     rates: Any
     force: Any
     moved: Any
@@ -90,8 +88,11 @@ class Tableau(NamedTuple):
 
 
 @inlined
-def derivative(t: float, y: Any, numbers: Any, rates: Any) -> None:
-    """Write [acceleration (nv), rate of x (nx)] of a tree at time t [s] and state y."""
+def derivative(t: float, y: Any, numbers: Any, rates: Any, written: bool) -> None:
+    """Write [acceleration (nv), rate of x (nx)] of a tree at time t [s] and state y.
+
+    ``written``: whether the rows of its constraints, if it has any, are those of this state already.
+    """
     program = numbers.program
     head = head_of(program)
     tau = numbers.work[: head.nv]
@@ -101,8 +102,10 @@ def derivative(t: float, y: Any, numbers: Any, rates: Any) -> None:
     if numbers.plan.shape[0] == 0:
         aba(y, head.nq, numbers.tree, numbers.gravity, tau, numbers.room, rates[: head.nv])
         return
-    mass_and_bias(y, head.nq, numbers.tree, numbers.gravity, numbers.room, numbers.mass, numbers.bias)
-    accelerate(t, y, program, numbers.plan, numbers.held, tau, numbers.mass, numbers.bias, rates)
+    if not written:
+        write_rows(t, y, program, numbers.plan, numbers.held)
+    factorize_rows(numbers)
+    solve(y, program, numbers.plan, numbers.held, tau, numbers.bias, rates)
 
 
 @kernel
@@ -115,7 +118,7 @@ def attempt(
     y, out = work[stages + STATE], work[stages + RATES, :rates]
     stage(1, h, tableau.weights, layout, work, False)
     for i in range(1, tableau.last):
-        derivative(t + tableau.nodes[i] * h, y, numbers, out)
+        derivative(t + tableau.nodes[i] * h, y, numbers, out, False)
         stage(i + 1, h, tableau.weights, layout, work, True)
     numbers.flag[0] = AS_IT_WAS
     if numbers.plan.shape[0] > 0:
@@ -124,7 +127,7 @@ def attempt(
         numbers.flag[0] = project(t + h, work, stages + STATE, layout, numbers)
         if numbers.flag[0] == LOST:
             return math.nan
-    derivative(t + h, y, numbers, out)
+    derivative(t + h, y, numbers, out, True)
     error = finish(tableau.last, h, tableau.errors, layout, work, scales, rtol)
     return float(error if tableau.adaptive != 0 or not math.isfinite(error) else 0.0)
 
@@ -148,7 +151,7 @@ def prepare_dense(
         y, out = work[stages + STATE], work[stages + RATES, :rates]
         for i in range(first, stages):
             stage(i, h, tableau.weights, layout, work, i > first)
-            derivative(t + tableau.nodes[i] * h, y, numbers, out)
+            derivative(t + tableau.nodes[i] * h, y, numbers, out, False)
         store(stages - 1, stages, layout, work)
         for k in range(size):
             work[stages + STATE, k] = kept[0, k]

@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.dynamics import System, Workspace
-from antenna_pin.dynamics._audit_kernels import AUDIT
 from antenna_pin.engine._step_kernels import Numbers, Tableau, attempt, derivative, prepare_dense
 from antenna_pin.errors import MechanismError
 from antenna_pin.integrate import Method, Stepper
@@ -76,7 +75,6 @@ class Compiled:
             table=np.zeros_like(workspace.table),
             own=workspace.table,
             memory=workspace.memory,
-            audit=np.zeros(1, AUDIT),
             rates=np.zeros((2, dynamics.nv + system.manifold.nx)),
             force=np.zeros(dynamics.nv),
             moved=np.zeros(system.manifold.size),
@@ -113,7 +111,7 @@ class CompiledStepper(Stepper):
         #: Room for a step's end while its dense output is made.
         self.kept = np.zeros((2, self.manifold.size))
         y, rates, numbers = self.y, self._rates, self.numbers
-        self._derivative = lambda t: derivative(t, y, numbers, rates)
+        self._derivative = lambda t: derivative(t, y, numbers, rates, False)
 
     def attempt(self, h: float) -> float:
         """Try a step of size h [s]; return its scaled error."""

@@ -36,7 +36,7 @@ class CompiledImplicitStepper(ImplicitStepper):
         self.numbers = compiled.numbers
         self._asked = np.zeros(1, dtype=np.int64)
         y, rates, numbers = self.y, self._rates, self.numbers
-        self._derivative = lambda t: derivative(t, y, numbers, rates)
+        self._derivative = lambda t: derivative(t, y, numbers, rates, False)
 
     def attempt(self, h: float) -> float:
         """Try a step of size h [s]; return its scaled error."""

@@ -12,6 +12,7 @@ from antenna_pin.errors import MechanismError
 from antenna_pin.mechanism._dynamics_kernels import aba
 from antenna_pin.mechanism._mass_kernels import mass_and_bias
 from antenna_pin.mechanism._room_kernels import ROOM
+from antenna_pin.mechanism._tree_kernels import PLACE, bias_accelerations, place_bodies
 from antenna_pin.mechanism.model import Mechanism
 from antenna_pin.mechanism.tree import body_tree
 
@@ -70,7 +71,10 @@ class TreeDynamics:
     def mass_and_bias(self, q: ArrayLike, v: ArrayLike) -> tuple[Array, Array]:
         """Return the mass matrix, (nv, nv), and the generalized force of gravity and velocities, (nv,)."""
         mass, bias = np.zeros((self.nv, self.nv)), np.zeros(self.nv)
-        mass_and_bias(self._state(q, v), self.nq, self.tree, self.gravity, self.room(), mass, bias)
+        places = np.zeros(len(self.tree) + 1, PLACE)
+        place_bodies(self._state(q, v), self.nq, self.tree, places)
+        bias_accelerations(self.tree, places)
+        mass_and_bias(self.tree, places, self.gravity, self.room(), mass, bias)
         return mass, bias
 
     def _state(self, q: ArrayLike, v: ArrayLike) -> Array:

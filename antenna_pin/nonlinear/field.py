@@ -22,9 +22,10 @@ Array = NDArray[np.float64]
 Function = Callable[[float, Array], Array]
 
 # Steps of differences, in error scales. At joints with play, where scales are a clearance and 0.01 m/s, they
-# are finer; less so in closed loops, where a clearance turns links by a thousandth of a unit, which must be
-# large beside round-off. And of forces they are at most this share of a contact's depth, down to a millionth
-# of what they are else: a force that begins like depth^1.5 is smooth on no other scale.
+# are finer, to be small beside the kinks of laws; less so in closed loops, where a clearance turns links by a
+# thousandth of a unit, which must be large beside round-off. And of forces they are at most this share of a
+# contact's depth, down to a millionth of what they are else: a force that begins like depth^1.5 is smooth on
+# no other scale.
 _STEP, _IN_PLAY, _IN_LOOPS, _SHARE, _FINEST = 1e-4, 1e-6, 1e-5, 0.02, 1e-6
 # Sixth and fourth order over the same points, at 1, 2 and 3 steps.
 _WEIGHTS = np.array([[45.0 / 60.0, -9.0 / 60.0, 1.0 / 60.0], [8.0 / 12.0, -1.0 / 12.0, 0.0]])
@@ -147,14 +148,14 @@ class Field:
         """Return the step of differences along displacements, (k,)."""
         steps = 1.0 / np.maximum(1.0 / _STEP, np.abs(self._coarse[:, None] * ways).max(axis=0))
         if not of_forces:
-            return steps
-        finest = _FINEST * steps
+            return np.asarray(steps)
+        finest: Array = _FINEST * steps
         for c in np.flatnonzero(self.workspace.memory["touching"]).tolist():
             normal, gap = self.workspace.along_normal(y, c)
             opening = np.abs(normal @ ways[self.parts[0]])
             if gap < 0.0:
                 steps = np.minimum(steps, -_SHARE * gap / np.maximum(opening, 1e-300))
-        return np.maximum(steps, finest)
+        return np.asarray(np.maximum(steps, finest))
 
     def per_second(self, function: Function, time: float, y: Array, *, of_forces: bool = False) -> Array:
         """Return the rate of a function of time and state along the flow, (values,)."""
@@ -165,7 +166,8 @@ class Field:
             float(np.linalg.norm(flow[rate] / self.units.rate)),
             float(flow[clock][0]),
         )
-        return self.along(function, time, y, flow[:, None] / size, of_forces=of_forces)[0][:, 0] * size
+        found = self.along(function, time, y, flow[:, None] / size, of_forces=of_forces)[0]
+        return np.asarray(found[:, 0] * size)
 
     def _at(self, function: Function, time: float, y: Array, displacement: Array) -> Array:
         """Return a function's value at a neighbour."""

@@ -33,8 +33,9 @@ Array = NDArray[np.float64]
 
 # Steps of differences in coordinates, in which an error scale is 1: the noise of a run is some 1e-12 of that.
 _STEPS = (1e-1, 2e-2, 4e-3, 8e-4)
-# Tolerance of runs that are differentiated, where none is asked for.
-_RTOL = 1e-12
+# Tolerance of runs that are differentiated, where none is asked for; and how many of a run's tolerances its
+# tangent is in doubt by at least.
+_RTOL, _TOLERANCES = 1e-12, 100.0
 
 
 class FlowError(AntennaPinError, RuntimeError):
@@ -64,8 +65,8 @@ class Tangent(NamedTuple):
 
     Attributes:
         matrix: (size at the end, size at the start).
-        doubt: By how much less exact differences say otherwise, of each column. Those of runs see where an
-            event comes and goes with the neighbour (a graze).
+        doubt: By how much less exact differences say otherwise, of each column, or a hundred times the run's
+            tolerance. Those of runs see where an event comes and goes with the neighbour (a graze).
         end: The state that the one itself leads to.
     """
 
@@ -184,7 +185,9 @@ class Flow:
         there.coordinates(end)
         carrier.turn(there.frame)
         matrix, other, _ = carrier.carried
-        return Tangent(matrix, np.linalg.norm(matrix - other, axis=0), end)
+        # The run's own error is in neither: it is no less than its tolerance makes it.
+        least = _TOLERANCES * self._settings.rtol * np.linalg.norm(matrix, axis=0)
+        return Tangent(matrix, np.maximum(np.linalg.norm(matrix - other, axis=0), least), end)
 
     def carry(
         self, start: State, span: float, frame: Frame, ways: Array | None = None

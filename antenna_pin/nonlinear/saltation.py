@@ -183,7 +183,7 @@ class Saltation:
         def mass(_: float, state: Array) -> Array:
             return np.array([field.workspace.effective_mass(state, c)])
 
-        kept = {2: (mass, float(memory["effective_mass"]))}
+        kept: dict[int, tuple[Function, float]] = {2: (mass, float(memory["effective_mass"]))}
         if memory["approach_speed"] > field.system.approach_speed_floors[c]:
             kept[1] = self._located("rate", c), float(memory["approach_speed"])
         rows = {column: (np.zeros(n), np.zeros(n)) for column in MEMORIES for n in [carried.matrix.shape[1]]}

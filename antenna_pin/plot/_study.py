@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import textwrap
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,7 +14,7 @@ from matplotlib.axes import Axes
 from antenna_pin.errors import UnknownNameError
 from antenna_pin.plot._style import Array, literal, prefixed
 
-__all__ = ["Quantity", "label_axis", "left_out", "names_of", "quantity_of"]
+__all__ = ["Quantity", "broken", "label_axis", "left_out", "names_of", "quantity_of"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,9 +60,14 @@ def left_out(*quantities: Quantity) -> tuple[Any, str]:
     return there, f"{missing} of {there.size} runs without a result are not drawn" if missing else ""
 
 
+def broken(label: str, length: int = 32) -> str:
+    """Return a label in lines that an axis has room for; a title may be a sentence."""
+    return "\n".join(textwrap.wrap(label, length))
+
+
 def label_axis(axes: Axes, quantity: Quantity, along: str) -> None:
     """Label an axis; a parameter of words has them as ticks."""
-    (axes.set_xlabel if along == "x" else axes.set_ylabel)(quantity.label)
+    (axes.set_xlabel if along == "x" else axes.set_ylabel)(broken(quantity.label))
     if quantity.texts:
         axis = axes.xaxis if along == "x" else axes.yaxis
         axis.set_ticks(np.arange(len(quantity.texts)), [literal(text) for text in quantity.texts])

@@ -17,7 +17,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from antenna_pin.plot._study import label_axis, left_out, names_of, quantity_of
+from antenna_pin.plot._study import broken, label_axis, left_out, names_of, quantity_of
 from antenna_pin.plot._style import (
     COLOURS,
     PEAK,
@@ -160,7 +160,7 @@ def study_map(
     else:
         shown = axes.scatter(x.values[there], y.values[there], c=z.values[there], s=8.0, cmap=SEQUENTIAL)
         axes.margins(0.03)
-    bar = figure.colorbar(shown, ax=axes, label=z.label)
+    bar = figure.colorbar(shown, ax=axes, label=broken(z.label))
     bar.outline.set_linewidth(0.4)
     label_axis(axes, x, "x")
     label_axis(axes, y, "y")
@@ -208,6 +208,7 @@ def study_distribution(study: xr.Dataset, response: str, *, width: Width = "colu
                 va="top",
                 fontsize=6.0,
                 color=PEAK,
+                bbox={"facecolor": "white", "alpha": 0.7, "linewidth": 0.0, "pad": 0.6},
             )
         axes.margins(x=0.02)
     axes.set_ylabel("Runs")
@@ -243,17 +244,11 @@ def study_scatter(study: xr.Dataset, names: Sequence[str]) -> Figure:
             axes.xaxis.set_major_locator(MaxNLocator(2))
             axes.tick_params(labelleft=column == 0 and row > 0, labelsize=5.5)
             if row == count - 1:
-                axes.set_xlabel(_broken(x.label), fontsize=6.0)
+                axes.set_xlabel(broken(x.label, 15), fontsize=6.0)
             if column == 0:
-                axes.set_ylabel(_broken(y.label), fontsize=6.0)
+                axes.set_ylabel(broken(y.label, 15), fontsize=6.0)
     footnote(figure, said)
     return figure
-
-
-def _broken(label: str) -> str:
-    import textwrap
-
-    return "\n".join(textwrap.wrap(label, 15))
 
 
 @styled
@@ -290,9 +285,8 @@ def study_sensitivities(found: xr.Dataset, title: str = "", *, width: Width = "c
     axes.grid(axis="y", visible=False)
     unit = str(found[bars[0][0]].attrs.get("units", ""))
     what = "Effect" if found.attrs["method"] == "morris" else "Share of the variance [-]"
-    axes.set_xlabel(
-        f"{what}{f' [{unit}]' if unit not in ('', '1') else ''}{f': {literal(title)}' if title else ''}"
-    )
+    text = f"{what}{f' [{unit}]' if unit not in ('', '1') else ''}{f': {literal(title)}' if title else ''}"
+    axes.set_xlabel(broken(text, 50))
     legend_above(figure, [axes])
     footnote(figure, f"bars of error: {100.0 * found.attrs['confidence']:g} % confidence")
     return figure

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -185,20 +186,20 @@ def _joints(
 def _start(run: ReportedRun, mechanism: Mechanism | None) -> Iterator[tuple[str, str]]:
     data = run.data
     for k, name in enumerate(run.names("sliding_joint")):
-        way, speed = (float(run.values(f"slide_{key}")[0, k]) for key in ("position", "rate"))
+        way, speed = (float(_first(run, f"slide_{key}")[k]) for key in ("position", "rate"))
         yield (
             name,
             f"{readable(way, 'm')}, " + (f"sliding at {readable(speed, 'm/s')}" if speed else "at rest"),
         )
     for k, name in enumerate(run.names("joint")):
-        angle, rate = (float(run.values(f"motion_{key}")[0, k]) for key in ("angle", "rate"))
+        angle, rate = (float(_first(run, f"motion_{key}")[k]) for key in ("angle", "rate"))
         yield (
             name,
             f"{readable(angle, 'rad')}, " + (f"turning at {readable(rate, 'rad/s')}" if rate else "at rest"),
         )
     if "base_position" in data:
-        place, turn = run.values("base_position")[0], run.values("base_attitude")[0]
-        speed, spin = run.values("base_velocity")[0], run.values("base_angular_velocity")[0]
+        place, turn = _first(run, "base_position"), _first(run, "base_attitude")
+        speed, spin = _first(run, "base_velocity"), _first(run, "base_angular_velocity")
         text = f"at {_vector(place, 'm')}" if place.any() else "at the origin"
         if np.abs(turn[:3]).any():
             text += f", attitude {_vector(turn)} (quaternion xyzw)"
@@ -208,13 +209,18 @@ def _start(run: ReportedRun, mechanism: Mechanism | None) -> Iterator[tuple[str,
             text += ", at rest"
         yield "base", text
     for k, name in enumerate(run.names("clearance_joint")):
-        centre = run.values("journal_position")[0, k]
-        tilt = float(run.values("journal_tilt")[0, k])
+        centre = _first(run, "journal_position")[k]
+        tilt = float(_first(run, "journal_tilt")[k])
         where = "centred" if not centre.any() else f"centre at {_vector(1e6 * centre)} µm in bearing axes"
         yield (
             f"{name}, journal",
             f"{where}, {'not tilted' if tilt == 0.0 else 'tilted by ' + readable(tilt, 'rad')}",
         )
+
+
+def _first(run: ReportedRun, name: str) -> Any:
+    """Return a variable's first sample; no more of it is read, as a run may be long."""
+    return np.asarray(run.data[name][0].values)
 
 
 def _computation(run: ReportedRun) -> Iterator[tuple[str, str]]:

@@ -15,6 +15,7 @@ import inspect
 import types
 from collections.abc import Callable, Mapping
 from dataclasses import MISSING
+from functools import cache
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self, TypeVar, Union, get_args, get_type_hints
 
 from pydantic import BeforeValidator, ConfigDict, Field, create_model, model_validator
@@ -53,12 +54,7 @@ class MadeSpec(Spec):
         Args:
             **more: Fields of the class that the table has no keys for.
         """
-        names = {item.name for item in dataclasses.fields(self.fills)}
-        given = {}
-        for key in type(self).model_fields:
-            name = self.field_of(key)
-            if name in names:
-                given[name] = _built(getattr(self, key))
+        given = {name: _built(getattr(self, key)) for key, name in _filled(type(self))}
         return self.fills(**given | more)
 
     @model_validator(mode="after")
@@ -71,6 +67,13 @@ class MadeSpec(Spec):
             name, *indices = error.parameter.replace("]", "").split("[")
             refuse(error.reason, keys.get(name, name), *(int(index) for index in indices))
         return self
+
+
+@cache
+def _filled(table: type[MadeSpec]) -> tuple[tuple[str, str], ...]:
+    """Return the keys of a table that are fields of its class, each with the field's name."""
+    names = {item.name for item in dataclasses.fields(table.fills)}
+    return tuple((key, table.field_of(key)) for key in table.model_fields if table.field_of(key) in names)
 
 
 def _built(value: Any) -> Any:

@@ -3,7 +3,7 @@
 from antenna_pin.simulation.checkpoint import Checkpoint
 from antenna_pin.simulation.events import Angle, Event, Force, Gap, Jump, Mark, Rate, Set, Stop, Time
 from antenna_pin.simulation.finish import UnsavedError
-from antenna_pin.simulation.keeper import NotKeptWarning
+from antenna_pin.simulation.keeper import CheckpointsWaitedWarning, NotKeptWarning
 from antenna_pin.simulation.moment import Moment
 from antenna_pin.simulation.progress import Progress
 from antenna_pin.simulation.run import simulate
@@ -11,6 +11,7 @@ from antenna_pin.simulation.run import simulate
 __all__ = [
     "Angle",
     "Checkpoint",
+    "CheckpointsWaitedWarning",
     "Event",
     "Force",
     "Gap",

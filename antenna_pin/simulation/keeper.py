@@ -18,15 +18,19 @@ from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.parts import Parts, folder_of
 from antenna_pin.trajectory import Outcome
 
-__all__ = ["Keeper", "NotKeptWarning"]
+__all__ = ["CheckpointsWaitedWarning", "Keeper", "NotKeptWarning"]
 
 _PART = 16_000_000  # bytes of samples that make a part
-_TIMES = 4.0  # what a checkpoint took: so long the next waits at least, or they would take most of the time
+_TIMES = 9.0  # what a checkpoint took: so long the run goes on before the next: a tenth of its time
 _AGAIN = 10.0  # [s] of wall time from one vain try to write to the next
 
 
 class NotKeptWarning(UserWarning):
     """What a run has recorded cannot be put on the disk; it stays in memory, and the run goes on."""
+
+
+class CheckpointsWaitedWarning(UserWarning):
+    """Checkpoints took so long that they were made more rarely than was asked."""
 
 
 class Keeper:
@@ -38,8 +42,8 @@ class Keeper:
         path: Of the run's result.
         system: The system.
         about: What the run is of, for its checkpoints.
-        interval: Wall time from one checkpoint to the next [s], and at least four times what the last one
-            took; infinity for none but at an interruption.
+        interval: Wall time from one checkpoint to the next [s], and at least nine times what the last one
+            took, which is said at the end; infinity for none but at an interruption.
         checkpoint: That the run goes on from.
 
     Attributes:
@@ -63,8 +67,9 @@ class Keeper:
         self.parts.rows[:] = found.get("rows", ())
         self._about = {**about, "run": identity}
         self._interval = interval
-        self._due = math.nan
+        self._asked = self._due = math.nan
         self._wait = -math.inf
+        self._dearest, self._waited = 0.0, False
         self._goes_on = checkpoint is not None
 
     def __enter__(self) -> Self:
@@ -82,7 +87,8 @@ class Keeper:
         """Write what is due."""
         wall = run.wall
         if math.isnan(self._due):
-            self._due = wall + self._interval
+            self._asked = self._due = wall + self._interval
+        self._waited |= self._asked <= wall < self._due
         large = run.samples.size > _PART
         if not (large or wall >= self._due) or wall < self._wait:
             return
@@ -91,7 +97,10 @@ class Keeper:
                 self.parts.append(run.samples.held_but_last)
                 run.samples.hand_out()
             if wall >= self._due:
-                self.write(run)
+                cost = self.write(run)
+                self._dearest = max(self._dearest, cost)
+                self._asked = wall + cost + self._interval
+                self._due = wall + cost + max(self._interval, _TIMES * cost)
         except OutputError as error:
             if self._wait == -math.inf:
                 warnings.warn(
@@ -100,16 +109,23 @@ class Keeper:
             self._wait = wall + _AGAIN
 
     def end(self, run: Run) -> None:
-        """Keep a run that was interrupted, or whose record is on the disk in parts."""
-        if run.outcome is not Outcome.INTERRUPTED and not self.parts.rows:
-            return
-        try:
-            self.write(run)
-        except OutputError as error:
-            warnings.warn(f"{error}; the run cannot be gone on with", NotKeptWarning, stacklevel=2)
+        """Keep a run that was interrupted, or whose record is in parts; say if checkpoints waited."""
+        if run.outcome is Outcome.INTERRUPTED or self.parts.rows:
+            try:
+                self.write(run)
+            except OutputError as error:
+                warnings.warn(f"{error}; the run cannot be gone on with", NotKeptWarning, stacklevel=2)
+        if self._waited:
+            warnings.warn(
+                f"checkpoints took up to {self._dearest:.2g} s each, and so waited for up to "
+                f"{_TIMES * self._dearest:.2g} s instead of the {self._interval:.3g} s asked: they take a "
+                "tenth of the time at most",
+                CheckpointsWaitedWarning,
+                stacklevel=2,
+            )
 
-    def write(self, run: Run) -> None:
-        """Write a checkpoint.
+    def write(self, run: Run) -> float:
+        """Write a checkpoint, and return the time that it took [s].
 
         Raises:
             OutputError: It cannot be written.
@@ -117,5 +133,4 @@ class Keeper:
         began = time.perf_counter()
         self.parts.open()
         Checkpoint.of(run, {**self._about, "rows": self.parts.rows}).write(self.parts.folder)
-        cost = time.perf_counter() - began
-        self._due = run.wall + max(self._interval, _TIMES * cost)
+        return time.perf_counter() - began

@@ -48,13 +48,13 @@ class Run:
 
     Args:
         system: The system; its contact memory is set from the initial state.
-        start: Where from: a state that a run left, or the first one as [q, v, x] (:meth:`System.state`), at
-            time zero, whose contacts touch by the rule of :func:`antenna_pin.dynamics.contact_memory`.
+        start: A state that a run left, or the first one as [q, v, x] (:meth:`System.state`), at time zero,
+            whose contacts touch by the rule of :func:`antenna_pin.dynamics.contact_memory`.
         end: Time at which the run ends [s].
         settings: How to integrate and sample.
         events: What to look for besides contacts.
         since: From when on it records [s]; when ``start`` was reached, if not given.
-        stretches: Whether the compiled engine may make many steps between two looks of what keeps the run.
+        stretches: Whether the compiled engine may make many steps between two looks of what keeps it.
     """
 
     def __init__(
@@ -84,17 +84,15 @@ class Run:
         self.events = tuple(events)
         self.watch = Watch((*self.events, *kinks_of(system)), self.workspace, self.stepper)
         self.control.end_at(self.watch.instants)
-        self.actions = Actions(
-            self.watch, self.workspace, self.stepper, self.control, self.samples, self.begin
-        )
+        worked_on = self.workspace, self.stepper, self.control, self.samples
+        self.actions = Actions(self.watch, *worked_on, self.begin)
         self.trials = Trials(self.stepper, self.control)
         self.singular = None if system.plan is None else Singularities(Workspace(system))
         if stretches and isinstance(self.stepper, CompiledStepper) and all(map(is_known, self.watch.events)):
             parts = self.samples, self.contacts, self.search, self.watch, self.singular
             self.trials = QuietTrials(self.stepper, self.control, *parts)
         self.wall = 0.0
-        self.outcome = Outcome.COMPLETED
-        self.message = Outcome.COMPLETED.value
+        self.outcome, self.message = Outcome.COMPLETED, Outcome.COMPLETED.value
         self.following = 0.0
         self.left: State | None = None
         if isinstance(start, State):

@@ -76,6 +76,8 @@ def read_sealed(path: Path) -> dict[str, NDArray[Any]]:
             )
         with np.load(path, allow_pickle=False) as file:
             return {name: file[name] for name in file.files}
+    except FileFormatError:
+        raise
     except FileNotFoundError:
         raise FileFormatError(f"{path}: no such file; {way_out}") from None
     except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:

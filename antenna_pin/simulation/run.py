@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 
 from antenna_pin.assemble import build_system, initial_angles, initial_state
 from antenna_pin.dynamics import System, Workspace, check_closed, check_motions
+from antenna_pin.engine import check_compiled
 from antenna_pin.errors import InvalidParameterError, ScenarioError
 from antenna_pin.geometry import RevoluteClearance
 from antenna_pin.interruption import interruptible
@@ -35,7 +36,7 @@ from antenna_pin.state import State
 from antenna_pin.trajectory import Trajectory
 from antenna_pin.units import shown
 
-__all__ = ["settings_of", "simulate"]
+__all__ = ["check_scenario", "settings_of", "simulate"]
 
 
 def settings_of(scenario: Scenario) -> RunSettings:
@@ -170,6 +171,27 @@ def simulate(
             return finished(run, scenario, told, keeper, time.perf_counter())
 
 
+def check_scenario(scenario: Scenario) -> None:
+    """Refuse a scenario that :func:`simulate` would refuse, without a step.
+
+    Raises:
+        AntennaPinError: As it would say.
+    """
+    system = build_system(scenario)
+    q, v = initial_state(scenario, system)
+    used, span = settings_of(scenario), scenario.duration
+    _check_settings(used, 0.0, span, scenario)
+    check_spans(system, 0.0, span)
+    y = system.state(q, v, initial_angles(scenario, system))
+    check_closed(system, y)
+    check_start(system, y)
+    check_lengths(system, y)
+    check_motions(system, y, 0.0, span)
+    check_events(events_of(scenario), system, y)
+    if used.engine == "compiled":
+        check_compiled(system)
+
+
 def _check_settings(used: RunSettings, begin: float, end: float, scenario: Scenario | None) -> None:
     """Refuse settings that do not fit a run's times, by the keys of the scenario that they come from."""
     try:
@@ -246,6 +268,8 @@ def _numbers(name: str, given: ArrayLike) -> np.ndarray:
 
 def check_lengths(system: System, y: np.ndarray) -> None:
     """Refuse a start in which a compressed spring between points that coincide has no direction."""
+    if not system.point_springs:
+        return
     workspace = Workspace(system)
     for (name, spring), length in zip(system.point_springs.items(), workspace.lengths(y), strict=True):
         if length == 0.0 and spring.free_length > 0.0 and spring.stiffness > 0.0:

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from antenna_pin.sweep.driver import Standing, run_study
     from antenna_pin.sweep.here import Executor, Here
     from antenna_pin.sweep.measures import MEASURES
-    from antenna_pin.sweep.prepared import Prepared, Trial, prepare, trial
+    from antenna_pin.sweep.prepared import Prepared, Trial, prepare, run_seconds, trial
     from antenna_pin.sweep.sensitivity import sensitivities
     from antenna_pin.sweep.store import open_study
     from antenna_pin.sweep.study import Study, list_studies, load_study
@@ -30,6 +30,7 @@ __all__ = [
     "load_study",
     "open_study",
     "prepare",
+    "run_seconds",
     "run_study",
     "sensitivities",
     "trial",
@@ -43,7 +44,7 @@ loaded_when_used(
         "driver": "Standing run_study",
         "here": "Executor Here",
         "measures": "MEASURES",
-        "prepared": "Prepared Trial prepare trial",
+        "prepared": "Prepared Trial prepare run_seconds trial",
         "sensitivity": "sensitivities",
         "store": "open_study",
         "study": "Study list_studies load_study",

@@ -12,11 +12,20 @@ import logging
 import os
 import queue
 import sys
+from collections import deque
 from collections.abc import Callable, Iterator
 from typing import Any, TypeVar
 
-from antenna_pin.errors import AntennaPinError, MissingToolError
+from antenna_pin.errors import AntennaPinError, InvalidParameterError, MissingToolError
 from antenna_pin.sweep.here import Lost
+from antenna_pin.sweep.reach import (
+    ANSWERS_WITHIN,
+    ClusterLostError,
+    check_address,
+    check_scheduler,
+    security_of,
+    words_of,
+)
 
 __all__ = ["Cluster", "ClusterLostError"]
 
@@ -24,6 +33,7 @@ T = TypeVar("T")
 
 _AHEAD = 2  # batches for each worker: one it works on, one it finds ready
 _LOOK_EVERY = 1.0  # [s] at whether anybody is there
+_LOSSES = 3  # times that all under way is lost, one after the other
 _PATIENCE = 30.0  # [s] without any worker
 _QUIET = {  # what processes of this machine look at between the runs: their cores are the runs'
     "distributed.worker.profile.enabled": False,
@@ -36,12 +46,10 @@ _QUIET = {  # what processes of this machine look at between the runs: their cor
 }
 
 
-class ClusterLostError(AntennaPinError, RuntimeError):
-    """The scheduler, or all its workers, cannot be reached any more."""
-
-
 class Cluster:
     """Processes that make runs, with Dask between.
+
+    Nothing is started or reached before there is something to do (:meth:`start`).
 
     Args:
         workers: How many processes of this machine; one for each core if left out.
@@ -51,13 +59,13 @@ class Cluster:
 
     Raises:
         MissingToolError: Dask is not installed.
-        ClusterLostError: No scheduler answers there.
+        ClusterLostError: The address is none, or the files are not what they must be.
     """
 
     def __init__(
         self, workers: int | None = None, scheduler: str | None = None, tls: dict[str, str] | None = None
     ) -> None:
-        """Start the processes, or reach the scheduler."""
+        """Look at what is given."""
         if sys.modules.get("dask", sys) is None:  # the command goes without it, for a quick start
             del sys.modules["dask"]
         try:
@@ -67,63 +75,78 @@ class Cluster:
                 "studies on several cores need dask.distributed; install it with pip install "
                 "'antenna-pin[studies]', or run them in this process with --workers 0"
             ) from None
+        if not (workers is None or workers > 0):
+            raise InvalidParameterError("Cluster", "workers", "positive", workers)
         # What it has to say of lost connections is said here, in one line.
         for name in ["distributed", "distributed.client", *logging.root.manager.loggerDict]:
             if name.partition(".")[0] == "distributed":
                 logging.getLogger(name).setLevel(logging.CRITICAL)
         self._distributed = distributed
-        if (scheduler or "").startswith("tls://") and len(tls or {}) < 3:
-            raise ClusterLostError(
-                f"scheduler {scheduler}: must be given the files of its authority, of a certificate and "
-                "of its key (--tls-ca, --tls-cert, --tls-key)"
-            )
         self._local: Any = None
         self._client: Any = None
-        self._where = scheduler or "this machine"
+        self._shared: tuple[Any, Any] | None = None
+        self._workers, self._scheduler = workers, scheduler
+        if scheduler is not None:
+            check_address(scheduler, tls or {})
+        self._security = security_of(tls or {})
+
+    def start(self) -> None:
+        """Start the processes, or reach the scheduler, and have loaded what runs need; once.
+
+        Raises:
+            ClusterLostError: They do not start, or no scheduler answers.
+        """
+        if self._client is not None:
+            return
+        if self._scheduler is not None:
+            check_scheduler(self._scheduler, self._security)
         try:
-            if scheduler is None:
+            if self._scheduler is None:
                 with importlib.import_module("dask").config.set(_QUIET):
-                    self._local = distributed.LocalCluster(
-                        n_workers=workers or os.cpu_count() or 1,
+                    self._local = self._distributed.LocalCluster(
+                        n_workers=self._workers or os.cpu_count() or 1,
                         threads_per_worker=1,
                         processes=True,
                         dashboard_address="127.0.0.1:0",  # any free port; the default one may be taken
                         silence_logs=logging.CRITICAL,
                     )
-                self._client = distributed.Client(self._local, set_as_default=False)
-            else:
-                self._client = distributed.Client(
-                    scheduler, security=self._security(tls), timeout="20s", set_as_default=False
-                )
+            self._client = self._connected()
+            if self._scheduler is not None and not self._client.nthreads():
+                self._client.wait_for_workers(1, timeout=_PATIENCE)
         except (OSError, TimeoutError, ValueError, RuntimeError) as error:
             self.close()
-            if scheduler is None:
+            if self._scheduler is None:
                 raise ClusterLostError(
-                    f"processes of this machine: must start, got: {_words(error)}; a script that starts them "
-                    "does so under if __name__ == '__main__': only, as they read it too"
+                    f"processes of this machine: must start, got: {words_of(error)}; a script that starts "
+                    "them does so under if __name__ == '__main__': only, as they read it too"
                 ) from None
             raise ClusterLostError(
-                f"scheduler {scheduler}: must answer, got: {_words(error)}; is it running, and is the "
-                "address right?"
+                f"scheduler {self._scheduler}: must have workers within {_PATIENCE:g} s, got: "
+                f"{words_of(error)}; start some: dask worker {self._scheduler}"
             ) from None
 
         # What they have to load, they load while the driver makes its own trial.
-        with contextlib.suppress(OSError):
+        with contextlib.suppress(OSError, RuntimeError):
             self._client.run(_wake, wait=False)
 
-    def _security(self, tls: dict[str, str] | None) -> Any:
-        if not tls:
-            return None
-        return self._distributed.Security(
-            tls_ca_file=tls.get("ca"),
-            tls_client_cert=tls.get("cert"),
-            tls_client_key=tls.get("key"),
-            require_encryption=True,
-        )
+    def _connected(self) -> Any:
+        client = self._distributed.Client.__new__(self._distributed.Client)
+        try:
+            client.__init__(
+                self._local or self._scheduler,
+                security=self._security,
+                timeout=ANSWERS_WITHIN,
+                set_as_default=False,
+            )
+        except BaseException:
+            client.status = "closed"  # or it would wait for its peer when it is collected
+            raise
+        return client
 
     @property
     def width(self) -> int:
         """How many threads the workers have in all; at least 1."""
+        self.start()
         try:
             return max(1, int(sum(self._client.nthreads().values())))
         except Exception:  # the connection is gone, which is said where runs are given out
@@ -137,34 +160,59 @@ class Cluster:
         Raises:
             ClusterLostError: The scheduler, or all its workers, cannot be reached any more.
         """
-        under_way: dict[Any, list[T]] = {}
+        self.start()
+        under_way: dict[Any, tuple[list[T], Any]] = {}
+        again: deque[list[T]] = deque()
         ready: queue.SimpleQueue[Any] = queue.SimpleQueue()
+        lost = 0
         try:
-            # To every worker: batches go where it is, and all but one would wait.
-            (data,) = self._client.scatter([shared], broadcast=True, hash=True)
             while True:
                 while len(under_way) < _AHEAD * self.width:
-                    batch = next(batches, None)
+                    batch = again.popleft() if again else next(batches, None)
                     if batch is None:
                         break
-                    future = self._client.submit(call, data, batch, pure=False)
-                    under_way[future] = batch
+                    data = self._data(shared)
+                    future = _asked(self._client.submit, call, data, batch, pure=False)
+                    under_way[future] = batch, data
                     future.add_done_callback(ready.put)
                 if not under_way:
                     return
                 future = self._finished(ready)
-                yield under_way.pop(future), self._answer(future)
+                batch, data = under_way.pop(future)
+                try:
+                    answer = self._answer(future)
+                except self._cancelled():
+                    # All who had what the runs share have gone, and it with them; or the scheduler has.
+                    lost += 1
+                    if self._client.status != "running" or lost > _LOSSES * _AHEAD * self.width:
+                        raise
+                    if self._shared is not None and self._shared[1] is data:
+                        self._shared = None
+                    again.append(batch)
+                    continue
+                lost = 0
+                yield batch, answer
         except AntennaPinError:
             raise
         except (OSError, TimeoutError, self._cancelled()) as error:
-            why = "the connection is gone" if isinstance(error, self._cancelled()) else _words(error)
+            why = "the connection is gone" if isinstance(error, self._cancelled()) else words_of(error)
             raise ClusterLostError(
-                f"scheduler {self._where}: was lost: {why}; finished runs are kept: give the same "
-                "command again"
+                f"scheduler {self._scheduler or 'this machine'}: was lost: {why}; finished runs are kept: "
+                "give the same command again"
             ) from None
         finally:
             with contextlib.suppress(Exception):
                 self._client.cancel(list(under_way))
+
+    def _data(self, shared: Any) -> Any:
+        """Return what all runs share, as the workers have it: to every one, for batches go where it is.
+
+        It is kept: given anew under the same name while the old one is let go of, it would be lost.
+        """
+        if self._shared is None or self._shared[0] is not shared:
+            (data,) = _asked(self._client.scatter, [shared], broadcast=True, hash=False)
+            self._shared = shared, data
+        return self._shared[1]
 
     def _cancelled(self) -> type[BaseException]:
         from concurrent.futures import CancelledError
@@ -179,7 +227,7 @@ class Cluster:
                 return ready.get(timeout=_LOOK_EVERY)
             if self._client.status != "running":
                 raise OSError("the connection is closed")
-            waited = 0.0 if self._client.nthreads() else waited + _LOOK_EVERY
+            waited = 0.0 if _asked(self._client.nthreads) else waited + _LOOK_EVERY
             if waited > _PATIENCE:
                 raise OSError(f"it has had no workers for {_PATIENCE:g} s")
 
@@ -197,10 +245,11 @@ class Cluster:
         except OSError:
             raise
         except Exception as error:
-            return Lost(f"it did not come back: {_words(error)}")
+            return Lost(f"it did not come back: {words_of(error)}")
 
     def close(self) -> None:
         """End the processes, or leave the scheduler to others."""
+        self._shared = None
         for name in ("_client", "_local"):
             made = getattr(self, name, None)
             if made is not None:
@@ -208,9 +257,13 @@ class Cluster:
                     made.close()
 
 
+def _asked(call: Callable[..., Any], *arguments: Any, **more: Any) -> Any:
+    """Return what a client answers; one whose connection was closed meanwhile says so by a RuntimeError."""
+    try:
+        return call(*arguments, **more)
+    except RuntimeError as error:
+        raise OSError(words_of(error)) from None
+
+
 async def _wake() -> None:
     await asyncio.to_thread(importlib.import_module, "antenna_pin.sweep.work")
-
-
-def _words(error: BaseException) -> str:
-    return " ".join(str(error).split())[:200] or type(error).__name__

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -20,6 +21,7 @@ __all__ = ["Column", "Design", "design_of"]
 
 SAMPLE = "sample"
 _MOST = 10_000_000
+_LONGEST = 60  # characters of a value in a message
 _INDEXED = re.compile(r"(.*)\[(\d+)\]")
 
 
@@ -97,8 +99,12 @@ class Design:
     def label(self, run: int) -> str:
         """Return a run's number and its values in words."""
         place = self.place(run)
-        texts = [f"{c.name} = {c.settings.values[place[c.dim]].text}" for c in self.columns]
+        texts = [f"{c.name} = {_short(c.settings.values[place[c.dim]].text)}" for c in self.columns]
         return f"run {run} ({', '.join(texts)})"
+
+
+def _short(text: str) -> str:
+    return text if len(text) <= _LONGEST else f"{text[:_LONGEST]}..."
 
 
 def _put(found: dict[str, Any], key: str, value: Any, base: Scenario) -> None:
@@ -126,6 +132,7 @@ def design_of(study: Study) -> Design:
     Raises:
         ScenarioError: There are too many, or samples that are not finite.
     """
+    _check_count(study)
     sizes: dict[str, int] = {}
     columns: list[Column] = []
     sampled = {name: one for name, one in study.parameters.items() if one.sampled}
@@ -151,10 +158,21 @@ def design_of(study: Study) -> Design:
         columns.append(Column(name, parameter.keys_set, dim, settings, parameter.title or name))
     if probability is not None:
         sizes[SAMPLE] = len(probability)
-    count = int(np.prod(list(sizes.values()), dtype=np.float64))
+    count = math.prod(sizes.values())
     if count > _MOST:
-        raise ScenarioError(f"study {study.name}: must be of at most {_MOST} runs, got {count}")
+        raise _too_many(study, count)
     return Design(sizes, tuple(columns), probability, tuple(sampled), _seeds(study.seed, count))
+
+
+def _check_count(study: Study) -> None:
+    """Refuse a grid of too many runs before its values are made."""
+    sizes = {one.zip or name: one.length for name, one in study.parameters.items() if not one.sampled}
+    if math.prod(sizes.values()) > _MOST:
+        raise _too_many(study, math.prod(sizes.values()))
+
+
+def _too_many(study: Study, count: int) -> ScenarioError:
+    return ScenarioError(f"study {study.name}: must be of at most {_MOST} runs, got {count}")
 
 
 def _seeds(seed: int, count: int) -> NDArray[np.int64]:

@@ -87,6 +87,7 @@ def run_study(
     missing = store.missing()
     seconds = 0.0
     if missing:
+        by.start()
         shown = trial(prepared, missing[0])
         seconds = shown.seconds
         for note in shown.notes:

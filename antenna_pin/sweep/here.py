@@ -17,6 +17,9 @@ class Lost(Exception):  # noqa: N818 - an answer, not an error
 class Executor(Protocol):
     """Who makes the runs."""
 
+    def start(self) -> None:
+        """Get ready; called before anything is given out, and not where nothing will be."""
+
     @property
     def width(self) -> int:
         """How many runs it makes at a time."""
@@ -34,6 +37,9 @@ class Here:
     """This process."""
 
     width = 1
+
+    def start(self) -> None:
+        """It is there."""
 
     def each(
         self, call: Callable[[Any, list[T]], Any], shared: Any, batches: Iterator[list[T]]

@@ -46,6 +46,14 @@ def _quantity(value: object) -> object:
     return value
 
 
+def _keys(value: object) -> object:
+    several = value if isinstance(value, list | tuple) else [value]
+    for one in several:
+        if not isinstance(one, str):
+            refuse(f"must be a key of the scenario, or an array of keys, got {shown(one)}", value=one)
+    return value
+
+
 #: A number or text with a unit, of any dimension: the scenario's key checks it.
 AnyQuantity = Annotated[Any, BeforeValidator(_quantity)]
 
@@ -100,7 +108,7 @@ class ParameterSpec(Spec):
         title: What it is called in figures; its name if left out.
     """
 
-    key: str | tuple[str, ...]
+    key: Annotated[str | tuple[str, ...], BeforeValidator(_keys)]
     values: tuple[Any, ...] | None = None
     start: AnyQuantity = None
     stop: AnyQuantity = None
@@ -135,8 +143,10 @@ class ParameterSpec(Spec):
             refuse(f"must have exactly one of {', '.join(ways)}, got {' and '.join(given) or 'none'}")
         if not self.keys_set:
             refuse("must name a key of the scenario, got none", "key")
+        known: list[Any] = []
         for i, value in enumerate(self.values or ()):
-            if value in (self.values or ())[:i]:
+            known.append(any_quantity(value) or value)  # 0.1 mm and 100 um are one value
+            if known[-1] in known[:-1]:
                 refuse(f"must be another value than those before it, got {shown(value)}", "values", i)
         if self.values == ():
             refuse("must hold a value at least, got an empty list", "values")
@@ -226,7 +236,8 @@ class ParameterSpec(Spec):
             takes = ", ".join([*_shapes(getattr(stats, name)), "loc", "scale"])
             refuse(f"must be of parameters that {name} takes ({takes}), got: {error}", "distribution")
         if not math.isfinite(middle):
-            refuse(f"must be of parameters that {name} allows, got {shown(dict(numbers))}", "distribution")
+            got = ", ".join(f"{key} = {shown(value)}" for key, value in table.items())
+            refuse(f"must be of parameters that {name} allows, got {got}", "distribution")
         return distribution, unit
 
 

@@ -7,6 +7,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from antenna_pin.errors import AntennaPinError, ScenarioError
 from antenna_pin.scenario import Scenario
 from antenna_pin.simulation import simulate
@@ -17,9 +19,10 @@ from antenna_pin.sweep.study import Study
 from antenna_pin.sweep.work import Job, Work, scenario_of
 from antenna_pin.trajectory import Trajectory, is_lean, library_versions
 
-__all__ = ["Prepared", "Trial", "prepare", "trial"]
+__all__ = ["Prepared", "Trial", "prepare", "run_seconds", "trial"]
 
 _TRIAL_SHARE = 0.02  # of a run's duration
+_LONG_ENOUGH = 1.0  # [s] for a trial to tell the pace of a run
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,7 +89,10 @@ def prepare(study: Study) -> Prepared:
             raise ScenarioError(
                 f"study {study.name}: reference.follows must name {name}, which varies the duration"
             )
-    sources = {name: source_of(one, study.folder, name) for name, one in study.responses.items()}
+    try:
+        sources = {name: source_of(one, study.folder, name) for name, one in study.responses.items()}
+    except ScenarioError as error:
+        raise ScenarioError(f"study {study.name}: {error}") from None
     work = Work(
         base=base.model_dump_json(),
         reference="" if reference is None else reference.model_dump_json(),
@@ -145,6 +151,32 @@ def trial(prepared: Prepared, run: int = 0) -> Trial:
     stepping = made.counts.wall_seconds
     whole = seconds - stepping + stepping * scenario.duration / max(float(made.data.attrs["end_time"]), 1e-12)
     return Trial(whole, tuple(notes))
+
+
+def run_seconds(prepared: Prepared) -> float:
+    """Return an estimate of the time that a run takes on this machine [s]: the mean of three of them.
+
+    Of the first, the middle and the last run, longer and longer parts are made, up to the whole or until one
+    has taken a second; what is left is taken to go on at the pace of what the last part added.
+
+    Raises:
+        AntennaPinError: One of them cannot be built.
+    """
+    last = prepared.design.count - 1
+    return float(np.mean([_seconds(prepared, run) for run in sorted({0, last // 2, last})]))
+
+
+def _seconds(prepared: Prepared, run: int) -> float:
+    scenario = scenario_of(prepared.work, prepared.job(run))
+    share, before, spent = _TRIAL_SHARE, (0.0, 0.0), 0.0
+    while True:
+        began = time.perf_counter()
+        simulate(scenario, duration=share * scenario.duration)
+        spent = time.perf_counter() - began
+        if share == 1.0 or spent > _LONG_ENOUGH:
+            pace = (spent - before[1]) / (share - before[0])
+            return spent + max(pace, 0.0) * (1.0 - share)
+        before, share = (share, spent), min(2.0 * share, 1.0)
 
 
 def _reference(prepared: Prepared, job: Job, span: float) -> Trajectory | None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import importlib
 import inspect
-import math
 import types
 from collections.abc import Callable, Mapping
 from functools import lru_cache
@@ -16,6 +15,7 @@ from pydantic import BeforeValidator, model_validator
 from antenna_pin.errors import ScenarioError
 from antenna_pin.scenario.spec import PositiveTime, Quantity, Spec, refuse, refuse_name
 from antenna_pin.sweep.measures import MEASURES
+from antenna_pin.units import shown
 
 if TYPE_CHECKING:
     from antenna_pin.trajectory import Trajectory
@@ -135,7 +135,11 @@ def source_of(response: ResponseSpec, folder: Path, name: str) -> str:
     try:
         text = (folder / place).read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
-        raise ScenarioError(f"responses.{name}: function {place} cannot be read: {error}") from None
+        words = error.strerror if isinstance(error, OSError) else str(error)
+        raise ScenarioError(
+            f"responses.{name}: function must name a file that can be read from {folder}, got {place}: "
+            f"{words}"
+        ) from None
     _made(text, place, function, name)
     return text
 
@@ -143,8 +147,8 @@ def source_of(response: ResponseSpec, folder: Path, name: str) -> str:
 def _imported(place: str, function: str, name: str) -> Callable[..., Any]:
     try:
         module = importlib.import_module(place)
-    except ImportError as error:
-        raise ScenarioError(f"responses.{name}: function's module cannot be imported: {error}") from None
+    except (Exception, SystemExit) as error:
+        raise ScenarioError(f"responses.{name}: module {place} cannot be imported: {error!r}") from None
     return _function(vars(module), function, place, name)
 
 
@@ -153,7 +157,7 @@ def _made(text: str, place: str, function: str, name: str) -> Callable[..., Any]
     module = types.ModuleType(Path(place).stem)
     try:
         exec(compile(text, place, "exec"), vars(module))
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         raise ScenarioError(f"responses.{name}: {place} cannot be run: {error!r}") from None
     return _function(vars(module), function, place, name)
 
@@ -198,10 +202,11 @@ def evaluate(
     place, _, function = response.function.rpartition(":")
     called = _made(source, place, function, name) if source else _imported(place, function, name)
     more = {"seed": seed} if "seed" in inspect.signature(called).parameters else {}
-    value = called(run, **more)
     try:
-        number = float(value)
-    except (TypeError, ValueError):
-        number, value = math.nan, repr(value)
-        raise ScenarioError(f"responses.{name}: must return a number, got {value}") from None
-    return number
+        value = called(run, **more)
+    except SystemExit as error:  # it would end the process that makes the runs
+        raise ScenarioError(f"{response.function} must return a number, got the exit {error}") from None
+    try:
+        return float(value)
+    except (TypeError, ValueError, OverflowError):
+        raise ScenarioError(f"{response.function} must return a number, got {shown(value)}") from None

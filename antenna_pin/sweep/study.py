@@ -160,8 +160,14 @@ class Study(Spec):
         lengths: dict[str, tuple[str, int]] = {}
         for name, parameter in self.parameters.items():
             for key in parameter.keys_set:
-                if key in owners:
-                    refuse(f"must be a key of its own, got that of {owners[key]}", "parameters", name, "key")
+                for other, owner in owners.items():
+                    if other == key:
+                        refuse(f"must be a key of its own, got that of {owner}", "parameters", name, "key")
+                    if _within(key, other) or _within(other, key):
+                        rule = (
+                            f"must not be within {owner}'s {other}, nor hold it, or one would undo the other"
+                        )
+                        refuse(f"{rule}, got {key}", "parameters", name, "key")
                 owners[key] = name
             group = parameter.zip
             if group is None:
@@ -195,6 +201,11 @@ class Study(Spec):
         beside = self.folder / os.path.expanduser(self.scenario)
         shipped = models_path() / self.scenario
         return self.scenario if shipped.is_dir() or not beside.exists() else beside
+
+
+def _within(key: str, table: str) -> bool:
+    """Whether a key is one of a table's, or of an array's numbers."""
+    return key.startswith((f"{table}.", f"{table}["))
 
 
 def list_studies() -> list[str]:

@@ -12,12 +12,10 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from antenna_pin.assemble import build_system, initial_angles, initial_state
-from antenna_pin.dynamics import check_closed, check_motions
 from antenna_pin.errors import AntennaPinError, MissingToolError
 from antenna_pin.scenario import Scenario
 from antenna_pin.simulation import simulate
-from antenna_pin.simulation.run import check_lengths, check_spans, check_start
+from antenna_pin.simulation.run import check_scenario
 from antenna_pin.sweep.responses import ResponseSpec, evaluate
 from antenna_pin.trajectory import Trajectory, library_versions
 
@@ -104,28 +102,12 @@ def check_jobs(work: Work, jobs: Sequence[Job]) -> list[tuple[int, str]]:
     found = []
     for job in jobs:
         try:
-            check(scenario_of(work, job))
+            check_scenario(scenario_of(work, job))
             if work.reference and job.follows:
-                check(_scenario(work.reference).with_overrides(job.follows))
+                check_scenario(_scenario(work.reference).with_overrides(job.follows))
         except AntennaPinError as error:
             found.append((job.run, str(error)))
     return found
-
-
-def check(scenario: Scenario) -> None:
-    """Build a scenario up to its first step.
-
-    Raises:
-        AntennaPinError: It cannot be run, as :func:`antenna_pin.simulate` would say.
-    """
-    system = build_system(scenario)
-    q, v = initial_state(scenario, system)
-    start = system.state(q, v, initial_angles(scenario, system))
-    check_closed(system, start)
-    check_start(system, start)
-    check_lengths(system, start)
-    check_spans(system, 0.0, scenario.duration)
-    check_motions(system, start, 0.0, scenario.duration)
 
 
 def _check_versions(work: Work) -> None:

@@ -18,9 +18,10 @@ import pinocchio as pin
 from bench_tools import CLOSED_FORM, Array, Report, interleaved, scenario
 
 from antenna_pin import build_system
-from antenna_pin.mechanism import Mechanism, TreeDynamics, Urdf, build_mechanism
+from antenna_pin.mechanism import PLACE, Mechanism, TreeDynamics, Urdf, build_mechanism
 from antenna_pin.mechanism._dynamics_kernels import aba
 from antenna_pin.mechanism._mass_kernels import mass_and_bias
+from antenna_pin.mechanism._tree_kernels import bias_accelerations, place_bodies
 
 LOOP = 3000  # bodies that a compiled loop goes over: short enough not to be interrupted
 CHAINS = (2, 4, 8, 16, 32, 64)
@@ -31,8 +32,8 @@ CALLS = {
 }
 MASS_CALLS = {
     "pin.crba, pin.nonLinearEffects": "pin_crba(model, data, q); pin_bias(model, data, q, v)",
-    "mass_and_bias": "mass_and_bias(y, nq, tree, gravity, room, mass, bias)",
-    "mass_and_bias in a loop": "mass_loop(count, y, nq, tree, gravity, room, mass, bias)",
+    "mass_and_bias": "mass_loop(1, y, nq, tree, gravity, places, room, mass, bias)",
+    "mass_and_bias in a loop": "mass_loop(count, y, nq, tree, gravity, places, room, mass, bias)",
 }
 
 
@@ -45,11 +46,15 @@ def aba_loop(count: int, y: Any, nq: int, tree: Any, gravity: Any, tau: Any, roo
 
 
 @numba.njit(error_model="numpy")
-def mass_loop(count: int, y: Any, nq: int, tree: Any, gravity: Any, room: Any, mass: Any, bias: Any) -> None:
-    """Call ``mass_and_bias`` time after time, each with a result of the last."""
+def mass_loop(
+    count: int, y: Any, nq: int, tree: Any, gravity: Any, places: Any, room: Any, mass: Any, bias: Any
+) -> None:
+    """Call ``mass_and_bias`` and what places bodies time after time, each with a result of the last."""
     for _ in range(count):
         y[nq] += 1e-12 * bias[0]
-        mass_and_bias(y, nq, tree, gravity, room, mass, bias)
+        place_bodies(y, nq, tree, places)
+        bias_accelerations(tree, places)
+        mass_and_bias(tree, places, gravity, room, mass, bias)
 
 
 def chain(count: int) -> Mechanism:
@@ -82,7 +87,7 @@ def times(mechanism: Mechanism, calls: dict[str, str], repeats: int, number: int
         **{"pin_aba": pin.aba, "pin_crba": pin.crba, "pin_bias": pin.nonLinearEffects, "count": loop},
         **{"y": np.concatenate([q, v]), "nq": model.nq, "tree": dynamics.tree, "gravity": dynamics.gravity},
         **{"room": dynamics.room(), "out": np.zeros(model.nv), "bias": np.zeros(model.nv)},
-        "mass": np.zeros((model.nv, model.nv)),
+        **{"mass": np.zeros((model.nv, model.nv)), "places": np.zeros(len(dynamics.tree) + 1, PLACE)},
     }
     plain = {label: (call, names) for label, call in calls.items() if "count" not in call}
     loops = {label: (call, names) for label, call in calls.items() if "count" in call}

@@ -18,6 +18,7 @@ from antenna_pin.mechanism import (
 )
 from antenna_pin.mechanism._dynamics_kernels import aba
 from antenna_pin.mechanism._mass_kernels import mass_and_bias
+from antenna_pin.mechanism._tree_kernels import bias_accelerations, place_bodies
 
 GRAVITY = (0.7, -1.3, -9.6)
 KINDS = ("revolute", "continuous", "prismatic", "floating", "planar")
@@ -199,13 +200,15 @@ def test_nothing_stays_in_the_room():
     """The same numbers bit for bit, whatever was computed in it before."""
     mechanism = build_mechanism(random_urdf(8, 12), "free", GRAVITY)
     tree, nq, nv = TreeDynamics(mechanism), mechanism.model.nq, mechanism.model.nv
-    room, found = tree.room(), np.zeros((2, nv))
+    room, places, found = tree.room(), np.zeros(len(tree.tree) + 1, PLACE), np.zeros((2, nv))
     mass, bias = np.zeros((2, nv, nv)), np.zeros((2, nv))
     for seed in (1, 2, 1):
         q, v, tau = random_state(mechanism.model, seed)
         y, k = np.concatenate([q, v]), 0 if seed == 2 else 1
         aba(y, nq, tree.tree, tree.gravity, tau, room, found[k])
-        mass_and_bias(y, nq, tree.tree, tree.gravity, room, mass[k], bias[k])
+        place_bodies(y, nq, tree.tree, places)
+        bias_accelerations(tree.tree, places)
+        mass_and_bias(tree.tree, places, tree.gravity, room, mass[k], bias[k])
     assert np.array_equal(found[1], tree.acceleration(q, v, tau))
     fresh_mass, fresh_bias = tree.mass_and_bias(q, v)
     assert np.array_equal(mass[1], fresh_mass)

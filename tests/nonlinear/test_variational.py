@@ -46,7 +46,7 @@ def test_impacts_of_two_free_bodies(law, span):
 
 
 FRICTION = {
-    "lugre": "static = 0.3, dynamic = 0.2, stribeck_speed = 5e-3, bristle_stiffness = 1e5, bristle_damping = 10",
+    "lugre": "static = 0.3, dynamic = 0.2, stribeck_speed = 5e-3, bristle_stiffness = 1e5",
     "dahl": "coefficient_of_friction = 0.2, bristle_stiffness = 1e5",
     "tanh": "coefficient_of_friction = 0.2, transition_speed = 5e-3",
 }

@@ -11,6 +11,7 @@ import pytest
 from antenna_pin import ErrorScales, RunSettings, System, Urdf, build_mechanism
 from antenna_pin.geometry import PlanarClearance
 from antenna_pin.joints import ClearanceJoint
+from antenna_pin.simulation import keeper, progress, quiet
 
 # Scales beside which any step's error is small: steps are as long as they are asked to be.
 ANY_ERROR = ErrorScales(
@@ -73,3 +74,11 @@ def fixed_steps() -> Callable[..., RunSettings]:
 def final(run: Any) -> np.ndarray:
     """Position and velocity along the first axis at the end of a run."""
     return np.array([run.data["q"].values[-1, 0], run.data["v"].values[-1, 0]])
+
+
+@pytest.fixture
+def small_parts(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let a record go to the disk every few samples, and a run be looked at every few steps."""
+    monkeypatch.setattr(keeper, "_PART", 40_000)
+    monkeypatch.setattr(quiet, "_BUDGET", 16)
+    monkeypatch.setattr(progress, "_INTERVAL", -1.0)

@@ -53,6 +53,9 @@ class Fake:
 
     width = 2
 
+    def start(self):
+        pass
+
     def each(self, call, shared, batches):
         if call.__name__ == "check_jobs":
             for batch in batches:

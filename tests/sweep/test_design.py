@@ -1,12 +1,14 @@
 """What is run: grids, zipped lists, samples and tolerances, and what is refused before anything is."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from scipy import stats
 
 from antenna_pin import load_scenario, run_study
 from antenna_pin.errors import AntennaPinError
-from antenna_pin.sweep import design_of, load_study
+from antenna_pin.sweep import design_of, load_study, prepared, run_seconds
 from antenna_pin.units import any_quantity
 
 SAMPLED = """
@@ -152,6 +154,37 @@ REFUSED = {
         PLAY + 'distribution = { name = "norm", mean = 1 }',
         "parameters.play.distribution must be of parameters that norm takes (loc, scale)",
     ),
+    "shapes of it": (
+        PLAY + 'distribution = { name = "beta", a = -1, b = 2 }',
+        "parameters.play.distribution must be of parameters that beta allows, got a = -1, b = 2",
+    ),
+    "one value in two units": (
+        PLAY + 'values = ["0.1 mm", "100 um"]',
+        "parameters.play.values[1] must be another value than those before it, got '100 um'",
+    ),
+    "a key within another's table": (
+        PLAY
+        + 'values = ["0.1 mm"]\n[parameters.all]\nkey = "clearance.bore"\n'
+        + 'values = [{ radial_clearance = "1 mm" }]',
+        "parameters.all.key must not be within play's clearance.bore.radial_clearance, nor hold it",
+    ),
+    "a key that is none": (
+        "[parameters.e]\nkey = 3\nvalues = [1]",
+        "parameters.e.key must be a key of the scenario, or an array of keys, got 3",
+    ),
+    "a number of 400 digits": (
+        PLAY + f"values = [1{'0' * 400}]",
+        "clearance.bore.radial_clearance must be a length [m]",
+    ),
+    "too many": (
+        PLAY + 'start = "0.1 mm"\nstop = "0.2 mm"\ncount = 1000000\n'
+        '[parameters.t]\nkey = "duration"\nstart = 1\nstop = 2\ncount = 1000000',
+        "must be of at most 10000000 runs, got 1000000000000",
+    ),
+    "what the engine cannot take": (
+        '[parameters.e]\nkey = "integrator.engine"\nvalues = ["pinocchio", "compiled"]',
+        "run 1 (e = compiled): engine 'compiled': joint 'bore' has its gaps measured by coal",
+    ),
     "no sampling": (PLAY + "between = [1, 2]", "sampling is missing; play has a distribution"),
     "two ways": (PLAY + "between = [1, 2]\nvalues = [1]", "parameters.play must have exactly one of values,"),
 }
@@ -173,13 +206,20 @@ def test_refused_before_anything_runs(write, tmp_path, what):
         ('a = { measure = "peak_force", of = "boer" }', "contact or joint with play 'boer' is unknown"),
         ('a = { measure = "pointing" }', "must have its reference"),
         ('a = { measure = "base_turn", of = "x" }', "base_turn has no of"),
-        ('a = { function = "nowhere.py:f" }', "function nowhere.py cannot be read"),
+        ('a = { function = "nowhere.py:f" }', "a: function must name a file that can be read from"),
+        ('a = { function = "nowhere.at.all:f" }', "a: module nowhere.at.all cannot be imported"),
+        ('a = { function = "own.py:text" }', "own.py:text must return a number, got 'three'"),
+        ('a = { function = "own.py:ends" }', "own.py:ends must return a number, got the exit 3"),
+        ('a = { function = "own.py:huge" }', "own.py:huge must return a number, got 1000"),
         ('a = { function = "math:nothing" }', "math must have a function 'nothing'"),
         ('a = { function = "own.py:wrong" }', "own.py:wrong raises AttributeError"),
     ],
 )
 def test_refused_responses(write, tmp_path, response, said):
-    (tmp_path / "own.py").write_text("def wrong(run):\n    return run.nothing\n")
+    (tmp_path / "own.py").write_text(
+        "def wrong(run):\n    return run.nothing\n\n\ndef text(run):\n    return 'three'\n\n\n"
+        "def ends(run):\n    raise SystemExit(3)\n\n\ndef huge(run):\n    return 10**400\n"
+    )
     text = (
         'scenario = "impact_pair"\nset.duration = "2 ms"\n{more}{parameters}\n[responses]\n' + response + "\n"
     )
@@ -214,6 +254,24 @@ def test_numbers_are_those_of_single_runs(write, tmp_path):
         "000000.nc",
         "000001.nc",
     ]
+
+
+def test_the_estimate_of_a_run_is_that_of_the_runs(write, monkeypatch):
+    """By a clock of the test's own: a run of T takes 0.1 s and 2 s per millisecond, of T = 1 ms to 8 ms.
+
+    The mean of the first, the middle and the last run; what no run is long enough for is made in full.
+    """
+    study = write('[parameters.t]\nkey = "duration"\nvalues = ["1 ms", "4 ms", "8 ms"]')
+    now, made = [0.0], []
+
+    def simulated(scenario, duration):
+        made.append(duration)
+        now[0] += 0.1 + 2e3 * duration
+
+    monkeypatch.setattr(prepared, "simulate", simulated)
+    monkeypatch.setattr(prepared, "time", SimpleNamespace(perf_counter=lambda: now[0]))
+    assert run_seconds(prepared.prepare(study)) == pytest.approx(0.1 + 2.0 * (1 + 4 + 8) / 3, rel=1e-12)
+    assert max(made) < 2e-3
 
 
 def test_shipped_studies_can_be_built():

@@ -1,0 +1,50 @@
+"""The root L of a matrix M = L L^T, and solutions by it, compiled; zeros that limbs leave are left out."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from antenna_pin._compile import inlined
+
+
+@inlined
+def write_root(mass: Any, nv: int, root: Any, first: Any) -> None:
+    """Write L of M = L L^T row by row, (nv nv,), and where each row begins: limbs leave zeros in it.
+
+    On the diagonal stand inverses.
+    """
+    for i in range(nv):
+        row = i * nv
+        begin = 0
+        while begin < i and mass[i, begin] == 0.0:
+            begin += 1
+        first[i] = begin
+        for j in range(begin, i):
+            total = mass[i, j]
+            for k in range(max(begin, int(first[j])), j):
+                total -= root[row + k] * root[j * nv + k]
+            root[row + j] = total * root[j * nv + j]
+        total = mass[i, i]
+        for k in range(begin, i):
+            total -= root[row + k] * root[row + k]
+        root[row + i] = 1.0 / math.sqrt(total)
+
+
+@inlined
+def solve_forth(nv: int, root: Any, first: Any, out: Any) -> None:
+    """Solve L x = out in place."""
+    for i in range(nv):
+        total = out[i]
+        for k in range(int(first[i]), i):
+            total -= root[i * nv + k] * out[k]
+        out[i] = total * root[i * nv + i]
+
+
+@inlined
+def solve_back(nv: int, root: Any, first: Any, out: Any) -> None:
+    """Solve L^T x = out in place."""
+    for i in range(nv - 1, -1, -1):
+        out[i] *= root[i * nv + i]
+        for k in range(int(first[i]), i):
+            out[k] -= root[i * nv + k] * out[i]

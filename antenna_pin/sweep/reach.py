@@ -1,0 +1,176 @@
+"""Whether a scheduler of Dask answers at an address: found out in a bounded time, and said in one line.
+
+Dask's own client waits for ever for a peer that takes the connection and keeps silent, and asks on the
+terminal for the passphrase of a key. So its scheduler is spoken to here first.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import gc
+import importlib
+import ssl
+import warnings
+from typing import Any
+from urllib.parse import urlsplit
+
+from antenna_pin.errors import AntennaPinError
+
+__all__ = [
+    "ANSWERS_WITHIN",
+    "ClusterLostError",
+    "check_address",
+    "check_scheduler",
+    "security_of",
+    "words_of",
+]
+
+ANSWERS_WITHIN = 20.0  # [s]
+
+
+class ClusterLostError(AntennaPinError, RuntimeError):
+    """The scheduler, or all its workers, cannot be reached, or not any more."""
+
+
+def check_address(address: str, tls: dict[str, str]) -> None:
+    """Refuse an address that is none, or does not go together with the files for TLS.
+
+    Raises:
+        ClusterLostError: With the rule in one line.
+    """
+    try:
+        parts = urlsplit(address)
+        whole = parts.scheme in ("tcp", "tls") and bool(parts.hostname) and parts.port is not None
+    except ValueError:  # a port that is no number, or too large
+        whole = False
+    if not whole:
+        raise ClusterLostError(
+            f"scheduler {address!r}: must be an address tcp://HOST:PORT or tls://HOST:PORT, as Dask's "
+            "scheduler says it at its start"
+        )
+    secure = address.startswith("tls://")
+    if secure and len(tls) < 3:
+        raise ClusterLostError(
+            f"scheduler {address}: must be given the files of its authority, of a certificate and of its key "
+            "(--tls-ca, --tls-cert, --tls-key)"
+        )
+    if tls and not secure:
+        raise ClusterLostError(
+            f"scheduler {address}: must be one that is reached by tls:// where files for TLS are given; "
+            "leave them out, or write tls://"
+        )
+
+
+def security_of(tls: dict[str, str]) -> Any:
+    """Return Dask's security for files ``ca``, ``cert`` and ``key``; None without files.
+
+    Raises:
+        ClusterLostError: One of them is not what it must be.
+    """
+    if not tls:
+        return None
+    context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
+    try:
+        context.load_verify_locations(tls["ca"])
+    except (OSError, ssl.SSLError) as error:
+        raise ClusterLostError(
+            f"--tls-ca {tls['ca']}: must hold the certificate of an authority as PEM, got: {words_of(error)}"
+        ) from None
+    try:
+        # A key with a passphrase is not asked about on the terminal, where nobody may be.
+        context.load_cert_chain(tls["cert"], tls["key"], password="")
+    except (OSError, ssl.SSLError, ValueError) as error:
+        raise ClusterLostError(
+            f"--tls-cert {tls['cert']}, --tls-key {tls['key']}: must hold a certificate and its own key as "
+            f"PEM, the key without a passphrase, got: {words_of(error)}"
+        ) from None
+    return importlib.import_module("distributed").Security(
+        tls_ca_file=tls["ca"],
+        tls_client_cert=tls["cert"],
+        tls_client_key=tls["key"],
+        require_encryption=True,
+    )
+
+
+def check_scheduler(address: str, security: Any) -> None:
+    """Ask what answers at an address, and return if it is a scheduler.
+
+    Raises:
+        ClusterLostError: It is none, or nothing answers within :data:`ANSWERS_WITHIN`.
+    """
+    problem = _problem(address, security)
+    # Connections that are given up half-way are closed when they are let go of, which is now.
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ResourceWarning)
+        gc.collect()
+    if problem:
+        raise ClusterLostError(f"scheduler {address}: {problem}")
+
+
+def _problem(address: str, security: Any) -> str:
+    """Return why an address is not that of a scheduler, in words; "" if it is."""
+    secure = address.startswith("tls://")
+    try:
+        kind = asyncio.run(_asked(address, security))
+    except TimeoutError:
+        return (
+            f"must answer within {ANSWERS_WITHIN:g} s, got silence; is it running, is the address right, and "
+            f"does it speak {'TLS' if secure else 'plain TCP'}?"
+        )
+    except Exception as error:  # of sockets, TLS, Dask's protocol, or of reading what is none of these
+        return _why(error, secure)
+    return "" if kind == "Scheduler" else f"must be the address of a scheduler, got that of a {kind}"
+
+
+async def _asked(address: str, security: Any) -> str:
+    """Return what a process of Dask says it is."""
+    core = importlib.import_module("distributed.comm.core")
+    more = {} if security is None else security.get_connection_args("client")
+
+    async def asked() -> str:
+        comm = await core.connect(address, timeout=ANSWERS_WITHIN, **more)
+        try:
+            await comm.write({"op": "identity", "reply": True})
+            answer = await comm.read()
+            return str(answer.get("type")) if isinstance(answer, dict) else type(answer).__name__
+        finally:
+            comm.abort()
+
+    return await asyncio.wait_for(asked(), ANSWERS_WITHIN + 1.0)
+
+
+def _why(error: BaseException, secure: bool) -> str:
+    """Return what must hold, what was found and a way out."""
+    chain: list[BaseException] = []
+    now: BaseException | None = error
+    while now is not None and now not in chain:
+        chain.append(now)
+        now = now.__cause__ or now.__context__
+    texts = " ".join(str(one) for one in chain)
+    if any(isinstance(one, ssl.SSLCertVerificationError) for one in chain):
+        return (
+            "must have a certificate of the authority that is given, got one of another; --tls-ca must be "
+            "what the scheduler has as --tls-ca-file"
+        )
+    if "ALERT" in texts:
+        return (
+            "must take the certificate that is given, got its refusal; --tls-cert must be signed by the "
+            "scheduler's authority"
+        )
+    if "Timed out" in texts:
+        return (
+            f"must answer within {ANSWERS_WITHIN:g} s, got: {words_of(chain[-1])}; is it running, and is the "
+            "address right?"
+        )
+    # A scheduler that refuses a certificate may just close the connection, as one without TLS does.
+    more = (
+        "does it speak TLS, and is --tls-cert signed by its authority"
+        if secure
+        else "is it not one of tls://"
+    )
+    return f"must answer, got: {words_of(chain[-1])}; is it running, is the address right, {more}?"
+
+
+def words_of(error: BaseException) -> str:
+    """Return an error in words, on one line."""
+    return " ".join(str(error).split())[:200] or type(error).__name__
