@@ -97,7 +97,7 @@ def main() -> None:
         stores = {workers: Path(folder, f"on-{workers}.study") for workers in (1, 2)}
         for workers, store in stores.items():
             command = [sys.executable, __file__, "--one", str(study), str(store), str(workers)]
-            made = subprocess.run(command, check=True, capture_output=True, text=True)
+            made = subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True)
             found[workers] = json.loads(made.stdout.splitlines()[-1])
         same = len({(store / "runs.nc").read_bytes() for store in stores.values()}) == 1
     print(f"{given.runs} runs of {given.duration:g} s of bai2020's case 3, compiled engine")
