@@ -135,6 +135,7 @@ def test_what_is_interrupted_is_kept(cli, monkeypatch):
         (("orbit", *PENDULUM, *OVER, "1:2", "--free-period"), "--free-period must be left out beside --over"),
         (("orbit", *PENDULUM, *OVER, "1:2", "-q", "v[hing]"), "did you mean hinge"),
         (("orbit", *PENDULUM, *OVER, "1:1"), "values must be two different"),
+        (("orbit", *PENDULUM, "--rtol", "1e-3"), "rtol must be above 0 and at most 1e-06"),
         (("orbit", *PENDULUM, "--out", "orbit.txt"), "name must end in .nc"),
         (("lyapunov", *PENDULUM, "--plot", "no/where.png"), "does not exist"),
         (("orbit", "pendulum", "--case", "ideal"), "drives must be periodic"),

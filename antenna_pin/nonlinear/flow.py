@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from antenna_pin.assemble import build_system, initial_angles, initial_state
 from antenna_pin.differences import Slope, slope
 from antenna_pin.dynamics import System, Workspace
-from antenna_pin.errors import AntennaPinError
+from antenna_pin.errors import AntennaPinError, InvalidParameterError
 from antenna_pin.nonlinear.chart import Chart
 from antenna_pin.nonlinear.frames import Frame
 from antenna_pin.nonlinear.variational import Carrier
@@ -34,8 +34,8 @@ Array = NDArray[np.float64]
 # Steps of differences in coordinates, in which an error scale is 1: the noise of a run is some 1e-12 of that.
 _STEPS = (1e-1, 2e-2, 4e-3, 8e-4)
 # Tolerance of runs that are differentiated, where none is asked for; and how many of a run's tolerances its
-# tangent is in doubt by at least.
-_RTOL, _TOLERANCES = 1e-12, 100.0
+# tangent is in doubt by at least; so the coarsest that is taken leaves four digits.
+_RTOL, _TOLERANCES, _COARSEST = 1e-12, 100.0, 1e-6
 
 
 class FlowError(AntennaPinError, RuntimeError):
@@ -277,11 +277,14 @@ def flow_of(
         scenario: The scenario; its engine is taken, with order 8(5,3) at a tolerance of 1e-12, or at its own
             if that is this order at a finer one.
         settings: How to integrate instead.
-        rtol: Another tolerance of that order, coarser where a run is long [-].
+        rtol: Another tolerance of that order, coarser where a run is long, 1e-6 at most [-].
 
     Raises:
-        InvalidParameterError: There is no such tolerance.
+        InvalidParameterError: There is no such tolerance, or derivatives would be worth nothing.
     """
+    if rtol is not None and not 0.0 < rtol <= _COARSEST:
+        rule = f"above 0 and at most {_COARSEST:g}: derivatives are good to a hundred times it"
+        raise InvalidParameterError("flow", "rtol", rule, rtol)
     system = build_system(scenario)
     own = settings_of(scenario)
     if settings is None:

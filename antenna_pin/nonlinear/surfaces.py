@@ -127,7 +127,7 @@ def drive_period(scenario: Scenario, drive: str | None = None) -> float:
             raise InvalidParameterError(
                 place,
                 f"drives.{drive}",
-                "periodic for a stroboscopic section: a sine, a motion that swings, or one that turns at a "
+                "periodic: a sine, a motion that swings, or one that turns at a "
                 "constant rate; or give the period",
                 said=f"kind {_kind(scenario.drives[drive])!r}",
             )
@@ -135,14 +135,12 @@ def drive_period(scenario: Scenario, drive: str | None = None) -> float:
     periods = {name: found for name, one in scenario.drives.items() if (found := _period(one)) is not None}
     if not periods:
         kinds = ", ".join(f"{name} ({_kind(one)})" for name, one in scenario.drives.items()) or "no drive"
-        raise InvalidParameterError(
-            place, "drives", "periodic for a stroboscopic section, or give the period", said=kinds
-        )
+        raise InvalidParameterError(place, "drives", "periodic, or the period be given", said=kinds)
     least, most = min(periods.values()), max(periods.values())
     if most - least > _SAME * most:
         said = ", ".join(f"{name} {period:.9g} s" for name, period in periods.items())
         raise InvalidParameterError(
-            place, "drives", "of one period for a stroboscopic section, or name one of them", said=said
+            place, "drives", "of one period, or one of them or the period be given", said=said
         )
     return least
 

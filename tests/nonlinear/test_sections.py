@@ -126,9 +126,9 @@ TWO = DRIVEN + '[drives.second]\njoint = "way"\nkind = "sine"\namplitude = 1.0\n
 @pytest.mark.parametrize(
     ("tables", "section", "count", "words"),
     [
-        (STEADY, "period", 32, "drives must be periodic for a stroboscopic section"),
-        (STEADY, "period=way", 32, "drives.way must be periodic for a stroboscopic section"),
-        (TWO, "period", 32, "must be of one period for a stroboscopic section, or name one of them"),
+        (STEADY, "period", 32, "drives must be periodic, or the period be given"),
+        (STEADY, "period=way", 32, "drives.way must be periodic"),
+        (TWO, "period", 32, "must be of one period, or one of them or the period be given"),
         (DRIVEN, "period=moter", 32, "did you mean motor?"),
         (
             DRIVEN,
