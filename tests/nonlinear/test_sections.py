@@ -4,9 +4,12 @@ import math
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
+from scipy.spatial import cKDTree
 from scipy.special import ellipj, ellipk
 
 from antenna_pin import simulate
+from antenna_pin.analysis import RecurrenceKind, recurrence
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.nonlinear import Crossing, Stroboscope, drive_period, poincare, section_of
 from antenna_pin.simulation import Angle, Event, Rate
@@ -156,3 +159,45 @@ def test_a_quantity_that_there_is_none_of(rig):
 def test_ellipk_is_that_of_the_parameter():
     """The parameter, not the modulus: sn at K is 1."""
     assert ellipj(ellipk(0.5), 0.5)[0] == pytest.approx(1.0, rel=1e-12)
+
+
+# A spring at right angles to the way, 1 m long where it wants to be 1.3 m: a place to rest on either side,
+# as Duffing's oscillator of two wells, and nothing in it is approximated.
+WELLS = """
+[springs.way]
+damping = 0.2
+[springs.side]
+first = { link = "ground", point = [0, 1.0, 0] }
+second = { link = "bob", point = [0, 0, 0] }
+stiffness = 2.0
+free_length = 1.3
+[drives.motor]
+joint = "way"
+kind = "sine"
+amplitude = 0.3
+frequency = 0.14323944878270580  # 0.9 rad/s
+[initial.joints.way]
+position = 1.0
+"""
+
+
+def test_the_section_of_chaos_between_two_wells(rig):
+    """Point by point it is scipy's as long as neighbours are near, and as a set for ever."""
+
+    def rates(t, y):
+        x, v = y
+        return [v, -0.2 * v - 2.0 * x * (1.0 - 1.3 / math.hypot(1.0, x)) + 0.3 * math.sin(0.9 * t)]
+
+    section = poincare(rig(WELLS, rtol=1e-12), Stroboscope(), ["q[way]", "v[way]"], count=400, transient=0)
+    found = np.column_stack([section["q[way]"], section["v[way]"]])
+    times = section["time"].values
+    run = solve_ivp(rates, (0.0, times[-1]), [1.0, 0.0], "DOP853", rtol=1e-12, atol=1e-12, t_eval=times)
+    apart = np.abs(found - run.y.T).max(axis=1)
+    # Runs at 1e-12; neighbours part by a factor of 1.7 in a period.
+    assert apart[:15].max() < 1e-7 and apart.max() > 0.1
+    assert recurrence(found[40:]).kind is RecurrenceKind.CHAOTIC
+    # If both runs are on one attractor, points of the other are as near to those of this one as these to each
+    # other: medians of 360, each known to 8 %.
+    tree = cKDTree(found[40:])
+    own, other = np.median(tree.query(found[40:], k=2)[0][:, 1]), np.median(tree.query(run.y.T[40:])[0])
+    assert other == pytest.approx(own, rel=0.25)
