@@ -11,6 +11,7 @@ import os
 import signal
 import sys
 import threading
+import traceback
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from types import FrameType
@@ -39,12 +40,26 @@ def ended_by() -> int:
 def is_interruption(error: BaseException) -> bool:
     """Whether an exception is what a signal, after :func:`ending_by_signals`, has brought about.
 
-    Some libraries make another of it: one in C that is interrupted while it is imported an ImportError.
+    Some libraries make another of it while they are imported: one in C an ImportError, one that puts a
+    stand-in for what it could not import whatever comes of using that.
     """
     if isinstance(error, KeyboardInterrupt):
         return True
     above = error.__cause__ or error.__context__
-    return bool(_last) and (isinstance(error, ImportError) or (above is not None and is_interruption(above)))
+    if not _last:
+        return False
+    return (
+        isinstance(error, ImportError)
+        or _while_importing(error)
+        or (above is not None and is_interruption(above))
+    )
+
+
+def _while_importing(error: BaseException) -> bool:
+    return any(
+        frame.f_code.co_filename.startswith("<frozen importlib")
+        for frame, _ in traceback.walk_tb(error.__traceback__)
+    )
 
 
 def ending_by_signals() -> None:

@@ -1,6 +1,7 @@
 """Ctrl-C, the end of a batch job, a closed terminal: what was computed is kept, and no traceback is seen."""
 
 import contextlib
+import importlib
 import os
 import pty
 import signal
@@ -189,3 +190,15 @@ def test_what_is_held_back_comes_in_the_end(tmp_path, as_command_line):
             signal.raise_signal(signal.SIGINT)
             partial.write_text("whole")
     assert target.read_text() == "whole"
+
+
+def test_a_library_that_swallows_the_signal_while_it_is_imported(tmp_path, monkeypatch):
+    """Trimesh takes whatever an import raises, a signal too, and fails where it needs what it did not get."""
+    (tmp_path / "swallows.py").write_text("def f() -> None | int.nothing: ...\n")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    monkeypatch.setattr("antenna_pin.interruption._last", [])
+    with pytest.raises(AttributeError) as failed:
+        importlib.import_module("swallows")
+    assert not is_interruption(failed.value)
+    monkeypatch.setattr("antenna_pin.interruption._last", [int(signal.SIGTERM)])
+    assert is_interruption(failed.value) and not is_interruption(AttributeError())
