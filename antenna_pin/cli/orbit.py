@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from antenna_pin.nonlinear import Orbit, Point
     from antenna_pin.scenario import Scenario
 
-__all__ = ["RtolOption", "orbit", "period_of"]
+__all__ = ["PeriodOption", "orbit", "period_of"]
 
 PeriodOption = Annotated[
     str | None, typer.Option(metavar="TIME", help="Period; that of the drives if left out.")

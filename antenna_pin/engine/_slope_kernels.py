@@ -59,19 +59,20 @@ def _displace(y: Any, way: Any, h: float, room: Any) -> None:
 
 
 @inlined
-def _keep(room: Any) -> None:
-    memory = room.numbers.memory
-    for c in range(memory.shape[0]):
-        room.kept[c].approach_speed = memory[c].approach_speed
-        room.kept[c].effective_mass = memory[c].effective_mass
+def _copy_memory(source: Any, out: Any) -> None:
+    """Copy what contacts remember and displacements change."""
+    for c in range(source.shape[0]):
+        out[c].approach_speed = source[c].approach_speed
+        out[c].effective_mass = source[c].effective_mass
 
 
 @inlined
-def _give_back(room: Any) -> None:
-    memory = room.numbers.memory
-    for c in range(memory.shape[0]):
-        memory[c].approach_speed = room.kept[c].approach_speed
-        memory[c].effective_mass = room.kept[c].effective_mass
+def _add(values: Any, side: float, point: int, step: float, room: Any, k: int, out: Any) -> None:
+    """Add what a neighbour's values are to the differences of each kind along displacement k."""
+    for kind in range(out.shape[0]):
+        weight = side * room.weights[kind, point] / step
+        for i in range(out.shape[2]):
+            out[kind, k, i] += weight * values[i]
 
 
 @kernel
@@ -86,20 +87,17 @@ def write_slopes(t: float, y: Any, ways: Any, steps: Any, room: Any, out: Any) -
         room: What to compute with.
         out: To write to, (kinds, k, nv + nx).
     """
-    rates = room.rows[1, : out.shape[2]]
-    _keep(room)
+    rates, numbers = room.rows[1, : out.shape[2]], room.numbers
+    _copy_memory(numbers.memory, room.kept)
     out[:] = 0.0
     for k in range(ways.shape[0]):
         for point in range(room.weights.shape[1]):
             for side in (1.0, -1.0):
                 h = side * (point + 1.0) * steps[k]
                 _displace(y, ways[k], h, room)
-                derivative(t + h * ways[k, ways.shape[1] - 1], room.rows[0], room.numbers, rates, False)
-                for kind in range(out.shape[0]):
-                    weight = side * room.weights[kind, point] / steps[k]
-                    for i in range(out.shape[2]):
-                        out[kind, k, i] += weight * rates[i]
-    _give_back(room)
+                derivative(t + h * ways[k, ways.shape[1] - 1], room.rows[0], numbers, rates, False)
+                _add(rates, side, point, steps[k], room, k, out)
+    _copy_memory(room.kept, numbers.memory)
 
 
 @kernel
@@ -116,7 +114,8 @@ def write_speed_slopes(t: float, y: Any, ways: Any, steps: Any, room: Any, out: 
     """
     numbers = room.numbers
     speed = plan_of(numbers.plan).speed
-    _keep(room)
+    speeds = numbers.held[speed : speed + out.shape[2]]
+    _copy_memory(numbers.memory, room.kept)
     out[:] = 0.0
     for k in range(ways.shape[0]):
         for point in range(room.weights.shape[1]):
@@ -125,8 +124,5 @@ def write_speed_slopes(t: float, y: Any, ways: Any, steps: Any, room: Any, out: 
                 _displace(y, ways[k], h, room)
                 time = t + h * ways[k, ways.shape[1] - 1]
                 write_rows(time, room.rows[0], numbers.program, numbers.plan, numbers.held)
-                for kind in range(out.shape[0]):
-                    weight = side * room.weights[kind, point] / steps[k]
-                    for i in range(out.shape[2]):
-                        out[kind, k, i] += weight * numbers.held[speed + i]
-    _give_back(room)
+                _add(speeds, side, point, steps[k], room, k, out)
+    _copy_memory(room.kept, numbers.memory)

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.differences import WEIGHTS
 from antenna_pin.dynamics import System, Workspace
 from antenna_pin.engine import CompiledImplicitStepper, CompiledStepper, Slopes
 from antenna_pin.integrate import method_named
@@ -27,8 +28,6 @@ Function = Callable[[float, Array], Array]
 # contact's depth, down to a millionth of what they are else: a force that begins like depth^1.5 is smooth on
 # no other scale.
 _STEP, _IN_PLAY, _IN_LOOPS, _SHARE, _FINEST = 1e-4, 1e-6, 1e-5, 0.02, 1e-6
-# Sixth and fourth order over the same points, at 1, 2 and 3 steps.
-_WEIGHTS = np.array([[45.0 / 60.0, -9.0 / 60.0, 1.0 / 60.0], [8.0 / 12.0, -1.0 / 12.0, 0.0]])
 # Of what rows of constraints do, over the most: what does less is what round-off has left of redundant ones.
 _FAINT = 1e-10
 
@@ -71,7 +70,7 @@ class Field:
         self._bristles = np.asarray(system.bristle_x, dtype=int)
         self._slopes: Slopes | None = None
         if isinstance(self._stepper, CompiledStepper | CompiledImplicitStepper):
-            self._slopes = Slopes(self._stepper, self._bristles, _WEIGHTS)
+            self._slopes = Slopes(self._stepper, self._bristles, WEIGHTS)
         self._y = np.zeros(system.manifold.size)
         self._memory = self.workspace.memory.copy()
         nv, contacts = system.model.nv, len(system.contact_names)
@@ -128,13 +127,13 @@ class Field:
         Returns:
             By differences of sixth and of fourth order, (values, k) each.
         """
-        out = np.zeros((len(_WEIGHTS), len(function(time, y)), ways.shape[1]))
+        out = np.zeros((len(WEIGHTS), len(function(time, y)), ways.shape[1]))
         for k, (way, step) in enumerate(zip(ways.T, self._steps(y, ways, of_forces), strict=True)):
             ahead, behind = (
                 np.array([self._at(function, time, y, side * point * step * way) for point in (1, 2, 3)])
                 for side in (1, -1)
             )
-            out[:, :, k] = _WEIGHTS @ (ahead - behind) / step
+            out[:, :, k] = WEIGHTS @ (ahead - behind) / step
         return out[0], out[1]
 
     def slopes(self, time: float, y: Array, ways: Array) -> tuple[Array, Array]:

@@ -124,7 +124,7 @@ class Follower:
             [point.orbit.tangent - np.eye(chart.size), self.by_parameter(chart, point.value)]
         )
         # While a contact lasts nothing changes what it remembers: orbits are found with one each.
-        free = np.append(moving(chart.names, point.orbit.tangent), True)
+        free = np.append(moving(chart, point.orbit.tangent), True)
         matrix = rows[np.ix_(free[:-1], free)]
         sizes, basis = np.linalg.svd(matrix)[1:]
         before = None
@@ -238,7 +238,7 @@ class Follower:
             over = self.by_parameter(chart, value, _NEWTON_STEP)
             rows = np.column_stack([tangent.matrix - np.eye(chart.size), over])
             matrix = np.vstack([rows, square])
-            matrix[:, :-1][:, ~moving(chart.names, tangent.matrix)] = 0.0
+            matrix[:, :-1][:, ~moving(chart, tangent.matrix)] = 0.0
             step = np.linalg.lstsq(matrix, np.append(-miss, 0.0), rcond=1e-12)[0]
             value += float(step[-1]) * self.unit
             flow, period = self.family(value)

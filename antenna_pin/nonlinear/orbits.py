@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
 from antenna_pin.nonlinear.chart import Chart
 from antenna_pin.nonlinear.flow import Flow, Tangent
-from antenna_pin.nonlinear.frames import MEMORIES
 from antenna_pin.state import State
 
 __all__ = ["NoOrbitError", "Orbit", "moving", "near_enough", "orbit_at", "periodic_orbit"]
@@ -86,15 +85,15 @@ class Orbit:
             return np.asarray(np.log(np.abs(self.multipliers)) / self.period)
 
 
-def moving(names: Sequence[str], matrix: Array) -> NDArray[np.bool_]:
+def moving(chart: Chart, matrix: Array) -> NDArray[np.bool_]:
     """Return which coordinates a period changes, (n,): all but what contacts remember that last over it.
 
     Args:
-        names: Of the coordinates.
+        chart: The coordinates; what contacts remember is behind all others.
         matrix: Derivative of the map over the period, (n, n).
     """
     rows = np.linalg.norm(matrix - np.eye(len(matrix)), axis=1)
-    kept = np.array([name.endswith(tuple(MEMORIES.values())) for name in names], dtype=bool)
+    kept = np.arange(chart.size) >= chart.size - len(chart.frame.remembered)
     return np.asarray(~(kept & (rows < _HELD)))
 
 
@@ -118,7 +117,7 @@ def _newton_step(flow: Flow, start: State, tangent: Tangent, miss: Array, chart:
     """
     size = chart.size
     matrix = tangent.matrix - np.eye(size)
-    matrix[:, ~moving(chart.names, tangent.matrix)] = 0.0
+    matrix[:, ~moving(chart, tangent.matrix)] = 0.0
     wanted = -miss
     if free:
         v, a = flow.rates(tangent.end)
@@ -194,7 +193,7 @@ def orbit_at(flow: Flow, start: State, period: float, residual: float, count: in
     """Return what is known of an orbit that has been found."""
     chart = Chart(flow.system, start)
     tangent = flow.tangent(start, period, chart)
-    moves = moving(chart.names, tangent.matrix)
+    moves = moving(chart, tangent.matrix)
     values, doubt = _multipliers(tangent, moves)
     way = flow.went(start, period)
     return Orbit(

@@ -186,7 +186,8 @@ class Saltation:
         kept: dict[int, tuple[Function, float]] = {2: (mass, float(memory["effective_mass"]))}
         if memory["approach_speed"] > field.system.approach_speed_floors[c]:
             kept[1] = self._located("rate", c), float(memory["approach_speed"])
-        rows = {column: (np.zeros(n), np.zeros(n)) for column in MEMORIES for n in [carried.matrix.shape[1]]}
+        nothing = np.zeros(carried.matrix.shape[1])
+        rows = dict.fromkeys(MEMORIES, (nothing, nothing))
         for column, (function, value) in kept.items():
             rate = float(field.per_second(function, time, y)[0])
             own = (field.along(function, time, y, up)[0][0] + rate * late) / value

@@ -108,3 +108,76 @@ def rig(tmp_path):
         return load_scenario(tmp_path / "scenario.toml")
 
     return make
+
+
+TABLE = """<robot name="table"><link name="ground"/>
+<link name="table"><inertial><mass value="1"/>
+  <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<link name="ball"><inertial><mass value="1"/>
+  <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<joint name="shaker" type="prismatic"><parent link="ground"/><child link="table"/><axis xyz="0 0 1"/>
+  <limit lower="-9" upper="9" effort="1" velocity="1"/></joint>
+<joint name="hollow" type="continuous"><parent link="table"/><child link="ball"/><axis xyz="0 1 0"/></joint>
+</robot>"""
+BALL = """
+format = 1
+title = "Ball in the hollow of a table that goes up and down"
+duration = "1 s"
+[mechanism]
+urdf = "table.urdf"
+base = "fixed"
+gravity = [0, 0, {pull!r}]
+[clearance.hollow]
+model = "planar"
+bearing_radius = 1.0
+radial_clearance = {hollow!r}
+geometry = "closed-form"
+normal = {{ law = "lankarani-nikravesh", restitution = 0.5, stiffness = 1e8 }}
+[drives.shaker]
+kind = "motion"
+amplitude = 0.01
+frequency = {frequency!r}
+[integrator]
+engine = "compiled"
+"""
+
+
+@pytest.fixture
+def ball_on_table(tmp_path):
+    """A function that makes a scenario of a ball of 1 kg in the hollow of a shaking table.
+
+    In the table's axes the third is the hinge's: x of the ball, then y downwards.
+    """
+
+    def make(gravity, hollow, frequency):
+        (tmp_path / "table.urdf").write_text(TABLE)
+        text = BALL.format(pull=-gravity, hollow=hollow, frequency=frequency)
+        (tmp_path / "scenario.toml").write_text(text)
+        return load_scenario(tmp_path / "scenario.toml")
+
+    return make
+
+
+# Two springs at right angles to the way, let go of at their free length: a restoring force that grows as the
+# cube of the way, a Duffing oscillator without linear part but for the coil.
+DUFFING = """
+[springs.way]
+stiffness = 1.0
+damping = 0.1
+[springs.side]
+first = { link = "ground", point = [0, 1.0, 0] }
+second = { link = "bob", point = [0, 0, 0] }
+stiffness = 2.0
+free_length = 1.0
+[drives.motor]
+joint = "way"
+kind = "sine"
+amplitude = 0.25
+frequency = 0.2
+"""
+
+
+@pytest.fixture
+def stiffening(rig):
+    """A function that makes a scenario of these springs, run to a tolerance."""
+    return lambda rtol: rig(DUFFING, rtol=rtol)

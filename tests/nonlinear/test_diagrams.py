@@ -54,31 +54,12 @@ def test_the_driven_pendulum_doubles_its_period_where_it_is_published(rig):
     assert [period_of(row) for row in points] == list(strengths.values())
 
 
-# Two springs at right angles to the way, let go of at their free length: a restoring force that grows as the
-# cube of the way, a Duffing oscillator without linear part but for the coil.
-DUFFING = """
-[springs.way]
-stiffness = 1.0
-damping = 0.1
-[springs.side]
-first = { link = "ground", point = [0, 1.0, 0] }
-second = { link = "bob", point = [0, 0, 0] }
-stiffness = 2.0
-free_length = 1.0
-[drives.motor]
-joint = "way"
-kind = "sine"
-amplitude = 0.25
-frequency = 0.2
-"""
-
-
 @pytest.mark.slow  # 30 s: springs between points
-def test_a_branch_forward_and_one_backward_differ_where_attractors_coexist(rig):
+def test_a_branch_forward_and_one_backward_differ_where_attractors_coexist(stiffening):
     """The Duffing oscillator of a stiffening spring: resonant until it falls off, calm on the way back."""
     values = np.linspace(0.16, 0.34, 13)
     found = bifurcation(
-        rig(DUFFING, rtol=1e-9),
+        stiffening(1e-9),
         "drives.motor.frequency",
         values,
         section_of("rate.way=0", "falling"),

@@ -14,7 +14,6 @@ import pytest
 from scipy.linalg import expm
 from scipy.optimize import brentq, fsolve
 
-from antenna_pin import load_scenario
 from antenna_pin.nonlinear import continued, family_of, flow_of, periodic_orbit
 
 GRAVITY, PERIOD, HOLLOW = 9.81, 2.0, 0.4
@@ -24,41 +23,18 @@ STIFFNESS, DAMPING = 100.0 * W**2, 0.1 * W
 RESPONSE = W**2 / (STIFFNESS - W**2 + 1j * DAMPING * W)  # of u to the table's way
 LEAVES = GRAVITY / STIFFNESS / abs(RESPONSE)  # [m]
 
-URDF = """<robot name="table"><link name="ground"/>
-<link name="table"><inertial><mass value="1"/>
-  <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
-<link name="ball"><inertial><mass value="1"/>
-  <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
-<joint name="shaker" type="prismatic"><parent link="ground"/><child link="table"/><axis xyz="0 0 1"/>
-  <limit lower="-9" upper="9" effort="1" velocity="1"/></joint>
-<joint name="hollow" type="continuous"><parent link="table"/><child link="ball"/><axis xyz="0 1 0"/></joint>
-</robot>"""
-SCENARIO = f"""
-format = 1
-title = "Ball in the hollow of a table that goes up and down"
-duration = "1 s"
-[mechanism]
-urdf = "table.urdf"
-base = "fixed"
-gravity = [0, 0, {-GRAVITY}]
-[closures.upright]
-kind = "prismatic"
-first = {{ link = "table", point = [0, 0, 0], axis = [0, 0, 1], across = [1, 0, 0] }}
-second = {{ link = "ball", point = [0, 0, 0], axis = [0, 0, 1], across = [1, 0, 0] }}
-[clearance.hollow]
-model = "planar"
-bearing_radius = 1.0
-maximum_depth = 0.05
-radial_clearance = {HOLLOW}
-geometry = "closed-form"
-normal = {{ law = "kelvin-voigt", stiffness = {STIFFNESS}, damping = {DAMPING} }}
-[drives.shaker]
-kind = "motion"
-amplitude = {0.5 * LEAVES}
-frequency = {1.0 / PERIOD}
-[integrator]
-engine = "compiled"
-"""
+LINEAR = {
+    "clearance.hollow.maximum_depth": 0.05,
+    "clearance.hollow.normal": {
+        "law": "kelvin-voigt", "stiffness": STIFFNESS, "damping": DAMPING, "replace": True,
+    },
+    "closures.upright": {
+        "kind": "prismatic",
+        "first": {"link": "table", "point": [0, 0, 0], "axis": [0, 0, 1], "across": [1, 0, 0]},
+        "second": {"link": "ball", "point": [0, 0, 0], "axis": [0, 0, 1], "across": [1, 0, 0]},
+    },
+    "drives.shaker.amplitude": 0.5 * LEAVES,
+}  # fmt: skip
 LANKARANI = {
     "clearance.hollow.normal": {
         "law": "lankarani-nikravesh", "restitution": 0.9, "stiffness": 3e4, "replace": True,
@@ -67,10 +43,8 @@ LANKARANI = {
 
 
 @pytest.fixture
-def table(tmp_path):
-    (tmp_path / "table.urdf").write_text(URDF)
-    (tmp_path / "scenario.toml").write_text(SCENARIO)
-    return load_scenario(tmp_path / "scenario.toml")
+def table(ball_on_table):
+    return ball_on_table(GRAVITY, HOLLOW, 1.0 / PERIOD).with_overrides(LINEAR)
 
 
 def lying(scenario, depth):

@@ -161,34 +161,28 @@ def test_ellipk_is_that_of_the_parameter():
     assert ellipj(ellipk(0.5), 0.5)[0] == pytest.approx(1.0, rel=1e-12)
 
 
-# A spring at right angles to the way, 1 m long where it wants to be 1.3 m: a place to rest on either side,
-# as Duffing's oscillator of two wells, and nothing in it is approximated.
-WELLS = """
-[springs.way]
-damping = 0.2
-[springs.side]
-first = { link = "ground", point = [0, 1.0, 0] }
-second = { link = "bob", point = [0, 0, 0] }
-stiffness = 2.0
-free_length = 1.3
-[drives.motor]
-joint = "way"
-kind = "sine"
-amplitude = 0.3
-frequency = 0.14323944878270580  # 0.9 rad/s
-[initial.joints.way]
-position = 1.0
-"""
+# The spring beside the way is 1 m long where it wants to be 1.3 m: a place to rest on either side, as of
+# Duffing's oscillator of two wells, and nothing in it is approximated.
+WELLS = {
+    "springs.way.stiffness": 0.0,
+    "springs.way.damping": 0.2,
+    "springs.side.free_length": 1.3,
+    "drives.motor.amplitude": 0.3,
+    "drives.motor.frequency": 0.9 / (2.0 * math.pi),
+    "initial.joints.way.position": 1.0,
+}
 
 
-def test_the_section_of_chaos_between_two_wells(rig):
+def test_the_section_of_chaos_between_two_wells(stiffening):
     """Point by point it is scipy's as long as neighbours are near, and as a set for ever."""
 
     def rates(t, y):
         x, v = y
         return [v, -0.2 * v - 2.0 * x * (1.0 - 1.3 / math.hypot(1.0, x)) + 0.3 * math.sin(0.9 * t)]
 
-    section = poincare(rig(WELLS, rtol=1e-12), Stroboscope(), ["q[way]", "v[way]"], count=400, transient=0)
+    section = poincare(
+        stiffening(1e-12).with_overrides(WELLS), Stroboscope(), ["q[way]", "v[way]"], count=400, transient=0
+    )
     found = np.column_stack([section["q[way]"], section["v[way]"]])
     times = section["time"].values
     run = solve_ivp(rates, (0.0, times[-1]), [1.0, 0.0], "DOP853", rtol=1e-12, atol=1e-12, t_eval=times)

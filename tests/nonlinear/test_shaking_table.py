@@ -13,7 +13,6 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from antenna_pin import load_scenario
 from antenna_pin.nonlinear import Chart, Flow, continued, flow_of, periodic_orbit
 from antenna_pin.simulation import Event, Jump
 
@@ -87,47 +86,15 @@ def test_where_a_bouncing_orbit_changes(oscillator, kind, begin, end, phase):
         assert [values.sum(), values.prod()] == pytest.approx([total(point.value, e), e**2], abs=1e-7)
 
 
-URDF = """<robot name="table"><link name="ground"/>
-<link name="table"><inertial><mass value="1"/>
-  <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
-<link name="ball"><inertial><mass value="1"/>
-  <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
-<joint name="shaker" type="prismatic"><parent link="ground"/><child link="table"/><axis xyz="0 0 1"/>
-  <limit lower="-9" upper="9" effort="1" velocity="1"/></joint>
-<joint name="hollow" type="continuous"><parent link="table"/><child link="ball"/><axis xyz="0 1 0"/></joint>
-</robot>"""
 HOLLOW = 0.4  # [m]: how far the ball's centre is below the hollow's where they touch
-SCENARIO = f"""
-format = 1
-title = "Ball in the hollow of a shaking table"
-duration = "1 s"
-[mechanism]
-urdf = "table.urdf"
-base = "fixed"
-gravity = [0, 0, {-GRAVITY}]
-[clearance.hollow]
-model = "planar"
-bearing_radius = 1.0
-radial_clearance = {HOLLOW}
-geometry = "closed-form"
-normal = {{ law = "lankarani-nikravesh", restitution = 0.5, stiffness = 1e8 }}
-[drives.shaker]
-kind = "motion"
-amplitude = 0.01
-frequency = {1.0 / PERIOD}
-[integrator]
-engine = "compiled"
-"""
 
 
-def test_a_scenario_whose_contact_lasts_tends_to_the_map_of_impacts(tmp_path):
+def test_a_scenario_whose_contact_lasts_tends_to_the_map_of_impacts(ball_on_table):
     """Lankarani and Nikravesh's law gives a restitution of its own, the same at all speeds.
 
     What is left is the time that the contact takes, which goes with K^(-2/5).
     """
-    (tmp_path / "table.urdf").write_text(URDF)
-    (tmp_path / "scenario.toml").write_text(SCENARIO)
-    scenario = load_scenario(tmp_path / "scenario.toml")
+    scenario = ball_on_table(GRAVITY, HOLLOW, 1.0 / PERIOD)
     chi = 0.75 * (1.0 - 0.5**2)
     e = brentq(lambda c: chi * (1.0 + c) - math.log((1.0 + chi) / (1.0 - chi * c)), 0.01, 1.0)
     drive = 0.5 * sum(limits(e))
