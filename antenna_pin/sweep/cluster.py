@@ -12,6 +12,7 @@ import logging
 import os
 import queue
 import sys
+import tempfile
 from collections import deque
 from collections.abc import Callable, Iterator
 from typing import Any, TypeVar
@@ -23,6 +24,7 @@ from antenna_pin.sweep.reach import (
     ClusterLostError,
     check_address,
     check_scheduler,
+    own_security,
     security_of,
     words_of,
 )
@@ -43,6 +45,9 @@ _QUIET = {  # what processes of this machine look at between the runs: their cor
     "distributed.admin.system-monitor.gil.enabled": False,
     "distributed.scheduler.work-stealing": False,
     "distributed.scheduler.active-memory-manager.start": False,
+    # Pages on their state, for whoever on this machine asks: nobody does.
+    "distributed.scheduler.http.routes": [],
+    "distributed.worker.http.routes": [],
 }
 
 
@@ -88,7 +93,8 @@ class Cluster:
         self._workers, self._scheduler = workers, scheduler
         if scheduler is not None:
             check_address(scheduler, tls or {})
-        self._security = security_of(tls or {})
+        self._security = own_security() if scheduler is None else security_of(tls or {})
+        self._folder: tempfile.TemporaryDirectory[str] | None = None
 
     def start(self) -> None:
         """Start the processes, or reach the scheduler, and have loaded what runs need; once.
@@ -102,8 +108,14 @@ class Cluster:
             check_scheduler(self._scheduler, self._security)
         try:
             if self._scheduler is None:
+                # What workers put aside is read back by pickle: in a folder of their own, no shared one.
+                self._folder = tempfile.TemporaryDirectory(prefix="antenna_pin.", ignore_cleanup_errors=True)
                 with importlib.import_module("dask").config.set(_QUIET):
                     self._local = self._distributed.LocalCluster(
+                        host="127.0.0.1",
+                        protocol="tls://",
+                        security=self._security,
+                        local_directory=self._folder.name,
                         n_workers=self._workers or os.cpu_count() or 1,
                         threads_per_worker=1,
                         processes=True,
@@ -255,6 +267,8 @@ class Cluster:
             if made is not None:
                 with contextlib.suppress(Exception):
                     made.close()
+        if self._folder is not None:
+            self._folder.cleanup()
 
 
 def _asked(call: Callable[..., Any], *arguments: Any, **more: Any) -> Any:

@@ -14,13 +14,14 @@ import warnings
 from typing import Any
 from urllib.parse import urlsplit
 
-from antenna_pin.errors import AntennaPinError
+from antenna_pin.errors import AntennaPinError, MissingToolError
 
 __all__ = [
     "ANSWERS_WITHIN",
     "ClusterLostError",
     "check_address",
     "check_scheduler",
+    "own_security",
     "security_of",
     "words_of",
 ]
@@ -90,6 +91,25 @@ def security_of(tls: dict[str, str]) -> Any:
         tls_client_key=tls["key"],
         require_encryption=True,
     )
+
+
+def own_security() -> Any:
+    """Return Dask's security for processes of this machine: a certificate that only they and this one know.
+
+    A port of the loopback is open to every user of the machine, and what is sent to a worker is run by it. The
+    certificate is made anew each time and never stands in a file for longer than it takes to be loaded.
+
+    Raises:
+        MissingToolError: The library that makes certificates is not installed.
+    """
+    try:
+        return importlib.import_module("distributed").Security.temporary()
+    except ImportError:
+        raise MissingToolError(
+            "studies on several cores keep other users of the machine out by a certificate, and need "
+            "cryptography to make it; install it with pip install 'antenna-pin[studies]', or run them in this "
+            "process with --workers 0"
+        ) from None
 
 
 def check_scheduler(address: str, security: Any) -> None:

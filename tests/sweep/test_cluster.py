@@ -43,6 +43,24 @@ def test_processes_of_this_machine_make_the_store_of_one_process(write, tmp_path
     assert two.read_bytes() == here.read_bytes()
 
 
+def test_a_stranger_on_this_machine_gives_no_orders():
+    """Who has not the certificate of these very processes is refused by each of them, whatever uid it has."""
+    cluster = Cluster(1)
+    try:
+        cluster.start()
+        about = cluster._client.scheduler_info()
+        ((worker, told),) = about["workers"].items()
+        reach.check_scheduler(about["address"], cluster._security)
+        with pytest.raises(ClusterLostError, match="got that of a Worker"):  # so that much it tells who has it
+            reach.check_scheduler(worker, cluster._security)
+        for door in (about["address"], worker, told["nanny"]):
+            for address, security in ((door.replace("tls", "tcp"), None), (door, reach.own_security())):
+                with pytest.raises(ClusterLostError, match="must answer, got|of the authority|its refusal"):
+                    reach.check_scheduler(address, security)
+    finally:
+        cluster.close()
+
+
 def test_the_only_process_may_be_killed(write, tmp_path, monkeypatch):
     """What the runs share is lost with it, and is given to the one that takes its place."""
     study = write(PLAY)
