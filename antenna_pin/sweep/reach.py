@@ -96,8 +96,8 @@ def security_of(tls: dict[str, str]) -> Any:
 def own_security() -> Any:
     """Return Dask's security for processes of this machine: a certificate that only they and this one know.
 
-    A port of the loopback is open to every user of the machine, and what is sent to a worker is run by it. The
-    certificate is made anew each time and never stands in a file for longer than it takes to be loaded.
+    A port of the loopback is open to every user of the machine, and what is sent to a worker is run by it.
+    The certificate is made anew each time, and stands in a file only while it is loaded from there.
 
     Raises:
         MissingToolError: The library that makes certificates is not installed.
@@ -107,8 +107,8 @@ def own_security() -> Any:
     except ImportError:
         raise MissingToolError(
             "studies on several cores keep other users of the machine out by a certificate, and need "
-            "cryptography to make it; install it with pip install 'antenna-pin[studies]', or run them in this "
-            "process with --workers 0"
+            "cryptography to make it; install it with pip install 'antenna-pin[studies]', or run them in "
+            "this process with --workers 0"
         ) from None
 
 

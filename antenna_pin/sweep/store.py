@@ -26,6 +26,7 @@ from antenna_pin.sweep.study import Study
 from antenna_pin.sweep.table import FORMAT, add_entries, table_of
 from antenna_pin.sweep.work import Work
 from antenna_pin.trajectory.file import write
+from antenna_pin.trajectory.hdf5 import load_dataset
 
 __all__ = ["LOST", "SUFFIX", "Identity", "Store", "identity_of", "open_study"]
 
@@ -293,8 +294,9 @@ def open_study(path: str | os.PathLike[str]) -> xr.Dataset:
             "again, which makes it from the journal"
         )
     try:
-        with xr.open_dataset(target, engine="h5netcdf") as stored:
-            table = stored.load()
+        table = load_dataset(target)
+    except FileFormatError:
+        raise
     except Exception as error:  # HDF5 raises any
         words = " ".join(str(error).split())
         raise FileFormatError(f"{target}: must be the dataset of a study, got: {words}") from None

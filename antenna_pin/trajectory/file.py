@@ -19,6 +19,7 @@ import xarray as xr
 from antenna_pin.errors import FileFormatError
 from antenna_pin.files import PatientFile, has_whole_seal, seal
 from antenna_pin.interruption import held_back
+from antenna_pin.trajectory.hdf5 import open_hdf5
 from antenna_pin.trajectory.on_disk import Stored, StoredFile
 from antenna_pin.trajectory.schema import COORDINATES, DIMENSIONS, VARIABLES
 
@@ -196,7 +197,7 @@ def read(source: Path) -> xr.Dataset:
         whole = has_whole_seal(source)
         if whole is False:
             raise FileFormatError(_CHANGED.format(source))
-        with h5py.File(source, "r") as file:
+        with open_hdf5(source) as file:
             if whole is None and _WRITER in str(file.attrs.get("_NCProperties")):
                 raise FileFormatError(_CHANGED.format(source))
             attributes = _attributes(file)

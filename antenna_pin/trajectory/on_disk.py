@@ -5,11 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-import h5py
 import numpy as np
 import xarray as xr
 from xarray.backends import BackendArray
 from xarray.core import indexing
+
+from antenna_pin.trajectory.hdf5 import open_hdf5
 
 __all__ = ["Stored", "StoredFile"]
 
@@ -26,7 +27,7 @@ class StoredFile:
     def __init__(self, path: Path) -> None:
         """Open it."""
         self._path = path
-        self.file: Any = h5py.File(path, "r")
+        self.file: Any = open_hdf5(path)
 
     def __getstate__(self) -> Path:
         return self._path

@@ -13,12 +13,12 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
-import h5py
 import xarray as xr
 
 from antenna_pin.errors import FileFormatError
 from antenna_pin.files import has_whole_seal, replacing
 from antenna_pin.trajectory.file import write
+from antenna_pin.trajectory.hdf5 import load_dataset, open_hdf5
 from antenna_pin.trajectory.result import library_versions
 
 if TYPE_CHECKING:
@@ -76,10 +76,16 @@ def kind_of(data: xr.Dataset) -> TableKind | None:
 
 
 def format_of(path: str | os.PathLike[str]) -> str | None:
-    """Return the format that a file says it has, "" if it says none; None where it cannot be read."""
+    """Return the format that a file says it has, "" if it says none; None where it cannot be read.
+
+    Raises:
+        FileFormatError: It refers to another file.
+    """
     try:
-        with h5py.File(path, "r") as file:
+        with open_hdf5(path) as file:
             found = file.attrs.get("format")
+    except FileFormatError:
+        raise
     except Exception:  # HDF5 raises any
         return None
     return found if isinstance(found, str) else ""
@@ -112,8 +118,9 @@ def open_table(path: str | os.PathLike[str], kind: TableKind) -> xr.Dataset:
         raise FileFormatError(f"{file}: no such file; it must be {KINDS[kind]} that antenna-pin wrote")
     try:
         whole = has_whole_seal(file)
-        with xr.open_dataset(file, engine="h5netcdf") as stored:
-            table = stored.load()
+        table = load_dataset(file)
+    except FileFormatError:
+        raise
     except Exception as error:  # HDF5 raises any
         words = " ".join(str(error).split())
         raise FileFormatError(f"{file}: must be {KINDS[kind]}, got: {words}") from None

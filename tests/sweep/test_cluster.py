@@ -51,7 +51,9 @@ def test_a_stranger_on_this_machine_gives_no_orders():
         about = cluster._client.scheduler_info()
         ((worker, told),) = about["workers"].items()
         reach.check_scheduler(about["address"], cluster._security)
-        with pytest.raises(ClusterLostError, match="got that of a Worker"):  # so that much it tells who has it
+        with pytest.raises(
+            ClusterLostError, match="got that of a Worker"
+        ):  # so that much it tells who has it
             reach.check_scheduler(worker, cluster._security)
         for door in (about["address"], worker, told["nanny"]):
             for address, security in ((door.replace("tls", "tcp"), None), (door, reach.own_security())):
