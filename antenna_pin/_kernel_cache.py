@@ -2,7 +2,8 @@
 
 Numba trusts its files: one that was cut off ends in an error of pickle, one with a flipped bit is called.
 Here every file starts with the digest of the rest and names what it was compiled for; one that does not hold
-counts as not there, so that it is compiled and written anew.
+counts as not there, so that it is compiled and written anew. They are pickles, which run code as they are
+read: a folder that somebody else may write (:mod:`antenna_pin._ownership`) is neither read nor written.
 
 Numba also puts all that a function calls into it and optimises it there once more, so that what is called
 from ten places is compiled ten times over. Here a kernel stands alone (:func:`stand_alone`): its callers know
@@ -13,15 +14,18 @@ from __future__ import annotations
 
 import contextlib
 import copy
+import functools
 import hashlib
 import importlib
+import os
 import pickle
 import warnings
 from collections.abc import Callable, Iterator
-from pathlib import Path
 from typing import Any
 
 from llvmlite.binding import add_symbol
+
+from antenna_pin._ownership import open_to, stranger_of
 
 try:
     from numba.core.base import OverloadSelector
@@ -143,8 +147,26 @@ def _all_needs(library: Any) -> set[Any]:
     return needs
 
 
+@functools.lru_cache
+def _closed(folder: str, owner: int) -> bool:
+    """Whether only those who are trusted may write to a folder; says so, once, where others may."""
+    found = stranger_of(folder, owner)
+    if found:
+        _tell(f"{folder} is not safe, for {found}", "keep others from writing there")
+    return not found
+
+
 class _SealedFiles(IndexDataCacheFile):  # type: ignore[misc]
-    """An index and its entries, each behind its digest."""
+    """An index and its entries, each behind its digest, in a folder that is nobody else's."""
+
+    def __init__(self, cache_path: str, filename_base: str, stamp: str, owner: int) -> None:
+        super().__init__(cache_path, filename_base, stamp)
+        self._folder, self._owner = cache_path, owner
+
+    @property
+    def closed(self) -> bool:
+        """Whether nobody else may write there."""
+        return _closed(self._folder, self._owner)
 
     def save(self, key: Any, data: Any) -> None:
         super().save(key, (key, data))
@@ -177,7 +199,10 @@ class _SealedFiles(IndexDataCacheFile):  # type: ignore[misc]
         self._write(self._data_path(name), data)
 
     def _read(self, path: str) -> Any:
-        raw = Path(path).read_bytes()
+        with open(path, "rb") as file:
+            if not self.closed or open_to(os.fstat(file.fileno()), self._owner):
+                raise ValueError(f"{path}: may be somebody else's")
+            raw = file.read()
         content = raw[_DIGEST:]
         if hashlib.sha256(content).digest() != raw[:_DIGEST]:
             raise ValueError(f"{path}: does not hold what was written")
@@ -194,11 +219,12 @@ class _KernelCache(FunctionCache):  # type: ignore[misc]
 
     def __init__(self, function: Any, stamp: str) -> None:
         super().__init__(function)
-        base = self._impl.filename_base
-        self._cache_file = _SealedFiles(self._cache_path, base, stamp)
+        base, source = self._impl.filename_base, function.__code__.co_filename
+        owner = os.stat(source).st_uid  # who is trusted with the sources is with what they are compiled to
+        self._cache_file = _SealedFiles(self._cache_path, base, stamp, owner)
         # Beside the sources may stand what who installed them has compiled, for others to read.
-        beside = InTreeCacheLocator(function, function.__code__.co_filename).get_cache_path()
-        self._beside = None if beside == self._cache_path else _SealedFiles(beside, base, stamp)
+        beside = InTreeCacheLocator(function, source).get_cache_path()
+        self._beside = None if beside == self._cache_path else _SealedFiles(beside, base, stamp, owner)
 
     def _load_overload(self, sig: Any, target_context: Any) -> Any:
         key = self._index_key(sig, target_context.codegen())
@@ -219,6 +245,8 @@ class _KernelCache(FunctionCache):  # type: ignore[misc]
         try:
             if self._impl.check_cachable(data):
                 self._impl.locator.ensure_cache_path()
+                if not self._cache_file.closed:
+                    return
                 key = self._index_key(sig, data.codegen)
                 self._cache_file.save(key, (_all_needs(data.library), self._impl.reduce(data)))
         except OSError as error:  # full, or no longer to be written
@@ -241,13 +269,14 @@ class _NoCache(NullCache):  # type: ignore[misc]
 _told: list[str] = []
 
 
-def _tell(reason: str) -> None:
+def _tell(reason: str, way_out: str = "") -> None:
     """Warn, once in a process."""
     if not _told:
         _told.append(reason)
         warnings.warn(
             f"compiled kernels cannot be kept ({reason}), so that each process compiles them anew, for a "
-            "minute or two; set NUMBA_CACHE_DIR to a folder that can be written",
+            f"minute or two; {way_out and f'{way_out}, or '}set NUMBA_CACHE_DIR to a folder of your own "
+            "that can be written",
             KernelCacheWarning,
             stacklevel=2,
         )

@@ -119,6 +119,38 @@ def test_what_stands_beside_the_sources_is_read_by_those_who_cannot_write_there(
     assert not [path for path in (tmp_path / "own").rglob("*.nb?")]
 
 
+@pytest.mark.parametrize("whose", ["folder", "file", "way", "other owner"])
+def test_what_a_stranger_may_have_written_is_not_read(source, monkeypatch, whose):
+    """A pickle runs code: it is read from where nobody else can have put it, also under NUMBA_CACHE_DIR."""
+    if whose == "other owner" and os.geteuid() != 0:
+        pytest.skip("only root can give a folder away")
+    kept = source.parent / "on the way" / "kept"
+    kept.mkdir(parents=True, mode=0o755)
+    monkeypatch.setattr(numba.config, "CACHE_DIR", str(kept))
+    first = compiled(source)
+    first(2)
+    (index,) = kept.rglob("*.nbi")
+    again = compiled(source)
+    assert (again(2), hits(again)) == (4, 1)
+    opened = {"folder": index.parent, "file": index, "way": kept.parent, "other owner": index.parent}[whose]
+    if whose == "other owner":
+        os.chown(opened, 12345, -1)
+    else:
+        opened.chmod(0o777)
+    _kernel_cache._closed.cache_clear()
+    said = pytest.warns(
+        KernelCacheWarning, match=r"is not safe, for .* keep others from writing there, or set"
+    )
+    with warnings.catch_warnings() if whose == "file" else said:
+        now = compiled(source)
+        assert (now(2), hits(now)) == (4, 0)
+    if whose == "way":
+        opened.chmod(0o1777)  # as /tmp: nobody moves what is another's
+        _kernel_cache._closed.cache_clear()
+        now = compiled(source)
+        assert (now(2), hits(now)) == (4, 1)
+
+
 def test_who_waits_is_told_of_what_is_compiled(source):
     """Of a kernel that no file holds, once; and of nothing where it is read."""
     heard = []

@@ -1,0 +1,80 @@
+"""Who else may write a file: what runs as code is read only from where nobody can have put it.
+
+The rule is that of ssh for its keys: every folder on the way belongs to one who is trusted, and is not open
+to others for writing; a folder like ``/tmp``, in which nobody may move what is another's, may be on the way.
+"""
+
+from __future__ import annotations
+
+import grp
+import os
+import pwd
+import stat
+from functools import lru_cache
+from pathlib import Path
+
+__all__ = ["open_to", "stranger_of"]
+
+
+def stranger_of(folder: str | os.PathLike[str], trusted: int) -> str | None:
+    """Return in words who else may write to a folder or move it; None where nobody can.
+
+    Args:
+        folder: It must be there.
+        trusted: Number of a user beside root and the present one who may, as the owner of the sources.
+
+    Raises:
+        OSError: It cannot be looked at.
+    """
+    whole = Path(folder).resolve(strict=True)
+    for at in (whole, *whole.parents):
+        found = open_to(at.stat(), trusted, sticky=at != whole)
+        if found:
+            return f"{at} {found}"
+    return None
+
+
+def open_to(about: os.stat_result, trusted: int, *, sticky: bool = False) -> str | None:
+    """Return in words who else may write what a ``stat`` is of; None for nobody.
+
+    Args:
+        about: Of a file or folder.
+        trusted: As for :func:`stranger_of`.
+        sticky: Whether a folder in which only owners may move things counts as closed.
+    """
+    if about.st_uid not in (0, os.geteuid(), trusted):
+        return f"belongs to {_user(about.st_uid)}"
+    if sticky and about.st_mode & stat.S_ISVTX:
+        return None
+    if about.st_mode & stat.S_IWOTH:
+        return "may be written by everybody"
+    if about.st_mode & stat.S_IWGRP and not _alone_in(about.st_gid, about.st_uid):
+        return f"may be written by the group {_group(about.st_gid)}"
+    return None
+
+
+@lru_cache
+def _alone_in(group: int, user: int) -> bool:
+    """Whether a group is a user's own, as many systems give to each."""
+    if group == 0:
+        return True
+    try:
+        return grp.getgrgid(group).gr_mem in ([], [pwd.getpwuid(user).pw_name]) and not any(
+            one.pw_gid == group and one.pw_uid != user for one in pwd.getpwall()
+        )
+    except KeyError:
+        return False
+
+
+def _user(number: int) -> str:
+    try:
+        return pwd.getpwuid(number).pw_name
+    except KeyError:
+        return f"user {number}"
+
+
+def _group(number: int) -> str:
+    try:
+        return grp.getgrgid(number).gr_name
+    except KeyError:
+        return str(number)
