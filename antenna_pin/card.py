@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from antenna_pin.readable import number, readable
 
-__all__ = ["in_frame", "motion_sketch", "run_card"]
+__all__ = ["motion_sketch", "run_card"]
 
 Array = NDArray[np.float64]
 
@@ -128,14 +128,3 @@ def _path(time: Array, values: Array, low: float, span: float) -> str:
     x = _LEFT + wide * (time[picked] - time[0]) / (time[-1] - time[0])
     y = _TOP + high * (1.0 - (values[picked] - low) / span)
     return "M" + "L".join(f"{a:.1f},{b:.1f}" for a, b in zip(x, y, strict=True))
-
-
-def in_frame(page: str, height: str) -> str:
-    """Return a whole page as a part of a notebook, in a frame of its own.
-
-    Args:
-        page: Its HTML.
-        height: CSS height of the frame.
-    """
-    source = escape(page, quote=True)
-    return f'<iframe srcdoc="{source}" style="width:100%;height:{height};border:0" allowfullscreen></iframe>'

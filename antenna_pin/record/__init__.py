@@ -2,7 +2,7 @@
 
 from antenna_pin.record._browser import BrowserPrograms, find_browser
 from antenna_pin.record.bending import bending_magnification
-from antenna_pin.record.page import shared_head
+from antenna_pin.record.page import SharedHead, shared_head
 from antenna_pin.record.recording import Recording, View, record
 from antenna_pin.record.several import record_several
 from antenna_pin.record.video import Filmed, check_film, film_times, save_frames, save_picture, save_video
@@ -11,6 +11,7 @@ __all__ = [
     "BrowserPrograms",
     "Filmed",
     "Recording",
+    "SharedHead",
     "View",
     "bending_magnification",
     "check_film",

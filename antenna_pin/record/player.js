@@ -867,9 +867,14 @@
       this.players.push(player);
       return player;
     },
-    // The recording with this id, once it comes into view.
-    later(id) {
-      slots.push(new Slot(id));
-    },
   };
+
+  // A page that is one recording plays it at once; of many, each once it comes into view.
+  document.addEventListener("DOMContentLoaded", () => {
+    document.querySelectorAll(".ap-whole").forEach((root) => {
+      const data = JSON.parse(document.getElementById(root.id + "-data").textContent);
+      window.recording = window.AntennaPin.mount(root, data);
+    });
+    document.querySelectorAll(".ap-frame").forEach((root) => slots.push(new Slot(root.id)));
+  });
 })();

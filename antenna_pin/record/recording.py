@@ -12,9 +12,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from antenna_pin.card import in_frame
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.files import check_writable, replacing
+from antenna_pin.pages import in_frame
 from antenna_pin.record import page
 from antenna_pin.record.joint_view import joint_view
 from antenna_pin.record.key_frames import KeyFrames, impacts_of, key_frames, rate_of_turns

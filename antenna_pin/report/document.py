@@ -11,14 +11,14 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import jinja2
 from markupsafe import Markup
 
-from antenna_pin.card import in_frame
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.files import check_writable, replacing
+from antenna_pin.pages import in_frame, policy, script
 from antenna_pin.report import (
     contacts,
     elastic,
@@ -36,6 +36,9 @@ from antenna_pin.report._parts import Details, Embedded, Section
 from antenna_pin.report._runs import ReportedRun, reported
 
 __all__ = ["Report", "page", "report"]
+
+if TYPE_CHECKING:
+    from antenna_pin.record import SharedHead
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -120,7 +123,7 @@ def report(
     statuses = [*results.statuses(found), *judged]
     labels = [run.label for run in found] + [one.label for one in findings]
     heading = title if title is not None else _title(found, findings)
-    return page(heading, labels, statuses, kept, warnings=results.warnings(found), viewer=parts.head)
+    return page(heading, labels, statuses, kept, warnings=results.warnings(found), head=parts.head)
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,7 +132,7 @@ class _Parts:
 
     opening: tuple[Section, ...] = ()
     closing: tuple[Section, ...] = ()
-    head: str = ""
+    head: SharedHead | None = None
 
 
 def _of_runs(found: list[ReportedRun], figures: bool, recordings: bool, window: float | None) -> _Parts:
@@ -144,13 +147,15 @@ def _of_runs(found: list[ReportedRun], figures: bool, recordings: bool, window: 
         motion.frequencies(found),
         pointing.pointing(found, window),
     ]
-    head = ""
+    head = None
     if recordings:
+        from antenna_pin.record import shared_head
         from antenna_pin.report import recordings as embedding
 
         shown = embedding.recordings(found)
         sections.insert(1, shown)
-        head = embedding.viewer() if any(isinstance(item, Embedded) for item in shown.items) else ""
+        if any(isinstance(item, Embedded) for item in shown.items):
+            head = shared_head()
     if figures:
         from antenna_pin.report.figures import drawn
 
@@ -191,7 +196,7 @@ def page(
     sections: Iterable[Section],
     *,
     warnings: Iterable[str] = (),
-    viewer: str = "",
+    head: SharedHead | None = None,
 ) -> Report:
     """Return the page of some sections.
 
@@ -201,9 +206,10 @@ def page(
         statuses: How each ended: ``label``, ``outcome``, ``text``, ``completed``.
         sections: What is in it.
         warnings: What is to be minded.
-        viewer: Markup for the page's head, made by record.
+        head: What recordings in it need.
     """
     kept = tuple(sections)
+    own = script(_asset("report.js"))
     made = _environment().get_template("report.html.j2").render(
         title=title,
         labels=list(labels),
@@ -211,8 +217,9 @@ def page(
         warnings=list(warnings),
         sections=kept,
         style=Markup(_asset("report.css")),  # noqa: S704 - a file of this package
-        script=Markup(_asset("report.js")),  # noqa: S704 - a file of this package
-        viewer=Markup(viewer),  # noqa: S704 - made by record
+        script=Markup(own),  # noqa: S704 - a file of this package
+        viewer=Markup(head.html if head else ""),  # noqa: S704 - made by record
+        policy=Markup(policy(own, *(head.scripts if head else ()))),  # noqa: S704 - digests
     )  # fmt: skip
     return Report(title, kept, made)
 

@@ -9,17 +9,12 @@ from antenna_pin.record import View, bending_magnification, record, shared_head
 from antenna_pin.report._parts import Embedded, Section
 from antenna_pin.report._runs import ReportedRun, ideal_of
 
-__all__ = ["recordings", "viewer"]
+__all__ = ["recordings"]
 
 #: What all recordings of a report may take together, the viewer excepted [MB].
 MEGABYTES = 9.0
 #: Regular key frames per second of a run; impacts have theirs besides [1/s].
 RATE = 100.0
-
-
-def viewer() -> str:
-    """Return the part of the page's head that recordings share."""
-    return shared_head()
 
 
 def recordings(runs: Sequence[ReportedRun]) -> Section:
@@ -38,7 +33,7 @@ def recordings(runs: Sequence[ReportedRun]) -> Section:
         wanted += [(run, "joint", joint, None) for joint in run.names("clearance_joint")]
     if not wanted:
         return Section(key="recordings", title="Recordings")
-    share = MEGABYTES / len(wanted) + 1e-6 * len(viewer().encode())
+    share = MEGABYTES / len(wanted) + 1e-6 * len(shared_head().html.encode())
     items, notes = [], []
     for number, (run, view, joint, ghost) in enumerate(wanted):
         what = f"{run.label}, joint {joint} close up" if joint is not None else run.label

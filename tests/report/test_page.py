@@ -44,7 +44,7 @@ def test_nothing_is_loaded_from_elsewhere(saved):
 def test_the_viewer_is_there_once_and_only_with_recordings(saved, ideal, play):
     html = saved.read_text(encoding="utf-8")
     assert html.count('class="ap-frame"') == 2  # the mechanism and the joint
-    assert html.count(shared_head().strip()) == 1
+    assert html.count(shared_head().html.strip()) == 1
     plain = report([ideal, play], figures=False, recordings=False).html
     assert "meshcat" not in plain and "<img" not in plain and 'class="ap-frame"' not in plain
     assert len(html) < 4e6 and len(plain) < 2e5
