@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+import dataclasses
 import importlib
 import inspect
 import types
@@ -10,6 +12,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
+import numpy as np
 from pydantic import BeforeValidator, model_validator
 
 from antenna_pin.errors import ScenarioError
@@ -203,10 +206,28 @@ def evaluate(
     called = _made(source, place, function, name) if source else _imported(place, function, name)
     more = {"seed": seed} if "seed" in inspect.signature(called).parameters else {}
     try:
-        value = called(run, **more)
+        value = called(_for_reading(run), **more)
     except SystemExit as error:  # it would end the process that makes the runs
         raise ScenarioError(f"{response.function} must return a number, got the exit {error}") from None
+    except ValueError as error:
+        if "ssignment destination" not in str(error):  # as NumPy and xarray begin
+            raise
+        raise ScenarioError(
+            f"{response.function} must leave the run as it is, for other responses are of it too; let it "
+            "change a copy, run.data.copy(deep=True)"
+        ) from None
     try:
         return float(value)
     except (TypeError, ValueError, OverflowError):
         raise ScenarioError(f"{response.function} must return a number, got {shown(value)}") from None
+
+
+def _for_reading(run: Trajectory) -> Trajectory:
+    """Return a run that looks like another and cannot change it: the next response is of the same numbers."""
+    data = run.data.copy(deep=False)
+    for variable in data.variables.values():
+        values = variable._data  # a part of a large file is read anew each time
+        if isinstance(values, np.ndarray):
+            variable._data = values.view()
+            variable._data.flags.writeable = False
+    return dataclasses.replace(run, data=data, end=copy.deepcopy(run.end))

@@ -213,12 +213,17 @@ def test_refused_before_anything_runs(write, tmp_path, what):
         ('a = { function = "own.py:huge" }', "own.py:huge must return a number, got 1000"),
         ('a = { function = "math:nothing" }', "math must have a function 'nothing'"),
         ('a = { function = "own.py:wrong" }', "own.py:wrong raises AttributeError"),
+        (
+            'a = { function = "own.py:changes" }',
+            "own.py:changes must leave the run as it is",
+        ),
     ],
 )
 def test_refused_responses(write, tmp_path, response, said):
     (tmp_path / "own.py").write_text(
         "def wrong(run):\n    return run.nothing\n\n\ndef text(run):\n    return 'three'\n\n\n"
         "def ends(run):\n    raise SystemExit(3)\n\n\ndef huge(run):\n    return 10**400\n"
+        "def changes(run):\n    run.data['q'][:] = 0.0\n    return 0.0\n"
     )
     text = (
         'scenario = "impact_pair"\nset.duration = "2 ms"\n{more}{parameters}\n[responses]\n' + response + "\n"
@@ -234,10 +239,16 @@ def test_numbers_are_those_of_single_runs(write, tmp_path):
     """Kept values, of a function of the user's own too, are what each run by itself gives, bit for bit."""
     from antenna_pin import simulate
 
-    (tmp_path / "own.py").write_text("def both(run, seed):\n    return seed + run.counts.accepted\n")
+    (tmp_path / "own.py").write_text(  # which may do as it likes with what it is given
+        "def both(run, seed):\n"
+        "    run.data['peak_force'] = 0.0 * run.data['peak_force']\n"
+        "    run.data.attrs.clear()\n"
+        "    run.end.q[:] = 0.0\n"
+        "    return seed + run.counts.accepted\n"
+    )
     text = (
         'scenario = "impact_pair"\nresults = "all"\nset.duration = "2 ms"\n{more}{parameters}\n[responses]\n'
-        'force = {{ measure = "peak_force" }}\nown = {{ function = "own.py:both" }}\n'
+        'own = {{ function = "own.py:both" }}\nforce = {{ measure = "peak_force" }}\n'
     )
     table = run_study(write(PLAY + 'values = ["0.05 mm", "0.1 mm"]', text=text), tmp_path / "trial.study")
     for play in (5e-5, 1e-4):
