@@ -105,7 +105,7 @@ def _partial_in(folder: Path) -> Iterator[tuple[Path, int]]:
         # Short whatever the file is called, and another one in each thread.
         partial = folder / f"{_PREFIX}{os.getpid()}-{secrets.token_hex(6)}{_SUFFIX}"
         descriptor = os.open(partial, os.O_CREAT | os.O_EXCL | os.O_RDWR | os.O_CLOEXEC, 0o666)
-        if _locked(descriptor) and _is_there(partial, descriptor):
+        if _locked(descriptor) and is_there(partial, descriptor):
             break
         os.close(descriptor)  # another process swept it away before it was locked
     try:
@@ -146,7 +146,8 @@ def _locked(descriptor: int) -> bool:
     return True
 
 
-def _is_there(path: Path, descriptor: int) -> bool:
+def is_there(path: Path, descriptor: int) -> bool:
+    """Whether a file that is open is the one of a name still: nobody has deleted or replaced it."""
     try:
         return os.path.samestat(os.stat(path), os.fstat(descriptor))
     except FileNotFoundError:

@@ -137,6 +137,20 @@ def test_commands_that_only_read_do_not_wait_for_the_mechanics(results, argument
     assert done.stderr == "[]\n"
 
 
+@pytest.mark.parametrize("arguments", [["list"], ["contact", "list"], ["info", "--help"]])
+@pytest.mark.parametrize(
+    ("redirected", "code", "why"),
+    [(">/dev/full", 2, "No space left on device"), (">&-", 2, "Bad file descriptor"), ("| true", 0, "")],
+)
+def test_a_standard_output_that_takes_nothing_is_named(arguments, redirected, code, why):
+    """Of printed text alone: closed, its place is not taken by the next file that is opened."""
+    command = f"set -o pipefail; {sys.executable} -m antenna_pin.cli {' '.join(arguments)} {redirected}"
+    done = subprocess.run(["bash", "-c", command], capture_output=True, text=True, check=False)
+    said = f"antenna-pin: standard output cannot be written: {why}\n" if why else ""
+    assert done.stderr == said
+    assert done.returncode == code or (not code and done.returncode == 1)  # 1: nobody reads the pipe
+
+
 # --- run ---
 
 

@@ -8,6 +8,8 @@ Exit codes: 0 done; 2 refused, with one line on the error stream that says why; 
 
 from __future__ import annotations
 
+import io
+import os
 import sys
 from collections.abc import Callable
 from typing import Annotated
@@ -32,7 +34,7 @@ from antenna_pin.cli import (
     study,
     sweep,
 )
-from antenna_pin.cli._common import one_line_errors, told_interruption
+from antenna_pin.cli._common import StandardOutput, one_line_errors, told_interruption, told_unwritable
 from antenna_pin.cli._usage import OneLineGroup
 from antenna_pin.interruption import ending_by_signals
 
@@ -52,10 +54,32 @@ app = typer.Typer(
 def main() -> None:
     """Run the command line, which SIGTERM and SIGHUP end as Ctrl-C does."""
     ending_by_signals()
+    _have_streams()
     try:
         app()
     except KeyboardInterrupt as error:  # while the commands are made
         sys.exit(told_interruption(error))
+    except OSError as error:  # of a page of help
+        sys.exit(told_unwritable(error))
+
+
+def _have_streams() -> None:
+    """Take up the places of standard streams that are closed, or the next file that is opened would.
+
+    Complaints then go nowhere; what is printed fails, as it must, on a file that is open for reading only.
+    """
+    for number, name in enumerate(("stdin", "stdout", "stderr")):
+        if getattr(sys, name) is None:
+            place = os.open(os.devnull, os.O_WRONLY if name == "stderr" else os.O_RDONLY)
+            if place != number:
+                os.dup2(place, number)
+                os.close(place)
+            stream = open(number, "w" if number else "r", closefd=False)
+            setattr(sys, name, stream)
+            setattr(sys, f"__{name}__", stream)
+    out = sys.stdout
+    if isinstance(out, io.TextIOWrapper):
+        sys.stdout = StandardOutput(out.buffer, out.encoding, out.errors, line_buffering=out.line_buffering)
 
 
 def _show_version(wanted: bool) -> None:

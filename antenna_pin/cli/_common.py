@@ -8,6 +8,7 @@ from __future__ import annotations
 import contextlib
 import errno
 import functools
+import io
 import itertools
 import os
 import signal
@@ -70,6 +71,31 @@ class Width(StrEnum):
     PAGE = "page"
 
 
+STANDARD_OUTPUT = "standard output cannot be written"
+
+
+class StandardOutput(io.TextIOWrapper):
+    """The standard output, whose errors say that they are of it."""
+
+    def write(self, text: str) -> int:
+        """Write a text."""
+        with self._naming():
+            return super().write(text)
+
+    def flush(self) -> None:
+        """Pass on what has been written."""
+        with self._naming():
+            super().flush()
+
+    @contextlib.contextmanager
+    def _naming(self) -> Iterator[None]:
+        try:
+            yield
+        except OSError as error:
+            error.filename = STANDARD_OUTPUT
+            raise
+
+
 def say(line: str) -> None:
     """Print a line that may hold texts of files, whose control characters are shown, not sent."""
     typer.echo(printable(line))
@@ -102,14 +128,22 @@ def one_line_errors(command: Callable[P, R]) -> Callable[P, R]:
         except OSError as error:
             if error.errno == errno.EPIPE:  # the reader of a pipe has gone: nothing to say
                 raise
-            where = f"{error.filename}: " if error.filename else ""
-            refuse(f"{where}{error.strerror or error}")
+            raise typer.Exit(told_unwritable(error)) from None
         except Exception as error:
             if not is_interruption(error):
                 raise
             raise typer.Exit(told_interruption(error)) from None
 
     return wrapper
+
+
+def told_unwritable(error: OSError) -> int:
+    """Say what cannot be read or written, and return the exit code."""
+    if error.filename == STANDARD_OUTPUT:
+        _let_go(sys.stdout.fileno())  # or Python would try again at its end
+    where = f"{error.filename}: " if error.filename else ""
+    complain(f"{where}{error.strerror or error}")
+    return REFUSED
 
 
 def told_interruption(error: BaseException) -> int:
@@ -132,9 +166,14 @@ def _let_go_of_closed_streams() -> None:
             os.write(number, b"")
         except (OSError, ValueError, AttributeError) as error:  # the latter two: not a stream of the system
             if getattr(error, "errno", None) == errno.EIO:
-                nowhere = os.open(os.devnull, os.O_WRONLY)
-                os.dup2(nowhere, number)
-                os.close(nowhere)
+                _let_go(number)
+
+
+def _let_go(number: int) -> None:
+    """Let what is written to a stream from here on go nowhere."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, number)
+    os.close(nowhere)
 
 
 ScenarioArgument = Annotated[

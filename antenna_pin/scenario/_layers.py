@@ -195,7 +195,9 @@ def _with_modes(name: str, table: Any, folder: Path, source: Source) -> Any:
 def _read_file(name: str, folder: Path, source: Source, *location: str) -> str:
     """Return the text of a file that the scenario names."""
     path = folder / os.path.expanduser(name)
-    if not os.path.isfile(path):
+    if path.exists() and not path.is_dir() and not path.is_file():
+        raise source.error(f"must be a regular file, got {shown(name)}, a device or a pipe", *location)
+    if not path.is_file():
         around = path.parent
         names = [other.name for other in around.glob(f"*{path.suffix}")] if around.is_dir() else []
         guess = nearest(path.name, names)

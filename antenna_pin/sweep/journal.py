@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from antenna_pin.errors import OutputError
-from antenna_pin.files import replacing
+from antenna_pin.files import is_there, replacing
 
 __all__ = ["Journal", "ReadJournal", "read_journal"]
 
@@ -114,12 +114,25 @@ class Journal:
             raise OutputError(f"{path}: cannot be written: {error.strerror or error}") from error
         self._synced = time.monotonic()
 
+    def check(self) -> None:
+        """Refuse to go on where the journal has been deleted: what is written to it would be lost.
+
+        Raises:
+            OutputError: It has been.
+        """
+        if not is_there(self.path, self._file):
+            raise OutputError(
+                f"{self.path}: must stay while the study runs, got deleted or replaced, and its finished "
+                "runs with it; give the same command again, with --out elsewhere if something clears it"
+            )
+
     def add(self, entry: dict[str, Any]) -> None:
         """Write the line of a finished run.
 
         Raises:
-            OutputError: It cannot be written; the journal is left as it was.
+            OutputError: It cannot be written; the journal is left as it was. Or it has been deleted.
         """
+        self.check()
         line = _line(self._key, entry)
         try:
             rest = memoryview(line)

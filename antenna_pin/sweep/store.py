@@ -223,8 +223,10 @@ class Store:
         """Write the dataset of the runs made so far.
 
         Raises:
-            OutputError: It cannot be written; the one before is kept.
+            OutputError: It cannot be written; the one before is kept. Or the store has been deleted.
         """
+        if self._journal is not None:
+            self._journal.check()
         table = self.table()
         # xarray's own way to say which variables label others; index labels are known by their names.
         table.attrs["coordinates"] = " ".join(str(name) for name in table.coords if name not in table.dims)

@@ -2,6 +2,7 @@
 
 import json
 import random
+import shutil
 
 import numpy as np
 import pytest
@@ -101,6 +102,24 @@ def test_a_folder_of_something_else_is_left_alone(write, tmp_path, fake):
     with pytest.raises(OutputError, match="nothing in it is of this study"):
         run_study(write(), folder, executor=fake())
     assert [path.name for path in folder.iterdir()] == ["thesis.txt"]
+
+
+@pytest.mark.parametrize("what", ["folder", "journal", "replaced"])
+def test_a_store_that_is_deleted_is_missed_at_the_next_run(write, tmp_path, fake, what):
+    """Not at the end of a week, when all is written into a file without a name."""
+    folder, seen = tmp_path / "gone.study", []
+
+    def delete(standing):
+        seen.append((standing.stage, standing.done))
+        if seen[-1] == ("run", 3):
+            shutil.rmtree(folder) if what == "folder" else (folder / "journal").unlink()
+            if what == "replaced":
+                (folder / "journal").write_bytes(b"")
+
+    with pytest.raises(OutputError, match="journal: must stay while the study runs, got deleted or replaced"):
+        run_study(write(), folder, executor=fake(), progress=delete)
+    assert seen[-1] == ("run", 3)
+    assert len(run_study(write(), folder, executor=fake()).force.values.ravel()) == 12
 
 
 def test_one_driver_at_a_time(write, tmp_path, fake):
