@@ -52,7 +52,7 @@ class LinkChange:
         shapes: Dimensions of its shapes, by the name of the ``<visual>`` and ``<collision>`` elements.
     """
 
-    mass: float | None = parameter("kg", rule="positive", default=None)
+    mass: float | None = parameter("kg", rule="zero or more", default=None)
     inertia: tuple[float, ...] | None = parameter("kg*m**2", sizes=(3, 6), default=None)
     centre_of_mass: tuple[float, ...] | None = parameter("m", sizes=(3,), default=None)
     shapes: Mapping[str, ShapeChange] = field(default_factory=dict)

@@ -764,7 +764,7 @@ REFUSALS = [
     ({"mechanism.links": [1]}, "mechanism.links must be a table, got [1]"),
     ({"mechanism.links.body": 3}, "mechanism.links.body must be a table, got 3"),
     ({"mechanism.links.body.mas": 1}, "mechanism.links.body.mas is unknown; did you mean mass?"),
-    ({"mechanism.links.body.mass": "0 kg"}, "mechanism.links.body.mass must be positive, got '0 kg'"),
+    ({"mechanism.links.body.mass": "-1 kg"}, "mechanism.links.body.mass must be zero or more, got '-1 kg'"),
     (
         {"mechanism.links.body.inertia": [1, 2]},
         "mechanism.links.body.inertia must be an array of 3 or 6 numbers [kg*m**2], got [1, 2]",

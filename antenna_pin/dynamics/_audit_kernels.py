@@ -58,7 +58,8 @@ def audit_state(y: Any, nq: int, tree: Any, gravity: Any, places: Any, audits: A
         out.linear[1] += py
         out.linear[2] += pz
         out.kinetic += kinetic
-    cx, cy, cz = cx / mass, cy / mass, cz / mass
+    if mass > 0.0:  # a rotor may have an inertia alone
+        cx, cy, cz = cx / mass, cy / mass, cz / mass
     out.gravity = -mass * (gravity[0] * cx + gravity[1] * cy + gravity[2] * cz)
     for b in range(bodies):
         body, own = tree[b], places[b]

@@ -107,6 +107,7 @@ def assemble(system: System, y: Array, held_q: Collection[str], held_v: Collecti
     if unclosed is not None:
         raise MechanismError(_not_closed(system, unclosed, held_q))
     system.turn_on(y)
+    system.mechanism.check_pose(y[: system.model.nq], "initial pose")
     unclosed = find_velocity(constraints, y, program, _free(system, y, held_v))
     if unclosed is not None:
         unit = "rad/s" if unclosed.turns else "m/s"

@@ -75,7 +75,11 @@ def split(kind: FlexibleKind, name: str, link: MassProperties, where: str) -> Sp
     Raises:
         MechanismError: No body can be what is left; it says which part asks too much.
     """
-    if least_share(link, link.moments) <= _LEAST:
+    if not link.mass > 0.0:
+        raise MechanismError(
+            f"{where}: the link's mass must be positive to be shared out, got {link.mass:g} kg"
+        )
+    if not np.any(link.inertia) or least_share(link, link.moments) <= _LEAST:
         moments = ", ".join(f"{moment:.6g}" for moment in np.linalg.eigvalsh(link.inertia))
         raise MechanismError(
             f"{where}: the link's principal moments of inertia must be those of a body with some thickness "

@@ -127,11 +127,12 @@ def linearise(at: At) -> Linearisation:
         at: The state, with what of it is taken.
 
     Raises:
-        MechanismError: Nothing is left free to move.
+        MechanismError: Nothing is left free to move, or a joint moves without any inertia in this pose.
     """
     system, y = at.system, at.y
     model = system.model
     nq, nv = model.nq, model.nv
+    system.mechanism.check_pose(y[:nq], "linearise")
     forces = Forces(system, at.time, y, at.memory, at.loads, at.adjusted)
     derived = forces.derivatives()
     held = held_by_constraints(system, at.time, y, forces, rest=at.rest)

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
 import pinocchio as pin
+from numpy.typing import NDArray
 
 from antenna_pin.errors import InvalidParameterError, MechanismError, UnknownNameError
-from antenna_pin.mechanism._checks import rigid_groups
 from antenna_pin.mechanism._edits import plane_names
+from antenna_pin.mechanism._inertia import RigidGroup, check_inertia, rigid_groups
+from antenna_pin.mechanism._regular import check_regular, idle_joint, said_of_idle
 from antenna_pin.mechanism.frames import Matrix3, Vector3, frame_aligning_z
 from antenna_pin.mechanism.urdf import Urdf
 
@@ -25,8 +27,8 @@ JointKind = Literal["revolute", "continuous", "prismatic", "floating", "planar",
 Sizes (nq, nv): revolute and prismatic (1, 1); continuous (2, 1) with q = (cos, sin); floating (7, 6) with
 q = (x, y, z, quaternion xyzw); planar (4, 3) with q = (x, y, cos, sin)."""
 
-# Least eigenvalue of the mass matrix scaled to ones on its diagonal; below it is round-off.
-_NO_INERTIA = 1e-12
+# What Pinocchio calls the joint of a free base.
+_ROOT_JOINT = "root_joint"
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -107,6 +109,24 @@ class Mechanism:
         self.urdf.link(link)
         return int(self.model.getFrameId(link, pin.FrameType.BODY))
 
+    def check_pose(self, q: NDArray[np.float64], where: str) -> None:
+        """Refuse a configuration in which a joint can move without any inertia.
+
+        There is one where a body that is a point, a rod or a mere frame is carried by several joints.
+
+        Args:
+            q: Configuration (nq,).
+            where: What a message begins with.
+
+        Raises:
+            MechanismError: It names the joint.
+        """
+        idle = idle_joint(self.model, q)
+        if idle is not None:
+            moved = _moved(self.urdf, rigid_groups(self.urdf.robot))
+            said = said_of_idle(self.model, idle, moved, _ROOT_JOINT)
+            raise MechanismError(f"{where}: in this pose {said}; or take another pose")
+
     @property
     def base_q(self) -> slice:
         """Free base in ``q``: position [m] and attitude (quaternion xyzw) in the world; empty if fixed."""
@@ -132,11 +152,8 @@ def build_mechanism(urdf: Urdf, base: Base = "free", gravity: Sequence[float] = 
     if acceleration.shape != (3,) or not np.all(np.isfinite(acceleration)):
         raise InvalidParameterError("build_mechanism", "gravity", "three finite numbers [m/s^2]", gravity)
     groups = rigid_groups(urdf.robot)
-    if base == "free" and all(link.inertial is None for link in groups[urdf.root]):
-        raise MechanismError(
-            f"{urdf.where}: root link {urdf.root!r} must have an <inertial> to float freely, got none; "
-            "give it one, or take base = 'fixed'"
-        )
+    if base == "free":
+        check_inertia(groups[urdf.root], urdf.where, urdf.allow_impossible_inertia)
     try:
         model = pin.buildModelFromXML(
             urdf.to_xml(), *((pin.JointModelFreeFlyer(),) if base == "free" else ())
@@ -148,20 +165,26 @@ def build_mechanism(urdf: Urdf, base: Base = "free", gravity: Sequence[float] = 
     if model.nv == 0:
         raise MechanismError(f"{urdf.where}: nothing moves: the base is fixed and so is every joint")
     _check_mass(model, urdf)
-    _check_massless(model, urdf)
+    moved = _moved(urdf, groups)
+    check_regular(model, urdf.where, moved, _ROOT_JOINT)
     model.gravity = pin.Motion(acceleration, np.zeros(3))
-    bodies = {first: _body_name(group) for first, group in groups.items()}
-    first_links = {joint.name: joint.child for joint in urdf.robot.joints} | {"root_joint": urdf.root}
     moving = list(model.names)[1:]
     return Mechanism(
         name=urdf.name,
         model=model,
         urdf=urdf,
         base=base,
-        joints={name: _slot(model, urdf, name) for name in moving if name != "root_joint"},
-        base_body=bodies[urdf.root],
-        bodies=tuple(bodies[first_links[name]] for name in moving),
+        joints={name: _slot(model, urdf, name) for name in moving if name != _ROOT_JOINT},
+        base_body=groups[urdf.root].name,
+        bodies=tuple(moved[name].name for name in moving),
     )
+
+
+def _moved(urdf: Urdf, groups: Mapping[str, RigidGroup]) -> dict[str, RigidGroup]:
+    """Return the links that each joint moves as one body, by the joint's name."""
+    return {j.name: groups[j.child] for j in urdf.robot.joints if j.child in groups} | {
+        _ROOT_JOINT: groups[urdf.root]
+    }
 
 
 def _slot(model: Any, urdf: Urdf, name: str) -> JointSlot:
@@ -183,32 +206,6 @@ def _slot(model: Any, urdf: Urdf, name: str) -> JointSlot:
         v=slice(v, v + int(model.nvs[joint_id])),
         axis=axis,
         frame_rotation=rotation,
-    )
-
-
-def _body_name(group: list[Any]) -> str:
-    return str(next((link.name for link in group if link.inertial is not None), group[0].name))
-
-
-def _check_massless(model: Any, urdf: Urdf) -> None:
-    """Refuse massless bodies that nothing they carry gives an inertia to, as hinges on one line."""
-    if all(inertia.mass > 0.0 for inertia in list(model.inertias)[1:]):
-        return
-    # Not at zero: axes may lie on one line there and nowhere else.
-    somewhere = pin.integrate(model, pin.neutral(model), 0.1 + 0.01 * np.arange(model.nv))
-    matrix = np.array(pin.crba(model, model.createData(), somewhere))
-    matrix = np.triu(matrix) + np.triu(matrix, 1).T
-    scale = 1.0 / np.sqrt(np.maximum(np.diag(matrix), np.finfo(float).tiny))
-    if np.linalg.eigvalsh(scale[:, None] * matrix * scale)[0] > _NO_INERTIA:
-        return
-    idle = [
-        name
-        for name, inertia in zip(list(model.names)[1:], list(model.inertias)[1:], strict=True)
-        if not inertia.mass > 0.0
-    ]
-    raise MechanismError(
-        f"{urdf.where}: the massless links moved by {', '.join(idle)} must have their motion decided by what "
-        "they carry, got joints that move without any inertia; two of one chain turn or slide along one line"
     )
 
 

@@ -66,8 +66,9 @@ class Urdf:
 
     It is its text and nothing else, so writing it and reading it again gives the same mechanism. At
     construction it refuses XML that is not well-formed; missing, repeated or unknown names; loops and several
-    roots; masses that are not positive; inertias that no body can have; axes of no length; mimic joints;
-    links that move without an inertial and carry none by a moving joint.
+    roots; negative masses; inertias that no body can have, of links that fixed joints make one body
+    together; axes of no length; mimic joints. What moves without inertia
+    :func:`antenna_pin.mechanism.build_mechanism` refuses, for it hangs on the base and on all joints.
 
     Limits of joints are not simulated. Damping and friction of joints with an axis are
     (:attr:`joint_friction`), those of others are not (:attr:`not_simulated`).
@@ -76,7 +77,7 @@ class Urdf:
         text: The XML.
         where: What messages call it, such as its file name.
         folder: Where relative mesh file names start; None if that is unknown.
-        allow_impossible_inertia: Links whose inertia may break the triangle rule.
+        allow_impossible_inertia: Links whose body's inertia may break the triangle rule.
         robot: The same as yourdfpy's objects (``yourdfpy.Robot``), to be read only.
     """
 

@@ -231,7 +231,8 @@ def check_sizes(system: System, state: State) -> None:
 
 
 def check_start(system: System, y: np.ndarray) -> None:
-    """Refuse an initial pose that the parts cannot have."""
+    """Refuse an initial pose that the parts cannot have, or in which a joint moves without any inertia."""
+    system.mechanism.check_pose(y[: system.model.nq], "initial pose")
     table = np.zeros(system.rows, CONTACT)
     Workspace(system).locate(y, table)
     for joint in system.clearances:

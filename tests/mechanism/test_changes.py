@@ -11,9 +11,9 @@ from antenna_pin.mechanism import JointChange, LinkChange, ShapeChange
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: LinkChange(mass=0.0), "LinkChange: mass must be positive and finite, got 0.0"),
-        (lambda: LinkChange(mass=math.nan), "LinkChange: mass must be positive and finite, got nan"),
-        (lambda: LinkChange(mass="3 kg"), "LinkChange: mass must be positive and finite, got '3 kg'"),
+        (lambda: LinkChange(mass=-1.0), "LinkChange: mass must be zero or more, and finite, got -1.0"),
+        (lambda: LinkChange(mass=math.nan), "LinkChange: mass must be zero or more, and finite, got nan"),
+        (lambda: LinkChange(mass="3 kg"), "LinkChange: mass must be zero or more, and finite, got '3 kg'"),
         (
             lambda: LinkChange(inertia=(1.0, 2.0)),
             "LinkChange: inertia must be 3 or 6 finite numbers, got (1.0, 2.0)",

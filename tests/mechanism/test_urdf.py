@@ -149,11 +149,7 @@ REFUSED = {
         pair(hinge(), body("3kg")),
         "u.urdf, line 3: link 'b': <mass> value must be 1 finite number(s), got '3kg'",
     ),
-    "zero mass": (
-        pair(hinge(), body("0")),
-        "u.urdf: link 'b': mass must be positive, got 0 kg; a mere frame has no <inertial>",
-    ),
-    "negative mass": (pair(hinge(), body("-2")), "u.urdf: link 'b': mass must be positive, got -2 kg"),
+    "negative mass": (pair(hinge(), body("-2")), "u.urdf: link 'b': mass must be zero or more, got -2 kg"),
     # Left alone, yourdfpy would take a missing moment as 1 kg m^2.
     "moment left out": (
         pair(hinge(), BODY.replace('iyy="1"', "")),
@@ -166,17 +162,11 @@ REFUSED = {
     ),
     "negative moment": (
         pair(hinge(), body(moments=("-1", "1", "1"))),
-        "u.urdf: link 'b': principal moments of inertia must be positive, got -1, 1, 1 kg m^2",
+        "u.urdf: link 'b': principal moments of inertia must not be negative, got -1, 1, 1 kg m^2",
     ),
     "products too large": (  # the diagonal alone looks harmless
         pair(hinge(), body(products=("2", "0", "0"))),
-        "u.urdf: link 'b': principal moments of inertia must be positive, got -1, 1, 3 kg m^2",
-    ),
-    "moves without inertial": (
-        pair(hinge(), ""),
-        "u.urdf: link 'b' is moved by joint 'j' and must have an <inertial>, got none; "
-        "a link may go without if it is fixed to one that has it, or if a hinge or a slide moves it and it "
-        "carries one by a moving joint, as the cross of a universal joint",
+        "u.urdf: link 'b': principal moments of inertia must not be negative, got -1, 1, 3 kg m^2",
     ),
     "no geometry": (
         pair(hinge(), BODY + "<visual/>"),
@@ -251,26 +241,11 @@ def test_an_inertia_that_breaks_the_triangle_rule_says_by_how_much_and_may_be_al
     allowed = Urdf.from_text(text, "you2010.urdf", allow_impossible_inertia=("b",))
     assert allowed.variant(joints={"j": "free"}).allow_impossible_inertia == ("b",)
     with pytest.raises(MechanismError, match="link 'a': the largest principal moment"):
-        allowed.variant(links={"a": LinkChange(inertia=(3.0, 1.0, 1.0))})
+        build_mechanism(allowed.variant(links={"a": LinkChange(inertia=(3.0, 1.0, 1.0))}))
     with pytest.raises(
         UnknownNameError, match="allow_impossible_inertia: link 'c' is unknown; .*known: a, b"
     ):
         Urdf.from_text(text, "you2010.urdf", allow_impossible_inertia=("c",))
-
-
-def test_a_rule_on_principal_moments_does_not_depend_on_the_axes_they_are_given_in():
-    """A flat plate, I_3 = I_1 + I_2 exactly, passes in any axes; 1e-6 more does not."""
-    rng = np.random.default_rng(0)
-    for excess, accepted in ((0.0, True), (1e-6, False)):
-        for _ in range(20):
-            r = np.linalg.qr(rng.normal(size=(3, 3)))[0]
-            i = r @ np.diag([0.2, 0.3, 0.5 + excess]) @ r.T
-            text = pair(hinge(), body("1", np.diag(i), (i[0, 1], i[0, 2], i[1, 2])))
-            if accepted:
-                Urdf.from_text(text, "plate.urdf")
-            else:
-                with pytest.raises(MechanismError, match="too large by 1e-06"):
-                    Urdf.from_text(text, "plate.urdf")
 
 
 def test_names_are_looked_up_with_the_nearest_one_offered(crooked):

@@ -1,0 +1,134 @@
+"""Does each joint move something that has inertia? The mass matrix of a tree, joint by joint."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from antenna_pin.errors import MechanismError
+from antenna_pin.mechanism._inertia import RigidGroup
+
+Array = NDArray[np.float64]
+
+# Least inertia of a joint's motion, all that it carries let go, over that of all held as one body, in which
+# it is found to some 1e-15: below it is round-off.
+_NO_INERTIA = 1e-12
+_POSES = 4
+
+
+class Idle(NamedTuple):
+    """A joint that can move without any inertia.
+
+    Attributes:
+        joint: Its index in the model.
+        turns: Whether it is a turn, rather than a shift.
+    """
+
+    joint: int
+    turns: bool
+
+
+def idle_joint(model: Any, q: Array) -> Idle | None:
+    r"""Return the first joint from the tips that can move without any inertia in a pose, if there is one.
+
+    From the tips inwards each joint is taken out of the mass matrix: what is left of its block is the
+    inertia of what it moves while all joints beyond are let go, by which forward dynamics divides
+    (Featherstone (2008), Rigid Body Dynamics Algorithms, 7.3). The matrix is regular exactly where all of
+    these are.
+
+    Args:
+        model: Pinocchio's.
+        q: Configuration (nq,).
+    """
+    data = model.createData()
+    matrix = np.triu(pin.crba(model, data, q))
+    matrix += np.triu(matrix, 1).T
+    pin.forwardKinematics(model, data, q)
+    carried = [pin.Inertia(inertia) for inertia in model.inertias]
+    for i in range(model.njoints - 1, 0, -1):
+        whole, start, size = carried[i], model.idx_vs[i], model.nvs[i]
+        own = slice(start, start + size)
+        block, turns = matrix[own, own], _turns(model.joints[i])
+        lever = np.array(whole.lever)
+        if size == 6:  # about the mass centre: where the frame's origin is says nothing
+            shift = np.eye(6)
+            shift[:3, 3:] = pin.skew(lever)
+            block, lever = shift.T @ block @ shift, np.zeros(3)
+        about = 0.5 * float(np.trace(whole.inertia)) + whole.mass * float(lever @ lever)
+        scale = np.where(turns, about, whole.mass)
+        if not np.all(scale > 0.0):
+            return Idle(i, bool(turns[int(np.argmin(scale))]))
+        values, ways = np.linalg.eigh(block / np.sqrt(np.outer(scale, scale)))
+        if not values[0] > _NO_INERTIA:
+            return Idle(i, bool(turns[int(np.argmax(np.abs(ways[:, 0])))]))
+        before = matrix[:start, own]
+        matrix[:start, :start] -= before @ np.linalg.solve(matrix[own, own], before.T)
+        carried[model.parents[i]] += data.liMi[i].act(whole)
+    return None
+
+
+def check_regular(model: Any, where: str, moved: Mapping[str, RigidGroup], base: str) -> None:
+    """Refuse a tree with a joint that moves without any inertia in every pose.
+
+    In some poses one may, as the first hinge of a universal joint whose cross has no mass while a thin rod
+    points along it: only what is so in each of a few poses anywhere is no mechanism.
+
+    Args:
+        model: Pinocchio's.
+        where: Name of the file, for messages.
+        moved: The links that each joint moves as one body, by the joint's name.
+        base: Name of the joint of a free base.
+    """
+    idle: Idle | None = None
+    for q in _poses(model):
+        idle = idle_joint(model, q)
+        if idle is None:
+            return
+    assert idle is not None
+    raise MechanismError(f"{where}: {said_of_idle(model, idle, moved, base)}")
+
+
+def said_of_idle(model: Any, idle: Idle, moved: Mapping[str, RigidGroup], base: str) -> str:
+    """Say which joint moves without any inertia, what it moves, and what to do."""
+    name = model.names[idle.joint]
+    body = moved[name]
+    mass, _, inertia = body.composite()
+    low, middle, high = np.linalg.eigvalsh(inertia)
+    has = f"it has {mass:g} kg and principal moments of inertia {low:.6g}, {middle:.6g}, {high:.6g} kg m^2"
+    if not any(link.inertial is not None for link in body.links):
+        has = "it has no <inertial>"
+    if idle.joint in list(model.parents)[1:]:
+        has += ", and what it carries lets go of it"
+    way = "turn" if idle.turns else "shift"
+    what, out = f"joint {name!r}", "lock the joint"
+    if name == base:
+        what, out = "the free base", "take base = 'fixed'"
+    return (
+        f"{what} can {way} {body.called} without any inertia: {has}; "
+        f"give it one (mechanism.links.{body.name}), or {out}"
+    )
+
+
+def _turns(joint: Any) -> NDArray[np.bool_]:
+    """Return which of a joint's velocities are turns."""
+    kind = joint.shortname()
+    if kind == "JointModelFreeFlyer":
+        return np.array([False] * 3 + [True] * 3)
+    if kind == "JointModelPlanar":
+        return np.array([False, False, True])
+    return np.full(joint.nv, not kind.startswith("JointModelP"))  # P, PX, PrismaticUnaligned
+
+
+def _poses(model: Any) -> Iterator[Array]:
+    """Yield poses anywhere: angles of 1 rad either way, ways of the mechanism's size."""
+    arms = [np.linalg.norm(place.translation) for place in model.jointPlacements]
+    arms += [np.linalg.norm(inertia.lever) for inertia in model.inertias]
+    size = float(max(arms)) or 1.0
+    reach = np.concatenate([np.where(_turns(joint), 1.0, size) for joint in list(model.joints)[1:]])
+    random = np.random.default_rng(1743)
+    for _ in range(_POSES):
+        yield pin.integrate(model, pin.neutral(model), reach * random.uniform(-1.0, 1.0, model.nv))

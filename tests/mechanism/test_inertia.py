@@ -1,0 +1,330 @@
+"""Inertia is judged where it acts: on what fixed joints make one body, and in what joints can move."""
+
+import itertools
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from numpy.testing import assert_array_equal
+from scipy.special import ellipj, ellipk
+
+from antenna_pin import RunSettings, System, simulate
+from antenna_pin.changes import LinkChange
+from antenna_pin.elements import ConstantDrive
+from antenna_pin.errors import MechanismError
+from antenna_pin.mechanism import TreeDynamics, Urdf, build_mechanism
+
+NOTHING = '<inertial><mass value="0"/><inertia ixx="0" iyy="0" izz="0" ixy="0" ixz="0" iyz="0"/></inertial>'
+
+
+def words(numbers):
+    return " ".join(f"{number:.17g}" for number in numbers)
+
+
+def link(name, mass, inertia, centre=(0.0, 0.0, 0.0)):
+    """A link with the inertia (3, 3) about its mass centre, or three moments."""
+    full = np.diag(inertia) if np.ndim(inertia) == 1 else np.asarray(inertia)
+    entries = {"xx": (0, 0), "yy": (1, 1), "zz": (2, 2), "xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
+    tensor = " ".join(f'i{key}="{full[place]:.17g}"' for key, place in entries.items())
+    return (
+        f'<link name="{name}"><inertial><origin xyz="{words(centre)}"/><mass value="{mass}"/>'
+        f"<inertia {tensor}/></inertial></link>"
+    )
+
+
+def joint(name, parent, child, kind="fixed", axis=(1.0, 0.0, 0.0), xyz=(0.0, 0.0, 0.0), rpy=(0.0, 0.0, 0.0)):
+    return (
+        f'<joint name="{name}" type="{kind}"><parent link="{parent}"/><child link="{child}"/>'
+        f'<origin xyz="{words(xyz)}" rpy="{words(rpy)}"/><axis xyz="{words(axis)}"/></joint>'
+    )
+
+
+def robot(*parts, **options):
+    return Urdf.from_text(f'<robot name="r">{"".join(parts)}</robot>', "r.urdf", **options)
+
+
+def accelerations(mechanism, seed):
+    model, rng = mechanism.model, np.random.default_rng(seed)
+    q = pin.integrate(model, pin.neutral(model), rng.normal(size=model.nv))
+    v, tau = rng.normal(size=(2, model.nv))
+    return pin.aba(model, model.createData(), q, v, tau)
+
+
+def test_an_inertial_of_zero_is_none(crooked_text):
+    """Frames with it are frames: behind a body, before it and as the root; names and motion bit for bit."""
+    without = crooked_text.replace('<child link="hand"/>', '<child link="socket"/>').replace(
+        '<joint name="weld"',
+        '<link name="socket"/><joint name="plug" type="fixed"><parent link="socket"/><child link="hand"/>'
+        '<origin xyz="0.1 0 0.2" rpy="0.3 0 1"/></joint><joint name="weld"',
+    )
+    with_it = without.replace('<link name="camera"/>', f'<link name="camera">{NOTHING}</link>')
+    with_it = with_it.replace('<link name="socket"/>', f'<link name="socket">{NOTHING}</link>')
+    assert with_it.count(NOTHING) == 2
+    for base in ("free", "fixed"):
+        for kind in ("ideal", "planar", "free"):
+            ours, theirs = (
+                build_mechanism(Urdf.from_text(text, "u.urdf").variant(joints={"wrist": kind}), base)
+                for text in (with_it, without)
+            )
+            assert ours.bodies == theirs.bodies and "hand" in ours.bodies
+            assert_array_equal(accelerations(ours, 3), accelerations(theirs, 3))
+    with pytest.raises(MechanismError, match="link 'camera' must have an <inertial>, got none"):
+        Urdf.from_text(with_it, "u.urdf").mass_properties("camera")
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_points_and_rods_fixed_together_are_the_body_that_they_make(seed):
+    """Six weights and a rod on frames turned anyhow, beside the one link that has the moments of the sum."""
+    rng = np.random.default_rng(seed)
+    parts, pieces = [link("ground", 1, (1, 1, 1))], []
+    parts += ['<link name="hub"/>', joint("j", "ground", "hub", "continuous", rng.normal(size=3))]
+    for k in range(7):
+        place, turn = rng.uniform(-0.3, 0.3, 3), rng.uniform(-3, 3, 3)
+        mass = rng.uniform(0.5, 2.0)
+        moments = np.diag([0.0, 0.1, 0.1]) if k == 6 else np.zeros((3, 3))
+        parts += [link(f"p{k}", mass, moments), joint(f"w{k}", "hub", f"p{k}", xyz=place, rpy=turn)]
+        r = pin.rpy.rpyToMatrix(turn)
+        pieces.append(pin.Inertia(mass, place, r @ moments @ r.T))
+    whole = sum(pieces[1:], pieces[0])
+    one = [parts[0], link("hub", whole.mass, whole.inertia, whole.lever), parts[2]]
+    for base in ("free", "fixed"):
+        ours, theirs = (accelerations(build_mechanism(robot(*some), base), seed) for some in (parts, one))
+        # Round-off of a hundred operations.
+        assert ours == pytest.approx(theirs, rel=1e-11, abs=1e-11 * np.abs(theirs).max())
+
+
+def test_the_rules_hold_for_the_sum_in_any_axes():
+    """A plate, I_3 = I_1 + I_2, and a rod, I_1 = 0, pass in any axes, their digits cut to six.
+
+    Three times what six digits can do wrong, 1e-5 of the largest moment, does not.
+    """
+    rng = np.random.default_rng(0)
+
+    def mechanism(moments, digits):
+        r = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+        cut = np.vectorize(lambda number: float(f"{number:.{digits}g}"))
+        tensor = cut(r @ np.diag(moments) @ r.T)
+        return robot(link("a", 1, (1, 1, 1)), link("b", 1, tensor), joint("j", "a", "b", "continuous"))
+
+    for _ in range(20):
+        mechanism((0.2, 0.3, 0.5), 6)
+        mechanism((0.0, 0.5, 0.5), 6)
+        with pytest.raises(MechanismError, match="too large by 1.5[0-9]*e-05"):
+            mechanism((0.2, 0.3, 0.5 + 1.5e-5), 12)
+        with pytest.raises(
+            MechanismError, match="moments of inertia must not be negative, got -1.5[0-9]*e-05"
+        ):
+            mechanism((-1.5e-5, 0.5, 0.5), 12)
+
+
+def test_what_a_part_lacks_the_rest_of_its_body_may_have():
+    """A part that no body is passes where the sum is one; a sum that is none is refused with all names."""
+    odd, frame = link("b", 1, (1.0, 0.1, 0.1)), joint("w", "b", "c")
+    hinge = joint("j", "a", "b", "continuous")
+    ground, heavy, light = link("a", 1, (1, 1, 1)), link("c", 1, (1, 2, 2)), link("c", 1, (0.1, 0.1, 0.1))
+    robot(ground, odd, hinge, heavy, frame)
+    message = (
+        "r.urdf: link 'b' together with 'c', fixed to it: the largest principal moment of inertia must not "
+        "exceed the sum of the other two, got 0.2, 0.2, 1.1 kg m^2: too large by 0.7; "
+    )
+    with pytest.raises(MechanismError, match=message.replace("^", r"\^")):
+        robot(ground, odd, hinge, light, frame)
+    for name in ("b", "c"):
+        allowed = robot(ground, odd, hinge, light, frame, allow_impossible_inertia=[name])
+    with pytest.raises(MechanismError, match="must not be negative, got -"):
+        allowed.variant(links={"c": LinkChange(inertia=(-5.0, 1.0, 1.0))})
+    with pytest.raises(MechanismError, match="link 'c': mass must be zero or more, got -1 kg"):
+        robot(ground, link("b", 3, (1, 1, 1)), hinge, link("c", -1, (0, 0, 0)), frame)
+
+
+def test_the_inertia_of_a_root_is_judged_where_it_moves():
+    """It moves on a free base only: in the ground any number may stand."""
+    odd = robot(link("a", 1, (5, 1, 1)), link("b", 1, (1, 1, 1)), joint("j", "a", "b", "continuous"))
+    assert build_mechanism(odd, "fixed").model.nv == 1
+    with pytest.raises(MechanismError, match="link 'a': the largest principal moment"):
+        build_mechanism(odd, "free")
+
+
+# --- joints that move without inertia ---
+
+GROUND = link("ground", 1, (1, 1, 1))
+BOB = link("bob", 2.0, (0, 0, 0), (0.0, 0.0, -0.5))
+Y = (0.0, 1.0, 0.0)
+
+
+@pytest.mark.parametrize("engine", ["compiled", "pinocchio"])
+def test_a_point_on_a_string_swings_as_the_elliptic_functions_say(engine):
+    """sin(angle / 2) = k sn(K - omega t, k) from rest at 2 rad; its bob has no moment of inertia at all."""
+    mechanism = build_mechanism(
+        robot(GROUND, BOB, joint("j", "ground", "bob", "continuous", Y)), "fixed", (0.0, 0.0, -9.81)
+    )
+    omega, k = np.sqrt(9.81 / 0.5), np.sin(1.0)
+    run = simulate(
+        System(mechanism),
+        duration=1.0,
+        q=[np.cos(2.0), np.sin(2.0)],
+        settings=RunSettings(engine=engine, rtol=1e-10),
+    )
+    t = run.data["time"].values
+    exact = 2.0 * np.arcsin(k * ellipj(ellipk(k**2) - omega * t, k**2)[0])
+    angle = run.data["motion_angle"].sel(joint="j").values
+    assert np.abs(angle - exact).max() < 1e-8  # the run's error, about 100 times rtol
+    assert np.abs(run.data["energy_error"].values).max() < 1e-8
+
+
+@pytest.mark.parametrize("engine", ["compiled", "pinocchio"])
+def test_a_rotor_may_have_a_moment_of_inertia_alone(engine):
+    """0.2 N m on 0.1 kg m^2 turn by t^2 rad; its work is its energy, with no mass to scale errors by."""
+    rotor = robot(GROUND, link("rotor", 0, (0.1, 0.1, 0.1)), joint("j", "ground", "rotor", "continuous", Y))
+    system = System(build_mechanism(rotor, "fixed"), drives={"j": ConstantDrive(joint="j", value=0.2)})
+    run = simulate(system, duration=0.5, settings=RunSettings(engine=engine))
+    end = run.data.isel(time=-1)
+    assert end["motion_angle"].item() == pytest.approx(0.25, rel=1e-12)  # a parabola, exact in any method
+    assert abs(end["energy_error"].item()) < 1e-15  # round-off of 0.05 J
+    assert end["drive_work"].item() == pytest.approx(0.05, rel=1e-9)
+
+
+KINDS = ("revolute", "continuous", "prismatic", "floating", "planar")
+
+
+def odd_tree(seed):
+    """Points, rods, rotors without mass, frames and bodies on joints of all kinds."""
+    rng = np.random.default_rng(seed)
+    names, parts = ["l0"], [link("l0", 1, (1, 1, 1))]
+    for number in range(1, 2 + seed % 5):
+        name, kind = f"l{number}", KINDS[rng.choice(5, p=[0.3, 0.3, 0.2, 0.1, 0.1])]
+        centre = rng.uniform(-0.3, 0.3, 3) * rng.integers(2)
+        parts.append(
+            [
+                link(name, 1.3, (0, 0, 0), centre),
+                link(name, 0.7, (0, 0.2, 0.2), centre),
+                link(name, 0, (0.1, 0.2, 0.15), centre),
+                f'<link name="{name}"/>',
+                link(name, 2, (0.3, 0.2, 0.4), centre),
+            ][rng.integers(5)]
+        )
+        # Round numbers, so that axes often coincide and rods lie along them.
+        axis = (0, 0, 1) if kind == "planar" else np.eye(3)[rng.integers(3)]
+        place = rng.integers(-1, 2, 3) * 0.5
+        one = joint(f"j{number}", names[rng.integers(len(names))], name, kind, axis, place)
+        limit = '<limit lower="-1" upper="1" effort="1" velocity="1"/></joint>'
+        parts.append(one.replace("</joint>", limit) if kind in ("revolute", "prismatic") else one)
+        names.append(name)
+    return robot(*parts)
+
+
+def least(matrix):
+    """The least eigenvalue over the largest, the diagonal scaled to ones where it is not zero."""
+    if not len(matrix):
+        return 1.0
+    diagonal = np.diag(matrix)
+    scale = np.where(diagonal > 1e-12, 1.0 / np.sqrt(np.maximum(diagonal, 1e-12)), 1.0)
+    values = np.linalg.eigvalsh(scale[:, None] * matrix * scale)
+    return values[0] / values[-1] if values[-1] > 0.0 else 0.0
+
+
+def test_random_trees_are_taken_where_their_mass_matrix_is_regular(monkeypatch):
+    """Accelerations are then Pinocchio's, by both formulations; else the joint named is the one that idles.
+
+    Of it with all beyond it the mass matrix is singular, and of all beyond it alone it is not.
+    """
+    taken = refused = 0
+    for seed, base in itertools.product(range(150), ("free", "fixed")):
+        urdf = odd_tree(seed)
+        try:
+            mechanism = build_mechanism(urdf, base, (0.3, 0.2, -9.0))
+        except MechanismError as error:
+            refused += 1
+            words_of_it = str(error)
+            assert "without any inertia" in words_of_it
+            name = "root_joint" if "the free base can" in words_of_it else words_of_it.split("'")[1]
+            with monkeypatch.context() as patch:
+                patch.setattr("antenna_pin.mechanism.model.check_regular", lambda *_: None)
+                model = build_mechanism(urdf, base).model
+            q = pin.integrate(model, pin.neutral(model), np.random.default_rng(seed).normal(size=model.nv))
+            mass = np.triu(pin.crba(model, model.createData(), q))
+            mass += np.triu(mass, 1).T
+            named = model.getJointId(name)
+            beyond = [j for j in range(1, model.njoints) if named in list(model.supports[j])[:-1]]
+            rows = [
+                [model.idx_vs[j] + k for j in joints for k in range(model.nvs[j])]
+                for joints in ([named, *beyond], beyond)
+            ]
+            # Round-off of a sum, against inertias within two orders of magnitude of one another.
+            assert least(mass[np.ix_(rows[0], rows[0])]) < 1e-13
+            assert least(mass[np.ix_(rows[1], rows[1])]) > 1e-6
+            continue
+        taken += 1
+        tree, model = TreeDynamics(mechanism), mechanism.model
+        rng = np.random.default_rng(seed)
+        q = pin.integrate(model, pin.neutral(model), rng.normal(size=model.nv))
+        v, tau = rng.normal(size=(2, model.nv))
+        mass, bias = tree.mass_and_bias(q, v)
+        right = pin.aba(model, model.createData(), q, v, tau)
+        # Of forces, for a rod that turns by next to nothing about its axis has no certain acceleration.
+        scale = np.abs(np.concatenate([bias, tau])).max()
+        assert np.abs(mass @ (tree.acceleration(q, v, tau) - right)).max() < 1e-9 * scale
+        assert np.abs(mass @ right + bias - tau).max() < 1e-9 * scale
+    assert taken > 80 and refused > 80
+
+
+ROD = link("rod", 2.0, (0.0, 0.1, 0.1))
+CROSS = ('<link name="cross"/>', joint("one", "ground", "cross", "continuous"))
+
+REFUSED = {
+    "point on a free base": (
+        robot(link("bus", 3.0, (0, 0, 0))),
+        "free",
+        "r.urdf: the free base can turn link 'bus' without any inertia: it has 3 kg and principal moments of "
+        "inertia 0, 0, 0 kg m^2; give it one (mechanism.links.bus), or take base = 'fixed'",
+    ),
+    "rod about its axis": (
+        robot(GROUND, ROD, joint("j", "ground", "rod", "continuous")),
+        "fixed",
+        "r.urdf: joint 'j' can turn link 'rod' without any inertia: it has 2 kg and principal moments of "
+        "inertia 0, 0.1, 0.1 kg m^2; give it one (mechanism.links.rod), or lock the joint",
+    ),
+    "rod with play": (
+        robot(GROUND, ROD, joint("j", "ground", "rod", "continuous", Y)).variant(joints={"j": "free"}),
+        "fixed",
+        "r.urdf: joint 'j' can turn link 'rod' without any inertia: ",
+    ),
+    "frame": (
+        robot(GROUND, '<link name="f"/>', joint("j", "ground", "f", "continuous")),
+        "fixed",
+        "r.urdf: joint 'j' can turn link 'f' without any inertia: it has no <inertial>; give it one",
+    ),
+    "two hinges on one line": (
+        robot(GROUND, *CROSS, BOB, joint("two", "cross", "bob", "continuous")),
+        "fixed",
+        "r.urdf: joint 'one' can turn link 'cross' without any inertia: it has no <inertial>, and what it "
+        "carries lets go of it; give it one (mechanism.links.cross), or lock the joint",
+    ),
+    "shift": (
+        robot(
+            GROUND,
+            '<link name="f"/>',
+            joint("j", "ground", "f", "floating"),
+            link("b", 1, (1, 1, 1)),
+            joint("k", "f", "b", "continuous"),
+        ),
+        "fixed",
+        "r.urdf: joint 'j' can turn link 'f' without any inertia: ",
+    ),
+}
+
+
+@pytest.mark.parametrize(("urdf", "base", "message"), REFUSED.values(), ids=REFUSED)
+def test_a_joint_that_moves_without_inertia_is_named(urdf, base, message):
+    with pytest.raises(MechanismError) as caught:
+        build_mechanism(urdf, base)
+    assert str(caught.value).startswith(message)
+
+
+def test_a_pose_in_which_a_joint_idles_is_refused_where_others_are_not():
+    """A point on two crossed hinges: along the first axis it is at nobody's hinge."""
+    urdf = robot(GROUND, *CROSS, BOB, joint("two", "cross", "bob", "continuous", Y))
+    system = System(build_mechanism(urdf, "fixed", (0.0, 0.0, -9.81)))
+    simulate(system, duration=0.01, q=[1.0, 0.0, np.cos(1.0), np.sin(1.0)])
+    with pytest.raises(MechanismError, match="initial pose: in this pose joint 'one' can turn link 'cross'"):
+        simulate(system, duration=0.01, q=[1.0, 0.0, 0.0, 1.0])
