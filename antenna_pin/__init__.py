@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from antenna_pin.assemble import build_system, initial_state, urdf_variant
-    from antenna_pin.constraints import Anchor, Closure
+    from antenna_pin.constraints import Anchor, Closure, Coupling
     from antenna_pin.dynamics import System, assembled
     from antenna_pin.errors import AntennaPinError
     from antenna_pin.joints import ClearanceJoint
@@ -33,6 +33,7 @@ _HOMES = {
     "AntennaPinError": "errors",
     "ClearanceJoint": "joints",
     "Closure": "constraints",
+    "Coupling": "constraints",
     "Counts": "trajectory",
     "ErrorScales": "settings",
     "Mechanism": "mechanism",
@@ -65,6 +66,7 @@ __all__ = [
     "AntennaPinError",
     "ClearanceJoint",
     "Closure",
+    "Coupling",
     "Counts",
     "ErrorScales",
     "Mechanism",

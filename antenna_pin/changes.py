@@ -65,7 +65,7 @@ class LinkChange:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JointChange:
-    """What differs from the URDF in a joint's place, axis and ``<dynamics>``; None where nothing does.
+    """What differs from the URDF in a joint's place, axis, ``<dynamics>`` and ``<mimic>``; None: nothing.
 
     Attributes:
         origin_xyz: Of the joint's frame in its parent link's [m].
@@ -73,6 +73,7 @@ class JointChange:
         axis: In the joint's frame, any length but zero [-].
         damping: Of the joint itself, viscous [N*m*s/rad] ([N*s/m]).
         friction: Of the joint itself, Coulomb's [N*m] ([N]).
+        mimic: False takes its ``<mimic>`` out, so that it follows no other joint.
     """
 
     origin_xyz: tuple[float, ...] | None = parameter("m", sizes=(3,), default=None)
@@ -80,6 +81,7 @@ class JointChange:
     axis: tuple[float, ...] | None = parameter("1", sizes=(3,), default=None)
     damping: float | None = parameter("N*m*s/rad", sliding="N*s/m", rule="zero or more", default=None)
     friction: float | None = parameter("N*m", sliding="N", rule="zero or more", default=None)
+    mimic: bool | None = None
 
     def __post_init__(self) -> None:
         """Refuse what is no place and no direction."""

@@ -8,6 +8,7 @@ laws, shapes and elements stand with their kernels.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -22,9 +23,23 @@ __all__ = [
     "memory_numbers",
     "memory_records",
     "place_of",
+    "check_names",
     "layout",
     "words_of",
 ]
+
+
+def check_names(names: Iterable[str]) -> None:
+    """Refuse names of fields that a record of NumPy's has itself: read uncompiled, they would be those.
+
+    Raises:
+        ValueError: Says which.
+    """
+    if taken := [name for name in names if hasattr(np.record, name)]:
+        raise ValueError(
+            f"record: no field may have the name of an attribute of numpy.record, got {', '.join(taken)}: "
+            "without the compiler it would be that attribute; take another name"
+        )
 
 
 def layout(*fields: Any) -> np.dtype[Any]:
@@ -32,7 +47,11 @@ def layout(*fields: Any) -> np.dtype[Any]:
 
     Args:
         *fields: As NumPy takes them, of 8-byte numbers: ``("rate", "f8")``, ``("normal", "f8", (3,))``.
+
+    Raises:
+        ValueError: A field that NumPy's own attributes would hide.
     """
+    check_names(field[0] for field in fields)
     return np.dtype((np.record, list(fields)))
 
 

@@ -1,31 +1,68 @@
-"""The kernels are plain Python too: the same numbers without the compiler."""
+"""The kernels are plain Python too: the same numbers without the compiler, for every kind of part."""
 
 import json
 import os
+import re
 import subprocess
 import sys
+from pathlib import Path
+from typing import get_args
 
+import every_kind
+import numpy as np
 import pytest
 
-from antenna_pin import load_scenario, simulate
+from antenna_pin.constraints import CLOSURES
+from antenna_pin.contact._records import dissipation_record
+from antenna_pin.elements import PointSpring
+from antenna_pin.elements.registry import ELEMENTS
+from antenna_pin.records import layout
+from antenna_pin.scenario import ClearanceSpec
 
-SCRIPT = """
-import json
-from antenna_pin import load_scenario, simulate
-run = simulate(load_scenario("bai2020", case="case3"), duration=0.017)
-last = [run.data[name].values[-1].tolist() for name in ("q", "v")]
-print(json.dumps([run.counts.evaluations, *last]))
-"""
+SCRIPT = "import json, every_kind; print(json.dumps(every_kind.told()))"
 
 
-def test_a_run_without_the_compiler_gives_the_same_numbers():
-    """No fastmath: what differs is the round-off of a few thousand evaluations."""
-    environment = {**os.environ, "NUMBA_DISABLE_JIT": "1"}
+@pytest.fixture(scope="module")
+def without():
+    """How the runs end without the compiler."""
+    path = os.pathsep.join([str(Path(every_kind.__file__).parent), *sys.path])
+    environment = {**os.environ, "NUMBA_DISABLE_JIT": "1", "PYTHONPATH": path}
     done = subprocess.run(
         [sys.executable, "-c", SCRIPT], env=environment, capture_output=True, text=True, check=True
     )
-    evaluations, q, v = json.loads(done.stdout)
-    run = simulate(load_scenario("bai2020", case="case3"), duration=0.017)
-    assert evaluations == run.counts.evaluations
-    assert q == pytest.approx(run.data["q"].values[-1], rel=1e-9, abs=1e-13)
-    assert v == pytest.approx(run.data["v"].values[-1], rel=1e-9, abs=1e-11)
+    return json.loads(done.stdout)
+
+
+def test_runs_without_the_compiler_give_the_same_numbers(without):
+    """No fastmath: what differs is the round-off of some hundred evaluations."""
+    compiled = every_kind.told()
+    assert set(compiled) == set(without)
+    for name, (evaluations, end) in compiled.items():
+        plainly, other = without[name]
+        assert plainly == evaluations, name
+        assert other == pytest.approx(end, rel=1e-9, abs=1e-11), name
+
+
+def test_every_kind_runs_without_the_compiler():
+    """A new element, joint with play or closure takes its place among them."""
+    parts = [*every_kind.DRIVES.values(), *every_kind.IN_PYTHON.values(), *every_kind.SPRINGS.values()]
+    assert {type(part) for part in parts} == {*ELEMENTS, PointSpring}
+    models = {
+        model for cls in get_args(ClearanceSpec) for model in get_args(cls.model_fields["model"].annotation)
+    }
+    assert models - {"ideal", "constraint"} == set(every_kind.PLAY) - {"coal"}
+    runs = {name for name, _ in every_kind.systems()}
+    assert {f"{kind} closure" for kind in CLOSURES} <= runs
+
+
+def test_a_record_refuses_names_that_numpy_has():
+    """Without the compiler ``record.diagonal`` would be NumPy's method, whatever stands in the field."""
+    assert layout(("inverses", "i8"), ("centre", "f8", (3,))).names == ("inverses", "centre")
+    for name in ("base", "diagonal", "size", "T"):
+        for declare in (
+            lambda name=name: layout(("rate", "f8"), (name, "f8")),
+            lambda name=name: dissipation_record(name),
+        ):
+            with pytest.raises(ValueError, match=re.escape(f"an attribute of numpy.record, got {name}:")):
+                declare()
+        assert hasattr(np.record, name)

@@ -16,11 +16,14 @@ if TYPE_CHECKING:
     from antenna_pin.analysis.closures import (
         closure_loads,
         closures_of,
+        coupling_loads,
+        couplings_of,
         drive_loads,
         drive_power,
         drives_of,
         effort_unit,
         said_of_constraints,
+        said_of_coupling,
         said_of_singular,
     )
     from antenna_pin.analysis.deviation import (
@@ -125,6 +128,8 @@ __all__ = [
     "clearance_shapes",
     "closure_loads",
     "closures_of",
+    "coupling_loads",
+    "couplings_of",
     "deviation",
     "diagram_verdicts",
     "deviation_measures",
@@ -163,6 +168,7 @@ __all__ = [
     "recurrence",
     "resampled",
     "said_of_constraints",
+    "said_of_coupling",
     "said_of_limits",
     "said_of_singular",
     "said_of_spin",
@@ -198,8 +204,8 @@ loaded_when_used(
         "body": "body_deviation body_motion moved_body",
         "branch": "StabilitySpan stability_spans unexplained_changes",
         "chaos_test": "Chaos ChaosTest chaos_test",
-        "closures": "closure_loads closures_of drive_loads drive_power drives_of"
-        " effort_unit said_of_constraints said_of_singular",
+        "closures": "closure_loads closures_of coupling_loads couplings_of drive_loads drive_power drives_of"
+        " effort_unit said_of_constraints said_of_coupling said_of_singular",
         "diagrams": "Verdict diagram_verdicts said_of_verdicts",
         "deviation": "Deviation DeviationMeasures deviation deviation_measures deviation_over_time",
         "elastic": "SPIN_WITHIN elastic_motion elastic_parts_of modal_energy said_of_spin",

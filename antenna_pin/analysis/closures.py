@@ -1,4 +1,4 @@
-"""What the closures of loops and prescribed motions of a run carried, and how many they are."""
+"""What closures of loops, couplings and prescribed motions of a run carried, and how many they are."""
 
 from __future__ import annotations
 
@@ -11,17 +11,20 @@ import xarray as xr
 
 from antenna_pin.analysis._run import Array, RunLike, data_of, sample_times
 from antenna_pin.analysis.sampled import time_rms
-from antenna_pin.readable import readable
+from antenna_pin.readable import GIVEN, number, readable
 from antenna_pin.trajectory import names_along
 
 __all__ = [
     "closure_loads",
     "closures_of",
+    "coupling_loads",
+    "couplings_of",
     "drive_power",
     "drive_loads",
     "drives_of",
     "effort_unit",
     "said_of_constraints",
+    "said_of_coupling",
     "said_of_singular",
 ]
 
@@ -29,6 +32,12 @@ __all__ = [
 def closures_of(run: RunLike) -> dict[str, dict[str, Any]]:
     """Return the closures of a run by name: kind, links and placements, as a result carries them."""
     found: dict[str, dict[str, Any]] = json.loads(data_of(run).attrs.get("closures", "{}"))
+    return found
+
+
+def couplings_of(run: RunLike) -> dict[str, dict[str, Any]]:
+    """Return the couplings of a run by name: joints, multiplier and offset, as a result carries them."""
+    found: dict[str, dict[str, Any]] = json.loads(data_of(run).attrs.get("couplings", "{}"))
     return found
 
 
@@ -46,6 +55,7 @@ def effort_unit(run: RunLike, drive: str) -> str:
     return "N" if drives_of(run).get(drive, {}).get("slides") else "N m"
 
 
+_MINUS = "\N{MINUS SIGN}"
 _NAMED = 5  # singular positions of which the times are said
 
 _FORCES = {
@@ -54,6 +64,11 @@ _FORCES = {
     "rms_force": ("N", "root mean square of the force"),
     "peak_moment": ("N m", "largest moment at a sample"),
     "rms_moment": ("N m", "root mean square of the moment"),
+}
+_TORQUES = {
+    "peak_torque": ("N m", "largest size of the torque on the follower at a sample (N if it slides)"),
+    "time_of_peak_torque": ("s", "when it was"),
+    "rms_torque": ("N m", "root mean square of the torque on the follower (N if it slides)"),
 }
 _EFFORTS = {
     "peak_effort": ("N m", "largest size of the effort at a sample (N if it slides)"),
@@ -88,6 +103,28 @@ def closure_loads(run: RunLike) -> xr.Dataset:
         rms = float(time_rms(time, force)), float(time_rms(time, moment))
         rows.append([float(force.max()), at, rms[0], float(moment.max()), rms[1]])
     return _table("closure", names_along(data, "closure"), rows, _FORCES)
+
+
+def coupling_loads(run: RunLike) -> xr.Dataset:
+    """Return what each coupling of a run carried: the torque on its follower.
+
+    That on its leader is the same times minus the multiplier.
+
+    Args:
+        run: A run, or its data.
+
+    Returns:
+        Over ``coupling``: ``peak_torque`` [N m] ([N] if the follower slides), ``time_of_peak_torque`` [s],
+        ``rms_torque``; no rows for a run without couplings.
+    """
+    data = data_of(run)
+    time = sample_times(data, "coupling_loads")
+    rows = []
+    for name in names_along(data, "coupling"):
+        torque = np.asarray(data["coupling_torque"].sel(coupling=name).values, dtype=float)
+        at = int(np.argmax(np.abs(torque)))
+        rows.append([abs(float(torque[at])), float(time[at]), float(time_rms(time, torque))])
+    return _table("coupling", names_along(data, "coupling"), rows, _TORQUES)
 
 
 def drive_loads(run: RunLike) -> xr.Dataset:
@@ -141,16 +178,16 @@ def _table(
 
 
 def said_of_constraints(counts: Mapping[str, Any]) -> str:
-    """Return in a sentence how many equations closures and motions are, and what they leave free.
+    """Return in a sentence how many equations closures, couplings and motions are, and what they leave free.
 
     Args:
         counts: As of ``Trajectory.constraints``.
     """
     equations, rank, motions = (counts[key] for key in ("closure_equations", "closure_rank", "motions"))
     mobility, left = counts["mobility"], counts["freedoms_left"]
-    parts = [
-        f"{_many(equations, 'equation')} of closures, {rank} independent" if equations else "no closures",
-    ]
+    couplings = counts.get("couplings", 0)
+    of = " and ".join(["closures"] * (equations > couplings) + ["couplings"] * (couplings > 0))
+    parts = [f"{_many(equations, 'equation')} of {of}, {rank} independent" if equations else "no closures"]
     if equations > rank:
         parts[0] += f" ({_redundant(counts)})"
     if motions:
@@ -159,6 +196,21 @@ def said_of_constraints(counts: Mapping[str, Any]) -> str:
     else:
         parts.append(f"mobility {mobility}")
     return "; ".join(parts)
+
+
+def said_of_coupling(one: Mapping[str, Any]) -> str:
+    """Return a coupling as an equation: "finger = 2 · thumb + 5 mm".
+
+    Args:
+        one: As of :func:`couplings_of`.
+    """
+    follower, leader = ("m" if one[key] else "rad" for key in ("slides", "leader_slides"))
+    ratio = "" if follower == leader else f"{follower}/{leader}"
+    factor = readable(one["multiplier"], ratio, GIVEN) if ratio else number(one["multiplier"], GIVEN)
+    times = "" if factor == "1" else f"{factor} · "
+    offset = one["offset"]
+    behind = f" {'+' if offset > 0.0 else _MINUS} {readable(abs(offset), follower, GIVEN)}" if offset else ""
+    return f"{one['follower']} = {times}{one['leader']}{behind}"
 
 
 def said_of_singular(counts: Mapping[str, Any]) -> str:

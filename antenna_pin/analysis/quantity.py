@@ -33,7 +33,7 @@ import xarray as xr
 
 from antenna_pin.analysis._body_quantities import AXES, DERIVED, owners_of
 from antenna_pin.analysis._run import Array, RunLike, data_of, label_of, sample_times
-from antenna_pin.analysis.closures import drives_of, effort_unit
+from antenna_pin.analysis.closures import couplings_of, drives_of, effort_unit
 from antenna_pin.analysis.elastic import elastic_parts_of
 from antenna_pin.analysis.signals import signals
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
@@ -291,6 +291,8 @@ def _units(data: xr.Dataset, variable: str, labels: Sequence[str]) -> str:
         about = drives_of(data)
     elif variable == "deflection":
         about = elastic_parts_of(data)
+    elif variable == "coupling_torque":
+        return "N" if couplings_of(data).get(label, {}).get("slides") else units
     return "m" if about.get(label, {}).get("slides") else units
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import warnings
 
 from antenna_pin.assemble.closures import closures_of
+from antenna_pin.assemble.couplings import couplings_of
 from antenna_pin.assemble.flexible import by_name
 from antenna_pin.assemble.friction import frictions_of
 from antenna_pin.assemble.laws import clearance_joint
@@ -59,6 +60,7 @@ def build_system(scenario: Scenario) -> System:
             if spec.model == "constraint"
         },
         closures=closures_of(scenario, mechanism),
+        couplings=couplings_of(scenario, mechanism),
         elastic=by_name(scenario, parts),
     )
     _check_events(scenario, system)

@@ -6,7 +6,7 @@ from typing import Any
 
 from antenna_pin.assemble.build import build_system
 from antenna_pin.assemble.initial import initial_angles, initial_state
-from antenna_pin.dynamics import System, Workspace, constraint_counts
+from antenna_pin.dynamics import System, Workspace, constraint_counts, facts_of_couplings
 from antenna_pin.scenario import Scenario
 from antenna_pin.scenario.clearance import TouchingSpec
 
@@ -14,11 +14,12 @@ __all__ = ["scenario_facts"]
 
 
 def scenario_facts(scenario: Scenario) -> dict[str, Any]:
-    """Return what a scenario's case is: ``base``, ``joints``, ``closures``, ``drives``, ``constraints``.
+    """Return what a case is: ``base``, ``joints``, ``closures``, ``couplings``, ``drives``, ``constraints``.
 
     Joints and drives are said in words; a closure has its ``kind``, its ``links`` and how many ``equations``
-    it is; ``constraints`` is what :func:`antenna_pin.dynamics.constraint_counts` finds at the start, and
-    ``residuals`` is how well the loops are closed there [m], [rad].
+    it is, a coupling what a result tells of it; ``constraints`` is what
+    :func:`antenna_pin.dynamics.constraint_counts` finds at the start, and ``residuals`` is how well loops and
+    couplings are closed there [m], [rad].
 
     Raises:
         AntennaPinError: The scenario cannot be built, or its loops cannot be closed; one line that says why.
@@ -36,6 +37,7 @@ def scenario_facts(scenario: Scenario) -> dict[str, Any]:
             }
             for name, one in system.closures.items()
         },
+        "couplings": facts_of_couplings(system.mechanism, system.couplings),
         "drives": {name: _drive(system, name) for name in system.drives},
         "constraints": constraint_counts(system, y),
         "residuals": _residuals(system, y),

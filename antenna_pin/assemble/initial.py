@@ -9,7 +9,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from antenna_pin.assemble.places import check_known, check_motion, slides, where
-from antenna_pin.dynamics import BASE, System, assemble
+from antenna_pin.dynamics import BASE, System, assemble, put_followers
 from antenna_pin.elements import Motion
 from antenna_pin.errors import MechanismError, ScenarioError
 from antenna_pin.mechanism import JointSlot, Mechanism, frame_aligning_z
@@ -33,6 +33,7 @@ def initial_state(scenario: Scenario, system: System) -> tuple[Array, Array]:
     q, v = _initial_state(scenario, system.mechanism)
     if system.plan is None:
         return q, v
+    put_followers(system.mechanism, system.couplings.values(), q, _known_places(scenario, system))
     held_q, held_v = set(), set()
     if scenario.initial.base != InitialBaseSpec():
         held_q.add(BASE)
@@ -54,11 +55,23 @@ def initial_state(scenario: Scenario, system: System) -> tuple[Array, Array]:
 
 def initial_angles(scenario: Scenario, system: System) -> dict[str, float]:
     """Return the initial angles of the joints that turn without end, with their whole turns [rad]."""
-    known = {name: _angle(spec) for name, spec in scenario.initial.joints.items()}
+    known = _known_places(scenario, system)
+    # What couplings tell of is found with the state.
+    coupled = {name for one in system.couplings.values() for name in (one.follower, one.leader)}
+    return {name: known.get(name, 0.0) for name in system.turn_x if name in known or name not in coupled}
+
+
+def _known_places(scenario: Scenario, system: System) -> dict[str, float]:
+    """Return the positions that the scenario gives of joints, or prescribes [rad] or [m]."""
+    known = {
+        name: _angle(spec)
+        for name, spec in scenario.initial.joints.items()
+        if (spec.position, spec.angle) != (None, None)
+    }
     for drive in system.drives.values():
         if isinstance(drive, Motion):
             known[drive.joint] = drive.at(0.0)[0]
-    return {name: known.get(name, 0.0) for name in system.turn_x}
+    return known
 
 
 def _angle(spec: Any) -> float:

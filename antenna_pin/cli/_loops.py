@@ -1,13 +1,19 @@
-"""Tables of closed loops and prescribed motions, for ``antenna-pin analyse``."""
+"""Tables of closed loops, couplings and prescribed motions, for ``antenna-pin analyse``."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
+from antenna_pin.cli._records import records
 from antenna_pin.cli._tables import print_rows, text_of
+
+if TYPE_CHECKING:
+    from antenna_pin.trajectory import Trajectory
+
+__all__ = ["loops_of", "print_loops"]
 
 _CLOSURES = {
     "peak_force": "peak force [N]",
@@ -16,6 +22,7 @@ _CLOSURES = {
     "peak_moment": "peak moment [N m]",
     "rms_moment": "rms moment [N m]",
 }
+_COUPLINGS = {"peak_torque": "peak", "time_of_peak_torque": "at [s]", "rms_torque": "rms"}
 _DRIVES = {
     "peak_effort": "peak",
     "time_of_peak_effort": "at [s]",
@@ -26,13 +33,45 @@ _DRIVES = {
 }
 
 
+def loops_of(run: Trajectory) -> dict[str, Any]:
+    """Return how closures, couplings and motions were held, and what these and drives carried."""
+    from antenna_pin.analysis import (
+        closure_loads,
+        coupling_loads,
+        couplings_of,
+        drive_loads,
+        drives_of,
+        effort_unit,
+    )
+
+    about, couplings = drives_of(run), couplings_of(run)
+    return {
+        "constraints": run.constraints,
+        "closures": records(closure_loads(run), "closure"),
+        "couplings": [
+            {**one, "units": "N" if couplings[one["of"]]["slides"] else "N m"}
+            for one in records(coupling_loads(run), "coupling")
+        ],
+        "drives": [
+            {**one, "units": effort_unit(run, one["of"]), "motion": about[one["of"]]["motion"]}
+            for one in records(drive_loads(run), "drive")
+        ],
+    }
+
+
 def print_loops(label: str, found: Mapping[str, Any]) -> None:
-    """Print what closures and drives carried, and how many equations they are."""
+    """Print what closures, couplings and drives carried, and how many equations they are."""
     from antenna_pin.analysis import said_of_constraints, said_of_singular
 
     if found["closures"]:
         rows = [[one["of"], *(text_of(one[name]) for name in _CLOSURES)] for one in found["closures"]]
         print_rows(f"{label}: forces of closures", ("", *_CLOSURES.values()), rows)
+    if found["couplings"]:
+        rows = [
+            [f"{one['of']} [{one['units']}]", *(text_of(one[name]) for name in _COUPLINGS)]
+            for one in found["couplings"]
+        ]
+        print_rows(f"{label}: torques of couplings, on followers", ("", *_COUPLINGS.values()), rows)
     if found["drives"]:
         rows = [
             [

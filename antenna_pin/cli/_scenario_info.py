@@ -1,4 +1,4 @@
-"""What ``antenna-pin info`` says of a scenario: joints, closures and motions, and what they leave free."""
+"""What ``antenna-pin info`` says of a scenario: joints, closures, couplings, motions, and what is free."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def say_scenario(name: str, case: str | None, settings: Sequence[str] | None, as
 
 
 def _lines(facts: dict[str, Any]) -> Iterator[str]:
-    from antenna_pin.analysis import said_of_constraints
+    from antenna_pin.analysis import said_of_constraints, said_of_coupling
 
     counts = facts["constraints"]
     joints = facts["joints"]
@@ -52,10 +52,12 @@ def _lines(facts: dict[str, Any]) -> Iterator[str]:
     for closure, one in facts["closures"].items():
         first, second = one["links"]
         yield f"closure {closure}: {one['kind']}, {first} - {second}, {_many(one['equations'], 'equation')}"
+    for coupling, one in facts["couplings"].items():
+        yield f"coupling {coupling}: {said_of_coupling(one)}"
     for drive, text in facts["drives"].items():
         yield f"drive {drive}: {text}"
     yield said_of_constraints(counts)
-    if facts["closures"] or counts["motions"]:
+    if facts["closures"] or facts["couplings"] or counts["motions"]:
         gap, turn = facts["residuals"]
         yield f"the start is closed to {gap:.2g} m and {turn:.2g} rad"
 

@@ -41,6 +41,7 @@ _ENTRIES = {
     "impulse": ("impulse", "N s"),
     "dissipated": ("energy lost", "J"),
     "closure_equations": ("equations of closures", ""),
+    "couplings": ("those of couplings", ""),
     "closure_rank": ("independent equations of closures", ""),
     "rank": ("independent equations, those of motions among them", ""),
     "freedoms": ("freedoms of the tree", ""),
@@ -72,6 +73,7 @@ _PLAIN_GROUPS = (
     "constraints",
     "closures",
     "motions",
+    "couplings",
 )
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -12,13 +11,12 @@ import typer
 from antenna_pin.cli._common import complain, label_of, load_result, refuse, say
 from antenna_pin.cli._elastic import print_elastic
 from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, exported, parts_of, say_json, write_csv
-from antenna_pin.cli._loops import print_loops
+from antenna_pin.cli._loops import loops_of, print_loops
+from antenna_pin.cli._records import plain_number, records
 from antenna_pin.cli._tables import print_rows, text_of
 from antenna_pin.errors import InvalidParameterError
 
 if TYPE_CHECKING:
-    import xarray as xr
-
     from antenna_pin.trajectory import Trajectory
 
 ResultArgument = Annotated[Path, typer.Argument(metavar="FILE", help="Result file of a run.")]
@@ -43,7 +41,17 @@ _ROWS = (
 )
 _PEAKS = 3
 # What a CSV file has, one row for each number.
-_PARTS = ("deviation", "impacts", "loads", "settling", "closures", "drives", "elastic", "frequencies")
+_PARTS = (
+    "deviation",
+    "impacts",
+    "loads",
+    "settling",
+    "closures",
+    "couplings",
+    "drives",
+    "elastic",
+    "frequencies",
+)
 
 
 def analyse(
@@ -78,7 +86,7 @@ def analyse(
     else:
         notes.append("no joint with clearance: no impacts, loads and settling")
     if run.constraints:
-        found |= _loops(run)
+        found |= loops_of(run)
     if "elastic_part" in run.data.sizes:
         found["elastic"] = _elastic(run)
     found["frequencies"] = _frequencies(run, notes)
@@ -100,10 +108,10 @@ def _deviation(run: Trajectory, path: Path, notes: list[str]) -> list[dict[str, 
         {
             "of": one.of,
             "units": one.units,
-            "maximum": _number(one.maximum),
+            "maximum": plain_number(one.maximum),
             "time_of_maximum": one.time_of_maximum,
-            "rms": _number(one.rms),
-            "end": _number(one.end),
+            "rms": plain_number(one.rms),
+            "end": plain_number(one.end),
             "growth": str(one.growth),
         }
         for one in deviation_measures(run, reference)
@@ -118,38 +126,22 @@ def _contact(run: Trajectory, longest_gap: float) -> dict[str, Any]:
         {str(name): str(name).removeprefix("joint_") for name in loads if str(name).startswith("joint_")}
     )
     return {
-        "impacts": _records(impact_statistics(impacts(run)), "contact"),
-        "loads": _records(joints, "clearance_joint")
-        + _records(loads.drop_dims("clearance_joint"), "contact"),
+        "impacts": records(impact_statistics(impacts(run)), "contact"),
+        "loads": records(joints, "clearance_joint") + records(loads.drop_dims("clearance_joint"), "contact"),
         "settling": [
             {
                 "joint": one.joint,
                 "time": one.time,
                 "note": one.note,
                 "longest_gap": one.longest_gap,
-                "share_before": _number(one.share_before),
-                "share_after": _number(one.share_after),
-                "decay_rate": _number(one.decay_rate),
-                "decay_r2": _number(one.decay_r2),
+                "share_before": plain_number(one.share_before),
+                "share_after": plain_number(one.share_after),
+                "decay_rate": plain_number(one.decay_rate),
+                "decay_r2": plain_number(one.decay_r2),
                 "decays": one.decays,
                 "driven": one.driven,
             }
             for one in settling(run, longest_gap=longest_gap)
-        ],
-    }
-
-
-def _loops(run: Trajectory) -> dict[str, Any]:
-    """Return how closures and motions were held, and what closures and drives carried."""
-    from antenna_pin.analysis import closure_loads, drive_loads, drives_of, effort_unit
-
-    about = drives_of(run)
-    return {
-        "constraints": run.constraints,
-        "closures": _records(closure_loads(run), "closure"),
-        "drives": [
-            {**one, "units": effort_unit(run, one["of"]), "motion": about[one["of"]]["motion"]}
-            for one in _records(drive_loads(run), "drive")
         ],
     }
 
@@ -160,7 +152,7 @@ def _elastic(run: Trajectory) -> list[dict[str, Any]]:
     about = elastic_parts_of(run)
     return [
         {**one, "units": "m" if about[one["of"]]["slides"] else "rad"}
-        for one in _records(elastic_motion(run), "elastic_part")
+        for one in records(elastic_motion(run), "elastic_part")
     ]
 
 
@@ -187,27 +179,6 @@ def _frequencies(run: Trajectory, notes: list[str]) -> list[dict[str, Any]]:
             }
         )
     return result
-
-
-def _records(table: xr.Dataset, dim: str) -> list[dict[str, Any]]:
-    """Return the rows of a table in plain numbers; None where there is none."""
-    return [
-        {"of": str(name)}
-        | {
-            str(column): _number(table[column].values[k])
-            if table[column].ndim == 1
-            else {
-                f"{p:g}": _number(x)
-                for p, x in zip(table["percent"].values, table[column].values[k], strict=True)
-            }
-            for column in table.data_vars
-        }
-        for k, name in enumerate(table[dim].values)
-    ]
-
-
-def _number(value: Any) -> float | int | None:
-    return None if math.isnan(value) else value.item() if hasattr(value, "item") else value
 
 
 def _print(label: str, found: dict[str, Any]) -> None:

@@ -213,3 +213,6 @@ def urdf(
     if chosen.closures:
         names = ", ".join(chosen.closures)
         typer.echo(f"note: a URDF is a tree; the closures of the scenario are not in it: {names}")
+    if chosen.couplings:
+        names = ", ".join(chosen.couplings)
+        typer.echo(f"note: the couplings of the scenario are not in it: {names}")

@@ -1,4 +1,4 @@
-"""Closed loops and prescribed motions: what joints must satisfy besides the tree, and how it is held."""
+"""Closed loops, couplings and motions: what joints must satisfy besides the tree, and how it is held."""
 
 from antenna_pin.constraints.assembly import (
     Mobility,
@@ -12,6 +12,7 @@ from antenna_pin.constraints.assembly import (
     worst_row,
 )
 from antenna_pin.constraints.closure import CLOSURES, WORLD, Anchor, Closure, ClosureKind, Holds
+from antenna_pin.constraints.coupling import Coupling, check_order, spread
 from antenna_pin.constraints.plan import DrivenJoint, Plan, make_plan, on_body
 from antenna_pin.constraints.solver import Constraints
 
@@ -22,11 +23,13 @@ __all__ = [
     "Closure",
     "ClosureKind",
     "Constraints",
+    "Coupling",
     "DrivenJoint",
     "Holds",
     "Mobility",
     "Plan",
     "Unclosed",
+    "check_order",
     "directions",
     "find_configuration",
     "find_velocity",
@@ -35,5 +38,6 @@ __all__ = [
     "mobility",
     "on_body",
     "redundancies",
+    "spread",
     "worst_row",
 ]

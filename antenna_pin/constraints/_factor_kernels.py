@@ -18,7 +18,7 @@ import numpy as np
 
 from antenna_pin._compile import inlined, kernel
 from antenna_pin._lanes import LANES, lane, put_lane, same_lane, sum_of_lane
-from antenna_pin.constraints._layout_kernels import closure_at, driven_at, found_in, plan_of
+from antenna_pin.constraints._layout_kernels import closure_at, coupled_at, driven_at, found_in, plan_of
 from antenna_pin.constraints._root_kernels import write_root
 
 #: What is left of a row that depends on others, of its length, at most: of true redundancy it is round-off. A
@@ -98,7 +98,7 @@ def factorize(plan: Any, work: Any, mass: Any) -> None:
         order[p], order[best] = order[best], order[p]
         if share < ENOUGH:
             length *= _clean(plan, work, p, length, own, triangle)
-        work[head.diagonal + p] = 1.0 / length
+        work[head.inverses + p] = 1.0 / length
         count = _gather(nv, own, numbers, at)
         _take_out(p, nv, width, count, numbers, at, left, triangle, squares)
 
@@ -139,6 +139,8 @@ def _reduce(plan: Any, work: Any, left: Any, squares: Any, weights: Any) -> None
                 left[entry + LANES * i] = 0.0
     for m in range(head.motions):
         _scale(largest, driven_at(plan, m).row, 1)
+    for k in range(head.couplings):
+        _scale(largest, coupled_at(plan, k).row, 1)
     for k in range(head.closures):
         closure = closure_at(plan, k)
         ways = closure.along[0] + closure.along[1] + closure.along[2]

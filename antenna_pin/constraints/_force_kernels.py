@@ -1,11 +1,18 @@
-"""Forces of closures and motions at samples, compiled: of redundant equations those of least norm."""
+"""Forces of closures, motions and couplings at samples, compiled: of redundant equations the least."""
 
 from __future__ import annotations
 
 from typing import Any
 
 from antenna_pin._compile import inlined, kernel
-from antenna_pin.constraints._layout_kernels import closure_at, driven_at, found_in, place_at, plan_of
+from antenna_pin.constraints._layout_kernels import (
+    closure_at,
+    coupled_at,
+    driven_at,
+    found_in,
+    place_at,
+    plan_of,
+)
 from antenna_pin.constraints._root_kernels import solve_back, solve_forth, write_root
 from antenna_pin.constraints._solve_kernels import accelerate
 
@@ -37,7 +44,7 @@ def least_forces(plan: Any, work: Any, room: Any, out: Any) -> None:
             total = work[triangle + j * width + rank + c]
             for i in range(j + 1, rank):
                 total -= work[triangle + j * width + i] * share[i * fewer + c]
-            share[j * fewer + c] = total * work[head.diagonal + j]
+            share[j * fewer + c] = total * work[head.inverses + j]
     at = rank * fewer
     square, at = room[at : at + fewer * fewer].reshape((fewer, fewer)), at + fewer * fewer
     root, at = room[at : at + fewer * fewer], at + fewer * fewer
@@ -126,12 +133,19 @@ def wrenches(plan: Any, work: Any, forces: Any, out: Any) -> None:
 
 
 @kernel
-def motion_forces(plan: Any, forces: Any, out: Any) -> None:
-    """Write the forces [N] and torques [N m] that hold the motions, (motions,), for multipliers."""
+def joint_forces(plan: Any, forces: Any, out: Any) -> None:
+    """Write the forces [N] and torques [N m] that hold motions, and couplings' followers, for multipliers.
+
+    First those of the motions, then those of the couplings, (motions + couplings,).
+    """
     head = plan_of(plan)
     for m in range(head.motions):
         driven = driven_at(plan, m)
         out[m] = forces[driven.row] * (1.0 if driven.slides != 0 else head.length)
+    for k in range(head.couplings):
+        coupled = coupled_at(plan, k)
+        number = coupled.scale * (1.0 if coupled.slides != 0 else head.length)
+        out[head.motions + k] = forces[coupled.row] * number
 
 
 @kernel
@@ -148,15 +162,15 @@ def observe_held(
     forces: Any,
     rates: Any,
     closures: Any,
-    motions: Any,
+    joints: Any,
 ) -> None:
-    """Write accelerations of a state under constraints, and what holds its closures and motions.
+    """Write accelerations of a state under constraints, and what holds its closures, motions and couplings.
 
     The first eight arguments are those of :func:`antenna_pin.constraints._solve_kernels.accelerate`; all
     behind them is written to: room and multipliers of :func:`least_forces`, [accelerations, rates of x],
-    (nv + nx,), wrenches, (closures, 2, 3), and what holds the motions, (motions,).
+    (nv + nx,), wrenches, (closures, 2, 3), and what holds motions and couplings, (motions + couplings,).
     """
     accelerate(t, y, program, plan, work, effort, mass, bias, rates)
     least_forces(plan, work, room, forces)
     wrenches(plan, work, forces, closures)
-    motion_forces(plan, forces, motions)
+    joint_forces(plan, forces, joints)

@@ -1,8 +1,9 @@
 """How the constraints of a system lie in flat numbers: declared once, read by name.
 
 ``plan`` does not change during a run: ``PLAN``, then the tree's bodies, then a ``CLOSURE`` for each
-closure, then a ``DRIVEN`` for each motion. ``work`` is what a run works on: a ``PLACE`` for each body, one
-for scratch and those of a closure's two frames, then numbers whose starts the plan's head names.
+closure, a ``DRIVEN`` for each motion, a ``COUPLED`` for each coupling. ``work`` is what a run works on: a
+``PLACE`` for each body, one for scratch and those of a closure's two frames, then numbers whose starts the
+plan's head names.
 """
 
 from __future__ import annotations
@@ -13,19 +14,21 @@ from antenna_pin._compile import inlined, record
 from antenna_pin.mechanism._tree_kernels import BODY, PLACE
 from antenna_pin.records import layout, words_of
 
-#: Head of a plan. Sizes: bodies, closures, motions, rows of all constraints, their number in whole lanes
-#: (``width``; zeros fill the last), nq and nv, this in whole lanes (``span``). Length by which turns count
-#: against ways [m]. Where in a work array the following start. By the rows' own numbers: J^T, (nv, width);
-#: what accelerations lack, residuals of position and of velocity, multipliers, and the share that was left of
-#: each row, each (width,). By the places of the rows in the order in which they are made orthogonal: what is
-#: left of L^-1 J^T behind the directions, (width / LANES, nv, LANES); the directions, (rows, span); the
-#: triangle R without its diagonal, (rows, width), and the diagonal's inverses; the squares of the lengths
-#: that are left, by what these count, and which rows stand there, each (width,). L with inverses on the
-#: diagonal, (nv, nv); where its rows begin, (nv,); numbers for scratch, (2, max(span, width)); ``FOUND``.
+#: Head of a plan. Sizes: bodies, closures, motions, couplings, rows of all constraints, their number in
+#: whole lanes (``width``; zeros fill the last), nq and nv, this in whole lanes (``span``). Length by which
+#: turns count against ways [m]. Where in a work array the following start. By the rows' own numbers: J^T,
+#: (nv, width); what accelerations lack, residuals of position and of velocity, multipliers, and the share
+#: that was left of each row, each (width,). By the places of the rows in the order in which they are made
+#: orthogonal: what is left of L^-1 J^T behind the directions, (width / LANES, nv, LANES); the directions,
+#: (rows, span); the triangle R without its diagonal, (rows, width), and that one's ``inverses``; the squares
+#: of the lengths that are left, by what these count, and which rows stand there, each (width,). L with
+#: inverses on the diagonal, (nv, nv); where its rows begin, (nv,); numbers for scratch, (2, max(span,
+#: width)); ``FOUND``.
 PLAN = layout(
     ("bodies", "i8"),
     ("closures", "i8"),
     ("motions", "i8"),
+    ("couplings", "i8"),
     ("rows", "i8"),
     ("width", "i8"),
     ("nq", "i8"),
@@ -41,7 +44,7 @@ PLAN = layout(
     ("reduced", "i8"),
     ("directions", "i8"),
     ("triangle", "i8"),
-    ("diagonal", "i8"),
+    ("inverses", "i8"),
     ("squares", "i8"),
     ("weights", "i8"),
     ("order", "i8"),
@@ -86,6 +89,22 @@ DRIVEN = layout(
 )
 DRIVEN_WORDS = words_of(DRIVEN)
 
+#: A coupling: its row, whether its follower slides, multiplier and offset, by what the row is multiplied so
+#: that its larger number is the one that a motion's row has; of follower and leader, in this order, the
+#: starts of q and v, and the place of the turned angle in x (-1: none). A leader that does not move has a
+#: multiplier of zero and the follower's places.
+COUPLED = layout(
+    ("row", "i8"),
+    ("slides", "i8"),
+    ("multiplier", "f8"),
+    ("offset", "f8"),
+    ("scale", "f8"),
+    ("q", "i8", (2,)),
+    ("v", "i8", (2,)),
+    ("turn", "i8", (2,)),
+)
+COUPLED_WORDS = words_of(COUPLED)
+
 #: What solving finds: rank; the least of what was left of a row counted as independent, and the most of one
 #: that was not, over its scale [-]; largest residual in ways [m], turns [rad] and their rates.
 FOUND = layout(
@@ -129,6 +148,15 @@ def driven_at(plan: Any, m: int) -> Any:
     head = plan_of(plan)
     at = PLAN_WORDS + BODY_WORDS * head.bodies + CLOSURE_WORDS * head.closures + DRIVEN_WORDS * m
     return record(plan[at : at + DRIVEN_WORDS], DRIVEN)
+
+
+@inlined
+def coupled_at(plan: Any, k: int) -> Any:
+    """Return a coupling."""
+    head = plan_of(plan)
+    at = PLAN_WORDS + BODY_WORDS * head.bodies + CLOSURE_WORDS * head.closures
+    at += DRIVEN_WORDS * head.motions + COUPLED_WORDS * k
+    return record(plan[at : at + COUPLED_WORDS], COUPLED)
 
 
 @inlined

@@ -4,6 +4,9 @@ A row is one equation: ``J a = lack`` of accelerations, ``J v = 0`` of velocitie
 with residuals ``gap`` and ``speed``. Rows that hold turns are multiplied by the plan's length, so that all
 count in metres.
 
+A coupling's is ``follower - multiplier leader = offset`` in the positions of two joints, multiplied by what
+makes the larger of its two numbers that of a turn or way alone.
+
 Of a closure let A and B be its frames, d the way from A's origin to B's, n an axis of A, w angular velocities
 and v_r = v_B - v_A - w_A x d the velocity of B's origin as seen from A. Held along n::
 
@@ -33,6 +36,7 @@ from antenna_pin.constraints._layout_kernels import (
     PLACE_WORDS,
     PLAN_WORDS,
     closure_at,
+    coupled_at,
     driven_at,
     found_in,
     place_at,
@@ -47,6 +51,9 @@ from antenna_pin.mechanism._tree_kernels import (
     place_bodies,
     unwrapped,
 )
+
+# Of a difference of numbers, over the sum of their sizes: of each half an ulp, some times over.
+_ROUND_OFF = 4.0 * 2.220446049250313e-16
 
 
 @kernel
@@ -80,6 +87,8 @@ def _write(t: float, y: Any, program: Any, plan: Any, work: Any, whole: bool) ->
             closure_columns(plan, work, closure)
     for m in range(head.motions):
         _motion_row(t, y, program, plan, work, driven_at(plan, m))
+    for k in range(head.couplings):
+        _coupling_row(y, plan, work, coupled_at(plan, k))
 
 
 @inlined
@@ -98,17 +107,42 @@ def _note(plan: Any, work: Any, row: int, turns: bool, gap: float, speed: float,
         found.speed = max(found.speed, abs(speed))
 
 
+@inlined
+def _position(y: Any, x: int, q: int, turn: int) -> float:
+    """Position of a joint with one axis in a state [q, v, x], where x begins: its angle with whole turns."""
+    if turn < 0:
+        return float(y[q])
+    return unwrapped(math.atan2(y[q + 1], y[q]), y[x + turn])
+
+
 @kernel
 def _motion_row(t: float, y: Any, program: Any, plan: Any, work: Any, driven: Any) -> None:
     head = plan_of(plan)
     wanted, rate, acceleration = elements.motion(driven.kind, program, driven.words, t)
-    angle = y[driven.q]
-    if driven.turn >= 0:
-        angle = unwrapped(math.atan2(y[driven.q + 1], y[driven.q]), y[head.nq + head.nv + driven.turn])
+    angle = _position(y, head.nq + head.nv, driven.q, driven.turn)
     turns = driven.slides == 0
     work[head.jacobian + driven.v * head.width + driven.row] = head.length if turns else 1.0
     speed = y[head.nq + driven.v] - rate
     _note(plan, work, driven.row, turns, angle - wanted, speed, acceleration)
+
+
+@kernel
+def _coupling_row(y: Any, plan: Any, work: Any, coupled: Any) -> None:
+    head = plan_of(plan)
+    q, v, turn, x = coupled.q, coupled.v, coupled.turn, head.nq + head.nv
+    follower = _position(y, x, q[0], turn[0])
+    led = coupled.multiplier * _position(y, x, q[1], turn[1])
+    gap = follower - led - coupled.offset
+    # Of angles of many turns round-off is more than what counts as closed, and is no residual.
+    if abs(gap) <= _ROUND_OFF * (abs(follower) + abs(led) + abs(coupled.offset)):
+        gap = 0.0
+    speed = y[head.nq + v[0]] - coupled.multiplier * y[head.nq + v[1]]
+    turns = coupled.slides == 0
+    number = coupled.scale * (head.length if turns else 1.0)
+    at = head.jacobian + coupled.row
+    work[at + v[1] * head.width] = -number * coupled.multiplier
+    work[at + v[0] * head.width] = number
+    _note(plan, work, coupled.row, turns, coupled.scale * gap, coupled.scale * speed, 0.0)
 
 
 @inlined

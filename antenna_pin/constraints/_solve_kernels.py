@@ -39,7 +39,7 @@ def _forward(plan: Any, work: Any, wanted: int, sign: float, out: Any) -> None:
     for s in range(rank):
         out[s] = sign * work[wanted + int(work[head.order + s])]
     for p in range(rank):
-        factor = out[p] * work[head.diagonal + p]
+        factor = out[p] * work[head.inverses + p]
         out[p] = factor
         # Before the place behind the diagonal the triangle has zeros.
         for c in range(p + 1 - (p + 1) % LANES, width, LANES):
@@ -128,7 +128,7 @@ def solve(y: Any, program: Any, plan: Any, work: Any, effort: Any, bias: Any, ra
         total = same_lane(0.0)
         for c in range(j + 1 - (j + 1) % LANES, width, LANES):
             total = total + lane(triangle, j * width + c) * lane(factors, c)
-        factors[j] = (factors[j] - sum_of_lane(total)) * work[head.diagonal + j]
+        factors[j] = (factors[j] - sum_of_lane(total)) * work[head.inverses + j]
         work[head.force + int(work[head.order + j])] = factors[j]
     for m in range(head.motions):
         driven = driven_at(plan, m)

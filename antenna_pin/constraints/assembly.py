@@ -41,7 +41,7 @@ class Unclosed:
 
     Attributes:
         residual: Largest of what the best one lacks [m] or [rad], or of the rates [m/s] or [rad/s].
-        row: The row of it, by its closure and what that holds, or by its motion.
+        row: The row of it, by its closure and what that holds, or by its motion or coupling.
         turns: Whether it is one of a turn.
     """
 
@@ -53,10 +53,9 @@ class Unclosed:
 def row_names(constraints: Constraints) -> list[tuple[str, bool]]:
     """Return what each row is, in words, and whether it holds a turn."""
     plan = constraints.plan
-    names = [
-        (f"motion {name!r}", scale != 1.0)
-        for name, scale in zip(plan.motions, constraints.motion_scales, strict=True)
-    ]
+    singles = [f"motion {name!r}" for name in plan.motions]
+    singles += [f"coupling {name!r}" for name in plan.couplings]
+    names = list(zip(singles, constraints.turning.tolist(), strict=True))
     for closure, rows in plan.rows.items():
         names += [(f"closure {closure!r}", not row.startswith("along")) for row in rows]
     return names
@@ -72,8 +71,9 @@ def _worst(constraints: Constraints, residuals: Array) -> Unclosed:
 
 def least_row(constraints: Constraints) -> str:
     """Return of which row the least was left when rows were last factorized, in words: a closure's first."""
-    names, motions = row_names(constraints), len(constraints.plan.motions)
-    rows = range(motions if constraints.plan.closures else 0, constraints.rows)
+    names, plan = row_names(constraints), constraints.plan
+    singles = len(plan.motions) + len(plan.couplings)
+    rows = range(singles if plan.closures else len(plan.motions) if plan.couplings else 0, constraints.rows)
     shares = np.where(constraints.shares > 0.0, constraints.shares, np.inf)
     return names[min(rows, key=lambda row: shares[row])][0]
 
@@ -203,7 +203,7 @@ class Mobility:
 
     Attributes:
         freedoms: Of the tree, nv.
-        closed: Equations of the closures.
+        closed: Equations of the closures and couplings.
         closed_rank: How many of them are independent.
         driven: Equations of the motions.
         rank: How many of all are independent.
@@ -217,17 +217,17 @@ class Mobility:
 
     @property
     def free(self) -> int:
-        """Freedoms that the closures leave, motions not counted."""
+        """Freedoms that closures and couplings leave, motions not counted."""
         return self.freedoms - self.closed_rank
 
     @property
     def left(self) -> int:
-        """Freedoms that closures and motions leave."""
+        """Freedoms that closures, couplings and motions leave."""
         return self.freedoms - self.rank
 
     @property
     def redundant(self) -> int:
-        """Equations of closures that others imply."""
+        """Equations of closures and couplings that others imply."""
         return self.closed - self.closed_rank
 
 
@@ -255,7 +255,7 @@ def _reduced(constraints: Constraints, t: float, y: Array, program: Array) -> Ar
 
 @dataclass(frozen=True, slots=True)
 class Redundancy:
-    """That equations of a closure follow from others.
+    """That equations of a closure or coupling follow from others.
 
     Attributes:
         equations: How many could be left out together.
@@ -267,7 +267,7 @@ class Redundancy:
 
 
 def redundancies(constraints: Constraints, t: float, y: Array, program: Array) -> dict[str, Redundancy]:
-    """Return which closures have equations that the other equations of closures imply, by name.
+    """Return which closures and couplings have equations that those of all others imply, by name.
 
     Where loops share what is redundant, each of them is named, so that the numbers may add up to more.
     """
@@ -275,8 +275,8 @@ def redundancies(constraints: Constraints, t: float, y: Array, program: Array) -
     rows = _reduced(constraints, t, y, program)[len(plan.motions) :]
     rank = _rank(rows)
     found = {}
-    for name, words in plan.rows.items():
-        start = plan.first_row[name] - len(plan.motions)
+    for name, first, words in plan.held():
+        start = first - len(plan.motions)
         own = range(start, start + len(words))
         equations = len(words) - (rank - _rank(np.delete(rows, own, axis=0)))
         if equations > 0:
@@ -298,8 +298,8 @@ def _scaled(constraints: Constraints, rows: Array) -> Array:
     counts = np.abs(constraints.jacobian).max(axis=1, initial=0.0)
     counts[counts <= NOTHING * plan.length] = 0.0  # round-off says nothing, beside whatever
     counts[: len(plan.motions)] = 1.0
-    for name, held in plan.rows.items():
-        first, end = plan.first_row[name], plan.first_row[name] + len(held)
+    for _, first, held in plan.held():
+        end = first + len(held)
         turns = first + sum(row.startswith("along") for row in held)
         for own in (slice(first, turns), slice(turns, end)):
             largest = counts[own].max(initial=0.0)

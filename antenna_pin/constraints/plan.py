@@ -1,8 +1,8 @@
-"""The constraints of a system in numbers: its closures and motions, and the tree that they act on."""
+"""The constraints of a system in numbers: closures, motions, couplings, and the tree that they act on."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from antenna_pin._lanes import LANES
 from antenna_pin.constraints import _layout_kernels as _layout
 from antenna_pin.constraints.closure import WORLD, Anchor, Closure
+from antenna_pin.constraints.coupling import Coupling
 from antenna_pin.errors import MechanismError, UnknownNameError
 from antenna_pin.mechanism import Mechanism, body_tree
 from antenna_pin.records import words_of
@@ -52,6 +53,7 @@ class Plan:
         rows: Of each closure, by name: what its rows hold (``along x``, ...), in their order.
         first_row: Of each closure.
         motions: Names of the drives that prescribe motions; theirs are the first rows.
+        couplings: Names of the couplings; theirs are the rows behind.
         length: By which turns count against ways [m].
     """
 
@@ -61,18 +63,37 @@ class Plan:
     rows: Mapping[str, tuple[str, ...]]
     first_row: Mapping[str, int]
     motions: tuple[str, ...]
+    couplings: tuple[str, ...]
     length: float
 
     @property
     def count(self) -> int:
         """Equations in all."""
-        return len(self.motions) + sum(map(len, self.rows.values()))
+        return len(self.motions) + len(self.couplings) + sum(map(len, self.rows.values()))
+
+    def held(self) -> Iterator[tuple[str, int, tuple[str, ...]]]:
+        """Yield of each coupling, then of each closure: its name, its first row, what its rows hold."""
+        for row, name in enumerate(self.couplings, len(self.motions)):
+            yield name, row, ("the coupling",)
+        for name, words in self.rows.items():
+            yield name, self.first_row[name], words
 
 
 def make_plan(
-    mechanism: Mechanism, closures: Mapping[str, Closure], motions: Sequence[DrivenJoint] = ()
+    mechanism: Mechanism,
+    closures: Mapping[str, Closure],
+    motions: Sequence[DrivenJoint] = (),
+    couplings: Mapping[str, Coupling] | None = None,
+    turns: Mapping[str, int] | None = None,
 ) -> Plan:
     """Lay out the constraints of a mechanism.
+
+    Args:
+        mechanism: The mechanism.
+        closures: By name.
+        motions: In the order of the system's.
+        couplings: By name; their followers move and their leaders do, or are fixed.
+        turns: Places of turned angles in x, by joint.
 
     Raises:
         UnknownNameError: A closure on a link that there is not.
@@ -82,7 +103,8 @@ def make_plan(
     records = np.zeros(len(closures), dtype=_layout.CLOSURE)
     rows: dict[str, tuple[str, ...]] = {}
     first_row: dict[str, int] = {}
-    row = len(motions)
+    couplings = couplings or {}
+    row = len(motions) + len(couplings)
     points = [0.0]
     for record, (name, closure) in zip(records, closures.items(), strict=True):
         sides = [on_body(mechanism, f"closure {name!r}", side) for side in (closure.first, closure.second)]
@@ -117,12 +139,14 @@ def make_plan(
         record["row"], record["q"], record["v"] = k, slot.q.start, slot.v.start
         record["slides"], record["turn"] = slot.kind == "prismatic", motion.turn
         record["kind"], record["words"], record["x"] = motion.kind, motion.words, motion.x
+    coupled = _coupled(mechanism, couplings, turns or {}, len(motions), length)
     tree = body_tree(mechanism)
     head = np.zeros(1, dtype=_layout.PLAN)
     size = _place_numbers(head, len(tree), row, model.nv)
     head["bodies"], head["closures"], head["motions"] = len(tree), len(closures), len(motions)
+    head["couplings"] = len(couplings)
     head["rows"], head["nq"], head["nv"], head["length"] = row, model.nq, model.nv, length
-    parts = [part.view(np.float64) for part in (head, tree, records, driven)]
+    parts = [part.view(np.float64) for part in (head, tree, records, driven, coupled)]
     return Plan(
         words=np.concatenate(parts),
         size=size,
@@ -130,8 +154,28 @@ def make_plan(
         rows=rows,
         first_row=first_row,
         motions=tuple(motion.name for motion in motions),
+        couplings=tuple(couplings),
         length=length,
     )
+
+
+def _coupled(
+    mechanism: Mechanism, couplings: Mapping[str, Coupling], turns: Mapping[str, int], row: int, length: float
+) -> NDArray[np.void]:
+    """Return the records of couplings whose rows begin at one."""
+    records = np.zeros(len(couplings), dtype=_layout.COUPLED)
+    for k, (record, coupling) in enumerate(zip(records, couplings.values(), strict=True)):
+        moves = coupling.leader in mechanism.joints
+        names = coupling.follower, coupling.leader if moves else coupling.follower
+        slots = [mechanism.joint(name) for name in names]
+        multiplier = coupling.multiplier if moves else 0.0
+        follower, leader = (1.0 if slot.kind == "prismatic" else length for slot in slots)
+        record["row"], record["slides"] = row + k, slots[0].kind == "prismatic"
+        record["multiplier"], record["offset"] = multiplier, coupling.offset
+        record["scale"] = 1.0 / max(1.0, abs(multiplier) * follower / leader)
+        record["q"], record["v"] = [slot.q.start for slot in slots], [slot.v.start for slot in slots]
+        record["turn"] = [turns.get(name, -1) for name in names]
+    return records
 
 
 def _place_numbers(head: NDArray[np.void], bodies: int, rows: int, nv: int) -> int:
@@ -149,7 +193,7 @@ def _place_numbers(head: NDArray[np.void], bodies: int, rows: int, nv: int) -> i
         "reduced": nv * width,
         "directions": rows * span,
         "triangle": rows * width,
-        "diagonal": width,
+        "inverses": width,
         "squares": width,
         "weights": width,
         "order": width,

@@ -73,9 +73,11 @@ class Constraints:
         self._least = np.zeros(rows)
         bodies, closures = int(head["bodies"]), int(head["closures"])
         driven = _layout.PLAN_WORDS + _layout.BODY_WORDS * bodies + _layout.CLOSURE_WORDS * closures
-        slides = plan.words[driven:].view(_layout.DRIVEN)["slides"]
-        #: By what the rows of motions are multiplied.
-        self.motion_scales = np.where(slides != 0, 1.0, plan.length)
+        coupled = driven + _layout.DRIVEN_WORDS * len(plan.motions)
+        slides = [plan.words[driven:coupled].view(_layout.DRIVEN)["slides"]]
+        slides.append(plan.words[coupled:].view(_layout.COUPLED)["slides"])
+        #: Whether the rows of motions and couplings, which come first, hold turns.
+        self.turning = np.concatenate(slides) == 0
 
     @property
     def found(self) -> Found:
@@ -109,9 +111,9 @@ class Constraints:
         return solve
 
     def observe(
-        self, t: float, y: Array, program: Array, effort: Array, rates: Array, closures: Array, motions: Array
+        self, t: float, y: Array, program: Array, effort: Array, rates: Array, closures: Array, joints: Array
     ) -> None:
-        """Write accelerations, and the forces that hold closures and motions: of redundant rows the least.
+        """Write accelerations, and forces of closures, motions and couplings: of redundant rows the least.
 
         Redundant rows share what their independent ones would carry alone. A turn's row counts with its
         moment over the plan's length.
@@ -124,7 +126,8 @@ class Constraints:
             rates: To write to: accelerations and rates of x, (nv + nx,).
             closures: To write to: force [N] and moment [N m] of each closure on its second link, in axes of
                 the first side's frame, the moment about the second side's point, (closures, 2, 3).
-            motions: To write to: the forces [N] and torques [N m] that hold the motions, (motions,).
+            joints: To write to: the forces [N] and torques [N m] that hold the motions, then those of the
+                couplings on their followers, (motions + couplings,).
         """
         nq, model, data = self.model.nq, self.model, self.data
         q, v = y[:nq], y[nq : nq + self.nv]
@@ -141,7 +144,7 @@ class Constraints:
             self._least,
             rates,
             closures,
-            motions,
+            joints,
         )
 
     def residuals(self, t: float, y: Array, program: Array) -> Found:

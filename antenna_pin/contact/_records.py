@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin._compile import record
+from antenna_pin.records import check_names
 
 _ELASTIC_ROOM = 8
 _DISSIPATION_ROOM = 6
@@ -31,8 +32,7 @@ def _record(size: int, first: int, room: int, names: tuple[str, ...]) -> np.dtyp
     """Return a record of ``size`` floats with names for those from ``first`` on, ``room`` of them at most."""
     if len(names) > room:
         raise ValueError(f"{', '.join(names)}: there is room for {room}")
-    if taken := [name for name in names if hasattr(np.record, name)]:
-        raise ValueError(f"{', '.join(taken)}: NumPy's own, so that it would not be read without compiling")
+    check_names(names)
     layout = {
         "names": names,
         "formats": ["f8"] * len(names),

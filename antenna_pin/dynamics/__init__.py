@@ -11,6 +11,7 @@ from antenna_pin.dynamics.assembly import (
     mobility_of,
 )
 from antenna_pin.dynamics.audit import Audit, audit
+from antenna_pin.dynamics.coupled import facts_of_couplings, put_followers
 from antenna_pin.dynamics.deflection import Deflections, deflections
 from antenna_pin.dynamics.evaluate import acceleration, contact_memory
 from antenna_pin.dynamics.held import HeldKind
@@ -55,11 +56,13 @@ __all__ = [
     "check_motions",
     "contact_memory",
     "deflections",
+    "facts_of_couplings",
     "joint_motion",
     "motion_block",
     "journal_attitudes",
     "constraint_counts",
     "mobility_of",
     "observed",
+    "put_followers",
     "sliding_motion",
 ]

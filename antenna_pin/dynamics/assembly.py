@@ -180,9 +180,11 @@ def mobility_of(system: System, y: Array) -> Mobility:
 def constraint_counts(system: System, y: Array) -> dict[str, Any]:
     """Return how many equations hold a system in a state [q, v, x], and what they leave free.
 
-    ``closure_equations``, ``closure_rank`` (independent ones), ``motions``, ``rank`` (of both), ``freedoms``
-    of the tree, ``mobility`` (what closures leave), ``freedoms_left`` (what both leave), and ``redundant``:
-    of each closure with equations that others imply, how many ``equations`` that are, and ``among`` which.
+    ``closure_equations`` of closures and couplings, how many of these are ``couplings``, if any,
+    ``closure_rank`` (independent ones), ``motions``, ``rank`` (of all), ``freedoms`` of the tree,
+    ``mobility`` (what closures and couplings leave), ``freedoms_left`` (what all leave), and ``redundant``:
+    of each closure or coupling with equations that others imply, how many ``equations`` that are, and
+    ``among`` which.
     """
     if system.plan is None:
         nv = system.model.nv
@@ -197,6 +199,7 @@ def constraint_counts(system: System, y: Array) -> dict[str, Any]:
         found = redundancies(workspace.constraints, 0.0, y, workspace.program)
     return {
         "closure_equations": count.closed,
+        **({"couplings": len(system.couplings)} if system.couplings else {}),
         "closure_rank": count.closed_rank,
         "motions": count.driven,
         "rank": count.rank,
@@ -298,10 +301,11 @@ def _check_reach(system: System, workspace: Workspace, y: Array, begin: float, e
 
 
 def _check_singular(system: System, workspace: Workspace, y: Array) -> None:
-    """Refuse motions that closures do not leave free, and a start where the rank is less than beside it."""
+    """Refuse motions that are not left free, and a start where the rank is less than beside it."""
     constraints = workspace.constraints
     assert constraints is not None
     program = workspace.program
+    held = "closures and couplings" if constraints.plan.couplings else "closures"
     here = mobility(constraints, 0.0, y, program)
     for motions in (True, False):
         ways = directions(constraints, y, program, motions=motions)
@@ -318,13 +322,14 @@ def _check_singular(system: System, workspace: Workspace, y: Array) -> None:
         if there.closed_rank > here.closed_rank or there.rank > here.rank:
             raise MechanismError(
                 f"initial state: a singular position: {here.rank} of {here.closed + here.driven} equations "
-                f"of closures and motions are independent here and {there.rank} beside it, so that the loops "
+                f"of {held} and motions are independent here and {there.rank} beside it, so that the loops "
                 "could go on in more ways than one; start off it"
             )
     if here.rank < here.closed_rank + here.driven:
         names = ", ".join(map(repr, constraints.plan.motions))
+        places = held if constraints.plan.couplings else "closures' points and axes"
         raise MechanismError(
-            f"motions {names}: the closures leave {here.free} freedoms, and {here.driven} motions prescribe "
+            f"motions {names}: the {held} leave {here.free} freedoms, and {here.driven} motions prescribe "
             f"{here.rank - here.closed_rank} of them independently; take motions away, or check the "
-            "closures' points and axes"
+            f"{places}"
         )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Mapping
 from typing import Literal
 
 import numpy as np
@@ -10,7 +11,7 @@ from antenna_pin.constraints import Anchor, Closure
 from antenna_pin.errors import InvalidParameterError, MechanismError
 from antenna_pin.mechanism import JointSlot, Mechanism, frame_aligning_z
 
-__all__ = ["HeldKind", "held_closure", "held_slot"]
+__all__ = ["HeldKind", "closures_by_name", "held_slot"]
 
 HeldKind = Literal["revolute", "prismatic", "spherical"]
 
@@ -25,7 +26,31 @@ def held_slot(mechanism: Mechanism, name: str) -> JointSlot:
     return slot
 
 
-def held_closure(mechanism: Mechanism, name: str, kind: HeldKind) -> Closure:
+def closures_by_name(
+    mechanism: Mechanism,
+    held: Mapping[str, HeldKind],
+    closures: Mapping[str, Closure],
+    play: Collection[str],
+) -> dict[str, Closure]:
+    """Return all closures by name, those of joints held by constraint first.
+
+    Args:
+        mechanism: The mechanism.
+        held: What each joint that is held is held to, by name.
+        closures: Those that close loops, by name.
+        play: Names of the joints with play.
+    """
+    found = {name: _held_closure(mechanism, name, kind) for name, kind in held.items()}
+    for name, closure in closures.items():
+        if name in found or name in play:
+            raise InvalidParameterError(
+                "System", f"closures[{name!r}]", "of another name than a joint's", name
+            )
+        found[name] = closure
+    return found
+
+
+def _held_closure(mechanism: Mechanism, name: str, kind: HeldKind) -> Closure:
     """Return the closure that holds a floating joint to a kind of joint at its own place."""
     if kind not in ("revolute", "prismatic", "spherical"):
         raise InvalidParameterError("System", f"held[{name!r}]", "revolute, prismatic or spherical", kind)

@@ -44,8 +44,9 @@ class Observed:
             and ``force`` on the second one's link, world axes [N], ``STRETCH``, (n, springs).
         closure: Force [N] and moment [N m] of each closure (n, closures, 2, 3), by
             :meth:`antenna_pin.constraints.Constraints.wrenches`; the least ones where some are redundant.
-        residual: Largest of closures and motions, of positions [m] and angles [rad] and of their rates [m/s],
-            [rad/s], (n, 4).
+        coupling: Force [N] or torque [N m] of each coupling on its follower, (n, couplings).
+        residual: Largest of closures, couplings and motions, of positions [m] and angles [rad] and of their
+            rates [m/s], [rad/s], (n, 4).
     """
 
     acceleration: Array
@@ -56,6 +57,7 @@ class Observed:
     audit: NDArray[Any]
     stretch: NDArray[Any]
     closure: Array
+    coupling: Array
     residual: Array
 
     @property
@@ -127,9 +129,9 @@ def observed(
             _sample_kernels.observe(first, last, False, *given)
     if workspace.constraints is None:
         accelerations, closure = _accelerations(model, states, forces), np.zeros((n, 0, 2, 3))
-        residual = np.zeros((n, 4))
+        coupling, residual = np.zeros((n, 0)), np.zeros((n, 4))
     else:
-        accelerations, closure, residual = _held(workspace, times, states, forces, programs, effort)
+        accelerations, closure, coupling, residual = _held(workspace, times, states, forces, programs, effort)
     return Observed(
         acceleration=accelerations,
         contact=contact,
@@ -139,6 +141,7 @@ def observed(
         audit=audits,
         stretch=stretch,
         closure=closure,
+        coupling=coupling,
         residual=residual,
     )
 
@@ -150,24 +153,25 @@ def _held(
     forces: Array,
     programs: Sequence[Array],
     effort: NDArray[Any],
-) -> tuple[Array, Array, Array]:
-    """Return accelerations, closures' wrenches and residuals; what holds motions goes to ``effort``."""
+) -> tuple[Array, Array, Array, Array]:
+    """Return accelerations, closures' wrenches, couplings' forces, residuals; motions' go to ``effort``."""
     system, constraints = workspace.system, workspace.constraints
     assert constraints is not None
     accelerations = np.zeros((len(times), system.model.nv))
     wrenches = np.zeros((len(times), len(constraints.plan.closures), 2, 3))
     residuals = np.zeros((len(times), 4))
-    motions = np.zeros((len(times), len(constraints.plan.motions)))
+    names, couplings = constraints.plan.motions, constraints.plan.couplings
+    joints = np.zeros((len(times), len(names) + len(couplings)))
     rates = np.zeros(system.model.nv + system.manifold.nx)
     for i, (t, y, force) in enumerate(zip(times, states, forces, strict=True)):
         workspace.program[:] = programs[i]
         workspace.prepare_motions(t, y)
-        constraints.observe(t, y, workspace.program, force, rates, wrenches[i], motions[i])
+        constraints.observe(t, y, workspace.program, force, rates, wrenches[i], joints[i])
         accelerations[i] = rates[: system.model.nv]
         residuals[i] = constraints.residual
     drives = list(system.drives)
-    effort["effort"][:, [drives.index(name) for name in constraints.plan.motions]] = motions
-    return accelerations, wrenches, residuals
+    effort["effort"][:, [drives.index(name) for name in names]] = joints[:, : len(names)]
+    return accelerations, wrenches, joints[:, len(names) :], residuals
 
 
 def _accelerations(model: Any, states: Array, forces: Array) -> Array:

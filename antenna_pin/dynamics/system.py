@@ -10,11 +10,12 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
-from antenna_pin.constraints import WORLD, Closure, DrivenJoint, Plan, make_plan
+from antenna_pin.constraints import WORLD, Closure, Coupling, DrivenJoint, Plan, make_plan
 from antenna_pin.dynamics import _kernels
 from antenna_pin.dynamics.blocks import Blocks, check_motion, clearance_block, held_block
 from antenna_pin.dynamics.configuration import make_unit, spaces
-from antenna_pin.dynamics.held import HeldKind, held_closure
+from antenna_pin.dynamics.coupled import couplings_of, fit_turns, put_followers
+from antenna_pin.dynamics.held import HeldKind, closures_by_name
 from antenna_pin.dynamics.parts import springs_and_parts
 from antenna_pin.dynamics.points import point_spring_block
 from antenna_pin.elements import GROSS_WORK, WORK, Element, Motion, PointSpring
@@ -60,6 +61,7 @@ class System:
             (:class:`antenna_pin.elements.JointSpring`, ``JointFriction``), springs between points.
         held: Floating joints of the tree that are held by constraint to what they are ideally, by name.
         closures: Joints that close loops, by name.
+        couplings: Joints that follow others, by name, beside those that the URDF couples (``<mimic>``).
         elastic: Elastic parts of flexible links, by name, which is also that of their joint and their spring.
     """
 
@@ -72,6 +74,7 @@ class System:
         springs: Mapping[str, Element | PointSpring] | None = None,
         held: Mapping[str, HeldKind] | None = None,
         closures: Mapping[str, Closure] | None = None,
+        couplings: Mapping[str, Coupling] | None = None,
         elastic: Mapping[str, ElasticPart] | None = None,
     ) -> None:
         """Lay out the state and compose the program of force elements."""
@@ -86,13 +89,9 @@ class System:
         self.point_springs = {n: s for n, s in self.springs.items() if isinstance(s, PointSpring)}
         self.held = dict(held or {})
         #: All closures by name, those of joints held by constraint first.
-        self.closures = {name: held_closure(mechanism, name, kind) for name, kind in self.held.items()}
-        for name, closure in (closures or {}).items():
-            if name in self.closures or name in names_of(clearances):
-                raise InvalidParameterError(
-                    "System", f"closures[{name!r}]", "of another name than a joint's", name
-                )
-            self.closures[name] = closure
+        self.closures = closures_by_name(mechanism, self.held, closures or {}, names_of(clearances))
+        #: All couplings by name, those of the URDF first.
+        self.couplings = couplings_of(mechanism, couplings or {}, self.closures)
         self._compose()
 
     def __setstate__(self, state: dict[str, Any]) -> None:
@@ -117,8 +116,8 @@ class System:
         self.plan: Plan | None = None
         #: Where in x the energy stands that corrections of position and velocity put in, if there are any.
         self.projection_x = np.zeros(0, dtype=int)
-        if self.closures or self.motions:
-            self.plan = make_plan(self.mechanism, self.closures, self.motions)
+        if self.closures or self.motions or self.couplings:
+            self.plan = make_plan(self.mechanism, self.closures, self.motions, self.couplings, self.turn_x)
             self.projection_x = np.array([blocks.x])
             blocks.x += 1
         self.program = np.concatenate(blocks.all)
@@ -307,7 +306,8 @@ class System:
                 are made unit where they are so to 1e-6, and refused where they are not.
             v: Velocity, (nv,).
             angles: Angles of joints that turn without end [rad]: of one of these q gives what is left of it
-                without whole turns, here are the turns. Others, and all if not given, are in (-pi, pi].
+                without whole turns, here are the turns. Others have those that couplings give them, or are
+                in (-pi, pi].
         """
         configuration, velocity = np.array(q, dtype=float), np.asarray(v, dtype=float)
         if configuration.shape != (self.model.nq,) or not np.isfinite(configuration).all():
@@ -325,7 +325,9 @@ class System:
             if not math.isfinite(angle):
                 raise InvalidParameterError("System", f"angles[{name!r}]", "finite [rad]", angle)
             x[self.turn_x[name]] = angle
-        _kernels.turn_on(self.program, self.turns, y)
+        self.turn_on(y)
+        if self.couplings:
+            fit_turns(self.mechanism, self.couplings.values(), y, self.turn_x, angles or {})
         return y
 
     def turn_on(self, y: Array) -> float:
@@ -336,6 +338,7 @@ class System:
         return float(_kernels.turn_on(self.program, self.turns, y))
 
     def neutral(self) -> Array:
-        """Return the configuration with every joint at zero and journals centred, (nq,)."""
+        """Return the configuration with joints at zero, or as couplings want, and journals centred, (nq,)."""
         q: Array = pin.neutral(self.model)
+        put_followers(self.mechanism, self.couplings.values(), q)
         return q

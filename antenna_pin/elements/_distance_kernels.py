@@ -14,7 +14,7 @@ __all__ = ["KIND", "LAYOUT", "effort", "motion", "write_rates"]
 
 KIND = 16
 LAYOUT = layout(
-    ("base", "f8", (3,)),
+    ("centre", "f8", (3,)),
     ("speed", "f8", (3,)),
     ("amplitude", "f8", (3,)),
     ("phase", "f8", (3,)),
@@ -34,7 +34,7 @@ def motion(words: Any, at: int, t: float) -> tuple[float, float, float]:
     for k in range(3):
         turned = omega * t + m.phase[k]
         sine, cosine = m.amplitude[k] * math.sin(turned), m.amplitude[k] * math.cos(turned)
-        way = m.base[k] + m.speed[k] * t + sine
+        way = m.centre[k] + m.speed[k] * t + sine
         rate = m.speed[k] + omega * cosine
         square += way * way
         along += way * rate

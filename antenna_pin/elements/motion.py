@@ -164,7 +164,7 @@ class DistanceMotion(Motion):
     def values(self) -> dict[str, Any]:
         """Return its numbers, by the names that its record has for them."""
         return {
-            "base": [a + b for a, b in zip(self.offset, self.mean, strict=True)],
+            "centre": [a + b for a, b in zip(self.offset, self.mean, strict=True)],
             "speed": self.velocity,
             "amplitude": self.amplitude,
             "phase": self.phase,

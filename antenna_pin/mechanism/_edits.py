@@ -41,8 +41,17 @@ def change_link(robot: Any, name: str, change: LinkChange, where: str) -> None:
 
 
 def change_joint(robot: Any, name: str, change: JointChange, where: str) -> None:
-    """Write a new origin, axis and ``<dynamics>`` into a joint."""
+    """Write a new origin, axis and ``<dynamics>`` into a joint, and take its ``<mimic>`` out."""
     joint = named(robot, "joint", name)
+    if change.mimic is not None:
+        mimic = joint.find("mimic")
+        if change.mimic or mimic is None:
+            rule = "must be false" if change.mimic else "must be left out, for there is none"
+            raise MechanismError(
+                f"{where}: joint {name!r}: mimic {rule}, got {str(change.mimic).lower()}; "
+                "couple joints by [couplings]"
+            )
+        remove(mimic)
     origin = {"xyz": change.origin_xyz, "rpy": change.origin_rpy}
     if any(origin.values()):
         set_numbers(child_of(joint, "origin"), origin)
@@ -95,7 +104,8 @@ def vary_joint(
             f"{where}: joint {name!r} is {kind}; only a {others} joint can be made {variant}, "
             "for its axis is the bearing's"
         )
-    for tag in ("limit", "dynamics", "safety_controller", "calibration"):
+    tags = ("limit", "dynamics", "safety_controller", "calibration")
+    for tag in (*tags, "mimic") if variant == "locked" else tags:
         for element in joint.findall(tag):
             remove(element)
     if variant == "locked":

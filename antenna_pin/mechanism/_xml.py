@@ -188,10 +188,9 @@ def _check_joint(joint: Any, where: str) -> None:
     _check_origin(joint, where)
     mimic = joint.find("mimic")
     if mimic is not None:
-        raise MechanismError(
-            f"{_at(mimic, where)}: a joint that mimics {mimic.get('joint')!r} is a gear, "
-            "which is not simulated; remove <mimic> to let the joint move by itself"
-        )
+        _attribute(mimic, "joint", where)
+        for name in ("multiplier", "offset"):
+            _numbers(mimic, name, (1,), where)
     axis = joint.find("axis")
     if axis is not None and not any(_numbers(axis, "xyz", (3,), where, required=True)):
         raise MechanismError(f"{_at(axis, where)}: axis must be nonzero, got {axis.get('xyz')!r}")

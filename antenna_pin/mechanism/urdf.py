@@ -67,7 +67,7 @@ class Urdf:
     It is its text and nothing else, so writing it and reading it again gives the same mechanism. At
     construction it refuses XML that is not well-formed; missing, repeated or unknown names; loops and several
     roots; negative masses; inertias that no body can have, of links that fixed joints make one body
-    together; axes of no length; mimic joints. What moves without inertia
+    together; axes of no length. What moves without inertia
     :func:`antenna_pin.mechanism.build_mechanism` refuses, for it hangs on the base and on all joints.
 
     Limits of joints are not simulated. Damping and friction of joints with an axis are
@@ -166,6 +166,22 @@ class Urdf:
         }
         return {name: numbers for name, numbers in found.items() if numbers}
 
+    @property
+    def mimics(self) -> dict[str, dict[str, Any]]:
+        """What ``<mimic>`` says of joints that move, by name: ``leader``, ``multiplier`` and ``offset``.
+
+        Fields of :class:`antenna_pin.constraints.Coupling`, in SI units. One of a fixed joint is no matter.
+        """
+        return {
+            joint.name: {
+                "leader": joint.mimic.joint,
+                "multiplier": 1.0 if joint.mimic.multiplier is None else float(joint.mimic.multiplier),
+                "offset": 0.0 if joint.mimic.offset is None else float(joint.mimic.offset),
+            }
+            for joint in self.robot.joints
+            if joint.mimic is not None and joint.type != "fixed"
+        }
+
     def link(self, name: str) -> Any:
         """Return a link as yourdfpy's object (``yourdfpy.Link``), to be read only."""
         return self._named("link", self.robot.links, name)
@@ -198,7 +214,7 @@ class Urdf:
 
         - ``ideal`` keeps the joint as it is written.
         - ``free`` makes a hinge ``floating``, six degrees of freedom. Its ``<axis>`` stays, as the bearing's.
-        - ``locked`` makes it ``fixed``, at its zero position.
+        - ``locked`` makes it ``fixed``, at its zero position; what it mimics does not matter any more.
         - ``planar`` lets a hinge move in the plane normal to its axis and turn about it. The joint frame is
           turned to have ``z`` along the axis, since Pinocchio takes no other; a massless link
           ``<joint>_plane`` and the fixed joint ``<joint>_plane_mount`` turn back, so the child link's frame

@@ -1,4 +1,4 @@
-"""Closures of loops in words: what they join, where, and along what."""
+"""Closures of loops and couplings in words: what they join, where, and along what."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from collections.abc import Iterator
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from antenna_pin.analysis import closures_of
+from antenna_pin.analysis import closures_of, couplings_of, said_of_coupling
 from antenna_pin.mechanism import Mechanism
 from antenna_pin.readable import number, readable
 from antenna_pin.report._runs import ReportedRun
 
-__all__ = ["words_of_closures"]
+__all__ = ["words_of_closures", "words_of_couplings"]
 
 
 def words_of_closures(run: ReportedRun, mechanism: Mechanism) -> Iterator[tuple[str, str]]:
@@ -29,6 +29,12 @@ def words_of_closures(run: ReportedRun, mechanism: Mechanism) -> Iterator[tuple[
                 text += f", axis ({', '.join(number(float(x), 5) for x in _cleared(axis))})"
             places.append(text)
         yield name, f"{closure['kind']}, {closure['equations']} equations: {places[0]}; {places[1]}"
+
+
+def words_of_couplings(run: ReportedRun) -> Iterator[tuple[str, str]]:
+    """Yield each coupling: which joint follows which, and how."""
+    for name, one in couplings_of(run.run).items():
+        yield name, said_of_coupling(one)
 
 
 def _cleared(axis: np.ndarray) -> np.ndarray:

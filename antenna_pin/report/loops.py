@@ -1,4 +1,4 @@
-"""Closed loops and prescribed motions: how many equations, how well they were held, what they carried."""
+"""Closed loops, couplings and motions: how many equations, how well they were held, what they carried."""
 
 from __future__ import annotations
 
@@ -10,6 +10,8 @@ import xarray as xr
 from antenna_pin.analysis import (
     closure_loads,
     closures_of,
+    coupling_loads,
+    couplings_of,
     drive_loads,
     drives_of,
     effort_unit,
@@ -40,6 +42,11 @@ def loops(runs: Sequence[ReportedRun]) -> Section:
     closures, drives = tuple(_closures(held)), tuple(_drives(held))
     if closures:
         items.append(Table(columns=columns, rows=closures, caption="Loads of the closures", key="closures"))
+    couplings = tuple(_couplings(held))
+    if couplings:
+        items.append(
+            Table(columns=columns, rows=couplings, caption="Loads of the couplings", key="couplings")
+        )
     if drives:
         items.append(Table(columns=columns, rows=drives, caption="What the drives exert", key="drives"))
     notes = [
@@ -101,6 +108,19 @@ def _closures(runs: Sequence[ReportedRun]) -> Iterator[Row]:
         moments = _column(loads, "closure", name, "peak_moment")
         if any(moments):
             yield quantities("largest moment", moments, "N m")
+
+
+def _couplings(runs: Sequence[ReportedRun]) -> Iterator[Row]:
+    loads = [coupling_loads(run.data) for run in runs]
+    for name in _every(runs, "coupling"):
+        about = next(couplings_of(run.data)[name] for run in runs if name in run.names("coupling"))
+        what, unit = ("force", "N") if about["slides"] else ("torque", "N m")
+        yield Row(f"{name}: {about['follower']} follows {about['leader']}; {what} on the follower")
+        yield quantities(f"largest {what}", _column(loads, "coupling", name, "peak_torque"), unit)
+        yield quantities("at", _column(loads, "coupling", name, "time_of_peak_torque"), "s")
+        yield quantities(
+            f"root mean square of the {what}", _column(loads, "coupling", name, "rms_torque"), unit
+        )
 
 
 def _drives(runs: Sequence[ReportedRun]) -> Iterator[Row]:

@@ -18,7 +18,7 @@ from antenna_pin.report._words_of_clearance import (
     words_of_carried_clearances,
     words_of_clearances,
 )
-from antenna_pin.report._words_of_closures import words_of_closures
+from antenna_pin.report._words_of_closures import words_of_closures, words_of_couplings
 from antenna_pin.report._words_of_elements import names_of_elements, words_of_elements, words_of_friction
 from antenna_pin.report._words_of_flexible import words_of_flexible
 from antenna_pin.report._words_of_laws import words_of_laws
@@ -43,6 +43,7 @@ _ORDER = (
     "Mechanism",
     "Joints",
     "Closures",
+    "Couplings",
     "Flexible links",
     "Clearance",
     "Contact and friction",
@@ -91,6 +92,7 @@ def _words(run: ReportedRun) -> Iterator[tuple[str, Words]]:
         yield "Mechanism", dict(_mechanism(mechanism, scenario))
         yield "Joints", dict(_joints(mechanism, scenario, run))
         yield "Closures", dict(words_of_closures(run, mechanism))
+        yield "Couplings", dict(words_of_couplings(run))
     yield "Flexible links", dict(words_of_flexible(run))
     if scenario is not None:
         yield "Clearance", dict(words_of_clearances(scenario))

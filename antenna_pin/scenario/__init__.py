@@ -23,6 +23,7 @@ if TYPE_CHECKING:
         SphericalClearance,
     )
     from antenna_pin.scenario.closures import AnchorSpec, ClosureSpec, PlaceSpec
+    from antenna_pin.scenario.couplings import CouplingSpec
     from antenna_pin.scenario.drives import DRIVE_SPECS, AnySpring, DriveSpec, PointSpringSpec, SpringSpec
     from antenna_pin.scenario.events import AngleEvent, EventSpec, ForceEvent, GapEvent, RateEvent, TimeEvent
     from antenna_pin.scenario.flexible import FlexibleSpec, ModalDataSpec, ModeSpec, ModesSpec, PetalsSpec
@@ -51,6 +52,7 @@ _HOMES = {
     "ClearanceSpec": "clearance",
     "ClosureSpec": "closures",
     "ContactClearance": "clearance",
+    "CouplingSpec": "couplings",
     "DRIVE_SPECS": "drives",
     "DriveSpec": "drives",
     "EventSpec": "events",
@@ -106,6 +108,7 @@ __all__ = [
     "ClearanceSpec",
     "ClosureSpec",
     "ContactClearance",
+    "CouplingSpec",
     "DriveSpec",
     "EventSpec",
     "FlexibleSpec",

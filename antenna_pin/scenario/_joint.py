@@ -48,6 +48,6 @@ class JointTable(Spec):
 def _either_unit(field: FieldInfo) -> tuple[str, ...]:
     candidates = [*field.metadata, *(item for part in get_args(field.annotation) for item in get_args(part))]
     for item in candidates:
-        if isinstance(item, Quantity) and isinstance(item.unit, tuple):
+        if isinstance(item, Quantity) and isinstance(item.unit, tuple) and len(item.unit) == len(_MOTIONS):
             return item.unit
     return ()

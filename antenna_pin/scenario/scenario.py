@@ -14,6 +14,7 @@ from antenna_pin.scenario._clearance import law_tables
 from antenna_pin.scenario._layers import Source, built, check_drives, read_layer
 from antenna_pin.scenario.clearance import ClearanceSpec
 from antenna_pin.scenario.closures import ClosureSpec
+from antenna_pin.scenario.couplings import CouplingSpec
 from antenna_pin.scenario.drives import DRIVE_SPECS, AnySpring, DriveSpec, between_points
 from antenna_pin.scenario.events import EventSpec, number_to_set
 from antenna_pin.scenario.flexible import FlexibleSpec, ModesSpec
@@ -53,6 +54,7 @@ class Scenario(Spec):
         clearance: Joints with play, by the name of the joint.
         flexible: Links that bend, by name.
         closures: Joints that close loops, by name.
+        couplings: Joints that follow others, by name, beside those that the URDF couples.
         drives: By name.
         springs: By name.
         events: What is looked for during the run, by name.
@@ -77,6 +79,7 @@ class Scenario(Spec):
     clearance: dict[str, Annotated[ClearanceSpec, Field(discriminator="model")]] = Field(default_factory=dict)
     flexible: dict[str, FlexibleSpec] = Field(default_factory=dict)
     closures: dict[str, ClosureSpec] = Field(default_factory=dict)
+    couplings: dict[str, CouplingSpec] = Field(default_factory=dict)
     drives: dict[str, Annotated[DriveSpec, Field(discriminator="kind")]] = Field(default_factory=dict)
     springs: dict[str, AnySpring] = Field(default_factory=dict)
     events: dict[str, Annotated[EventSpec, Field(discriminator="kind")]] = Field(default_factory=dict)
@@ -145,10 +148,12 @@ class Scenario(Spec):
         for below, above in (
             (data["drives"], layer.get("drives")),
             (data["springs"], layer.get("springs")),
+            (data["couplings"], layer.get("couplings")),
             (data["initial"]["joints"], joints),
         ):
             for name in tables(above).keys() & below.keys():
                 below[name].pop("motion", None)
+                below[name].pop("conversion", None)
         source = Source(f"scenario {self.name}".strip(), data, overrides=layer)
         check_drives(layer, source)
         return built(type(self), carried, source)
@@ -156,7 +161,7 @@ class Scenario(Spec):
     @model_validator(mode="before")
     @classmethod
     def _complete_tables(cls, data: Any) -> Any:
-        """Let drives and springs act at the joint that they are named after, and ask for their kind."""
+        """Let tables be about the joint or link that they are named after, and ask for their kind."""
         if not isinstance(data, Mapping):
             return data
         done = dict(data)
@@ -164,12 +169,13 @@ class Scenario(Spec):
             tables = data.get(place)
             if isinstance(tables, Mapping):
                 done[place] = {name: _at_its_joint(place, name, table) for name, table in tables.items()}
-        tables = data.get("flexible")
-        if isinstance(tables, Mapping):
-            done["flexible"] = {
-                name: {"link": name, **table} if isinstance(table, Mapping) else table
-                for name, table in tables.items()
-            }
+        for place, key in (("flexible", "link"), ("couplings", "follower")):
+            tables = data.get(place)
+            if isinstance(tables, Mapping):
+                done[place] = {
+                    name: {key: name, **table} if isinstance(table, Mapping) else table
+                    for name, table in tables.items()
+                }
         _check_choice(done, "flexible", "kind", get_args(get_args(FlexibleSpec)[0]))
         _check_choice(done, "clearance", "model", get_args(ClearanceSpec))
         _check_choice(done, "drives", "kind", tuple(DRIVE_SPECS.values()))

@@ -1,4 +1,4 @@
-"""What a result says of closures and motions: what they are, and how well they were held."""
+"""What a result says of closures, couplings and motions: what they are, and how well they were held."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from antenna_pin.constraints import Anchor
-from antenna_pin.dynamics import constraint_counts
+from antenna_pin.dynamics import constraint_counts, facts_of_couplings
 from antenna_pin.simulation.loop import Run
 
 __all__ = ["constraint_attributes"]
@@ -27,9 +27,12 @@ def constraint_attributes(run: Run, first: Array, last: Array, residual: Array) 
     ``closures`` (JSON) has of each closure its ``kind``, how many ``equations`` it is, whether it has an
     ``axis`` (z of the placements) and, of its two sides, ``first_body``,
     ``first_placement``, ``second_body`` and ``second_placement``: the link and the frame there, position [m]
-    and attitude (quaternion xyzw). ``constraints`` (JSON) has how many equations there are, of closures and
-    of motions, how many are independent at the start, the freedoms of the tree, those that the closures leave
-    and those that are left, where redundant equations are (:func:`antenna_pin.dynamics.constraint_counts`),
+    and attitude (quaternion xyzw). If there are couplings, ``couplings`` (JSON) has of each its ``follower``
+    and ``leader`` (joints), ``multiplier`` and ``offset``, whether its follower ``slides``, and its leader
+    (``leader_slides``). ``constraints`` (JSON) has how many equations there are, of closures and couplings
+    and of motions, how many are independent at the start, the freedoms of the tree, those that closures and
+    couplings leave and those that are left, where redundant equations are
+    (:func:`antenna_pin.dynamics.constraint_counts`),
     the largest residuals at samples [m, rad, m/s, rad/s], the energy that corrections of the state after each
     step put in, in all [J], and the singular positions passed: ``time`` [s] and ``share``, what is left of
     the least independent equation there.
@@ -45,6 +48,7 @@ def constraint_attributes(run: Run, first: Array, last: Array, residual: Array) 
         return {}
     booked = system.model.nq + system.model.nv + system.projection_x[0]
     put_in = last[booked] - first[booked]
+    couplings = facts_of_couplings(system.mechanism, system.couplings)
     return {
         "closures": json.dumps(
             {
@@ -58,6 +62,7 @@ def constraint_attributes(run: Run, first: Array, last: Array, residual: Array) 
                 for name, one in system.closures.items()
             }
         ),
+        **({"couplings": json.dumps(couplings)} if couplings else {}),
         "constraints": json.dumps(
             {
                 **constraint_counts(system, first),

@@ -172,6 +172,7 @@ def _labels(seen: Seen) -> dict[str, Any]:
         ("elastic_part", list(system.elastic)),
         ("point_spring", list(system.point_springs)),
         ("closure", list(system.closures)),
+        ("coupling", list(system.couplings)),
     ):
         if found:
             labels[name] = found
@@ -211,6 +212,7 @@ def _derivative(seen: Seen) -> Values:
         "spring_force": stretch["force"],
         "closure_force": seen.found.closure[:, :, 0],
         "closure_moment": seen.found.closure[:, :, 1],
+        "coupling_torque": seen.found.coupling,
     }
 
 
@@ -287,6 +289,7 @@ def _sizes(seen: Seen, values: Values) -> Values:
         "peak_effort": np.abs(values["drive_torque"][:, motions]),
         "peak_closure_force": closure[:, :, 0],
         "peak_closure_moment": closure[:, :, 1],
+        "peak_coupling_torque": np.abs(seen.found.coupling),
         "peak_acceleration": np.abs(values["motion_acceleration"]),
         "peak_slide_acceleration": np.abs(values["slide_acceleration"]),
         "peak_deflection": np.abs(values["deflection"]),

@@ -122,6 +122,15 @@ class _Closure(BaseModel):
     second_placement: _Seven
 
 
+class _Coupling(BaseModel):
+    follower: str
+    leader: str
+    multiplier: _Number
+    offset: _Number
+    slides: bool
+    leader_slides: bool
+
+
 # Attributes that are text with JSON: what is in it, and along which dimension its names are.
 _JSON: dict[str, tuple[Any, str]] = {
     "conservation": (_Conservation, ""),
@@ -133,6 +142,7 @@ _JSON: dict[str, tuple[Any, str]] = {
     "point_springs": (dict[str, _PointSpring], "point_spring"),
     "elastic_parts": (dict[str, _ElasticPart], "elastic_part"),
     "closures": (dict[str, _Closure], "closure"),
+    "couplings": (dict[str, _Coupling], "coupling"),
     "constraints": (dict[str, Any], ""),
 }
 # Those of them that name links and joints of the URDF, and by which keys.
@@ -143,6 +153,7 @@ _BODIES = {
     "point_springs": ("first_body", "second_body"),
     "elastic_parts": ("hub", "body"),
     "closures": ("first_body", "second_body"),
+    "couplings": ("follower", "leader"),
 }
 # Those that are plain text or numbers.
 _PLAIN: dict[str, type] = {
@@ -167,6 +178,7 @@ _OPTIONAL = {
     "point_springs",
     "elastic_parts",
     "closures",
+    "couplings",
     "constraints",
     "start",
     "finished",
@@ -285,7 +297,7 @@ def _places(data: xr.Dataset) -> Iterator[str]:
         table = json.loads(data.attrs.get(name, "{}"))
         for entry, content in table.items():
             for key in keys:
-                if content[key] not in (joints if key == "joint" else links):
+                if content[key] not in (joints if key in ("joint", "follower", "leader") else links):
                     yield f"{key} {content[key]!r} of {entry!r} in the attribute {name!r}, not in its URDF"
     for name in json.loads(data.attrs["clearance_joints"]):
         if name not in joints:

@@ -119,7 +119,7 @@ class Trajectory:
 
     @property
     def constraints(self) -> dict[str, Any]:
-        """How many closures and motions are held, and how well; {} of a tree that nothing holds."""
+        """How many closures, couplings and motions hold, and how well; {} of a tree that nothing holds."""
         found: dict[str, Any] = json.loads(self.data.attrs.get("constraints", "{}"))
         return found
 
@@ -216,6 +216,8 @@ class Trajectory:
             result["constraints"] = self.constraints
             result["closures"] = _closures(data)
             result["motions"] = _motions(data)
+        if "coupling" in data.sizes:
+            result["couplings"] = _couplings(data)
         if "contact" not in data.sizes:
             return result
         index = data["episode_contact"].values
@@ -276,6 +278,20 @@ def _closures(data: xr.Dataset) -> dict[str, dict[str, Any]]:
             "links": [one["first_body"], one["second_body"]],
             "peak_force": float(data["peak_closure_force"].sel(closure=name)),
             "peak_moment": float(data["peak_closure_moment"].sel(closure=name)),
+        }
+        for name, one in about.items()
+    }
+
+
+def _couplings(data: xr.Dataset) -> dict[str, dict[str, Any]]:
+    """Return what each coupling joins, and its largest force where the follower slides, else torque."""
+    about = json.loads(data.attrs["couplings"])
+    return {
+        name: {
+            "joints": [one["follower"], one["leader"]],
+            "peak_force" if one["slides"] else "peak_torque": float(
+                data["peak_coupling_torque"].sel(coupling=name)
+            ),
         }
         for name, one in about.items()
     }

@@ -35,6 +35,7 @@ DIMENSIONS: dict[str, str] = {
     "point_spring": "those of them that are between points",
     "elastic_part": "elastic parts of flexible links, by name",
     "closure": "joints that close loops, or are held by constraint, by name",
+    "coupling": "joints that follow others, by name: of those that the URDF couples the follower's",
     "event": "events of the user's that happened, by name",
     "episode": "contacts from onset to release, in order of onset",
 }
@@ -156,6 +157,8 @@ def _table() -> Iterator[Variable]:
         ("closure_force", "N", "force of the closure on its second link, axes of its first side"),
         ("closure_moment", "N m", "its moment about the second side's point"),
     )
+    torque = "torque of the coupling on its follower (a force [N] if it slides)"
+    yield from _rows("derivative", "time coupling", ("coupling_torque", "N m", torque))
     yield from _rows(
         "contact",
         "time contact",
@@ -291,6 +294,7 @@ def _table() -> Iterator[Variable]:
         ("peak_closure_force", "N", "largest force of the closure at a sample"),
         ("peak_closure_moment", "N m", "largest moment of the closure at a sample"),
     )
+    yield from _rows("summary", "coupling", ("peak_coupling_torque", "N m", f"largest size of the {torque}"))
     yield from _rows(
         "summary",
         "spring",

@@ -95,8 +95,8 @@ REFUSED = {
         "u.urdf, line 4: joint 'j': <joint> must have a type, got none",
     ),
     "mimic": (
-        pair(hinge('<mimic joint="k"/>')),
-        "u.urdf, line 4: joint 'j': a joint that mimics 'k' is a gear, which is not simulated; remove",
+        pair(hinge('<mimic multiplier="2"/>')),
+        "u.urdf, line 4: joint 'j': <mimic> must have a joint, got none",
     ),
     "no limit": (
         pair(hinge(kind="revolute")),

@@ -1,0 +1,138 @@
+"""The couplings of a system: those of its URDF and those given, and where they put what nobody has placed."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Collection, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from antenna_pin.constraints import Coupling, check_order, spread
+from antenna_pin.errors import InvalidParameterError, MechanismError, UnknownNameError
+from antenna_pin.mechanism import Mechanism
+
+__all__ = ["couplings_of", "facts_of_couplings", "fit_turns", "put_followers"]
+
+Array = NDArray[np.float64]
+
+_ONE_AXIS = ("revolute", "continuous", "prismatic")
+
+
+def couplings_of(
+    mechanism: Mechanism, given: Mapping[str, Coupling], taken: Collection[str]
+) -> dict[str, Coupling]:
+    """Return the couplings by name: the URDF's by their followers, then those given.
+
+    Args:
+        mechanism: The mechanism.
+        given: By name.
+        taken: Names that closures have.
+
+    Raises:
+        UnknownNameError: A joint that there is not.
+        MechanismError: A joint without one axis, joints that follow each other round in a circle.
+        InvalidParameterError: A name that one of the URDF's has, or a closure.
+    """
+    where, found = mechanism.urdf.where, {}
+    for name, numbers in mechanism.urdf.mimics.items():
+        place = f"{where}: <mimic> of joint {name!r}"
+        if numbers["leader"] == name:
+            raise MechanismError(f"{place}: must name another joint, got its own; take it out")
+        found[name] = Coupling(follower=name, **numbers)
+        _check(
+            mechanism, place, found[name], "take the <mimic> out by mimic = false in its [mechanism.joints]"
+        )
+    for name, coupling in given.items():
+        if name in found or name in taken:
+            rule = "of another name than a joint with <mimic>, or a closure"
+            raise InvalidParameterError("System", f"couplings[{name!r}]", rule, name)
+        found[name] = coupling
+        _check(mechanism, f"coupling {name!r}", coupling, "couple other joints")
+    check_order(found)
+    return found
+
+
+def _check(mechanism: Mechanism, place: str, coupling: Coupling, way_out: str) -> None:
+    written = {joint.name: joint.type for joint in mechanism.urdf.robot.joints}
+    for role in ("follower", "leader"):
+        joint = getattr(coupling, role)
+        if joint not in written:
+            raise UnknownNameError(place, "joint", joint, written)
+        kind = mechanism.joints[joint].kind if joint in mechanism.joints else "fixed"
+        if kind in _ONE_AXIS or (kind == "fixed" and role == "leader"):
+            continue
+        rule = "joint without play can follow another" if role == "follower" else "joint can be followed"
+        raise MechanismError(
+            f"{place}: {role} {joint!r} is {kind} here, and only a revolute, continuous or prismatic {rule}; "
+            f"{way_out}"
+        )
+
+
+def facts_of_couplings(mechanism: Mechanism, couplings: Mapping[str, Coupling]) -> dict[str, dict[str, Any]]:
+    """Return of each coupling, by name, its joints and numbers, and whether follower and leader slide."""
+    sliding = {name for name, slot in mechanism.joints.items() if slot.kind == "prismatic"}
+    return {
+        name: {
+            **dataclasses.asdict(one),
+            "slides": one.follower in sliding,
+            "leader_slides": one.leader in sliding,
+        }
+        for name, one in couplings.items()
+    }
+
+
+def put_followers(
+    mechanism: Mechanism, couplings: Collection[Coupling], q: Array, known: Mapping[str, float] | None = None
+) -> None:
+    """Put joints where couplings to others want them, in a configuration, in place.
+
+    Args:
+        mechanism: The mechanism.
+        couplings: Without circles.
+        q: Configuration, (nq,).
+        known: Positions of joints that are given [rad] ([m]), which stay; where nothing is known of joints
+            that hang together, the first leader is at zero.
+    """
+    places = dict(known or {})
+    fixed = {one.leader for one in couplings} - set(mechanism.joints)
+    for one, forward in spread(couplings, {*places, *fixed}):
+        if forward:
+            name, place = one.follower, one.led(places.get(one.leader, 0.0))
+        else:
+            name, place = one.leader, one.leading(places[one.follower])
+        places[name] = place
+        slot = mechanism.joint(name)
+        q[slot.q] = (math.cos(place), math.sin(place)) if slot.kind == "continuous" else place
+
+
+def fit_turns(
+    mechanism: Mechanism,
+    couplings: Collection[Coupling],
+    y: Array,
+    turn_x: Mapping[str, int],
+    told: Collection[str],
+) -> None:
+    """Give joints that turn without end the whole turns that couplings want, in a state [q, v, x], in place.
+
+    Args:
+        mechanism: The mechanism.
+        couplings: Without circles.
+        y: The state; its turned angles are those of its configuration, but for whole turns.
+        turn_x: Places of turned angles in x, by joint.
+        told: Joints whose turns are given.
+    """
+    x = y[mechanism.model.nq + mechanism.model.nv :]
+
+    def place(name: str) -> float:
+        if name not in mechanism.joints:
+            return 0.0
+        return float(x[turn_x[name]] if name in turn_x else y[mechanism.joint(name).q][0])
+
+    exact = {name for one in couplings for name in (one.follower, one.leader) if name not in turn_x}
+    for one, forward in spread(couplings, {*told, *exact}):
+        name = one.follower if forward else one.leader
+        wanted = one.led(place(one.leader)) if forward else one.leading(place(one.follower))
+        x[turn_x[name]] += math.tau * round((wanted - place(name)) / math.tau)

@@ -1,0 +1,47 @@
+"""Joints that follow others."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import model_validator
+
+from antenna_pin.scenario._base import Quantity, refuse
+from antenna_pin.scenario._joint import JointTable
+from antenna_pin.units import matching_unit
+
+__all__ = ["CouplingSpec"]
+
+_RATIOS = ("1", "m/rad", "rad/m")
+
+
+class CouplingSpec(JointTable):
+    """A joint without play held to a multiple of another's position: a gear, a rack and pinion.
+
+    Attributes:
+        follower: Name of the joint that follows.
+        leader: Name of the joint that it follows.
+        multiplier: Way or angle of the follower for one of the leader; negative: the other way round [-]
+            ([m/rad], [rad/m]).
+        offset: The follower's position where the leader's is zero [rad] ([m]).
+        conversion: What the unit of the multiplier says; None if it came without one.
+    """
+
+    follower: str
+    leader: str
+    multiplier: Annotated[float, Quantity(_RATIOS)] = 1.0
+    offset: Annotated[float, Quantity(("rad", "m"))] = 0.0
+    conversion: Literal["m/rad", "rad/m"] | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _read_conversion(cls, data: Any) -> Any:
+        unit = matching_unit(data.get("multiplier"), _RATIOS[1:]) if isinstance(data, Mapping) else None
+        return data if unit is None else {**data, "conversion": unit}
+
+    @model_validator(mode="after")
+    def _check_joints(self) -> Self:
+        if self.leader == self.follower:
+            refuse(f"must be another joint than the follower, got {self.leader!r}", "leader")
+        return self

@@ -1,0 +1,136 @@
+"""Short runs with every kind of element, joint with play, closure and coupling, and how they end."""
+
+import math
+
+import numpy as np
+
+from antenna_pin import (
+    Anchor,
+    Closure,
+    Coupling,
+    RunSettings,
+    System,
+    Urdf,
+    build_mechanism,
+    load_scenario,
+    simulate,
+)
+from antenna_pin.constraints import CLOSURES
+from antenna_pin.elements import (
+    CallableDrive,
+    CallableMotion,
+    ConstantDrive,
+    DistanceMotion,
+    JointFriction,
+    JointSpring,
+    PDController,
+    PointSpring,
+    PrescribedMotion,
+    SineDrive,
+    TableDrive,
+)
+
+LINK = (
+    '<link name="{0}"><inertial><origin xyz="0.1 0.05 0"/><mass value="1"/>'
+    '<inertia ixx="0.02" iyy="0.03" izz="0.04" ixy="0" ixz="0" iyz="0"/></inertial></link>'
+)
+JOINT = (
+    '<joint name="{0}" type="{1}"><parent link="{2}"/><child link="{0}_link"/><origin xyz="0.3 0 0"/>'
+    '<axis xyz="0 0 1"/><limit lower="-9" upper="9" effort="1" velocity="1"/></joint>'
+)
+
+DRIVES = {
+    "constant": ConstantDrive(joint="a", value=1.0),
+    "sine": SineDrive(joint="b", amplitude=2.0, frequency=30.0),
+    "table": TableDrive(joint="c", time=(0.0, 0.5, 1.0), torque=(1.0, 2.0, 0.0)),
+    "pd": PDController(joint="d", kp=5.0, kd=0.3, angle=0.2, limit=0.8),
+    "motion": PrescribedMotion(joint="e", rate=2.0, coefficients=(1.0, 3.0), amplitude=0.1, frequency=5.0),
+    "distance": DistanceMotion(joint="f", offset=(0.3, 0.4, 0.0), velocity=(0.1, 0.0, 0.2)),
+}
+IN_PYTHON = {
+    "given": CallableDrive(joint="a", torque=lambda t, angle, rate: math.cos(t) - angle - rate),
+    "given motion": CallableMotion(
+        joint="b", position=math.sin, velocity=math.cos, acceleration=lambda t: -math.sin(t)
+    ),
+}
+SPRINGS = {
+    "spring": JointSpring(joint="g", stiffness=3.0, damping=0.2, rest_angle=0.4),
+    "friction": JointFriction(joint="g", damping=0.1, friction=0.2),
+    "strut": PointSpring(
+        first=("base", (0.0, 0.0, 0.5)),
+        second=("g_link", (0.1, 0.0, 0.0)),
+        free_length=0.2,
+        stiffness=9.0,
+        damping=0.5,
+    ),
+}
+#: Shipped scenarios by joint with play: case, and a time in which its contacts touch [s].
+PLAY = {
+    "contact": ("impact_pair", "contact", 1.02e-3),
+    "planar": ("impact_pair", "planar", 1.02e-3),
+    "spherical": ("impact_pair", "spherical", 1.02e-3),
+    "prismatic": ("slider", "rest", 1e-4),
+    "coal": ("impact_pair", "contact", 1.02e-3),
+}
+
+
+def elements(drives):
+    """A body with an element at each of its joints, and two joints that follow others."""
+    kinds = dict.fromkeys("abcdegh", "continuous") | {"f": "prismatic", "i": "prismatic"}
+    text = LINK.format("base")
+    for name in "abcdefghi":
+        text += JOINT.format(name, kinds[name], "a_link" if name == "b" else "base") + LINK.format(
+            f"{name}_link"
+        )
+    couplings = {
+        "gear": Coupling(follower="h", leader="a", multiplier=-3.0, offset=0.1),
+        "rack": Coupling(follower="i", leader="g", multiplier=0.05),
+    }
+    mechanism = build_mechanism(Urdf.from_text(f'<robot name="star">{text}</robot>', "star"), "free")
+    return System(mechanism, drives=drives, springs=SPRINGS, couplings=couplings)
+
+
+def closed(kind):
+    """A body that a closure of a kind holds to the world, and one that hangs on it."""
+    text = LINK.format("base") + JOINT.format("free", "floating", "base") + LINK.format("free_link")
+    text += JOINT.format("hinge", "revolute", "free_link") + LINK.format("hinge_link")
+    across = (1.0, 0.0, 0.0) if kind == "universal" else (0.0, 0.0, 1.0)
+    first, second = Anchor.at("base", (0.3, 0.0, 0.0)), Anchor.at("free_link", axis=across)
+    mechanism = build_mechanism(
+        Urdf.from_text(f'<robot name="loop">{text}</robot>', "loop"), "fixed", (0.0, -9.8, 0.5)
+    )
+    return System(mechanism, closures={"it": Closure(kind=kind, first=first, second=second)})
+
+
+def started(system):
+    """A state that fits: positions and rates that closures, couplings and motions allow."""
+    from antenna_pin import assembled
+
+    return assembled(system, system.neutral(), 0.1 * np.cos(np.arange(system.model.nv)))
+
+
+def systems():
+    """Yield the name of each system, with the engine that it runs with."""
+    yield "elements", (elements(DRIVES), "compiled")
+    yield "in Python", (elements(IN_PYTHON), "pinocchio")
+    for kind in CLOSURES:
+        yield f"{kind} closure", (closed(kind), "compiled")
+
+
+def ends():
+    """Yield the name of each run, and the run."""
+    for name, (system, engine) in systems():
+        q, v = started(system)
+        settings = RunSettings(engine=engine, max_step=1e-3, rtol=1e-3)
+        yield name, simulate(system, duration=1e-3, q=q, v=v, settings=settings)
+    for model, (scenario, case, duration) in PLAY.items():
+        loaded = load_scenario(scenario, case=case)
+        kind, engine = ("coal", "pinocchio") if model == "coal" else ("closed-form", "compiled")
+        changes = {f"clearance.{joint}.geometry": kind for joint in loaded.clearance}
+        chosen = loaded.with_overrides({**changes, "integrator.engine": engine, "integrator.rtol": 1e-3})
+        yield model, simulate(chosen, duration=duration)
+
+
+def told():
+    """Return evaluations and end of each run, by name, in plain numbers."""
+    return {name: [run.counts.evaluations, run.end.y.tolist()] for name, run in ends()}
