@@ -62,6 +62,10 @@ class NotSimulatedWarning(UserWarning):
     """Something of a URDF is left out of what is simulated."""
 
 
+class StiffRunWarning(UserWarning):
+    """The explicit steps of a run are held short by what an implicit method would step over."""
+
+
 class InvalidParameterError(AntennaPinError, ValueError):
     """A parameter breaks a rule of the thing it describes.
 

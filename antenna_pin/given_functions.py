@@ -16,12 +16,17 @@ from numba.core.errors import NumbaError
 
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["address_of", "is_compiled"]
+__all__ = ["address_of", "callable_of", "is_compiled"]
 
 
 def is_compiled(*functions: object) -> bool:
     """Whether functions are compiled ones: by ``numba.njit`` or ``numba.cfunc``."""
     return all(isinstance(function, Dispatcher | CFunc) for function in functions)
+
+
+def callable_of(function: Callable[..., float]) -> Callable[..., float]:
+    """Return a function as Python can call it: one compiled by ``numba.cfunc`` stands for itself only."""
+    return function.ctypes if isinstance(function, CFunc) else function
 
 
 def address_of(place: str, name: str, function: Any, arguments: int) -> float:

@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     from antenna_pin.analysis.base import base_motion
     from antenna_pin.analysis.between import between_samples
     from antenna_pin.analysis.blocks import LONG, beside, blocks
+    from antenna_pin.analysis.blows import blow_statistics, blows
     from antenna_pin.analysis.bodies import body_poses, body_twists, joint_loads, mechanism_of
     from antenna_pin.analysis.body import body_deviation, body_motion, moved_body
     from antenna_pin.analysis.branch import StabilitySpan, stability_spans, unexplained_changes
@@ -144,6 +145,8 @@ __all__ = [
     "error_components",
     "growth_of",
     "impact_statistics",
+    "blow_statistics",
+    "blows",
     "impacts",
     "interpolate_attitude",
     "interpolation_error",
@@ -210,6 +213,7 @@ loaded_when_used(
         "deviation": "Deviation DeviationMeasures deviation deviation_measures deviation_over_time",
         "elastic": "SPIN_WITHIN elastic_motion elastic_parts_of modal_energy said_of_spin",
         "growth": "Growth growth_of",
+        "blows": "blow_statistics blows",
         "impacts": "impact_statistics impacts",
         "journal": "bore_load clearance_shapes journal_motion",
         "limits": "said_of_limits",

@@ -7,7 +7,7 @@ import xarray as xr
 
 from antenna_pin.analysis._run import Array, RunLike, choose, data_of, sample_times, variable
 from antenna_pin.errors import FileFormatError
-from antenna_pin.trajectory import contact_joints, names_along
+from antenna_pin.trajectory import blow_numbers, contact_joints, contact_kinds, names_along
 
 __all__ = ["impact_statistics", "impacts"]
 
@@ -43,13 +43,15 @@ def impacts(run: RunLike, joint: str | None = None) -> xr.Dataset:
         Over ``impact``: ``onset`` [s], ``duration`` [s], ``approach_speed`` [m/s], ``separation_speed``
         [m/s], ``restitution`` [-], ``peak_force`` [N], ``peak_time`` [s], ``peak_depth`` [m], ``impulse``
         [N s], ``dissipated`` [J]; whether it ``ended`` (else durations, impulses and losses are those up to
-        the end of the run) and was ``floored``; labelled by ``contact`` and ``clearance_joint``. No rows if
-        the run has no clearance joint.
+        the end of the run) and was ``floored``; the number of the joint's ``blow`` that it belongs to
+        (:func:`antenna_pin.analysis.blows`); labelled by ``contact``, ``surface`` (the contact's kind) and
+        ``clearance_joint``. No rows if the run has no clearance joint.
     """
     data = data_of(run)
     joints = choose("impacts", "clearance joint", joint, names_along(data, "clearance_joint"))
     if not joints:
-        return _table({name: np.zeros(0) for name in _UNITS}, np.zeros(0, bool), np.zeros(0, bool), [], data)
+        nothing = {name: np.zeros(0) for name in _UNITS}
+        return _table(nothing, np.zeros(0, bool), np.zeros(0, bool), [], data, np.zeros(0, np.int64))
     time = sample_times(data, "impacts")
     contacts = names_along(data, "contact")
     index = np.asarray(variable(data, "episode_contact", "impacts").values, dtype=int)
@@ -79,7 +81,7 @@ def impacts(run: RunLike, joint: str | None = None) -> xr.Dataset:
         "restitution": restitution,
         **{name: column[name] for name in ("peak_force", "peak_time", "peak_depth", "impulse", "dissipated")},
     }
-    return _table(values, ended, floored, [contacts[k] for k in index], data)
+    return _table(values, ended, floored, [contacts[k] for k in index], data, blow_numbers(data)[rows])
 
 
 def _rates(data: xr.Dataset, samples: np.ndarray, contacts: np.ndarray) -> Array:
@@ -104,7 +106,12 @@ def _sample_at(time: Array, moments: Array) -> np.ndarray:
 
 
 def _table(
-    values: dict[str, Array], ended: np.ndarray, floored: np.ndarray, contacts: list[str], data: xr.Dataset
+    values: dict[str, Array],
+    ended: np.ndarray,
+    floored: np.ndarray,
+    contacts: list[str],
+    data: xr.Dataset,
+    blow: np.ndarray,
 ) -> xr.Dataset:
     variables: dict[str, tuple[str, np.ndarray, dict[str, str]]] = {
         name: ("impact", values[name], {"units": units, "long_name": meaning})
@@ -113,14 +120,22 @@ def _table(
     flag = {"units": "1"}
     variables["ended"] = ("impact", ended, flag | {"long_name": "whether it was released before the end"})
     variables["floored"] = ("impact", floored, flag | {"long_name": "whether the law saw its floor of speed"})
+    variables["blow"] = (
+        "impact",
+        blow,
+        flag | {"long_name": "number of the blow of the joint"},
+    )
     labels = np.array(contacts, dtype=object) if contacts else np.zeros(0, dtype="<U1")
     of_contact = contact_joints(data)
     joints = [of_contact[name] for name in contacts]
+    kinds = contact_kinds(data)
+    surface = [kinds[name] for name in contacts]
     return xr.Dataset(
         variables,
         coords={
             "impact": np.arange(len(contacts)),
             "contact": ("impact", labels),
+            "surface": ("impact", np.array(surface, dtype=object) if surface else labels),
             "clearance_joint": ("impact", np.array(joints, dtype=object) if joints else labels),
         },
         attrs={"case": str(data.attrs.get("case", ""))},

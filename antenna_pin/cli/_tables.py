@@ -69,6 +69,7 @@ _PLAIN_GROUPS = (
     "motion",
     "slides",
     "contacts",
+    "blows",
     "elastic_parts",
     "constraints",
     "closures",

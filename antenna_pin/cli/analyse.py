@@ -1,4 +1,4 @@
-"""``antenna-pin analyse`` and ``impacts``: what a run shows, in tables, and its impacts one by one."""
+"""``antenna-pin analyse``: what a run shows, in tables."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from antenna_pin.cli._common import complain, label_of, load_result, refuse, say
+from antenna_pin.cli._common import label_of, load_result, say
 from antenna_pin.cli._elastic import print_elastic
-from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, exported, parts_of, say_json, write_csv
+from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, exported, parts_of
 from antenna_pin.cli._loops import loops_of, print_loops
 from antenna_pin.cli._records import plain_number, records
 from antenna_pin.cli._tables import print_rows, text_of
@@ -25,6 +25,7 @@ JointOption = Annotated[str | None, typer.Option(help="Joint with clearance; all
 # Rows of the table of contacts: where each entry comes from, and what it is called.
 _ROWS = (
     ("loads", "episodes", "impacts"),
+    ("blows", "blows", "blows of the joint, ends that meet at once being one"),
     ("impacts", "floored", "impacts below the law's floor of speed"),
     ("impacts", "touching", "still touching at the end"),
     ("impacts", "median_approach_speed", "median approach speed [m/s]"),
@@ -119,7 +120,7 @@ def _deviation(run: Trajectory, path: Path, notes: list[str]) -> list[dict[str, 
 
 
 def _contact(run: Trajectory, longest_gap: float) -> dict[str, Any]:
-    from antenna_pin.analysis import impact_statistics, impacts, load_statistics, settling
+    from antenna_pin.analysis import blow_statistics, impact_statistics, impacts, load_statistics, settling
 
     loads = load_statistics(run)
     joints = loads.drop_dims("contact").rename(
@@ -127,6 +128,7 @@ def _contact(run: Trajectory, longest_gap: float) -> dict[str, Any]:
     )
     return {
         "impacts": records(impact_statistics(impacts(run)), "contact"),
+        "blows": records(blow_statistics(run), "clearance_joint"),
         "loads": records(joints, "clearance_joint") + records(loads.drop_dims("clearance_joint"), "contact"),
         "settling": [
             {
@@ -224,7 +226,7 @@ def _print(label: str, found: dict[str, Any]) -> None:
 def _print_contacts(label: str, found: dict[str, Any]) -> None:
     """Print impacts and loads, one column per joint and contact."""
     columns = [str(one["of"]) for one in found["loads"]]
-    entries = {kind: {one["of"]: one for one in found[kind]} for kind in ("impacts", "loads")}
+    entries = {kind: {one["of"]: one for one in found[kind]} for kind in ("impacts", "blows", "loads")}
     rows = [
         [text, *(text_of(entries[kind].get(column, {}).get(name)) for column in columns)]
         for kind, name, text in _ROWS
@@ -257,65 +259,3 @@ def _print_settling(label: str, found: Sequence[dict[str, Any]]) -> None:
             typer.echo(f"{one['joint']} does not settle: {one['note']}")
         elif one["driven"]:
             typer.echo(f"{one['joint']} is driven: it may part again after the run, as its load turns")
-
-
-_IMPACT = {
-    "onset": "onset [s]",
-    "duration": "duration [s]",
-    "approach_speed": "approach speed [m/s]",
-    "separation_speed": "separation speed [m/s]",
-    "restitution": "restitution [-]",
-    "peak_force": "peak force [N]",
-    "peak_time": "time of peak [s]",
-    "peak_depth": "peak depth [m]",
-    "impulse": "impulse [N s]",
-    "dissipated": "energy lost [J]",
-}
-_FLAGS = {"ended": "ended", "floored": "floored"}
-
-
-def impacts(
-    file: ResultArgument,
-    joint: JointOption = None,
-    strongest: Annotated[
-        int | None, typer.Option(metavar="N", min=1, help="List only the N impacts of largest force.")
-    ] = None,
-    as_json: JsonOption = False,
-    csv: CsvOption = None,
-) -> None:
-    """List the impacts of a run, or export them."""
-    target = csv_target(csv)
-    run = load_result(file, scenario=False)
-    if not run.data.sizes.get("clearance_joint", 0):
-        refuse(f"{file}: the run has no joint with clearance and so no impacts; take a case that has one")
-
-    import numpy as np
-
-    from antenna_pin.analysis import impacts as table_of
-
-    table = table_of(run, joint)
-    if strongest is not None:
-        order = np.argsort(-table["peak_force"].values, kind="stable")[:strongest]
-        table = table.isel(impact=np.sort(order))
-    columns = [table[name].values for name in _IMPACT]
-    flags = [table[name].values for name in _FLAGS]
-    head = ("contact", *_IMPACT.values(), *_FLAGS.values())
-    if as_json:
-        names = ("contact", *_IMPACT, *_FLAGS)
-        each = zip(table["contact"].values, *columns, *flags, strict=True)
-        found = [dict(zip(names, values, strict=True)) for values in each]
-        say_json({"file": str(file), "impacts": found})
-    if target is None and not as_json:
-        rows = [
-            [str(contact), *(text_of(float(x)) for x in row), *("yes" if x else "no" for x in marks)]
-            for contact, row, marks in zip(
-                table["contact"].values, zip(*columns, strict=True), zip(*flags, strict=True), strict=True
-            )
-        ]
-        if not rows:
-            complain(f"{file}: no impacts")
-            return
-        narrow = [name.replace(" [", "\n[") for name in head]
-        print_rows(f"{label_of(run, file)}: impacts", narrow, rows)
-    if target is not None:
-        write_csv(target, head, zip(table["contact"].values, *columns, *flags, strict=True), silent=as_json)

@@ -77,6 +77,8 @@ def info(
     for label, (_, trajectory) in zip(labels, runs, strict=True):
         if trajectory.outcome.name != "COMPLETED":
             say(f"{label}: {trajectory.message}")
+        elif trajectory.advice:
+            say(f"{label}: the run was {trajectory.advice}")
         say_spin(trajectory, f"{label}: ")
         say_limits(trajectory, f"{label}: ")
     held = [(label, trajectory.constraints) for label, (_, trajectory) in zip(labels, runs, strict=True)]

@@ -259,6 +259,9 @@ class Threlfall(CompiledFrictionLaw):
 class CustomFriction:
     """A user's own friction coefficient over slip speed; slower than the built-in laws unless it is compiled.
 
+    It must answer equal questions equally: a run ends as ``FUNCTION_WITH_MEMORY`` where it keeps something
+    between calls.
+
     Attributes:
         coefficient: ``speed [m/s] -> mu [-]``, at least 0; a plain function, or compiled by ``numba.njit`` or
             ``numba.cfunc``.

@@ -280,7 +280,9 @@ class CustomNormal:
     """A user's own normal law from functions.
 
     Where all are compiled, by ``numba.njit`` or ``numba.cfunc``, it runs as the built-in laws do, in both
-    engines; from plain ones it is slower: one call from Python per touching contact and evaluation.
+    engines; from plain ones it is slower: one call from Python per touching contact and evaluation. They must
+    answer equal questions equally: a run asks them out of order, and ends as ``FUNCTION_WITH_MEMORY`` where
+    they keep something between calls, such as the largest depth so far.
 
     Attributes:
         force: ``(depth [m], rate [m/s], approach_speed [m/s]) -> [N]``, called at positive depth only.

@@ -21,6 +21,7 @@ It enters by one line of :mod:`antenna_pin.elements.registry`; everything else f
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
@@ -144,6 +145,11 @@ class Element(ForceElement):
     def about(self) -> About:
         """What it acts about at a joint with play."""
         return "motion"
+
+    @property
+    def functions(self) -> tuple[tuple[str, Callable[..., float], int], ...]:
+        """Functions of a user's that it asks: name, function, how many of time, angle and rate it takes."""
+        return ()
 
     def given(self, t: float, angle: float, rate: float) -> tuple[float, ...]:
         """Return the numbers of its record at time t [s], angle and rate, if Python writes them."""

@@ -15,6 +15,11 @@ __all__ = ["CallableDrive"]
 class CallableDrive(Drive):
     """A torque from a function of time and motion; slower than the others unless it is compiled.
 
+    It must answer equal questions equally: a run asks it many times a step, and back in time. An object with
+    a memory (an integral, a sample and hold, chance, a clock) ends the run as ``FUNCTION_WITH_MEMORY``; a
+    sampled controller is a run for each of its periods with a ``ConstantDrive``, each with
+    ``start=run.end`` of the one before.
+
     Attributes:
         torque: ``(t [s], angle [rad], rate [rad/s]) -> [N m]``; of a clearance joint the motion angle and its
             rate. The angle counts whole turns. A plain function, or compiled by ``numba.njit`` or
@@ -45,6 +50,11 @@ class CallableDrive(Drive):
     def values(self) -> dict[str, Any]:
         """Return its numbers; the value of a plain function is written before each evaluation."""
         return {"value": 0.0, "address": self._address()}
+
+    @property
+    def functions(self) -> tuple[tuple[str, Callable[..., float], int], ...]:
+        """Its function, of time, angle and rate."""
+        return (("torque", self.torque, 3),)
 
     def _address(self) -> float:
         from antenna_pin.given_functions import address_of

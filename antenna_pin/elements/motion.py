@@ -181,6 +181,8 @@ class DistanceMotion(Motion):
 class CallableMotion(Motion):
     """A joint's position from functions of time; slower than the others unless all are compiled.
 
+    They must answer equal questions equally, as a :class:`CallableDrive` must.
+
     Attributes:
         position: ``t [s] -> [rad]`` ([m]).
         velocity: Its exact first derivative [rad/s] ([m/s]).
@@ -215,6 +217,11 @@ class CallableMotion(Motion):
         functions = zip(("first", "second", "third"), ("position", "velocity", "acceleration"), strict=True)
         place = type(self).__name__
         return numbers | {one: address_of(place, name, getattr(self, name), 1) for one, name in functions}
+
+    @property
+    def functions(self) -> tuple[tuple[str, Callable[..., float], int], ...]:
+        """Its three functions, of time."""
+        return tuple((name, getattr(self, name), 1) for name in ("position", "velocity", "acceleration"))
 
     def given(self, t: float, angle: float, rate: float) -> tuple[float, ...]:
         """Return the numbers of its record at time t [s]."""

@@ -45,7 +45,11 @@ class ContactPlace(NamedTuple):
 
 
 class Distances(Protocol):
-    """What measures gaps in a run, in place of the compiled closed form: a backend."""
+    """What measures gaps in a run, in place of the compiled closed form: a backend.
+
+    It must answer equal questions equally, to a billionth of the play: it may search from its last answer on,
+    but a gap that depends on what was asked before (wear, chance) ends the run as ``FUNCTION_WITH_MEMORY``.
+    """
 
     def query(
         self, pose: NDArray[Any], table: NDArray[Any], row: int, wanted: Sequence[float] | None = None

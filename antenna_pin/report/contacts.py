@@ -63,9 +63,11 @@ def impact_tables(runs: Sequence[ReportedRun]) -> Section:
         title="Impacts",
         items=tuple(items),
         notes=(
-            "One row per contact, from first touch to release. Restitution is the speed of separation over "
-            "that of approach, at these very instants; a dash where the contact had not ended, or closed "
-            "slower than the law's floor of speed. Values above 1 occur where two contacts push each other.",
+            "One row per contact, from first touch to release. Contacts of the same surfaces that overlap, "
+            "as at both ends of a bore that are met at once, are one blow of the joint. Restitution is the "
+            "speed of separation over that of approach, at these very instants; a dash where the contact had "
+            "not ended, or closed slower than the law's floor of speed. Values above 1 occur where two "
+            "contacts push each other.",
         ),
     )
 
@@ -81,6 +83,7 @@ def _impact_summary(runs: Sequence[ReportedRun], tables: Sequence[xr.Dataset]) -
 
     rows = [
         counts("impacts", (table.sizes["impact"] for table in tables)),
+        counts("blows of joints", (len(set(table["blow"].values.tolist())) for table in tables)),
         counts("not ended", (int(np.count_nonzero(~table["ended"].values)) for table in tables)),
         counts(
             "slower than the law's floor",

@@ -85,6 +85,8 @@ def _warnings(run: ReportedRun) -> Iterator[str]:
                 f"{what} {number(value, 2)} of its scale, more than {number(CONSERVED_WITHIN)}; "
                 "tighten integrator.rtol."
             )
+    if run.run.advice:
+        yield f"the run was {run.run.advice}."
     if singular := said_of_singular(run.run.constraints):
         yield f"{singular}."
     if spun := said_of_spin(data):
@@ -189,6 +191,7 @@ def _clearance_rows(runs: Sequence[ReportedRun], joint: str) -> Iterator[Row]:
 
     yield Row(f"contact in {joint}")
     yield counts("contacts", (None if t is None else t.sizes["impact"] for t in tables))
+    yield counts("blows", (None if t is None else len(set(t["blow"].values.tolist())) for t in tables))
     yield quantities("largest normal force", largest("peak_force"), "N")
     yield quantities("greatest depth", largest("peak_depth"), "m")
     yield quantities("fastest approach", largest("approach_speed"), "m/s")

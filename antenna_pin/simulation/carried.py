@@ -22,7 +22,7 @@ from antenna_pin.joints import ClearanceJoint
 from antenna_pin.mechanism import frame_aligning_z
 from antenna_pin.readable import number
 
-__all__ = ["carried_joints", "mechanism_attributes"]
+__all__ = ["carried_joints", "mechanism_attributes", "slides"]
 
 
 _NAMES = {cls: name for names in (NORMAL_LAWS, DISSIPATIONS, FRICTION_LAWS) for name, cls in names.items()}
@@ -56,7 +56,7 @@ def mechanism_attributes(system: System) -> dict[str, str]:
         for name, one in system.point_springs.items()
     }
     frictions = {
-        name: {**dataclasses.asdict(one), "slides": _slides(system, one.joint)}
+        name: {**dataclasses.asdict(one), "slides": slides(system, one.joint)}
         for name, one in system.springs.items()
         if isinstance(one, JointFriction)
     }
@@ -110,11 +110,11 @@ def _shapes(system: System, part: str) -> set[str]:
 
 
 def _drive(system: System, drive: Element) -> dict[str, Any]:
-    slides = _slides(system, drive.joint)
-    return {"joint": drive.joint, "slides": slides, "motion": isinstance(drive, Motion)}
+    return {"joint": drive.joint, "slides": slides(system, drive.joint), "motion": isinstance(drive, Motion)}
 
 
-def _slides(system: System, joint: str) -> bool:
+def slides(system: System, joint: str) -> bool:
+    """Whether a joint slides along its axis rather than turning about it."""
     return system.mechanism.joint(joint).kind == "prismatic" or any(
         one.name == joint and one.geometry.motion == "slide" for one in system.clearances
     )

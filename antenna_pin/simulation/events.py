@@ -204,7 +204,8 @@ class Event:
     Attributes:
         name: Its name in the result.
         when: The function, ``(moment) -> float``: continuous within a step, smooth if its zero is to be found
-            to round-off. A jump of it past zero, at a contact or by another event, is a passage too.
+            to round-off. A jump of it past zero, at a contact or by another event, is a passage too. It must
+            answer equal questions equally, or the run ends as ``FUNCTION_WITH_MEMORY``.
         direction: +1: rising; -1: falling; 0: both.
         action: What happens.
         after: The passage from which on ``action`` is taken; the earlier ones are only recorded [-].

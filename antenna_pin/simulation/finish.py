@@ -60,6 +60,8 @@ def finished(
     def result(data: xr.Dataset) -> Trajectory:
         if start:
             data.attrs["start"] = start
+        if run.oversight.advice:
+            data.attrs["advice"] = run.oversight.advice
         data.attrs["finished"] = datetime.now(UTC).isoformat(timespec="seconds")
         nonlocal began
         now = time.perf_counter()

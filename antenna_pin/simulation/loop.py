@@ -26,6 +26,7 @@ from antenna_pin.simulation.episodes import Episodes
 from antenna_pin.simulation.events import Event
 from antenna_pin.simulation.kinks import kinks_of
 from antenna_pin.simulation.measured import Found
+from antenna_pin.simulation.oversight import Oversight
 from antenna_pin.simulation.progress import Keeping, Progress, Reporter
 from antenna_pin.simulation.quiet import QuietTrials, stepper_of
 from antenna_pin.simulation.samples import Samples
@@ -87,6 +88,7 @@ class Run:
         worked_on = self.workspace, self.stepper, self.control, self.samples
         self.actions = Actions(self.watch, *worked_on, self.begin)
         self.trials = Trials(self.stepper, self.control)
+        self.oversight = Oversight(self.workspace, self.control, self.events)
         self.singular = None if system.plan is None else Singularities(Workspace(system))
         if stretches and isinstance(self.stepper, CompiledStepper) and all(map(is_known, self.watch.events)):
             parts = self.samples, self.contacts, self.search, self.watch, self.singular
@@ -135,11 +137,6 @@ class Run:
     def state(self) -> State:
         """The state that the run leaves: one to go on from."""
         return self.left if self.left is not None else self.present()
-
-    @property
-    def accepted(self) -> int:
-        """Steps accepted so far."""
-        return self.trials.accepted
 
     @property
     def episodes(self) -> NDArray[Any]:
@@ -191,15 +188,17 @@ class Run:
             keep: Shown the run between steps, and at its end.
         """
         report = Reporter(progress, self.duration, self.wall)
+        self.oversight.begin(self.stepper.t, self.here)
         h = self.following
         while self.stepper.t < self.duration and self.outcome is Outcome.COMPLETED:
             self.following = h = self._step(h)
             self.wall = report.wall
-            if self.outcome is not Outcome.COMPLETED or not self._may_go_on(self.wall, interrupted):
+            if self.outcome is not Outcome.COMPLETED or not self._may_go_on(interrupted()):
                 break
             report(self.stepper.t, h, self.trials.accepted)
             if keep is not None:
                 keep.look(self)
+        self._stop(*self.oversight.end(self.outcome))
         if keep is not None:
             keep.end(self)
         self.left = dataclasses.replace(self.state, reached=self.stepper.t)
@@ -208,15 +207,13 @@ class Run:
             self.samples.add(self.stepper.t, self.here.copy())
         if self.singular is not None:
             self.message += self.singular.words()
+        self.message += self.oversight.words(self.outcome)
         self.wall = report.wall
         report(self.stepper.t, h, self.trials.accepted, last=True)
 
-    def _may_go_on(self, wall: float, interrupted: Callable[[], bool]) -> bool:
-        limit = self.control.limit(self.trials.made, self.stepper.t, wall)
-        outcome = Outcome.INTERRUPTED if interrupted() else limit
-        if outcome is not None:
-            self._stop(outcome)
-        return outcome is None
+    def _may_go_on(self, interrupted: bool) -> bool:
+        counts = self.trials.made, self.stepper.evaluations
+        return self._stop(*self.oversight.look(self.stepper.t, self.here, counts, self.wall, interrupted))
 
     def _step(self, h: float) -> float:
         """Make one accepted step, or a stretch; return the size to try next."""
@@ -233,8 +230,7 @@ class Run:
 
     def _give_up(self, trial: Trial) -> float:
         """Accept nothing; return the size to try next, if the run does not end."""
-        if trial.outcome is not None:
-            self._stop(trial.outcome)
+        self._stop(trial.outcome)
         return trial.following
 
     def _conclude(self, following: float) -> float:
@@ -343,8 +339,12 @@ class Run:
             self.watch.renew()
             self._act(self.watch.due())
 
-    def _stop(self, outcome: Outcome, what: str = "") -> None:
+    def _stop(self, outcome: Outcome | None, what: str = "") -> bool:
+        """End the run for a reason; return whether there is none."""
+        if outcome is None:
+            return True
         self.outcome = outcome
         if outcome in (Outcome.NOT_FINITE, Outcome.STEP_TOO_SMALL) and self.singular and self.singular.near:
             self.outcome, what = Outcome.NOT_CLOSED, self.singular.near
         self.message = f"at t = {self.stepper.t:.9g} s{what}: {self.outcome.value}"
+        return False

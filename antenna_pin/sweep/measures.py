@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from antenna_pin.analysis import base_motion, deviation, error_components, pointing_error, pointing_indices
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
-from antenna_pin.trajectory import Trajectory, contact_joints, names_along
+from antenna_pin.trajectory import Trajectory, blow_numbers, contact_joints, names_along
 from antenna_pin.trajectory.schema import VARIABLES
 
 __all__ = ["MEASURES", "Asked", "Measure"]
@@ -78,6 +78,15 @@ def _of_episodes(name: str, over: Callable[[Array], float]) -> Found:
         return over(np.asarray(data[name].values, dtype=float)[mine])
 
     return find
+
+
+def _blows(run: Trajectory, spec: Asked, _: Trajectory | None) -> float:
+    if "contact" not in run.data.sizes:
+        raise UnknownNameError(spec.measure or "", "contact", spec.of or "any", ())
+    numbers = blow_numbers(run.data)
+    if spec.of is not None:
+        numbers = numbers[np.isin(run.data["episode_contact"].values, _contacts(run, spec))]
+    return float(len(np.unique(numbers)))
 
 
 def _contacts(run: Trajectory, spec: Asked) -> list[int]:
@@ -201,6 +210,7 @@ def _all() -> dict[str, Measure]:
             "contact",
             _of_episodes("peak_force", lambda values: float(values.size)),
         ),
+        Measure("blows", "1", "number of blows, overlapping contacts being one", "contact", _blows),
         Measure(
             "contact_time",
             "s",

@@ -1,5 +1,6 @@
 """One run, sampled: labelled arrays by a schema, how the run ended, and the file that holds both."""
 
+from antenna_pin.trajectory.blows import blow_counts, blow_numbers, surfaces
 from antenna_pin.trajectory.file import FORMAT, write_blocks
 from antenna_pin.trajectory.read import (
     contact_ends,
@@ -30,6 +31,8 @@ __all__ = [
     "Outcome",
     "TableKind",
     "Trajectory",
+    "blow_counts",
+    "blow_numbers",
     "contact_ends",
     "contact_joints",
     "contact_kinds",
@@ -42,6 +45,7 @@ __all__ = [
     "open_table",
     "save_table",
     "series",
+    "surfaces",
     "table_attributes",
     "write_blocks",
 ]

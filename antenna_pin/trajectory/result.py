@@ -19,6 +19,7 @@ from antenna_pin.card import run_card
 from antenna_pin.errors import FileFormatError
 from antenna_pin.files import check_writable, replacing
 from antenna_pin.state import State
+from antenna_pin.trajectory.blows import blow_counts
 from antenna_pin.trajectory.check import problem_of
 from antenna_pin.trajectory.file import FORMAT, read, write
 from antenna_pin.trajectory.read import names_along
@@ -49,6 +50,11 @@ class Outcome(Enum):
     STEP_LIMIT = "made as many steps as integrator.max_steps allows; what was computed is kept"
     TIME_LIMIT = "took as long as integrator.max_wall_time allows; what was computed is kept"
     NOT_FINITE = "the state stopped being finite; look at the drives and stiffnesses, or tighten the step"
+    FUNCTION_WITH_MEMORY = (
+        "a function given in Python answered one question in two ways, and what was computed means nothing; "
+        "a run asks out of order and back in time: give it no memory, chance or clock, and make a sampled "
+        "controller of pieces of runs, each with start=run.end"
+    )
     NOT_CLOSED = (
         "the loops cannot be closed from here on, in a singular position or out of reach; change motions or "
         "dimensions"
@@ -122,6 +128,11 @@ class Trajectory:
         """How many closures, couplings and motions hold, and how well; {} of a tree that nothing holds."""
         found: dict[str, Any] = json.loads(self.data.attrs.get("constraints", "{}"))
         return found
+
+    @property
+    def advice(self) -> str:
+        """What the run found out about how it is best made, in words; empty if nothing."""
+        return str(self.data.attrs.get("advice", ""))
 
     @property
     def completed(self) -> bool:
@@ -234,6 +245,7 @@ class Trajectory:
                 "impulse": float(data["impulse"].values[mine].sum()),
                 "dissipated": float(data["dissipated"].values[mine].sum()),
             }
+        result["blows"] = {name: {"blows": count} for name, count in blow_counts(data).items()}
         return result
 
     def _repr_html_(self) -> str:

@@ -312,10 +312,12 @@ def test_interrupted_between_any_steps_events_are_the_same():
     whole = Run(system, y, 0.03, RunSettings(), events)
     whole.advance()
     start, made, happened = y, 0, []
-    for stop in [*range(7, whole.accepted, 13), None]:
+    for stop in [*range(7, whole.trials.accepted, 13), None]:
         run = Run(system, start, 0.03, RunSettings(), events)
         run.advance(
-            interrupted=lambda run=run, made=made, stop=stop: stop is not None and run.accepted + made >= stop
+            interrupted=lambda run=run, made=made, stop=stop: (
+                stop is not None and run.trials.accepted + made >= stop
+            )
         )
         made, start = stop, run.state
         happened += run.actions.happened

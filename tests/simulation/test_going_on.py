@@ -101,13 +101,15 @@ def test_interrupted_a_hundred_times_it_is_still_the_whole():
     y = system.state(*initial_state(asked, system))
     whole = Run(system, y, 0.06, settings)
     whole.advance()
-    rng, steps = np.random.default_rng(4), whole.accepted
+    rng, steps = np.random.default_rng(4), whole.trials.accepted
     stops = np.sort(rng.choice(np.arange(1, steps), size=100, replace=False))
     start, made = y, 0
     for stop in [*stops.tolist(), None]:
         run = Run(system, start, 0.06, settings)
         run.advance(
-            interrupted=lambda run=run, made=made, stop=stop: stop is not None and run.accepted + made >= stop
+            interrupted=lambda run=run, made=made, stop=stop: (
+                stop is not None and run.trials.accepted + made >= stop
+            )
         )
         made = stop if stop is not None else made
         start = State.from_json(run.state.to_json())

@@ -1,0 +1,102 @@
+"""What of a run is zero to round-off, by the run's own scales: one rule for figures, tables and reports.
+
+Sums of large numbers that cancel leave some 1e-16 of them, and a run carries that on: forces of piconewtons
+across a plane that nothing leaves, accelerations of picoradians per second squared. A number is zero to
+round-off below :data:`ROUND_OFF` of the largest that the run has in its unit, those of other units counted
+by way of the mechanism's length and of one radian: a force at the length's end is a moment, a rate there a
+velocity. What a run stores is not touched by this.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from xml.etree import ElementTree
+
+import numpy as np
+import xarray as xr
+
+from antenna_pin.analysis._run import RunLike, data_of
+from antenna_pin.analysis.blocks import blocks
+from antenna_pin.trajectory import is_lean
+
+__all__ = ["ROUND_OFF", "ROUND_OFF_WORDS", "is_round_off", "round_off_scales"]
+
+#: Share of a run's scale below which a number is zero [-]: 1e-16 of round-off, grown 1e6 times over a run,
+#: and still far below what the error of a step is asked to be.
+ROUND_OFF = 1e-10
+ROUND_OFF_WORDS = f"≈ 0: zero to round-off, less than {ROUND_OFF:g} of the run's largest in its unit"
+
+# Each unit and that of the same quantity about an axis, which the length of the mechanism is between.
+_PAIRS = (("m", "rad"), ("m/s", "rad/s"), ("m/s^2", "rad/s^2"), ("N m", "N"), ("N m s", "N s"))
+# Variables that hold what went wrong, or mixed units.
+_NO_SCALE = {"q", "v", "a", "energy_error"}
+
+
+def round_off_scales(runs: RunLike | Iterable[RunLike]) -> dict[str, float]:
+    """Return the scale of each unit in which a run, or any of several, has numbers.
+
+    Args:
+        runs: A run, or its data, or several.
+    """
+    several = [runs] if hasattr(runs, "data") or isinstance(runs, xr.Dataset) else list(runs)  # type: ignore[arg-type]
+    found: dict[str, float] = {}
+    for run in several:
+        for unit, size in _of_one(data_of(run)).items():
+            found[unit] = max(found.get(unit, 0.0), size)
+    return found
+
+
+def is_round_off(size: float | None, unit: str, scales: Mapping[str, float]) -> bool:
+    """Whether a number is zero but for round-off; an exact zero is none of round-off.
+
+    Args:
+        size: The number; None and not-a-number are no such thing.
+        unit: Its SI unit, written as in a result or as it is printed.
+        scales: Of :func:`round_off_scales`.
+    """
+    if size is None or not math.isfinite(size) or size == 0.0:
+        return False
+    return abs(size) < ROUND_OFF * scales.get(_plain(unit), 0.0)
+
+
+def _plain(unit: str) -> str:
+    """Return a unit as scales are named: ``rad/s**2``, ``rad/s^2`` and rad/s² are one."""
+    return unit.replace("**", "^").replace("*", " ").replace("²", "^2").replace("\N{NO-BREAK SPACE}", " ")
+
+
+def _of_one(data: xr.Dataset) -> dict[str, float]:
+    length = _length(data)
+    found = {"rad": 1.0, "m": length}
+    names = [str(name) for name in data.data_vars if name not in _NO_SCALE]
+    names = [name for name in names if data[name].dtype.kind == "f" and "units" in data[name].attrs]
+    series = set() if is_lean(data) else {name for name in names if "time" in data[name].dims}
+    for part in blocks(data) if series else ():
+        for name in series:
+            _raise(found, data[name].attrs["units"], part[name].values)
+    for name in set(names) - series:
+        if "time" not in data[name].dims:
+            _raise(found, data[name].attrs["units"], data[name].values)
+    for linear, angular in _PAIRS:
+        for one, other, lever in ((linear, angular, length), (angular, linear, 1.0 / length)):
+            if linear[0] == "N" and one == angular:
+                continue  # what a moment makes of a force hangs on levers that may be far shorter
+            if other in found:
+                found[one] = max(found.get(one, 0.0), lever * found[other])
+    return found
+
+
+def _raise(found: dict[str, float], units: str, values: np.ndarray) -> None:
+    sizes = np.abs(values[np.isfinite(values)])
+    found[_plain(units)] = max(found.get(_plain(units), 0.0), float(sizes.max(initial=0.0)))
+
+
+def _length(data: xr.Dataset) -> float:
+    """Return how far the joints and mass centres of a mechanism are apart at most, along the tree [m]."""
+    try:
+        robot = ElementTree.fromstring(str(data.attrs.get("urdf", "<robot/>")))
+    except ElementTree.ParseError:
+        return 1.0
+    offsets = [origin.get("xyz", "0 0 0") for origin in robot.iterfind("./joint/origin")]
+    offsets += [origin.get("xyz", "0 0 0") for origin in robot.iterfind("./link/inertial/origin")]
+    return math.fsum(math.hypot(*map(float, text.split())) for text in offsets) or 1.0

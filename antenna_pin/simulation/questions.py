@@ -1,0 +1,284 @@
+"""Functions of a user's in a run, and the questions that it asks them, in one form for every kind.
+
+A drive, a motion, a law, a backend and an event are asked different things in different places. Here each is
+a thing that has a question at a state of the run and an answer to it, so that it can be asked again
+(:mod:`antenna_pin.simulation.repeatable`). Asking changes nothing that the run works on.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from antenna_pin.contact import CustomFriction, CustomNormal
+from antenna_pin.dynamics import System, Workspace, _kernels
+from antenna_pin.elements import Element
+from antenna_pin.geometry import Distances
+from antenna_pin.given_functions import callable_of
+from antenna_pin.joints._pose_kernels import place_journal
+from antenna_pin.joints.python_path import has_code, range_of
+from antenna_pin.records import CONTACT, POSE
+from antenna_pin.simulation.carried import slides
+from antenna_pin.simulation.events import Event, Rated
+from antenna_pin.simulation.moment import Moment
+from antenna_pin.simulation.watched import is_known
+
+__all__ = ["Asked", "asked_functions"]
+
+Array = NDArray[np.float64]
+
+
+class Asked(Protocol):
+    """A function of a user's that a run asks.
+
+    Attributes:
+        name: Whose it is and what it is called.
+        first: What it may be asked before it has a question, so that there is one from before all others.
+    """
+
+    name: str
+    first: Any
+
+    def question(self, t: float, y: Array) -> Any:
+        """Return what it is asked at time t [s] and state y; None if nothing."""
+
+    def answer(self, question: Any) -> tuple[float, ...]:
+        """Return what it answers."""
+
+    def differ(self, one: tuple[float, ...], other: tuple[float, ...]) -> bool:
+        """Whether two answers are not the same one."""
+
+    def told(self, question: Any) -> str:
+        """Return a question in words."""
+
+
+def _differ(one: Sequence[float], other: Sequence[float]) -> bool:
+    return any(a != b and not (a != a and b != b) for a, b in zip(one, other, strict=True))
+
+
+class _Numbers:
+    """A function of numbers.
+
+    Args:
+        name: Whose it is and what it is called.
+        function: The function; compiled ones are called from Python.
+        asked: Returns its arguments at a time and state, or None.
+        words: Name and unit of each argument.
+        first: Arguments before there are any; None if there always are.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        function: Callable[..., float],
+        asked: Callable[[float, Array], tuple[float, ...] | None],
+        words: Sequence[tuple[str, str]],
+        first: tuple[float, ...] | None = None,
+    ) -> None:
+        self.name, self.first = name, first
+        self._function = callable_of(function)
+        self._asked, self._words = asked, words
+
+    def question(self, t: float, y: Array) -> tuple[float, ...] | None:
+        return self._asked(t, y)
+
+    def answer(self, question: tuple[float, ...]) -> tuple[float, ...]:
+        return (float(self._function(*question)),)
+
+    def differ(self, one: tuple[float, ...], other: tuple[float, ...]) -> bool:
+        return _differ(one, other)
+
+    def told(self, question: tuple[float, ...]) -> str:
+        return ", ".join(
+            f"{name} = {value:.9g} {unit}" for (name, unit), value in zip(self._words, question, strict=True)
+        )
+
+
+class _Backend:
+    """What measures the gaps of a joint.
+
+    One that searches from its last answer on comes to the same gap up to its own round-off only. So answers
+    are the same within a billionth of the play, the distance up to which contacts are located.
+    """
+
+    def __init__(self, name: str, distances: Distances, workspace: Workspace, joint: int) -> None:
+        system = workspace.system
+        clearance = system.clearances[joint]
+        self.name, self.first = name, None
+        self._distances, self._nq = distances, system.model.nq
+        self._program, self._block = workspace.program, system.clearance_blocks[clearance.name]
+        first = sum(one.contacts for one in system.clearances[:joint])
+        self._rows = slice(first, first + clearance.contacts)
+        self._table = np.zeros(system.rows, CONTACT)
+        self._pose = np.zeros(1, POSE)
+        self._small = 1e-9 * clearance.geometry.radial_clearance
+
+    def question(self, t: float, y: Array) -> NDArray[Any]:
+        place_journal(self._program, self._block, y, self._nq, self._pose)
+        return self._pose.copy()
+
+    def answer(self, question: NDArray[Any]) -> tuple[float, ...]:
+        self._distances.query(question.copy(), self._table, self._rows.start)
+        rows = self._table[self._rows]
+        return tuple(float(gap) for gap in rows["gap"])
+
+    def differ(self, one: tuple[float, ...], other: tuple[float, ...]) -> bool:
+        return any(
+            not abs(a - b) <= self._small and not (a != a and b != b) for a, b in zip(one, other, strict=True)
+        )
+
+    def told(self, question: NDArray[Any]) -> str:
+        x, y, z = question["centre"][0].tolist()
+        return f"journal at x = {x:.9g} m, y = {y:.9g} m, z = {z:.9g} m in its bearing"
+
+
+class _Condition:
+    """The function of an event, asked in a place of its own with contacts and elements as they were."""
+
+    def __init__(self, name: str, function: Callable[[Moment], float], workspace: Workspace) -> None:
+        self.name, self.first = name, None
+        self._function = function
+        self._run = workspace
+        self._own = Workspace(workspace.system)
+        self._moment = Moment(self._own)
+
+    def question(self, t: float, y: Array) -> tuple[float, Array, NDArray[Any], Array]:
+        return t, y.copy(), self._run.memory.copy(), self._run.program.copy()
+
+    def answer(self, question: tuple[float, Array, NDArray[Any], Array]) -> tuple[float, ...]:
+        t, y, memory, program = question
+        self._own.memory[:], self._own.program[:] = memory, program
+        return (float(self._function(self._moment.set(t, y))),)
+
+    def differ(self, one: tuple[float, ...], other: tuple[float, ...]) -> bool:
+        return _differ(one, other)
+
+    def told(self, question: tuple[float, Array, NDArray[Any], Array]) -> str:
+        return f"the moment t = {question[0]:.9g} s"
+
+
+def asked_functions(workspace: Workspace, events: Sequence[Event]) -> tuple[Asked, ...]:
+    """Return the functions of a user's that a run asks, compiled by the user or not.
+
+    Args:
+        workspace: What the run works on.
+        events: What it looks for.
+    """
+    return (*_of_elements(workspace), *_of_joints(workspace), *_of_events(workspace, events))
+
+
+def _of_elements(workspace: Workspace) -> Iterator[Asked]:
+    system = workspace.system
+    families = (
+        ("drive", system.drives, system.drive_blocks),
+        ("spring", system.springs, system.spring_blocks),
+    )
+    for family, elements, blocks in families:
+        for name, element in elements.items():
+            if not isinstance(element, Element):
+                continue
+            for of, function, count in element.functions:
+                yield _Numbers(
+                    f"{family} {name!r}: {of}",
+                    function,
+                    _motion_of(workspace, blocks[name], count),
+                    _motion_words(system, element.joint)[:count],
+                )
+
+
+def _motion_words(system: System, joint: str) -> tuple[tuple[str, str], ...]:
+    unit = "m" if slides(system, joint) else "rad"
+    return ("t", "s"), ("angle" if unit == "rad" else "position", unit), ("rate", f"{unit}/s")
+
+
+def _motion_of(workspace: Workspace, block: int, count: int) -> Callable[[float, Array], Any]:
+    """Return what gives time, angle and rate of an element's joint, the first so many; None if it is off."""
+    program, nq = workspace.program, workspace.model.nq
+    on = program[block : block + _kernels.PARAMETERS].view(_kernels.ELEMENT)["on"]
+
+    def asked(t: float, y: Array) -> tuple[float, ...] | None:
+        if on[0] == 0.0:
+            return None
+        angle, rate, _, _ = _kernels.joint_motion(program, block, y, nq)
+        return (t, float(angle), float(rate))[:count]
+
+    return asked
+
+
+def _of_joints(workspace: Workspace) -> Iterator[Asked]:
+    row = 0
+    for number, joint in enumerate(workspace.system.clearances):
+        place, seen = f"joint {joint.name!r}", set()
+        for k, law in enumerate(joint.normal_laws):
+            if id(law) not in seen and (isinstance(law, CustomNormal) or not has_code(law)):
+                seen.add(id(law))
+                rows = [row + i for i, other in enumerate(joint.normal_laws) if other is law]
+                kind = joint.geometry.contact_places[k].kind
+                # A thousandth of what it may be pressed to, at the slowest approach that it is told of.
+                first = 1e-3 * joint.depth_limits[k], 0.0, joint.approach_speed_floor
+                yield from _of_law(f"{place}: {kind} law", law, rows, workspace, first)
+        friction: Any = joint.friction
+        if isinstance(friction, CustomFriction) or not has_code(friction):
+            rows = list(range(row, row + joint.contacts))
+            words = [("slip speed", "m/s")]
+            name = f"{place}: friction law: coefficient"
+            slow = (joint.approach_speed_floor,)
+            yield _Numbers(name, friction.coefficient, _slip_of(workspace, rows), words, slow)
+        if not isinstance(joint.backend, str):
+            yield _Backend(f"{place}: geometry: query", joint.backend, workspace, number)
+        row += joint.contacts
+
+
+def _of_law(
+    name: str, law: Any, rows: Sequence[int], workspace: Workspace, first: tuple[float, ...]
+) -> Iterator[Asked]:
+    words = ("depth", "m"), ("rate", "m/s"), ("approach speed", "m/s")
+    for of, count in (("force", 3), ("elastic_force", 1), ("elastic_energy", 1)):
+        asked = _depth_of(workspace, rows, range_of(law), count)
+        yield _Numbers(f"{name}: {of}", getattr(law, of), asked, words[:count], first[:count])
+
+
+def _deepest(workspace: Workspace, rows: Sequence[int]) -> int:
+    """Return the row of some that touches and is the deepest at the last evaluation; -1 if none is."""
+    gaps = [(float(workspace.table[k].gap), k) for k in rows if workspace.memory[k].touching]
+    gap, row = min(gaps, default=(0.0, -1))
+    return row if gap < 0.0 else -1
+
+
+def _depth_of(
+    workspace: Workspace, rows: Sequence[int], limit: float, count: int
+) -> Callable[[float, Array], Any]:
+    """Return what gives depth, rate and approach speed of a contact, the first so many; None if apart."""
+
+    def asked(t: float, y: Array) -> tuple[float, ...] | None:
+        row = _deepest(workspace, rows)
+        if row < 0:
+            return None
+        contact, memory = workspace.table[row], workspace.memory[row]
+        depth = min(-float(contact.gap), limit)
+        return (depth, float(contact.rate), float(memory.approach_speed))[:count]
+
+    return asked
+
+
+def _slip_of(workspace: Workspace, rows: Sequence[int]) -> Callable[[float, Array], Any]:
+    """Return what gives the slip speed of a contact; None if none slips."""
+
+    def asked(t: float, y: Array) -> tuple[float, ...] | None:
+        row = _deepest(workspace, rows)
+        speed = 0.0 if row < 0 else float(np.linalg.norm(workspace.table[row].slip))
+        return (speed,) if speed > 0.0 else None
+
+    return asked
+
+
+def _of_events(workspace: Workspace, events: Sequence[Event]) -> Iterator[Asked]:
+    for event in events:
+        if is_known(event):
+            continue
+        yield _Condition(f"event {event.name!r}: when", event.when, workspace)
+        if isinstance(event.when, Rated):
+            yield _Condition(f"event {event.name!r}: rate", event.when.rate, workspace)
