@@ -25,6 +25,7 @@ def _spoiled(data: xr.Dataset, name: str) -> xr.Dataset:
     ("change", "words"),
     [
         (lambda data: data.isel(time=slice(0, 0), episode=slice(0, 0)), "got no samples"),
+        (lambda data: data.assign_coords(axis=["x", "x", "z"]), "labels in 'axis' that are there twice"),
         (lambda data: data.drop_vars("contact_force"), "got no variable 'contact_force'"),
         (lambda data: data.drop_vars("q"), "got no variable 'q'"),
         (lambda data: _spoiled(data, "q"), "numbers in 'q' that are not finite"),

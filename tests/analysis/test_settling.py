@@ -78,6 +78,14 @@ def test_not_settled(intervals, said):
     assert math.isnan(found.share_after)
 
 
+@pytest.mark.parametrize(("gap", "least"), [(0.02, 0.5), (0.1, 1.0)])
+def test_time_to_tell_is_a_twentieth_of_the_run_or_ten_gaps(gap, least):
+    """Whichever is longer, to the last digit of the time."""
+    for remain, settles in ((least - 1e-9, False), (least + 1e-9, True)):
+        (found,) = settling(touches([(1.0, 2.0), (10.0 - remain, None)], end=10.0), longest_gap=gap)
+        assert (found.time is not None) is settles
+
+
 def test_a_contact_that_parts_at_the_end_has_settled_if_the_gap_is_short():
     (found,) = settling(touches([(1.0, 9.9995)], end=10.0))
     assert found.time == 1.0

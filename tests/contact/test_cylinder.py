@@ -209,12 +209,18 @@ def test_pereiras_branches_meet():
     assert low == pytest.approx(high, abs=2e-4)
 
 
-def test_docstring_formula_of_pereira():
-    """In millimetres and newtons, at a play of 0.2 mm."""
-    play, length, modulus, depth = 0.2, 50.0, E * 1e-6, 5e-3
-    n = 1.51 * math.log(1000.0 * play) ** -0.151 * play**-0.005
-    expected = (0.965 * play + 0.0965) * length * modulus / play * depth**n
-    assert Pereira(**JOINT).elastic_force(5e-6) == pytest.approx(expected, rel=1e-10, abs=0.0)
+@pytest.mark.parametrize("play", [0.005, 0.2, 0.349535, 0.349545, 1.0, 10.0])
+def test_docstring_formula_of_pereira(play):
+    """In millimetres and newtons, over the range of the fit; 5 nm on both sides of where its branches meet.
+
+    There the branches differ by 5e-6 in the force: another limit shows.
+    """
+    modulus, depth = E * 1e-6, 5e-3
+    y = 1.51 * math.log(1000.0 * play) ** -0.151 if play < 0.34954 else 0.0151 * play + 1.151
+    expected = (0.965 * play + 0.0965) * 1e3 * L * modulus / play * depth ** (y * play**-0.005)
+    law = Pereira(length=L, modulus=E, journal_radius=0.02, bearing_radius=0.02 + 1e-3 * play)
+    # The play is a difference of two radii: 1e-16 of 20 mm is 1e-12 of 5 um.
+    assert law.elastic_force(1e-3 * depth) == pytest.approx(expected, rel=1e-9, abs=0.0)
 
 
 def test_pereira_is_near_what_it_is_fitted_to():

@@ -32,6 +32,12 @@ def test_hub_and_parts_have_mass_centre_and_inertia_of_the_link(overrides: dict[
     assert np.abs(found.inertia - link.inertia).max() < 1e-12
 
 
+def test_radius_of_gyration_of_a_ball():
+    """sqrt(2/5) of its radius: from 2/5 m r^2 about every axis, wherever the ball is."""
+    ball = MassProperties.of(3.0, [1.0, 2.0, -1.0], 0.4 * 3.0 * 0.7**2 * np.eye(3))
+    assert ball.gyration == pytest.approx(np.sqrt(0.4) * 0.7, rel=1e-14, abs=0.0)
+
+
 @pytest.mark.parametrize("seed", range(20))
 @pytest.mark.parametrize("least", [False, True])
 def test_every_mode_is_a_body_on_a_joint(seed: int, least: bool, random_link: Any):

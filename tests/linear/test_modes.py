@@ -95,6 +95,41 @@ def test_one_damped_spring_on_a_free_base(chain: Any, ratio: float):
     assert bool(swings.all()) is (ratio < 1.0)
 
 
+ARM = """<robot name="arm"><link name="bus"><inertial><mass value="9"/>
+<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<link name="boom"><inertial><origin xyz="0.3 0.1 -0.2" rpy="0.1 0.2 0.3"/><mass value="2"/>
+<inertia ixx="0.3" iyy="0.2" izz="0.15" ixy="0.02" ixz="0" iyz="0.01"/></inertial></link>
+<link name="dish"><inertial><origin xyz="0.1 -0.3 0.2"/><mass value="1.5"/>
+<inertia ixx="0.1" iyy="0.2" izz="0.15" ixy="0" ixz="0.03" iyz="0"/></inertial></link>
+<joint name="root" type="continuous"><parent link="bus"/><child link="boom"/>
+<origin xyz="0.4 -0.2 0.5" rpy="0.5 -0.3 0.8"/><axis xyz="0 0.6 0.8"/></joint>
+<joint name="slide" type="prismatic"><parent link="boom"/><child link="dish"/>
+<origin xyz="0.7 0 0.1" rpy="-0.4 0.9 0.2"/><axis xyz="1 0 0"/>
+<limit lower="-9" upper="9" effort="1" velocity="1"/></joint></robot>"""
+
+
+def test_participations_are_blocks_of_the_free_mass_matrix():
+    """All modes with the base held: their sum of products is B^T M^-1 B, of joints' and base's blocks.
+
+    Signs and all, in the base's axes about its origin, wherever the base is and however it is turned.
+    """
+    mechanism = build_mechanism(Urdf.from_text(ARM, "arm"), "free")
+    springs = {f"k {name}": JointSpring(joint=name, stiffness=50.0) for name in ("root", "slide")}
+    system = System(mechanism, springs=springs)
+    model = system.model
+    q = pin.integrate(model, pin.neutral(model), np.array([0.3, -1.0, 2.0, 0.4, -0.7, 1.1, 0.6, 0.2]))
+    found = modes(system, q=q, hold=["base"])
+    mass = pin.crba(model, model.createData(), q)
+    mass = np.triu(mass) + np.triu(mass, 1).T
+    expected = mass[:6, 6:] @ np.linalg.solve(mass[6:, 6:], mass[6:, :6])
+    own = found.data["participation"].values
+    # Round-off of inertias of 3 kg m^2.
+    assert own.T @ own == pytest.approx(expected, rel=0.0, abs=1e-13)
+    own_rigid = found.data["rigid_mass"].values
+    bus = np.array([9.0, 9.0, 9.0, 1.0, 1.0, 1.0])
+    assert own_rigid in (pytest.approx(np.diag(mass)[:6], rel=1e-12), pytest.approx(np.diag(mass)[:6] - bus))
+
+
 def test_gravity_does_not_touch_what_falls_freely(chain: Any):
     spring = {"k": JointSpring(joint="s1", stiffness=300.0)}
     still, falling = (

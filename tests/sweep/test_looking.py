@@ -1,9 +1,11 @@
 """What is made of a study: sensitivities against closed forms, quantiles, figures, tables, a report."""
 
 import json
+import math
 
 import numpy as np
 import pytest
+import xarray as xr
 from typer.testing import CliRunner
 
 from antenna_pin import open_study, plot, run_study
@@ -73,16 +75,26 @@ def test_sensitivities_need_their_design_and_all_runs(sampled):
         sensitivities(table, "force")
 
 
-def test_intervals_of_quantiles_hold_as_often_as_they_say(sampled):
-    """Of 300 studies of 200 runs of an exponential response; 95 % of them cover, to three standard errors."""
-    table = sampled("random", 256, lambda u, v, w: u)
-    random, covered, shares = np.random.default_rng(3), 0, (0.05, 0.5, 0.95)
-    true = -np.log1p(-np.array(shares))
-    for _ in range(300):
-        table["force"].values[:] = random.exponential(size=256)
-        found = quantiles(table, "force", shares)
-        covered = covered + ((found["low"] <= true) & (true <= found["high"])).values
-    assert (np.abs(covered / 300 - 0.96) < 0.04).all()  # discrete: at least 0.95, a little more
+@pytest.mark.parametrize("count", [1, 8, 20, 101])
+@pytest.mark.parametrize("confidence", [0.8, 0.95])
+def test_intervals_of_quantiles_are_between_ranks(count, confidence):
+    """Of runs 1 to n the narrowest two whose tails, sums of binomials, are within what is left, on each side.
+
+    The l-th run lies above the quantile if fewer than l lie below it.
+    """
+    runs = np.random.default_rng(count).permutation(np.append(np.arange(1.0, count + 1), np.nan))
+    shares, tail = (0.05, 0.5, 0.9), 0.5 * (1.0 - confidence)
+    found = quantiles(xr.Dataset({"force": ("sample", runs)}), "force", shares, confidence)
+    assert found.attrs["runs"] == count
+    for k, share in enumerate(shares):
+        below = np.cumsum(
+            [math.comb(count, j) * share**j * (1.0 - share) ** (count - j) for j in range(count)]
+        )
+        low = [rank for rank in range(1, count + 1) if below[rank - 1] < tail]
+        high = [rank for rank in range(1, count + 1) if below[rank - 1] >= 1.0 - tail]
+        assert found["quantile"].values[k] == pytest.approx(1.0 + share * (count - 1), rel=1e-12)
+        for name, rank in (("low", low[-1:]), ("high", high[:1])):
+            np.testing.assert_equal(found[name].values[k], float(rank[0]) if rank else np.nan)
 
 
 def test_a_map_has_every_value_in_its_place(write, tmp_path, fake):
