@@ -166,7 +166,9 @@ def _unlike(name: str, other: str) -> float | None:
         found.append(_PART)
     words, whole = ([word for word in _BETWEEN_WORDS.split(one) if word] for one in (given, meant))
     if words and len(whole) > 1:
-        slips = [min((s for part in whole if (s := _slip(word, part)) is not None), default=None) for word in words]
+        slips = [
+            min((s for part in whole if (s := _slip(word, part)) is not None), default=None) for word in words
+        ]
         if None not in slips:
             apart = max(slip for slip in slips if slip is not None)
             found.append(_PART + apart + _MORE * abs(len(whole) - len(words)))

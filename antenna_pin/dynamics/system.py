@@ -10,10 +10,12 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
+from antenna_pin.arguments import takes
 from antenna_pin.constraints import WORLD, Closure, DrivenJoint, Plan, make_plan
 from antenna_pin.dynamics import _kernels
 from antenna_pin.dynamics.blocks import Blocks, check_motion, clearance_block, held_block
 from antenna_pin.dynamics.configuration import make_unit, spaces
+from antenna_pin.dynamics.coordinates import coordinate_names
 from antenna_pin.dynamics.held import HeldKind, held_closure
 from antenna_pin.dynamics.parts import springs_and_parts
 from antenna_pin.dynamics.points import point_spring_block
@@ -31,11 +33,7 @@ __all__ = ["System"]
 Array = NDArray[np.float64]
 
 
-def names_of(joints: Sequence[ClearanceJoint]) -> list[str]:
-    """Return the names of joints with play."""
-    return [joint.name for joint in joints]
-
-
+@takes()
 class System:
     """A mechanism with its force elements, as data: what a state is, and all numbers that its motion needs.
 
@@ -88,7 +86,8 @@ class System:
         #: All closures by name, those of joints held by constraint first.
         self.closures = {name: held_closure(mechanism, name, kind) for name, kind in self.held.items()}
         for name, closure in (closures or {}).items():
-            if name in self.closures or name in names_of(clearances):
+            # Of a load, a closure and a joint of one name could not be told apart.
+            if name in mechanism.joints:
                 raise InvalidParameterError(
                     "System", f"closures[{name!r}]", "of another name than a joint's", name
                 )
@@ -100,12 +99,21 @@ class System:
         self.__dict__.update(state)
         self._compose()
 
+    def __repr__(self) -> str:
+        """Show its name and how much of what it has."""
+        parts = {"joints with play": self.clearances, "drives": self.drives, "springs": self.springs}
+        parts |= {"closures": self.closures, "elastic parts": self.elastic}
+        said = "".join(f", {len(part)} {name}" for name, part in parts.items() if part)
+        return f"System({self.mechanism.name!r}, nq={self.model.nq}, nv={self.model.nv}{said})"
+
     # --- layout ---------------------------------------------------------------------------------------------
 
     def _compose(self) -> None:
-        names = names_of(self.clearances)
+        names = [joint.name for joint in self.clearances]
         if len(set(names)) != len(names):
             raise InvalidParameterError("System", "clearances", "of different joints", names)
+        #: Names of the numbers of q and of v, as a result has them.
+        self.names_q, self.names_v = coordinate_names(self.mechanism)
         #: Place in x of the turned angle of each joint that has one, by name.
         self.turn_x = self._turning()
         blocks = Blocks(len(self.turn_x))
@@ -269,7 +277,7 @@ class System:
         head["joint"], head["play"], head["turn"] = joint_kind, clearance, self.turn_x.get(element.joint, -1)
         head["q"], head["v"], head["x"] = slot.q.start, slot.v.start, x
         head["about"] = _kernels.ABOUTS.index(element.about)
-        head["senses"], head["on"] = element.senses, 1.0
+        head["senses"], head["on"] = element.senses, element.acts
         return block
 
     @property

@@ -9,6 +9,8 @@ from typing import Any, Literal
 import numpy as np
 import pinocchio as pin
 
+from antenna_pin.arguments import takes
+from antenna_pin.brief import brief
 from antenna_pin.errors import InvalidParameterError, MechanismError, UnknownNameError
 from antenna_pin.mechanism._checks import rigid_groups
 from antenna_pin.mechanism._edits import plane_names
@@ -83,6 +85,8 @@ class Mechanism:
             free base comes first. A body bears the name of its first link that has an inertial.
     """
 
+    __repr__ = brief
+
     name: str
     model: Any
     urdf: Urdf
@@ -118,6 +122,7 @@ class Mechanism:
         return slice(0, 6 if self.base == "free" else 0)
 
 
+@takes()
 def build_mechanism(urdf: Urdf, base: Base = "free", gravity: Sequence[float] = (0.0, 0.0, 0.0)) -> Mechanism:
     """Build the Pinocchio model of a URDF.
 

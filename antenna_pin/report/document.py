@@ -16,6 +16,7 @@ from typing import Any
 import jinja2
 from markupsafe import Markup
 
+from antenna_pin.arguments import takes
 from antenna_pin.card import in_frame
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.files import check_writable, replacing
@@ -72,6 +73,7 @@ class Report:
         return in_frame(self.html, "40rem")
 
 
+@takes()
 def report(
     runs: Iterable[Reported] | Reported,
     *,
