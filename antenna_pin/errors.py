@@ -7,7 +7,7 @@ but an :class:`antenna_pin.trajectory.Outcome`.
 
 from __future__ import annotations
 
-import difflib
+import re
 from collections.abc import Iterable
 
 __all__ = [
@@ -138,7 +138,67 @@ def _repr(value: object) -> str:
         return f"a {type(value).__name__} that is too long to print"
 
 
+# A name is taken for a slip of another if less than this share of the longer one's letters differ: of two
+# letters none may, of three one, of six two.
+_SLIP = 0.4
+# What a known name says beyond the words of the one given counts against it, and against a slip of all of it.
+_PART, _MORE = 0.25, 0.02
+_LEAST_PREFIX = 3
+_LONGEST_NAME = 100
+_BETWEEN_WORDS = re.compile(r"[\s_.\-/]+")
+
+
 def nearest(name: str, known: Iterable[str]) -> str | None:
-    """Return the known name closest in spelling to ``name``, or None if none is close."""
-    close = difflib.get_close_matches(name, list(known), n=1, cutoff=0.5)
-    return close[0] if close else None
+    """Return the known name that ``name`` is most likely a slip of, or None if it is like none.
+
+    Letters that were left out, added, mistaken or (at half the price) doubled or swapped count by their share
+    of the longer name, and case does not. A word or the beginning of a known name is like it too:
+    ``clearence`` is ``axial_clearance``, ``lim`` is ``limit``. Nothing is like a name of two letters but
+    these letters: of the gains ``kp`` and ``kd``, ``ki`` is neither.
+    """
+    if len(name) > _LONGEST_NAME:
+        return None
+    scored = [(score, other) for other in known if (score := _unlike(name, other)) is not None]
+    return min(scored, key=lambda one: one[0])[1] if scored else None
+
+
+def _unlike(name: str, other: str) -> float | None:
+    """Return how far a name is from another; None if it is no slip of it."""
+    given, meant = name.strip().casefold(), other.casefold()
+    found = [_slip(given, meant)]
+    if len(given) >= _LEAST_PREFIX and meant.startswith(given):
+        found.append(_PART)
+    words, whole = ([word for word in _BETWEEN_WORDS.split(one) if word] for one in (given, meant))
+    if words and len(whole) > 1:
+        slips = [
+            min((s for part in whole if (s := _slip(word, part)) is not None), default=None) for word in words
+        ]
+        if None not in slips:
+            apart = max(slip for slip in slips if slip is not None)
+            found.append(_PART + apart + _MORE * abs(len(whole) - len(words)))
+    return min((one for one in found if one is not None), default=None)
+
+
+def _slip(given: str, meant: str) -> float | None:
+    """Return the share of letters in which two words differ; None if it is too large for a slip."""
+    longer = max(len(given), len(meant))
+    if longer == 0 or abs(len(given) - len(meant)) > _SLIP * longer:
+        return None
+    share = _distance(given, meant) / longer
+    return share if share < _SLIP else None
+
+
+def _distance(given: str, meant: str) -> float:
+    """Return how many letters differ, by the least of all ways from one word to the other."""
+    before: list[float] = []
+    row = [float(k) for k in range(len(meant) + 1)]
+    for i, letter in enumerate(given, start=1):
+        last, row = row, [float(i)]
+        for k, other in enumerate(meant, start=1):
+            more = 0.5 if i > 1 and given[i - 2] == letter else 1.0
+            less = 0.5 if k > 1 and meant[k - 2] == other else 1.0
+            row.append(min(last[k] + more, row[k - 1] + less, last[k - 1] + (letter != other)))
+            if i > 1 and k > 1 and letter == meant[k - 2] and given[i - 2] == other:
+                row[k] = min(row[k], before[k - 2] + 0.5)
+        before = last
+    return row[-1]

@@ -23,7 +23,9 @@ from functools import cache
 from types import MappingProxyType
 from typing import Any, Literal, get_args, get_origin, get_type_hints
 
+from antenna_pin.arguments import fits, rule_of, unknown_type
 from antenna_pin.errors import InvalidParameterError
+from antenna_pin.units import QuantityError, quantity
 
 __all__ = [
     "RULES",
@@ -159,33 +161,42 @@ def check(owner: Any) -> None:
         InvalidParameterError: The first that breaks its rule.
     """
     cls: Any = type(owner)
-    for name, optional, whole, choices, declared in _declared(cls):
+    for name, optional, whole, hint, choices, declared in _declared(cls):
         value = getattr(owner, name)
         if value is None and optional:
             continue
         if "unit" in declared:
             if declared.get("sizes"):
+                value = _in_si(owner, name, value, declared)
                 numbers = _numbers(owner, name, value, declared["sizes"], declared["rule"])
                 object.__setattr__(owner, name, numbers)
             else:
+                if isinstance(value, str):
+                    value = _in_si(owner, name, value, declared)
+                    object.__setattr__(owner, name, value)
                 _number(owner, name, value, declared["rule"])
                 if whole and value != int(value):
                     raise InvalidParameterError(owner, name, "a whole number", value)
-        elif choices and value not in choices:
+        elif not choices and not fits(value, hint):
+            raise InvalidParameterError(owner, name, rule_of(hint), said=unknown_type(value))
+        elif choices and (not isinstance(value, str) or value not in choices):
             *first, last = choices
             rule = f"{', '.join(first)} or {last}" if first else last
             raise InvalidParameterError(owner, name, rule, value)
 
 
+_Declared = tuple[str, bool, bool, Any, tuple[str, ...], Mapping[Any, Any]]
+
+
 @cache
-def _declared(cls: type[Any]) -> tuple[tuple[str, bool, bool, tuple[str, ...], Mapping[Any, Any]], ...]:
-    """Return of each field: its name, whether it may be None, is whole, its texts, what it declares."""
+def _declared(cls: type[Any]) -> tuple[_Declared, ...]:
+    """Return of each field: name, whether it may be None, is whole, type, texts, what it declares."""
     hints, found = get_type_hints(cls), []
     for item in dataclasses.fields(cls):
         hint = hints[item.name]
         parts = get_args(hint)
         optional, whole = type(None) in parts, int in (hint, *parts)
-        found.append((item.name, optional, whole, choices_of(hint), item.metadata))
+        found.append((item.name, optional, whole, hint, choices_of(hint), item.metadata))
     return tuple(found)
 
 
@@ -198,6 +209,25 @@ def holds(value: object, rule: str) -> bool:
     except (TypeError, ValueError, OverflowError):
         return False
     return math.isfinite(number) and RULES[rule](number)
+
+
+def _in_si(owner: object, name: str, value: Any, declared: Mapping[Any, Any]) -> Any:
+    """Return a value, or several, with text that carries a unit read in SI units."""
+    if isinstance(value, list | tuple):
+        return [_in_si(owner, f"{name}[{k}]", one, declared) for k, one in enumerate(value)]
+    if not isinstance(value, str):
+        return value
+    unit = declared["unit"]
+    if declared["sliding"]:
+        rule = f"a number in SI units, {unit} or of a sliding joint {declared['sliding']}"
+        raise InvalidParameterError(owner, name, rule, value)
+    for other, _ in re.findall(r"(?<=\*\*)(([a-z]\w*))", unit):
+        unit = unit.replace(f"**{other}", f"**{getattr(owner, other)!r}")
+    try:
+        return quantity(value, unit, name)
+    except QuantityError as error:
+        rule, _, said = error.reason.removeprefix("must be ").partition(", got ")
+        raise InvalidParameterError(owner, name, rule, said=said) from None
 
 
 def _number(owner: object, name: str, value: object, rule: str) -> None:

@@ -10,6 +10,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.brief import brief
 from antenna_pin.errors import FileFormatError
 
 __all__ = ["EventMemory", "OpenContact", "State"]
@@ -56,6 +57,8 @@ class OpenContact(_Value):
         peak_memory: Contact memory there, (contacts, 3), or empty.
     """
 
+    __repr__ = brief
+
     contact: int
     onset: float
     approach_speed: float
@@ -101,7 +104,9 @@ class State(_Value):
         q: Configuration, (nq,).
         v: Velocity, (nv,).
         x: Plain numbers: turned angles, integrals, bristles, (nx,).
-        memory: Contact memory: touching, approach speed [m/s], effective mass [kg], (contacts, 3).
+        memory: Contact memory, (contacts, 3): in its columns, those of :data:`antenna_pin.records.MEMORY`,
+            touching [-], approach speed [m/s] and effective mass [kg]; a row for each of
+            ``system.contact_names``.
         contacts: The contacts that touch.
         step: Size to try next [s].
         error: Scaled error of the last step [-]; zero before the first.
@@ -110,6 +115,8 @@ class State(_Value):
         events: What the run's events remember.
         adjusted: Numbers of drives and springs that events have changed: (place, value).
     """
+
+    __repr__ = brief
 
     time: float
     reached: float

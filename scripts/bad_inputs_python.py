@@ -14,6 +14,7 @@ from antenna_pin import (
     ErrorScales,
     RunSettings,
     Scenario,
+    System,
     Trajectory,
     Urdf,
     build_mechanism,
@@ -24,6 +25,7 @@ from antenna_pin.contact import Hertz, LankaraniNikravesh, Tanh
 from antenna_pin.geometry import PlanarClearance, RevoluteClearance, SphericalClearance
 from antenna_pin.record import record
 from antenna_pin.report import report
+from antenna_pin.simulation import Time
 from antenna_pin.units import quantity
 
 __all__ = ["cases"]
@@ -79,7 +81,7 @@ _CALLS: Mapping[str, tuple[Callable[[], Any], str]] = {
     "settings: rtol 5": (lambda: RunSettings(rtol=5), "rtol must be"),
     "settings: rtol below round-off": (lambda: RunSettings(rtol=1e-18), "round-off"),
     "settings: rtol nan": (lambda: RunSettings(rtol=math.nan), "rtol must be"),
-    "settings: rtol text": (lambda: RunSettings(rtol="1e-8"), "rtol must be"),  # type: ignore[arg-type]
+    "settings: rtol text": (lambda: RunSettings(rtol="small"), "rtol must be"),  # type: ignore[arg-type]
     "settings: rtol of 5,000 digits": (lambda: RunSettings(rtol=_HUGE), "rtol must be"),
     "settings: min_step > max_step": (lambda: RunSettings(min_step=1.0, max_step=0.1), "min_step must be"),
     "settings: scales 1": (lambda: RunSettings(scales=1), "scales must be"),  # type: ignore[arg-type]
@@ -93,7 +95,11 @@ _CALLS: Mapping[str, tuple[Callable[[], Any], str]] = {
     "simulate: nothing": (lambda: simulate(None), "model must be"),  # type: ignore[arg-type]
     "simulate: text": (lambda: simulate("bai2020"), "model must be"),  # type: ignore[arg-type]
     "simulate: duration nan": (lambda: simulate(_scenario(), duration=math.nan), "duration must be"),
-    "simulate: duration text": (lambda: simulate(_scenario(), duration="1 s"), "duration must be"),  # type: ignore[arg-type]
+    "simulate: duration of mass": (lambda: simulate(_scenario(), duration="1 kg"), "duration must be a time"),
+    "simulate: events a table": (lambda: simulate(_scenario(), events={"a": 1}), "events must be"),  # type: ignore[arg-type]
+    "simulate: events of numbers": (lambda: simulate(_scenario(), events=[1]), "events must be"),  # type: ignore[list-item]
+    "event: times in a list": (lambda: Time([0.1]), "instants must be"),  # type: ignore[arg-type]
+    "system: no mechanism": (lambda: System(None), "mechanism must be"),  # type: ignore[arg-type]
     "simulate: duration true": (lambda: simulate(_scenario(), duration=True), "duration must be"),
     "simulate: duration of 5,000 digits": (lambda: simulate(_scenario(), duration=_HUGE), "duration must be"),
     "simulate: duration without end": (lambda: simulate(_scenario(), duration=1e30), "in a run of"),

@@ -16,6 +16,7 @@ from pydantic.fields import FieldInfo
 from antenna_pin.contact import (
     DISSIPATIONS,
     FRICTION_LAWS,
+    MATERIALS,
     NORMAL_LAWS,
     Parameter,
     is_elastic,
@@ -30,6 +31,7 @@ from antenna_pin.scenario import (
     ClosureSpec,
     ContactClearance,
     ForceEvent,
+    FrictionSpec,
     GapEvent,
     InitialBaseSpec,
     InitialJointSpec,
@@ -186,10 +188,10 @@ def drive_rows() -> list[str]:
     lines = [
         "| `joint` | text | the drive's name | Name of the joint |",
         f"| `kind` | {', '.join(f'`{kind}`' for kind in DRIVE_SPECS)} | required | What it is |",
-        *rows(next(iter(DRIVE_SPECS.values())), "axis"),
+        *rows(next(iter(DRIVE_SPECS.values())), "axis", "on"),
     ]
     for kind, cls in DRIVE_SPECS.items():
-        for line in rows(cls, without=("joint", "axis", "motion", "kind")):
+        for line in rows(cls, without=("joint", "axis", "on", "motion", "kind")):
             # A list that a file may give instead is required unless there is one.
             line = re.sub(r"(\| list of [^|]*\|) required", r"\1 unless `file`", line)
             lines.append(line.replace("| `", f"| `{kind}`: `", 1))
@@ -205,7 +207,7 @@ def flexible_rows() -> list[str]:
         f"| `kind` | {', '.join(f'`{kind}`' for kind in kinds)} | required | {said.rstrip('.')} |",
     ]
     for kind, cls in kinds.items():
-        for line in rows(cls, without=("link", "kind", "modes")):
+        for line in rows(cls, without=("link", "kind", "modes", "places")):
             line = re.sub(r"(\| list of [^|]*\|) required", r"\1 unless `file`", line)
             lines.append(line.replace("| `", f"| `{kind}`: `", 1))
     return lines
@@ -223,6 +225,15 @@ def event_rows() -> list[str]:
     said = "| `to` | the key's unit | where something is set |"
     more = rows(AngleEvent, "direction", "action", "after", "set", "to")
     return lines + [re.sub(r"^\| `to` \|[^|]*\|[^|]*\|", said, line) for line in more]
+
+
+def _materials() -> str:
+    """Return which materials need no table."""
+    *first, last = (f"`{name}`" for name in MATERIALS)
+    return (
+        f"Without a table {', '.join(first)} and {last} are known, with the numbers that "
+        "`antenna-pin contact list` prints; a table of the same name takes the place of one."
+    )
 
 
 def scenario_table() -> str:
@@ -251,7 +262,7 @@ def scenario_table() -> str:
             "planar, has no axis: a run says that theirs is left out. With little inertia behind much "
             "friction rest is stiff (w_r I / T is the time scale): `radau5`, or a larger speed.",
         ),
-        section("[materials.NAME]", rows(MaterialSpec), "`steel` is known without."),
+        section("[materials.NAME]", rows(MaterialSpec), _materials()),
         section(
             "[clearance.JOINT]",
             clearance_rows(),
@@ -275,14 +286,26 @@ def scenario_table() -> str:
         section(
             "[springs.NAME]",
             [
+                "| `kind` | `spring`, `friction`, `between-points` | `between-points` with the keys "
+                "`first` and `second`, else `spring` | What it is; the other two have tables below |",
                 "| `joint` | text | the spring's name | Name of the joint |",
-                *rows(SpringSpec, without=("joint", "motion")),
+                *rows(SpringSpec, without=("joint", "motion", "kind")),
             ],
-            "At a joint; with the keys `first` and `second` in place of `joint` between points, next table.",
+            "What stores or loses energy; here a spring and damper at a joint.",
+        ),
+        section(
+            "[springs.NAME] of friction",
+            [
+                "| `kind` | `friction` | required | What it is |",
+                "| `joint` | text | the spring's name | Name of the joint |",
+                *rows(FrictionSpec, without=("joint", "motion", "kind")),
+            ],
+            "Friction at a joint, beside what its `<dynamics>` and `[mechanism.joints]` say, and which "
+            "events can change or switch.",
         ),
         section(
             "[springs.NAME] between points",
-            rows(PointSpringSpec, without=("first", "second")),
+            rows(PointSpringSpec, without=("first", "second", "kind")),
             "Draws two points together, or apart ([more](closed-loops.md#springs-between-points)).",
         ),
         section("[springs.NAME.first], [springs.NAME.second]", rows(PlaceSpec)),

@@ -9,7 +9,14 @@ import sys
 import pytest
 
 from antenna_pin.cli import app
-from antenna_pin.contact import DISSIPATIONS, FRICTION_LAWS, NORMAL_LAWS, is_elastic, law_parameters
+from antenna_pin.contact import (
+    DISSIPATIONS,
+    FRICTION_LAWS,
+    MATERIALS,
+    NORMAL_LAWS,
+    is_elastic,
+    law_parameters,
+)
 
 ELASTIC = [name for name in NORMAL_LAWS if is_elastic(name)]
 TAKING = [name for name, law in DISSIPATIONS.items() if "restitution" in law_parameters(law)]
@@ -51,7 +58,7 @@ def test_every_law_is_listed_once_in_its_family_without_markup():
     names = [line.split()[0] for line in text.splitlines() if re.match(r" [a-z]", line)]
     names = [name for name in names if name != "name"]
     whole = [name for name in NORMAL_LAWS if not is_elastic(name)]
-    assert names == [*ELASTIC, *whole, *DISSIPATIONS, *FRICTION_LAWS]
+    assert names == [*ELASTIC, *whole, *DISSIPATIONS, *FRICTION_LAWS, *MATERIALS]
     assert not re.search(r"\\|:\w+:|`", text)
 
 

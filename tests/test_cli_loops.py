@@ -45,7 +45,7 @@ def test_info_counts_what_holds_a_scenario(cli, folder):
         "  closure rocker_pin: revolute, coupler - rocker, 5 equations",
         "  drive crank: motion 12\N{NO-BREAK SPACE}rad/s · t, at drive_pin",
         "  5 equations of closures, 2 independent (3 redundant, rocker_pin: along z, about x, about y); "
-        "1 motion; mobility 0 (1 without the motion)",
+        "1 motion; mobility 1, of which the motion leaves 0",
     ]
     assert closed.startswith("  the start is closed to ")
 
@@ -54,11 +54,13 @@ def test_info_counts_the_freedoms_that_play_gives_back(cli, folder):
     """The pin's five, of which the plane takes its three: with play a loop is not redundant."""
     said = printed(cli("info", folder / "driven", "--case", "play"))
     assert "  joint crank_pin: with play (contact)\n" in said
-    assert "5 equations of closures, 5 independent; 1 motion; mobility 2 (3 without the motion)" in said
+    assert (
+        "5 equations of closures, 5 independent; 1 motion; mobility 3, of which the motion leaves 2" in said
+    )
     said = printed(cli("info", folder / "driven" / "scenario.toml", "--case", "held"))
     assert "  joint crank_pin: revolute, held by constraint\n" in said
     assert "10 equations of closures, 7 independent (3 redundant, shared among crank_pin: " in said
-    assert "mobility 0 (1 without the motion)" in said
+    assert "mobility 1, of which the motion leaves 0" in said
 
 
 def test_info_of_a_scenario_as_json(cli, folder):
@@ -106,7 +108,7 @@ def test_info_tells_what_closures_and_motions_carried(cli, folder):
         assert f"\n {row}  " in said
     assert said.splitlines()[-2].startswith("ideal: 5 equations of closures, 2 independent (3 redundant")
     assert said.splitlines()[-1] == (
-        "play: 5 equations of closures, 5 independent; 1 motion; mobility 2 (3 without the motion)"
+        "play: 5 equations of closures, 5 independent; 1 motion; mobility 3, of which the motion leaves 2"
     )
 
 
@@ -167,7 +169,7 @@ def test_analyse_tells_what_closures_and_drives_carried(cli, folder):
         "play: forces of closures",
         "play: what drives exert",
         "motion crank [N m]",
-        "5 equations of closures, 5 independent; 1 motion; mobility 2 (3 without the motion)",
+        "5 equations of closures, 5 independent; 1 motion; mobility 3, of which the motion leaves 2",
     ):
         assert words in said
     found = json.loads(printed(cli("analyse", folder / "play.nc", "--json")))

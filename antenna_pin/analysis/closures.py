@@ -180,6 +180,8 @@ def _table(
 def said_of_constraints(counts: Mapping[str, Any]) -> str:
     """Return in a sentence how many equations closures, couplings and motions are, and what they leave free.
 
+    Mobility is everywhere what the closures leave, prescribed motions not counted.
+
     Args:
         counts: As of ``Trajectory.constraints``.
     """
@@ -191,10 +193,9 @@ def said_of_constraints(counts: Mapping[str, Any]) -> str:
     if equations > rank:
         parts[0] += f" ({_redundant(counts)})"
     if motions:
-        of = "motion" if motions == 1 else "motions"
-        parts += [f"{motions} {of}", f"mobility {left} ({mobility} without the {of})"]
-    else:
-        parts.append(f"mobility {mobility}")
+        parts.append(_many(motions, "motion"))
+    leave = "of which the motion leaves" if motions == 1 else "of which the motions leave"
+    parts.append(f"mobility {mobility}" + (f", {leave} {left}" if motions else ""))
     return "; ".join(parts)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 
+from antenna_pin.arguments import takes
 from antenna_pin.assemble.closures import closures_of
 from antenna_pin.assemble.couplings import couplings_of
 from antenna_pin.assemble.flexible import by_name
@@ -29,6 +30,7 @@ _HELD: dict[str, HeldKind] = {
 }
 
 
+@takes()
 def build_system(scenario: Scenario) -> System:
     """Return the system of a scenario's case.
 

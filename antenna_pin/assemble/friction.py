@@ -43,7 +43,8 @@ def frictions_of(
                     "of a joint without friction; give it friction, here or in the URDF"
                 )
             numbers[name]["regularisation_speed"] = change.regularisation_speed
-    found, left_out = {}, list(urdf.not_simulated)
+    found: dict[str, JointFriction] = {}
+    left_out = list(urdf.not_simulated)
     for name, given in numbers.items():
         if name not in mechanism.joints or not (given.get("damping") or given.get("friction")):
             continue
@@ -62,5 +63,5 @@ def frictions_of(
                 f"{where(scenario, 'springs', own)}: must have another name, which that of the joint's own "
                 "friction bears"
             )
-        found[own] = JointFriction(joint=name, **given)
+        found[own] = JointFriction(joint=name, **given)  # type: ignore[arg-type]  # of numbers only
     return found, tuple(left_out)

@@ -8,6 +8,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from antenna_pin.arguments import takes
 from antenna_pin.assemble.places import check_known, check_motion, slides, where
 from antenna_pin.dynamics import BASE, System, assemble, put_followers
 from antenna_pin.elements import Motion
@@ -20,6 +21,7 @@ __all__ = ["initial_angles", "initial_state"]
 Array = NDArray[np.float64]
 
 
+@takes()
 def initial_state(scenario: Scenario, system: System) -> tuple[Array, Array]:
     """Return the initial configuration and velocity of a scenario, (nq,) and (nv,).
 

@@ -4,20 +4,22 @@ from __future__ import annotations
 
 from antenna_pin.assemble.closures import link_of
 from antenna_pin.assemble.places import check_known, check_motion
-from antenna_pin.dynamics import JointSpring, PointSpring
+from antenna_pin.dynamics import JointFriction, JointSpring, PointSpring
 from antenna_pin.mechanism import Mechanism
 from antenna_pin.scenario import PointSpringSpec, Scenario
 
 __all__ = ["springs_of"]
 
 
-def springs_of(scenario: Scenario, mechanism: Mechanism) -> dict[str, JointSpring | PointSpring]:
+def springs_of(
+    scenario: Scenario, mechanism: Mechanism
+) -> dict[str, JointSpring | JointFriction | PointSpring]:
     """Return the springs of a scenario by name.
 
     Raises:
         AntennaPinError: A joint, link or frame that there is not, or units of another motion.
     """
-    found: dict[str, JointSpring | PointSpring] = {}
+    found: dict[str, JointSpring | JointFriction | PointSpring] = {}
     for name, spec in scenario.springs.items():
         if isinstance(spec, PointSpringSpec):
             ends = {}

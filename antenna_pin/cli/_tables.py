@@ -45,7 +45,7 @@ _ENTRIES = {
     "closure_rank": ("independent equations of closures", ""),
     "rank": ("independent equations, those of motions among them", ""),
     "freedoms": ("freedoms of the tree", ""),
-    "mobility": ("freedoms that closures leave", ""),
+    "mobility": ("mobility: freedoms that closures leave", ""),
     "freedoms_left": ("freedoms that closures and motions leave", ""),
     "position_residual": ("largest residual of closures and motions", "m"),
     "angle_residual": ("largest residual of closures and motions", "rad"),

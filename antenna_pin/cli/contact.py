@@ -29,6 +29,7 @@ from antenna_pin.cli._tables import fixed_text, length_text, number_text, power_
 from antenna_pin.cli.experiment import experiment
 from antenna_pin.cli.scenarios import scenarios
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
+from antenna_pin.readable import number
 
 app = typer.Typer(
     name="contact",
@@ -43,8 +44,15 @@ app = typer.Typer(
 
 
 def list_laws(as_json: JsonOption = False, csv: CsvOption = None) -> None:
-    """List the laws of every family: what each is, its parameters with units."""
-    from antenna_pin.contact import DISSIPATIONS, FRICTION_LAWS, NORMAL_LAWS, is_elastic, law_parameters
+    """List the laws of every family, their parameters with units, and the materials that are known."""
+    from antenna_pin.contact import (
+        DISSIPATIONS,
+        FRICTION_LAWS,
+        MATERIALS,
+        NORMAL_LAWS,
+        is_elastic,
+        law_parameters,
+    )
 
     target = csv_target(csv)
     families = {
@@ -64,13 +72,25 @@ def list_laws(as_json: JsonOption = False, csv: CsvOption = None) -> None:
         for name, law in laws.items()
         for parameter, about in law_parameters(law).items()
     ]
-    if exported({"parameters": found}, found, as_json, target):
+    materials: list[dict[str, Any]] = [
+        {"material": name, "young": one.young, "poisson": one.poisson, "density": one.density}
+        | {"source": one.source}
+        for name, one in MATERIALS.items()
+    ]
+    if exported({"parameters": found, "materials": materials}, found, as_json, target):
         return
     for title, laws in families.items():
         rows = [(name, _first_line(law), _parameters(law)) for name, law in laws.items()]
         print_rows(title, ("name", "what it is", "parameters"), rows, numbers=False)
     typer.echo(
         "* follows from the joint where a scenario leaves it out: dimensions, materials, effective mass"
+    )
+    columns = ("name", "young [Pa]", "poisson [-]", "density [kg/m^3]", "source")
+    print_rows(
+        "materials: known without a table",
+        columns,
+        [[value if isinstance(value, str) else number(value) for value in one.values()] for one in materials],
+        numbers=False,
     )
 
 

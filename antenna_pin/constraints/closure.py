@@ -10,6 +10,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.mechanism import frame_aligning_z
 
@@ -59,6 +60,7 @@ CLOSURES: Mapping[str, Holds] = MappingProxyType(
 """The kinds of closures; z is the axis, of a planar one the normal."""
 
 
+@takes()
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Anchor:
     """One side of a closure: a frame on a link.
@@ -113,6 +115,7 @@ def _unit(direction: tuple[float, float, float], name: str) -> Array:
     return np.asarray(vector / np.linalg.norm(vector))
 
 
+@takes()
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Closure:
     """A joint between two links that are in the tree already.

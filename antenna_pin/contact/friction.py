@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from antenna_pin._compile import record
 from antenna_pin.contact import _friction_kernels as _kernels
 from antenna_pin.contact._called_kernels import CALLED_FRICTION
+from antenna_pin.contact._law import Law
 from antenna_pin.contact._records import FRICTION_LAW, FRICTION_SIZE, coded
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.given_functions import address_of, is_compiled
@@ -45,7 +46,7 @@ class FrictionLaw(Protocol):
         """Return the friction coefficient mu at a slip speed [m/s] >= 0; at least 0 [-]."""
 
 
-class CompiledFrictionLaw:
+class CompiledFrictionLaw(Law):
     """The shared face of the laws whose arithmetic is a compiled kernel.
 
     Attributes:

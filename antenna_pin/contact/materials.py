@@ -13,12 +13,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
+from antenna_pin.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.material import Material
 
 __all__ = ["MATERIALS", "MATERIAL_PAIRS", "Material", "MaterialPair", "material_pairs"]
 
 
+@takes()
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MaterialPair:
     """Typical restitution and friction of two materials in one condition; NaN where no source was found.

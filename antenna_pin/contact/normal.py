@@ -25,6 +25,7 @@ from antenna_pin._compile import record
 from antenna_pin.contact import _kernels
 from antenna_pin.contact._called_kernels import CALLED, CALLED_WHOLE
 from antenna_pin.contact._damping_kernels import CONSERVATIVE
+from antenna_pin.contact._law import Law
 from antenna_pin.contact._power_kernels import POWER
 from antenna_pin.contact._records import NORMAL_LAW, NORMAL_SIZE, coded
 from antenna_pin.errors import InvalidParameterError
@@ -64,7 +65,7 @@ class NormalLaw(Protocol):
         """Return the energy stored at ``depth`` [J]."""
 
 
-class CompiledNormalLaw:
+class CompiledNormalLaw(Law):
     """The shared face of the laws whose arithmetic is a compiled kernel."""
 
     __slots__ = ()
@@ -159,7 +160,7 @@ class ElasticLaw(CompiledNormalLaw):
         return math.inf
 
 
-class Dissipation:
+class Dissipation(Law):
     """What a normal law dissipates with; it knows nothing of the elastic law that it is used with.
 
     Attributes:

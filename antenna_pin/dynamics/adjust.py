@@ -24,7 +24,7 @@ class Adjustments:
     """Drives and springs as they are at the moment, in a program of one run.
 
     A place is written as in a scenario file: ``drives.motor.value``, ``springs.coil.stiffness``. Besides its
-    own numbers a drive or a spring has ``on``: off, it does nothing.
+    own numbers a drive or a spring has ``on``: off, it does nothing. A prescribed motion has not: it holds.
 
     Args:
         system: The system, which stays what it is.
@@ -59,10 +59,16 @@ class Adjustments:
             raise UnknownNameError("Set", "drive or spring", element or place, self._blocks)
         source = self.elements[element]
         keys = [name for name, parameter in parameters_of(type(source)).items() if not parameter.sizes]
+        if hasattr(source, _ON):
+            keys.append(_ON)
+        elif key == _ON:
+            rule = "left alone: a prescribed motion holds all the time; have a pd drive follow it"
+            raise InvalidParameterError("Set", place, rule, value)
         block = self._blocks[element]
         if key == _ON:
             if value not in (True, False):
                 raise InvalidParameterError("Set", place, "true or false", value)
+            self.elements[element] = dataclasses.replace(source, on=bool(value))  # type: ignore[call-arg]
             head = self._program[block : block + _kernels.PARAMETERS].view(_kernels.ELEMENT)
             head["on"] = float(value)
         elif key in keys:
@@ -72,5 +78,5 @@ class Adjustments:
             first = block + _kernels.PARAMETERS
             self._program[first : first + len(words)] = words
         else:
-            raise UnknownNameError("Set", f"number of {element}", key, [*keys, _ON])
+            raise UnknownNameError("Set", f"number of {element}", key, keys)
         self.values[place] = float(value)

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from antenna_pin.arguments import takes
 from antenna_pin.constraints import (
     Mobility,
     Unclosed,
@@ -51,6 +52,7 @@ _LOOKS = 1001
 _FOLLOWED = 5000
 
 
+@takes()
 def assembled(
     system: System,
     q: ArrayLike,

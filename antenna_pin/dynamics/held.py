@@ -30,7 +30,6 @@ def closures_by_name(
     mechanism: Mechanism,
     held: Mapping[str, HeldKind],
     closures: Mapping[str, Closure],
-    play: Collection[str],
 ) -> dict[str, Closure]:
     """Return all closures by name, those of joints held by constraint first.
 
@@ -38,11 +37,11 @@ def closures_by_name(
         mechanism: The mechanism.
         held: What each joint that is held is held to, by name.
         closures: Those that close loops, by name.
-        play: Names of the joints with play.
     """
     found = {name: _held_closure(mechanism, name, kind) for name, kind in held.items()}
     for name, closure in closures.items():
-        if name in found or name in play:
+        # Of a load, a closure and a joint of one name could not be told apart.
+        if name in mechanism.joints:
             raise InvalidParameterError(
                 "System", f"closures[{name!r}]", "of another name than a joint's", name
             )

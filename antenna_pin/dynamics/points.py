@@ -44,7 +44,8 @@ def point_spring_block(mechanism: Mechanism, place: str, spring: PointSpring, x:
         )
     block = np.zeros(int(_points.BLOCK_WORDS))
     head = block[: _kernels.PARAMETERS].view(_kernels.ELEMENT)
-    head["kind"], head["length"], head["x"], head["on"] = spring.compiled().KIND, len(block), x, 1.0
+    head["kind"], head["length"], head["x"] = spring.compiled().KIND, len(block), x
+    head["on"] = spring.acts
     block[_kernels.PARAMETERS : _points.SIDES] = spring.words_of_kernel()
     block[_points.SIDES :] = sides.view(np.float64)
     return block

@@ -10,10 +10,12 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
+from antenna_pin.arguments import takes
 from antenna_pin.constraints import WORLD, Closure, Coupling, DrivenJoint, Plan, make_plan
 from antenna_pin.dynamics import _kernels
 from antenna_pin.dynamics.blocks import Blocks, check_motion, clearance_block, held_block
 from antenna_pin.dynamics.configuration import make_unit, spaces
+from antenna_pin.dynamics.coordinates import coordinate_names
 from antenna_pin.dynamics.coupled import couplings_of, fit_turns, put_followers
 from antenna_pin.dynamics.held import HeldKind, closures_by_name
 from antenna_pin.dynamics.parts import springs_and_parts
@@ -32,11 +34,7 @@ __all__ = ["System"]
 Array = NDArray[np.float64]
 
 
-def names_of(joints: Sequence[ClearanceJoint]) -> list[str]:
-    """Return the names of joints with play."""
-    return [joint.name for joint in joints]
-
-
+@takes()
 class System:
     """A mechanism with its force elements, as data: what a state is, and all numbers that its motion needs.
 
@@ -89,7 +87,7 @@ class System:
         self.point_springs = {n: s for n, s in self.springs.items() if isinstance(s, PointSpring)}
         self.held = dict(held or {})
         #: All closures by name, those of joints held by constraint first.
-        self.closures = closures_by_name(mechanism, self.held, closures or {}, names_of(clearances))
+        self.closures = closures_by_name(mechanism, self.held, closures or {})
         #: All couplings by name, those of the URDF first.
         self.couplings = couplings_of(mechanism, couplings or {}, self.closures)
         self._compose()
@@ -99,12 +97,21 @@ class System:
         self.__dict__.update(state)
         self._compose()
 
+    def __repr__(self) -> str:
+        """Show its name and how much of what it has."""
+        parts = {"joints with play": self.clearances, "drives": self.drives, "springs": self.springs}
+        parts |= {"closures": self.closures, "elastic parts": self.elastic}
+        said = "".join(f", {len(part)} {name}" for name, part in parts.items() if part)
+        return f"System({self.mechanism.name!r}, nq={self.model.nq}, nv={self.model.nv}{said})"
+
     # --- layout ---------------------------------------------------------------------------------------------
 
     def _compose(self) -> None:
-        names = names_of(self.clearances)
+        names = [joint.name for joint in self.clearances]
         if len(set(names)) != len(names):
             raise InvalidParameterError("System", "clearances", "of different joints", names)
+        #: Names of the numbers of q and of v, as a result has them.
+        self.names_q, self.names_v = coordinate_names(self.mechanism)
         #: Place in x of the turned angle of each joint that has one, by name.
         self.turn_x = self._turning()
         blocks = Blocks(len(self.turn_x))
@@ -268,7 +275,7 @@ class System:
         head["joint"], head["play"], head["turn"] = joint_kind, clearance, self.turn_x.get(element.joint, -1)
         head["q"], head["v"], head["x"] = slot.q.start, slot.v.start, x
         head["about"] = _kernels.ABOUTS.index(element.about)
-        head["senses"], head["on"] = element.senses, 1.0
+        head["senses"], head["on"] = element.senses, element.acts
         return block
 
     @property

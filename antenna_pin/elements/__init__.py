@@ -7,7 +7,7 @@ from antenna_pin.elements.given import CallableDrive
 from antenna_pin.elements.motion import CallableMotion, DistanceMotion, Motion, PrescribedMotion
 from antenna_pin.elements.pd import PDController
 from antenna_pin.elements.point_spring import Point, PointSpring
-from antenna_pin.elements.registry import DRIVES, ELEMENTS
+from antenna_pin.elements.registry import DRIVES, ELEMENTS, SPRINGS
 from antenna_pin.elements.sine import SineDrive
 from antenna_pin.elements.spring import JointSpring
 from antenna_pin.elements.table import TableDrive
@@ -17,6 +17,7 @@ __all__ = [
     "ELEMENTS",
     "GROSS_WORK",
     "LOSS",
+    "SPRINGS",
     "WORK",
     "About",
     "CallableDrive",

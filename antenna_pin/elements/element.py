@@ -70,6 +70,11 @@ class ForceElement:
         check(self)
 
     @property
+    def acts(self) -> bool:
+        """Whether it acts from the start on: its field ``on``, which those have that can be switched."""
+        return bool(getattr(self, "on", True))
+
+    @property
     def instants(self) -> tuple[float, ...]:
         """Times at which steps must end, for the effort is not smooth there, or too curved between [s]."""
         return ()
@@ -170,11 +175,13 @@ class Drive(Element):
 
     Attributes:
         axis: Whose axis the torque acts about; it matters at joints with play.
+        on: Whether it acts from the start on; an event may switch it.
     """
 
     integrals: ClassVar[tuple[Integral, ...]] = (WORK, GROSS_WORK)
 
     axis: Literal["bearing", "journal"] = "bearing"
+    on: bool = True
 
     @property
     def about(self) -> About:

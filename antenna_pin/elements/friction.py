@@ -30,6 +30,7 @@ class JointFriction(Element):
         damping: c [N*m*s/rad] ([N*s/m]).
         friction: T [N*m] ([N]).
         regularisation_speed: omega_r, where Coulomb friction is 71 % of its limit [rad/s] ([m/s]).
+        on: Whether it acts from the start on; an event may switch it.
 
     References:
         URDF's ``<dynamics>`` names damping and friction and leaves open what friction does at rest.
@@ -42,6 +43,7 @@ class JointFriction(Element):
     damping: float = parameter("N*m*s/rad", sliding="N*s/m", rule="zero or more", default=0.0)
     friction: float = parameter("N*m", sliding="N", rule="zero or more", default=0.0)
     regularisation_speed: float = parameter("rad/s", sliding="m/s", rule="positive", default=1e-3)
+    on: bool = True
 
     def words(self, slides: bool) -> str:
         """Return what it is in words."""

@@ -36,6 +36,7 @@ class PointSpring(ForceElement):
         free_length: Distance of the points at which the spring is at rest [m].
         stiffness: [N/m].
         damping: [N*s/m].
+        on: Whether it acts from the start on; an event may switch it.
     """
 
     kernels: ClassVar[str] = "_point_spring_kernels"
@@ -46,6 +47,7 @@ class PointSpring(ForceElement):
     free_length: float = parameter("m", rule="zero or more")
     stiffness: float = parameter("N/m", rule="zero or more", default=0.0)
     damping: float = parameter("N*s/m", rule="zero or more", default=0.0)
+    on: bool = True
 
     def __post_init__(self) -> None:
         """Check the parameters; the points' numbers become floats."""

@@ -7,16 +7,17 @@ from types import MappingProxyType
 from typing import Any
 
 from antenna_pin.elements.constant import ConstantDrive
-from antenna_pin.elements.element import Element
+from antenna_pin.elements.element import Element, ForceElement
 from antenna_pin.elements.friction import JointFriction
 from antenna_pin.elements.given import CallableDrive
 from antenna_pin.elements.motion import CallableMotion, DistanceMotion, PrescribedMotion
 from antenna_pin.elements.pd import PDController
+from antenna_pin.elements.point_spring import PointSpring
 from antenna_pin.elements.sine import SineDrive
 from antenna_pin.elements.spring import JointSpring
 from antenna_pin.elements.table import TableDrive
 
-__all__ = ["DRIVES", "ELEMENTS", "kernel_modules"]
+__all__ = ["DRIVES", "ELEMENTS", "SPRINGS", "kernel_modules"]
 
 DRIVES: Mapping[str, type[Element]] = MappingProxyType(
     {
@@ -30,12 +31,16 @@ DRIVES: Mapping[str, type[Element]] = MappingProxyType(
 )
 """Drives by their ``kind`` in ``[drives.NAME]``."""
 
+SPRINGS: Mapping[str, type[ForceElement]] = MappingProxyType(
+    {"spring": JointSpring, "friction": JointFriction, "between-points": PointSpring}
+)
+"""What stores and loses energy by its ``kind`` in ``[springs.NAME]``."""
+
 ELEMENTS: tuple[type[Element], ...] = (
     *DRIVES.values(),
     CallableDrive,
     CallableMotion,
-    JointSpring,
-    JointFriction,
+    *(cls for cls in SPRINGS.values() if issubclass(cls, Element)),
 )
 """All elements there are; Python has some that a scenario has not."""
 

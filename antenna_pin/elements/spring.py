@@ -30,6 +30,7 @@ class JointSpring(Element):
         shorter_way: Whether the deflection of a turning joint is taken the shorter way round, within half a
             turn, rather than with all its turns; as of a magnet, it jumps from one side to the other at half
             a turn.
+        on: Whether it acts from the start on; an event may switch it.
     """
 
     kernels: ClassVar[str] = "_spring_kernels"
@@ -40,6 +41,7 @@ class JointSpring(Element):
     damping: float = parameter("N*m*s/rad", sliding="N*s/m", rule="zero or more", default=0.0)
     rest_angle: float = parameter("rad", sliding="m", default=0.0)
     shorter_way: bool = False
+    on: bool = True
 
     def check_joint(self, place: str, slides: bool) -> None:
         """Refuse a shorter way along a line."""

@@ -18,6 +18,8 @@ __all__ = ["ModalData"]
 
 Array = NDArray[np.float64]
 
+# What the numbers of a mode are called, in files too.
+_COLUMNS = ("tx", "ty", "tz", "rx", "ry", "rz")
 # Radius of the ball that stands for a mode in pictures, over the link's radius of gyration.
 _BALL = 0.08
 
@@ -39,6 +41,7 @@ class ModalData:
         damping_ratio: One for all modes, or one for each [-].
         root_xyz: The appendage's root in the link's frame [m].
         root_rpy: Roll, pitch, yaw of the appendage's axes in the link's frame [rad].
+        places: Where each mode stands in the file that they were read from, for messages; none if in none.
     """
 
     frequency: tuple[float, ...] = parameter("Hz", sizes=(0,), rule="positive", repr=False)
@@ -46,6 +49,7 @@ class ModalData:
     damping_ratio: tuple[float, ...] = parameter("1", sizes=(0,), rule="zero or more", default=(0.0,))
     root_xyz: tuple[float, ...] = parameter("m", sizes=(3,), default=(0.0, 0.0, 0.0))
     root_rpy: tuple[float, ...] = parameter("rad", sizes=(3,), default=(0.0, 0.0, 0.0))
+    places: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         """Refuse numbers that do not go together."""
@@ -61,7 +65,7 @@ class ModalData:
             raise InvalidParameterError(self, "damping_ratio", rule, said=str(len(self.damping_ratio)))
         for k, row in enumerate(self.factors):
             if not row.any():
-                rule = f"other than six zeros, which no hub feels, at mode {k + 1}; leave the mode out"
+                rule = f"other than six zeros, which no hub feels, at {self._place(k)}; leave the mode out"
                 raise InvalidParameterError(self, "participation", rule, said="zeros")
 
     @property
@@ -89,6 +93,27 @@ class ModalData:
         turn = _turn(*self.root_rpy)
         translation, rotation = self.factors[:, :3] @ turn.T, self.factors[:, 3:] @ turn.T
         return np.hstack([translation, rotation + np.cross(np.array(self.root_xyz), translation)])
+
+    def _place(self, mode: int) -> str:
+        return self.places[mode] if mode < len(self.places) else f"mode {mode + 1}"
+
+    def told_of(self, part: int, link: MassProperties) -> str:
+        """Return where a mode stands, and which of its numbers answers with most of the rigid whole.
+
+        The square of a participation factor is the effective mass, or moment of inertia about the root. All
+        modes together cannot have more than the rigid link has.
+        """
+        away = link.centre - np.array(self.root_xyz)
+        about_root = link.inertia + link.mass * (away @ away * np.eye(3) - np.outer(away, away))
+        turn = _turn(*self.root_rpy)
+        whole = np.array([link.mass] * 3 + list(np.diag(turn.T @ about_root @ turn)))
+        effective = self.factors[part] ** 2
+        most = int(np.argmax(effective / whole))
+        what, unit = ("mass", "kg") if most < 3 else ("moment of inertia about the root", "kg m^2")
+        return (
+            f"; {self._place(part)}, column {_COLUMNS[most]}: an effective {what} of {effective[most]:.4g} "
+            f"{unit}, of the link's {whole[most]:.4g} {unit}"
+        )
 
     def parts(self, name: str, link: MassProperties) -> list[ElasticPart]:
         """Return the bodies on joints that the modes are.

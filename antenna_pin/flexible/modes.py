@@ -122,6 +122,10 @@ class EffectiveModes:
         """What is drawn of the hub, beside the link's own shapes."""
         return ()
 
+    def told_of(self, part: int, link: MassProperties) -> str:
+        """Return nothing: a part's name says where its numbers stand."""
+        return ""
+
     def parts(self, name: str, link: MassProperties) -> list[ElasticPart]:
         """Return the bodies on joints that the modes are.
 

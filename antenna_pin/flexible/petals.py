@@ -170,6 +170,10 @@ class Petals:
         thickness = max(self.root[2], _THICKNESS * self.rim_radius)
         return (CylinderShape(self.hub_radius, thickness, self.placement @ disc),)
 
+    def told_of(self, part: int, link: MassProperties) -> str:
+        """Return nothing: a part's name says where its numbers stand."""
+        return ""
+
     def parts(self, name: str, link: MassProperties) -> list[ElasticPart]:
         """Return the petals.
 

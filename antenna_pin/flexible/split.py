@@ -36,6 +36,15 @@ class FlexibleKind(Protocol):
         """What is drawn of the hub, beside the link's own shapes."""
         ...
 
+    def told_of(self, part: int, link: MassProperties) -> str:
+        """Return what a refusal is to say of a part's numbers: where they stand, and which is too large.
+
+        Args:
+            part: Its place in :meth:`parts`.
+            link: The whole link.
+        """
+        ...
+
     def parts(self, name: str, link: MassProperties) -> list[ElasticPart]:
         """Return the elastic parts of a link.
 
@@ -91,11 +100,13 @@ def split(kind: FlexibleKind, name: str, link: MassProperties, where: str) -> Sp
         if part.body.mass >= link.mass:
             raise MechanismError(
                 f"{where}: {part.name} must be lighter than its link, {link.mass:.6g} kg, got "
-                f"{part.body.mass:.6g} kg"
+                f"{part.body.mass:.6g} kg{kind.told_of(k, link)}"
             )
         before, left = left, left - part.body.moments
         if least_share(link, left) <= _LEAST:
-            raise MechanismError(f"{where}: {_too_much(link, parts[: k + 1], before, left)}")
+            raise MechanismError(
+                f"{where}: {_too_much(link, parts[: k + 1], before, left)}{kind.told_of(k, link)}"
+            )
     return SplitLink(link.less(part.body for part in parts), tuple(parts), kind.removes, kind.hub_drawn)
 
 

@@ -43,11 +43,13 @@ class ModalTable:
         frequency: Of each mode [Hz].
         participation: Six numbers for each mode, one mode after the other [sqrt(kg)], [sqrt(kg) m].
         damping_ratio: Of each mode [-]; None where the file does not say.
+        lines: Of each mode's factors in the file, from 1.
     """
 
     frequency: tuple[float, ...]
     participation: tuple[float, ...]
     damping_ratio: tuple[float, ...] | None
+    lines: tuple[int, ...]
 
 
 def read_modal_table(text: str) -> ModalTable:
@@ -73,6 +75,7 @@ def _of_csv(rows: Any) -> ModalTable:
     frequency: list[float] = []
     damping: list[float] = []
     participation: list[float] = []
+    lines: list[int] = []
     for row in rows:
         if not row or row[0].lstrip().startswith("#"):
             continue
@@ -90,19 +93,23 @@ def _of_csv(rows: Any) -> ModalTable:
         numbers = [_number(cell, name, place) for cell, name in zip(row, header, strict=True)]
         frequency.append(_positive(numbers[0], place))
         if len(header) == len(_CSV):
+            if not numbers[1] >= 0.0:
+                raise BadModalTableError(f"{place}: damping_ratio must be zero or more, got {numbers[1]:g}")
             damping.append(numbers[1])
-        participation += numbers[-6:]
+        participation += _factors(numbers[-6:], place)
+        lines.append(rows.line_num)
     if not frequency:
         raise BadModalTableError(
             f"line {rows.line_num}: must have at least one mode below the header, got none"
         )
-    return ModalTable(tuple(frequency), tuple(participation), tuple(damping) or None)
+    return ModalTable(tuple(frequency), tuple(participation), tuple(damping) or None, tuple(lines))
 
 
 def _of_print(text: str) -> ModalTable:
     """Read a printed table; modes go by their numbers, so that one may go on over several pages."""
     cycles: dict[int, float] = {}
     factors: dict[int, list[float]] = {}
+    lines: dict[int, int] = {}
     section, columns = "", 0
     for number, line in enumerate(text.splitlines(), start=1):
         place, words = f"line {number}", line.upper().split()
@@ -126,7 +133,7 @@ def _of_print(text: str) -> ModalTable:
             values = [_number(word, "a factor", place) for word in words[1:]]
             if columns == 8:
                 cycles[mode] = _positive(values[0], place)
-            factors[mode] = values[-6:]
+            factors[mode], lines[mode] = _factors(values[-6:], place), number
         elif section == "eigenvalues" and len(words) >= 5 and _is_row(words):
             _read_eigenvalue(words, place, cycles)
     if not factors:
@@ -142,8 +149,20 @@ def _of_print(text: str) -> ModalTable:
         )
     order = list(factors)
     return ModalTable(
-        tuple(cycles[mode] for mode in order), tuple(x for mode in order for x in factors[mode]), None
+        tuple(cycles[mode] for mode in order),
+        tuple(x for mode in order for x in factors[mode]),
+        None,
+        tuple(lines[mode] for mode in order),
     )
+
+
+def _factors(numbers: list[float], place: str) -> list[float]:
+    if not any(numbers):
+        raise BadModalTableError(
+            f"{place}: {_CSV[2]} to {_CSV[-1]} must be other than six zeros, which no hub feels; "
+            "leave the mode out"
+        )
+    return numbers
 
 
 def _is_row(words: list[str]) -> bool:

@@ -10,6 +10,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from antenna_pin.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.geometry import _kernels
 from antenna_pin.geometry._corner_kernels import CORNER
@@ -27,6 +28,7 @@ __all__ = ["PrismaticClearance"]
 _SIGNS = ((1.0, "+"), (-1.0, "-"))
 
 
+@takes()
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PrismaticClearance(Shape):
     r"""A rectangular slider with rounded edges in a rectangular guide: a prismatic joint with play.

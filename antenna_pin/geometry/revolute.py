@@ -8,6 +8,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from antenna_pin.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.geometry import _kernels
 from antenna_pin.geometry._revolute_kernels import REVOLUTE, scenario_in
@@ -26,6 +27,7 @@ from antenna_pin.records import CONTACT
 __all__ = ["AxialScenario", "RadialScenario", "RevoluteClearance"]
 
 
+@takes()
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RevoluteClearance(RoundShape):
     r"""A journal with two flanges in a bearing, with radial and axial play.

@@ -8,6 +8,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from antenna_pin.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.geometry import _kernels
 from antenna_pin.geometry._round_kernels import ROUND
@@ -23,6 +24,7 @@ from antenna_pin.geometry.coal_round import CoalSpherical
 __all__ = ["SphericalClearance"]
 
 
+@takes()
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SphericalClearance(RoundShape):
     """A ball in a socket with play: one candidate contact, on the line of the two centres.

@@ -13,6 +13,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from antenna_pin.arguments import takes
 from antenna_pin.contact import CompiledNormalLaw, FrictionLaw, NoFriction, NormalLaw
 from antenna_pin.contact._kernels import NORMAL_SIZE, takes_mass_of_contact
 from antenna_pin.errors import InvalidParameterError
@@ -36,6 +37,7 @@ def _law_name(law: NormalLaw) -> str:
     return type(law if parts is None else parts.elastic).__name__
 
 
+@takes()
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ClearanceJoint:
     """A joint with play: journal and bearing held together by contact alone.
@@ -77,26 +79,25 @@ class ClearanceJoint:
 
     def __post_init__(self) -> None:
         """Check what the parts do not check themselves."""
+        place = f"joint {self.name!r}"
         if self.backend not in ("coal", "closed-form") and not hasattr(self.backend, "query"):
             raise InvalidParameterError(
-                f"joint {self.name!r}", "backend", "coal, closed-form or an object with query()", self.backend
+                place, "backend", "coal, closed-form or an object with query()", self.backend
             )
         if self.bearing_on not in ("parent", "child"):
-            raise InvalidParameterError(
-                f"joint {self.name!r}", "bearing_on", "parent or child", self.bearing_on
-            )
+            raise InvalidParameterError(place, "bearing_on", "parent or child", self.bearing_on)
         if not 0.0 < self.approach_speed_floor < math.inf:
             raise InvalidParameterError(
-                f"joint {self.name!r}", "approach_speed_floor", "positive [m/s]", self.approach_speed_floor
+                place, "approach_speed_floor", "positive [m/s]", self.approach_speed_floor
             )
         if self.axial is None and any(place.kind == "axial" for place in self.geometry.contact_places):
-            raise InvalidParameterError(f"joint {self.name!r}", "axial", "a normal law", None)
+            raise InvalidParameterError(place, "axial", "a normal law", None)
         for law in self.normal_laws:
             if isinstance(law, CompiledNormalLaw):
-                check_kinds(f"joint {self.name!r}", law)
+                check_kinds(place, law)
         bristles = bool(getattr(self.friction, "states", 0))
         check_load(
-            f"joint {self.name!r}",
+            place,
             self.load,
             geometry=self.geometry,
             backend=self.backend,

@@ -94,6 +94,7 @@ class Forces:
             for name, block in system.spring_blocks.items()
             if name in system.point_springs
         ]
+        self._points_on = [float(head["on"][0]) for head in self._points]
 
     @property
     def program(self) -> Array:
@@ -208,8 +209,8 @@ class Forces:
         return place, speed
 
     def _switch_points(self, on: bool) -> None:
-        for head in self._points:
-            head["on"] = float(on)
+        for head, own in zip(self._points, self._points_on, strict=True):
+            head["on"] = own if on else 0.0
 
     def _names(self) -> list[str]:
         """Return of each coordinate of velocity the joint that it belongs to."""

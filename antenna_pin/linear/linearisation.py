@@ -10,6 +10,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
+from antenna_pin.brief import brief
 from antenna_pin.constraints import directions
 from antenna_pin.dynamics import System, Workspace
 from antenna_pin.errors import MechanismError
@@ -54,6 +55,8 @@ class Linearisation:
         rigid: The six directions in which a free base moves all as one rigid body, as columns of s, (k, 6);
             (k, 0) where something holds it.
     """
+
+    __repr__ = brief
 
     at: At
     directions: Array

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from antenna_pin.arguments import takes
 from antenna_pin.assemble import build_system, initial_angles, initial_state
 from antenna_pin.dynamics import System, check_closed
 from antenna_pin.errors import FileFormatError, InvalidParameterError
@@ -23,6 +24,7 @@ __all__ = ["modes"]
 Array = NDArray[np.float64]
 
 
+@takes()
 def modes(
     model: Scenario | System | Trajectory,
     *,

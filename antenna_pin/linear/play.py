@@ -9,6 +9,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from antenna_pin.brief import brief
 from antenna_pin.dynamics import BASE, System, Workspace, assemble
 from antenna_pin.errors import InvalidParameterError, MechanismError, UnknownNameError
 from antenna_pin.joints import ClearanceJoint
@@ -39,6 +40,8 @@ class At:
         rest: Whether nothing moves, and what would set it moving is held in balance.
         adjusted: Numbers of drives and springs that events have changed: (place, value).
     """
+
+    __repr__ = brief
 
     system: System
     time: float

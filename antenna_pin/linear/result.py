@@ -18,7 +18,6 @@ from antenna_pin.linear.play import At
 from antenna_pin.linear.shares import bodies_of, kinetic_shares, strain_shares
 from antenna_pin.readable import number
 from antenna_pin.scenario import Scenario
-from antenna_pin.simulation.coordinates import coordinate_names
 
 __all__ = ["COMPONENTS", "Modes", "modes_at"]
 
@@ -28,6 +27,9 @@ Array = NDArray[np.float64]
 COMPONENTS = ("x", "y", "z", "rx", "ry", "rz")
 
 _TAU = 2.0 * np.pi
+
+# Modes that are shown in a shell.
+_SHOWN = 12
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -101,6 +103,20 @@ class Modes:
             for mode in self.data["mode"].values
         ]
         return {**table, "notes": list(self.notes)}
+
+    def __repr__(self) -> str:
+        """Show the first modes: frequency, damping, kind; all others are in ``data``."""
+        attributes, table = self.data.attrs, self.data
+        modes = table["mode"].values
+        title = ", case ".join(str(attributes[key]) for key in ("title", "case") if attributes.get(key))
+        lines = [f"Modes of {title or 'a system built in Python'}, {len(modes)} in all"]
+        lines.append(f"{'mode':>6}{'frequency [Hz]':>17}{'damping ratio':>16}  kind")
+        rows = zip(modes, self.frequency, self.damping_ratio, table["kind"].values, strict=True)
+        for mode, frequency, ratio, kind in list(rows)[:_SHOWN]:
+            lines.append(f"{int(mode):>6}{number(frequency, 6):>17}{number(ratio, 4):>16}  {kind}")
+        if len(modes) > _SHOWN:
+            lines.append(f"and {len(modes) - _SHOWN} more: data[['frequency', 'damping_ratio', 'kind']]")
+        return "\n".join([*lines, *(f"note: {one}" for one in self.notes)])
 
     def _repr_html_(self) -> str:
         """Show the table in a notebook."""
@@ -190,7 +206,7 @@ def _table(linear: Linearisation, eigen: Eigen, scenario: Scenario | None) -> xr
         )
     coordinates: dict[str, Any] = {
         "mode": np.arange(1, len(eigen.frequency) + 1),
-        "coordinate": coordinate_names(system)[1],
+        "coordinate": list(system.names_v),
         "body": list(system.mechanism.bodies),
         "component": list(COMPONENTS),
     }
@@ -236,7 +252,7 @@ def _notes(linear: Linearisation, eigen: Eigen) -> Sequence[str]:
 def _largest(system: System, acceleration: Array) -> tuple[str, float, str]:
     """Return which coordinate is accelerated most, by how much, and in which unit."""
     k = int(np.argmax(np.abs(acceleration)))
-    name = coordinate_names(system)[1][k]
+    name = system.names_v[k]
     slides = name.endswith((".vx", ".vy", ".vz")) or any(
         slot.kind == "prismatic" and slot.v.start == k for slot in system.mechanism.joints.values()
     )

@@ -12,7 +12,6 @@ from antenna_pin.linear.result import Modes
 from antenna_pin.linear.shares import bodies_of
 from antenna_pin.readable import number
 from antenna_pin.simulation.carried import mechanism_attributes
-from antenna_pin.simulation.coordinates import coordinate_names
 from antenna_pin.trajectory import Counts, Outcome, Trajectory
 
 __all__ = ["swing"]
@@ -59,7 +58,7 @@ def swing(modes: Modes, mode: int, amplitude: float = 1.0) -> Trajectory:
     if frequency > 0.0 and np.isfinite(ratio):
         said += f", damping {number(100.0 * ratio)} %"
     said += ", drawn as large as can be seen"
-    configuration, velocity = coordinate_names(system)
+    configuration, velocity = list(system.names_q), list(system.names_v)
     data = xr.Dataset(
         {
             "q": (("time", "configuration"), q, {"units": "m, rad or 1"}),

@@ -10,6 +10,8 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from antenna_pin.arguments import takes
+from antenna_pin.brief import brief
 from antenna_pin.errors import InvalidParameterError, MechanismError, UnknownNameError
 from antenna_pin.mechanism._edits import plane_names
 from antenna_pin.mechanism._inertia import RigidGroup, check_inertia, rigid_groups
@@ -85,6 +87,8 @@ class Mechanism:
             free base comes first. A body bears the name of its first link that has an inertial.
     """
 
+    __repr__ = brief
+
     name: str
     model: Any
     urdf: Urdf
@@ -138,6 +142,7 @@ class Mechanism:
         return slice(0, 6 if self.base == "free" else 0)
 
 
+@takes()
 def build_mechanism(urdf: Urdf, base: Base = "free", gravity: Sequence[float] = (0.0, 0.0, 0.0)) -> Mechanism:
     """Build the Pinocchio model of a URDF.
 

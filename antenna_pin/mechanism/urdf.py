@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from antenna_pin.brief import brief
 from antenna_pin.changes import JOINT_VARIANTS, JointChange, JointVariant, LinkChange
 from antenna_pin.errors import MechanismError, UnknownNameError
 from antenna_pin.files import replacing
@@ -80,6 +81,8 @@ class Urdf:
         allow_impossible_inertia: Links whose body's inertia may break the triangle rule.
         robot: The same as yourdfpy's objects (``yourdfpy.Robot``), to be read only.
     """
+
+    __repr__ = brief
 
     text: str
     where: str

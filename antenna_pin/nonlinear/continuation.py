@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from antenna_pin.brief import brief
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
 from antenna_pin.nonlinear.bifurcations import (
     Bifurcation,
@@ -43,6 +44,8 @@ class Branch:
         message: Why it ends.
         interrupted: Whether Ctrl-C has ended it.
     """
+
+    __repr__ = brief
 
     points: tuple[Point, ...]
     bifurcations: tuple[Bifurcation, ...]

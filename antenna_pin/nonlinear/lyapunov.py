@@ -12,6 +12,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from antenna_pin.brief import brief
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.nonlinear.chart import Chart, NotAlikeError
 from antenna_pin.nonlinear.flow import Flow
@@ -55,6 +56,8 @@ class Exponents:
         start: State after the transient.
         end: State that was come to.
     """
+
+    __repr__ = brief
 
     values: Array
     errors: Array

@@ -14,7 +14,6 @@ from antenna_pin.dynamics import System
 from antenna_pin.nonlinear.continuation import Branch
 from antenna_pin.nonlinear.orbits import Orbit
 from antenna_pin.scenario import Scenario
-from antenna_pin.simulation.coordinates import coordinate_names
 from antenna_pin.trajectory import open_table, table_attributes
 
 __all__ = ["branch_table", "open_branch", "open_orbit", "orbit_table"]
@@ -71,7 +70,7 @@ def _columns(orbits: Sequence[Orbit]) -> dict[str, tuple[tuple[str, ...], Any, d
 
 
 def _labels(system: System, count: int) -> dict[str, Any]:
-    configuration, coordinate = coordinate_names(system)
+    configuration, coordinate = system.names_q, system.names_v
     ways, rates = ([_way(system, name) for name in names] for names in (configuration, coordinate))
     unit = {"long_name": "its unit"}
     return {

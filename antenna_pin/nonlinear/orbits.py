@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.brief import brief
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
 from antenna_pin.nonlinear.chart import Chart
 from antenna_pin.nonlinear.flow import Flow, Tangent
@@ -55,6 +56,8 @@ class Orbit:
             multiplier is 1 then, of the way along the orbit.
         onsets: Contacts that begin in a period, and events that happen.
     """
+
+    __repr__ = brief
 
     start: State
     period: float

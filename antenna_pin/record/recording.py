@@ -12,6 +12,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
+from antenna_pin.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.files import check_writable, replacing
 from antenna_pin.pages import in_frame
@@ -84,6 +85,7 @@ class Recording:
         return in_frame(self.html, "30rem")
 
 
+@takes()
 def record(
     run: Trajectory | xr.Dataset,
     ideal: Trajectory | xr.Dataset | None = None,

@@ -6,7 +6,7 @@ import json
 from collections.abc import Iterator
 
 from antenna_pin.analysis import drives_of
-from antenna_pin.elements import Element, JointFriction
+from antenna_pin.elements import Element, ForceElement, JointFriction
 from antenna_pin.report._runs import ReportedRun
 from antenna_pin.scenario import PointSpringSpec, Scenario
 
@@ -18,7 +18,7 @@ def words_of_elements(scenario: Scenario) -> Iterator[tuple[str, str]]:
     for family, specs in (("drive", scenario.drives), ("spring", scenario.springs)):
         for name, spec in specs.items():
             if isinstance(spec, PointSpringSpec):
-                yield f"{family} {name}", spec.build().words()
+                yield f"{family} {name}", spec.build().words() + _off(spec.build())
                 continue
             element: Element = spec.build()
             text = element.words(spec.motion == "translation")
@@ -27,12 +27,19 @@ def words_of_elements(scenario: Scenario) -> Iterator[tuple[str, str]]:
             clearance = scenario.clearance.get(element.joint)
             if element.about != "motion" and clearance is not None and clearance.model != "ideal":
                 text += f", about the {element.about}'s axis"
-            yield f"{family} {name}", text
+            yield f"{family} {name}", text + _off(element)
+
+
+def _off(element: ForceElement) -> str:
+    return "" if element.acts else ", off at the start"
 
 
 def words_of_friction(run: ReportedRun) -> Iterator[tuple[str, str]]:
     """Yield the friction that joints of a run have of their own."""
-    for given in json.loads(run.data.attrs.get("joint_friction", "{}")).values():
+    springs = () if run.run.scenario is None else run.run.scenario.springs
+    for name, given in json.loads(run.data.attrs.get("joint_friction", "{}")).items():
+        if name in springs:  # said there
+            continue
         slides = given.pop("slides")
         yield f"friction of joint {given['joint']}", JointFriction(**given).words(slides)
 

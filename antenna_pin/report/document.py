@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 import jinja2
 from markupsafe import Markup
 
+from antenna_pin.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.files import check_writable, replacing
 from antenna_pin.pages import in_frame, policy, script
@@ -75,6 +76,7 @@ class Report:
         return in_frame(self.html, "40rem")
 
 
+@takes()
 def report(
     runs: Iterable[Reported] | Reported,
     *,

@@ -81,7 +81,7 @@ def _held(runs: Sequence[ReportedRun]) -> Iterator[Row]:
         ("equations of closures", "closure_equations"),
         ("independent ones", "closure_rank"),
         ("motions", "motions"),
-        ("freedoms left by the closures", "mobility"),
+        ("mobility: freedoms that closures leave", "mobility"),
         ("freedoms left by closures and motions", "freedoms_left"),
     ):
         yield counts(name, (one[key] for one in found))

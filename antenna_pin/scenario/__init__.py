@@ -24,7 +24,14 @@ if TYPE_CHECKING:
     )
     from antenna_pin.scenario.closures import AnchorSpec, ClosureSpec, PlaceSpec
     from antenna_pin.scenario.couplings import CouplingSpec
-    from antenna_pin.scenario.drives import DRIVE_SPECS, AnySpring, DriveSpec, PointSpringSpec, SpringSpec
+    from antenna_pin.scenario.drives import (
+        DRIVE_SPECS,
+        AnySpring,
+        DriveSpec,
+        FrictionSpec,
+        PointSpringSpec,
+        SpringSpec,
+    )
     from antenna_pin.scenario.events import AngleEvent, EventSpec, ForceEvent, GapEvent, RateEvent, TimeEvent
     from antenna_pin.scenario.flexible import FlexibleSpec, ModalDataSpec, ModeSpec, ModesSpec, PetalsSpec
     from antenna_pin.scenario.initial import InitialBaseSpec, InitialJointSpec, InitialSpec
@@ -58,6 +65,7 @@ _HOMES = {
     "EventSpec": "events",
     "FlexibleSpec": "flexible",
     "ForceEvent": "events",
+    "FrictionSpec": "drives",
     "GapEvent": "events",
     "IdealClearance": "clearance",
     "InitialBaseSpec": "initial",
@@ -113,6 +121,7 @@ __all__ = [
     "EventSpec",
     "FlexibleSpec",
     "ForceEvent",
+    "FrictionSpec",
     "GapEvent",
     "IdealClearance",
     "InitialBaseSpec",

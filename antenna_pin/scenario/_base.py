@@ -11,7 +11,7 @@ from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, ValidationErro
 from pydantic.fields import FieldInfo
 from pydantic_core import CoreSchema, InitErrorDetails, PydanticCustomError, core_schema
 
-from antenna_pin.elements import DRIVES
+from antenna_pin.elements import DRIVES, SPRINGS
 from antenna_pin.errors import AntennaPinError, ScenarioError, UnknownNameError, nearest
 from antenna_pin.parameters import RULES
 from antenna_pin.units import QuantityError, describe_unit, quantity, shown
@@ -23,7 +23,7 @@ Location = tuple[str | int, ...]
 TAGGED: dict[str, tuple[str, ...]] = {
     "drives": tuple(DRIVES),
     "events": ("angle", "rate", "time", "gap", "force"),
-    "springs": ("at a joint", "between points"),
+    "springs": tuple(SPRINGS),
     "flexible": ("modes", "petals", "modal-data"),
 }
 _BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")

@@ -78,8 +78,8 @@ class Clearance(Spec):
             [N/m^3]; None for the one that gives the compression stiffness of a rigid annular punch.
         approach_speed_floor: Least approach speed that a law sees [m/s].
         maximum_depth: A run that presses deeper ends [m]; None for a hundredth of the bearing's radius.
-        journal_material: Name of a material.
-        bearing_material: Name of a material.
+        journal_material: Name of a material: one of ``[materials]``, or one that is known without.
+        bearing_material: Likewise.
         normal: Normal law of both kinds of contact.
         radial: What is different at the bore.
         axial: What is different at the flanges.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, Literal, get_args
+from typing import Any, ClassVar, Literal, get_args
 
 from pydantic import model_validator
 from pydantic.fields import FieldInfo
@@ -24,6 +24,8 @@ class JointTable(Spec):
     """
 
     motion: Motion | None = None
+
+    carried: ClassVar[frozenset[str]] = frozenset({"motion"})
 
     @model_validator(mode="before")
     @classmethod

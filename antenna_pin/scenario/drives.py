@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, Union
+from typing import TYPE_CHECKING, Any, Literal, Self, Union
 
-from pydantic import Discriminator, Field, Tag, create_model, model_validator
+from pydantic import Field, create_model, model_validator
 
-from antenna_pin.elements import DRIVES, JointSpring, PointSpring, TableDrive
-from antenna_pin.scenario._base import TAGGED, refuse
+from antenna_pin.elements import DRIVES, JointFriction, JointSpring, PointSpring, TableDrive
+from antenna_pin.scenario._base import refuse
 from antenna_pin.scenario._joint import JointTable
 from antenna_pin.scenario._made import MadeSpec, reads
 from antenna_pin.scenario.closures import PlaceSpec
@@ -17,13 +17,12 @@ __all__ = [
     "DRIVE_SPECS",
     "AnySpring",
     "DriveSpec",
+    "FrictionSpec",
     "PointSpringSpec",
     "SpringSpec",
-    "between_points",
     "file_columns",
+    "kind_of_spring",
 ]
-
-_AT_JOINT, _BETWEEN = TAGGED["springs"]
 
 
 class _ElementSpec(JointTable, MadeSpec):
@@ -34,9 +33,24 @@ class _ElementSpec(JointTable, MadeSpec):
 class SpringSpec(_ElementSpec):
     """A linear spring and damper at a joint; the units are those of a turning (sliding) joint."""
 
+    kind: Literal["spring"] = "spring"
+
     @model_validator(mode="after")
     def _check_something(self) -> Self:
         _ask_for_something(self)
+        return self
+
+
+@reads(JointFriction)
+class FrictionSpec(_ElementSpec):
+    """Viscous and Coulomb friction at a joint; the units are those of a turning (sliding) joint."""
+
+    kind: Literal["friction"]
+
+    @model_validator(mode="after")
+    def _check_something(self) -> Self:
+        if self.friction == self.damping == 0.0:
+            refuse("must have a friction or a damping above zero, got neither")
         return self
 
 
@@ -49,6 +63,7 @@ class PointSpringSpec(MadeSpec):
         second: The other, on another link.
     """
 
+    kind: Literal["between-points"] = "between-points"
     first: PlaceSpec = Field(...)
     second: PlaceSpec = Field(...)
 
@@ -79,25 +94,13 @@ def _ask_for_something(spring: MadeSpec) -> None:
         refuse("must have a stiffness or a damping above zero, got neither")
 
 
-def between_points(table: Mapping[str, Any]) -> bool:
-    """Whether a spring's table is that of one between points."""
-    return not {"first", "second"}.isdisjoint(table)
+def kind_of_spring(table: Mapping[str, Any]) -> str:
+    """Return the kind of a spring's table that names none: one with an end is between points."""
+    return "spring" if {"first", "second"}.isdisjoint(table) else "between-points"
 
 
-def _spring_kind(table: object) -> str:
-    if isinstance(table, Mapping):
-        return _BETWEEN if between_points(table) else _AT_JOINT
-    return _BETWEEN if isinstance(table, PointSpringSpec) else _AT_JOINT
-
-
-if TYPE_CHECKING:
-    AnySpring = SpringSpec | PointSpringSpec
-else:
-    AnySpring = Annotated[
-        Annotated[SpringSpec, Tag(_AT_JOINT)] | Annotated[PointSpringSpec, Tag(_BETWEEN)],
-        Discriminator(_spring_kind),
-    ]
-    """A spring: one that has a ``first`` or a ``second`` end is between points, any other at a joint."""
+AnySpring = SpringSpec | FrictionSpec | PointSpringSpec
+"""A spring; ``kind`` says which class it is."""
 
 
 class _TableSpec(_ElementSpec):

@@ -152,12 +152,15 @@ def number_to_set(event: EventSpec, tables: Mapping[str, Mapping[str, Spec]], *p
     if element not in known:
         refuse_name("drive or spring", element or key, known, *place, "set")
     quantities = _quantities(tables[kind][name])
-    if key == "on":
+    switched = "on" in type(tables[kind][name]).model_fields
+    if key == "on" and switched:
         if not isinstance(event.to, bool):
             refuse(f"must be true or false, got {shown(event.to)}", *place, "to", value=event.to)
         return float(event.to)
     if key not in quantities:
-        refuse_key(f"sets {key!r}, which {unknown_key([*quantities, 'on'], key)}", *place, "set")
+        refuse_key(
+            f"sets {key!r}, which {unknown_key([*quantities, *(['on'] * switched)], key)}", *place, "set"
+        )
     unit = quantities[key]
     return read_quantity(event.to, unit.unit, unit.rule, *place, "to")
 

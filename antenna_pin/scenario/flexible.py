@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -71,6 +71,8 @@ class ModalDataSpec(_OfLink, MadeSpec):
 
     kind: Literal["modal-data"]
     file: str | None = None
+
+    carried: ClassVar[frozenset[str]] = frozenset({"places"})
 
     @model_validator(mode="before")
     @classmethod

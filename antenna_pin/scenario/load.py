@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 from pydantic import ValidationError
 
+from antenna_pin.arguments import takes
 from antenna_pin.errors import AntennaPinError, ScenarioError, UnknownNameError
 from antenna_pin.scenario._base import dotted, explained_line, located_lines
 from antenna_pin.scenario._layers import (
@@ -38,6 +39,7 @@ class _Case(NamedTuple):
     below: tuple[tuple[str, Mapping[str, Any]], ...] = ()
 
 
+@takes()
 def load_scenario(
     name_or_path: str | os.PathLike[str], case: str | None = None, overrides: Overrides = ()
 ) -> Scenario:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, get_a
 
 from pydantic import BeforeValidator, Field, model_validator
 
+from antenna_pin.brief import brief
 from antenna_pin.errors import InvalidParameterError, UnknownNameError, nearest
 from antenna_pin.scenario._base import PositiveTime, Spec, refuse, refuse_name
 from antenna_pin.scenario._clearance import law_tables
@@ -15,7 +16,7 @@ from antenna_pin.scenario._layers import Source, built, check_drives, read_layer
 from antenna_pin.scenario.clearance import ClearanceSpec
 from antenna_pin.scenario.closures import ClosureSpec
 from antenna_pin.scenario.couplings import CouplingSpec
-from antenna_pin.scenario.drives import DRIVE_SPECS, AnySpring, DriveSpec, between_points
+from antenna_pin.scenario.drives import DRIVE_SPECS, AnySpring, DriveSpec, kind_of_spring
 from antenna_pin.scenario.events import EventSpec, number_to_set
 from antenna_pin.scenario.flexible import FlexibleSpec, ModesSpec
 from antenna_pin.scenario.initial import InitialBaseSpec, InitialSpec
@@ -70,6 +71,8 @@ class Scenario(Spec):
         urdf_text: The text of the URDF.
     """
 
+    __repr__ = __str__ = brief
+
     format: Annotated[Literal[1], BeforeValidator(_version)] = 1
     title: str = ""
     source: str = ""
@@ -81,7 +84,7 @@ class Scenario(Spec):
     closures: dict[str, ClosureSpec] = Field(default_factory=dict)
     couplings: dict[str, CouplingSpec] = Field(default_factory=dict)
     drives: dict[str, Annotated[DriveSpec, Field(discriminator="kind")]] = Field(default_factory=dict)
-    springs: dict[str, AnySpring] = Field(default_factory=dict)
+    springs: dict[str, Annotated[AnySpring, Field(discriminator="kind")]] = Field(default_factory=dict)
     events: dict[str, Annotated[EventSpec, Field(discriminator="kind")]] = Field(default_factory=dict)
     initial: InitialSpec = Field(default_factory=InitialSpec)
     integrator: IntegratorSpec = Field(default_factory=IntegratorSpec)
@@ -179,6 +182,7 @@ class Scenario(Spec):
         _check_choice(done, "flexible", "kind", get_args(get_args(FlexibleSpec)[0]))
         _check_choice(done, "clearance", "model", get_args(ClearanceSpec))
         _check_choice(done, "drives", "kind", tuple(DRIVE_SPECS.values()))
+        _check_choice(done, "springs", "kind", get_args(AnySpring))
         _check_choice(done, "events", "kind", get_args(EventSpec))
         return done
 
@@ -232,15 +236,17 @@ def _at_its_joint(place: str, name: str, table: object) -> object:
     """Return the table of a drive or spring with the joint that it is named after, if it is at a joint."""
     if not isinstance(table, Mapping):
         return table
-    if place == "springs" and between_points(table):
-        if "joint" in table:
-            refuse(
-                "must be left out beside first and second; a spring is at a joint or between points",
-                place,
-                name,
-                "joint",
-            )
-        return table
+    if place == "springs":
+        table = {"kind": kind_of_spring(table), **table}
+        if table["kind"] == "between-points":
+            if "joint" in table:
+                refuse(
+                    "must be left out beside first and second; a spring is at a joint or between points",
+                    place,
+                    name,
+                    "joint",
+                )
+            return table
     return {"joint": name, **table}
 
 

@@ -22,6 +22,7 @@ def scenario_toml(scenario: Scenario) -> str:
     data = scenario.model_dump(mode="json", exclude_none=True, exclude=set(Scenario.carried))
     for one in (*data.get("drives", {}).values(), *data.get("flexible", {}).values()):
         one.pop("file", None)
+        one.pop("places", None)
     return "\n".join(_lines(data, ())).strip() + "\n"
 
 

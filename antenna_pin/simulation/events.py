@@ -13,8 +13,10 @@ from typing import Literal, Protocol, runtime_checkable
 
 from numpy.typing import ArrayLike
 
+from antenna_pin.arguments import takes
 from antenna_pin.dynamics import Adjustments, System, Workspace
 from antenna_pin.errors import InvalidParameterError
+from antenna_pin.parameters import holds
 from antenna_pin.simulation.moment import Moment
 
 __all__ = ["Angle", "Event", "Force", "Gap", "Jump", "Mark", "Rate", "Set", "Stop", "Time"]
@@ -34,6 +36,7 @@ class Rated(Protocol):
 # --- functions of the state -----------------------------------------------------------------------------
 
 
+@takes()
 @dataclass(frozen=True, slots=True)
 class Angle:
     """The angle of a joint, whole turns included, passes a value.
@@ -55,6 +58,7 @@ class Angle:
         return moment.rate(self.joint)
 
 
+@takes()
 @dataclass(frozen=True, slots=True)
 class Rate:
     """The rate of a joint passes a value: zero where it turns back.
@@ -72,6 +76,7 @@ class Rate:
         return moment.rate(self.joint) - self.value
 
 
+@takes(value="m")
 @dataclass(frozen=True, slots=True)
 class Gap:
     """The gap of a contact passes a value; minus a penetration.
@@ -93,6 +98,7 @@ class Gap:
         return -moment.depth_rate(self.contact)
 
 
+@takes(value="N")
 @dataclass(frozen=True, slots=True)
 class Force:
     """The normal force of a contact passes a value.
@@ -117,18 +123,19 @@ class Force:
         return moment.force(self.contact) - self.value
 
 
+@takes(instants="s")
 class Time:
     """Instants are reached; steps end on them exactly.
 
     Args:
-        instants: When, later than zero [s].
+        instants: When, later than zero [s], or as text with a unit.
     """
 
     __slots__ = ("instants",)
 
-    def __init__(self, *instants: float) -> None:
+    def __init__(self, *instants: float | str) -> None:
         """Check and sort them."""
-        if not instants or not all(0.0 < t < math.inf for t in instants):
+        if not instants or not all(holds(t, "positive") for t in instants):
             raise InvalidParameterError("Time", "instants", "one or more positive times [s]", instants)
         self.instants = tuple(sorted({float(t) for t in instants}))
 
@@ -153,6 +160,7 @@ class Stop:
     """The run ends there."""
 
 
+@takes()
 @dataclass(frozen=True, slots=True)
 class Set:
     """A number of a drive or a spring changes.
@@ -166,9 +174,10 @@ class Set:
     """
 
     place: str
-    value: float
+    value: float | bool
 
 
+@takes()
 @dataclass(frozen=True, slots=True)
 class Jump:
     """The state jumps: a latch, an impulse.
@@ -193,6 +202,7 @@ Action = Mark | Stop | Set | Jump | Kink
 # --- the event ------------------------------------------------------------------------------------------
 
 
+@takes()
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Event:
     """Something that happens when a function of the state passes zero.

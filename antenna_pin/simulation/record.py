@@ -14,7 +14,6 @@ from antenna_pin.dynamics import observed
 from antenna_pin.elements import Motion
 from antenna_pin.simulation.blocks import blocks_of, count_of
 from antenna_pin.simulation.carried import mechanism_attributes
-from antenna_pin.simulation.coordinates import coordinate_names
 from antenna_pin.simulation.held import constraint_attributes
 from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.parts import Parts
@@ -148,7 +147,7 @@ class Recording:
 def _labels(seen: Seen) -> dict[str, Any]:
     """Return the labels of all dimensions and coordinates that the system has."""
     system = seen.system
-    configuration, velocity = coordinate_names(system)
+    configuration, velocity = list(system.names_q), list(system.names_v)
     labels: dict[str, Any] = {
         "axis": ("x", "y", "z"),
         "configuration": configuration,

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from antenna_pin.arguments import takes
 from antenna_pin.assemble import build_system, initial_angles, initial_state
 from antenna_pin.dynamics import System, Workspace, check_closed, check_motions
 from antenna_pin.engine import check_compiled
@@ -48,10 +49,11 @@ def settings_of(scenario: Scenario) -> RunSettings:
     return settings
 
 
+@takes(duration="s", checkpoint="s", angles="rad")
 def simulate(
     model: Scenario | System,
     *,
-    duration: float | None = None,
+    duration: float | str | None = None,
     q: ArrayLike | None = None,
     v: ArrayLike | None = None,
     angles: Mapping[str, float] | None = None,
@@ -60,7 +62,7 @@ def simulate(
     events: Sequence[Event] = (),
     progress: Callable[[Progress], None] | None = None,
     out: str | os.PathLike[str] | None = None,
-    checkpoint: float = math.inf,
+    checkpoint: float | str = math.inf,
     resume: bool = False,
 ) -> Trajectory:
     """Run a scenario, or a system built in Python, and return the trajectory.
@@ -74,8 +76,8 @@ def simulate(
 
     Args:
         model: What to run.
-        duration: Time span [s], from ``start`` on; the scenario's if not given. This and ``settings`` enter
-            the result's scenario as overrides.
+        duration: Time span [s], or text as ``"0.1 s"``, from ``start`` on; the scenario's if not given. This
+            and ``settings`` enter the result's scenario as overrides.
         q: Initial configuration, (nq,); the scenario's, or neutral. Its quaternions must be of length 1 to
             1e-6 and are made so exactly.
         v: Initial velocity, (nv,); the scenario's, or zero.
@@ -97,6 +99,7 @@ def simulate(
         FileFormatError: Likewise; there is no checkpoint, or it is damaged, or of another version or run.
         OutputError: The result cannot be written; :class:`antenna_pin.simulation.UnsavedError` holds it.
     """
+    assert not isinstance(duration, str) and not isinstance(checkpoint, str)  # read already, by `takes`
     if not holds(checkpoint, "positive") and checkpoint != math.inf:
         raise InvalidParameterError("simulate", "checkpoint", "positive [s]", checkpoint)
     if resume and out is None:
@@ -273,7 +276,7 @@ def check_lengths(system: System, y: np.ndarray) -> None:
         return
     workspace = Workspace(system)
     for (name, spring), length in zip(system.point_springs.items(), workspace.lengths(y), strict=True):
-        if length == 0.0 and spring.free_length > 0.0 and spring.stiffness > 0.0:
+        if length == 0.0 and spring.on and spring.free_length > 0.0 and spring.stiffness > 0.0:
             raise InvalidParameterError(
                 f"spring {name!r}",
                 "length at the start",

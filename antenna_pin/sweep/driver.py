@@ -13,6 +13,7 @@ from typing import Any
 
 import xarray as xr
 
+from antenna_pin.arguments import takes
 from antenna_pin.errors import OutputError, ScenarioError
 from antenna_pin.sweep.here import Executor, Here, Lost
 from antenna_pin.sweep.prepared import Prepared, prepare, trial
@@ -47,6 +48,7 @@ class Standing:
     failed: int
 
 
+@takes()
 def run_study(
     study: Study,
     out: str | os.PathLike[str] | None = None,

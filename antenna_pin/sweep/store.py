@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from antenna_pin.arguments import takes
 from antenna_pin.errors import FileFormatError, OutputError
 from antenna_pin.files import check_writable, has_whole_seal, replacing, seal
 from antenna_pin.sweep.design import Design
@@ -267,6 +268,7 @@ def _read_about(path: Path) -> dict[str, Any] | None:
     return about if isinstance(about, dict) and isinstance(about.get("digest"), str) else None
 
 
+@takes()
 def open_study(path: str | os.PathLike[str]) -> xr.Dataset:
     """Return the dataset of a study, with all runs that have finished so far; it may be running.
 

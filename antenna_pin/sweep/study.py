@@ -9,6 +9,8 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import BeforeValidator, Field, ValidationError, model_validator
 
+from antenna_pin.arguments import takes
+from antenna_pin.brief import brief
 from antenna_pin.errors import ScenarioError, UnknownNameError
 from antenna_pin.scenario import Scenario, load_scenario, models_path
 from antenna_pin.scenario.merge import merge, read_overrides
@@ -100,6 +102,8 @@ class Study(Spec):
         name: Of the study: that of its file.
         folder: Of the study file.
     """
+
+    __repr__ = __str__ = brief
 
     format: Literal[1] = 1
     title: str = ""
@@ -216,6 +220,7 @@ def list_studies() -> list[str]:
     )
 
 
+@takes()
 def load_study(path: str | os.PathLike[str], settings: Mapping[str, Any] | Sequence[str] = ()) -> Study:
     """Return a study, complete and checked; its scenario is not read yet.
 

@@ -103,6 +103,10 @@ def library_versions() -> dict[str, str]:
     return dict(_versions())
 
 
+# What a run in a few words is counted by.
+_COUNTED = ("time", "joint", "sliding_joint", "clearance_joint", "contact", "closure", "episode", "event")
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Trajectory:
     """One run, sampled.
@@ -247,6 +251,19 @@ class Trajectory:
             }
         result["blows"] = {name: {"blows": count} for name, count in blow_counts(data).items()}
         return result
+
+    def __repr__(self) -> str:
+        """Show in a few lines what was run and how it ended; ``summary()`` has all numbers."""
+        attributes, sizes = self.data.attrs, self.data.sizes
+        named = [str(attributes[key]) for key in ("title", "case") if attributes.get(key)]
+        held = ", ".join(f"{size} {name}" for name, size in sizes.items() if name in _COUNTED)
+        return "\n".join(
+            [
+                f"Trajectory of {', case '.join(named) or 'a system built in Python'}",
+                f"  {self.outcome.name}: {self.message}",
+                f"  data: {len(self.data.data_vars)} variables of {held}; numbers by summary()",
+            ]
+        )
 
     def _repr_html_(self) -> str:
         """Show the run in a notebook: how it ended, key numbers, a sketch of the motion, and all data."""

@@ -131,7 +131,7 @@ def test_redundant_equations_are_counted_where_they_are(driven, spatial, tmp_pat
     counts = driven.constraints
     assert said_of_constraints(counts) == (
         "5 equations of closures, 2 independent (3 redundant, rocker_pin: along z, about x, about y); "
-        "1 motion; mobility 0 (1 without the motion)"
+        "1 motion; mobility 1, of which the motion leaves 0"
     )
     assert said_of_constraints(spatial[1].constraints) == "7 equations of closures, 7 independent; mobility 1"
     ring = run_of(bricard(), tmp_path, "duration=1e-3").constraints

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from antenna_pin import AntennaPinError, load_scenario
+from antenna_pin import AntennaPinError, Scenario, build_system, load_scenario
 from antenna_pin.flexible.table import BadModalTableError, read_modal_table
 
 CSV = """# two modes
@@ -63,6 +63,9 @@ def test_tables_are_read(text: str, damping: tuple[float, ...] | None):
         (CSV.replace("0,0,-0.3", "0,-0.3"), "line 5: must have 8 values, got 7"),
         (CSV.replace("18.8", "eighteen"), "line 5: frequency must be a finite number, got 'eighteen'"),
         (CSV.replace("18.8", "0"), "line 5: frequency must be positive, got 0 Hz; a mode without one is"),
+        (CSV.replace("0.01", "-0.01"), "line 5: damping_ratio must be zero or more, got -0.01"),
+        (CSV.replace("2.2,0,0,0,0,-1.9", "0,0,0,0,0,0"), "line 3: tx to rz must be other than six zeros"),
+        (WITH_FREQUENCY.replace("2.2", "0.0").replace("-1.9", "0.0"), "line 3: tx to rz must be other than"),
         ("frequency,tx,ty,tz,rx,ry,rz\n", "line 1: must have at least one mode below the header"),
         ("nothing\n", "line 1: must be CSV with the header"),
         (PRINT.replace("1.000000E+00      1.395", "2.5 1.395"),
@@ -93,3 +96,31 @@ def test_a_scenario_takes_its_modes_from_a_file(tmp_path: Path):
     (tmp_path / "modes.f06").write_text(PRINT.replace("-1.9+0", "x"))
     with pytest.raises(AntennaPinError, match=r"modes\.f06.*line 13: a factor must be a finite number"):
         load_scenario("bai2020", case="case1", overrides=overrides)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "says"),
+    [
+        (
+            "18.8,0.01,1.2,",
+            "18.8,0.01,50,",
+            r"line 5, column tx: an effective mass of 2500 kg, of the link's 2400 kg",
+        ),
+        (
+            "0,0,0,0,-1.9",
+            "0,0,90,0,0",
+            r"line 3, column rx: an effective moment of inertia about the root of 8100",
+        ),
+    ],
+)
+def test_an_impossible_mode_is_named_by_line_and_column(tmp_path: Path, old: str, new: str, says: str):
+    """Also from a scenario that a result carries, when the file may be elsewhere."""
+    (tmp_path / "modes.csv").write_text(CSV.replace(old, new))
+    table = {"kind": "modal-data", "file": str(tmp_path / "modes.csv"), "link": "body"}
+    scenario = load_scenario("bai2020", case="case1", overrides={"flexible.wing": table})
+    for one in (scenario, Scenario.model_validate_json(scenario.model_dump_json())):
+        with pytest.raises(AntennaPinError, match=rf"flexible.wing: wing_mode\d .*modes\.csv, {says}"):
+            build_system(one)
+    (tmp_path / "other.csv").write_text(CSV)
+    other = scenario.with_overrides({"flexible.wing.file": str(tmp_path / "other.csv")})
+    assert other.flexible["wing"].build().places == tuple(f"{tmp_path}/other.csv, line {k}" for k in (3, 5))

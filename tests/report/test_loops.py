@@ -33,7 +33,10 @@ def test_counts_residuals_and_corrections(runs, page):
         numbers = [number for _, number, _ in rows[row]]
         assert numbers == [run.constraints[key] for run in runs.values()]
     said = page.said("loops")["counted at the start"]
-    assert "play 5 equations of closures, 5 independent; 1 motion; mobility 2" in said
+    assert (
+        "play 5 equations of closures, 5 independent; 1 motion; mobility 3, of which the motion leaves 2"
+        in said
+    )
     assert "ideal 5 equations of closures, 2 independent (3 redundant, rocker_pin: " in said
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from antenna_pin.dynamics import System
+from antenna_pin.mechanism import Mechanism
 
 __all__ = ["coordinate_names"]
 
@@ -19,14 +19,15 @@ _RATE_NAMES = {
 }
 
 
-def coordinate_names(system: System) -> tuple[list[str], list[str]]:
+def coordinate_names(mechanism: Mechanism) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """Return the names of the numbers of q and of v."""
-    configuration, velocity = [], []
-    if system.mechanism.base == "free":
+    configuration: list[str] = []
+    velocity: list[str] = []
+    if mechanism.base == "free":
         configuration += [f"base.{name}" for name in _DOF_NAMES["floating"]]
         velocity += [f"base.{name}" for name in _RATE_NAMES["floating"]]
-    for slot in system.mechanism.joints.values():
+    for slot in mechanism.joints.values():
         for target, names in ((configuration, _DOF_NAMES), (velocity, _RATE_NAMES)):
             parts = names.get(slot.kind)
             target += [slot.name] if parts is None else [f"{slot.name}.{part}" for part in parts]
-    return configuration, velocity
+    return tuple(configuration), tuple(velocity)

@@ -1,0 +1,272 @@
+"""What public functions and classes take: arguments of a wrong kind are refused in one line, by their types.
+
+:func:`takes` above a function, or above a class, checks each argument against its annotation before anything
+is done with it, and reads text with a unit where a number with a unit is asked for::
+
+    @takes(duration="s")
+    def simulate(model: Scenario | System, *, duration: float | str | None = None) -> Trajectory: ...
+
+An annotation is the one place that says what is taken; what it cannot say, that a number is positive for
+instance, is the business of the function or class itself.
+"""
+
+from __future__ import annotations
+
+import functools
+import inspect
+import os
+import types
+import typing
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from numbers import Integral
+from typing import Any, Literal, TypeVar, Union, cast, get_args, get_origin
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from antenna_pin.errors import InvalidParameterError
+from antenna_pin.units import QuantityError, quantity, shown
+
+__all__ = ["fits", "rule_of", "takes", "unknown_type"]
+
+_T = TypeVar("_T", bound=Callable[..., Any])
+_UNIONS = (Union, types.UnionType)
+
+
+def takes(**units: str) -> Callable[[_T], _T]:
+    """Return a decorator of a function, or of a class, that refuses arguments of a wrong kind.
+
+    Args:
+        **units: SI unit of each parameter that may be given as text with a unit; a mapping's values, or the
+            entries of a sequence, each.
+    """
+
+    def decorated(one: _T) -> _T:
+        if inspect.isclass(one):
+            # In place: whoever has the class already has it checked.
+            setattr(one, "__init__", _checked(one.__init__, one.__name__, units, one))  # noqa: B010
+            return one
+        return cast("_T", _checked(one, one.__name__, units, None))
+
+    return decorated
+
+
+def _checked(function: Any, place: str, units: Mapping[str, str], owner: type[Any] | None) -> Any:
+    signature = inspect.signature(function)
+
+    @functools.cache
+    def hints() -> dict[str, Any]:
+        return _hints(function, owner)
+
+    @functools.wraps(function)
+    def wrapped(*arguments: Any, **named: Any) -> Any:
+        bound = signature.bind(*arguments, **named)
+        for name, value in bound.arguments.items():
+            kind = signature.parameters[name].kind
+            hint = hints().get(name, Any)
+            if kind is inspect.Parameter.VAR_POSITIONAL:
+                read = tuple(_read(place, name, one, hint, units.get(name)) for one in value)
+            elif kind is inspect.Parameter.VAR_KEYWORD:
+                continue
+            else:
+                read = _read(place, name, value, hint, units.get(name))
+            bound.arguments[name] = read
+        return function(*bound.args, **bound.kwargs)
+
+    return wrapped
+
+
+def _read(place: str, name: str, value: Any, hint: Any, unit: str | None) -> Any:
+    """Return an argument, text with a unit as a number, or refuse it."""
+    if unit is not None:
+        value = _in_si(f"{place}: {name}", value, unit)
+    if not fits(value, hint):
+        rule = rule_of(hint) + ("" if unit is None else f", in {unit} or with a unit")
+        raise InvalidParameterError(place, name, rule, said=unknown_type(value))
+    return value
+
+
+def _in_si(place: str, value: Any, unit: str) -> Any:
+    if isinstance(value, str):
+        try:
+            return quantity(value, unit, place)
+        except QuantityError as error:
+            at, _, parameter = place.partition(": ")
+            rule, _, said = error.reason.removeprefix("must be ").partition(", got ")
+            raise InvalidParameterError(at, parameter, rule, said=said) from None
+    if isinstance(value, Mapping):
+        return {key: _in_si(f"{place}[{key!r}]", one, unit) for key, one in value.items()}
+    if isinstance(value, list | tuple) and any(isinstance(one, str) for one in value):
+        return type(value)(_in_si(f"{place}[{k}]", one, unit) for k, one in enumerate(value))
+    return value
+
+
+def _hints(function: Any, owner: type[Any] | None) -> dict[str, Any]:
+    """Return the types of a function's parameters; of one whose type is not there at run time, none."""
+    names = dict(getattr(inspect.unwrap(function), "__globals__", {}))
+    if owner is not None:
+        names = {**vars(inspect.getmodule(owner)), **names}
+    found = {}
+    for name, hint in inspect.get_annotations(inspect.unwrap(function)).items():
+        try:
+            found[name] = eval(hint, names) if isinstance(hint, str) else hint  # noqa: S307 - our own source
+        except (NameError, AttributeError):
+            continue
+    return found
+
+
+def unknown_type(value: object) -> str:
+    """Return a value for the message that refuses it: what tells numbers and text, else its type as well."""
+    if value is None or isinstance(value, str | int | float):
+        return shown(value)
+    return f"{shown(value)} ({type(value).__name__})"
+
+
+# --- does a value fit a type? ---
+
+
+def fits(value: Any, hint: Any) -> bool:
+    """Return whether a value is of an annotation's type; True for types that cannot be told at run time.
+
+    NumPy's numbers are numbers, arrays are sequences of what they hold; true and false are no numbers, and
+    text is no sequence.
+    """
+    if hint is Any or isinstance(hint, TypeVar | str):
+        return True
+    if hint is None or hint is type(None):
+        return value is None
+    if hint == ArrayLike or get_origin(hint) is np.ndarray or hint is np.ndarray:
+        return _is_array(value)
+    origin, inner = get_origin(hint), get_args(hint)
+    if origin in _UNIONS:
+        return any(fits(value, one) for one in inner)
+    if origin is Literal:
+        return any(type(one) is type(value) for one in inner)  # which of them is the function's own to say
+    if origin is typing.Annotated:
+        return fits(value, inner[0])
+    if origin is not None:
+        return _fits_parts(value, origin, inner)
+    if hint is float:
+        return _is_number(value)
+    if hint is int:
+        return isinstance(value, Integral) and not isinstance(value, bool)
+    if hint is bool:
+        return isinstance(value, bool | np.bool_)
+    if getattr(hint, "_is_protocol", False):
+        return all(hasattr(value, name) for name in _members(hint))
+    return isinstance(value, hint) if isinstance(hint, type) else True
+
+
+def _fits_parts(value: Any, origin: Any, inner: tuple[Any, ...]) -> bool:
+    """Return whether a value is a container of a kind, and holds what it should."""
+    if origin is type:
+        return isinstance(value, type)
+    if origin is os.PathLike:
+        return isinstance(value, os.PathLike)
+    if origin in (Callable, Iterator):
+        return isinstance(value, origin)
+    if isinstance(value, str | bytes):
+        return False
+    if isinstance(origin, type) and issubclass(origin, Mapping):
+        if not isinstance(value, Mapping):
+            return False
+        return len(inner) != 2 or all(fits(k, inner[0]) and fits(v, inner[1]) for k, v in value.items())
+    if isinstance(value, Mapping):
+        return origin in (Iterable, Collection)
+    if isinstance(value, np.ndarray):
+        return value.ndim > 0 and (not inner or fits(value.flat[0], inner[0]) if value.size else True)
+    if origin is tuple:
+        if not isinstance(value, list | tuple):
+            return False
+        if len(inner) == 2 and inner[1] is ...:
+            return all(fits(one, inner[0]) for one in value)
+        return len(value) == len(inner) and all(map(fits, value, inner))
+    if origin in (list, Sequence):
+        return isinstance(value, Sequence) and all(fits(one, inner[0]) for one in value)
+    if not isinstance(value, origin):
+        return False
+    again = isinstance(value, Collection) and len(inner) == 1
+    return not again or all(fits(one, inner[0]) for one in value)
+
+
+def _is_number(value: Any) -> bool:
+    if isinstance(value, bool | str | bytes | np.bool_) or not hasattr(value, "__float__"):
+        return isinstance(value, Integral) and not isinstance(value, bool)
+    try:
+        float(value)
+    except (TypeError, ValueError):
+        return False
+    except OverflowError:  # whose rule refuses it, as not finite
+        return True
+    return True
+
+
+def _is_array(value: Any) -> bool:
+    if value is None or isinstance(value, str | bytes | Mapping):
+        return False
+    try:
+        return np.asarray(value).dtype.kind in "biufcVMm" or np.asarray(value).size == 0
+    except (TypeError, ValueError):
+        return False
+
+
+def _members(protocol: Any) -> set[str]:
+    found: set[str] = set()
+    for base in protocol.__mro__:
+        if getattr(base, "_is_protocol", False) and base.__name__ != "Protocol":
+            found |= {name for name in {*vars(base), *getattr(base, "__annotations__", {})}}
+    return {name for name in found if not name.startswith("_") or name == "__call__"}
+
+
+# --- what a type asks for, in words ---
+
+_WORDS: Mapping[Any, str] = {
+    float: "a number",
+    int: "a whole number",
+    bool: "true or false",
+    str: "text",
+    None: "None",
+    type(None): "None",
+    os.PathLike: "a path",
+}
+
+
+def rule_of(hint: Any) -> str:
+    """Return what an annotation asks for, as it reads after "must be"."""
+    try:
+        if hint in _WORDS:
+            return _WORDS[hint]
+    except TypeError:
+        pass
+    if hint == ArrayLike or get_origin(hint) is np.ndarray:
+        return "an array of numbers"
+    origin, inner = get_origin(hint), get_args(hint)
+    if origin in _UNIONS:
+        *first, last = dict.fromkeys(rule_of(one) for one in inner if one not in (None, type(None)))
+        return f"{', '.join(first)} or {last}" if first else last
+    if origin is Literal:
+        *first, last = (shown(one) for one in inner)
+        return f"{', '.join(first)} or {last}" if first else last
+    if origin is typing.Annotated:
+        return rule_of(inner[0])
+    if origin is type:
+        return "a class"
+    if origin is os.PathLike:
+        return "a path"
+    if origin is Callable:
+        return "a function"
+    if isinstance(origin, type) and issubclass(origin, Mapping):
+        return f"a mapping of names to {_many(inner[1])}" if len(inner) == 2 else "a mapping"
+    if origin is tuple and inner and inner[-1] is not ...:
+        return f"{len(inner)} of {_many(inner[0])}"
+    if origin is not None and inner:
+        return f"a sequence of {_many(inner[0])}"
+    name = getattr(hint, "__name__", str(hint))
+    return f"{'an' if name[:1] in 'AEIOU' else 'a'} {name}"
+
+
+def _many(hint: Any) -> str:
+    said = rule_of(hint)
+    return {"a number": "numbers", "a whole number": "whole numbers", "text": "texts"}.get(
+        said, said.partition(" ")[2] if said.startswith(("a ", "an ")) and " or " not in said else said
+    )

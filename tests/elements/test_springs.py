@@ -1,0 +1,141 @@
+"""Springs and friction of a scenario by their kind, and those that start off."""
+
+import math
+
+import numpy as np
+import pytest
+
+from antenna_pin import RunSettings, build_system, load_scenario, modes, simulate
+from antenna_pin.dynamics import SineDrive
+from antenna_pin.elements import SPRINGS, JointFriction, JointSpring, PointSpring
+from antenna_pin.errors import AntennaPinError
+from antenna_pin.scenario import Scenario
+
+INERTIA, STIFFNESS = 0.5, 2.0
+WHEEL = f"""<robot name="wheel">
+  <link name="ground"><inertial><mass value="1"/>
+    <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <link name="wheel"><inertial><mass value="{INERTIA}"/>
+    <inertia ixx="0.3" iyy="0.3" izz="{INERTIA}" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <joint name="axle" type="revolute"><parent link="ground"/><child link="wheel"/><axis xyz="0 0 1"/>
+    <limit lower="-9" upper="9" effort="9" velocity="9"/></joint>
+</robot>"""
+SCENARIO = """format = 1
+duration = "1 s"
+default_case = "all"
+[mechanism]
+urdf = "wheel.urdf"
+base = "fixed"
+[initial.joints.axle]
+rate = "1 rad/s"
+[integrator]
+rtol = 1e-12
+[cases.all]
+"""
+
+
+@pytest.fixture
+def wheel(tmp_path):
+    (tmp_path / "wheel.urdf").write_text(WHEEL)
+    (tmp_path / "scenario.toml").write_text(SCENARIO)
+
+    def made(*overrides):
+        return load_scenario(tmp_path / "scenario.toml", overrides=overrides)
+
+    return made
+
+
+def test_a_spring_that_starts_off_acts_from_its_event_on(wheel):
+    """Free up to there, then half a swing of the oscillator: what it has held then counts as the event's."""
+    latch = "events.latch={kind='time', time=0.3, action='set', set='springs.axle.on', to=true}"
+    run = simulate(wheel(f"springs.axle={{stiffness={STIFFNESS}, on=false}}", latch))
+    time, angle = run.data["time"].values, run.data["motion_angle"].values[:, 0]
+    omega = math.sqrt(STIFFNESS / INERTIA)
+    since = time - 0.3
+    swung = 0.3 * np.cos(omega * since) + np.sin(omega * since) / omega
+    # The tolerance of steps over 1 s.
+    np.testing.assert_allclose(angle, np.where(time < 0.3, time, swung), rtol=0, atol=1e-10)
+    assert run.data["event_energy"].values == pytest.approx(0.5 * STIFFNESS * 0.3**2, abs=1e-12)
+    assert np.abs(run.data["energy_error"]).max() < 1e-11
+    again = Scenario.model_validate_json(run.scenario.model_dump_json())
+    assert again.springs["axle"].on is False
+
+
+@pytest.mark.parametrize("engine", ["pinocchio", "compiled"])
+@pytest.mark.parametrize(
+    "table",
+    [
+        f"springs.axle={{stiffness={STIFFNESS}, on=false}}",
+        "springs.axle={kind='friction', friction=0.2, on=false}",
+        "springs.coil={first={link='world', point=[0, 1, 0]}, second={link='wheel', point=[1, 0, 0]},"
+        " free_length=0.1, stiffness=3, damping=1, on=false}",
+        "drives.axle={kind='sine', amplitude=3, frequency=2, on=false}",
+        "drives.axle={kind='pd', kp=3, kd=1, on=false}",
+    ],
+)
+def test_what_is_off_does_nothing(wheel, table, engine):
+    run = simulate(wheel(table), settings=RunSettings(engine=engine, rtol=1e-10), duration="0.5 s")
+    np.testing.assert_allclose(run.data["motion_rate"], 1.0, rtol=0, atol=1e-15)
+    assert modes(wheel(table)).frequency == pytest.approx(0.0, abs=1e-9)  # of no stiffness, nothing swings
+
+
+def test_every_kind_is_reached_by_its_name(wheel):
+    """Those without ends at the joint of their name; ends, without a kind, tell one between points."""
+    ends = "first={link='world', point=[0, 1, 0]}, second={link='wheel', point=[1, 0, 0]}, free_length=0.1"
+    for kind, given, made in (
+        ("spring", "damping=0.3", JointSpring(joint="axle", damping=0.3)),
+        ("friction", "damping=0.3", JointFriction(joint="axle", damping=0.3)),
+        ("between-points", f"damping=0.3, {ends}", None),
+        ("", "damping=0.3", JointSpring(joint="axle", damping=0.3)),
+        ("", f"damping=0.3, {ends}", None),
+    ):
+        named = f"kind='{kind}', " if kind else ""
+        spring = build_system(wheel(f"springs.axle={{{named}{given}}}")).springs["axle"]
+        assert spring == made if made else isinstance(spring, PointSpring)
+    assert set(SPRINGS) == {"spring", "friction", "between-points"}
+
+
+def test_friction_brings_the_wheel_to_rest(wheel):
+    """After I w / T, rounded off at speeds of w_r: the closed form of u / sqrt(1 + u^2) is its root."""
+    run = simulate(wheel("springs.axle={kind='friction', friction=0.7, regularisation_speed=1e-2}"))
+    time, rate = run.data["time"].values, run.data["motion_rate"].values[:, 0]
+    small, decay = 1e-2, 0.7 / INERTIA
+
+    def clock(speed):  # time from there to rest but for the last logarithm's constant
+        root = np.sqrt(speed**2 + small**2)
+        return (root + small * np.log(speed / (small + root))) / decay
+
+    fast = rate > 0.1  # nearer to rest the rate's own error of 1e-12 counts for more and more time
+    np.testing.assert_allclose((clock(1.0) - clock(rate))[fast], time[fast], rtol=0, atol=1e-10)
+    assert 0.0 < rate[-1] < 1e-6
+
+
+@pytest.mark.parametrize(
+    ("table", "says"),
+    [
+        ("springs.axle={kind='fricton', friction=1}", "must be one of spring, friction, between-points, got"),
+        ("springs.axle={kind='friction'}", "springs.axle must have a friction or a damping above zero"),
+        ("springs.axle={kind='friction', stiffness=1}", "springs.axle.stiffness is unknown"),
+        ("springs.axle={stiffness=1, on='maybe'}", "springs.axle.on is not valid"),
+        ("springs.axle={kind='spring', stiffness=1, first={link='world'}}", "springs.axle.first is unknown"),
+        ("springs.s={kind='between-points', stiffness=1, joint='axle'}", "must be left out beside first and"),
+        ("drives.axle={kind='motion', rate=1, on=false}", "drives.axle.on is unknown"),
+    ],
+)
+def test_refusals(wheel, table, says):
+    with pytest.raises(AntennaPinError, match=says):
+        build_system(wheel(table))
+
+
+def test_a_prescribed_motion_cannot_be_switched_off(wheel):
+    """It was held all the same, in silence."""
+    off = "events.off={kind='time', time=0.5, action='set', set='drives.axle.on', to=false}"
+    with pytest.raises(AntennaPinError, match=r"events.off.set sets 'on', which is unknown"):
+        wheel("drives.axle={kind='motion', rate=1}", off)
+
+
+def test_on_is_true_or_false():
+    with pytest.raises(AntennaPinError, match="SineDrive: on must be true or false, got 1"):
+        SineDrive(joint="axle", amplitude=1.0, frequency=1.0, on=1)
+    with pytest.raises(AntennaPinError, match="JointSpring: shorter_way must be true or false, got 'yes'"):
+        JointSpring(joint="axle", stiffness=1.0, shorter_way="yes")

@@ -1,0 +1,199 @@
+"""Arguments of a wrong kind are refused in one line; text with a unit is read."""
+
+import importlib
+import inspect
+import typing
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, Literal, Protocol
+
+import numpy as np
+import pytest
+from numpy.typing import ArrayLike
+
+from antenna_pin import AntennaPinError, RunSettings, System, load_scenario, simulate
+from antenna_pin.arguments import fits, rule_of, takes
+from antenna_pin.constraints import Closure
+from antenna_pin.elements import JointSpring, PointSpring, SineDrive
+from antenna_pin.errors import InvalidParameterError
+from antenna_pin.simulation import Angle, Event, Gap, Set, Stop, Time
+
+#: What people build systems of in Python, and call.
+ROOMS = {
+    "antenna_pin": (
+        "Anchor ClearanceJoint Closure ErrorScales RunSettings System assembled build_mechanism build_system "
+        "initial_state load_scenario load_study modes open_study run_study simulate"
+    ),
+    "antenna_pin.contact": None,
+    "antenna_pin.elements": None,
+    "antenna_pin.geometry": "PlanarClearance PrismaticClearance RevoluteClearance SphericalClearance",
+    "antenna_pin.simulation": "Angle Event Force Gap Jump Rate Set Time",
+    "antenna_pin.record": "record",
+    "antenna_pin.report": "report",
+}
+WRONG = (None, {}, {"a": 1}, [], [1, "b"], "x", True, object(), (None,), float, b"x", 1j)
+
+
+class Thing:
+    """What nobody takes."""
+
+
+def _public():
+    for room, names in ROOMS.items():
+        module = importlib.import_module(room)
+        for name in names.split() if names else module.__all__:
+            one = getattr(module, name)
+            if names or (inspect.isclass(one) and hasattr(one, "__dataclass_fields__")):
+                yield pytest.param(one, id=f"{room}.{name}")
+
+
+@pytest.mark.parametrize("one", list(_public()))
+@pytest.mark.parametrize("wrong", WRONG, ids=repr)
+def test_what_is_of_a_wrong_kind_is_refused_in_one_line(one, wrong):
+    """All that must be given is wrong; then each of the others is. A Python error from inside fails here."""
+    parameters = inspect.signature(one).parameters.values()
+    plain = [p for p in parameters if p.kind not in (p.VAR_KEYWORD, p.VAR_POSITIONAL)]
+    several = (wrong,) if any(p.kind is p.VAR_POSITIONAL for p in parameters) else ()
+    needed = {p.name: wrong for p in plain if p.default is p.empty}
+    for name in ["", *(p.name for p in plain if p.name not in needed)]:
+        given = {**needed, **({name: Thing()} if name else {})}
+        try:
+            one(*several, **given)
+        except AntennaPinError as error:
+            assert "\n" not in str(error)
+            assert len(str(error)) < 1200
+        else:  # some take text, none at all, or any number of things
+            assert not name or wrong in WRONG
+
+
+@pytest.mark.parametrize(
+    ("call", "says"),
+    [
+        (
+            lambda: simulate(_pendulum(), events={"a": 1}),
+            "simulate: events must be a sequence of Event, got a",
+        ),
+        (
+            lambda: simulate(_pendulum(), events=[Time(1)]),
+            "simulate: events must be a sequence of Event, got",
+        ),
+        (lambda: simulate(_pendulum(), progress=3), "simulate: progress must be a function, got 3"),
+        (lambda: simulate(_pendulum(), start={}), "simulate: start must be a State, got a table (dict)"),
+        (
+            lambda: simulate(_pendulum(), duration="1 kg"),
+            "simulate: duration must be a time [s], got '1 kg' (mass)",
+        ),
+        (
+            lambda: Time([0.1]),
+            "Time: instants must be a number or text, in s or with a unit, got [0.1] (list)",
+        ),
+        (lambda: Time("soon"), "Time: instants must be a time [s], got 'soon'"),
+        (lambda: Angle("a", "1 rad"), "Angle: value must be a number, got '1 rad'"),
+        (lambda: Event(name="a", when=Time(1), action="stop"), "Event: action must be a Mark, a Stop, a Set"),
+        (lambda: System([]), "System: mechanism must be a Mechanism, got [] (list)"),
+        (
+            lambda: System(_mechanism(), drives=[1]),
+            "System: drives must be a mapping of names to Element, got [1]",
+        ),
+        (lambda: System(_mechanism(), springs=["a"]), "System: springs must be a mapping of names to"),
+        (
+            lambda: System(_mechanism(), clearances={"a": 1}),
+            "System: clearances must be a sequence of ClearanceJ",
+        ),
+        (
+            lambda: Closure(kind="planar", first=None, second=None),
+            "Closure: first must be an Anchor, got None",
+        ),
+        (lambda: JointSpring(joint=3), "JointSpring: joint must be text, got 3"),
+        (
+            lambda: JointSpring(joint="a", stiffness="1 N/m"),
+            "JointSpring: stiffness must be a number in SI units",
+        ),
+        (lambda: RunSettings(max_step="1 kg"), "RunSettings: max_step must be a time [s], got '1 kg' (mass)"),
+        (lambda: RunSettings(method=["rk4"]), "RunSettings: method must be rk4, bogacki-shampine-32,"),
+    ],
+)
+def test_refusals_name_parameter_rule_and_value(call, says):
+    with pytest.raises(InvalidParameterError) as error:
+        call()
+    assert str(error.value).startswith(says)
+
+
+def _pendulum():
+    return load_scenario("pendulum")
+
+
+def _mechanism():
+    from antenna_pin import build_system
+
+    return build_system(_pendulum()).mechanism
+
+
+def test_text_with_a_unit_is_read_as_scenarios_read_it():
+    """One run of each: the same to the last bit, and the same in the result's own scenario."""
+    plain = simulate(_pendulum(), duration=0.002, settings=RunSettings(output_rate=2000.0, max_step=1e-3))
+    text = simulate(
+        _pendulum(), duration="2 ms", settings=RunSettings(output_rate="2 kHz", max_step="1 ms"),
+        checkpoint="1 h", events=[],
+    )  # fmt: skip
+    assert text.end == plain.end
+    assert text.scenario == plain.scenario
+    assert Time("0.1 s", 0.2).instants == (0.1, 0.2)
+    assert Gap("a", "0.1 mm").value == 1e-4
+    assert RunSettings(output_times=("1 ms", 2)).output_times == (0.001, 2.0)
+    drive = SineDrive(joint="a", amplitude=1.0, frequency="1 kHz")
+    assert (drive.frequency, drive.phase) == (1000.0, 0.0)
+    ends = {"first": ("a", (0, 0, 0)), "second": ("b", (0, 0, 0))}
+    assert PointSpring(free_length="5 mm", stiffness="2 N/mm", **ends).stiffness == 2000.0
+
+
+class _Named(Protocol):
+    name: str
+
+    def called(self) -> int: ...
+
+
+class _Yes:
+    name = "a"
+
+    def called(self):
+        return 1
+
+
+@pytest.mark.parametrize(
+    ("hint", "good", "bad", "rule"),
+    [
+        (float, (1, 1.5, np.float32(2), np.int64(3), np.array(1.0)), (True, "1", None, 1j, []), "a number"),
+        (int, (1, np.int32(2)), (1.5, True, "1"), "a whole number"),
+        (bool, (True, np.bool_(False)), (1, 0.0, "yes"), "true or false"),
+        (float | None, (None, 1.0), ("a", [], True), "a number"),
+        (Sequence[float], ([1, 2.0], (), np.zeros(3)), ("12", {1: 2}, [1, "a"], 3), "a sequence of numbers"),
+        (tuple[float, float], ((1, 2), [1.0, 2.0]), ((1,), (1, "a"), 3, "ab"), "2 of numbers"),
+        (Mapping[str, float], ({"a": 1}, {}), ([], {"a": "b"}, {1: 1.0}), "a mapping of names to numbers"),
+        (ArrayLike, ([1, 2], 3.0, np.eye(2), []), ("a", {}, None, ["a"], object()), "an array of numbers"),
+        (Callable[[float], float], (abs, Thing), (3, "a", None), "a function"),
+        (Literal["a", "b"], ("a", "c"), (1, None, ["a"]), "'a' or 'b'"),  # which text is the owner's to say
+        (_Named, (_Yes(),), (Thing(), 3), "a _Named"),
+        (Stop | Set, (Stop(), Set("a.b", 1.0)), (Stop, "stop"), "a Stop or a Set"),
+        (Any, (None, 1, "a", Thing()), (), None),
+    ],
+)  # fmt: skip
+def test_what_fits_a_type(hint, good, bad, rule):
+    assert [one for one in good if not fits(one, hint)] == []
+    assert [one for one in bad if fits(one, hint)] == []
+    if rule:
+        assert rule_of(hint) == rule
+
+
+def test_a_decorated_function_stays_what_it_was():
+    @takes(reach="m")
+    def far(name: str, *ways: float, reach: "float | str" = 1.0, unknown: "NotThere" = None) -> float:  # noqa: F821
+        """Say how far."""
+        return sum(ways) + reach
+
+    assert far("a", 1, 2, reach="5 mm", unknown=object()) == 3.005
+    assert far.__doc__ == "Say how far."
+    assert typing.get_type_hints(far, localns={"NotThere": int})["ways"] is float
+    with pytest.raises(InvalidParameterError, match="far: ways must be a number, got 'b'"):
+        far("a", 1, "b")
+    with pytest.raises(TypeError, match="missing a required argument"):  # Python's own, of the call itself
+        far()
