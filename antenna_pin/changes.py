@@ -65,12 +65,14 @@ class LinkChange:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JointChange:
-    """What differs from the URDF in a joint's place, axis, ``<dynamics>`` and ``<mimic>``; None: nothing.
+    """What differs from the URDF in a joint: place, axis, bounds, ``<dynamics>``, ``<mimic>``; None: nothing.
 
     Attributes:
         origin_xyz: Of the joint's frame in its parent link's [m].
         origin_rpy: Roll, pitch, yaw of the same [rad].
         axis: In the joint's frame, any length but zero [-].
+        lower: Lower bound of a revolute or prismatic joint [rad] ([m]).
+        upper: Upper bound of the same [rad] ([m]).
         damping: Of the joint itself, viscous [N*m*s/rad] ([N*s/m]).
         friction: Of the joint itself, Coulomb's [N*m] ([N]).
         mimic: False takes its ``<mimic>`` out, so that it follows no other joint.
@@ -79,6 +81,8 @@ class JointChange:
     origin_xyz: tuple[float, ...] | None = parameter("m", sizes=(3,), default=None)
     origin_rpy: tuple[float, ...] | None = parameter("rad", sizes=(3,), default=None)
     axis: tuple[float, ...] | None = parameter("1", sizes=(3,), default=None)
+    lower: float | None = parameter("rad", sliding="m", default=None)
+    upper: float | None = parameter("rad", sliding="m", default=None)
     damping: float | None = parameter("N*m*s/rad", sliding="N*s/m", rule="zero or more", default=None)
     friction: float | None = parameter("N*m", sliding="N", rule="zero or more", default=None)
     mimic: bool | None = None

@@ -13,6 +13,7 @@ import fcntl
 import hashlib
 import io
 import os
+import re
 import secrets
 import stat
 from collections.abc import Iterator
@@ -21,13 +22,31 @@ from typing import Any
 
 from antenna_pin.errors import OutputError
 
-__all__ = ["PatientFile", "check_writable", "has_whole_seal", "replacing", "seal"]
+__all__ = ["PatientFile", "check_writable", "decoded", "has_whole_seal", "replacing", "seal"]
 
 _PREFIX, _SUFFIX = ".antenna-pin-", ".partial"
 # A file system's block: one that is full takes a name, but not this.
 _BLOCK = 4096
+_MARKS = ((b"\xef\xbb\xbf", "utf-8-sig"), (b"\xff\xfe", "utf-16"), (b"\xfe\xff", "utf-16"))
 _SEAL = b"\nantenna_pin sha256 %b\n"
 _SEAL_SIZE = len(_SEAL % (b"0" * 64))
+
+
+def decoded(data: bytes) -> str:
+    """Return the text of an XML file: by its byte order mark, the encoding it declares, UTF-8, or Latin-1.
+
+    The first that fits: files are met that declare another encoding than theirs. Latin-1 fits any.
+    """
+    for mark, encoding in _MARKS:
+        if data.startswith(mark):
+            return data.decode(encoding, "replace")
+    declared = re.match(rb"\s*<\?xml[^>]*?encoding\s*=\s*[\"']([\w.-]+)", data)
+    for encoding in (*([declared[1].decode()] if declared else []), "utf-8"):
+        with contextlib.suppress(LookupError, UnicodeDecodeError):
+            text = data.decode(encoding)
+            if "<" in text:  # bytes of UTF-8 taken for UTF-16 are Chinese
+                return text
+    return data.decode("latin-1")
 
 
 def check_writable(path: str | os.PathLike[str]) -> Path:

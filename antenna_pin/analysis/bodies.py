@@ -43,6 +43,7 @@ def mechanism_of(run: Trajectory | xr.Dataset) -> Mechanism:
         str(data.attrs.get("title") or "run"),
         allow_impossible_inertia=about["allow_impossible_inertia"],
         folder=data.attrs["urdf_folder"] or None,
+        package_path=about.get("package_path", ()),
     )
     return build_mechanism(urdf, about["base"], about["gravity"])
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import xml.etree.ElementTree as ET
 
 import numpy as np
@@ -69,12 +70,13 @@ def _beyond(
     lean = is_lean(data)
     first: tuple[float, float] | None = None
     most = -np.inf
+    span = upper - lower if np.isfinite(upper - lower) else 1.0
     for part in [data] if lean else blocks(data):
         values = np.atleast_1d(np.asarray(part[variable].sel(place).values, dtype=float))
         beyond = np.maximum(values - upper, lower - values)
         most = max(most, float(beyond.max()))
         # What stands at its limit may be over it by round-off.
-        passed = np.flatnonzero(beyond > 1e-9 * max(upper - lower, 1e-3))
+        passed = np.flatnonzero(beyond > 1e-9 * max(span, 1e-3))
         if first is None and passed.size:
             since = 0.0 if lean else float(part["time"].values[passed[0]])
             first = since, float(values[passed[0]])
@@ -90,12 +92,14 @@ def _limits(urdf: str) -> dict[str, tuple[float, float]]:
     if "<limit" not in urdf or "<!DOCTYPE" in urdf:
         return found
     try:
-        for joint in ET.fromstring(urdf).iter("joint"):  # noqa: S314 - entities need a DOCTYPE
-            limit = joint.find("limit")
-            if limit is not None and joint.get("type") in ("revolute", "prismatic"):
+        joints = ET.fromstring(urdf).findall("joint")  # noqa: S314 - entities need a DOCTYPE
+    except ET.ParseError:
+        return found
+    for joint in joints:
+        limit = joint.find("limit")
+        if limit is not None and joint.get("type") in ("revolute", "prismatic"):
+            with contextlib.suppress(ValueError):  # what is no number was refused before, or does not count
                 lower, upper = float(limit.get("lower", 0.0)), float(limit.get("upper", 0.0))
                 if lower < upper:
                     found[str(joint.get("name"))] = (lower, upper)
-    except (ET.ParseError, ValueError):
-        return {}
     return found

@@ -12,10 +12,10 @@ from antenna_pin.assemble.friction import frictions_of
 from antenna_pin.assemble.laws import clearance_joint
 from antenna_pin.assemble.places import check_known, check_motion
 from antenna_pin.assemble.springs import springs_of
-from antenna_pin.assemble.variant import types_as_written, variant_and_parts
+from antenna_pin.assemble.variant import as_written, types_as_written, variant_and_parts
 from antenna_pin.dynamics import HeldKind, System
 from antenna_pin.errors import NotSimulatedWarning
-from antenna_pin.mechanism import build_mechanism
+from antenna_pin.mechanism import Urdf, WrittenUrdf, build_mechanism
 from antenna_pin.scenario import AngleEvent, ForceEvent, GapEvent, RateEvent, Scenario
 from antenna_pin.scenario.clearance import TouchingSpec
 
@@ -29,6 +29,9 @@ _HELD: dict[str, HeldKind] = {
     "floating": "spherical",
 }
 
+# Joints that a line names.
+_JOINTS_NAMED = 6
+
 
 @takes()
 def build_system(scenario: Scenario) -> System:
@@ -41,7 +44,7 @@ def build_system(scenario: Scenario) -> System:
     mechanism = build_mechanism(urdf, scenario.mechanism.base, scenario.mechanism.gravity)
     springs = springs_of(scenario, mechanism)
     frictions, left_out = frictions_of(scenario, mechanism, springs)
-    for line in left_out:
+    for line in (*said_of_file(as_written(scenario), urdf), *left_out):
         warnings.warn(line, NotSimulatedWarning, stacklevel=2)
     for name, spec in scenario.drives.items():
         check_known(scenario, [spec.joint], "moving joint", mechanism.joints, "drives", name, "joint")
@@ -67,6 +70,19 @@ def build_system(scenario: Scenario) -> System:
     )
     _check_events(scenario, system)
     return system
+
+
+def said_of_file(written: WrittenUrdf, urdf: Urdf) -> tuple[str, ...]:
+    """Return what is said when a URDF is loaded: how much was passed over, which joints have no bounds."""
+    lines = [written.said_of_passed_over()]
+    if urdf.unbounded:
+        names = ", ".join(urdf.unbounded[:_JOINTS_NAMED])
+        more = len(urdf.unbounded) - _JOINTS_NAMED
+        lines.append(
+            f"{urdf.where}: no bounds in the <limit> of joints, which are taken as without: {names}"
+            + (f" and {more} joints more" if more > 0 else "")
+        )
+    return tuple(line for line in lines if line)
 
 
 def _check_events(scenario: Scenario, system: System) -> None:

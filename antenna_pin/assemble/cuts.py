@@ -4,29 +4,29 @@ from __future__ import annotations
 
 from antenna_pin.assemble.places import where
 from antenna_pin.errors import ScenarioError
-from antenna_pin.mechanism import Urdf
+from antenna_pin.mechanism import WrittenUrdf
 from antenna_pin.scenario import AnchorSpec, Scenario
 from antenna_pin.scenario.clearance import TouchingSpec
 
 __all__ = ["check_not_closures"]
 
 
-def check_not_closures(scenario: Scenario, urdf: Urdf) -> None:
+def check_not_closures(scenario: Scenario, urdf: WrittenUrdf) -> None:
     """Refuse play at a closure: a joint with play is one of the tree, and another joint must close its loop.
 
     Raises:
         ScenarioError: It says which joints of the tree could close the loop instead.
     """
     for name in scenario.clearance:
-        if name in scenario.closures and name not in {joint.name for joint in urdf.robot.joints}:
+        if name in scenario.closures and name not in urdf.joints:
             raise ScenarioError(
                 f"{where(scenario, 'clearance', name)}: must be a joint of the tree, got a closure; "
                 f"{_way_out(scenario, urdf, name)}"
             )
 
 
-def _way_out(scenario: Scenario, urdf: Urdf, name: str) -> str:
-    types = {joint.name: joint.type for joint in urdf.robot.joints}
+def _way_out(scenario: Scenario, urdf: WrittenUrdf, name: str) -> str:
+    types = {joint: one.type for joint, one in urdf.joints.items()}
     loop = [joint for joint in _loop(scenario, urdf, name) if types[joint] != "fixed"]
     ideal = [joint for joint in loop if not isinstance(scenario.clearance.get(joint), TouchingSpec)]
     if not ideal:
@@ -47,26 +47,26 @@ def _or(names: list[str]) -> str:
     return f"{', '.join(others)} or {last}" if others else last
 
 
-def _loop(scenario: Scenario, urdf: Urdf, name: str) -> list[str]:
+def _loop(scenario: Scenario, urdf: WrittenUrdf, name: str) -> list[str]:
     """Return the joints of the tree between the two sides of a closure."""
     closure = scenario.closures[name]
     first, second = (_path(urdf, _link(urdf, side)) for side in (closure.first, closure.second))
     return [joint for joint in (*first, *second) if (joint in first) != (joint in second)]
 
 
-def _link(urdf: Urdf, side: AnchorSpec) -> str:
+def _link(urdf: WrittenUrdf, side: AnchorSpec) -> str:
     if side.link is not None:
         return side.link
     assert side.frame is not None
-    children: dict[str, str] = {joint.name: joint.child for joint in urdf.robot.joints}
+    children = {joint: one.child for joint, one in urdf.joints.items()}
     return children.get(side.frame, side.frame)
 
 
-def _path(urdf: Urdf, link: str) -> list[str]:
+def _path(urdf: WrittenUrdf, link: str) -> list[str]:
     """Return the joints from a link to the root; none from the world."""
-    above = {joint.child: joint for joint in urdf.robot.joints}
+    above = {one.child: (joint, one.parent) for joint, one in urdf.joints.items()}
     found = []
     while link in above:
-        found.append(above[link].name)
-        link = above[link].parent
+        joint, link = above[link]
+        found.append(joint)
     return found

@@ -6,6 +6,7 @@ from typing import Any
 
 from antenna_pin.assemble.build import build_system
 from antenna_pin.assemble.initial import initial_angles, initial_state
+from antenna_pin.assemble.variant import as_written
 from antenna_pin.dynamics import System, Workspace, constraint_counts, facts_of_couplings
 from antenna_pin.scenario import Scenario
 from antenna_pin.scenario.clearance import TouchingSpec
@@ -19,7 +20,8 @@ def scenario_facts(scenario: Scenario) -> dict[str, Any]:
     Joints and drives are said in words; a closure has its ``kind``, its ``links`` and how many ``equations``
     it is, a coupling what a result tells of it; ``constraints`` is what
     :func:`antenna_pin.dynamics.constraint_counts` finds at the start, and ``residuals`` is how well loops and
-    couplings are closed there [m], [rad].
+    couplings are closed there [m], [rad]. ``passed_over`` has lines of the URDF, by what stands there that
+    means nothing to the mechanics, ``unbounded`` the joints without bounds.
 
     Raises:
         AntennaPinError: The scenario cannot be built, or its loops cannot be closed; one line that says why.
@@ -41,6 +43,8 @@ def scenario_facts(scenario: Scenario) -> dict[str, Any]:
         "drives": {name: _drive(system, name) for name in system.drives},
         "constraints": constraint_counts(system, y),
         "residuals": _residuals(system, y),
+        "passed_over": {kind.what: list(kind.lines) for kind in as_written(scenario).passed_over},
+        "unbounded": list(system.mechanism.urdf.unbounded),
     }
 
 

@@ -30,7 +30,7 @@ def frictions_of(
         ScenarioError: Units of another motion, a speed without friction, or a spring of that name.
     """
     urdf = as_written(scenario)
-    types = {joint.name: joint.type for joint in urdf.robot.joints}
+    types = {name: joint.type for name, joint in urdf.joints.items()}
     numbers = {name: dict(given) for name, given in urdf.joint_friction.items()}
     for name, change in scenario.mechanism.joints.items():
         for key in ("damping", "friction"):

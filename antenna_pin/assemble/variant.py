@@ -6,9 +6,9 @@ from antenna_pin.assemble.cuts import check_not_closures
 from antenna_pin.assemble.flexible import with_flexible_links
 from antenna_pin.assemble.places import check_known, where
 from antenna_pin.changes import JointChange
-from antenna_pin.errors import MechanismError
+from antenna_pin.errors import MechanismError, ScenarioError
 from antenna_pin.flexible import ElasticPart
-from antenna_pin.mechanism import JointVariant, Urdf
+from antenna_pin.mechanism import JointVariant, Urdf, WrittenUrdf
 from antenna_pin.scenario import Scenario
 
 __all__ = ["as_written", "types_as_written", "urdf_variant", "variant_and_parts"]
@@ -18,16 +18,17 @@ def types_as_written(scenario: Scenario) -> dict[str, str]:
     """Return the type that each joint has in the URDF as it is written, by name."""
     if not any(spec.model == "constraint" for spec in scenario.clearance.values()):
         return {}
-    return {joint.name: joint.type for joint in as_written(scenario).robot.joints}
+    return {name: joint.type for name, joint in as_written(scenario).joints.items()}
 
 
-def as_written(scenario: Scenario) -> Urdf:
-    """Return the URDF of a scenario as its file is."""
-    return Urdf.from_text(
-        scenario.urdf_text,
-        str(scenario.urdf_path),
-        allow_impossible_inertia=scenario.mechanism.allow_impossible_inertia,
+def as_written(scenario: Scenario) -> WrittenUrdf:
+    """Return the URDF of a scenario as its file is, its mechanics not judged: changes can mend it."""
+    return WrittenUrdf(
+        text=scenario.urdf_text,
+        where=str(scenario.urdf_path),
         folder=scenario.urdf_path.parent,
+        package_path=tuple(scenario.folder / root for root in scenario.mechanism.package_path),
+        allow_impossible_inertia=scenario.mechanism.allow_impossible_inertia,
     )
 
 
@@ -50,19 +51,18 @@ def variant_and_parts(scenario: Scenario) -> tuple[Urdf, tuple[ElasticPart, ...]
     """
     spec = scenario.mechanism
     urdf = as_written(scenario)
-    joints = {joint.name for joint in urdf.robot.joints}
-    links = {link.name for link in urdf.robot.links}
-    check_known(scenario, spec.joints, "joint", joints, "mechanism.joints")
-    check_known(scenario, spec.links, "link", links, "mechanism.links")
+    check_known(scenario, spec.joints, "joint", urdf.joints, "mechanism.joints")
+    check_known(scenario, spec.links, "link", urdf.links, "mechanism.links")
     check_not_closures(scenario, urdf)
-    check_known(scenario, scenario.clearance, "joint", joints, "clearance")
+    check_known(scenario, scenario.clearance, "joint", urdf.joints, "clearance")
     if scenario.pointing is not None:
-        check_known(scenario, [scenario.pointing.body], "link", links, "pointing.body")
+        check_known(scenario, [scenario.pointing.body], "link", urdf.links, "pointing.body")
+    _check_bounds(scenario, urdf)
     variants: dict[str, JointVariant] = {
         name: change.kind for name, change in spec.joints.items() if change.kind is not None
     }
     for name, clearance in scenario.clearance.items():
-        kind = urdf.joint(name).type
+        kind = urdf.joints[name].type
         if kind not in clearance.urdf_types:
             *others, last = clearance.urdf_types
             names = f"{', '.join(others)} or {last}" if others else last
@@ -81,3 +81,17 @@ def variant_and_parts(scenario: Scenario) -> tuple[Urdf, tuple[ElasticPart, ...]
         },
     )
     return with_flexible_links(scenario, changed)
+
+
+def _check_bounds(scenario: Scenario, urdf: WrittenUrdf) -> None:
+    """Refuse bounds of a sliding joint in units of a turning one, and the other way round."""
+    for name, change in scenario.mechanism.joints.items():
+        if change.lower is None and change.upper is None:
+            continue
+        kind = urdf.joints[name].type
+        actual = "translation" if kind == "prismatic" else "rotation"
+        if change.motion not in (None, actual):
+            raise ScenarioError(
+                f"{where(scenario, 'mechanism', 'joints', name)}: units must be those of a {actual}, "
+                f"for joint {name!r} is {kind}, got units of a {change.motion}"
+            )

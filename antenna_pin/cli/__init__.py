@@ -34,6 +34,7 @@ from antenna_pin.cli import (
     run,
     study,
     sweep,
+    urdf,
 )
 from antenna_pin.cli._common import StandardOutput, one_line_errors, told_interruption, told_unwritable
 from antenna_pin.cli._usage import OneLineGroup
@@ -118,7 +119,7 @@ _COMMANDS: dict[str, Callable[..., None]] = {
     "figures": figures.figures,
     "record": record.record,
     "report": report.report,
-    "urdf": run.urdf,
+    "urdf": urdf.urdf,
     "sweep": sweep.sweep,
 }
 for _name, _command in _COMMANDS.items():

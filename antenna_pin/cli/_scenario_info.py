@@ -36,7 +36,7 @@ def say_scenario(name: str, case: str | None, settings: Sequence[str] | None, as
         return
     case_name = f", case {scenario.case}" if scenario.case else ""
     say(f"{scenario.name}{case_name}: {scenario.title}".rstrip(": "))
-    for line in _lines(facts):
+    for line in (*_lines(facts), *_of_file(facts)):
         say(f"  {line}")
 
 
@@ -60,6 +60,15 @@ def _lines(facts: dict[str, Any]) -> Iterator[str]:
     if facts["closures"] or facts["couplings"] or counts["motions"]:
         gap, turn = facts["residuals"]
         yield f"the start is closed to {gap:.2g} m and {turn:.2g} rad"
+
+
+def _of_file(facts: dict[str, Any]) -> Iterator[str]:
+    from antenna_pin.mechanism import PassedOver
+
+    for what, lines in facts["passed_over"].items():
+        yield f"passed over in the URDF: {PassedOver(what, tuple(lines)).said()}"
+    if facts["unbounded"]:
+        yield f"without bounds in the URDF: {', '.join(facts['unbounded'])}"
 
 
 def _many(count: int, noun: str) -> str:

@@ -1,4 +1,4 @@
-"""``antenna-pin list``, ``run`` and ``urdf``: scenarios, and what is made of them."""
+"""``antenna-pin list`` and ``run``: scenarios, and what comes of them."""
 
 from __future__ import annotations
 
@@ -15,7 +15,6 @@ from antenna_pin.cli._common import (
     CaseOption,
     Engine,
     Geometry,
-    ScenarioArgument,
     SetOption,
     complain,
     label_of,
@@ -187,32 +186,3 @@ def resumed(file: Path) -> tuple[Scenario, Path]:
     if scenario is None:
         refuse(f"{path}: the run was of a system built in Python; go on there, by simulate(resume=True)")
     return scenario, writable_file(path, ".nc")
-
-
-def urdf(
-    scenario: ScenarioArgument,
-    case: CaseOption = None,
-    out: Annotated[Path | None, typer.Option(help="URDF file; NAME-CASE.urdf here if left out.")] = None,
-    copy_meshes: Annotated[
-        bool,
-        typer.Option("--copy-meshes", help="Copy its mesh files beside it, so that the folder can be moved."),
-    ] = False,
-    settings: SetOption = None,
-) -> None:
-    """Write the URDF that a case simulates.
-
-    Joints with clearance are free in it; other tools can load it. Mesh files are named relative to it.
-    """
-    chosen = load(scenario, case, settings)
-    path = writable_file(out or Path(f"{stem(chosen)}.urdf"), ".urdf")
-
-    from antenna_pin.assemble import urdf_variant
-
-    for written in urdf_variant(chosen).write(path, copy_meshes=copy_meshes):
-        typer.echo(f"saved {written}")
-    if chosen.closures:
-        names = ", ".join(chosen.closures)
-        typer.echo(f"note: a URDF is a tree; the closures of the scenario are not in it: {names}")
-    if chosen.couplings:
-        names = ", ".join(chosen.couplings)
-        typer.echo(f"note: the couplings of the scenario are not in it: {names}")

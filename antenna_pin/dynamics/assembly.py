@@ -261,7 +261,7 @@ def check_motions(system: System, y: Array, begin: float, end: float) -> None:
 
 def _check_limits(system: System, name: str, motion: Motion, begin: float, end: float) -> None:
     limit = system.mechanism.urdf.joint(motion.joint).limit
-    if limit is None or system.mechanism.joint(motion.joint).kind == "continuous":
+    if limit is None or limit.lower is None or system.mechanism.joint(motion.joint).kind == "continuous":
         return
     unit = "m" if system.mechanism.joint(motion.joint).kind == "prismatic" else "rad"
     profile = motion.profile()
@@ -271,7 +271,8 @@ def _check_limits(system: System, name: str, motion: Motion, begin: float, end: 
             raise MechanismError(
                 f"motion {name!r}: joint {motion.joint!r} must stay from {number(limit.lower)} to "
                 f"{number(limit.upper)} {unit} by its <limit>, got {number(position)} {unit} at t = "
-                f"{number(float(t))} s; change the motion, or the limit in the URDF"
+                f"{number(float(t))} s; change the motion, or the limit in the URDF or by "
+                f"mechanism.joints.{motion.joint}"
             )
 
 

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from antenna_pin.mechanism.model import Base, JointKind, JointSlot, Mechanism, build_mechanism
     from antenna_pin.mechanism.tree import BODY, PLACE, body_tree
     from antenna_pin.mechanism.urdf import Urdf
+    from antenna_pin.mechanism.written import PassedOver, WrittenJoint, WrittenUrdf
 
 __all__ = [
     "BODY",
@@ -25,10 +26,13 @@ __all__ = [
     "LinkChange",
     "Mechanism",
     "PLACE",
+    "PassedOver",
     "ROOM",
     "ShapeChange",
     "TreeDynamics",
     "Urdf",
+    "WrittenJoint",
+    "WrittenUrdf",
     "body_tree",
     "build_mechanism",
     "frame_aligning_z",
@@ -50,5 +54,6 @@ loaded_when_used(
         "model": "Base JointKind JointSlot Mechanism build_mechanism",
         "tree": "BODY PLACE body_tree",
         "urdf": "Urdf",
+        "written": "PassedOver WrittenJoint WrittenUrdf",
     },
 )

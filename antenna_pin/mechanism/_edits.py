@@ -14,7 +14,8 @@ from lxml import etree
 
 from antenna_pin.changes import JointChange, JointVariant, LinkChange, ShapeChange
 from antenna_pin.errors import MechanismError, UnknownNameError
-from antenna_pin.mechanism._xml import MOMENTS, SHAPES
+from antenna_pin.mechanism._plain import SHAPES, numbers_in
+from antenna_pin.mechanism._xml import MOMENTS
 from antenna_pin.mechanism.frames import Matrix3, Vector3, frame_aligning_z, roll_pitch_yaw
 
 _HINGES = ("revolute", "continuous")
@@ -41,7 +42,7 @@ def change_link(robot: Any, name: str, change: LinkChange, where: str) -> None:
 
 
 def change_joint(robot: Any, name: str, change: JointChange, where: str) -> None:
-    """Write a new origin, axis and ``<dynamics>`` into a joint, and take its ``<mimic>`` out."""
+    """Write a new origin, axis, bounds and ``<dynamics>`` into a joint, and take its ``<mimic>`` out."""
     joint = named(robot, "joint", name)
     if change.mimic is not None:
         mimic = joint.find("mimic")
@@ -61,6 +62,7 @@ def change_joint(robot: Any, name: str, change: JointChange, where: str) -> None
                 f"{where}: joint {name!r} is fixed and has no axis to change, got {change.axis}"
             )
         set_numbers(child_of(joint, "axis"), {"xyz": change.axis})
+    _change_bounds(joint, name, change, where)
     dynamics = {
         key: (value,)
         for key, value in (("damping", change.damping), ("friction", change.friction))
@@ -73,6 +75,33 @@ def change_joint(robot: Any, name: str, change: JointChange, where: str) -> None
                 f"{' and '.join(dynamics)}; leave it out"
             )
         set_numbers(child_of(joint, "dynamics"), dynamics)
+
+
+def _change_bounds(joint: Any, name: str, change: JointChange, where: str) -> None:
+    """Write new bounds into ``<limit>``, which is made where there is none."""
+    if change.lower is None and change.upper is None:
+        return
+    kind = joint.get("type")
+    if kind not in ("revolute", "prismatic"):
+        raise MechanismError(
+            f"{where}: joint {name!r} is {kind} and has no bounds to change; leave out lower and upper"
+        )
+    limit = child_of(joint, "limit")
+    if not limit.attrib:
+        limit.attrib.update(effort="1e9", velocity="1e9")  # of none: other readers want some
+    new = {"lower": change.lower, "upper": change.upper}
+    kept = {key: numbers_in(limit.get(key)) for key in new}
+    both = [kept[key] if value is None else (value,) for key, value in new.items()]
+    if not all(both):
+        raise MechanismError(
+            f"{where}: joint {name!r} has no other bound: lower and upper must be given together"
+        )
+    low, high = (numbers[0] for numbers in both if numbers)
+    if not low < high:
+        raise MechanismError(
+            f"{where}: joint {name!r}: lower must be below upper, got {low:g} and {high:g}; change both"
+        )
+    set_numbers(limit, {key: None if value is None else (value,) for key, value in new.items()})
 
 
 def vary_joint(
@@ -122,8 +151,13 @@ def vary_joint(
 
 def relocate_meshes(robot: Any, resolve: Any) -> None:
     """Give every mesh the file name that ``resolve(filename) -> str`` returns."""
-    for mesh in robot.iter("mesh"):
+    for mesh in meshes(robot):
         mesh.set("filename", resolve(mesh.get("filename")))
+
+
+def meshes(robot: Any) -> list[Any]:
+    """Return the meshes of all shapes that have a file name."""
+    return [mesh for mesh in robot.iterfind("link/*/geometry/mesh") if mesh.get("filename", "").strip()]
 
 
 def _make_planar(robot: Any, joint: Any, axis: Vector3, origin: Matrix3, where: str) -> None:
@@ -177,7 +211,10 @@ def _change_inertial(link: Any, change: LinkChange, where: str) -> None:
 
 
 def _change_shape(shape: Any, change: ShapeChange, place: str) -> None:
-    geometry = next(child for child in shape.find("geometry") if isinstance(child.tag, str))
+    geometry = next(iter(shape.iterfind("geometry/*")), None)
+    if geometry is None or geometry.tag not in SHAPES:
+        got = "none" if geometry is None else f"<{geometry.tag}>"
+        raise MechanismError(f"{place} must hold one of {', '.join(SHAPES)}, got {got}")
     known = SHAPES[geometry.tag]
     new: dict[str, Iterable[float] | None] = {"size": change.size}
     for key, value in (("radius", change.radius), ("length", change.length)):

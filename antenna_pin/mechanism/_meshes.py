@@ -10,6 +10,7 @@ from pathlib import Path, PurePosixPath
 
 from antenna_pin.errors import MechanismError, OutputError
 from antenna_pin.files import replacing
+from antenna_pin.mechanism.packages import mesh_file
 
 # What a Wavefront material file calls the images it uses.
 _IMAGE_KEYS = ("map_", "bump", "disp", "decal", "refl", "norm")
@@ -18,16 +19,16 @@ _IMAGE_KEYS = ("map_", "bump", "disp", "decal", "refl", "norm")
 def name_from(folder: Path, start: Path, filename: str) -> str:
     """Return what a mesh is called in a file in ``folder``.
 
-    That is its relative path, or its absolute one where there is none (another drive). A URL and a file that
-    does not exist keep their name.
+    That is its relative path, or its absolute one where there is none (another drive). A file that does not
+    exist keeps its name, and so does one in a package, which others find as well.
 
     Args:
         folder: Where the file goes.
         start: Where relative names have started so far.
         filename: The mesh as it is called now.
     """
-    mesh = start / filename
-    if "://" in filename or not mesh.is_file():
+    mesh = None if "://" in filename else mesh_file(filename, start)
+    if mesh is None:
         return filename
     source = mesh.resolve()
     try:
@@ -37,7 +38,11 @@ def name_from(folder: Path, start: Path, filename: str) -> str:
 
 
 def planned_copies(
-    folder: Path, start: Path | None, filenames: Iterable[str], where: str
+    folder: Path,
+    start: Path | None,
+    filenames: Iterable[str],
+    where: str,
+    package_path: Iterable[Path] = (),
 ) -> tuple[dict[str, str], dict[Path, Path]]:
     """Return how meshes are called once they are copied to ``folder``, and what is to be copied there.
 
@@ -49,6 +54,7 @@ def planned_copies(
         start: Where relative names start; None if that is unknown.
         filenames: The meshes as they are called now.
         where: What messages call the URDF.
+        package_path: Folders with packages.
 
     Returns:
         New name of each mesh, and source of each copy, by its target.
@@ -60,8 +66,8 @@ def planned_copies(
     names: dict[str, str] = {}
     copies: dict[Path, Path] = {}
     for filename in dict.fromkeys(filenames):
-        source = (Path() if start is None else start) / filename
-        if "://" in filename or (start is None and not source.is_absolute()) or not source.is_file():
+        source = mesh_file(filename, start, package_path)
+        if source is None:
             raise MechanismError(
                 f"{where}: mesh {filename!r} must be a file to be copied; put it there, or copy nothing"
             )
@@ -92,7 +98,7 @@ def copy_all(copies: dict[Path, Path]) -> None:
 
 
 def _kept_name(filename: str) -> str:
-    path = PurePosixPath(filename)
+    path = PurePosixPath(filename.partition("://")[2] or filename)
     return path.name if path.is_absolute() or ".." in path.parts else path.as_posix()
 
 

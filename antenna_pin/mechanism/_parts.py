@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Iterable
 from typing import Any
 
@@ -139,7 +140,8 @@ def _shift(shape: Any, by: np.ndarray) -> None:
 
 def _material(shapes: Iterable[Any]) -> Any:
     """Return the material of the first shape that has one."""
-    return next((shape.find("material") for shape in shapes if shape.find("material") is not None), None)
+    found = (shape.find("material") for shape in shapes)
+    return next((material for material in found if material is not None), None)
 
 
 def _draw(link: Any, drawn: Drawn, name: str, origin: np.ndarray, material: Any) -> None:
@@ -164,4 +166,6 @@ def _draw(link: Any, drawn: Drawn, name: str, origin: np.ndarray, material: Any)
     elif isinstance(drawn, MeshShape):
         etree.SubElement(geometry, "mesh", filename=drawn.filename)
     if material is not None:
-        etree.SubElement(visual, "material", name=material.get("name"))
+        name = material.get("name", "")
+        visual.append(etree.Element("material", name=name) if name.strip() else copy.deepcopy(material))
+        visual[-1].tail = None

@@ -11,13 +11,20 @@ from scipy.spatial.transform import Rotation
 
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["Matrix3", "Vector3", "frame_aligning_z", "quaternions", "roll_pitch_yaw"]
+__all__ = ["Matrix3", "Vector3", "direction", "frame_aligning_z", "quaternions", "roll_pitch_yaw"]
 
 Vector3: TypeAlias = npt.NDArray[np.float64]
 """Shape (3,)."""
 
 Matrix3: TypeAlias = npt.NDArray[np.float64]
 """Shape (3, 3)."""
+
+
+def direction(axis: npt.ArrayLike) -> Vector3:
+    """Return the unit vector (3,) along an axis that is not zero [-]; no length overflows or underflows."""
+    vector = np.asarray(axis, dtype=np.float64)
+    vector = vector / np.abs(vector).max()
+    return np.asarray(vector / np.linalg.norm(vector))
 
 
 def frame_aligning_z(axis: npt.ArrayLike) -> Matrix3:

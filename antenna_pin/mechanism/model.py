@@ -161,7 +161,7 @@ def build_mechanism(urdf: Urdf, base: Base = "free", gravity: Sequence[float] = 
         check_inertia(groups[urdf.root], urdf.where, urdf.allow_impossible_inertia)
     try:
         model = pin.buildModelFromXML(
-            urdf.to_xml(), *((pin.JointModelFreeFlyer(),) if base == "free" else ())
+            urdf.simulated, *((pin.JointModelFreeFlyer(),) if base == "free" else ())
         )
     except ValueError as error:
         raise MechanismError(

@@ -7,10 +7,8 @@ transmission tags and parts of joints; each variant is then read and checked aga
 
 from __future__ import annotations
 
-import io
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -18,47 +16,25 @@ import numpy as np
 import numpy.typing as npt
 
 from antenna_pin.brief import brief
-from antenna_pin.changes import JOINT_VARIANTS, JointChange, JointVariant, LinkChange
+from antenna_pin.changes import JointChange, JointVariant, LinkChange
 from antenna_pin.errors import MechanismError, UnknownNameError
 from antenna_pin.files import replacing
 from antenna_pin.flexible import MassProperties, SplitLink
-from antenna_pin.mechanism import _checks, _edits, _meshes, _parts, _xml
-from antenna_pin.mechanism.frames import Vector3
+from antenna_pin.mechanism import (
+    _checks,
+    _dynamics_tag,
+    _edits,
+    _meshes,
+    _parts,
+    _reading,
+    _source,
+    _vary,
+    _xml,
+)
+from antenna_pin.mechanism.frames import Vector3, direction
+from antenna_pin.mechanism.packages import mesh_file
 
 __all__ = ["Urdf"]
-
-
-def _bytes(text: str) -> bytes:
-    """Return a text as UTF-8; what no file can hold, half a letter, makes it XML that is not well-formed."""
-    return text.encode("utf-8", "surrogatepass")
-
-
-@lru_cache(maxsize=64)
-def _written(text: str, where: str) -> str:
-    """Return a URDF's text as this package writes it, its syntax checked."""
-    return _xml.write(_xml.read(_bytes(text), where, "utf-8"))
-
-
-@lru_cache(maxsize=64)  # every run of a study reads the same text again, some more than once
-def _checked(text: str, where: str, allow_impossible_inertia: tuple[str, ...]) -> Any:
-    """Return a checked URDF as yourdfpy's objects, which nobody changes."""
-    _xml.read(_bytes(text), where, "utf-8")
-    import yourdfpy  # which takes half a second, with all that it loads
-
-    try:
-        robot = yourdfpy.URDF.load(
-            io.BytesIO(text.encode()), build_scene_graph=False, load_meshes=False
-        ).robot
-    except Exception as error:  # yourdfpy lets through whatever its converters raise
-        raise MechanismError(f"{where}: yourdfpy cannot read this URDF: {error}") from error
-    _checks.check(robot, where, allow_impossible_inertia)
-    return robot
-
-
-def _dynamics(joint: Any) -> dict[str, float]:
-    given = joint.dynamics
-    numbers = {} if given is None else {"damping": given.damping, "friction": given.friction}
-    return {name: float(value) for name, value in numbers.items() if value is not None and float(value)}
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -69,7 +45,8 @@ class Urdf:
     construction it refuses XML that is not well-formed; missing, repeated or unknown names; loops and several
     roots; negative masses; inertias that no body can have, of links that fixed joints make one body
     together; axes of no length. What moves without inertia
-    :func:`antenna_pin.mechanism.build_mechanism` refuses, for it hangs on the base and on all joints.
+    :func:`antenna_pin.mechanism.build_mechanism` refuses, for it hangs on the base and on all joints. What
+    means nothing to the mechanics is not judged (:class:`antenna_pin.mechanism.WrittenUrdf` counts it).
 
     Limits of joints are not simulated. Damping and friction of joints with an axis are
     (:attr:`joint_friction`), those of others are not (:attr:`not_simulated`).
@@ -78,8 +55,13 @@ class Urdf:
         text: The XML.
         where: What messages call it, such as its file name.
         folder: Where relative mesh file names start; None if that is unknown.
+        package_path: Where packages of ``package://`` are looked for first.
         allow_impossible_inertia: Links whose body's inertia may break the triangle rule.
-        robot: The same as yourdfpy's objects (``yourdfpy.Robot``), to be read only.
+        robot: What counts of it as yourdfpy's objects (``yourdfpy.Robot``), to be read only.
+        simulated: What of it Pinocchio's parser is given: bodies and joints.
+        unbounded: Revolute and prismatic joints without bounds, because they have no ``<limit>`` or because
+            it leaves none.
+        undrawn: Link of each visual shape that cannot be drawn, and why.
     """
 
     __repr__ = brief
@@ -87,29 +69,42 @@ class Urdf:
     text: str
     where: str
     folder: Path | None = None
+    package_path: tuple[Path, ...] = ()
     allow_impossible_inertia: tuple[str, ...] = ()
     robot: Any = field(init=False, repr=False)
+    simulated: str = field(init=False, repr=False)
+    unbounded: tuple[str, ...] = field(init=False, repr=False)
+    undrawn: tuple[tuple[str, str], ...] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         """Read and check."""
-        robot = _checked(self.text, self.where, self.allow_impossible_inertia)
-        object.__setattr__(self, "robot", robot)
+        reading = _reading.checked(self.text, self.where, self.allow_impossible_inertia)
+        for name, value in (
+            ("robot", reading.robot),
+            ("simulated", reading.simulated),
+            ("unbounded", tuple(reading.findings.unbounded)),
+            ("undrawn", tuple(reading.findings.undrawn)),
+        ):
+            object.__setattr__(self, name, value)
 
     @classmethod
-    def load(cls, path: str | Path, allow_impossible_inertia: Iterable[str] = ()) -> Urdf:
+    def load(
+        cls,
+        path: str | Path,
+        allow_impossible_inertia: Iterable[str] = (),
+        package_path: Iterable[str | Path] = (),
+    ) -> Urdf:
         """Read a URDF file; meshes are not read.
 
         Args:
             path: The file.
             allow_impossible_inertia: Names of links whose inertia may break the triangle rule.
+            package_path: Folders to look for packages of ``package://`` in.
         """
         path = Path(path)
-        try:
-            data = path.read_bytes()
-        except OSError as error:
-            raise MechanismError(f"{path}: cannot be read: {error.strerror}") from error
-        text = _xml.write(_xml.read(data, path.name))
-        return cls.from_text(text, path.name, allow_impossible_inertia, path.parent.absolute())
+        return cls.from_text(
+            _reading.text_of(path), path.name, allow_impossible_inertia, path.parent.absolute(), package_path
+        )
 
     @classmethod
     def from_text(
@@ -118,6 +113,7 @@ class Urdf:
         where: str,
         allow_impossible_inertia: Iterable[str] = (),
         folder: str | Path | None = None,
+        package_path: Iterable[str | Path] = (),
     ) -> Urdf:
         """Read a URDF from its text.
 
@@ -126,13 +122,48 @@ class Urdf:
             where: What messages call it.
             allow_impossible_inertia: Names of links whose inertia may break the triangle rule.
             folder: Where relative mesh file names start.
+            package_path: Folders to look for packages of ``package://`` in.
         """
-        return cls(
-            text=_written(text, where),
-            where=where,
-            folder=None if folder is None else Path(folder),
-            allow_impossible_inertia=tuple(allow_impossible_inertia),
-        )
+        try:
+            return cls(
+                text=_reading.written(text, where),
+                where=where,
+                folder=None if folder is None else Path(folder),
+                package_path=tuple(map(Path, package_path)),
+                allow_impossible_inertia=tuple(allow_impossible_inertia),
+            )
+        except MechanismError:
+            _reading.judged(_xml.read(text, where), where)  # once more, for the line that it has in the file
+            raise
+
+    @classmethod
+    def made(
+        cls,
+        text: str,
+        where: str,
+        joints: Mapping[str, JointVariant] | None = None,
+        links: Mapping[str, LinkChange] | None = None,
+        origins: Mapping[str, JointChange] | None = None,
+        **more: Any,
+    ) -> Urdf:
+        """Return the mechanism that a text is with changes made (:meth:`variant`), judged after them.
+
+        Args:
+            text: The XML.
+            where: What messages call it.
+            joints: What to make of joints, by name.
+            links: New inertial properties and shapes, by link.
+            origins: New places, axes and bounds of joints, applied before ``joints``.
+            **more: Other fields.
+        """
+        changes = joints, links, origins
+        if not any(changes):
+            return cls.from_text(text, where, **more)
+        try:
+            return cls(text=_source.write(_vary.edited(text, where, *changes)), where=where, **more)
+        except MechanismError:
+            _reading.judged(_vary.edited(text, where, *changes), where)  # once more, as in from_text
+            raise
 
     @property
     def name(self) -> str:
@@ -147,13 +178,7 @@ class Urdf:
     @property
     def not_simulated(self) -> tuple[str, ...]:
         """One line for each joint's damping or friction that has no axis to act about; empty is good."""
-        return tuple(
-            f"{self.where}: joint {joint.name!r}: <dynamics> {name}={value:g} is not simulated, for the "
-            f"joint is {joint.type} and has no axis; take it out"
-            for joint in self.robot.joints
-            if joint.type in ("floating", "planar")
-            for name, value in _dynamics(joint).items()
-        )
+        return _dynamics_tag.left_out(_source.parsed(self.text), self.where)
 
     @property
     def joint_friction(self) -> dict[str, dict[str, float]]:
@@ -162,12 +187,7 @@ class Urdf:
         Of one that turns [N*m*s/rad] and [N*m], of one that slides [N*s/m] and [N]; fields of
         :class:`antenna_pin.elements.JointFriction`.
         """
-        found = {
-            joint.name: _dynamics(joint)
-            for joint in self.robot.joints
-            if joint.type in ("revolute", "continuous", "prismatic")
-        }
-        return {name: numbers for name, numbers in found.items() if numbers}
+        return _dynamics_tag.friction_of(_source.parsed(self.text))
 
     @property
     def mimics(self) -> dict[str, dict[str, Any]]:
@@ -195,9 +215,7 @@ class Urdf:
 
     def axis(self, joint: str) -> Vector3:
         """Return the unit axis (3,) of a joint in its own frame [-]; URDF's x where the file says nothing."""
-        axis = np.asarray(self.joint(joint).axis, dtype=np.float64)
-        axis = axis / np.abs(axis).max()  # first, so that no length overflows or underflows
-        return np.asarray(axis / np.linalg.norm(axis))
+        return direction(self.joint(joint).axis)
 
     def placement(self, joint: str) -> npt.NDArray[np.float64]:
         """Return the (4, 4) placement of a joint's frame in its parent link [-, m]."""
@@ -226,22 +244,18 @@ class Urdf:
         Args:
             joints: What to make of joints, by name.
             links: New inertial properties and shapes, by link.
-            origins: New places and axes of joints, applied before ``joints``.
+            origins: New places, axes and bounds of joints, applied before ``joints``.
         """
-        robot = _xml.parsed(self.text.encode(), "utf-8")
-        for name, link_change in (links or {}).items():
-            self.link(name)
-            _edits.change_link(robot, name, link_change, self.where)
-        for name, joint_change in (origins or {}).items():
-            self.joint(name)
-            _edits.change_joint(robot, name, joint_change, self.where)
-        moved = replace(self, text=_xml.write(robot))
-        for name, kind in (joints or {}).items():
-            self.joint(name)
-            if kind not in JOINT_VARIANTS:
-                raise UnknownNameError(f"{self.where}: joint {name!r}", "kind", str(kind), JOINT_VARIANTS)
-            _edits.vary_joint(robot, name, kind, moved.axis(name), moved.placement(name)[:3, :3], self.where)
-        return replace(self, text=_xml.write(robot))
+        return self.made(
+            self.text,
+            self.where,
+            joints,
+            links,
+            origins,
+            folder=self.folder,
+            package_path=self.package_path,
+            allow_impossible_inertia=self.allow_impossible_inertia,
+        )
 
     def mass_properties(self, link: str) -> MassProperties:
         """Return mass, mass centre and inertia of a link in its own frame.
@@ -268,9 +282,13 @@ class Urdf:
             split: Its hub and parts.
         """
         self.link(link)
-        robot = _xml.parsed(self.text.encode(), "utf-8")
+        robot = _source.parsed(self.text)
         _parts.add_parts(robot, link, split, self.where)
-        return replace(self, text=_xml.write(robot))
+        return replace(self, text=_source.write(robot))
+
+    def mesh_file(self, filename: str) -> Path | None:
+        """Return the file that a mesh of that name is in, if it is there (``packages.py`` says where)."""
+        return mesh_file(filename, self.folder, self.package_path)
 
     def to_xml(self) -> str:
         """Return the XML; mesh file names are as they were written."""
@@ -301,16 +319,16 @@ class Urdf:
         """Return the XML with meshes named as in ``folder``, and sources of copies by their targets."""
         start = self.folder
         copies: dict[Path, Path] = {}
-        robot = _xml.read(self.text.encode(), self.where, "utf-8")
+        robot = _xml.read(self.text, self.where)
         if copy_meshes:
-            filenames = [mesh.get("filename") for mesh in robot.iter("mesh")]
-            names, copies = _meshes.planned_copies(folder, start, filenames, self.where)
+            filenames = [mesh.get("filename") for mesh in _edits.meshes(robot)]
+            names, copies = _meshes.planned_copies(folder, start, filenames, self.where, self.package_path)
             _edits.relocate_meshes(robot, names.__getitem__)
         elif start is None or start.resolve() == folder.resolve():
             return self.text, copies
         else:
             _edits.relocate_meshes(robot, lambda filename: _meshes.name_from(folder, start, filename))
-        return _xml.write(robot), copies
+        return _source.write(robot), copies
 
     def _named(self, kind: str, elements: list[Any], name: str) -> Any:
         for element in elements:

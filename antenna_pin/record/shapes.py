@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -99,27 +98,37 @@ def visual_shapes(urdf: Urdf) -> tuple[list[Shape], list[str]]:
     # A name stands for a colour wherever in the file it is given, in a link too.
     for link in urdf.robot.links:
         for visual in link.visuals:
-            if visual.material is not None and visual.material.color is not None:
+            if visual.material is not None and visual.material.name and visual.material.color is not None:
                 colours.setdefault(visual.material.name, tuple(map(float, visual.material.color.rgba)))
     shapes: list[Shape] = []
-    warnings: list[str] = []
+    warnings = [f"{link}: {problem}; not drawn" for link, problem in urdf.undrawn]
+    missing: list[str] = []
     for link in urdf.robot.links:
         for visual in link.visuals:
             try:
-                geometry = _geometry(visual.geometry, urdf.folder)
+                geometry = _geometry(visual.geometry, urdf)
+            except _MissingError as error:
+                missing.append(f"{link.name}: {error}; not drawn")
+                continue
             except _NotDrawnError as error:
                 warnings.append(f"{link.name}: {error}; not drawn")
                 continue
             placement = np.eye(4) if visual.origin is None else np.array(visual.origin, dtype=float)
             shapes.append(Shape(link.name, geometry, placement, _colour(visual.material, colours)))
-    return shapes, warnings
+    if len(missing) > 1:  # one line of all
+        missing = [f"{len(missing)} mesh files are missing and not drawn, such as that of {missing[0]}"]
+    return shapes, missing + warnings
 
 
 class _NotDrawnError(Exception):
     """Why a shape cannot be drawn."""
 
 
-def _geometry(geometry: Any, folder: Path | None) -> Geometry:
+class _MissingError(Exception):
+    """That a mesh is not there."""
+
+
+def _geometry(geometry: Any, urdf: Urdf) -> Geometry:
     if geometry.box is not None:
         x, y, z = map(float, geometry.box.size)
         return Box((x, y, z))
@@ -131,7 +140,7 @@ def _geometry(geometry: Any, folder: Path | None) -> Geometry:
         raise _NotDrawnError("a shape of an unknown kind")
     scale = 1.0 if geometry.mesh.scale is None else np.asarray(geometry.mesh.scale, dtype=float)
     name = str(geometry.mesh.filename)
-    mesh = _read_mesh(name, folder)
+    mesh = _read_mesh(name, urdf)
     with np.errstate(over="ignore", invalid="ignore"):
         vertices = mesh.vertices * scale
     farthest = np.abs(vertices).max()
@@ -143,14 +152,10 @@ def _geometry(geometry: Any, folder: Path | None) -> Geometry:
     return Mesh(vertices, mesh.faces)
 
 
-def _read_mesh(name: str, folder: Path | None) -> Mesh:
-    path = Path(name.removeprefix("file://"))
-    if "://" in str(name) and not name.startswith("file://"):
-        raise _NotDrawnError(f"mesh {name!r} is not a file")
-    if not path.is_absolute() and folder is not None:
-        path = folder / path
-    if not path.is_file():
-        raise _NotDrawnError(f"mesh file {name!r} is missing")
+def _read_mesh(name: str, urdf: Urdf) -> Mesh:
+    path = urdf.mesh_file(name)
+    if path is None:
+        raise _MissingError(f"mesh file {name!r} is missing")
     try:
         with np.errstate(all="ignore"):  # of vertices too far away, which are refused
             loaded: Any = trimesh.load(path, force="mesh", process=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeVar
@@ -11,6 +11,7 @@ from typing import Any, TypeVar
 from pydantic import ValidationError
 
 from antenna_pin.errors import ScenarioError, nearest
+from antenna_pin.files import decoded
 from antenna_pin.flexible.table import BadModalTableError, read_modal_table
 from antenna_pin.scenario._base import Location, Place, Spec, dotted, explained, unknown_key
 from antenna_pin.scenario.drives import file_columns
@@ -123,7 +124,8 @@ def built(kind: type[S], carried: dict[str, Any], source: Source) -> S:
         }
     urdf = tables(data.get("mechanism")).get("urdf")
     if "urdf_text" not in carried:  # a mechanism without is refused for that
-        text = _read_file(urdf, folder, source, "mechanism", "urdf") if isinstance(urdf, str) else ""
+        place = ("mechanism", "urdf")
+        text = _read_file(urdf, folder, source, *place, decode=decoded) if isinstance(urdf, str) else ""
         data = data | {"urdf_text": text}
     try:
         return kind.validated(data | carried)
@@ -193,7 +195,13 @@ def _with_modes(name: str, table: Any, folder: Path, source: Source) -> Any:
     return table | found
 
 
-def _read_file(name: str, folder: Path, source: Source, *location: str) -> str:
+def _read_file(
+    name: str,
+    folder: Path,
+    source: Source,
+    *location: str,
+    decode: Callable[[bytes], str] = lambda data: data.decode("utf-8-sig"),
+) -> str:
     """Return the text of a file that the scenario names."""
     path = folder / os.path.expanduser(name)
     if path.exists() and not path.is_dir() and not path.is_file():
@@ -205,7 +213,7 @@ def _read_file(name: str, folder: Path, source: Source, *location: str) -> str:
         hint = f"did you mean {guess}?" if guess else f"it is looked for in {around}"
         raise source.error(f"must be an existing file, got {shown(name)}; {hint}", *location)
     try:
-        return path.read_text(encoding="utf-8-sig")
+        return decode(path.read_bytes())
     except UnicodeDecodeError as error:
         problem = f"must be UTF-8 text, got {shown(name)} (byte {error.start})"
     except OSError as error:

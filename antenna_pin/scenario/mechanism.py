@@ -47,6 +47,8 @@ class MechanismSpec(Spec):
         urdf: Path of the URDF, relative to the scenario's folder.
         base: Whether the root link floats freely or is fixed in the world.
         gravity: In world axes [m/s^2].
+        package_path: Folders in which packages of ``package://`` are looked for first, relative to the
+            scenario's folder; then come ROS_PACKAGE_PATH and the folders above the URDF.
         allow_impossible_inertia: Links whose inertia may break the triangle inequality.
         links: What differs in links, by name.
         joints: What differs in joints, by name.
@@ -55,6 +57,7 @@ class MechanismSpec(Spec):
     urdf: str
     base: Literal["free", "fixed"] = "free"
     gravity: Annotated[Vector3, Vector("m/s**2")] = (0.0, 0.0, 0.0)
+    package_path: tuple[str, ...] = ()
     allow_impossible_inertia: tuple[str, ...] = ()
     links: dict[str, LinkSpec] = Field(default_factory=dict)
     joints: dict[str, JointSpec] = Field(default_factory=dict)

@@ -55,6 +55,7 @@ def mechanism_attributes(system: System) -> dict[str, str]:
         }
         for name, one in system.point_springs.items()
     }
+    packages = mechanism.urdf.package_path
     frictions = {
         name: {**dataclasses.asdict(one), "slides": slides(system, one.joint)}
         for name, one in system.springs.items()
@@ -69,6 +70,7 @@ def mechanism_attributes(system: System) -> dict[str, str]:
                 "gravity": [float(g) for g in mechanism.model.gravity.linear],
                 "allow_impossible_inertia": list(mechanism.urdf.allow_impossible_inertia),
             }
+            | ({"package_path": list(map(str, packages))} if packages else {})
         ),
         "clearance_joints": json.dumps(carried_joints(system)),
         "drives": json.dumps({name: _drive(system, drive) for name, drive in system.drives.items()}),

@@ -51,6 +51,7 @@ class _Mechanism(BaseModel):
     base: Literal["free", "fixed"]
     gravity: _Three
     allow_impossible_inertia: list[str]
+    package_path: list[str] = Field(default_factory=list)
 
 
 class _Law(BaseModel):

@@ -1,0 +1,289 @@
+"""What of a URDF counts: its mechanics and what is drawn. All else is passed over, and counted.
+
+The readers behind (yourdfpy, and Pinocchio's parser with urdfdom) judge more than they need: colours,
+the axis of a joint that has none, a mesh's name. They get a text of what counts alone.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Any
+
+from lxml import etree
+
+from antenna_pin.mechanism._source import tag_of
+
+__all__ = ["SHAPES", "Findings", "clean", "for_pinocchio", "numbers_in"]
+
+# Tag of a shape -> its attributes: how many numbers each holds.
+SHAPES: dict[str, dict[str, int]] = {
+    "box": {"size": 3},
+    "cylinder": {"radius": 1, "length": 1},
+    "sphere": {"radius": 1},
+    "mesh": {},
+}
+
+# The children that the format defines and that are read.
+_READ = {
+    "robot": ("link", "joint", "material"),
+    "link": ("inertial", "visual", "collision"),
+    "joint": ("origin", "parent", "child", "axis", "limit", "dynamics", "mimic"),
+    "inertial": ("origin", "mass", "inertia"),
+    "visual": ("origin", "geometry", "material"),
+    "collision": ("origin", "geometry"),
+    "material": ("color", "texture"),
+}
+
+# Joints that turn or slide about an axis of their own, and those with bounds.
+WITH_AXIS = ("continuous", "prismatic", "revolute")
+_BOUNDED = ("prismatic", "revolute")
+
+# Numbers beyond that cannot be squared.
+LARGEST = 1e150
+
+# Bounds in place of none, for a reader that takes none for 0.
+_FAR = {"lower": "-1e9", "upper": "1e9", "effort": "1e9", "velocity": "1e9"}
+
+
+@dataclass(frozen=True, slots=True)
+class Findings:
+    """What was left out of a URDF when it was read.
+
+    Attributes:
+        passed_over: Lines of what means nothing to the mechanics, by what it is.
+        unbounded: Revolute and prismatic joints whose ``<limit>`` leaves them no bounds, or that have none.
+        undrawn: Link of each visual shape that cannot be drawn, and why.
+    """
+
+    passed_over: dict[str, list[int]] = field(default_factory=dict)
+    unbounded: list[str] = field(default_factory=list)
+    undrawn: list[tuple[str, str]] = field(default_factory=list)
+
+    def pass_over(self, what: str, element: Any) -> None:
+        """Note something that means nothing, and where it stands."""
+        self.passed_over.setdefault(what, []).append(int(element.sourceline or 0))
+
+
+def numbers_in(text: str | None) -> tuple[float, ...] | None:
+    """Return the numbers of an attribute's text, or None where it holds something else."""
+    try:
+        # Python reads 1_000 and digits of other scripts; Pinocchio's parser does not.
+        plain = (text or "").replace("_", "?").encode("ascii", "replace").decode()
+        return tuple(float(word) for word in plain.split())
+    except ValueError:
+        return None
+
+
+def clean(robot: Any, name: str) -> Findings:
+    """Take out of a URDF, in place, what does not count.
+
+    Args:
+        robot: Root element.
+        name: Of the robot where it bears none.
+
+    Returns:
+        What it was, and where.
+    """
+    found = Findings()
+    etree.strip_tags(robot, etree.Comment, etree.ProcessingInstruction, etree.Entity)
+    if not robot.get("name", "").strip():
+        robot.set("name", name)
+        found.pass_over("<robot> without a name", robot)
+    robot.attrib.pop("version", None)
+    _keep_read(robot, found)
+    _clean_materials(robot, found)
+    for link in robot.findall("link"):
+        _keep_read(link, found)
+        for inertial in link.findall("inertial"):
+            _keep_read(inertial, found)
+        for shape in (*link.findall("visual"), *link.findall("collision")):
+            _clean_shape(shape, str(link.get("name")), found)
+    for joint in robot.findall("joint"):
+        _keep_read(joint, found)
+        _clean_joint(joint, found)
+    return found
+
+
+def for_pinocchio(robot: Any) -> str:
+    """Return a cleaned URDF for Pinocchio's parser: bodies and joints, without looks or bounds."""
+    bare = etree.Element("robot", name=robot.get("name"))
+    for link in robot.findall("link"):
+        copy = etree.SubElement(bare, "link", name=link.get("name"))
+        for inertial in link.findall("inertial"):
+            _copied(copy, inertial, "origin", "mass", "inertia")
+    for joint in robot.findall("joint"):
+        copy = _copied(bare, joint, "parent", "child", "origin", "axis")
+        if joint.get("type") in _BOUNDED:
+            etree.SubElement(copy, "limit", _FAR)
+    return str(etree.tostring(bare, encoding="unicode"))
+
+
+def _copied(parent: Any, element: Any, *children: str) -> Any:
+    copy = etree.SubElement(parent, element.tag, dict(element.attrib))
+    for tag in children:
+        for child in element.findall(tag):
+            words = child.attrib.items()
+            if tag not in ("parent", "child"):  # numbers, between which urdfdom takes no tab
+                words = [(key, " ".join(value.split())) for key, value in words]
+            etree.SubElement(copy, tag, dict(words))
+    return copy
+
+
+def _keep_read(element: Any, found: Findings) -> None:
+    """Take out the children that the format does not define here."""
+    for child in list(element):
+        if child.tag not in _READ[element.tag]:
+            found.pass_over(f"<{tag_of(child)}>", child)
+            element.remove(child)
+
+
+# --- looks -------------------------------------------------------------------------------------------------
+
+
+def _clean_materials(robot: Any, found: Findings) -> None:
+    """Keep of materials the first of each name."""
+    names: set[str] = set()
+    for material in robot.findall("material"):
+        name = material.get("name", "")
+        if not name.strip() or name in names:
+            found.pass_over(
+                "<material> of a name that is taken" if name.strip() else "<material> without a name",
+                material,
+            )
+            robot.remove(material)
+            continue
+        names.add(name)
+        _clean_material(material, found)
+
+
+def _clean_material(material: Any, found: Findings) -> None:
+    _keep_read(material, found)
+    colours = material.findall("color")
+    for other in colours[1:]:
+        found.pass_over("<color> beside another", other)
+        material.remove(other)
+    for colour in colours[:1]:
+        rgba = numbers_in(colour.get("rgba"))
+        if rgba is None or len(rgba) not in (3, 4) or not all(map(math.isfinite, rgba)):
+            found.pass_over("<color> that is none", colour)
+            material.remove(colour)
+        elif len(rgba) == 3:
+            found.pass_over("<color> of three numbers", colour)
+            colour.set("rgba", f"{colour.get('rgba')} 1")
+
+
+def _clean_shape(shape: Any, link: str, found: Findings) -> None:
+    """Take a shape out that nothing can draw; keep one material of the others."""
+    problem = _problem_of_shape(shape)
+    if problem is not None:
+        found.pass_over(f"<{shape.tag}> that cannot be drawn", shape)
+        if shape.tag == "visual":
+            found.undrawn.append((link, problem))
+        shape.getparent().remove(shape)
+        return
+    _keep_read(shape, found)
+    first, *others = shape.findall("material") or [None]
+    for other in others:
+        found.pass_over("<material> beside another", other)
+        shape.remove(other)
+    if first is not None:
+        if not first.get("name", "").strip():
+            found.pass_over("<material> without a name", first)
+            first.attrib.pop("name", None)
+        _clean_material(first, found)
+
+
+def _problem_of_shape(shape: Any) -> str | None:
+    """Return why a shape cannot be drawn, or None."""
+    geometries, origins = shape.findall("geometry"), shape.findall("origin")
+    if len(geometries) != 1 or len(origins) > 1:
+        return f"a <{shape.tag}> must have one <geometry> and at most one <origin>"
+    for origin in origins:
+        for key in ("xyz", "rpy"):
+            if key in origin.attrib and not _sound(origin.get(key), (3,)):
+                return f"an <origin> with {key} {origin.get(key)!r}"
+    kinds = list(geometries[0])
+    if len(kinds) != 1 or kinds[0].tag not in SHAPES:
+        return f"a shape of {' and '.join(f'<{tag_of(kind)}>' for kind in kinds) or 'no kind'}"
+    (kind,) = kinds
+    for key, count in SHAPES[kind.tag].items():
+        if not _sound(kind.get(key), (count,)) or not min(numbers_in(kind.get(key)) or (0.0,)) > 0.0:
+            return f"a <{kind.tag}> with {key} {kind.get(key)!r}"
+    if kind.tag == "mesh":
+        if not kind.get("filename", "").strip():
+            return "a <mesh> without a file name"
+        if "scale" in kind.attrib and not _sound(kind.get("scale"), (1, 3)):
+            return f"a <mesh> with scale {kind.get('scale')!r}"
+    return None
+
+
+def _sound(text: str | None, counts: tuple[int, ...]) -> bool:
+    numbers = numbers_in(text)
+    return numbers is not None and len(numbers) in counts and all(abs(each) <= LARGEST for each in numbers)
+
+
+# --- joints ------------------------------------------------------------------------------------------------
+
+
+def _clean_joint(joint: Any, found: Findings) -> None:
+    kind = joint.get("type")
+    if kind in ("fixed", "floating"):
+        for axis in joint.findall("axis"):
+            if not _sound(axis.get("xyz"), (3,)) or not any(numbers_in(axis.get("xyz")) or ()):
+                found.pass_over(f"<axis> of a {kind} joint", axis)
+                joint.remove(axis)
+    meaningless = {
+        "fixed": ("limit", "dynamics", "mimic"),
+        "floating": ("limit",),
+        "planar": ("limit",),
+    }
+    for tag in meaningless.get(kind, ()):
+        for element in joint.findall(tag):
+            found.pass_over(f"<{tag}> of a {kind} joint", element)
+            joint.remove(element)
+    limits = joint.findall("limit")
+    if kind in (*_BOUNDED, "continuous"):
+        for limit in limits:
+            _clean_limit(limit, found)
+    if kind in _BOUNDED and len(limits) < 2:
+        bounded = any(map(_leaves_a_way, limits))
+        if not bounded:
+            found.unbounded.append(str(joint.get("name")))
+        for limit in limits:
+            for key in ("lower", "upper"):
+                if bounded:
+                    limit.set(key, limit.get(key, "0"))  # URDF's default
+                else:
+                    limit.attrib.pop(key, None)
+
+
+def _clean_limit(limit: Any, found: Findings) -> None:
+    """Take out of a limit what is not looked at: effort, velocity, and bounds where a joint has none."""
+    for key in ("effort", "velocity"):
+        numbers = numbers_in(limit.get(key))
+        if numbers is None or len(numbers) != 1 or not 0.0 <= numbers[0] < math.inf:
+            got = "without" if key not in limit.attrib else "with an unsound"
+            found.pass_over(f"<limit> {got} {key}", limit)
+            limit.set(key, "0")
+    if limit.getparent().get("type") == "continuous":
+        for key in ("lower", "upper"):
+            limit.attrib.pop(key, None)
+
+
+def _leaves_a_way(limit: Any) -> bool:
+    """Whether a limit has bounds with a way between them; what is no number is judged elsewhere.
+
+    One bound alone has URDF's default beside it, 0. None, 0 and 0 (SolidWorks' exporter) and infinite ones
+    bound nothing.
+    """
+    if "lower" not in limit.attrib and "upper" not in limit.attrib:
+        return False
+    bounds: list[float] = []
+    for key in ("lower", "upper"):
+        numbers = numbers_in(limit.get(key, "0"))
+        if numbers is None or len(numbers) != 1 or math.isnan(numbers[0]):
+            return True
+        bounds += numbers
+    low, high = bounds
+    return low < high and not (low == -math.inf and high == math.inf)

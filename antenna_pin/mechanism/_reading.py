@@ -1,0 +1,62 @@
+"""A URDF as the readers behind see it: without what does not count, its numbers judged."""
+
+from __future__ import annotations
+
+import io
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from antenna_pin.errors import MechanismError
+from antenna_pin.files import decoded
+from antenna_pin.mechanism import _checks, _plain, _source, _xml
+
+__all__ = ["Reading", "checked", "judged", "text_of", "written"]
+
+
+class Reading(NamedTuple):
+    """A text as the readers behind see it."""
+
+    robot: Any  # yourdfpy.Robot
+    simulated: str  # for Pinocchio's parser
+    findings: _plain.Findings
+
+
+def text_of(path: str | Path) -> str:
+    """Return the text of a URDF file, whatever its encoding.
+
+    Raises:
+        MechanismError: It cannot be read.
+    """
+    try:
+        return decoded(Path(path).read_bytes())
+    except OSError as error:
+        raise MechanismError(f"{path}: cannot be read: {error.strerror}") from error
+
+
+@lru_cache(maxsize=64)
+def written(text: str, where: str) -> str:
+    """Return a URDF's text as this package writes it."""
+    return _source.write(_xml.read(text, where))
+
+
+@lru_cache(maxsize=64)  # every run of a study reads the same text again, some more than once
+def checked(text: str, where: str, allow_impossible_inertia: tuple[str, ...]) -> Reading:
+    """Return a checked URDF as yourdfpy's objects, which nobody changes, and as Pinocchio reads it."""
+    clean, findings = judged(_xml.read(text, where), where)
+    import yourdfpy  # which takes half a second, with all that it loads
+
+    try:
+        plain = io.BytesIO(_source.write(clean).encode())
+        robot = yourdfpy.URDF.load(plain, build_scene_graph=False, load_meshes=False).robot
+    except Exception as error:  # yourdfpy lets through whatever its converters raise
+        raise MechanismError(f"{where}: yourdfpy cannot read this URDF: {error}") from error
+    _checks.check(robot, where, allow_impossible_inertia)
+    return Reading(robot, _plain.for_pinocchio(clean), findings)
+
+
+def judged(robot: Any, where: str) -> tuple[Any, _plain.Findings]:
+    """Return a root element without what does not count, and what that was; refuse what is no number."""
+    findings = _plain.clean(robot, Path(where).stem)
+    _xml.judge(robot, where)
+    return robot, findings

@@ -1,0 +1,159 @@
+"""A URDF as its file is: names, tree and types of joints, whatever else stands in it.
+
+Its mechanics is judged only in what is made of it: before, a joint can be locked, an inertia given.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from functools import lru_cache
+from pathlib import Path
+from typing import NamedTuple
+
+from antenna_pin.changes import JointChange, JointVariant, LinkChange
+from antenna_pin.mechanism import _dynamics_tag, _plain, _xml
+from antenna_pin.mechanism._reading import text_of
+from antenna_pin.mechanism.urdf import Urdf
+
+__all__ = ["PassedOver", "WrittenJoint", "WrittenUrdf"]
+
+# Kinds that a line names; the command that lists all is named behind.
+_NAMED = 4
+
+# Lines of a file that are named, of each kind.
+_LINES = 10
+
+
+class WrittenJoint(NamedTuple):
+    """A joint as a file has it: its type, which may be none of URDF's, and the links that it joins."""
+
+    type: str
+    parent: str
+    child: str
+
+
+class PassedOver(NamedTuple):
+    """What of a file means nothing to the mechanics and is not read: what it is, and in which lines."""
+
+    what: str
+    lines: tuple[int, ...]
+
+    def said(self) -> str:
+        """Return how many there are, of what, and in which lines, in words."""
+        lines = list(dict.fromkeys(self.lines))
+        numbers = ", ".join(map(str, lines[:_LINES])) + (", ..." if len(lines) > _LINES else "")
+        return f"{len(self.lines)} {self.what}, line{'s' * (len(lines) > 1)} {numbers}"
+
+
+class _Outline(NamedTuple):
+    links: tuple[str, ...]
+    joints: dict[str, WrittenJoint]
+    friction: dict[str, dict[str, float]]
+    left_out: tuple[str, ...]
+    passed_over: tuple[PassedOver, ...]
+
+
+@lru_cache(maxsize=64)
+def _outline(text: str, where: str) -> _Outline:
+    robot = _xml.read(text, where)
+    joints = {
+        str(joint.get("name")): WrittenJoint(
+            joint.get("type", ""), joint.find("parent").get("link"), joint.find("child").get("link")
+        )
+        for joint in robot.findall("joint")
+    }
+    links = tuple(str(link.get("name")) for link in robot.findall("link"))
+    friction, left_out = _dynamics_tag.friction_of(robot), _dynamics_tag.left_out(robot, where)
+    found = _plain.clean(robot, Path(where).stem).passed_over
+    passed = tuple(PassedOver(what, tuple(lines)) for what, lines in sorted(found.items()))
+    return _Outline(links, joints, friction, left_out, passed)
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class WrittenUrdf:
+    """A URDF of which names and tree are known, its mechanics not judged.
+
+    Attributes:
+        text: The XML as it is in the file.
+        where: What messages call it, such as its file name.
+        folder: Where relative mesh file names start; None if that is unknown.
+        package_path: Where packages of ``package://`` are looked for first.
+        allow_impossible_inertia: Links whose inertia may break the triangle rule.
+        links: Names of its links.
+        joints: Its joints by name.
+        joint_friction: As of :class:`antenna_pin.mechanism.Urdf`.
+        not_simulated: As of :class:`antenna_pin.mechanism.Urdf`.
+        passed_over: What of it means nothing to the mechanics, by kind.
+    """
+
+    text: str
+    where: str
+    folder: Path | None = None
+    package_path: tuple[Path, ...] = ()
+    allow_impossible_inertia: tuple[str, ...] = ()
+    links: tuple[str, ...] = field(init=False, repr=False)
+    joints: dict[str, WrittenJoint] = field(init=False, repr=False)
+    joint_friction: dict[str, dict[str, float]] = field(init=False, repr=False)
+    not_simulated: tuple[str, ...] = field(init=False, repr=False)
+    passed_over: tuple[PassedOver, ...] = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        """Read the outline."""
+        outline = _outline(self.text, self.where)
+        for name, value in (
+            ("links", outline.links),
+            ("joints", dict(outline.joints)),
+            ("joint_friction", {joint: dict(given) for joint, given in outline.friction.items()}),
+            ("not_simulated", outline.left_out),
+            ("passed_over", outline.passed_over),
+        ):
+            object.__setattr__(self, name, value)
+
+    @classmethod
+    def load(
+        cls,
+        path: str | Path,
+        allow_impossible_inertia: Iterable[str] = (),
+        package_path: Iterable[str | Path] = (),
+    ) -> WrittenUrdf:
+        """Read a file; arguments as of :meth:`antenna_pin.mechanism.Urdf.load`."""
+        return cls(
+            text=text_of(path),
+            where=Path(path).name,
+            folder=Path(path).parent.absolute(),
+            package_path=tuple(map(Path, package_path)),
+            allow_impossible_inertia=tuple(allow_impossible_inertia),
+        )
+
+    def variant(
+        self,
+        joints: Mapping[str, JointVariant] | None = None,
+        links: Mapping[str, LinkChange] | None = None,
+        origins: Mapping[str, JointChange] | None = None,
+    ) -> Urdf:
+        """Return the mechanism with changes made, judged: :meth:`antenna_pin.mechanism.Urdf.variant`."""
+        return Urdf.made(
+            self.text,
+            self.where,
+            joints,
+            links,
+            origins,
+            folder=self.folder,
+            package_path=self.package_path,
+            allow_impossible_inertia=self.allow_impossible_inertia,
+        )
+
+    def said_of_passed_over(self) -> str | None:
+        """Return one line on what was passed over, None if nothing was."""
+        if not self.passed_over:
+            return None
+        kinds = sorted(self.passed_over, key=lambda kind: -len(kind.lines))
+        count = sum(len(kind.lines) for kind in kinds)
+        things = "thing that means" if count == 1 else "things that mean"
+        named = ", ".join(f"{len(kind.lines)} {kind.what}" for kind in kinds[:_NAMED])
+        more = f" and {len(kinds) - _NAMED} kinds more" if len(kinds) > _NAMED else ""
+        return (
+            f"{self.where}: passed over {count} {things} nothing to the mechanics ({named}{more}); "
+            "`antenna-pin urdf FILE --check` lists them"
+        )
