@@ -2,19 +2,30 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from antenna_pin.assemble.initial import guess_of
 from antenna_pin.assemble.places import check_known, where
-from antenna_pin.constraints import WORLD, Anchor, Closure
+from antenna_pin.constraints import CLOSURES, OPPOSITE, WORLD, Anchor, Closure
 from antenna_pin.errors import ScenarioError
-from antenna_pin.mechanism import Mechanism
+from antenna_pin.mechanism import Mechanism, link_poses
 from antenna_pin.scenario import AnchorSpec, PlaceSpec, Scenario
 
-__all__ = ["closures_of", "link_of"]
+__all__ = ["axes_turned", "closures_of", "link_of"]
 
 _Z = (0.0, 0.0, 1.0)
 
 
 def closures_of(scenario: Scenario, mechanism: Mechanism) -> dict[str, Closure]:
     """Return the closures of a scenario by name.
+
+    The axis of a hinge, a slide, a plane is a line, and no arrow: where the two sides' point opposite ways in
+    the pose that the search for a start begins in, the second is taken the other way, as if it had been
+    written so. Forces are in the axes of the first, and stay as they are.
 
     Raises:
         ScenarioError: A link or frame that there is not, or a name that a joint has.
@@ -31,12 +42,57 @@ def closures_of(scenario: Scenario, mechanism: Mechanism) -> dict[str, Closure]:
             first=_anchor(scenario, mechanism, name, "first", spec.first),
             second=_anchor(scenario, mechanism, name, "second", spec.second),
         )
-    return found
+    opposite = _opposite(scenario, mechanism, found)
+    return {
+        name: replace(
+            closure,
+            second=_anchor(scenario, mechanism, name, "second", scenario.closures[name].second, -1.0),
+        )
+        if name in opposite
+        else closure
+        for name, closure in found.items()
+    }
 
 
-def _anchor(scenario: Scenario, mechanism: Mechanism, name: str, side: str, spec: AnchorSpec) -> Anchor:
+def _anchor(
+    scenario: Scenario, mechanism: Mechanism, name: str, side: str, spec: AnchorSpec, sign: float = 1.0
+) -> Anchor:
     link, axis = link_of(scenario, mechanism, spec, "closures", name, side)
-    return Anchor.at(link, spec.point or (0.0, 0.0, 0.0), spec.axis or axis, spec.across)
+    x, y, z = spec.axis or axis
+    return Anchor.at(link, spec.point or (0.0, 0.0, 0.0), (sign * x, sign * y, sign * z), spec.across)
+
+
+def _opposite(scenario: Scenario, mechanism: Mechanism, closures: dict[str, Closure]) -> list[str]:
+    """Return the closures whose sides' axes should be parallel and point opposite ways in the first guess."""
+    lines = {name: one for name, one in closures.items() if CLOSURES[one.kind].axis and not one.holds.square}
+    if not lines:
+        return []
+    links = [side.link for one in lines.values() for side in (one.first, one.second) if side.link != WORLD]
+    names = list(dict.fromkeys(links))
+    _, attitudes = link_poses(mechanism, guess_of(scenario, mechanism)[0][np.newaxis], names)
+    turns = {
+        name: Rotation.from_quat(attitude) for name, attitude in zip(names, attitudes[0], strict=True)
+    } | {WORLD: Rotation.identity()}
+
+    def axis(side: Anchor) -> np.ndarray:
+        return np.asarray(turns[side.link].apply(side.rotation[:, 2]))
+
+    return [
+        name for name, one in lines.items() if float(axis(one.first) @ axis(one.second)) < np.cos(OPPOSITE)
+    ]
+
+
+def axes_turned(scenario: Scenario, mechanism: Mechanism, closures: Mapping[str, Closure]) -> list[str]:
+    """Return which closures of a scenario's system have the second side's axis taken the other way."""
+    return [
+        name
+        for name, spec in scenario.closures.items()
+        if float(
+            closures[name].second.rotation[:, 2]
+            @ _anchor(scenario, mechanism, name, "second", spec.second).rotation[:, 2]
+        )
+        < 0.0
+    ]
 
 
 def link_of(

@@ -4,14 +4,23 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
 from antenna_pin.assemble.build import build_system
-from antenna_pin.assemble.initial import initial_angles, initial_state
+from antenna_pin.assemble.closures import axes_turned
+from antenna_pin.assemble.initial import guess_of, initial_angles, initial_state
 from antenna_pin.assemble.variant import as_written
 from antenna_pin.dynamics import System, Workspace, constraint_counts, facts_of_couplings
 from antenna_pin.scenario import Scenario
 from antenna_pin.scenario.clearance import TouchingSpec
 
 __all__ = ["scenario_facts"]
+
+# What an assembly may move a joint by before it is told [rad, or of ways the mechanism's length]: 10 deg. A
+# drawn pose is seldom as far off, and to that the first guess of Newton's method is good to 2 %.
+_TOLD = np.radians(10.0)
 
 
 def scenario_facts(scenario: Scenario) -> dict[str, Any]:
@@ -20,14 +29,20 @@ def scenario_facts(scenario: Scenario) -> dict[str, Any]:
     Joints and drives are said in words; a closure has its ``kind``, its ``links`` and how many ``equations``
     it is, a coupling what a result tells of it; ``constraints`` is what
     :func:`antenna_pin.dynamics.constraint_counts` finds at the start, and ``residuals`` is how well loops and
-    couplings are closed there [m], [rad]. ``passed_over`` has lines of the URDF, by what stands there that
-    means nothing to the mechanics, ``unbounded`` the joints without bounds.
+    couplings are closed there [m], [rad]. Where a start is found, ``start`` has the angles or positions of
+    hinges and slides in it [rad], [m], and ``moved`` by how much joints (and ``base``) are away from where
+    the search began, if that is more than 10 deg or as much of the mechanism's length: turns [rad] and ways
+    [m]. A closure is ``turned`` if its second side's axis is taken the other way round than it is written.
+    ``passed_over`` has lines of the URDF, by what stands there that means nothing to the mechanics,
+    ``unbounded`` the joints without bounds.
 
     Raises:
         AntennaPinError: The scenario cannot be built, or its loops cannot be closed; one line that says why.
     """
     system = build_system(scenario)
-    y = system.state(*initial_state(scenario, system), initial_angles(scenario, system))
+    q, v = initial_state(scenario, system)
+    y = system.state(q, v, initial_angles(scenario, system))
+    turned = axes_turned(scenario, system.mechanism, system.closures)
     return {
         "base": system.mechanism.base,
         "joints": _joints(scenario, system),
@@ -36,6 +51,7 @@ def scenario_facts(scenario: Scenario) -> dict[str, Any]:
                 "kind": one.kind,
                 "links": [one.first.link, one.second.link],
                 "equations": one.holds.rows,
+                "turned": name in turned,
             }
             for name, one in system.closures.items()
         },
@@ -45,7 +61,29 @@ def scenario_facts(scenario: Scenario) -> dict[str, Any]:
         "residuals": _residuals(system, y),
         "passed_over": {kind.what: list(kind.lines) for kind in as_written(scenario).passed_over},
         "unbounded": list(system.mechanism.urdf.unbounded),
+        **({} if system.plan is None else _start(scenario, system, q)),
     }
+
+
+def _start(scenario: Scenario, system: System, q: NDArray[np.float64]) -> dict[str, dict[str, Any]]:
+    """Return where hinges and slides are in a start that was found, and what it is far from its guess."""
+    assert system.plan is not None
+    mechanism, model, far = system.mechanism, system.model, {}
+    way = pin.difference(model, guess_of(scenario, system)[0], q)
+    slots = {name: (slot.ways, slot.v) for name, slot in mechanism.joints.items()}
+    if mechanism.base == "free":
+        slots["base"] = (slice(0, 3), mechanism.base_v)
+    for name, (ways, own) in slots.items():
+        shift = float(np.linalg.norm(way[ways]))
+        turn = float(np.linalg.norm(way[ways.stop : own.stop]))
+        if turn > _TOLD or shift > _TOLD * system.plan.length:
+            far[name] = {"turn": turn, "shift": shift}
+    start = {}
+    for name, slot in mechanism.joints.items():
+        if slot.kind in ("revolute", "continuous", "prismatic"):
+            own_q = q[slot.q]
+            start[name] = float(own_q[0] if len(own_q) == 1 else np.arctan2(own_q[1], own_q[0]))
+    return {"start": start, "moved": far}
 
 
 def _joints(scenario: Scenario, system: System) -> dict[str, str]:

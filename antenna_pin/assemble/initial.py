@@ -16,7 +16,7 @@ from antenna_pin.errors import MechanismError, ScenarioError
 from antenna_pin.mechanism import JointSlot, Mechanism, frame_aligning_z
 from antenna_pin.scenario import InitialBaseSpec, Scenario
 
-__all__ = ["initial_angles", "initial_state"]
+__all__ = ["guess_of", "initial_angles", "initial_state"]
 
 Array = NDArray[np.float64]
 
@@ -32,10 +32,9 @@ def initial_state(scenario: Scenario, system: System) -> tuple[Array, Array]:
     Raises:
         AntennaPinError: What is given cannot be.
     """
-    q, v = _initial_state(scenario, system.mechanism)
+    q, v = guess_of(scenario, system)
     if system.plan is None:
         return q, v
-    put_followers(system.mechanism, system.couplings.values(), q, _known_places(scenario, system))
     held_q, held_v = set(), set()
     if scenario.initial.base != InitialBaseSpec():
         held_q.add(BASE)
@@ -82,7 +81,17 @@ def _angle(spec: Any) -> float:
     return float(given or 0.0)
 
 
-def _initial_state(scenario: Scenario, mechanism: Mechanism) -> tuple[Array, Array]:
+def guess_of(scenario: Scenario, system: System) -> tuple[Array, Array]:
+    """Return the URDF's pose, (nq,), with what the scenario gives, and its velocity, (nv,); loops open.
+
+    Joints that follow others are where these lead them.
+    """
+    q, v = _given(scenario, system.mechanism)
+    put_followers(system.mechanism, system.couplings.values(), q, _known_places(scenario, system))
+    return q, v
+
+
+def _given(scenario: Scenario, mechanism: Mechanism) -> tuple[Array, Array]:
     q, v = pin.neutral(mechanism.model), np.zeros(mechanism.model.nv)
     initial = scenario.initial
     if mechanism.base == "free":

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
@@ -51,7 +52,9 @@ def _lines(facts: dict[str, Any]) -> Iterator[str]:
         yield f"joint {joint}: {text}"
     for closure, one in facts["closures"].items():
         first, second = one["links"]
-        yield f"closure {closure}: {one['kind']}, {first} - {second}, {_many(one['equations'], 'equation')}"
+        turned = "; the axes point opposite ways, and the second is taken the other way" * one["turned"]
+        equations = _many(one["equations"], "equation")
+        yield f"closure {closure}: {one['kind']}, {first} - {second}, {equations}{turned}"
     for coupling, one in facts["couplings"].items():
         yield f"coupling {coupling}: {said_of_coupling(one)}"
     for drive, text in facts["drives"].items():
@@ -60,6 +63,16 @@ def _lines(facts: dict[str, Any]) -> Iterator[str]:
     if facts["closures"] or facts["couplings"] or counts["motions"]:
         gap, turn = facts["residuals"]
         yield f"the start is closed to {gap:.2g} m and {turn:.2g} rad"
+        slides = [joint for joint, text in joints.items() if text == "prismatic"]
+        found = (
+            f"{joint} {value:.6g} m" if joint in slides else f"{joint} {math.degrees(value):.6g} deg"
+            for joint, value in facts["start"].items()
+        )
+        yield f"the start found: {', '.join(found) or 'no hinges or slides'}"
+        for joint, far in facts["moved"].items():
+            parts = [f"{math.degrees(far['turn']):.4g} deg"] * (far["turn"] > 0.0)
+            parts += [f"{far['shift']:.4g} m"] * (far["shift"] > 0.0)
+            yield f"moved far from where the search began: {joint} by {' and '.join(parts)}"
 
 
 def _of_file(facts: dict[str, Any]) -> Iterator[str]:

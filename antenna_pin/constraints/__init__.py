@@ -2,22 +2,21 @@
 
 from antenna_pin.constraints.assembly import (
     Mobility,
-    Unclosed,
     directions,
-    find_configuration,
     find_velocity,
     least_row,
     mobility,
     redundancies,
-    worst_row,
 )
-from antenna_pin.constraints.closure import CLOSURES, WORLD, Anchor, Closure, ClosureKind, Holds
+from antenna_pin.constraints.closure import CLOSURES, OPPOSITE, WORLD, Anchor, Closure, ClosureKind, Holds
 from antenna_pin.constraints.coupling import Coupling, check_order, spread
 from antenna_pin.constraints.plan import DrivenJoint, Plan, make_plan, on_body
+from antenna_pin.constraints.search import Unclosed, find_configuration, worst_row
 from antenna_pin.constraints.solver import Constraints
 
 __all__ = [
     "CLOSURES",
+    "OPPOSITE",
     "WORLD",
     "Anchor",
     "Closure",

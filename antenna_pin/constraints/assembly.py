@@ -1,8 +1,7 @@
-"""A state that satisfies the constraints, found from one that need not; and how freely it can move."""
+"""Velocities that satisfy the constraints, found from some that need not; and how freely a state can move."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,63 +9,20 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from antenna_pin.constraints._factor_kernels import DEPENDENT, NOTHING
+from antenna_pin.constraints.search import CLOSED, Unclosed, row_names, worst
 from antenna_pin.constraints.solver import Constraints
 
 __all__ = [
     "Mobility",
     "Redundancy",
-    "Unclosed",
     "directions",
-    "find_configuration",
     "find_velocity",
     "least_row",
     "mobility",
     "redundancies",
-    "worst_row",
 ]
 
 Array = NDArray[np.float64]
-Retract = Callable[[Array, Array], None]
-
-# Residual of an assembled state, of ways over the mechanism's length, or of turns; the most of one step.
-_CLOSED = 1e-12
-_LONGEST = 0.5
-_STEPS = 100
-_STARTS = 12
-
-
-@dataclass(frozen=True, slots=True)
-class Unclosed:
-    """That no state was found.
-
-    Attributes:
-        residual: Largest of what the best one lacks [m] or [rad], or of the rates [m/s] or [rad/s].
-        row: The row of it, by its closure and what that holds, or by its motion or coupling.
-        turns: Whether it is one of a turn.
-    """
-
-    residual: float
-    row: str
-    turns: bool
-
-
-def row_names(constraints: Constraints) -> list[tuple[str, bool]]:
-    """Return what each row is, in words, and whether it holds a turn."""
-    plan = constraints.plan
-    singles = [f"motion {name!r}" for name in plan.motions]
-    singles += [f"coupling {name!r}" for name in plan.couplings]
-    names = list(zip(singles, constraints.turning.tolist(), strict=True))
-    for closure, rows in plan.rows.items():
-        names += [(f"closure {closure!r}", not row.startswith("along")) for row in rows]
-    return names
-
-
-def _worst(constraints: Constraints, residuals: Array) -> Unclosed:
-    """Return the largest residual of rows that count in metres."""
-    names = row_names(constraints)
-    row = int(np.argmax(np.abs(residuals)))
-    name, turns = names[row]
-    return Unclosed(float(abs(residuals[row])) / (constraints.plan.length if turns else 1.0), name, turns)
 
 
 def least_row(constraints: Constraints) -> str:
@@ -76,95 +32,6 @@ def least_row(constraints: Constraints) -> str:
     rows = range(singles if plan.closures else len(plan.motions) if plan.couplings else 0, constraints.rows)
     shares = np.where(constraints.shares > 0.0, constraints.shares, np.inf)
     return names[min(rows, key=lambda row: shares[row])][0]
-
-
-def worst_row(constraints: Constraints) -> str:
-    """Return which row has the largest residual of position, in words, as far as rows were last written."""
-    return _worst(constraints, constraints.gap).row
-
-
-def find_configuration(
-    constraints: Constraints, y: Array, program: Array, free: Array, retract: Retract
-) -> Unclosed | None:
-    """Close all loops from a first guess, in place: the nearest solution that is found.
-
-    Args:
-        constraints: What is to hold at time zero.
-        y: State [q, v, x]; its q is the guess.
-        program: Of the system's elements.
-        free: Generalized directions in which the configuration may be changed, (nv, k).
-        retract: ``(y, step)``: moves the configuration in y by a generalized step.
-
-    Returns:
-        What the best attempt lacks, if none closes the loops.
-    """
-    guess = y.copy()
-    best: tuple[float, Array] | None = None
-    lack: Unclosed | None = None
-    random = np.random.default_rng(20210)
-    for start in range(_STARTS):
-        trial = guess.copy()
-        if start > 0:
-            # From a singular guess no step leads anywhere: others around it, further and further away.
-            retract(trial, free @ random.normal(scale=0.05 * start, size=free.shape[1]))
-        unclosed = _newton(constraints, trial, program, free, retract)
-        if unclosed is None:
-            way = _distance(constraints, guess, trial)
-            if best is None or way < best[0]:
-                best = (way, trial)
-            if start == 0:
-                break
-        elif lack is None or unclosed.residual < lack.residual:
-            lack = unclosed
-        if best is not None and start >= _STARTS // 2:
-            break
-    if best is None:
-        return lack
-    y[:] = best[1]
-    return None
-
-
-def _distance(constraints: Constraints, one: Array, other: Array) -> float:
-    nq = constraints.model.nq
-    difference = pin.difference(constraints.model, one[:nq], other[:nq])
-    return float(np.linalg.norm(difference))
-
-
-def _newton(
-    constraints: Constraints, y: Array, program: Array, free: Array, retract: Retract
-) -> Unclosed | None:
-    """Close the loops by Newton's method with steps of least size, in place."""
-    length = constraints.plan.length
-
-    def residual(state: Array) -> Array:
-        constraints.residuals(0.0, state, program)
-        return constraints.gap.copy()
-
-    gap = residual(y)
-    size = float(np.abs(gap).max())
-    for _ in range(_STEPS):
-        if size <= 1e-15 * length:
-            break
-        step = -free @ np.linalg.lstsq(constraints.jacobian @ free, gap, rcond=1e-10)[0]
-        largest = float(np.abs(step).max())
-        if not np.isfinite(largest) or largest == 0.0:
-            break
-        step *= min(1.0, _LONGEST / largest)
-        for _ in range(12):
-            trial = y.copy()
-            retract(trial, step)
-            found = residual(trial)
-            if np.linalg.norm(found) < np.linalg.norm(gap):
-                break
-            step *= 0.5
-        else:
-            break
-        y[:], gap = trial, found
-        before, size = size, float(np.abs(gap).max())
-        if size <= _CLOSED * length and size > 0.3 * before:
-            break
-    gap = residual(y)
-    return None if float(np.abs(gap).max()) <= _CLOSED * length else _worst(constraints, gap)
 
 
 def find_velocity(constraints: Constraints, y: Array, program: Array, free: Array) -> Unclosed | None:
@@ -194,7 +61,7 @@ def find_velocity(constraints: Constraints, y: Array, program: Array, free: Arra
     fastest = max(
         1.0, float(np.abs(lack).max()), float(np.abs(y[nq : nq + nv]).max()) * constraints.plan.length
     )
-    return None if float(np.abs(rest).max()) <= _CLOSED * fastest else _worst(constraints, rest)
+    return None if float(np.abs(rest).max()) <= CLOSED * fastest else worst(constraints, rest)
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.arguments import takes
 from antenna_pin.constraints import (
+    OPPOSITE,
     Mobility,
     Unclosed,
     directions,
@@ -102,10 +103,13 @@ def assemble(system: System, y: Array, held_q: Collection[str], held_v: Collecti
     workspace = Workspace(system)
     constraints = workspace.constraints
     assert constraints is not None
+    for drive in system.drives.values():
+        if isinstance(drive, Motion) and drive.joint in system.turn_x:  # its turns are the motion's
+            y[system.model.nq + system.model.nv + system.turn_x[drive.joint]] = drive.at(0.0)[0]
     workspace.prepare_motions(0.0, y)
     program = workspace.program
     free = _free(system, y, held_q)
-    unclosed = find_configuration(constraints, y, program, free, workspace.retract)
+    unclosed = find_configuration(constraints, y, program, free, workspace.retract, _reach(system))
     if unclosed is not None:
         raise MechanismError(_not_closed(system, unclosed, held_q))
     system.turn_on(y)
@@ -120,6 +124,17 @@ def assemble(system: System, y: Array, held_q: Collection[str], held_v: Collecti
     _check_singular(system, workspace, y)
 
 
+def _reach(system: System) -> Array:
+    """Return what counts as much as a turn of 1 rad, of each generalized direction (nv,)."""
+    assert system.plan is not None
+    reach = np.ones(system.model.nv)
+    if system.mechanism.base == "free":
+        reach[:3] = system.plan.length
+    for slot in system.mechanism.joints.values():
+        reach[slot.ways] = system.plan.length
+    return reach
+
+
 def _let_go(held: Collection[str]) -> str:
     if not held:
         return "look at the closures' points and axes"
@@ -131,6 +146,8 @@ def _not_closed(system: System, unclosed: Unclosed, held: Collection[str]) -> st
     exact = ""
     if unclosed.turns and unclosed.residual < _INEXACT:
         exact = " (angles must be exact: 1.5707963267948966, not 1.5708)"
+    if unclosed.turns and unclosed.residual > OPPOSITE:
+        exact = "; its axes point opposite ways: turn one of them"
     return (
         f"initial state: the loops cannot be closed: {unclosed.row} lacks {number(unclosed.residual)} {unit} "
         f"at best; {_let_go(held)}, or check the dimensions{exact}"
@@ -318,7 +335,9 @@ def _check_singular(system: System, workspace: Workspace, y: Array) -> None:
         trial = y.copy()
         workspace.retract(trial, way * (_BESIDE / float(np.abs(way).max())))
         if motions or not constraints.plan.motions:
-            closed = find_configuration(constraints, trial, program, np.eye(len(way)), workspace.retract)
+            closed = find_configuration(
+                constraints, trial, program, np.eye(len(way)), workspace.retract, _reach(system)
+            )
             if closed is not None:
                 continue
         there = mobility(constraints, 0.0, trial, program)
