@@ -16,7 +16,7 @@ from antenna_pin.errors import MechanismError, ScenarioError
 from antenna_pin.mechanism import JointSlot, Mechanism, frame_aligning_z
 from antenna_pin.scenario import InitialBaseSpec, Scenario
 
-__all__ = ["guess_of", "initial_angles", "initial_state"]
+__all__ = ["given", "guess_of", "initial_angles", "initial_state"]
 
 Array = NDArray[np.float64]
 
@@ -86,12 +86,13 @@ def guess_of(scenario: Scenario, system: System) -> tuple[Array, Array]:
 
     Joints that follow others are where these lead them.
     """
-    q, v = _given(scenario, system.mechanism)
+    q, v = given(scenario, system.mechanism)
     put_followers(system.mechanism, system.couplings.values(), q, _known_places(scenario, system))
     return q, v
 
 
-def _given(scenario: Scenario, mechanism: Mechanism) -> tuple[Array, Array]:
+def given(scenario: Scenario, mechanism: Mechanism) -> tuple[Array, Array]:
+    """Return the URDF's pose, (nq,), with what the scenario gives, and its velocity, (nv,); all loops open."""
     q, v = pin.neutral(mechanism.model), np.zeros(mechanism.model.nv)
     initial = scenario.initial
     if mechanism.base == "free":
