@@ -36,6 +36,9 @@ def decoded(data: bytes) -> str:
     """Return the text of an XML file: by its byte order mark, the encoding it declares, UTF-8, or Latin-1.
 
     The first that fits: files are met that declare another encoding than theirs. Latin-1 fits any.
+
+    Raises:
+        UnicodeDecodeError: It is no text, for nothing in it is an element.
     """
     for mark, encoding in _MARKS:
         if data.startswith(mark):
@@ -46,7 +49,7 @@ def decoded(data: bytes) -> str:
             text = data.decode(encoding)
             if "<" in text:  # bytes of UTF-8 taken for UTF-16 are Chinese
                 return text
-    return data.decode("latin-1")
+    return data.decode("latin-1" if b"<" in data else "utf-8")
 
 
 def check_writable(path: str | os.PathLike[str]) -> Path:

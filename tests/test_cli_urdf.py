@@ -62,7 +62,7 @@ def test_bounds_of_the_scenario_are_those_that_a_motion_must_stay_in(folder):
     bounded = SCENARIO + '[mechanism.joints.hinge]\nlower = "-1 deg"\nupper = "2 deg"\n'
     (folder / "scenario.toml").write_text(bounded)
     code, _, error = said("run", folder / "scenario.toml")
-    assert code == 2 and "joint 'hinge' must stay from -0.0174" in error
+    assert code == 2 and "0.03491 rad by its <limit>" in error
     (folder / "scenario.toml").write_text(bounded.replace("deg", "mm"))
     code, _, error = said("run", folder / "scenario.toml")
     assert code == 2 and "mechanism.joints.hinge: units must be those of a rotation" in error

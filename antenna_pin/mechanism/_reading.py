@@ -32,6 +32,8 @@ def text_of(path: str | Path) -> str:
         return decoded(Path(path).read_bytes())
     except OSError as error:
         raise MechanismError(f"{path}: cannot be read: {error.strerror}") from error
+    except UnicodeDecodeError as error:
+        raise MechanismError(f"{path}: must be XML, got no text (byte {error.start})") from error
 
 
 @lru_cache(maxsize=64)

@@ -5,13 +5,13 @@ import sys
 from pathlib import Path
 
 import numpy as np
-import pinocchio as pin
 import pytest
 
 from antenna_pin.errors import MechanismError, UnknownNameError
 from antenna_pin.mechanism import JointChange, LinkChange, Urdf, WrittenUrdf, build_mechanism
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "scripts"))
+import odd_urdfs
 import urdf_generator
 
 BODY = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
@@ -34,17 +34,7 @@ def test_what_exporters_add_changes_no_bit_of_the_mechanics(number, tmp_path, ca
     drawn = urdf_generator.draw_urdf(29, number)
     path = tmp_path / f"{drawn.name}.urdf"
     path.write_bytes(drawn.odd)
-    model = build_mechanism(Urdf.load(path), "free", (0.0, 0.0, -9.81)).model
-    twin = pin.buildModelFromXML(drawn.plain, pin.JointModelFreeFlyer())
-    assert list(model.names) == list(twin.names)
-    rng = np.random.default_rng(number)
-    q = pin.integrate(twin, pin.neutral(twin), rng.normal(size=twin.nv))
-    v = rng.normal(size=twin.nv)
-    for compute in (
-        lambda of: np.triu(pin.crba(of, of.createData(), q)),
-        lambda of: pin.nle(of, of.createData(), q, v),
-    ):
-        assert np.array_equal(compute(model), compute(twin)), drawn.oddities
+    assert odd_urdfs.problem_of(drawn, path) is None, drawn.oddities
     assert capfd.readouterr().err == ""  # the parsers had nothing to say
 
 

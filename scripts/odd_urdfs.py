@@ -1,0 +1,85 @@
+#!/usr/bin/env python3
+"""Random URDFs as exporters write them: do they load, and as the mechanisms that they mean?
+
+``urdf_generator.py`` says what is odd about them. Each is loaded on a free base and compared with its plain
+twin, which Pinocchio reads by itself: mass matrix and nonlinear effects at a random state must be the same
+to the last bit. The files stay in a folder, where ``antenna-pin urdf FOLDER --check`` says what was passed
+over::
+
+    scripts/odd_urdfs.py --count 200 --out odd
+
+Prints a line for each that does not load or is another mechanism, then the count beside that of Pinocchio
+alone. Exit code 1 on any.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+from urdf_generator import OddUrdf, draw_urdf
+
+from antenna_pin import AntennaPinError, Urdf, build_mechanism
+
+__all__ = ["problem_of"]
+
+_GRAVITY = (0.0, 0.0, -9.81)
+
+
+def problem_of(drawn: OddUrdf, path: Path) -> str | None:
+    """Return how a URDF is not its plain twin; None if it is.
+
+    Args:
+        drawn: The URDF.
+        path: The file with its bytes.
+    """
+    try:
+        model = build_mechanism(Urdf.load(path), "free", _GRAVITY).model
+    except AntennaPinError as error:
+        return str(error)
+    twin = pin.buildModelFromXML(drawn.plain, pin.JointModelFreeFlyer())
+    if list(model.names) != list(twin.names):
+        return f"has joints {', '.join(model.names)} for {', '.join(twin.names)}"
+    rng = np.random.default_rng(len(drawn.odd))
+    q = pin.integrate(twin, pin.neutral(twin), rng.normal(size=twin.nv))
+    v = rng.normal(size=twin.nv)
+    masses = [np.triu(pin.crba(one, one.createData(), q)) for one in (model, twin)]
+    effects = [pin.nle(one, one.createData(), q, v) for one in (model, twin)]
+    for what, (odd, plain) in (("mass matrix", masses), ("nonlinear effects", effects)):
+        if not np.array_equal(odd, plain):
+            return f"{what} differ by {np.abs(odd - plain).max():.3g}"
+    return None
+
+
+def main() -> int:
+    """Draw, write, load and compare."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--count", type=int, default=200)
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--out", type=Path, default=Path("odd_urdfs"), metavar="DIR")
+    given = parser.parse_args()
+    given.out.mkdir(parents=True, exist_ok=True)
+    alone = failed = 0
+    for number in range(given.count):
+        drawn = draw_urdf(given.seed, number)
+        path = given.out / f"{drawn.name}.urdf"
+        path.write_bytes(drawn.odd)
+        if problem := problem_of(drawn, path):
+            failed += 1
+            print(f"{path}: {problem} ({', '.join(drawn.oddities)})")
+        try:
+            pin.buildModelFromUrdf(str(path))
+            alone += 1
+        except ValueError:
+            pass
+    print(f"{given.count - failed} of {given.count} load as what they mean; Pinocchio alone loads {alone}")
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
