@@ -30,6 +30,7 @@ from antenna_pin.scenario import (
     ClearanceSpec,
     ClosureSpec,
     ContactClearance,
+    CouplingSpec,
     ForceEvent,
     FrictionSpec,
     GapEvent,
@@ -282,6 +283,16 @@ def scenario_table() -> str:
             "A joint that closes a loop of the tree ([more](closed-loops.md)).",
         ),
         section("[closures.NAME.first], [closures.NAME.second]", rows(AnchorSpec)),
+        section(
+            "[couplings.NAME]",
+            [
+                "| `follower` | text | the coupling's name | Name of the joint that follows |",
+                *rows(CouplingSpec, without=("follower", "motion", "conversion")),
+            ],
+            "A joint that follows another, beside those that the URDF couples by `<mimic>`"
+            " ([more](closed-loops.md#coupled-joints)). With a `follower` that the scenario locks it is"
+            " dropped.",
+        ),
         section("[drives.NAME]", drive_rows()),
         section(
             "[springs.NAME]",

@@ -4,6 +4,7 @@ import dataclasses
 import json
 
 import pytest
+from coupled_fingers import write_coupled_fingers
 from driven_four_bar import write_driven_four_bar
 from single_loops import bricard
 
@@ -203,3 +204,28 @@ def test_singular_positions_that_were_passed_are_named(cli, folder, singular):
         "passed: passed 2 singular positions, at 0.25 s, 0.5 s: loops could go on in more ways than one there"
     )
     assert last.replace("\N{NO-BREAK SPACE}", " ") == text if singular else "mobility" in last
+
+
+# --- coupled joints ---
+
+
+def test_commands_tell_what_is_coupled_and_what_that_carried(cli, tmp_path):
+    path = write_coupled_fingers(tmp_path / "fingers")
+    said = printed(cli("info", path)).replace("\N{NO-BREAK SPACE}", " ").splitlines()
+    assert said[5:8] == [
+        "  coupling finger: finger = −1 · thumb + 0.1 rad",
+        "  coupling rack: rack = 10 mm/rad · thumb",
+        "  2 equations of couplings, 2 independent; mobility 1",
+    ]
+    assert cli("run", path, "--out", tmp_path / "fingers.nc").code == 0
+    said = printed(cli("analyse", tmp_path / "fingers.nc"))
+    assert "fingers: torques of couplings, on followers" in said
+    assert "2 equations of couplings, 2 independent; mobility 1" in said
+    found = json.loads(printed(cli("analyse", tmp_path / "fingers.nc", "--json")))["couplings"]
+    facts = json.loads(printed(cli("info", tmp_path / "fingers.nc", "--json")))["couplings"]
+    assert [(one["of"], one["units"]) for one in found] == [("finger", "N m"), ("rack", "N")]
+    assert found[0]["peak_torque"] == facts["finger"]["peak_torque"] > 0.0
+    assert found[1]["peak_torque"] == facts["rack"]["peak_force"] > 0.0
+    assert cli("info", tmp_path / "fingers.nc").out.count("those of couplings") == 1
+    said = printed(cli("urdf", path, "--out", "tree.urdf"))
+    assert said.splitlines()[-1] == "note: the couplings of the scenario are not in it: rack"

@@ -16,7 +16,7 @@ from antenna_pin.plot.audit import figure_energy, figure_momentum
 from antenna_pin.plot.base import BASE_QUANTITIES, figure_base, figure_joints
 from antenna_pin.plot.bodies import BODY_QUANTITIES, figure_body
 from antenna_pin.plot.catalogue import CATALOGUE, Allowed, allowed_figures, run_figure
-from antenna_pin.plot.closures import figure_closure_forces, figure_drive_efforts
+from antenna_pin.plot.closures import figure_closure_forces, figure_coupling_torques, figure_drive_efforts
 from antenna_pin.plot.contact import figure_force_curves, figure_restitution, save_contact_figures
 from antenna_pin.plot.eccentricity import figure_eccentricity
 from antenna_pin.plot.elastic import figure_deflection
@@ -80,6 +80,7 @@ __all__ = [
     "figure_bore_load",
     "figure_branch",
     "figure_closure_forces",
+    "figure_coupling_torques",
     "figure_contact_forces",
     "figure_contact_width",
     "figure_deflection",

@@ -11,6 +11,7 @@ from antenna_pin.plot._runs import LabelledRun, long_enough
 
 __all__ = [
     "CLOSED",
+    "COUPLED",
     "FLEXIBLE",
     "FREE_BASE",
     "LOOPED",
@@ -82,6 +83,7 @@ LOOPED = JointKind(
 )
 
 CLOSED = RunKind("a closure of a loop", lambda run: "closure" in run.data.sizes)
+COUPLED = RunKind("a coupling of joints", lambda run: "coupling" in run.data.sizes)
 FLEXIBLE = RunKind("flexible links", lambda run: "elastic_part" in run.data.sizes)
 PRESCRIBED = RunKind("a prescribed motion", lambda run: "motion" in run.data.sizes)
 FREE_BASE = RunKind("a free base", lambda run: "base_position" in run.data)

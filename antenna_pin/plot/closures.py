@@ -1,4 +1,4 @@
-"""What closed loops and prescribed motions take: forces of closures, efforts of drives."""
+"""What loops, couplings and prescribed motions take: forces of closures, torques, efforts of drives."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from collections.abc import Callable, Iterable, Sequence
 import numpy as np
 from matplotlib.figure import Figure
 
-from antenna_pin.analysis import closures_of, drive_power, drives_of, effort_unit
+from antenna_pin.analysis import closures_of, couplings_of, drive_power, drives_of, effort_unit
 from antenna_pin.plot._compared import ROUND_OFF, Curve, Panel, panels_figure
-from antenna_pin.plot._kinds import CLOSED, PRESCRIBED, RunKind, none_with
+from antenna_pin.plot._kinds import CLOSED, COUPLED, PRESCRIBED, RunKind, none_with
 from antenna_pin.plot._run_figure import RunFigure
 from antenna_pin.plot._runs import LabelledRun, Run, left_out, long_enough, styles, too_short, with_reference
 from antenna_pin.plot._style import Array, Width, footnote, styled
@@ -61,6 +61,38 @@ def figure_closure_forces(
         too_short(every),
         left_out(every, drawn, "without a closure"),
     )
+    return figure
+
+
+@styled
+def figure_coupling_torques(
+    runs: Iterable[Run] | Run, *, ideal: Run | None = None, width: Width = "page"
+) -> Figure:
+    """Return the torque of every coupling on its follower in all runs; a force if it slides.
+
+    Scales are linear as far as the ideal run reaches and logarithmic beyond, where contacts make spikes.
+
+    Args:
+        runs: Trajectories, or pairs of a label and a dataset; of any lengths.
+        ideal: The run to compare with; the first run without any contact if left out.
+        width: "column" (88 mm) or "page" (180 mm).
+    """
+    every, reference = with_reference(runs, ideal)
+    drawn = _drawn(COUPLED, every, reference)
+
+    def columns(run: LabelledRun) -> list[Array]:
+        picks = [_torque(name)(run) for name in names_along(run.data, "coupling")]
+        return [found for found in picks if found is not None]
+
+    drawn, reference = thinned_beside(drawn, reference, columns)
+    panels: list[Panel] = []
+    for name in dict.fromkeys(name for run in drawn for name in names_along(run.data, "coupling")):
+        one = next(couplings_of(run.data)[name] for run in drawn if name in couplings_of(run.data))
+        what, unit = ("force", "N") if one["slides"] else ("torque", "N m")
+        title = f"{name}, {what} on {one['follower']}"
+        panels.append(_panel(title, what, unit, drawn, reference, _torque(name)))
+    figure = panels_figure(panels, width, 2, spikes=True)
+    footnote(figure, too_short(every), left_out(every, drawn, "without a coupling"))
     return figure
 
 
@@ -131,6 +163,15 @@ def _size(name: str, what: str) -> _Pick:
     return pick
 
 
+def _torque(name: str) -> _Pick:
+    def pick(run: LabelledRun) -> Array | None:
+        if name not in names_along(run.data, "coupling"):
+            return None
+        return run.values("coupling_torque", coupling=name)
+
+    return pick
+
+
 def _effort(name: str) -> _Pick:
     def pick(run: LabelledRun) -> Array | None:
         return run.values("drive_torque", drive=name) if name in names_along(run.data, "drive") else None
@@ -151,6 +192,12 @@ FIGURES = (
         title="Forces of the closures",
         function=figure_closure_forces,
         needs=CLOSED,
+    ),
+    RunFigure(
+        name="coupling_torques",
+        title="Torques of the couplings",
+        function=figure_coupling_torques,
+        needs=COUPLED,
     ),
     RunFigure(
         name="drive_efforts",

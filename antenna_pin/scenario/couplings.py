@@ -22,8 +22,8 @@ class CouplingSpec(JointTable):
     Attributes:
         follower: Name of the joint that follows.
         leader: Name of the joint that it follows.
-        multiplier: Way or angle of the follower for one of the leader; negative: the other way round [-]
-            ([m/rad], [rad/m]).
+        multiplier: Angle or way of the follower for one of the leader; negative the other way round. A bare
+            number is in SI units of the two joints [-].
         offset: The follower's position where the leader's is zero [rad] ([m]).
         conversion: What the unit of the multiplier says; None if it came without one.
     """

@@ -141,10 +141,21 @@ def test_a_fixed_leader_is_at_zero_and_a_fixed_follower_follows_nothing():
     system = System(build_mechanism(urdf.variant(joints={"b": "locked"}), "fixed"))
     assert list(system.couplings) == ["a"]
     assert system.neutral() == pytest.approx([0.25, 0.0])
-    assert constraint_counts(system, system.state(system.neutral(), [0, 0]))["freedoms_left"] == 1
+    workspace, y = Workspace(system), system.state(system.neutral(), [0, 0])
+    assert workspace.constraints.closed_at(0.0, y, workspace.program)
+    assert constraint_counts(system, y)["freedoms_left"] == 1
     free = urdf.variant(origins={"a": JointChange(mimic=False)})
     assert list(System(build_mechanism(free, "fixed")).couplings) == ["b"]
     assert "mimic" not in urdf_of(("a", "revolute", mimic("nobody"))).variant(joints={"a": "locked"}).to_xml()
+
+
+def test_the_last_digit_of_a_fast_follower_is_no_residual():
+    """A row counts by its larger number: of a follower a thousand times as fast the leader's turn."""
+    system = system_of(("a", "revolute", ""), ("b", "revolute", mimic("a", 1000)))
+    workspace, y = Workspace(system), system.state([0.3, 300.0], [0.7, np.nextafter(700.0, 701.0)])
+    assert workspace.constraints.closed_at(0.0, y, workspace.program)
+    y[3] = 700.0 + 1e-10
+    assert not workspace.constraints.closed_at(0.0, y, workspace.program)
 
 
 def test_a_coupling_twice_is_one_equation_and_one_torque():
