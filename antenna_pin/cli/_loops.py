@@ -7,7 +7,8 @@ from typing import Any
 
 import typer
 
-from antenna_pin.cli._tables import print_rows, text_of
+from antenna_pin.cli._tables import print_rows
+from antenna_pin.cli._zeros import Zeros
 
 _CLOSURES = {
     "peak_force": "peak force [N]",
@@ -26,18 +27,24 @@ _DRIVES = {
 }
 
 
-def print_loops(label: str, found: Mapping[str, Any]) -> None:
+def print_loops(label: str, found: Mapping[str, Any], zeros: Zeros) -> None:
     """Print what closures and drives carried, and how many equations they are."""
     from antenna_pin.analysis import said_of_constraints, said_of_singular
 
     if found["closures"]:
-        rows = [[one["of"], *(text_of(one[name]) for name in _CLOSURES)] for one in found["closures"]]
+        rows = [
+            [one["of"], *(zeros.text(one[name], unit) for name, unit in _CLOSURES.items())]
+            for one in found["closures"]
+        ]
         print_rows(f"{label}: forces of closures", ("", *_CLOSURES.values()), rows)
     if found["drives"]:
         rows = [
             [
                 f"{'motion' if one['motion'] else 'drive'} {one['of']} [{one['units']}]",
-                *(text_of(one[name]) for name in _DRIVES),
+                *(
+                    zeros.text(one[name], unit if "[" in unit else f"{unit} [{one['units']}]")
+                    for name, unit in _DRIVES.items()
+                ),
             ]
             for one in found["drives"]
         ]
