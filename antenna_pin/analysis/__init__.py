@@ -61,6 +61,12 @@ if TYPE_CHECKING:
     from antenna_pin.analysis.pointing_indices import INTERPRETATIONS, error_components, pointing_indices
     from antenna_pin.analysis.quantity import Quantity, QuantityName, quantities, quantity
     from antenna_pin.analysis.recurrence import Recurrence, RecurrenceKind, recurrence, section_lines
+    from antenna_pin.analysis.round_off import (
+        ROUND_OFF,
+        ROUND_OFF_WORDS,
+        is_round_off,
+        round_off_scales,
+    )
     from antenna_pin.analysis.sampled import resampled, time_mean, time_percentiles, time_rms
     from antenna_pin.analysis.scenarios import (
         SCENARIO_COLUMNS,
@@ -169,6 +175,10 @@ __all__ = [
     "quantities",
     "quantity",
     "recurrence",
+    "ROUND_OFF",
+    "ROUND_OFF_WORDS",
+    "is_round_off",
+    "round_off_scales",
     "resampled",
     "said_of_constraints",
     "said_of_coupling",
@@ -225,6 +235,7 @@ loaded_when_used(
         "pointing_indices": "INTERPRETATIONS error_components pointing_indices",
         "quantity": "Quantity QuantityName quantities quantity",
         "recurrence": "Recurrence RecurrenceKind recurrence section_lines",
+        "round_off": "ROUND_OFF ROUND_OFF_WORDS is_round_off round_off_scales",
         "sampled": "resampled time_mean time_percentiles time_rms",
         "scenarios": "SCENARIO_COLUMNS JournalPose ScenarioPair TiltRange"
         " possible_scenarios scenario_of scenario_rows",

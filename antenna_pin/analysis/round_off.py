@@ -10,7 +10,7 @@ velocity. What a run stores is not touched by this.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from xml.etree import ElementTree
 
 import numpy as np
@@ -33,15 +33,14 @@ _PAIRS = (("m", "rad"), ("m/s", "rad/s"), ("m/s^2", "rad/s^2"), ("N m", "N"), ("
 _NO_SCALE = {"q", "v", "a", "energy_error"}
 
 
-def round_off_scales(runs: RunLike | Iterable[RunLike]) -> dict[str, float]:
+def round_off_scales(*runs: RunLike) -> dict[str, float]:
     """Return the scale of each unit in which a run, or any of several, has numbers.
 
     Args:
-        runs: A run, or its data, or several.
+        *runs: Runs, or their data.
     """
-    several = [runs] if hasattr(runs, "data") or isinstance(runs, xr.Dataset) else list(runs)  # type: ignore[arg-type]
     found: dict[str, float] = {}
-    for run in several:
+    for run in runs:
         for unit, size in _of_one(data_of(run)).items():
             found[unit] = max(found.get(unit, 0.0), size)
     return found

@@ -92,7 +92,7 @@ def guess_of(scenario: Scenario, system: System) -> tuple[Array, Array]:
 
 
 def given(scenario: Scenario, mechanism: Mechanism) -> tuple[Array, Array]:
-    """Return the URDF's pose, (nq,), with what the scenario gives, and its velocity, (nv,); all loops open."""
+    """Return the URDF's pose, (nq,), with what the scenario gives, and its velocity, (nv,)."""
     q, v = pin.neutral(mechanism.model), np.zeros(mechanism.model.nv)
     initial = scenario.initial
     if mechanism.base == "free":

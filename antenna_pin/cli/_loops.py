@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from antenna_pin.cli._records import records
-from antenna_pin.cli._tables import print_rows, text_of
+from antenna_pin.cli._tables import print_rows
+from antenna_pin.cli._zeros import Zeros
 
 if TYPE_CHECKING:
     from antenna_pin.trajectory import Trajectory
@@ -59,16 +60,22 @@ def loops_of(run: Trajectory) -> dict[str, Any]:
     }
 
 
-def print_loops(label: str, found: Mapping[str, Any]) -> None:
+def print_loops(label: str, found: Mapping[str, Any], zeros: Zeros) -> None:
     """Print what closures, couplings and drives carried, and how many equations they are."""
     from antenna_pin.analysis import said_of_constraints, said_of_singular
 
     if found["closures"]:
-        rows = [[one["of"], *(text_of(one[name]) for name in _CLOSURES)] for one in found["closures"]]
+        rows = [
+            [one["of"], *(zeros.text(one[name], unit) for name, unit in _CLOSURES.items())]
+            for one in found["closures"]
+        ]
         print_rows(f"{label}: forces of closures", ("", *_CLOSURES.values()), rows)
     if found["couplings"]:
         rows = [
-            [f"{one['of']} [{one['units']}]", *(text_of(one[name]) for name in _COUPLINGS)]
+            [
+                f"{one['of']} [{one['units']}]",
+                *(zeros.text(one[name], f"{unit} [{one['units']}]") for name, unit in _COUPLINGS.items()),
+            ]
             for one in found["couplings"]
         ]
         print_rows(f"{label}: torques of couplings, on followers", ("", *_COUPLINGS.values()), rows)
@@ -76,7 +83,10 @@ def print_loops(label: str, found: Mapping[str, Any]) -> None:
         rows = [
             [
                 f"{'motion' if one['motion'] else 'drive'} {one['of']} [{one['units']}]",
-                *(text_of(one[name]) for name in _DRIVES),
+                *(
+                    zeros.text(one[name], unit if "[" in unit else f"{unit} [{one['units']}]")
+                    for name, unit in _DRIVES.items()
+                ),
             ]
             for one in found["drives"]
         ]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import shutil
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 import typer
@@ -78,13 +78,21 @@ _PLAIN_GROUPS = (
 )
 
 
-def print_summaries(summaries: Sequence[tuple[str, Mapping[str, Any]]]) -> None:
-    """Print summaries side by side as far as the lines are long, the others below; one row per figure."""
+def print_summaries(
+    summaries: Sequence[tuple[str, Mapping[str, Any]]], text: Callable[[Any, str], str] | None = None
+) -> None:
+    """Print summaries side by side as far as the lines are long, the others below; one row per figure.
+
+    Args:
+        summaries: Labels and summaries.
+        text: Returns a number of a row as it stands there.
+    """
+    told = text or (lambda value, name: text_of(value))
     columns = [dict(_rows(summary)) for _, summary in summaries]
     titles = dict.fromkeys(str(summary.get("title", "")) for _, summary in summaries)
     rows = []
     for row in dict.fromkeys(name for column in columns for name in column):
-        rows.append([row, *(text_of(column.get(row)) for column in columns)])
+        rows.append([row, *(told(column.get(row), row) for column in columns)])
     head = ["", *(label for label, _ in summaries)]
     _print(Table(title="; ".join(filter(None, titles)), head=head, rows=rows, sparse=True), pipe=_PAGE)
 

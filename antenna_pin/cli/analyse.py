@@ -14,6 +14,7 @@ from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, exported,
 from antenna_pin.cli._loops import loops_of, print_loops
 from antenna_pin.cli._records import plain_number, records
 from antenna_pin.cli._tables import print_rows, text_of
+from antenna_pin.cli._zeros import Zeros
 from antenna_pin.errors import InvalidParameterError
 
 if TYPE_CHECKING:
@@ -77,11 +78,14 @@ def analyse(
     run = load_result(file, scenario=False)
     found: dict[str, Any] = {"file": str(file), "case": run.data.attrs.get("case", "")}
     found["outcome"] = run.outcome.name
+    zeros = Zeros([run])
     notes = [] if run.completed else [f"the run ended early: {run.message}"]
     if run.data.sizes["time"] < 2:
         notes.append("one sample: no deviation, no frequencies")
     if ideal is not None and run.data.sizes["time"] > 1:
-        found["deviation"] = _deviation(run, ideal, notes)
+        reference = load_result(ideal, scenario=False)
+        zeros = Zeros([run, reference])
+        found["deviation"] = _deviation(run, reference, notes, zeros)
     if run.data.sizes.get("clearance_joint", 0):
         found |= _contact(run, gap)
     else:
@@ -93,15 +97,17 @@ def analyse(
     found["frequencies"] = _frequencies(run, notes)
     if exported({**found, "notes": notes}, parts_of(found, _PARTS), as_json, target):
         return
-    _print(label_of(run, file), found)
+    _print(label_of(run, file), found, zeros)
+    zeros.say()
     for note in notes:
         say(note)
 
 
-def _deviation(run: Trajectory, path: Path, notes: list[str]) -> list[dict[str, Any]]:
+def _deviation(
+    run: Trajectory, reference: Trajectory, notes: list[str], zeros: Zeros
+) -> list[dict[str, Any]]:
     from antenna_pin.analysis import deviation_measures
 
-    reference = load_result(path, scenario=False)
     ends = [float(one.data["time"].values[-1]) for one in (run, reference)]
     if ends[0] > ends[1]:
         notes.append(f"compared with the ideal run up to its end at {ends[1]:g} s")
@@ -114,6 +120,7 @@ def _deviation(run: Trajectory, path: Path, notes: list[str]) -> list[dict[str, 
             "rms": plain_number(one.rms),
             "end": plain_number(one.end),
             "growth": str(one.growth),
+            "round_off": zeros.is_zero(one.maximum, one.units),
         }
         for one in deviation_measures(run, reference)
     ]
@@ -183,7 +190,7 @@ def _frequencies(run: Trajectory, notes: list[str]) -> list[dict[str, Any]]:
     return result
 
 
-def _print(label: str, found: dict[str, Any]) -> None:
+def _print(label: str, found: dict[str, Any], zeros: Zeros) -> None:
     """Print the tables of an analysis."""
     if "deviation" in found:
         rows = [
@@ -193,14 +200,18 @@ def _print(label: str, found: dict[str, Any]) -> None:
                 one["growth"],
             ]
             for one in found["deviation"]
+            if not one["round_off"]
         ]
         head = ("", "maximum", "at [s]", "rms", "at the end", "growth")
-        print_rows(f"{label}: deviation from the ideal run", head, rows)
+        if rows:
+            print_rows(f"{label}: deviation from the ideal run", head, rows)
+        if still := [one["of"] for one in found["deviation"] if one["round_off"]]:
+            typer.echo(f"deviation that is zero to round-off: {', '.join(still)}")
     if "loads" in found:
-        _print_contacts(label, found)
+        _print_contacts(label, found, zeros)
         _print_settling(label, found["settling"])
     if "constraints" in found:
-        print_loops(label, found)
+        print_loops(label, found, zeros)
     if "elastic" in found:
         print_elastic(label, found["elastic"])
     rows = [
@@ -223,17 +234,18 @@ def _print(label: str, found: dict[str, Any]) -> None:
         typer.echo(f"nothing above round-off: {', '.join(quiet)}")
 
 
-def _print_contacts(label: str, found: dict[str, Any]) -> None:
+def _print_contacts(label: str, found: dict[str, Any], zeros: Zeros) -> None:
     """Print impacts and loads, one column per joint and contact."""
     columns = [str(one["of"]) for one in found["loads"]]
     entries = {kind: {one["of"]: one for one in found[kind]} for kind in ("impacts", "blows", "loads")}
     rows = [
-        [text, *(text_of(entries[kind].get(column, {}).get(name)) for column in columns)]
+        [text, *(zeros.text(entries[kind].get(column, {}).get(name), text) for column in columns)]
         for kind, name, text in _ROWS
     ]
     for percent in found["loads"][0]["force_percentile"]:
         forces = [entries["loads"][column]["force_percentile"][percent] for column in columns]
-        rows.append([f"force not exceeded for {percent} % of the time [N]", *map(text_of, forces)])
+        name = f"force not exceeded for {percent} % of the time [N]"
+        rows.append([name, *(zeros.text(force, name) for force in forces)])
     print_rows(f"{label}: impacts and load", ("", *columns), rows)
 
 

@@ -80,9 +80,9 @@ def impacts(
             return
         narrow = [name.replace(" [", "\n[") for name in head]
         print_rows(f"{label_of(run, file)}: impacts", narrow, rows)
-        for surface, count in blow_counts(run.data).items():
+        for surface, count in blow_counts(run.data).items() if strongest is None else ():
             mine = surfaces(run.data)[run.data["episode_contact"].values] == surface
             if count and joint in (None, surface.rpartition(".")[0]):
-                say(f"{surface}: {int(mine.sum())} contacts in {count} blows")
+                say(f"blows of {surface}: {count}, of {int(mine.sum())} contacts")
     if target is not None:
         write_csv(target, head, zip(*names, *columns, *flags, strict=True), silent=as_json)

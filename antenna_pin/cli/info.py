@@ -26,6 +26,7 @@ from antenna_pin.cli._common import (
 )
 from antenna_pin.cli._export import CsvOption, csv_target, rows_of, say_json, write_csv
 from antenna_pin.cli._tables import flat, print_summaries
+from antenna_pin.cli._zeros import Zeros
 from antenna_pin.errors import InvalidParameterError
 
 if TYPE_CHECKING:
@@ -73,7 +74,9 @@ def info(
     if as_json or target is not None:
         return
     labels = labels_of([path for path, _ in runs])
-    print_summaries(list(zip(labels, facts, strict=True)))
+    zeros = Zeros(trajectory for _, trajectory in runs)
+    print_summaries(list(zip(labels, facts, strict=True)), zeros.text)
+    zeros.say()
     for label, (_, trajectory) in zip(labels, runs, strict=True):
         if trajectory.outcome.name != "COMPLETED":
             say(f"{label}: {trajectory.message}")

@@ -32,6 +32,7 @@ from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, rows_of, 
 from antenna_pin.cli._progress import progress_bar
 from antenna_pin.cli._quantities import positive_quantity
 from antenna_pin.cli._tables import flat, print_summaries
+from antenna_pin.cli._zeros import Zeros
 from antenna_pin.interruption import ended_by
 
 if TYPE_CHECKING:
@@ -149,7 +150,9 @@ def run(
             say_json({"file": str(path), **found})
         quiet = quiet or as_json
         if summary and not quiet and target is None:
-            print_summaries([(label_of(trajectory, path), found)])
+            zeros = Zeros([trajectory])
+            print_summaries([(label_of(trajectory, path), found)], zeros.text)
+            zeros.say()
         if not quiet:
             typer.echo(f"saved {path}")
             say_spin(trajectory, "note: ")

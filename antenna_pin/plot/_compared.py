@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,6 +11,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from antenna_pin.analysis import is_round_off, round_off_scales
+from antenna_pin.plot._runs import LabelledRun
 from antenna_pin.plot._style import (
     MANY,
     Array,
@@ -24,8 +26,6 @@ from antenna_pin.plot._style import (
     prefixed,
 )
 
-# What is below this share of the largest is round-off.
-ROUND_OFF = 1e-9
 # Windows between whose spikes a size is looked for, and samples in each.
 _WINDOWS, _IN_WINDOW = 50, 41
 
@@ -107,6 +107,19 @@ def between_spikes(time: Array, value: Array) -> float:
 def even_instants(time: Array) -> Array:
     """Return the instants at which :func:`between_spikes` looks at samples at some times, (n,) [s]."""
     return np.linspace(time[0], time[-1], _WINDOWS * _IN_WINDOW)
+
+
+def above_round_off(panels: Sequence[Panel], runs: Iterable[LabelledRun]) -> tuple[list[Panel], str]:
+    """Return the panels that show more than round-off by the runs' own scales, and the others in words.
+
+    Where there would be none left, all are.
+    """
+    scales = round_off_scales(*(run.whole.data for run in runs))
+    shown = [panel for panel in panels if not is_round_off(panel.largest, panel.unit, scales)]
+    if not shown:
+        return list(panels), "all of it is zero to round-off"
+    left = dict.fromkeys(panel.title for panel in panels if panel not in shown)
+    return shown, f"zero to round-off: {', '.join(left)}" if left else ""
 
 
 def _largest(curve: Curve) -> float:

@@ -15,7 +15,7 @@ from scipy.spatial.transform import Rotation
 
 from antenna_pin.analysis import base_motion, deviation_over_time
 from antenna_pin.errors import AntennaPinError, InvalidParameterError, UnknownNameError
-from antenna_pin.plot._compared import ROUND_OFF, Curve, Panel, panels_figure
+from antenna_pin.plot._compared import Curve, Panel, above_round_off, panels_figure
 from antenna_pin.plot._kinds import FREE_BASE, SEVERAL_JOINTS, none_with
 from antenna_pin.plot._run_figure import RunFigure
 from antenna_pin.plot._runs import LabelledRun, Run, left_out, long_enough, styles, too_short, with_reference
@@ -101,9 +101,6 @@ def figure_base(
         )
         for axis in range(3)
     ]
-    overall = max(panel.largest for panel in panels)
-    none = [panel for panel in panels if panel.largest <= ROUND_OFF * overall] if overall > 0.0 else []
-    panels = [panel for panel in panels if panel not in none]
     apart = _deviations(drawn, reference, f"base_{quantity}")
     if apart:
         curves = [
@@ -112,12 +109,12 @@ def figure_base(
         ]
         title = "size of the deviation from the ideal run"
         panels.append(Panel(title, "deviation", _UNITS[quantity], curves, True))
+    panels, zero = above_round_off(panels, drawn)
     figure = panels_figure(panels, width, 2, spikes=quantity.endswith("acceleration"))
-    zero = ", ".join(panel.title.rpartition(", ")[2] for panel in none)
     footnote(
         figure,
         "angles about the base's own axes in turn" if quantity == "attitude" else "world axes",
-        f"zero to round-off: {zero}" if none else "",
+        zero,
         too_short(every),
         left_out(every, drawn, "fixed base"),
     )
@@ -189,8 +186,9 @@ def figure_joints(
         ]
         if curves:
             panels.append(Panel(f"{words}: deviation", "deviation", unit, curves, True))
+    panels, zero = above_round_off(panels, drawn)
     figure = panels_figure(panels, width, 2 if apart else 1, spikes=quantity == "acceleration")
-    footnote(figure, "deviation: from the ideal run" if apart else "", too_short(every))
+    footnote(figure, "deviation: from the ideal run" if apart else "", zero, too_short(every))
     return figure
 
 

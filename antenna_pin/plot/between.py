@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from antenna_pin.analysis import beside
 from antenna_pin.errors import UnknownNameError
-from antenna_pin.plot._compared import Curve, Panel, panels_figure
+from antenna_pin.plot._compared import Curve, Panel, above_round_off, panels_figure
 from antenna_pin.plot._kinds import TURNING, choose_joint
 from antenna_pin.plot._run_figure import RunFigure
 from antenna_pin.plot._runs import LabelledRun, Run, long_enough, styles, too_short, with_reference
@@ -85,8 +85,9 @@ def figure_between(
     if first is not None and later:
         title = f"less that of {literal(first.label)}"
         panels.append(Panel(title, "difference", unit, curves(later, first), True))
+    panels, zero = above_round_off(panels, drawn)
     figure = panels_figure(panels, width, 2)
-    footnote(figure, too_short(every))
+    footnote(figure, zero, too_short(every))
     return figure
 
 

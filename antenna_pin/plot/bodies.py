@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from antenna_pin.analysis import body_deviation, body_motion, moved_body
 from antenna_pin.errors import AntennaPinError, UnknownNameError
-from antenna_pin.plot._compared import ROUND_OFF, Curve, Panel, panels_figure
+from antenna_pin.plot._compared import Curve, Panel, above_round_off, panels_figure
 from antenna_pin.plot._kinds import LOOPED, MOVING, choose_joint
 from antenna_pin.plot._run_figure import RunFigure
 from antenna_pin.plot._runs import LabelledRun, Run, long_enough, styles, too_short, with_reference
@@ -64,13 +64,8 @@ def figure_body(
     looks = dict(zip([run.label for run in drawn], styles(drawn, reference), strict=True))
     motions = [np.asarray(body_motion(run.data, body)[quantity].values, dtype=float) for run in drawn]
     apart = _deviations(drawn, reference, body, quantity)
-    sizes = np.max([np.nanmax(np.abs(motion), axis=0, initial=0.0) for motion in motions], axis=0)
-    # A slider in a guide moves along one axis; what is left of the others is round-off.
-    moves = sizes > ROUND_OFF * sizes.max() if sizes.any() else sizes == 0.0
     panels = []
     for axis, component in enumerate("xyz"):
-        if not moves[axis]:
-            continue
         words = f"{body.replace('_', ' ')} {quantity}, {component}"
         curves = [
             Curve(run.legend, run.time, motion[:, axis], looks[run.label], run is reference, run.many)
@@ -84,9 +79,9 @@ def figure_body(
         if curves:
             title = f"deviation along {component} from the ideal run"
             panels.append(Panel(title, "deviation", _UNITS[quantity], curves, True))
+    panels, zero = above_round_off(panels, drawn)
     figure = panels_figure(panels, width, 2 if apart else 1, spikes=quantity == "acceleration")
-    still = ", ".join(component for component, moving in zip("xyz", moves, strict=True) if not moving)
-    footnote(figure, "world axes", f"zero to round-off: {still}" if still else "", too_short(every))
+    footnote(figure, "world axes", zero, too_short(every))
     return figure
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from antenna_pin.analysis import closures_of, couplings_of, drive_power, drives_of, effort_unit
-from antenna_pin.plot._compared import ROUND_OFF, Curve, Panel, panels_figure
+from antenna_pin.plot._compared import Curve, Panel, above_round_off, panels_figure
 from antenna_pin.plot._kinds import CLOSED, COUPLED, PRESCRIBED, RunKind, none_with
 from antenna_pin.plot._run_figure import RunFigure
 from antenna_pin.plot._runs import LabelledRun, Run, left_out, long_enough, styles, too_short, with_reference
@@ -49,15 +49,16 @@ def figure_closure_forces(
         kind = next(closures_of(run.data)[name]["kind"] for run in drawn if name in closures_of(run.data))
         for what, unit in _OF_CLOSURES.items():
             panel = _panel(f"{name} ({kind}), {what}", what, unit, drawn, reference, _size(name, what))
-            force = panels[-1].largest if what == "moment" else 0.0
-            if what == "force" or panel.largest > ROUND_OFF * force:
+            if what == "force" or panel.largest > 0.0:
                 panels.append(panel)
+    panels, zero = above_round_off(panels, drawn)
     figure = panels_figure(panels, width, 2, spikes=True)
     counts = [json.loads(run.data.attrs["constraints"]) for run in drawn]
     redundant = any(one["closure_equations"] > one["closure_rank"] for one in counts)
     footnote(
         figure,
         "of redundant equations, the least loads that hold the loops" if redundant else "",
+        zero,
         too_short(every),
         left_out(every, drawn, "without a closure"),
     )
@@ -125,8 +126,9 @@ def figure_drive_efforts(
         of = f"{'motion' if motion else 'drive'} {name}"
         panels.append(_panel(f"{of}, {what}", what, unit, drawn, reference, _effort(name)))
         panels.append(_panel(f"{of}, power", "power", "W", drawn, reference, _power(name)))
-    figure = panels_figure([panel for panel in panels if panel.curves], width, 2, spikes=True)
-    footnote(figure, too_short(every), left_out(every, drawn, "without a prescribed motion"))
+    panels, zero = above_round_off([panel for panel in panels if panel.curves], drawn)
+    figure = panels_figure(panels, width, 2, spikes=True)
+    footnote(figure, zero, too_short(every), left_out(every, drawn, "without a prescribed motion"))
     return figure
 
 

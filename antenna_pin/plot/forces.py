@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from antenna_pin.analysis import is_round_off, round_off_scales
 from antenna_pin.plot._kinds import TOUCHING, choose_joint
 from antenna_pin.plot._run_figure import RunFigure
 from antenna_pin.plot._runs import (
@@ -67,8 +68,17 @@ def figure_contact_forces(
     curves = [
         thinned(smooth(run, joint), lambda part: _resultant(part, joint, kinds).values()) for run in drawn
     ]
-    resultants = [_resultant(curve, joint, kinds) for curve in curves]
+    resultants = [dict(_resultant(curve, joint, kinds)) for curve in curves]
     peaks = [{kind: _peaks(run, joint, kind) for kind in kinds} for run in drawn]
+    scales = round_off_scales(*(run.whole.data for run in drawn))
+    still: dict[str, None] = {}
+    for run, resultant, peak in zip(drawn, resultants, peaks, strict=True):
+        for kind in kinds:
+            size = max(float(np.nanmax(np.abs(one), initial=0.0)) for one in (resultant[kind], peak[kind][1]))
+            if is_round_off(size, "N", scales):
+                still[f"{run.label}, {kind}"] = None
+                resultant[kind] = np.zeros_like(resultant[kind])
+                peak[kind] = np.empty(0), np.empty(0)
     sizes = {
         kind: [
             max(float(np.nanmax(np.abs(part), initial=0.0)) for part in (resultant[kind], peak[kind][1]))
@@ -113,7 +123,7 @@ def figure_contact_forces(
             axes.axhline(0.0, color="#999999", linewidth=0.5, zorder=1.5)
     figure.align_ylabels()
     legend_above(figure, figure.axes)
-    footnote(figure, too_short(every))
+    footnote(figure, f"zero to round-off: {'; '.join(still)}" if still else "", too_short(every))
     return figure
 
 

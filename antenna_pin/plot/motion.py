@@ -13,6 +13,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from antenna_pin.analysis import is_round_off, round_off_scales
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.plot._compared import between_spikes
 from antenna_pin.plot._kinds import SLIDING, TURNING, choose_joint
@@ -26,7 +27,7 @@ from antenna_pin.plot._motion_curves import (
     zoom_of,
 )
 from antenna_pin.plot._run_figure import RunFigure
-from antenna_pin.plot._runs import Run, long_enough, too_short, with_reference
+from antenna_pin.plot._runs import LabelledRun, Run, long_enough, too_short, with_reference
 from antenna_pin.plot._style import (
     IDEAL,
     MANY,
@@ -110,12 +111,25 @@ def figure_motion(
     label = f"{literal(name.replace('_', ' '))} {quantity.removeprefix('slide ')}"
     if what.spiky and any(not c.is_ideal for c in curves):
         windows = [given or zoom_of([from_rest(c)], what) for c in curves if not c.is_ideal]
-        figure = _strips(seen(windows), windows, label, unit, width)
+        figure, still = _strips(seen(windows), windows, label, unit, width), ""
     else:
         window = given or zoom_of(curves, what)
-        figure = _panels(seen([window]), window, label, unit, width)
-    footnote(figure, too_short(every))
+        shown, still = _without_round_off(seen([window]), drawn, unit)
+        figure = _panels(shown, window, label, unit, width)
+    footnote(figure, still, too_short(every))
     return figure
+
+
+def _without_round_off(
+    curves: Sequence[MotionCurve], runs: Sequence[LabelledRun], unit: str
+) -> tuple[list[MotionCurve], str]:
+    """Return curves without deviations that are zero to round-off in all runs, and that in words."""
+    sizes = [float(np.nanmax(np.abs(c.deviation), initial=0.0)) for c in curves if c.deviation is not None]
+    scales = round_off_scales(*(run.whole.data for run in runs)) if sizes else {}
+    if not sizes or not is_round_off(max(sizes), unit, scales):
+        return list(curves), ""
+    bare = [dataclasses.replace(curve, deviation=None) for curve in curves]
+    return bare, "deviation from the ideal joint: zero to round-off"
 
 
 def _check_zoom(zoom: Span) -> Span:

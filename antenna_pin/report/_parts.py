@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
+from antenna_pin.analysis import ROUND_OFF_WORDS, is_round_off
 from antenna_pin.readable import number, prefixed, readable
 
 __all__ = [
@@ -20,10 +21,14 @@ __all__ = [
     "counts",
     "quantities",
     "quantity",
+    "said_of_zeros",
     "shares_row",
     "words",
 ]
 
+
+ZERO = "≈ 0"
+"""What stands for a number that is zero to round-off."""
 
 _SHORT = 24
 
@@ -168,7 +173,13 @@ class Section:
         return not (self.lead or self.statements or self.items or self.notes)
 
 
-def quantities(name: str, values: Sequence[float | None], unit: str = "1", digits: int = 4) -> Row:
+def quantities(
+    name: str,
+    values: Sequence[float | None],
+    unit: str = "1",
+    digits: int = 4,
+    scales: Mapping[str, float] | None = None,
+) -> Row:
     """Return a row of numbers with one prefix for all; what is None or not finite is a dash.
 
     Args:
@@ -176,16 +187,32 @@ def quantities(name: str, values: Sequence[float | None], unit: str = "1", digit
         values: One per column, in the SI unit.
         unit: Their SI unit.
         digits: Significant digits.
+        scales: Of the runs, by which numbers may be zero to round-off; none is if not given.
     """
-    factor, printed = prefixed(unit, values)
-    return Row(name, tuple(_cell(value, factor, digits) for value in values), printed)
+    still = [is_round_off(value, unit, scales or {}) for value in values]
+    factor, printed = prefixed(unit, [v for v, zero in zip(values, still, strict=True) if not zero])
+    cells = (
+        Cell(ZERO, value) if zero else _cell(value, factor, digits)
+        for value, zero in zip(values, still, strict=True)
+    )
+    return Row(name, tuple(cells), printed)
 
 
-def quantity(value: float | None, unit: str = "1", digits: int = 4) -> Cell:
-    """Return a cell with a number and its unit."""
+def quantity(
+    value: float | None, unit: str = "1", digits: int = 4, scales: Mapping[str, float] | None = None
+) -> Cell:
+    """Return a cell with a number and its unit; ``scales`` as for :func:`quantities`."""
+    if is_round_off(value, unit, scales or {}):
+        return Cell(ZERO, value)
     if value is None or not math.isfinite(value):
         return Cell(number(None))
     return Cell(readable(value, unit, digits), value)
+
+
+def said_of_zeros(tables: Iterable[Table]) -> tuple[str, ...]:
+    """Return what the sign of zero means, as notes of a section, where its tables have one."""
+    cells = (cell for table in tables for row in table.rows for cell in row.cells)
+    return (f"{ROUND_OFF_WORDS}.",) if any(cell.text == ZERO for cell in cells) else ()
 
 
 def shares_row(name: str, shares: Sequence[float | None]) -> Row:

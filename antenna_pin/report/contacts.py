@@ -2,14 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 
 import numpy as np
 import xarray as xr
 
-from antenna_pin.analysis import Settling, impacts, load_statistics, settling
+from antenna_pin.analysis import Settling, impacts, load_statistics, round_off_scales, settling
 from antenna_pin.readable import number, readable
-from antenna_pin.report._parts import Details, Row, Section, Table, counts, quantities, shares_row, words
+from antenna_pin.report._parts import (
+    Details,
+    Row,
+    Section,
+    Table,
+    counts,
+    quantities,
+    said_of_zeros,
+    shares_row,
+    words,
+)
 from antenna_pin.report._runs import ReportedRun, labels_of
 
 __all__ = ["impact_tables", "loads", "settlings"]
@@ -120,6 +130,7 @@ def loads(runs: Sequence[ReportedRun]) -> Section:
     """Return statistics of the forces in clearance joints."""
     touched = [run for run in runs if run.names("clearance_joint")]
     found = [load_statistics(run.data) for run in touched]
+    scales = round_off_scales(*(run.data for run in touched))
     if not touched:
         return Section(key="loads", title="Loads")
     columns = ("", *labels_of(touched))
@@ -127,13 +138,13 @@ def loads(runs: Sequence[ReportedRun]) -> Section:
     contacts = list(dict.fromkeys(name for run in touched for name in run.names("contact")))
     whole = Table(
         columns=columns,
-        rows=tuple(row for name in joints for row in _load_rows(found, "clearance_joint", name)),
+        rows=tuple(row for name in joints for row in _load_rows(found, "clearance_joint", name, scales)),
         caption="Size of the whole contact force on the journal",
         key="loads",
     )
     each = Table(
         columns=columns,
-        rows=tuple(row for name in contacts for row in _load_rows(found, "contact", name)),
+        rows=tuple(row for name in contacts for row in _load_rows(found, "contact", name, scales)),
         caption="Normal force of each contact",
         key="loads-contacts",
     )
@@ -145,11 +156,14 @@ def loads(runs: Sequence[ReportedRun]) -> Section:
             "Percentiles of the time: a force that is not exceeded for so much of it. The force on the "
             "journal may be far below those of its contacts, which press from opposite sides when the "
             "journal is tilted.",
+            *said_of_zeros((whole, each)),
         ),
     )
 
 
-def _load_rows(found: Sequence[xr.Dataset], dimension: str, name: str) -> Iterator[Row]:
+def _load_rows(
+    found: Sequence[xr.Dataset], dimension: str, name: str, scales: Mapping[str, float]
+) -> Iterator[Row]:
     prefix = "joint_" if dimension == "clearance_joint" else ""
     mine = [one.sel({dimension: name}) if name in one[dimension].values else None for one in found]
 
@@ -158,15 +172,15 @@ def _load_rows(found: Sequence[xr.Dataset], dimension: str, name: str) -> Iterat
         return [value if value is not None and np.isfinite(value) else None for value in values]
 
     yield Row(name)
-    yield quantities("largest", column("peak_force"), "N")
-    yield quantities("mean", column("mean_force"), "N")
+    yield quantities("largest", column("peak_force"), "N", 4, scales)
+    yield quantities("mean", column("mean_force"), "N", 4, scales)
     if not prefix:
-        yield quantities("mean while in contact", column("mean_force_in_contact"), "N")
-    yield quantities("root mean square", column("rms_force"), "N", 3)
+        yield quantities("mean while in contact", column("mean_force_in_contact"), "N", 4, scales)
+    yield quantities("root mean square", column("rms_force"), "N", 3, scales)
     percents = next(one for one in mine if one is not None)["percent"].values
     for k, percent in enumerate(percents):
         values = [None if one is None else float(one[f"{prefix}force_percentile"][k]) for one in mine]
-        yield quantities(f"{number(float(percent))} % of the time", values, "N", 3)
+        yield quantities(f"{number(float(percent))} % of the time", values, "N", 3, scales)
     yield shares_row("share of time in contact", column("contact_share"))
 
 

@@ -15,9 +15,10 @@ from antenna_pin.analysis import (
     drive_loads,
     drives_of,
     effort_unit,
+    round_off_scales,
     said_of_constraints,
 )
-from antenna_pin.report._parts import Row, Section, Statement, Table, counts, quantities
+from antenna_pin.report._parts import Row, Section, Statement, Table, counts, quantities, said_of_zeros
 from antenna_pin.report._runs import ReportedRun, labels_of
 
 __all__ = ["loops"]
@@ -69,7 +70,7 @@ def loops(runs: Sequence[ReportedRun]) -> Section:
         title="Closed loops and motions",
         statements=(Statement(label="counted at the start", texts=said),),
         items=tuple(items),
-        notes=tuple(notes),
+        notes=(*notes, *said_of_zeros(items)),
     )
 
 
@@ -99,15 +100,18 @@ def _held(runs: Sequence[ReportedRun]) -> Iterator[Row]:
 
 def _closures(runs: Sequence[ReportedRun]) -> Iterator[Row]:
     loads = [closure_loads(run.data) for run in runs]
+    scales = round_off_scales(*(run.data for run in runs))
     for name in _every(runs, "closure"):
         about = next(closures_of(run.data)[name] for run in runs if name in run.names("closure"))
         yield Row(f"{name}, {about['kind']}: {about['first_body']} - {about['second_body']}")
-        yield quantities("largest force", _column(loads, "closure", name, "peak_force"), "N")
+        yield quantities("largest force", _column(loads, "closure", name, "peak_force"), "N", 4, scales)
         yield quantities("at", _column(loads, "closure", name, "time_of_peak_force"), "s")
-        yield quantities("root mean square of the force", _column(loads, "closure", name, "rms_force"), "N")
+        yield quantities(
+            "root mean square of the force", _column(loads, "closure", name, "rms_force"), "N", 4, scales
+        )
         moments = _column(loads, "closure", name, "peak_moment")
         if any(moments):
-            yield quantities("largest moment", moments, "N m")
+            yield quantities("largest moment", moments, "N m", 4, scales)
 
 
 def _couplings(runs: Sequence[ReportedRun]) -> Iterator[Row]:
@@ -125,14 +129,17 @@ def _couplings(runs: Sequence[ReportedRun]) -> Iterator[Row]:
 
 def _drives(runs: Sequence[ReportedRun]) -> Iterator[Row]:
     loads = [drive_loads(run.data) for run in runs]
+    scales = round_off_scales(*(run.data for run in runs))
     for name in _every(runs, "drive"):
         own = next(run for run in runs if name in run.names("drive"))
         unit, about = effort_unit(own.data, name), drives_of(own.data).get(name, {})
         motion = f", motion of {about['joint']}" if about.get("motion") else ""
         what = "force" if unit == "N" else "torque"
         yield Row(f"drive {name}{motion}")
-        yield quantities(f"largest {what}", _column(loads, "drive", name, "peak_effort"), unit)
-        yield quantities(f"root mean square of the {what}", _column(loads, "drive", name, "rms_effort"), unit)
+        yield quantities(f"largest {what}", _column(loads, "drive", name, "peak_effort"), unit, 4, scales)
+        yield quantities(
+            f"root mean square of the {what}", _column(loads, "drive", name, "rms_effort"), unit, 4, scales
+        )
         yield quantities("largest power", _column(loads, "drive", name, "peak_power"), "W")
         yield quantities("work", _column(loads, "drive", name, "work"), "J")
         yield quantities("gross work", _column(loads, "drive", name, "gross_work"), "J")

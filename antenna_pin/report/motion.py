@@ -16,6 +16,8 @@ from antenna_pin.analysis import (
     deviation_measures,
     dominant_frequencies,
     elastic_parts_of,
+    is_round_off,
+    round_off_scales,
 )
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.readable import number, readable
@@ -53,13 +55,14 @@ def deviations(runs: Sequence[ReportedRun]) -> Section:
     every = list(dict.fromkeys(m.of for _, one in found for m in one))
     joints = [of for of in every if not of.startswith("base ")]
     bases = [of for of in every if of.startswith("base ")]
+    scales = round_off_scales(*(run.data for run in runs))
     items: list[Table | Details] = []
     if joints:
         caption = f"Motion of the joints less that of {ideal.label}"
-        items.append(_deviation_table(found, joints, caption, "deviation"))
+        items.append(_deviation_table(found, joints, caption, "deviation", scales))
     if bases:
         caption = f"Motion of the base less that in {ideal.label}: lengths of vectors in world axes"
-        table = _deviation_table(found, bases, caption, "deviation-base")
+        table = _deviation_table(found, bases, caption, "deviation-base", scales)
         items.append(Details(title="Deviation of the base", tables=(table,)))
     notes.insert(
         0,
@@ -79,6 +82,7 @@ def _deviation_table(
     quantities: Sequence[str],
     caption: str,
     key: str,
+    scales: Mapping[str, float],
 ) -> Table:
     """Return a table with a row per quantity, or, of several runs, per quantity and run."""
     rows: list[Row] = []
@@ -86,18 +90,19 @@ def _deviation_table(
         if len(found) > 1:
             rows.append(Row(of))
         for run, one in found:
-            rows += [_measures(run.label if len(found) > 1 else of, m) for m in one if m.of == of]
+            rows += [_measures(run.label if len(found) > 1 else of, m, scales) for m in one if m.of == of]
     columns = ("", "largest", "at", "root mean square", "at the end", "growth")
     return Table(columns=columns, rows=tuple(rows), caption=caption, key=key)
 
 
-def _measures(name: str, of: DeviationMeasures) -> Row:
+def _measures(name: str, of: DeviationMeasures, scales: Mapping[str, float]) -> Row:
+    still = is_round_off(of.maximum, of.units, scales)
     cells = (
-        quantity(of.maximum, of.units),
-        quantity(of.time_of_maximum, "s"),
-        quantity(of.rms, of.units),
-        quantity(of.end, of.units),
-        Cell(_growth(of.growth)),
+        quantity(of.maximum, of.units, scales=scales),
+        quantity(None if still else of.time_of_maximum, "s"),
+        quantity(of.rms, of.units, scales=scales),
+        quantity(of.end, of.units, scales=scales),
+        Cell("zero to round-off" if still else _growth(of.growth)),
     )
     return Row(name, cells)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,12 +13,22 @@ from antenna_pin.analysis import (
     blocks,
     impacts,
     load_statistics,
+    round_off_scales,
     said_of_limits,
     said_of_singular,
     said_of_spin,
 )
 from antenna_pin.readable import number, readable
-from antenna_pin.report._parts import Row, Section, Table, counts, quantities, shares_row, words
+from antenna_pin.report._parts import (
+    Row,
+    Section,
+    Table,
+    counts,
+    quantities,
+    said_of_zeros,
+    shares_row,
+    words,
+)
 from antenna_pin.report._runs import ReportedRun, ideal_of, labels_of
 
 __all__ = ["CONSERVED_WITHIN", "Status", "key_results", "conservation", "statuses", "warnings"]
@@ -127,19 +137,22 @@ def _conserved(run: ReportedRun) -> dict[str, Any]:
 
 def key_results(runs: Sequence[ReportedRun]) -> Section:
     """Return the key numbers of all runs in one table, columns being runs."""
+    scales = round_off_scales(*(run.data for run in runs))
     rows = [
         words("outcome", (run.run.outcome.name.lower().replace("_", " ") for run in runs)),
         quantities("simulated time", [run.end for run in runs], "s"),
     ]
     for joint in _every(runs, "joint"):
-        rows += _joint_rows(runs, joint)
+        rows += _joint_rows(runs, joint, scales)
     for joint in _every(runs, "clearance_joint"):
         rows += _clearance_rows(runs, joint)
     if any("base_position" in run.data for run in runs):
         rows += [
             Row("base"),
-            quantities("farthest from its start", [_base(run, _displacement) for run in runs], "m"),
-            quantities("largest turn from its start", [_base(run, _turn) for run in runs], "rad"),
+            quantities(
+                "farthest from its start", [_base(run, _displacement) for run in runs], "m", 4, scales
+            ),
+            quantities("largest turn from its start", [_base(run, _turn) for run in runs], "rad", 4, scales),
         ]
     table = Table(
         columns=("", *labels_of(runs)), rows=tuple(rows), caption="Key numbers of the runs", key="key-results"
@@ -151,6 +164,7 @@ def key_results(runs: Sequence[ReportedRun]) -> Section:
             "samples. Impulse is the integral of the normal forces over time; energy lost is that of "
             "contacts, normal and friction."
         )
+    notes += said_of_zeros([table])
     return Section(key="results", title="Key results", items=(table,), notes=tuple(notes))
 
 
@@ -158,7 +172,7 @@ def _every(runs: Sequence[ReportedRun], dimension: str) -> list[str]:
     return list(dict.fromkeys(name for run in runs for name in run.names(dimension)))
 
 
-def _joint_rows(runs: Sequence[ReportedRun], joint: str) -> Iterator[Row]:
+def _joint_rows(runs: Sequence[ReportedRun], joint: str, scales: Mapping[str, float]) -> Iterator[Row]:
     def column(pick: Callable[[ReportedRun, int], float]) -> list[float | None]:
         return [
             pick(run, run.names("joint").index(joint)) if joint in run.names("joint") else None
@@ -166,10 +180,14 @@ def _joint_rows(runs: Sequence[ReportedRun], joint: str) -> Iterator[Row]:
         ]
 
     yield Row(f"joint {joint}")
-    yield quantities("angle at the end", column(lambda run, k: _last(run, "motion_angle", k)), "rad", 5)
-    yield quantities("rate at the end", column(lambda run, k: _last(run, "motion_rate", k)), "rad/s", 5)
+    angles, rates = (
+        column(lambda run, k, of=of: _last(run, of, k))  # type: ignore[misc]
+        for of in ("motion_angle", "motion_rate")
+    )
+    yield quantities("angle at the end", angles, "rad", 5, scales)
+    yield quantities("rate at the end", rates, "rad/s", 5, scales)
     peaks = column(lambda run, k: _largest(run, "motion_acceleration", k))
-    yield quantities("largest acceleration", peaks, "rad/s^2")
+    yield quantities("largest acceleration", peaks, "rad/s^2", scales=scales)
     ideal = ideal_of(runs)
     if ideal is not None and joint in ideal.names("joint"):
         own = peaks[list(runs).index(ideal)]
