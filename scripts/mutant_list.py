@@ -34,6 +34,7 @@ class Mutant:
         tests: What pytest is given: files, node ids, options; in the list one text, as in a shell.
         equivalent: Why nothing can notice it, if nothing can; it has no tests then, and is not run.
         compiled: Whether kernels are compiled, which takes up to a minute, or run as Python.
+        room: File of the list that it stands in.
     """
 
     note: str
@@ -43,16 +44,17 @@ class Mutant:
     tests: tuple[str, ...] = ()
     equivalent: str = ""
     compiled: bool = False
+    room: str = ""
 
     @classmethod
-    def of(cls, table: dict[str, Any]) -> Mutant:
+    def of(cls, table: dict[str, Any], room: str) -> Mutant:
         """Return what a table of the list describes."""
         tests = tuple(shlex.split(table.get("tests", "")))
-        return cls(**{**table, "file": f"{_PACKAGE}/{table['file']}", "tests": tests})
+        return cls(**{**table, "file": f"{_PACKAGE}/{table['file']}", "tests": tests, "room": room})
 
 
 MUTANTS = tuple(
-    Mutant.of(table)
+    Mutant.of(table, path.stem)
     for path in sorted(_FOLDER.glob("*.toml"))
     for table in tomllib.loads(path.read_text(encoding="utf-8"))["break"]
 )

@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
-"""Break the mechanics on purpose, one small change at a time, and see whether the tests notice.
+"""Break the package on purpose, one small change at a time, and see whether the tests notice.
 
-``mutant_list.py`` says what is broken and which tests must fail then. Every mutant is made in a copy of the
-tree in a temporary folder, never in the checkout::
+``mutants/<room>.toml`` say what is broken and which tests must fail then (``mutant_list.py``). Every mutant
+is made in a copy of the tree in a temporary folder, never in the checkout::
 
-    scripts/mutants.py                  # all: an hour or so
+    scripts/mutants.py                  # all: two hours or so
     scripts/mutants.py --list
     scripts/mutants.py --only 7 12      # these, by their numbers in the list
+    scripts/mutants.py --room sweep     # those of one file of the list
 
 A mutant is *killed* if its tests fail or take longer than ``--timeout`` seconds, *alive* if they pass,
 *equivalent* if the list says why nothing can notice it, *stale* if its text does not stand exactly once in
@@ -109,8 +110,11 @@ def main() -> int:
     parser.add_argument("--only", type=int, nargs="+", metavar="N", help="numbers in the list")
     parser.add_argument("--list", action="store_true", help="say what there is, and run nothing")
     parser.add_argument("--timeout", type=float, default=300.0, help="of one mutant's tests [s]")
+    parser.add_argument("--room", choices=sorted({mutant.room for mutant in MUTANTS}), help="those of a room")
     asked = parser.parse_args()
-    numbers = asked.only or range(1, len(MUTANTS) + 1)
+    numbers = asked.only or [
+        number for number, mutant in enumerate(MUTANTS, start=1) if asked.room in (None, mutant.room)
+    ]
     if not all(1 <= number <= len(MUTANTS) for number in numbers):
         parser.error(f"--only takes numbers from 1 to {len(MUTANTS)}")
     if asked.list:

@@ -56,7 +56,7 @@ def symmetry_breaks(low, high):
     Of half a period, turned over, it is a fixed point, of which a multiplier passes -1.
     """
     inertia, weight, half = 0.0251004 + 1.872 * 0.2**2, 1.872 * 9.80665 * 0.2, 0.8
-    guess = np.array([-1.0, -8.0])
+    guess = [np.array([-1.0, -8.0])]  # the swing found last, from which the next is not far
 
     def rates(t, y, torque):
         pull = (torque * np.sin(np.pi * t / half) - 1.2 * y[1] - weight * np.sin(y[0])) / inertia
@@ -64,7 +64,7 @@ def symmetry_breaks(low, high):
         return np.concatenate([[y[1], pull], (jacobian @ y[2:].reshape(2, 2)).ravel()])
 
     def of_half(torque):
-        start = guess
+        start = guess[0]
         for _ in range(40):
             y = np.concatenate([start, np.eye(2).ravel()])
             end = -solve_ivp(rates, (0.0, half), y, "DOP853", rtol=1e-12, atol=1e-12, args=(torque,)).y[:, -1]
@@ -72,6 +72,7 @@ def symmetry_breaks(low, high):
             start = start + step
             if np.abs(step).max() < 1e-11:
                 break
+        guess[0] = start
         return np.linalg.det(end[2:].reshape(2, 2) + np.eye(2))
 
     return brentq(of_half, low, high, xtol=1e-10)

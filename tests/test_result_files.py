@@ -21,11 +21,24 @@ def _spoiled(data: xr.Dataset, name: str) -> xr.Dataset:
     return data.assign({name: (data[name].dims, values)})
 
 
+def _without_its_joint(data: xr.Dataset) -> xr.Dataset:
+    (joint,) = data["clearance_joint"].values
+    return data.assign_attrs(urdf=data.attrs["urdf"].replace(f'"{joint}"', '"another"'))
+
+
+def _in_kilonewtons(data: xr.Dataset) -> xr.Dataset:
+    changed = data.copy()
+    changed["contact_force"].attrs["units"] = "kN"
+    return changed
+
+
 @pytest.mark.parametrize(
     ("change", "words"),
     [
         (lambda data: data.isel(time=slice(0, 0), episode=slice(0, 0)), "got no samples"),
         (lambda data: data.assign_coords(axis=["x", "x", "z"]), "labels in 'axis' that are there twice"),
+        (_without_its_joint, "in the attribute 'clearance_joints' but not in its URDF"),
+        (_in_kilonewtons, "'contact_force' in 'kN', not in 'N'"),
         (lambda data: data.drop_vars("contact_force"), "got no variable 'contact_force'"),
         (lambda data: data.drop_vars("q"), "got no variable 'q'"),
         (lambda data: _spoiled(data, "q"), "numbers in 'q' that are not finite"),
@@ -36,11 +49,16 @@ def _spoiled(data: xr.Dataset, name: str) -> xr.Dataset:
         (lambda data: data.assign_attrs(scenario="{}"), "'scenario' that cannot be read"),
     ],
 )
-def test_a_result_that_is_not_whole_is_refused(result, tmp_path, cli, change, words):
+def test_a_result_that_is_not_whole_is_refused(result, tmp_path, change, words):
     path = tmp_path / "changed.nc"
     change(xr.load_dataset(result)).to_netcdf(path, engine="h5netcdf")
     with pytest.raises(FileFormatError, match=words):
         Trajectory.load(path)
+
+
+def test_what_is_refused_is_one_line_of_a_command(result, tmp_path, cli):
+    path = tmp_path / "changed.nc"
+    xr.load_dataset(result).drop_vars("q").to_netcdf(path, engine="h5netcdf")
     said = cli("pointing", path)  # info does not read the scenario
     assert (said.code, said.out) == (2, "")
     assert len(said.err.splitlines()) == 1

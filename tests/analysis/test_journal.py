@@ -106,7 +106,14 @@ def test_spans_are_the_shares_laid_out_in_time(space):
 
 
 def test_a_single_sample_has_no_span(space):
-    assert scenario_spans(space.data.isel(time=slice(0, 1))).sizes["span"] == 0
+    """But a share: all of it, whatever each kind's scenario is."""
+    one = space.data.isel(time=slice(0, 1)).assign(
+        radial_scenario=space.data["radial_scenario"][:1] * 0 + 2,
+        axial_scenario=space.data["axial_scenario"][:1] * 0 + 1,
+    )
+    assert scenario_spans(one).sizes["span"] == 0
+    shares = scenario_shares(one).values[0]
+    assert (shares[2, 1], shares.sum()) == (1.0, 1.0)
 
 
 def test_what_a_run_does_not_have_is_refused(space):

@@ -128,6 +128,7 @@ def test_a_sweep_moves_through_the_spectrogram():
     found = spectrogram(t, np.sin(2 * np.pi * (50.0 * t + 10.0 * t**2)), segment=0.25, units="rad/s^2")
     power = found["power"]
     assert power.dims == ("frequency", "time")
+    assert (found.attrs["segment"], found.attrs["resolution"]) == pytest.approx((0.25, 6.0), rel=1e-12)
     strongest = power["frequency"].values[power.values.argmax(axis=0)]
     assert strongest == pytest.approx(50.0 + 20.0 * power["time"].values, abs=4.0)  # bins of 4 Hz
     # One half, the mean square of a sine, in every window.

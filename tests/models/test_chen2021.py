@@ -431,7 +431,7 @@ def test_the_slip_as_printed_switches_friction_off(played_run):
     law = json.loads(played_run.data.attrs["clearance_joints"])["s2"]["friction_law"]
     lower_speed, _ = law["parameters"]["lower_speed"]
     settings = ("integrator.engine=compiled", "integrator.accuracy=1e-5", "output.rate=20 kHz")
-    run = simulate(scenario("printed-slip", *settings), duration=4.0)
+    run = simulate(scenario("printed-slip", *settings), duration=2.5)
     place, rate = (
         np.stack([quantity(run, f"journal_{name}[s2].{axis}").values for axis in "xyz"], axis=1)
         for name in ("position", "velocity")

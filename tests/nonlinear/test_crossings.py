@@ -70,7 +70,7 @@ def test_two_branches_exchange_their_stability(mapped, side):
     first = -0.4
     flow, _ = family(first)
     start = flow.first(np.array([first**2 + side * math.sin(first)]), np.zeros(1))
-    branch = continued(family, start, (first, 0.4), arc=0.2)
+    branch = continued(family, start, (first, 0.4), arc=0.4)
     (crossing,) = branch.bifurcations
     assert crossing.kind == "branch-point"
     # Its determinant, by differences of runs at 1e-12, is known to 1e-10, and its slope over p is 0.75.

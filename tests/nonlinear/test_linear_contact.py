@@ -8,6 +8,7 @@ by Brent's method.
 
 import dataclasses
 import math
+from functools import lru_cache
 
 import numpy as np
 import pytest
@@ -70,8 +71,8 @@ def test_a_branch_up_to_where_the_ball_leaves(table):
     branch = continued(
         family_of(table, key, rtol=1e-10),
         flow.after(state, 5 * PERIOD),
-        (0.5 * LEAVES, 1.1 * LEAVES),
-        arc=0.3,
+        (0.8 * LEAVES, 1.1 * LEAVES),
+        arc=0.5,
         precision=1e-6,
     )
     root = 0.5 * (-DAMPING + np.emath.sqrt(DAMPING**2 - 4.0 * STIFFNESS))
@@ -125,6 +126,12 @@ BOUNCES = {
 }
 
 
+@lru_cache(maxsize=4096)
+def propagator(touches, later):
+    """Return what a displacement becomes a while later, in contact or in flight."""
+    return expm(np.array([[0.0, 1.0], [-HARD if touches else 0.0, -AIR]]) * later)
+
+
 class Bounces:
     """The map over a period of height and velocity above the table, each piece in closed form."""
 
@@ -140,8 +147,7 @@ class Bounces:
 
     def moved(self, touches, t, y, later):
         """Return the state a while later, in contact or in flight."""
-        matrix = np.array([[0.0, 1.0], [-HARD if touches else 0.0, -AIR]])
-        return self.steady(touches, t + later) + expm(matrix * later) @ (y - self.steady(touches, t))
+        return self.steady(touches, t + later) + propagator(touches, later) @ (y - self.steady(touches, t))
 
     def __call__(self, y):
         """Return the state a period after one in flight at phase zero."""

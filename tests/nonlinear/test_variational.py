@@ -71,8 +71,9 @@ def test_friction_with_and_without_bristles(friction):
 TORQUE = {"drives.crank": {"replace": True, "kind": "constant", "value": 5.0}}
 
 
-@pytest.mark.parametrize("drive", [{}, TORQUE], ids=["motion", "torque"])
-@pytest.mark.parametrize("engine", ["compiled", "pinocchio"])
+@pytest.mark.parametrize(
+    ("drive", "engine"), [({}, "compiled"), (TORQUE, "pinocchio")], ids=["motion", "torque"]
+)
 def test_an_impact_in_a_closed_loop(drive, engine):
     """Coordinates are those that closures and motions leave, along axes that are others at each step."""
     changes = {"integrator.engine": engine, "clearance.pin.geometry": "closed-form"} | drive

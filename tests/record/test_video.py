@@ -1,5 +1,6 @@
 """Pictures and videos: at their exact times, in files that other programs read; and without a browser."""
 
+import base64
 import dataclasses
 import importlib.util
 import io
@@ -55,6 +56,9 @@ def test_a_film_goes_from_the_start_to_the_end(recording):
     assert len(odd) == 7
     assert np.diff(odd)[:-1] == pytest.approx(SLOW / 28, rel=1e-9, abs=0.0)
     assert odd[-1] == 0.05 and 0.0 < odd[-1] - odd[-2] < SLOW / 28
+    late = base64.b64encode(np.array([0.1, 0.15])).decode()
+    shifted = film_times(dataclasses.replace(recording, data={**recording.data, "times": late}), 30.0)
+    assert shifted == pytest.approx(0.1 + times, rel=1e-12)
 
 
 # --- what is in the files ---

@@ -58,7 +58,6 @@ def reference(law, duration, rig):
 
 # Contact lasts about 2.8 ms (K = 1e6 N/m equivalents), the run holds three impacts.
 LAWS = {
-    1.0: Hertz(stiffness=1e6, exponent=1.0),
     2.0: Hertz(stiffness=5e9, exponent=2.0),
     1.5: Hertz(stiffness=7e7, exponent=1.5),
 }
@@ -81,10 +80,8 @@ def test_order_on_impacts(method, exponent, impact_rig, fixed_steps):
     for step in steps:
         # The error of one step size scatters with where the events fall in the steps: average over phases.
         group = []
-        for phase in np.linspace(0.0, 1.0, 12, endpoint=False):
-            run = launch(
-                impact_rig(law, MASS, PLAY), duration, fixed_steps(method, step * 2 ** (-phase / 12))
-            )
+        for phase in np.linspace(0.0, 1.0, 8, endpoint=False):
+            run = launch(impact_rig(law, MASS, PLAY), duration, fixed_steps(method, step * 2 ** (-phase / 8)))
             group.append(abs(along_x(run) - exact)[0])
         errors.append(np.exp(np.mean(np.log(np.maximum(group, 1e-17)))))
     measured = np.polyfit(np.log(steps), np.log(errors), 1)[0]

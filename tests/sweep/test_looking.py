@@ -73,6 +73,12 @@ def test_sensitivities_need_their_design_and_all_runs(sampled):
     table["force"].values[3] = np.nan
     with pytest.raises(InvalidParameterError, match="1 missing"):
         sensitivities(table, "force")
+    table["force"].values[:] = 2.0
+    with pytest.raises(InvalidParameterError, match="of different values, got 2 in all"):
+        sensitivities(table, "force")
+    # Values of standard deviation 1 are different ones.
+    table["force"].values[:] = np.where(np.arange(table["force"].size) % 2, 1.0, -1.0)
+    sensitivities(table, "force")
 
 
 @pytest.mark.parametrize("count", [1, 8, 20, 101])
