@@ -74,7 +74,10 @@ def print_loops(label: str, found: Mapping[str, Any], zeros: Zeros) -> None:
         rows = [
             [
                 f"{one['of']} [{one['units']}]",
-                *(zeros.text(one[name], f"{unit} [{one['units']}]") for name, unit in _COUPLINGS.items()),
+                *(
+                    zeros.text(one[name], unit if "[" in unit else f"{unit} [{one['units']}]")
+                    for name, unit in _COUPLINGS.items()
+                ),
             ]
             for one in found["couplings"]
         ]
