@@ -23,7 +23,7 @@ from functools import cache
 from types import MappingProxyType
 from typing import Any, Literal, get_args, get_origin, get_type_hints
 
-from antenna_pin.arguments import fits, rule_of, unknown_type
+from antenna_pin.arguments import fits, rule_of, takes, unknown_type
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.units import QuantityError, quantity
 
@@ -53,6 +53,7 @@ RULES: Mapping[str, Callable[[float], bool]] = MappingProxyType(
 _FINITE = {"": "finite", "positive": "positive and finite", "zero or more": "zero or more, and finite"}
 
 
+@takes()
 @dataclass(frozen=True, slots=True)
 class Parameter:
     """One parameter of a class.

@@ -20,7 +20,10 @@ class Law:
         """Refuse what is no number, before a law asks for more."""
         declared = parameters_of(cls)
         for name, value in parameters.items():
-            if name in declared and not fits(value, float):
-                unit = "" if declared[name].unit == "1" else f" [{declared[name].unit}]"
+            one = declared.get(name)
+            if one is None or (value is None and not one.required and one.default is None):
+                continue
+            if not fits(value, float):
+                unit = "" if one.unit == "1" else f" [{one.unit}]"
                 raise InvalidParameterError(cls.__name__, name, f"a number{unit}", said=unknown_type(value))
         return super().__new__(cls)

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin._compile import record
+from antenna_pin.arguments import takes
 from antenna_pin.contact import _friction_kernels as _kernels
 from antenna_pin.contact._called_kernels import CALLED_FRICTION
 from antenna_pin.contact._law import Law
@@ -256,6 +257,7 @@ class Threlfall(CompiledFrictionLaw):
         check_positive(self, "transition_speed")
 
 
+@takes()
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class CustomFriction:
     """A user's own friction coefficient over slip speed; slower than the built-in laws unless it is compiled.

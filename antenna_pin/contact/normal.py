@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin._compile import record
+from antenna_pin.arguments import takes
 from antenna_pin.contact import _kernels
 from antenna_pin.contact._called_kernels import CALLED, CALLED_WHOLE
 from antenna_pin.contact._damping_kernels import CONSERVATIVE
@@ -276,6 +277,7 @@ class Hertz(ElasticLaw):
         return elastic_code(POWER, stiffness=self.stiffness, exponent=self.exponent)
 
 
+@takes()
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class CustomNormal:
     """A user's own normal law from functions.

@@ -26,6 +26,7 @@ from dataclasses import dataclass
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
+from antenna_pin.arguments import takes
 from antenna_pin.parameters import check, parameters_of
 
 if TYPE_CHECKING:
@@ -39,6 +40,7 @@ About = Literal["bearing", "journal", "motion"]
 the motion angle, which conserves energy under tilt."""
 
 
+@takes()
 @dataclass(frozen=True, slots=True)
 class Integral:
     """A number that an element integrates in a state's x.
