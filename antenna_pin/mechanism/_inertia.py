@@ -24,6 +24,11 @@ Array = NDArray[np.float64]
 #: triangle rule, of up to the largest moment, by as much each.
 INEXACT = 1e-5
 
+#: Radius of gyration below which a body is a point [m]: some programs write moments that are the round-off of
+#: zeros, 1e-35 kg m^2 of a head of 0.5 kg, of which neither sign nor the triangle rule means anything. No part
+#: that a URDF has is as small.
+POINT = 1e-6
+
 
 @dataclass(frozen=True, slots=True)
 class RigidGroup:
@@ -123,8 +128,9 @@ def check_inertia(group: RigidGroup, where: str, allow_impossible: Collection[st
         where: Name of the file, for messages.
         allow_impossible: Links that may break the triangle rule, each with those that it is fixed to.
     """
-    low, middle, high = (float(moment) for moment in np.linalg.eigvalsh(group.composite()[2]))
-    inexact = INEXACT * max(abs(low), abs(high))
+    mass, _, inertia = group.composite()
+    low, middle, high = (float(moment) for moment in np.linalg.eigvalsh(inertia))
+    inexact = max(INEXACT * max(abs(low), abs(high)), mass * POINT**2)
     moments = f"{low:.6g}, {middle:.6g}, {high:.6g} kg m^2"
     if not low >= -inexact:
         raise MechanismError(

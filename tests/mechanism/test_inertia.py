@@ -117,6 +117,15 @@ def test_the_rules_hold_for_the_sum_in_any_axes():
             mechanism((-1.5e-5, 0.5, 0.5), 12)
 
 
+def test_round_off_of_zeros_is_a_point():
+    """Below a radius of gyration of 1 um neither signs nor the triangle rule mean anything."""
+    ground, hinge = link("a", 1, (1, 1, 1)), joint("j", "a", "b", "continuous")
+    robot(ground, link("b", 0.5, (-2.4e-35, 8e-67, 2.4e-35), (0.0, 0.0, 0.1)), hinge)
+    robot(ground, link("b", 0.5, (0.0, 0.0, 0.9 * 0.5e-12), (0.0, 0.0, 0.1)), hinge)
+    with pytest.raises(MechanismError, match="too large by 5.5e-13"):
+        robot(ground, link("b", 0.5, (0.0, 0.0, 1.1 * 0.5e-12), (0.0, 0.0, 0.1)), hinge)
+
+
 def test_what_a_part_lacks_the_rest_of_its_body_may_have():
     """A part that no body is passes where the sum is one; a sum that is none is refused with all names."""
     odd, frame = link("b", 1, (1.0, 0.1, 0.1)), joint("w", "b", "c")
