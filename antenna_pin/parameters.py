@@ -215,7 +215,7 @@ def holds(value: object, rule: str) -> bool:
 def _in_si(owner: object, name: str, value: Any, declared: Mapping[Any, Any]) -> Any:
     """Return a value, or several, with text that carries a unit read in SI units."""
     if isinstance(value, list | tuple):
-        return [_in_si(owner, f"{name}[{k}]", one, declared) for k, one in enumerate(value)]
+        return type(value)(_in_si(owner, f"{name}[{k}]", one, declared) for k, one in enumerate(value))
     if not isinstance(value, str):
         return value
     unit = declared["unit"]

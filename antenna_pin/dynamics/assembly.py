@@ -20,6 +20,7 @@ from antenna_pin.constraints import (
     redundancies,
     worst_row,
 )
+from antenna_pin.dynamics.coordinates import reach_of
 from antenna_pin.dynamics.system import System
 from antenna_pin.dynamics.workspace import Workspace
 from antenna_pin.elements import Motion
@@ -109,7 +110,8 @@ def assemble(system: System, y: Array, held_q: Collection[str], held_v: Collecti
     workspace.prepare_motions(0.0, y)
     program = workspace.program
     free = _free(system, y, held_q)
-    unclosed = find_configuration(constraints, y, program, free, workspace.retract, _reach(system))
+    reach = reach_of(system.mechanism, constraints.plan.length)
+    unclosed = find_configuration(constraints, y, program, free, workspace.retract, reach)
     if unclosed is not None:
         raise MechanismError(_not_closed(system, unclosed, held_q))
     system.turn_on(y)
@@ -122,17 +124,6 @@ def assemble(system: System, y: Array, held_q: Collection[str], held_v: Collecti
             f"{_let_go(held_v)}"
         )
     _check_singular(system, workspace, y)
-
-
-def _reach(system: System) -> Array:
-    """Return what counts as much as a turn of 1 rad, of each generalized direction (nv,)."""
-    assert system.plan is not None
-    reach = np.ones(system.model.nv)
-    if system.mechanism.base == "free":
-        reach[:3] = system.plan.length
-    for slot in system.mechanism.joints.values():
-        reach[slot.ways] = system.plan.length
-    return reach
 
 
 def _let_go(held: Collection[str]) -> str:
@@ -325,6 +316,7 @@ def _check_singular(system: System, workspace: Workspace, y: Array) -> None:
     constraints = workspace.constraints
     assert constraints is not None
     program = workspace.program
+    reach = reach_of(system.mechanism, constraints.plan.length)
     held = "closures and couplings" if constraints.plan.couplings else "closures"
     here = mobility(constraints, 0.0, y, program)
     for motions in (True, False):
@@ -336,7 +328,7 @@ def _check_singular(system: System, workspace: Workspace, y: Array) -> None:
         workspace.retract(trial, way * (_BESIDE / float(np.abs(way).max())))
         if motions or not constraints.plan.motions:
             closed = find_configuration(
-                constraints, trial, program, np.eye(len(way)), workspace.retract, _reach(system)
+                constraints, trial, program, np.eye(len(way)), workspace.retract, reach
             )
             if closed is not None:
                 continue

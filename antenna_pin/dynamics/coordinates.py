@@ -1,10 +1,13 @@
-"""What the numbers of a configuration and of a velocity are called."""
+"""What the numbers of a configuration and of a velocity are called, and what they count."""
 
 from __future__ import annotations
 
+import numpy as np
+from numpy.typing import NDArray
+
 from antenna_pin.mechanism import Mechanism
 
-__all__ = ["coordinate_names"]
+__all__ = ["coordinate_names", "reach_of"]
 
 _DOF_NAMES = {
     "floating": ("x", "y", "z", "qx", "qy", "qz", "qw"),
@@ -31,3 +34,18 @@ def coordinate_names(mechanism: Mechanism) -> tuple[tuple[str, ...], tuple[str, 
             parts = names.get(slot.kind)
             target += [slot.name] if parts is None else [f"{slot.name}.{part}" for part in parts]
     return tuple(configuration), tuple(velocity)
+
+
+def reach_of(mechanism: Mechanism, length: float) -> NDArray[np.float64]:
+    """Return what counts as much as a turn of 1 rad, of each generalized direction (nv,).
+
+    Args:
+        mechanism: The mechanism.
+        length: What of ways does [m].
+    """
+    reach = np.ones(mechanism.model.nv)
+    if mechanism.base == "free":
+        reach[:3] = length
+    for slot in mechanism.joints.values():
+        reach[slot.ways] = length
+    return reach

@@ -146,11 +146,8 @@ class System:
         """Return the joints whose configuration knows their angle only but for whole turns, numbered."""
         about_axis = {name for name, kind in self.held.items() if kind == "revolute"}
         about_axis |= {j.name for j in self.clearances if j.geometry.motion == "turn"}
-        names = [
-            slot.name
-            for slot in self.mechanism.joints.values()
-            if slot.kind == "continuous" or slot.name in about_axis
-        ]
+        slots = self.mechanism.joints.values()
+        names = [slot.name for slot in slots if slot.kind == "continuous" or slot.name in about_axis]
         return {name: k for k, name in enumerate(names)}
 
     def _place_joints(self, blocks: Blocks) -> None:

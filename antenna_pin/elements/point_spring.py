@@ -51,10 +51,10 @@ class PointSpring(ForceElement):
 
     def __post_init__(self) -> None:
         """Check the parameters; the points' numbers become floats."""
-        # Said in full: with slots the class is not the one that the method was written in.
-        ForceElement.__post_init__(self)
         for name in ("first", "second"):
             object.__setattr__(self, name, _point(self, name))
+        # Said in full: with slots the class is not the one that the method was written in.
+        ForceElement.__post_init__(self)
 
     def words(self, slides: bool = False) -> str:
         """Return what it is in words."""

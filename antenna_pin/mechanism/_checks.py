@@ -26,6 +26,7 @@ def check(robot: Any, where: str, allow_impossible_inertia: Collection[str]) -> 
         if name not in links:
             raise UnknownNameError(f"{where}: allow_impossible_inertia", "link", name, links)
     _check_tree(robot, where)
+    _check_mimics(robot, where)
     for joint in robot.joints:
         _check_planar(joint, where)
     _inertia.check_masses(robot, where)
@@ -68,6 +69,15 @@ def _check_tree(robot: Any, where: str) -> None:
             f"{where}: links {', '.join(looped)} hang in a loop of joints that no root carries; "
             "a URDF is a tree, cut the loop"
         )
+
+
+def _check_mimics(robot: Any, where: str) -> None:
+    joints = [joint.name for joint in robot.joints]
+    for joint in robot.joints:
+        if joint.mimic is not None and joint.mimic.joint not in joints:
+            raise UnknownNameError(
+                f"{where}: <mimic> of joint {joint.name!r}", "joint", str(joint.mimic.joint), joints
+            )
 
 
 def _check_planar(joint: Any, where: str) -> None:

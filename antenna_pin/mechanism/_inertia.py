@@ -24,9 +24,9 @@ Array = NDArray[np.float64]
 #: triangle rule, of up to the largest moment, by as much each.
 INEXACT = 1e-5
 
-#: Radius of gyration below which a body is a point [m]: some programs write moments that are the round-off of
-#: zeros, 1e-35 kg m^2 of a head of 0.5 kg, of which neither sign nor the triangle rule means anything. No part
-#: that a URDF has is as small.
+#: Radius of gyration below which a body is a point [m]: some programs write moments that are the round-off
+#: of zeros, 1e-35 kg m^2 of a head of 0.5 kg, of which neither sign nor the triangle rule means anything. No
+#: part that a URDF has is as small.
 POINT = 1e-6
 
 

@@ -115,7 +115,11 @@ def above_round_off(panels: Sequence[Panel], runs: Iterable[LabelledRun]) -> tup
     Where there would be none left, all are.
     """
     scales = round_off_scales(*(run.whole.data for run in runs))
-    shown = [panel for panel in panels if not is_round_off(panel.largest, panel.unit, scales)]
+    shown = [
+        panel
+        for panel in panels
+        if panel.largest != 0.0 and not is_round_off(panel.largest, panel.unit, scales)
+    ]
     if not shown:
         return list(panels), "all of it is zero to round-off"
     left = dict.fromkeys(panel.title for panel in panels if panel not in shown)

@@ -89,7 +89,7 @@ def sensitivities(study: xr.Dataset, response: str, confidence: float = 0.95) ->
     units = str(study[response].attrs.get("units", ""))
     if values.std() == 0.0:
         raise InvalidParameterError(
-            "sensitivities", "response", "of different values", f"{values[0]:g} in all"
+            "sensitivities", "response", "of different values", said=f"{values[0]:g} in all"
         )
     if method == "morris":
         found = _salib("analyze.morris").analyze(

@@ -38,6 +38,7 @@ def touches(intervals, end, speeds=None, contacts=("a.radial+", "a.radial-"), ro
             "contact_kind": ("contact", [name.partition(".")[2].rstrip("+-") for name in contacts]),
             "clearance_joint": ["a"],
         },
+        attrs={"end_time": end},
     )
 
 

@@ -13,7 +13,7 @@ from antenna_pin.mechanism import JointChange, LinkChange, ShapeChange
     [
         (lambda: LinkChange(mass=-1.0), "LinkChange: mass must be zero or more, and finite, got -1.0"),
         (lambda: LinkChange(mass=math.nan), "LinkChange: mass must be zero or more, and finite, got nan"),
-        (lambda: LinkChange(mass="3 kg"), "LinkChange: mass must be zero or more, and finite, got '3 kg'"),
+        (lambda: LinkChange(mass="3 m"), "LinkChange: mass must be a mass [kg], got '3 m' (length)"),
         (
             lambda: LinkChange(inertia=(1.0, 2.0)),
             "LinkChange: inertia must be 3 or 6 finite numbers, got (1.0, 2.0)",
@@ -35,7 +35,8 @@ from antenna_pin.mechanism import JointChange, LinkChange, ShapeChange
         ),
         (
             lambda: JointChange(origin_rpy=("a", 0, 0)),
-            "JointChange: origin_rpy must be 3 finite numbers, got ('a', 0, 0)",
+            "JointChange: origin_rpy[0] must be an angle [rad], got 'a'; write a number and its unit: "
+            "'1 rad'",
         ),
     ],
 )

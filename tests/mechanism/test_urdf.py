@@ -102,7 +102,7 @@ REFUSED = {
     ),
     "unknown child": (
         pair(hinge()).replace('child link="b"', 'child link="bb"'),
-        "u.urdf: child of joint 'j': link 'bb' is unknown; did you mean b? known: a, b",
+        "u.urdf: child of joint 'j': link 'bb' is unknown; known: a, b",
     ),
     "no child": (
         pair(hinge()).replace('<child link="b"/>', ""),

@@ -56,7 +56,8 @@ def test_a_slider_is_drawn_along_its_guide_only(slider_runs):
         "slider position, x",
         "deviation along x from the ideal run",
     ]
-    assert "zero to round-off: y, z" in " ".join(figure.get_supxlabel().split())
+    left = [f"slider position, {k}, deviation along {k} from the ideal run" for k in "yz"]
+    assert f"zero to round-off: {', '.join(left)}" in " ".join(figure.get_supxlabel().split())
     line = next(line for line in figure.axes[0].lines if line.get_label() == "planar")
     expected = body_motion(slider_runs[1][1], "slider")["position"].values[:, 0]
     np.testing.assert_allclose(line.get_ydata(), expected, rtol=1e-12)

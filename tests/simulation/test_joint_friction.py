@@ -128,6 +128,7 @@ def test_dynamics_of_a_urdf_are_simulated_and_a_scenario_may_change_them(tmp_pat
         "damping": 0.05,
         "friction": 0.1,
         "regularisation_speed": 1e-3,
+        "on": True,
         "slides": False,
     }
     torque = INERTIA * plain.data["motion_acceleration"].values[0, 0]
