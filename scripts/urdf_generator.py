@@ -181,6 +181,33 @@ def calibrations(robot: Any, rng: Random) -> None:
         etree.SubElement(joint, "safety_controller", k_velocity="10", soft_lower_limit="")
 
 
+@oddity
+def gears(robot: Any, rng: Random) -> None:
+    """Joints that mimic the first: a constraint, which leaves the tree as it is."""
+    for joint in _of_type(robot, "revolute", "continuous", "prismatic"):
+        if joint.get("name") != "joint1" and rng.random() < 0.5:
+            etree.SubElement(joint, "mimic", joint="joint1", multiplier="-0.5", offset="0.1")
+
+
+# --- bodies ------------------------------------------------------------------------------------------------
+
+
+@oddity
+def frames_of_no_mass(robot: Any, rng: Random) -> None:
+    """As of UR and Franka: links fixed to others with an inertial of zeros, or none."""
+    for link in robot.findall("link"):
+        name = f"{link.get('name')}_tool0"
+        frame = etree.SubElement(robot, "link", name=name)
+        if rng.random() < 0.8:
+            inertial = etree.SubElement(frame, "inertial")
+            etree.SubElement(inertial, "mass", value="0.0")
+            etree.SubElement(inertial, "inertia", {f"i{pair}": "0" for pair in _PAIRS})
+        joint = etree.SubElement(robot, "joint", name=f"{name}_joint", type="fixed")
+        etree.SubElement(joint, "origin", xyz=_text(rng.normal(size=3)), rpy="0 0 1.5")
+        etree.SubElement(joint, "parent", link=link.get("name"))
+        etree.SubElement(joint, "child", link=name)
+
+
 # --- what other tools read ---------------------------------------------------------------------------------
 
 
@@ -222,7 +249,8 @@ def other_tools(robot: Any, rng: Random) -> None:
         contact = etree.SubElement(link, "contact")
         etree.SubElement(contact, "lateral_friction", value="1")
         etree.SubElement(link, "self_collision_checking")
-        etree.SubElement(link.find("inertial"), "density", value="7800")
+        for inertial in link.findall("inertial"):
+            etree.SubElement(inertial, "density", value="7800")
     for joint in robot.findall("joint"):
         etree.SubElement(joint, "hardwareInterface").text = "PositionJointInterface"
 

@@ -12,7 +12,7 @@ from antenna_pin.mechanism import _inertia
 
 
 def check(robot: Any, where: str, allow_impossible_inertia: Collection[str]) -> None:
-    """Refuse what is not a mechanism, and take from links that are mere frames inertials of zero.
+    """Refuse what is not a mechanism.
 
     The inertia of the root's body is not judged here: it acts on a free base only.
 
@@ -30,7 +30,6 @@ def check(robot: Any, where: str, allow_impossible_inertia: Collection[str]) -> 
     for joint in robot.joints:
         _check_planar(joint, where)
     _inertia.check_masses(robot, where)
-    _inertia.leave_out_empty(robot)
     for first, group in _inertia.rigid_groups(robot).items():
         if first != root_link(robot):
             _inertia.check_inertia(group, where, allow_impossible_inertia)

@@ -77,14 +77,6 @@ class RigidGroup:
         return mass, centre, inertia
 
 
-def leave_out_empty(robot: Any) -> None:
-    """Take inertials of nothing but zeros from the links of a yourdfpy robot: these links are frames."""
-    for link in robot.links:
-        own = link.inertial
-        if own is not None and float(own.mass) == 0.0 and not np.any(own.inertia):
-            link.inertial = None
-
-
 def rigid_groups(robot: Any) -> dict[str, RigidGroup]:
     """Return the links that fixed joints make one body, by the first link of each.
 

@@ -14,7 +14,7 @@ from lxml import etree
 
 from antenna_pin.mechanism._source import tag_of
 
-__all__ = ["SHAPES", "Findings", "clean", "for_pinocchio", "numbers_in"]
+__all__ = ["MOMENTS", "SHAPES", "Findings", "clean", "for_pinocchio", "numbers_in"]
 
 # Tag of a shape -> its attributes: how many numbers each holds.
 SHAPES: dict[str, dict[str, int]] = {
@@ -23,6 +23,8 @@ SHAPES: dict[str, dict[str, int]] = {
     "sphere": {"radius": 1},
     "mesh": {},
 }
+
+MOMENTS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 
 # The children that the format defines and that are read.
 _READ = {
@@ -97,6 +99,9 @@ def clean(robot: Any, name: str) -> Findings:
         _keep_read(link, found)
         for inertial in link.findall("inertial"):
             _keep_read(inertial, found)
+            if _is_of_zeros(inertial):
+                found.pass_over("<inertial> of zeros", inertial)
+                link.remove(inertial)
         for shape in (*link.findall("visual"), *link.findall("collision")):
             _clean_shape(shape, str(link.get("name")), found)
     for joint in robot.findall("joint"):
@@ -136,6 +141,15 @@ def _keep_read(element: Any, found: Findings) -> None:
         if child.tag not in _READ[element.tag]:
             found.pass_over(f"<{tag_of(child)}>", child)
             element.remove(child)
+
+
+def _is_of_zeros(inertial: Any) -> bool:
+    """Whether mass and moments are given and zero: the link is a frame."""
+    mass, inertia = inertial.findall("mass"), inertial.findall("inertia")
+    if len(mass) != 1 or len(inertia) != 1:
+        return False
+    texts = [mass[0].get("value"), *(inertia[0].get(moment) for moment in MOMENTS)]
+    return all(numbers_in(text) == (0.0,) for text in texts)
 
 
 # --- looks -------------------------------------------------------------------------------------------------

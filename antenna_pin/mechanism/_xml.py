@@ -16,7 +16,7 @@ from typing import Any
 from lxml import etree
 
 from antenna_pin.errors import MechanismError, nearest
-from antenna_pin.mechanism._plain import LARGEST, numbers_in
+from antenna_pin.mechanism._plain import LARGEST, MOMENTS, numbers_in
 from antenna_pin.mechanism._source import is_xacro, root_of, tag_of
 
 JOINT_TYPES = ("continuous", "fixed", "floating", "planar", "prismatic", "revolute")
@@ -33,7 +33,6 @@ _SINGLE = {
 # Letters of a name: it stands in messages, tables and the labels of a result.
 _LONGEST_NAME = 200
 
-MOMENTS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 
 _EXPAND = "expand it first: xacro in.xacro > out.urdf"
 
