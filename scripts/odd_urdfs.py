@@ -3,8 +3,8 @@
 
 ``urdf_generator.py`` says what is odd about them. Each is loaded on a free base and compared with its plain
 twin, which Pinocchio reads by itself: mass matrix and nonlinear effects at a random state must be the same
-to the last bit, or to round-off where frames are added. The files stay in a folder, where ``antenna-pin urdf FOLDER --check`` says what was passed
-over::
+to the last bit, or to round-off where frames are added. The files stay in a folder, where ``antenna-pin urdf
+FOLDER --check`` says what was passed over::
 
     scripts/odd_urdfs.py --count 200 --out odd
 

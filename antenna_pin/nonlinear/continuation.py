@@ -9,27 +9,38 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from antenna_pin.brief import brief
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
 from antenna_pin.nonlinear.bifurcations import (
     Bifurcation,
     BifurcationKind,
-    bifurcations_between,
-    graze_ahead,
+    bifurcations_in,
+    more_happens,
 )
 from antenna_pin.nonlinear.chart import Chart
 from antenna_pin.nonlinear.follower import Family, Follower, Node, Point, early
+from antenna_pin.nonlinear.grazes import Ahead, bent, change_ahead
+from antenna_pin.nonlinear.locate import Step
 from antenna_pin.nonlinear.orbits import NoOrbitError, near_enough
 from antenna_pin.state import State
 
 __all__ = ["Bifurcation", "BifurcationKind", "Branch", "Family", "Point", "check_steps", "continued"]
 
-_SHORTEST = 2.0**-10  # of an arc, over the first: there the branch is given up
+Array = NDArray[np.float64]
+
+# Of an arc, over the first: there the branch is given up; there it is if contacts or events change ahead.
+_SHORTEST, _NEAREST = 2.0**-10, 2.0**-40
 # Upon a crossing: where it is as good as singular; and by how much a step is shortened not to end there.
 _ON, _BESIDE = 1e-6, 0.7
 _PRECISE = 1e2  # of the tolerance of orbits: how well what happens to them is located, over the range
-_SHORT = 2.0**-4  # likewise: shorter steps may turn a branch as they like
+_SHORT = 2.0**-4  # likewise: shorter steps may turn a branch by nearly a right angle
+# Of the way to where contacts or events come or go ahead: how far the next orbit is at most, as where that is
+# is known to second order only.
+_TOWARDS = 0.9
+_UPON = 1e-2  # and how far it may be, over the first arc, if orbits agree on it
+_FARTHER = 4.0  # and how far it is looked for there, over what should be left
 _REACHED = "it came to the end of the range"
 _BACK = "it came back to the beginning of the range"
 
@@ -129,19 +140,51 @@ def _followed(
     progress: Callable[[Point], None] | None,
 ) -> str:
     """Follow a branch on from its first node, and return why it ends; what is found is added to the lists."""
-    (begin, end), step, moved = values, arc, -1
+    step, moved, failed = arc, -1, ""
+    look, ahead = 0.0, None  # how far contacts or events that come or go are looked for ahead
+    expected: dict[int, float] = {}  # where they were, by the orbit from which it was looked
+    passed: Step | None = None
     while len(nodes) < most:
-        last, made, stopped = nodes[-1], step, ""
+        last, number = nodes[-1], len(nodes) - 1
+        if look > 0.0:
+            ahead = change_ahead(follower, last, look, passed)
+            if ahead is None:
+                look = 0.0
+            else:
+                before = expected.get(number - 1, math.nan)
+                graze = _graze(follower, last, ahead, before, values, arc, near_by)
+                if graze is not None:
+                    found.append(Bifurcation("grazing", *graze, number))
+                    return f"it ends in a graze at {graze[0]:g}"
+                expected[number] = ahead.value
+                step = min(step, _TOWARDS * ahead.arc)
+        if failed and step < arc * (_SHORTEST if ahead is None else _NEAREST):
+            return f"no orbit farther than at {last.point.value:g}: {failed}"
         try:
-            point = follower.correct(last.point, last.way, step)
-            share = (point.value - begin) / (end - begin)
-            if not 0.0 < share < 1.0:
-                bound, stopped = (begin, _BACK) if share <= 0.0 else (end, _REACHED)
-                if point.value != bound:
-                    point, made = follower.stopped(last.point, last.way, step, point, bound)
+            guess = None if ahead is None else bent(follower, last, step, passed)
+            point, made, stopped = _next(follower, last, step, values, guess)
             if point.orbit.onsets != last.point.orbit.onsets and moved < len(nodes):
                 raise NoOrbitError("branch: a contact or an event comes or goes")
             node = follower.node(point, last)
+            if (
+                last.told
+                and not node.told
+                and node.margin < _ON
+                and not stopped
+                and step == made > arc * _SHORTEST
+            ):
+                step *= _BESIDE  # upon a crossing directions are any: the next orbit is to be beside it
+                continue
+            short = made <= _SHORT * arc
+            if not follower.smooth(last, node, corner=short):
+                if short:
+                    raise NoOrbitError("branch: the next orbit is farther away than the step is long")
+                step *= 0.5  # too long, or it has come onto another branch
+                continue
+            here = Step(follower, last, node, made)
+            if passed is not None:
+                here.beside[-passed.arc] = passed.first
+            happened = bifurcations_in(here, number, near_by)
         except AntennaPinError as error:
             if moved < len(nodes):
                 # What seems to come or go may only pass the instant that orbits are told by.
@@ -150,33 +193,85 @@ def _followed(
                     nodes[-1] = follower.in_flight(last) or last
                 if nodes[-1] is not last:
                     continue
-            grazes = graze_ahead(follower, last, step, len(nodes) - 1, near_by)
-            if grazes:
-                found += grazes
-                return f"it ends in a graze at {grazes[0].value:g}"
-            step *= 0.5
-            if step < arc * _SHORTEST:
-                return f"no orbit farther than at {last.point.value:g}: {error}"
+            step, look, failed = 0.5 * step, max(look, step), str(error)
             continue
-        if (
-            last.told
-            and not node.told
-            and node.margin < _ON
-            and not stopped
-            and step == made > arc * _SHORTEST
-        ):
-            step *= _BESIDE  # upon a crossing directions are any: the next orbit is to be beside it
-            continue
-        if step > _SHORT * arc and not follower.smooth(last, node):
-            step *= 0.5  # too long, or it has come onto another branch
-            continue
-        happened = bifurcations_between(follower, last, node, made, len(nodes) - 1, near_by)
         nodes.append(node)
         found += happened
+        if passed is not None:
+            passed.beside[passed.arc + made] = node
+            found[:] = _looked_at_again(passed, found, number - 1, near_by)
+        passed, failed = here, ""
         if progress is not None:
             progress(point)
         if stopped:
             return stopped
-        if point.orbit.iterations <= 3:
+        if ahead is not None:
+            left = ahead.arc - made
+            look = step = min(look, _FARTHER * left) if left > 0.0 else made
+        elif point.orbit.iterations <= 3:
             step = min(2.0 * step, 4.0 * arc)
     return f"{most} points were made"
+
+
+def _graze(
+    follower: Follower,
+    last: Node,
+    ahead: Ahead,
+    before: float,
+    values: tuple[float, float],
+    arc: float,
+    near_by: float,
+) -> tuple[float, float] | None:
+    """Return where a branch ends in a graze ahead of its last orbit, and the doubt of it, if it is known.
+
+    That is where there are orbits up to as near as is asked for, or far nearer than a step and this one says
+    of it what the one before did; nothing is said of what is beyond the range.
+    """
+    if not (ahead.value - values[0]) * (values[1] - ahead.value) >= 0.0:
+        return None
+    doubt = abs(ahead.value - last.point.value)
+    near = ahead.arc * abs(follower.unit) * max(abs(last.way[-1]), _ON) <= near_by
+    moved = abs(ahead.value - before)
+    if ahead.arc <= _UPON * arc and moved <= near_by:
+        near, doubt = True, min(moved, doubt)
+    return (ahead.value, max(doubt, 0.5 * near_by)) if near else None
+
+
+def _next(
+    follower: Follower, last: Node, step: float, values: tuple[float, float], guess: Array | None
+) -> tuple[Point, float, str]:
+    """Return the orbit a step ahead, how far that is, and why the branch ends there, if it does.
+
+    At the end of the range it is the orbit there, also where the step leads beyond it to where there is none.
+
+    Raises:
+        AntennaPinError: None is found.
+    """
+    begin, end = values
+    straight = last.point.value + step * last.way[-1] * follower.unit
+    try:
+        point = follower.correct(last.point, last.way, step, guess)
+    except AntennaPinError:
+        if (straight - begin) / (end - begin) < 1.0:
+            raise
+        return (*follower.up_to(last, end), _REACHED)
+    share = (point.value - begin) / (end - begin)
+    if 0.0 < share < 1.0:
+        return point, step, ""
+    bound, stopped = (begin, _BACK) if share <= 0.0 else (end, _REACHED)
+    made = step
+    if point.value != bound:
+        point, made = follower.stopped(last.point, last.way, step, point, bound)
+    return point, made, stopped
+
+
+def _looked_at_again(step: Step, found: list[Bifurcation], after: int, near_by: float) -> list[Bifurcation]:
+    """Return what has been found with what happens in a step as the orbit behind it, known since, tells."""
+    if not more_happens(step):
+        return found
+    try:
+        again = bifurcations_in(step, after, near_by)
+    except AntennaPinError:
+        return found
+    before = [one for one in found if one.after < after]
+    return [*before, *again, *(one for one in found if one.after > after)]

@@ -21,11 +21,14 @@ __all__ = ["Family", "Follower", "Node", "Point", "early"]
 
 Array = NDArray[np.float64]
 
-_STEPS = (1e-3, 2e-4)  # of differences over a parameter, over its unit
-_NEWTON_STEP = 1e-5  # of those that Newton's method steps by: what counts is where it ends
+# Of differences over a parameter, over its unit: the small ones are for next to a graze.
+_STEPS = (1e-3, 2e-4, 4e-5, 8e-6, 1.6e-6)
+_NEWTON_STEP = 1e-6  # of those that Newton's method steps by: what counts is where it ends
+_LEADS = 0.05  # of a direction's length, the parameter's part with which differences are made along it
 _SINGULAR = 1e-6  # least singular values over the largest that are none
-# Cosines: by how much the branch may turn in a step, and the chord lie beside the directions at its ends.
-_TURN, _ASIDE = 0.9, 0.99
+# Cosines: by how much the branch may turn in a step, and the chord lie beside the directions at its ends; and
+# beside the first at a corner.
+_TURN, _ASIDE, _CORNER = 0.9, 0.99, 0.1
 _NEAR = 2e-2  # of an arc: how near to an end of the range Newton's method begins there
 
 
@@ -102,34 +105,50 @@ class Follower:
         """Return a direction at one point of a branch, (size + 1,), as one at another."""
         return np.append(self.chart(at).turned(way[:-1], self.chart(of)), way[-1])
 
-    def by_parameter(self, chart: Chart, value: float, step: float | None = None) -> Array:
+    def by_parameter(
+        self, chart: Chart, value: float, matrix: Array, way: Array | None, step: float | None = None
+    ) -> Array:
         """Return the derivative of the map over the parameter, (size,), per unit, at the chart's origin.
 
-        By differences of second order of a step, or, without one, of sixth order.
+        By differences of second order of a step, or, without one, of sixth order: along the branch, less what
+        the state's part of that does. Of a state that stays, an impact that is about to go would be gone at
+        a change of the parameter that is as small as the square of its speed.
 
         Where closures or motions move with the parameter, the start is brought onto them across the
         coordinates, which so are those of the origin still: of all that moves only the end counts.
+
+        Args:
+            chart: Coordinates about the state.
+            value: Of the parameter.
+            matrix: Derivative of the map over the state, (size, size).
+            way: Where the branch leads, about, (size + 1,); None if that is not known.
+            step: Of the differences, over the parameter's unit.
         """
+        along = np.append(np.zeros(chart.size), 1.0)
+        if way is not None and abs(way[-1]) > _LEADS:
+            along = way
 
         def at(s: float) -> Array:
-            flow, period = self.family(value + s * self.unit)
-            return chart.coordinates(flow.after(chart.state(np.zeros(chart.size), flow.system), period))
+            flow, period = self.family(value + s * float(along[-1]) * self.unit)
+            return chart.coordinates(flow.after(chart.state(s * along[:-1], flow.system), period))
 
-        return slope(at, _STEPS).value if step is None else (at(step) - at(-step)) / (2.0 * step)
+        whole = slope(at, _STEPS).value if step is None else (at(step) - at(-step)) / (2.0 * step)
+        return np.asarray((whole - matrix @ along[:-1]) / along[-1])
 
     def node(self, point: Point, last: Node | None) -> Node:
         """Return an orbit with the unit tangent of the branch there, on from that at the orbit before."""
         chart = self.chart(point)
-        rows = np.column_stack(
-            [point.orbit.tangent - np.eye(chart.size), self.by_parameter(chart, point.value)]
-        )
+        tangent = point.orbit.tangent
+        here = None
+        if last is not None and len(last.way) == chart.size + 1:
+            here = self.turned(last.way, last.point, point)
+        over = self.by_parameter(chart, point.value, tangent, here)
+        rows = np.column_stack([tangent - np.eye(chart.size), over])
         # While a contact lasts nothing changes what it remembers: orbits are found with one each.
-        free = np.append(moving(chart, point.orbit.tangent), True)
+        free = np.append(moving(chart, tangent), True)
         matrix = rows[np.ix_(free[:-1], free)]
         sizes, basis = np.linalg.svd(matrix)[1:]
-        before = None
-        if last is not None and len(last.way) == len(free):
-            before = self.turned(last.way, last.point, point)[free]
+        before = None if here is None else here[free]
         way = basis[-1]
         if before is not None and len(sizes) and sizes[-1] < _SINGULAR * sizes[0]:
             # On a crossing all of a plane is tangent: the branch that one has come on goes on as it did.
@@ -144,17 +163,25 @@ class Follower:
         told = margin > max(10.0 * point.orbit.doubt, _SINGULAR)
         return Node(point, whole, float(np.linalg.det(square)), margin, told)
 
-    def smooth(self, one: Node, other: Node) -> bool:
+    def smooth(self, one: Node, other: Node, corner: bool = False) -> bool:
         """Whether the next orbit is on the same branch, as far as directions tell.
 
         They turn little, and their chord lies half way between them, to the turn's second order. An orbit of
         a branch that crosses this one is aside.
+
+        Args:
+            one: An orbit.
+            other: The next.
+            corner: Whether the branch may have a corner between them, as at a graze: of less than a right
+                angle, so that what is farther away than the step is long is another branch still.
         """
         if len(one.way) != len(other.way):
             return True
         first = one.point
         place = self.chart(first).coordinates(other.point.orbit.start)
         chord = np.append(place, (other.point.value - first.value) / self.unit)
+        if corner:
+            return bool(one.way @ chord >= _CORNER * np.linalg.norm(chord))
         way = self.turned(other.way, other.point, first)
         half = (one.way + way) @ chord / (np.linalg.norm(one.way + way) * np.linalg.norm(chord))
         return bool(one.way @ way >= _TURN and half >= _ASIDE)
@@ -195,7 +222,9 @@ class Follower:
         way = np.append(slope(carried, _STEPS).value, node.way[-1])
         return self.node(there, node._replace(point=there, way=way / np.linalg.norm(way)))
 
-    def correct(self, point: Point, way: Array, arc: float, guess: Array | None = None) -> Point:
+    def correct(
+        self, point: Point, way: Array, arc: float, guess: Array | None = None, twice: bool = False
+    ) -> Point:
         """Return the orbit an arc ahead, square to the direction there (Keller's pseudo-arclength).
 
         Args:
@@ -203,19 +232,21 @@ class Follower:
             way: The direction there.
             arc: How far along it.
             guess: Coordinates about the point, and the parameter in its unit from there, of a place that
-                is so far ahead, (size + 1,), to which Newton's method goes once more than it must; straight
-                ahead if left out.
+                is so far ahead, (size + 1,); straight ahead if left out.
+            twice: Whether Newton's method goes once more than it must.
 
         Raises:
             AntennaPinError: Newton's method finds none.
         """
-        found = self._reached(point, way, arc, guess)
+        found = self._reached(point, way, arc, guess, twice)
         flow, period = self.family(found.value)
         return Point(
             found.value, orbit_at(flow, found.start, period, found.residual, found.iterations, False)
         )
 
-    def _reached(self, point: Point, way: Array, arc: float, guess: Array | None = None) -> _Reached:
+    def _reached(
+        self, point: Point, way: Array, arc: float, guess: Array | None = None, twice: bool = False
+    ) -> _Reached:
         origin = self.chart(point)
         place = arc * way if guess is None else guess
         value = point.value + float(place[-1] * self.unit)
@@ -229,13 +260,13 @@ class Follower:
             if not last < before:
                 break  # it does not come nearer: a shorter step may
             if last <= self.tolerance:
-                enough = guess is None or good is not None
+                enough = not twice or good is not None
                 good = _Reached(value, start, last, k)
                 if enough:
                     break
             tangent = flow.tangent(start, period, chart)
             square = np.append(chart.turned(way[:-1], origin), way[-1])
-            over = self.by_parameter(chart, value, _NEWTON_STEP)
+            over = self.by_parameter(chart, value, tangent.matrix, square, _NEWTON_STEP)
             rows = np.column_stack([tangent.matrix - np.eye(chart.size), over])
             matrix = np.vstack([rows, square])
             matrix[:, :-1][:, ~moving(chart, tangent.matrix)] = 0.0
@@ -246,6 +277,24 @@ class Follower:
         if good is None:
             raise NoOrbitError("branch: Newton's method does not come back onto it")
         return good
+
+    def up_to(self, node: Node, value: float) -> tuple[Point, float]:
+        """Return the orbit at a value that lies straight ahead of another, and the arc to it.
+
+        Raises:
+            AntennaPinError: Newton's method finds none.
+        """
+        point, way = node.point, node.way
+        ahead = (value - point.value) / (way[-1] * self.unit)
+        origin = self.chart(point)
+        guess = origin.state(ahead * way[:-1], self.family(value)[0].system)
+        return self._at(point, way, self.orbit(guess, value, iterations=4), value)
+
+    def _at(self, point: Point, way: Array, orbit: Orbit, value: float) -> tuple[Point, float]:
+        """Return an orbit at a value, and how far it is along a direction at a point."""
+        place = self.chart(point).coordinates(orbit.start)
+        along = np.append(place, (value - point.value) / self.unit) @ way
+        return Point(value, orbit), float(along)
 
     def stopped(
         self, point: Point, way: Array, arc: float, beyond: Point, value: float
@@ -277,7 +326,4 @@ class Follower:
         found = self._reached(point, way, near)
         here = Chart(self.family(found.value)[0].system, found.start)
         guess = here.state(np.zeros(here.size), self.family(value)[0].system)
-        orbit = self.orbit(guess, value)
-        origin = self.chart(point)
-        along = np.append(origin.coordinates(orbit.start), (value - point.value) / self.unit) @ way
-        return Point(value, orbit), float(along)
+        return self._at(point, way, self.orbit(guess, value), value)

@@ -17,7 +17,7 @@ from antenna_pin.errors import AntennaPinError
 from antenna_pin.nonlinear.follower import Follower, Node, Point
 from antenna_pin.nonlinear.orbits import NoOrbitError, Orbit
 
-__all__ = ["Located", "Step", "where_changed", "where_crossed", "where_turned", "where_zero"]
+__all__ = ["Located", "Step", "Test", "where_crossed", "where_turned", "where_zero"]
 
 Array = NDArray[np.float64]
 
@@ -29,6 +29,10 @@ _SHARE, _STAGES, _THROUGH = 0.125, 5, 6
 
 # How far an orbit between others may be from the cubic through them, over how far they are from one another.
 _ASIDE = 0.1
+
+
+Test = Callable[[NDArray[np.complex128]], float]
+"""A number of an orbit's multipliers that passes zero where something happens to it."""
 
 
 class Located(NamedTuple):
@@ -53,6 +57,9 @@ class Step:
         first: What it begins with; how far along is measured in the direction there.
         last: What it comes to.
         arc: How far that is.
+
+    Attributes:
+        beside: Orbits before its first and behind its last, by how far along they would be.
     """
 
     def __init__(self, follower: Follower, first: Node, last: Node, arc: float) -> None:
@@ -60,6 +67,7 @@ class Step:
         self.follower, self.first, self.last, self.arc = follower, first, last, arc
         self._points = {0.0: first.point, arc: last.point}
         self._nodes = {0.0: first, arc: last}
+        self.beside: dict[float, Node] = {}
 
     def point(self, along: float) -> Point:
         """Return the orbit so far along.
@@ -69,7 +77,7 @@ class Step:
         """
         if along not in self._points:
             first, guess = self.first, self._between(along)
-            point = self.follower.correct(first.point, first.way, along, guess)
+            point = self.follower.correct(first.point, first.way, along, guess, guess is not None)
             if guess is not None:
                 before, behind = self._about(along)
                 if np.linalg.norm(self._place(point) - guess) > _ASIDE * (behind - before):
@@ -107,6 +115,10 @@ class Step:
             self._nodes[along] = self.follower.node(self.point(along), self.first)
         return self._nodes[along]
 
+    def nodes(self) -> dict[float, Node]:
+        """Return the orbits at which the branch's direction is known, those beside it too, by place."""
+        return self.beside | self._nodes
+
     def nearest(self, along: float) -> Point:
         """Return that of the orbits that have been made which is nearest to a place."""
         return self._points[min(self._points, key=lambda one: abs(one - along))]
@@ -126,41 +138,61 @@ class Step:
         return float(node.way[-1]) / max(float(node.way @ ahead), 1e-3)
 
 
-def where_zero(
-    step: Step, test: Callable[[Orbit], float], low: float, high: float, precision: float
-) -> Located:
-    """Return where between two places of a step a number of the orbit, which is smooth, passes zero.
+def where_zero(step: Step, test: Test, low: float, high: float, precision: float) -> Located:
+    """Return where between two places of a step a number of the multipliers, which is smooth, passes zero.
 
-    By Brent's method, which ends within the precision on both sides.
+    By Brent's method along the branch, where no fold is in the way. It ends within the precision on both
+    sides, or upon the zero: of that no other side is known, and what is in doubt is by how much the number
+    would be another, had the multipliers been wrong by their doubt.
     """
-    known = {along: test(step.point(along).orbit) for along in (low, high)}
+    known = {along: test(step.point(along).orbit.multipliers) for along in (low, high)}
 
     def at(along: float) -> float:
         if along not in known:
-            known[along] = test(step.point(along).orbit)
+            known[along] = test(step.point(along).orbit.multipliers)
         return known[along]
 
     steepest = max(abs(step.slope(low)), abs(step.slope(high)), 1e-3)
     near = precision / (steepest * abs(step.follower.unit))
     with contextlib.suppress(AntennaPinError):  # what is known by then is all there is
         brentq(at, low, high, xtol=0.5 * near, rtol=1e-14)
-    before = max(along for along, found in known.items() if found * known[low] > 0.0)
-    behind = min(along for along, found in known.items() if found * known[low] <= 0.0 and along > before)
-    one, other = step.point(before).value, step.point(behind).value
-    doubt = max(0.5 * abs(other - one), 0.5 * precision)
-    return Located(0.5 * (one + other), doubt, 0.5 * (before + behind))
+    upon = [along for along, found in known.items() if found == 0.0]
+    before = max(along for along, found in known.items() if (found > 0.0) == (known[low] > 0.0))
+    behind = min(along for along in known if along > before)
+    if upon:
+        behind = upon[0]
+        value, along, left = step.point(behind).value, behind, 0.0
+    else:
+        one, other = step.point(before).value, step.point(behind).value
+        value, along, left = 0.5 * (one + other), 0.5 * (before + behind), 0.5 * abs(other - one)
+    # The nearest orbit at which the number is more than what it may be off by says how steep it is.
+    off = _off(test, step.point(behind).orbit)
+    rest = [one for one, found in known.items() if abs(found) > 4.0 * off]
+    aside = min(rest, key=lambda one: abs(one - along)) if rest else low
+    far = abs(step.point(aside).value - value)
+    steep = abs(known[aside]) / far if far else 0.0
+    doubt = left + (off / steep if steep else abs(step.point(high).value - step.point(low).value))
+    return Located(value, max(doubt, 0.5 * precision), along)
 
 
-def where_turned(step: Step, precision: float) -> tuple[Located, float, float]:
-    """Return where in a step the parameter turns back, and the places next to it that are known.
+def _off(test: Test, orbit: Orbit) -> float:
+    """Return by how much a number of multipliers may be wrong, as these are."""
+    values, doubt = orbit.multipliers, orbit.doubt
+    ways = doubt * np.eye(len(values))
+    return sum(abs(test(values + way) - test(values)) for way in ways)
 
-    Orbits are made at parts of the step, by regula falsi (Illinois) for where the parameter's part of the
+
+def where_turned(step: Step, begin: float, end: float, precision: float) -> Located:
+    """Return where between two places of a step the parameter turns back: an orbit next to it.
+
+    Orbits are made between them, by regula falsi (Illinois) for where the parameter's part of the
     branch's direction is zero. From an orbit there the parameter goes on, to the fold, by no more than its
-    slope times what is left of the step in which that changes its sign: this is the doubt.
+    slope times what is left of the step in which that changes its sign: this is the doubt, and what orbits
+    are in doubt by.
     """
-    low, high = 0.0, step.arc
+    low, high = begin, end
     weights, before = [1.0, 1.0], None
-    ahead = step.first.way[-1]
+    ahead = step.node(begin).way[-1]
     for _ in range(_ROUNDS):
         nearest = min(low, high, key=lambda along: abs(step.slope(along)))
         doubt = abs(step.slope(nearest) * (high - low) * step.follower.unit)
@@ -178,7 +210,8 @@ def where_turned(step: Step, precision: float) -> tuple[Located, float, float]:
         weights[replaced] = 1.0
         weights[stays] *= 0.5 if before is on else 1.0
         before = on
-    return Located(step.point(nearest).value, doubt, nearest), low, high
+    doubt += step.follower.tolerance * abs(step.follower.unit)
+    return Located(step.point(nearest).value, doubt, nearest)
 
 
 def where_crossed(step: Step, low: float, high: float, precision: float) -> Located:
@@ -233,36 +266,3 @@ def _zero(step: Step, places: Sequence[float], about: float) -> Located:
     )
     steep = abs(float(crossing.derivative(along)))
     return Located(float(value(along)), abs(float(value.derivative(along))) * off / steep, along)
-
-
-def where_changed(
-    follower: Follower,
-    one: Node,
-    beyond: float,
-    passed: Callable[[Orbit | None], bool],
-    precision: float,
-) -> tuple[float, float]:
-    """Return where from an orbit to a value of the parameter ``passed`` changes, and half of what is left.
-
-    Orbits are looked for where the branch's direction at the first leads, which near a graze must be near.
-    """
-    way, known = one.way, one.point
-    low, high = known.value, beyond
-    for _ in range(_ROUNDS):
-        if abs(high - low) <= precision:
-            break
-        value = 0.5 * (low + high)
-        ahead = follower.turned(way, one.point, known)[:-1] * (
-            (value - known.value) / (way[-1] * follower.unit)
-        )
-        try:
-            guess = follower.chart(known).state(ahead, follower.family(value)[0].system)
-            orbit: Orbit | None = follower.orbit(guess, value, iterations=4)
-        except AntennaPinError:
-            orbit = None
-        if passed(orbit):
-            high = value
-        else:
-            low = value
-            known = known if orbit is None else Point(value, orbit)
-    return 0.5 * (low + high), 0.5 * abs(high - low)

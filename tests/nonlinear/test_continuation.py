@@ -18,7 +18,7 @@ from antenna_pin.simulation import Angle, Event, Jump
 NUMBERS = {"m": 1.0, "k": 1.0, "c": 0.1}
 
 
-def against_a_stop(oscillator, force, frequency, stop, restitution):
+def against_a_stop(oscillator, force, frequency, stop, restitution, damping=NUMBERS["c"]):
     """The flow of a mass on a spring, driven against a stop, and the drive's period."""
     hit = Event(
         name="stop",
@@ -26,7 +26,7 @@ def against_a_stop(oscillator, force, frequency, stop, restitution):
         direction=1,
         action=Jump(lambda now: (now.q, -restitution * now.v)),
     )
-    system = oscillator(*NUMBERS.values(), force, frequency)
+    system = oscillator(1.0, 1.0, damping, force, frequency)
     return Flow(system, events=(hit,)), 1.0 / frequency
 
 
@@ -204,6 +204,68 @@ def test_a_period_doubling(oscillator):
     branch = continued(family, guess, (first, last), arc=0.3, most=12)
     (flip,) = branch.bifurcations
     assert flip.kind == "flip" and flip.value == pytest.approx(exact, abs=1e-6)
+
+
+ISSUE = (0.04, 2.2, 0.8, (2.10765088, -0.19501412))
+
+
+@pytest.mark.parametrize(
+    ("rig", "stops", "arc"),
+    [
+        (ISSUE, (0.2284, 0.25), 0.2),
+        pytest.param(ISSUE, (0.2284, 0.27), 0.2, marks=pytest.mark.slow),
+        pytest.param((0.1, 2.1, 0.75, (2.14436961, -0.3621061)), (0.2572, 0.3), 0.15, marks=pytest.mark.slow),
+    ],
+)
+def test_a_stop_that_is_moved_away(oscillator, rig, stops, arc):
+    """The orbit with one impact doubles its period, and lives on until the impact has no speed: exact map.
+
+    Over the stop's place; steps lead far beyond the flip, and beyond where there are orbits: what Newton's
+    method does not find is no graze, and of what is outside of the range nothing is said.
+    """
+    damping, w, restitution, guess = rig
+    frequency = 0.5 * w / math.pi
+
+    def exact(stop, near):
+        one = Impacts(1.0, 1.0, damping, 1.0, frequency, stop, restitution)
+        return one, one.orbit(near)
+
+    known = {stops[0]: exact(stops[0], guess)[1]}
+
+    def orbit(stop):
+        for s in np.linspace(stops[0], stop, 12):
+            near = known[min(known, key=lambda one: abs(one - s))]
+            one, known[s] = exact(s, near)
+        return one, known[stop]
+
+    def product(stop):
+        one, (t, v) = orbit(stop)
+        return float(np.prod(one.multipliers(t, v) + 1.0).real)
+
+    # The speed passes zero where the impact goes.
+    end = brentq(lambda stop: orbit(stop)[1][1], stops[0], 1.05 * stops[0] + 0.03, xtol=1e-13)
+    wanted = [("flip", brentq(product, stops[0], 0.99 * end, xtol=1e-13))]
+    wanted += [("grazing", end)] if end < stops[1] else []
+
+    def family(stop):
+        return against_a_stop(oscillator, 1.0, frequency, stop, restitution, damping)
+
+    flow, period = family(stops[0])
+    one, (t, v) = orbit(stops[0])
+    # Flown on from the impact to where the drive begins anew.
+    x, rate = one.flight(t, np.array([stops[0], v]), math.ceil(t / period) * period - t)
+    start = flow.first(np.array([x]), np.array([rate]))
+    branch = continued(family, start, stops, arc=arc)
+    found = [(each.kind, each.value) for each in branch.bifurcations]
+    assert [kind for kind, _ in found] == [kind for kind, _ in wanted]
+    for each, (_, value) in zip(branch.bifurcations, wanted, strict=True):
+        # Located to 1e-7 of the range.
+        assert abs(each.value - value) <= 1.1 * each.doubt and each.doubt <= 2e-7 * (stops[1] - stops[0])
+    last = branch.points[-1].value
+    if end > stops[1]:
+        assert branch.message == "it came to the end of the range" and last == stops[1]
+    else:
+        assert branch.message.startswith("it ends in a graze") and end - 1e-4 < last < end
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 from scipy.linalg import expm
-from scipy.optimize import fsolve
+from scipy.optimize import root
 
 
 class Impacts:
@@ -34,7 +34,10 @@ class Impacts:
             x, speed = self.flight(t, np.array([self.stop, v]), self.period)
             return x - self.stop, v + self.r * speed
 
-        return fsolve(misses, guess, xtol=1e-13)
+        # Asked for its last digit it may say that it gets no further: what it misses by tells.
+        found = root(misses, guess, options={"xtol": 1e-13})
+        assert np.abs(found.fun).max() < 1e-13
+        return found.x
 
     def multipliers(self, t, v):
         """Eigenvalues of the flight over a period after the impact's jump of the tangent (its saltation)."""
