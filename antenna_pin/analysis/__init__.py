@@ -12,7 +12,12 @@ if TYPE_CHECKING:
     from antenna_pin.analysis.blows import blow_statistics, blows
     from antenna_pin.analysis.bodies import body_poses, body_twists, joint_loads, mechanism_of
     from antenna_pin.analysis.body import body_deviation, body_motion, moved_body
-    from antenna_pin.analysis.branch import StabilitySpan, stability_spans, unexplained_changes
+    from antenna_pin.analysis.branch import (
+        StabilitySpan,
+        said_of_multiplier,
+        stability_spans,
+        unexplained_changes,
+    )
     from antenna_pin.analysis.chaos_test import Chaos, ChaosTest, chaos_test
     from antenna_pin.analysis.closures import (
         closure_loads,
@@ -183,6 +188,7 @@ __all__ = [
     "said_of_constraints",
     "said_of_coupling",
     "said_of_limits",
+    "said_of_multiplier",
     "said_of_singular",
     "said_of_spin",
     "scales_of",
@@ -215,7 +221,7 @@ loaded_when_used(
         "blocks": "LONG beside blocks",
         "bodies": "body_poses body_twists joint_loads mechanism_of",
         "body": "body_deviation body_motion moved_body",
-        "branch": "StabilitySpan stability_spans unexplained_changes",
+        "branch": "StabilitySpan said_of_multiplier stability_spans unexplained_changes",
         "chaos_test": "Chaos ChaosTest chaos_test",
         "closures": "closure_loads closures_of coupling_loads couplings_of drive_loads drive_power drives_of"
         " effort_unit said_of_constraints said_of_coupling said_of_singular",

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import cmath
 import itertools
+import math
 from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
 
-__all__ = ["StabilitySpan", "stability_spans", "unexplained_changes"]
+__all__ = ["StabilitySpan", "said_of_multiplier", "stability_spans", "unexplained_changes"]
 
 
 class StabilitySpan(NamedTuple):
@@ -19,14 +21,28 @@ class StabilitySpan(NamedTuple):
         first: Value of the parameter of the first of them.
         last: Of the last.
         orbits: How many they are.
-        largest: Sizes of their largest multipliers, from the least to the greatest [-].
+        largest: Of their largest multipliers that of least and that of greatest size [-].
     """
 
     stability: str
     first: float
     last: float
     orbits: int
-    largest: tuple[float, float]
+    largest: tuple[complex, complex]
+
+
+def said_of_multiplier(multiplier: complex, digits: int = 4, places: int | None = None) -> str:
+    """Return a multiplier in words: a real one with its sign, one of a pair by its size and its angle.
+
+    Args:
+        multiplier: [-].
+        digits: Significant ones.
+        places: Behind the point, that are known; all if left out.
+    """
+    size = abs(multiplier) if places is None else round(abs(multiplier), places)
+    if multiplier.imag == 0.0:
+        return f"{math.copysign(size, multiplier.real):.{digits}g}"
+    return f"{size:.{digits}g} at {math.degrees(cmath.phase(multiplier)):.4g} deg"
 
 
 def stability_spans(branch: xr.Dataset) -> list[StabilitySpan]:
@@ -36,14 +52,15 @@ def stability_spans(branch: xr.Dataset) -> list[StabilitySpan]:
         branch: Of :func:`antenna_pin.nonlinear.branch_table`.
     """
     values = np.asarray(branch["value"].values, dtype=float)
-    sizes = np.hypot(branch["multiplier_real"].values, branch["multiplier_imaginary"].values)
-    largest = np.nanmax(sizes, axis=1, initial=0.0)
+    every = np.nan_to_num(branch["multiplier_real"].values + 1j * branch["multiplier_imaginary"].values)
+    # They are in the order of their sizes; a system without freedoms has none.
+    largest = every[:, 0] if every.shape[1] else np.zeros(len(every), dtype=complex)
     spans = []
     said = [str(one) for one in branch["stability"].values]
     for stability, group in itertools.groupby(range(len(said)), key=said.__getitem__):
         places = list(group)
-        here = largest[places]
-        ends = float(here.min()), float(here.max())
+        here = sorted(largest[places].tolist(), key=abs)
+        ends = here[0], here[-1]
         first, last = float(values[places[0]]), float(values[places[-1]])
         spans.append(StabilitySpan(stability, first, last, len(places), ends))
     return spans

@@ -78,7 +78,8 @@ def rows_of_branch(branch: xr.Dataset) -> list[dict[str, Any]]:
     """Return a row for each orbit of a branch."""
     import numpy as np
 
-    sizes = np.hypot(branch["multiplier_real"].values, branch["multiplier_imaginary"].values)
+    parts = (np.nan_to_num(branch[f"multiplier_{part}"].values) for part in ("real", "imaginary"))
+    real, imaginary = (part if part.shape[1] else np.zeros((len(part), 1)) for part in parts)
     unit = branch["value"].attrs["units"]
     rows = []
     for k in range(branch.sizes["point"]):
@@ -86,7 +87,9 @@ def rows_of_branch(branch: xr.Dataset) -> list[dict[str, Any]]:
             f"{branch.attrs['parameter']} [{unit or 'SI'}]": float(branch["value"].values[k]),
             "stability": str(branch["stability"].values[k]),
             "period [s]": float(branch["period"].values[k]),
-            "largest multiplier [-]": float(np.nanmax(sizes[k], initial=0.0)),
+            "largest multiplier, real [-]": float(real[k, 0]),
+            "largest multiplier, imaginary [-]": float(imaginary[k, 0]),
+            "largest multiplier, size [-]": float(np.hypot(real[k, 0], imaginary[k, 0])),
             "doubt [-]": float(branch["doubt"].values[k]),
         }
         for q, name in enumerate(branch["quantity"].values if "quantity" in branch else ()):
@@ -99,14 +102,20 @@ def rows_of_branch(branch: xr.Dataset) -> list[dict[str, Any]]:
 
 def print_branch(branch: xr.Dataset) -> None:
     """Print where a branch is stable, and what happens to it."""
-    from antenna_pin.analysis import stability_spans, unexplained_changes
+    from antenna_pin.analysis import said_of_multiplier, stability_spans, unexplained_changes
     from antenna_pin.readable import printed_unit
 
     unit = printed_unit(str(branch["value"].attrs["units"]))
     head = f"{branch.attrs['parameter']} [{unit}]" if unit else str(branch.attrs["parameter"])
     say(f"{branch.sizes['point']} orbits: {branch.attrs['message']}")
     rows = [
-        [one.stability, f"{one.first:.6g}", f"{one.last:.6g}", str(one.orbits), f"{one.largest[1]:.4g}"]
+        [
+            one.stability,
+            f"{one.first:.6g}",
+            f"{one.last:.6g}",
+            str(one.orbits),
+            said_of_multiplier(one.largest[1]),
+        ]
         for one in stability_spans(branch)
     ]
     print_rows(f"Orbits over {head}", ["", "from", "to", "orbits", "largest multiplier"], rows)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import io
 import itertools
+import math
 import sys
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, TextIO, cast
@@ -169,6 +170,26 @@ def branch_bar(
     def report(value: float) -> None:
         share = min(max((value - first) / (last - first), 0.0), 1.0)
         bar.update(task, completed=share, value=f"at {value:.6g}", orbits=f"{next(counted)} orbits")
+        bar.start()
+
+    with _ended(bar):
+        yield report
+
+
+@contextlib.contextmanager
+def exponent_bar(title: str, count: int, shown: bool) -> Iterator[Callable[[int, float], None] | None]:
+    """Yield what exponents report each interval to: how many are done, and the largest exponent so far."""
+    if not shown:
+        yield None
+        return
+    bar = _bar("{task.fields[value]}", counted=True)
+    task = bar.add_task(title, total=count, value="")
+
+    def report(done: int, value: float) -> None:
+        said = "" if math.isnan(value) else f"{value:.3g} 1/s"
+        words = f"{title}: the motion itself" if math.isnan(value) else title
+        # The largest alone takes some more intervals, in which its direction settles.
+        bar.update(task, description=words, completed=done, total=max(count, done), value=said)
         bar.start()
 
     with _ended(bar):

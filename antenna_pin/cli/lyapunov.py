@@ -9,10 +9,11 @@ import typer
 
 from antenna_pin.cli._common import CaseOption, SetOption, Width, WidthOption, load, not_interrupted
 from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, exported, plain
+from antenna_pin.cli._progress import exponent_bar
 from antenna_pin.cli._quantities import positive_quantity
 from antenna_pin.cli._saved import PlotOption, TableOption, save_both, targets_of
 from antenna_pin.cli._tables import print_rows
-from antenna_pin.cli.orbit import PeriodOption, period_of
+from antenna_pin.cli.orbit import PeriodOption, RtolOption, period_of
 from antenna_pin.errors import InvalidParameterError
 
 if TYPE_CHECKING:
@@ -36,12 +37,14 @@ def lyapunov(
         bool, typer.Option("--spectrum", help="All exponents, by the tangent; the largest alone else.")
     ] = False,
     seed: Annotated[int, typer.Option(help="Of the neighbour's first direction.")] = 0,
+    rtol: RtolOption = None,
     settings: SetOption = None,
     out: TableOption = None,
     plot: PlotOption = None,
     width: WidthOption = Width.PAGE,
     as_json: JsonOption = False,
     csv: CsvOption = None,
+    progress: Annotated[bool, typer.Option(help="Show a progress bar.")] = True,
 ) -> None:
     """Say how fast neighbours of a motion part: Lyapunov exponents, natural logarithms per second."""
     table, targets = csv_target(csv), targets_of(out, plot)
@@ -56,11 +59,14 @@ def lyapunov(
         span = positive_quantity(interval, "s", "--interval", "lyapunov")
     else:
         span = period_of(known, period, "lyapunov")
-    flow, start = flow_of(known)
-    if spectrum:
-        found = lyapunov_spectrum(flow, start, span, count, transient=transient * span)
-    else:
-        found = largest_exponent(flow, start, span, count, transient=transient * span, seed=seed)
+    flow, start = flow_of(known, rtol=rtol)
+    with exponent_bar(known.title, count, progress) as report:
+        if spectrum:
+            found = lyapunov_spectrum(flow, start, span, count, transient=transient * span, progress=report)
+        else:
+            found = largest_exponent(
+                flow, start, span, count, transient=transient * span, seed=seed, progress=report
+            )
     rows = [
         plain({"exponent [1/s]": float(value), "error [1/s]": _finite(float(error))})
         for value, error in zip(found.values, found.errors, strict=True)

@@ -204,6 +204,8 @@ def _rows(found: Orbit) -> list[dict[str, Any]]:
 
 
 def _print(found: Orbit) -> None:
+    from antenna_pin.analysis import said_of_multiplier
+
     words = {True: "stable", False: "unstable", None: "neutral, as far as can be told"}[found.stable]
     happens = [
         f"{count} {what}{'s' if count > 1 else ''}"
@@ -217,8 +219,8 @@ def _print(found: Orbit) -> None:
     # Digits that are known: one multiplier does not say more than the doubt of all.
     digits = min(12, max(0, math.floor(-math.log10(max(found.doubt, 1e-12)))))
     rows = [
-        [*(f"{round(part, digits):.6g}" for part in (one.real, one.imag, abs(one))), f"{exponent:.4g}"]
+        [said_of_multiplier(one, 6, digits), f"{round(abs(one), digits):.6g}", f"{exponent:.4g}"]
         for one, exponent in zip(found.multipliers.tolist(), found.exponents, strict=True)
     ]
     title = f"Floquet multipliers, to {power_above(found.doubt)}"
-    print_rows(title, ["real", "imaginary", "size", "exponent [1/s]"], rows)
+    print_rows(title, ["multiplier", "size", "exponent [1/s]"], rows)

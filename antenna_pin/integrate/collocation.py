@@ -14,8 +14,8 @@ __all__ = ["NODES", "Propagated", "Propagator"]
 Array = NDArray[np.float64]
 
 _GAUSS = 0.5 + 0.5 * np.polynomial.legendre.leggauss(4)[0]
-#: Where in a step the matrix is asked for: at Gauss's four nodes, and at its end.
-NODES = np.append(_GAUSS, 1.0)
+#: Where in a step the matrix is asked for: at Gauss's four nodes, and next to its end, where it may jump.
+NODES = np.append(_GAUSS, 1.0 - 1e-6)
 
 
 class Propagated(NamedTuple):
@@ -23,7 +23,7 @@ class Propagated(NamedTuple):
 
     Attributes:
         matrix: By collocation at Gauss's four nodes, of order 8, (n, n).
-        other: By collocation at these and the end.
+        other: By collocation at these and next to the end.
     """
 
     matrix: Array

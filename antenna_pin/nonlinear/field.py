@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -12,12 +13,12 @@ from antenna_pin.differences import WEIGHTS
 from antenna_pin.dynamics import System, Workspace
 from antenna_pin.engine import CompiledImplicitStepper, CompiledStepper, Slopes
 from antenna_pin.integrate import method_named
-from antenna_pin.nonlinear.frames import Frame, Units, frame_at
+from antenna_pin.nonlinear.frames import Frame, Lift, Units, frame_at
 from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.quiet import stepper_of
 from antenna_pin.simulation.scales import scale_vector
 
-__all__ = ["Field", "Function", "Lift"]
+__all__ = ["Field", "Function", "Rates"]
 
 Array = NDArray[np.float64]
 Function = Callable[[float, Array], Array]
@@ -30,22 +31,30 @@ Function = Callable[[float, Array], Array]
 _STEP, _IN_PLAY, _IN_LOOPS, _SHARE, _FINEST = 1e-4, 1e-6, 1e-5, 0.02, 1e-6
 # Of what rows of constraints do, over the most: what does less is what round-off has left of redundant ones.
 _FAINT = 1e-10
+# Difference of the two orders over the largest derivative from which on a kink is straddled: then with steps
+# that are so much finer, as often at most. And round-off of rates, over these.
+_STRADDLES, _FINER, _OFTEN, _NOISY = 1e-8, 8.0, 8, 10.0
+_ROUND_OFF = 4.0 * float(np.finfo(float).eps)
+# Part of their size to which steps are cut by a contact's depth where kinks are looked for no more.
+_SHALLOW = 0.1
+# Over a step of differences, that with which a kink is located: to the square of it.
+_LOCATING = 0.01
 
 
-class Lift(NamedTuple):
-    """Coordinates about a state as displacements of one, and back.
-
-    A displacement, (2 nv + bristles + 2 contacts + 1,), is that of the configuration in the coordinates of
-    velocities, of the velocity, of bristles, of the logarithms of approach speeds, of those of effective
-    masses, and of time.
+class Rates(NamedTuple):
+    """Derivatives of rates in a state.
 
     Attributes:
-        up: Displacement of each coordinate, by columns, (displacement, size).
-        down: Coordinates of a displacement, (size, displacement).
+        sixth: Of the coordinates' rates over the coordinates, by differences of sixth order, (size, size).
+        fourth: The same by differences of fourth order.
+        along: Of rates along one displacement, in units, (nv + bristles,).
+        noise: Round-off of these.
     """
 
-    up: Array
-    down: Array
+    sixth: Array
+    fourth: Array
+    along: Array
+    noise: float
 
 
 class Field:
@@ -58,6 +67,7 @@ class Field:
     Attributes:
         workspace: Its contact memory and program are those of the moment.
         units: Of displacements.
+        round_off: Of the rates near where it was last looked (:meth:`look_at`), in units per second.
     """
 
     def __init__(self, system: System, settings: RunSettings) -> None:
@@ -77,8 +87,13 @@ class Field:
         ends = np.cumsum([nv, nv, len(self._bristles), contacts, contacts, 1])
         #: Parts of a displacement: way, rate, bristles, approach speeds, masses, time.
         self.parts = tuple(slice(end - n, end) for end, n in zip(ends, np.diff(ends, prepend=0), strict=True))
-        self.size = int(ends[-1])
+        #: Size of a displacement.
+        self.displacement = int(ends[-1])
         self._coarse = self._coarseness()
+        self._measured = any(joint.backend != "closed-form" for joint in system.clearances)
+        self.round_off = 0.0
+        self._rows = np.concatenate([np.arange(nv), nv + self._bristles])
+        self._weights = 1.0 / np.concatenate([self.units.rate, self.units.bristle])[:, None]
 
     def rates(self, time: float, y: Array) -> Array:
         """Return [acceleration (nv), rate of x (nx)] with contacts and program of the moment."""
@@ -87,7 +102,7 @@ class Field:
     def flow(self, time: float, y: Array) -> Array:
         """Return the displacement per second that the system itself makes, (displacement,)."""
         nq, nv = self.system.model.nq, self.system.model.nv
-        rates, out = self.rates(time, y), np.zeros(self.size)
+        rates, out = self.rates(time, y), np.zeros(self.displacement)
         way, rate, bristles, *_, clock = self.parts
         out[way], out[rate], out[bristles] = y[nq : nq + nv], rates[:nv], rates[nv + self._bristles]
         out[clock] = 1.0
@@ -100,7 +115,7 @@ class Field:
     def _coarseness(self) -> Array:
         """Return over what a step of each part of a displacement must be one at most, (displacement,)."""
         units, (way, rate, bristles, *_) = self.units, self.parts
-        out = np.zeros(self.size)
+        out = np.zeros(self.displacement)
         out[way], out[rate], out[bristles] = 1.0 / units.way, 1.0 / units.rate, 1.0 / units.bristle
         steps, finer = np.full(self.system.model.nv, _STEP), _IN_LOOPS if self.system.plan else _IN_PLAY
         for joint in self.system.clearances:
@@ -113,7 +128,14 @@ class Field:
     # --- derivatives ----------------------------------------------------------------------------------------
 
     def along(
-        self, function: Function, time: float, y: Array, ways: Array, *, of_forces: bool = False
+        self,
+        function: Function,
+        time: float,
+        y: Array,
+        ways: Array,
+        *,
+        of_forces: bool = False,
+        steps: Array | None = None,
     ) -> tuple[Array, Array]:
         """Return the derivatives of a function of time and state along displacements.
 
@@ -123,12 +145,14 @@ class Field:
             y: State.
             ways: Displacements of a size of about 1 in units, by columns, (displacement, k).
             of_forces: Whether it depends on forces, which are smooth on the scale of depths only.
+            steps: Of the differences, over a displacement, (k,); chosen if left out.
 
         Returns:
             By differences of sixth and of fourth order, (values, k) each.
         """
         out = np.zeros((len(WEIGHTS), len(function(time, y)), ways.shape[1]))
-        for k, (way, step) in enumerate(zip(ways.T, self._steps(y, ways, of_forces), strict=True)):
+        used = self._steps(y, ways, of_forces) if steps is None else steps
+        for k, (way, step) in enumerate(zip(ways.T, used, strict=True)):
             ahead, behind = (
                 np.array([self._at(function, time, y, side * point * step * way) for point in (1, 2, 3)])
                 for side in (1, -1)
@@ -136,12 +160,87 @@ class Field:
             out[:, :, k] = WEIGHTS @ (ahead - behind) / step
         return out[0], out[1]
 
-    def slopes(self, time: float, y: Array, ways: Array) -> tuple[Array, Array]:
-        """Return the derivatives of the rates along displacements (:meth:`along`), (nv + nx, k) each."""
-        if self._slopes is None:
-            return self.along(self.rates, time, y, ways, of_forces=True)
-        sixth, fourth = self._slopes.rates(time, y, ways, self._steps(y, ways, True))
-        return sixth, fourth
+    def slopes(self, time: float, y: Array, ways: Array) -> tuple[Array, Array, Array]:
+        """Return the derivatives of the rates along displacements (:meth:`along`), and the steps they took.
+
+        Steps that straddle a kink are made finer.
+
+        Returns:
+            By differences of sixth and of fourth order, (nv + nx, k) each; and steps, (k,).
+        """
+        steps = self._steps(y, ways, True)
+        found = self._differences(time, y, ways, steps)
+        off = self._sizes(found[0] - found[1])
+        least = np.maximum(
+            _STRADDLES * self._sizes(found[0]).max(initial=0.0), _NOISY * self.round_off / steps
+        )
+        if not (off > least).any():
+            return found[0], found[1], steps
+        rough, finer = np.flatnonzero((off > least) & ~self._shallow(y, ways, steps)), steps.copy()
+        if not len(rough):
+            return found[0], found[1], steps
+        for _ in range(_OFTEN):
+            finer[rough] /= _FINER
+            again = self._differences(time, y, ways[:, rough], finer[rough])
+            rest = self._sizes(again[0] - again[1])
+            # Next to a kink the two orders part the more before steps are so short that they do not at all.
+            enough = np.maximum(least[rough], _NOISY * self.round_off / finer[rough])
+            better = (rest < off[rough]) | (rest <= enough)
+            taken = rough[better]
+            found[:, :, taken], steps[taken], off[taken] = again[:, :, better], finer[taken], rest[better]
+            rough = rough[rest > enough]
+            if not len(rough):
+                break
+        return found[0], found[1], steps
+
+    def _shallow(self, y: Array, ways: Array, steps: Array) -> NDArray[np.bool_]:
+        """Return which steps are so short for a contact's depth that forces are known no better, (k,)."""
+        if not self.workspace.memory["touching"].any():
+            return np.zeros(len(steps), dtype=bool)
+        if self._measured:  # gaps that are measured have a round-off of their own
+            return np.ones(len(steps), dtype=bool)
+        return np.asarray(steps < _SHALLOW * self._steps(y, ways, False))
+
+    def _differences(self, time: float, y: Array, ways: Array, steps: Array) -> Array:
+        """Return derivatives of the rates by differences of sixth and fourth order, (2, nv + nx, k)."""
+        if self._slopes is not None:
+            return np.array(self._slopes.rates(time, y, np.ascontiguousarray(ways), steps))
+        return np.array(self.along(self.rates, time, y, ways, steps=steps))
+
+    def _weighed(self, rates: Array) -> Array:
+        """Return derivatives of velocities and bristles in units, from (nv + nx, k)."""
+        return np.asarray(rates[self._rows] * self._weights)
+
+    def _sizes(self, rates: Array) -> Array:
+        """Return the largest of derivatives in units, (k,)."""
+        return np.asarray(np.abs(self._weighed(rates)).max(axis=0, initial=0.0))
+
+    def look_at(self, time: float, y: Array) -> None:
+        """Find how large the rates are near a state, and their round-off with that."""
+        self.round_off = _ROUND_OFF * float(self._sizes(self.rates(time, y)[:, None])[0])
+
+    def along_way(self, time: float, y: Array, way: Array) -> tuple[Array, float]:
+        """Return the derivative of the rates along one displacement, in units, and its round-off.
+
+        Args:
+            time: [s].
+            y: State.
+            way: (displacement,).
+        """
+        sixth, _, steps = self.slopes(time, y, way[:, None])
+        return self._weighed(sixth)[:, 0], self._noise(y, way[:, None], steps)
+
+    def _noise(self, y: Array, ways: Array, steps: Array) -> float:
+        """Return the round-off of derivatives along a displacement; without bounds in a shallow contact."""
+        # Steps that a kink has made finer are not those of a shallow contact.
+        shallow = self._shallow(y, ways, self._steps(y, ways, True))[0]
+        return math.inf if shallow else self.round_off / float(steps[0])
+
+    def across_kinks(self, time: float, y: Array, way: Array) -> tuple[Array, float]:
+        """Return what :meth:`along_way` does with a step that kinks may lie within, and that step."""
+        ways = way[:, None]
+        steps = _LOCATING * self._steps(y, ways, True)
+        return self._weighed(self._differences(time, y, ways, steps)[0])[:, 0], float(steps[0])
 
     def _steps(self, y: Array, ways: Array, of_forces: bool) -> Array:
         """Return the step of differences along displacements, (k,)."""
@@ -195,7 +294,10 @@ class Field:
         """
         units, (way, rate, bristles, *remembered, _) = self.units, self.parts
         n, nb, nm = frame.ways, len(self._bristles), len(frame.remembered)
-        up, down = np.zeros((self.size, 2 * n + nb + nm)), np.zeros((2 * n + nb + nm, self.size))
+        up, down = (
+            np.zeros((self.displacement, 2 * n + nb + nm)),
+            np.zeros((2 * n + nb + nm, self.displacement)),
+        )
         ways, rates, own = slice(n), slice(n, 2 * n), slice(2 * n, 2 * n + nb)
         up[way, ways], down[ways, way] = units.way[:, None] * frame.free, frame.free.T / units.way
         up[rate, rates], down[rates, rate] = units.rate[:, None] * frame.free, frame.free.T / units.rate
@@ -232,19 +334,31 @@ class Field:
         wanted = np.hstack([turned, rows @ up[rate, n : 2 * n]])
         up[rate, : 2 * n] -= across @ np.linalg.lstsq(rows @ across, wanted, rcond=_FAINT)[0]
 
-    def matrix(self, frame: Frame, time: float, y: Array) -> tuple[Array, Array]:
-        """Return the derivative of the coordinates' rates over the coordinates, (size, size), twice.
+    def matrix(self, frame: Frame, time: float, y: Array, way: Array) -> Rates:
+        """Return the derivative of the coordinates' rates over the coordinates.
 
-        By differences of sixth and of fourth order. The coordinates are along a frame's axes, which rest.
+        The coordinates are along a frame's axes, which rest.
+
+        Args:
+            frame: The axes.
+            time: [s].
+            y: State.
+            way: A displacement along which the rates are looked at too, (displacement,).
         """
         lift = self.lift(frame, time, y)
         nq, nv = self.system.model.nq, self.system.model.nv
-        way, rate, bristles, *_ = self.parts
-        v = y[nq : nq + nv]
+        own, rate, bristles, *_ = self.parts
+        v, count = y[nq : nq + nv], lift.up.shape[1]
+        sixth, fourth, steps = self.slopes(time, y, np.column_stack([lift.up, way]))
         both = []
-        for found in self.slopes(time, y, lift.up):
-            change = np.zeros((self.size, lift.up.shape[1]))
-            change[way] = lift.up[rate] - self.system.manifold.bracket(v, lift.up[way])
+        for found in (sixth[:, :count], fourth[:, :count]):
+            change = np.zeros((self.displacement, count))
+            change[own] = lift.up[rate] - self.system.manifold.bracket(v, lift.up[own])
             change[rate], change[bristles] = found[:nv], found[nv + self._bristles]
             both.append(lift.down @ change)
-        return both[0], both[1]
+        return Rates(
+            both[0],
+            both[1],
+            self._weighed(sixth[:, count:])[:, 0],
+            self._noise(y, way[:, None], steps[count:]),
+        )

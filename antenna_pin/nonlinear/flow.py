@@ -184,10 +184,10 @@ class Flow:
         there = chart or Chart(self.system, end)
         there.coordinates(end)
         carrier.turn(there.frame)
-        matrix, other, _ = carrier.carried
+        matrix = carrier.carried.matrix
         # The run's own error is in neither: it is no less than its tolerance makes it.
         least = _TOLERANCES * self._settings.rtol * np.linalg.norm(matrix, axis=0)
-        return Tangent(matrix, np.maximum(np.linalg.norm(matrix - other, axis=0), least), end)
+        return Tangent(matrix, np.maximum(carrier.doubt, least), end)
 
     def carry(
         self, start: State, span: float, frame: Frame, ways: Array | None = None

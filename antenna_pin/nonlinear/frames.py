@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Collection
 from typing import NamedTuple
 
 import numpy as np
@@ -15,7 +16,7 @@ from antenna_pin.integrate import KINDS
 from antenna_pin.settings import ErrorScales
 from antenna_pin.simulation.scales import scale_vector
 
-__all__ = ["MEMORIES", "Frame", "Units", "frame_at", "way_between"]
+__all__ = ["MEMORIES", "Frame", "Lift", "Units", "frame_at", "own_state", "way_between"]
 
 Array = NDArray[np.float64]
 
@@ -60,6 +61,39 @@ class Frame(NamedTuple):
     def ways(self) -> int:
         """How many coordinates are ways, and as many are rates."""
         return int(self.free.shape[1])
+
+
+class Lift(NamedTuple):
+    """Coordinates about a state as displacements of one, and back.
+
+    A displacement, (2 nv + bristles + 2 contacts + 1,), is that of the configuration in the coordinates of
+    velocities, of the velocity, of bristles, of the logarithms of approach speeds, of those of effective
+    masses, and of time.
+
+    Attributes:
+        up: Displacement of each coordinate, by columns, (displacement, size).
+        down: Coordinates of a displacement, (size, displacement).
+    """
+
+    up: Array
+    down: Array
+
+
+def own_state(frame: Frame, size: int, lasting: Collection[int]) -> NDArray[np.bool_]:
+    """Return which coordinates are a neighbour's own state, (size,): all but what lasting contacts remember.
+
+    Nothing changes what a contact remembers while it lasts. Over a time over which it does, that is a
+    parameter of the motion: neighbours share it.
+
+    Args:
+        frame: The axes; what contacts remember is behind all other coordinates.
+        size: How many coordinates there are.
+        lasting: Contacts that last over the time that is looked at.
+    """
+    own = np.ones(size, dtype=bool)
+    for k, (contact, _) in enumerate(frame.remembered, size - len(frame.remembered)):
+        own[k] = contact not in lasting
+    return own
 
 
 def _remembered(system: System, touching: Array) -> tuple[tuple[int, int], ...]:

@@ -16,6 +16,7 @@ from antenna_pin.brief import brief
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.nonlinear.chart import Chart, NotAlikeError
 from antenna_pin.nonlinear.flow import Flow
+from antenna_pin.nonlinear.frames import Frame, own_state
 from antenna_pin.scenario import Scenario
 from antenna_pin.state import State
 from antenna_pin.trajectory import open_table, table_attributes
@@ -108,6 +109,52 @@ def _check(interval: float, count: int, transient: float) -> None:
         raise InvalidParameterError("Lyapunov exponents", "count", "1 or more intervals", count)
 
 
+class _Ahead:
+    """A motion after each interval, run before its neighbours are: which contacts last is known of its end.
+
+    Args:
+        flow: The flow.
+        start: From where.
+        interval: [s].
+        count: How many intervals to run at once, if there are contacts.
+        progress: Called with zero and no number after each of these.
+    """
+
+    def __init__(
+        self,
+        flow: Flow,
+        start: State,
+        interval: float,
+        count: int,
+        progress: Callable[[int, float], None] | None,
+    ) -> None:
+        """Run."""
+        self._flow, self._interval, self._states = flow, interval, [start]
+        #: Contacts that touch at the end, and since when [s].
+        self.onsets: dict[int, float] = {}
+        for k in range(count if flow.system.contact_names else 0):
+            self.after(k + 1)
+            if progress is not None:
+                progress(0, math.nan)
+        if len(self._states) > count:
+            self.onsets = {one.contact: one.onset for one in self._states[-1].contacts}
+
+    def after(self, count: int) -> State:
+        """Return the state after so many intervals."""
+        while len(self._states) <= count:
+            self._states.append(self._flow.after(self._states[-1], self._interval))
+        return self._states[count]
+
+    def own(self, frame: Frame, size: int, time: float) -> NDArray[np.bool_]:
+        """Return which coordinates at a time [s] are a neighbour's own, (size,)."""
+        return own_state(frame, size, [c for c, onset in self.onsets.items() if onset <= time])
+
+
+def _mechanical(chart: Chart) -> NDArray[np.bool_]:
+    """Return which coordinates are not of contacts' memory: along these neighbours begin."""
+    return own_state(chart.frame, chart.size, [contact for contact, _ in chart.frame.remembered])
+
+
 def largest_exponent(
     flow: Flow,
     start: State,
@@ -120,8 +167,10 @@ def largest_exponent(
 ) -> Exponents:
     """Return the largest exponent by two trajectories with renormalisation (Benettin and others 1976).
 
-    The neighbour locates its own contacts and events, and remembers its own approach speeds. Where other
-    contacts touch at the end of an interval than at the trajectory's own, both go on until they are alike.
+    The neighbour locates its own contacts and events, and remembers its own approach speeds, but for those
+    of contacts that last from then on to the end: nothing changes these, and neighbours share them, as those
+    of an orbit do (:func:`antenna_pin.nonlinear.frames.own_state`). Where other contacts touch at the end of
+    an interval than at the trajectory's own, both go on until they are alike.
 
     Args:
         flow: The flow.
@@ -131,25 +180,27 @@ def largest_exponent(
         transient: What is run before [s].
         seed: Of the neighbour's first direction; the first tenth of the intervals, in which it turns into
             that of fastest growth, is left out.
-        progress: Called with the number of intervals done and the exponent so far [1/s].
+        progress: Called with the number of intervals done and the exponent so far [1/s]; of a system with
+            contacts with zero and no number before, after each interval that the motion itself is run.
 
     Raises:
         FlowError: A run did not come to its end.
     """
     _check(interval, count, transient)
-    here = flow.after(start, transient) if transient else start
-    first = here
+    first = here = flow.after(start, transient) if transient else start
+    turning, done = max(1, count // 10), 0
+    ahead = _Ahead(flow, here, interval, count + turning, progress)
     chart = Chart(flow.system, here)
-    way = np.random.default_rng(seed).standard_normal(chart.size)
+    way = np.random.default_rng(seed).standard_normal(chart.size) * _mechanical(chart)
     way /= np.linalg.norm(way)
     growth: list[float] = []
     lengths: list[float] = []
-    turning = max(1, count // 10)
     while len(growth) < count + turning:
         neighbour, begun = chart.state(_DISTANCE * way), here.time
         distance = _DISTANCE
         while True:
-            here, neighbour = flow.after(here, interval), flow.after(neighbour, interval)
+            done += 1
+            here, neighbour = ahead.after(done), flow.after(neighbour, interval)
             chart = Chart(flow.system, here)
             try:
                 z = chart.coordinates(neighbour)
@@ -158,6 +209,7 @@ def largest_exponent(
                     raise
                 continue
             break
+        z = np.where(ahead.own(chart.frame, chart.size, here.time), z, 0.0)
         distance = float(np.linalg.norm(z))
         if distance > _FARTHEST and here.time - begun > 1.5 * interval:
             way = z / distance  # parted so far while waiting that its growth is not a tangent's: not counted
@@ -186,9 +238,9 @@ def lyapunov_spectrum(
 ) -> Exponents:
     """Return all exponents, by the variational equation: displacements made orthogonal after each interval.
 
-    Contacts and events act on them by their saltation (:mod:`antenna_pin.nonlinear.variational`). Where a
-    contact lasts, the approach speed that it remembers is neutral: an exponent of zero. As many exponents are
-    found as the start has coordinates, or a later state has that has fewer of them.
+    Contacts and events act on them by their saltation (:mod:`antenna_pin.nonlinear.variational`). What
+    contacts remember that last on to the end neighbours share, as for :func:`largest_exponent`. As many
+    exponents are found as there are ways, rates and bristles.
 
     Args:
         flow: The flow.
@@ -196,25 +248,26 @@ def lyapunov_spectrum(
         interval: [s].
         count: How many intervals.
         transient: What is run before [s].
-        progress: Called with the number of intervals done and the largest exponent so far [1/s].
+        progress: As for :func:`largest_exponent`, of the largest.
 
     Raises:
         FlowError: A run did not come to its end.
     """
     _check(interval, count, transient)
-    here = flow.after(start, transient) if transient else start
-    first, frame = here, Chart(flow.system, here).frame
-    ways: Array | None = None
+    first = here = flow.after(start, transient) if transient else start
+    ahead = _Ahead(flow, here, interval, count, progress)
+    chart = Chart(flow.system, here)
+    frame, ways = chart.frame, np.eye(chart.size)[:, _mechanical(chart)]
     growth: list[Array] = []
     while len(growth) < count:
         carrier, here = flow.carry(here, interval, frame, ways)
-        frame = carrier.carried.frame
-        ways, triangle = np.linalg.qr(carrier.carried.matrix)
+        matrix, _, frame = carrier.carried
+        own = ahead.own(frame, len(matrix), here.time)
+        ways, triangle = np.linalg.qr(np.where(own[:, None], matrix, 0.0))
         growth.append(np.log(np.maximum(np.abs(np.diag(triangle)), 1e-300)))
         if progress is not None:
             progress(len(growth), float(sum(one[0] for one in growth)) / (len(growth) * interval))
-    fewest = min(len(one) for one in growth)
-    table = np.array([one[:fewest] for one in growth])
+    table = np.array(growth)
     order = np.argsort(-table.sum(axis=0), kind="stable")
     return _exponents(table[:, order], np.full(count, interval), interval, first, here)
 

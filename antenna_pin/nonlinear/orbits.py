@@ -13,6 +13,7 @@ from antenna_pin.brief import brief
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
 from antenna_pin.nonlinear.chart import Chart
 from antenna_pin.nonlinear.flow import Flow, Tangent
+from antenna_pin.nonlinear.frames import own_state
 from antenna_pin.state import State
 
 __all__ = ["NoOrbitError", "Orbit", "moving", "near_enough", "orbit_at", "periodic_orbit"]
@@ -92,12 +93,13 @@ def moving(chart: Chart, matrix: Array) -> NDArray[np.bool_]:
     """Return which coordinates a period changes, (n,): all but what contacts remember that last over it.
 
     Args:
-        chart: The coordinates; what contacts remember is behind all others.
+        chart: The coordinates.
         matrix: Derivative of the map over the period, (n, n).
     """
     rows = np.linalg.norm(matrix - np.eye(len(matrix)), axis=1)
-    kept = np.arange(chart.size) >= chart.size - len(chart.frame.remembered)
-    return np.asarray(~(kept & (rows < _HELD)))
+    remembered = enumerate(chart.frame.remembered, chart.size - len(chart.frame.remembered))
+    lasting = {contact for k, (contact, _) in remembered if rows[k] < _HELD}
+    return own_state(chart.frame, chart.size, lasting)
 
 
 def near_enough(flow: Flow) -> float:

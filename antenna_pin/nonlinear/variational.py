@@ -10,9 +10,15 @@ comes there later by ``dt = -(dg w) / g'``, and behind it is displaced by the *s
 Non-Smooth Mechanical Systems, section 7.4). A contact's onset does more: the approach speed (and the
 effective mass) that it remembers are those of the neighbour's own instant, ``log s+ = d(log s) w + (log s)'
 dt``. A release lets them go.
+
+Where a force has a kink, A jumps: displacements go on as they are, but the step must be cut there. Where one
+is told of, the run's own steps end; others are found (:mod:`antenna_pin.nonlinear.breaks`).
 """
 
 from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +26,7 @@ from scipy.optimize import brentq
 
 from antenna_pin.dynamics import Workspace
 from antenna_pin.integrate import NODES, Propagator, method_named
+from antenna_pin.nonlinear.breaks import BETWEEN, SAMPLES, left_over, located
 from antenna_pin.nonlinear.field import Field
 from antenna_pin.nonlinear.frames import Frame
 from antenna_pin.nonlinear.saltation import Carried, Onset, Saltation
@@ -30,11 +37,58 @@ __all__ = ["Carrier"]
 
 Array = NDArray[np.float64]
 
-# What a piece of a step may be wrong by, over the displacements and over the run's tolerance; and how often a
-# step is halved for that.
-_GOOD, _HALVINGS = 1e2, 30
+# What a piece of a step may be wrong by, over the displacements and over the run's tolerance; how often a
+# step is halved for that, and how often to find where it breaks: what is wrong then is in the doubt.
+_GOOD, _HALVINGS, _SEARCHES = 1e2, 30, 8
+# What a run is off by, over its tolerance, where it comes to a kink.
+_OFF = 10.0
 # Power of what is integrated over that time goes with next to where a contact begins or ends.
 _GRADE = 4
+# How often round-off may be what a piece's derivatives are off by.
+_NOISY = 30.0
+
+
+class _Piece(NamedTuple):
+    """A part of a step, which runs from 0 to 1.
+
+    Attributes:
+        a: Where it begins.
+        b: Where it ends.
+        graded: Whether the step begins where contacts or drives have changed.
+        falling: Whether it ends there.
+        known: Whether its first and its last end are breaks that are known.
+        halvings: How often it may be cut yet.
+    """
+
+    a: float
+    b: float
+    graded: bool = False
+    falling: bool = False
+    known: tuple[bool, bool] = (False, False)
+    halvings: int = _HALVINGS
+
+    def at(self, places: Array) -> tuple[Array, Array]:
+        """Return fractions of the step and their slopes over places from 0 to 1.
+
+        Behind an onset the derivative of a force that begins like depth^1.5 goes with the root of time, and
+        likewise before a release: there time goes with a power of what is integrated over.
+        """
+        size = self.b - self.a
+        if self.graded:
+            return self.a + size * places**_GRADE, _GRADE * places ** (_GRADE - 1)
+        if self.falling:
+            rest = 1.0 - places
+            return self.b - size * rest**_GRADE, _GRADE * rest ** (_GRADE - 1)
+        return self.a + size * places, np.ones(len(places))
+
+    def cut(self, at: float, known: bool) -> tuple[_Piece, _Piece]:
+        """Return it in two, cut at a fraction of the step, which may be a break that is known."""
+        first, last = self.known
+        less = self.halvings - 1
+        return (
+            self._replace(b=at, falling=False, known=(first, known), halvings=less),
+            self._replace(a=at, graded=False, known=(known, last), halvings=less),
+        )
 
 
 class Carrier:
@@ -62,10 +116,13 @@ class Carrier:
         self._own = Workspace(system)
         self._dense = stepper_of(self._own, method_named(settings.method), run.stepper.scales, settings)
         self._saltation = Saltation(self.field, run)
-        self._good = _GOOD * settings.rtol
+        self._good, self._off = _GOOD * settings.rtol, _OFF * settings.rtol
         self._shallow = 10.0 * np.array(run.search.tolerances)
         self._coming: dict[int, Onset] = {}
         self._changed = False
+        self._broken = False
+        self._missed = 0.0
+        self._way: tuple[Frame, Array] | None = None
         self._propagator = Propagator(0)
         self._take_over(run)
         size = self.field.lift(first, self._time, self._y).up.shape[1]
@@ -82,8 +139,9 @@ class Carrier:
         touched, touching = self._own.memory["touching"], run.workspace.memory["touching"]
         flipped = np.flatnonzero(touched != touching).tolist()
         happened = self._saltation.has_happened(run)
+        broken = any(one.last == run.stepper.t for one in run.watch.value())
         if run.stepper.t > self._time:
-            self._step(run.stepper.t, run.stepper.h, bool(flipped) or happened)
+            self._step(run.stepper.t, run.stepper.h, bool(flipped) or happened, broken)
         if happened:
             self.carried = self._saltation.through_events(run, self.carried, self._time, self._y)
         for c in flipped:
@@ -105,31 +163,36 @@ class Carrier:
         """Let a contact that has begun count."""
         self.carried = self._saltation.through_contact(c, self._coming.pop(c), self.carried, time, y)
 
-    def _step(self, end: float, size: float, ends_in_change: bool) -> None:
+    def _step(self, end: float, size: float, ends_in_change: bool, ends_in_break: bool) -> None:
         """Carry the displacements over a step that the run has made.
 
         Args:
             end: When it ended [s].
             size: Its size [s].
             ends_in_change: Whether contacts or drives change there.
+            ends_in_break: Whether an event or a kink that is told of is there.
         """
         dense = self._dense
         dense.restart(self._time, self._y)
         dense.attempt(size)
         dense.prepare_dense()
-        begin, begins = 0.0, self._changed
+        self.field.look_at(self._time, self._y)
+        begin, begins, broken = 0.0, self._changed, self._changed or self._broken
         for theta, c in sorted((self._counts_from(c), c) for c in self._coming):
             if theta > 1.0:
                 break
-            self._piece(begin, theta, False, False, _HALVINGS)
+            if theta > begin:
+                self._piece(_Piece(begin, theta, known=(broken, True)))
             self._let_count(c, self._time + theta * size, self._at(theta))
-            begin, begins = theta, True
-        middle = 0.5 * (begin + 1.0)
+            self.field.look_at(self._time + theta * size, self._at(theta))
+            begin, begins, broken = theta, True, True
+        last = ends_in_change or ends_in_break
         if begins and ends_in_change:
-            self._piece(begin, middle, True, False, _HALVINGS)
-            begin, begins = middle, False
-        self._piece(begin, 1.0, begins, ends_in_change, _HALVINGS)
-        self._time, self._y, self._changed = end, self._at(1.0), False
+            middle = 0.5 * (begin + 1.0)
+            self._piece(_Piece(begin, middle, True, False, (broken, False)))
+            begin, begins, broken = middle, False, False
+        self._piece(_Piece(begin, 1.0, begins, ends_in_change, (broken, last)))
+        self._time, self._y, self._changed, self._broken = end, self._at(1.0), False, ends_in_break
         if self.field.workspace.constraints is not None:
             self.turn(self.field.frame(self._y))
 
@@ -159,37 +222,77 @@ class Carrier:
         turn = field.lift(frame, self._time, self._y).down @ field.lift(old.frame, self._time, self._y).up
         self.carried = Carried(turn @ old.matrix, turn @ old.other, frame)
 
-    def _piece(self, a: float, b: float, graded: bool, falling: bool, halvings: int) -> None:
-        """Carry the displacements over a part of the step.
+    def _along(self) -> Array:
+        """Return the displacement along which breaks are looked for: some of every coordinate."""
+        frame = self.carried.frame
+        if self._way is None or self._way[0] is not frame:
+            up = self.field.lift(frame, self._time, self._y).up
+            some = np.random.default_rng(0).standard_normal(up.shape[1])
+            self._way = frame, up @ (some / np.linalg.norm(some))
+        return self._way[1]
 
-        Behind an onset the derivative of a force that begins like depth^1.5 goes with the root of time, and
-        likewise before a release: there time goes with the square of what is integrated over.
-
-        Args:
-            a: Where it begins, as a fraction of the step.
-            b: Where it ends.
-            graded: Whether the step begins where contacts or drives have changed.
-            falling: Whether it ends there.
-            halvings: How often it may be halved yet.
-        """
-        size = b - a
-        if graded:
-            thetas, slopes = a + size * NODES**_GRADE, _GRADE * NODES ** (_GRADE - 1)
-        elif falling:
-            thetas, slopes = b - size * (1.0 - NODES) ** _GRADE, _GRADE * (1.0 - NODES) ** (_GRADE - 1)
-        else:
-            thetas, slopes = a + size * NODES, np.ones(len(NODES))
-        frame, start, whole = self.carried.frame, self._time, self._dense.h
-        found = [self.field.matrix(frame, start + s * whole, self._at(s)) for s in thetas.tolist()]
+    def _piece(self, piece: _Piece) -> None:
+        """Carry the displacements over a part of the step, cut where it breaks and as short as it must be."""
+        field, start, whole = self.field, self._time, self._dense.h
+        frame, length, way = self.carried.frame, (piece.b - piece.a) * whole, self._along()
+        thetas, slopes = piece.at(NODES)
+        found = [field.matrix(frame, start + s * whole, self._at(s), way) for s in thetas.tolist()]
         sixth, fourth = (np.array([f[k] * s for f, s in zip(found, slopes, strict=True)]) for k in (0, 1))
         if self._propagator.size != sixth.shape[1]:
             self._propagator = Propagator(sixth.shape[1])
-        step = self._propagator.step(size * whole, sixth)
-        if not step.off <= self._good and halvings > 0:
-            middle = 0.5 * (a + b)
-            self._piece(a, middle, graded, False, halvings - 1)
-            self._piece(middle, b, False, falling, halvings - 1)
+        step = self._propagator.step(length, sixth)
+        # What breaks at a place between the nodes, or behind the last, neither method sees.
+        seen = [(f.along * s, f.noise * s) for f, s in zip(found, slopes.tolist(), strict=True)]
+        for s, slope in zip(*(one.tolist() for one in piece.at(BETWEEN)), strict=True):
+            value, noise = field.along_way(start + s * whole, self._at(s), way)
+            seen.append((value * slope, noise * slope))
+        rest, (low, high) = left_over(np.array([value for value, _ in seen]), piece.known)
+        noise = _NOISY * length * max(one for _, one in seen)
+        off = length * rest if length * rest <= self._good else max(length * rest - noise, 0.0)
+        found_break = self._break(piece, way, low, high, seen) if off > self._good else None
+        searching = off > self._good and piece.halvings > _HALVINGS - _SEARCHES
+        if piece.halvings > 0 and (found_break is not None or searching or not step.off <= self._good):
+            cut = 0.5 * (piece.a + piece.b) if found_break is None else found_break
+            for part in piece.cut(cut, found_break is not None):
+                self._piece(part)
             return
-        other = step.other + self._propagator.change(size * whole, fourth - sixth)
+        other = step.other + self._propagator.change(length, fourth - sixth)
         old = self.carried
+        self._missed += off
         self.carried = Carried(step.matrix @ old.matrix, other @ old.other, old.frame)
+
+    def _break(
+        self, piece: _Piece, way: Array, low: int, high: int, seen: list[tuple[Array, float]]
+    ) -> float | None:
+        """Return where rates break between two samples of a piece, as a fraction of the step, or None.
+
+        The run's own error moves that instant: what it does to displacements is missed.
+        """
+        field = self.field
+
+        def ramps(place: float) -> Array:
+            return self._looked(piece, place, lambda time, y: field.across_kinks(time, y, way)[0])
+
+        def jumps(place: float) -> Array:
+            return self._looked(piece, place, lambda time, y: field.along_way(time, y, way)[0])
+
+        places = float(SAMPLES[low]), float(SAMPLES[high])
+        found = located(ramps, jumps, *places, seen[low][0], seen[high][0])
+        if found is None:
+            return None
+        cut = float(piece.at(np.array([found.place]))[0][0])
+        step = field.across_kinks(self._time + cut * self._dense.h, self._at(cut), way)[1]
+        self._missed += found.jump * (piece.b - piece.a) * self._dense.h * found.later / step * self._off
+        return cut
+
+    def _looked(self, piece: _Piece, place: float, look: Callable[[float, Array], Array]) -> Array:
+        """Return what a look at a place of a piece shows, per what is integrated over."""
+        (theta,), (slope,) = piece.at(np.array([place]))
+        return float(slope) * look(self._time + float(theta) * self._dense.h, self._at(float(theta)))
+
+    @property
+    def doubt(self) -> Array:
+        """By how much the displacements are in doubt, of each, (k,)."""
+        matrix, other, _ = self.carried
+        sizes = np.linalg.norm(matrix, axis=0)
+        return np.asarray(np.linalg.norm(matrix - other, axis=0) + self._missed * sizes)

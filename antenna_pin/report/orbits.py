@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from antenna_pin.analysis import stability_spans, unexplained_changes
+from antenna_pin.analysis import said_of_multiplier, stability_spans, unexplained_changes
 from antenna_pin.plot import figure_branch, figure_exponents, figure_multipliers
 from antenna_pin.readable import number, readable
 from antenna_pin.report._findings import Finding, Judged
@@ -19,6 +19,10 @@ _NEUTRAL = "neutral, as far as can be told"
 
 def _plain(value: float, digits: int = 4) -> Cell:
     return Cell(number(value, digits), value) if np.isfinite(value) else Cell("unknown")
+
+
+def _multiplier(one: complex) -> Cell:
+    return Cell(said_of_multiplier(one), one.real if one.imag == 0.0 else abs(one))
 
 
 def _said(label: str, text: str) -> Statement:
@@ -36,12 +40,15 @@ def orbit(finding: Finding, key: str, figures: bool) -> tuple[Section, Judged]:
     rows = tuple(
         Row(
             str(k + 1),
-            tuple(_plain(float(one[k])) for one in (real, imaginary, sizes, table["exponent"].values)),
+            (
+                _multiplier(complex(real[k], imaginary[k])),
+                *(_plain(float(one[k])) for one in (sizes, table["exponent"].values)),
+            ),
         )
         for k in range(len(real))
     )
     multipliers = Table(
-        columns=("", "real", "imaginary", "size", "exponent [1/s]"),
+        columns=("", "multiplier", "size", "exponent [1/s]"),
         rows=rows,
         caption=f"Floquet multipliers, known to {number(doubt, 1)}",
         key=f"{key}-multipliers",
@@ -82,13 +89,12 @@ def branch(finding: Finding, key: str, figures: bool) -> tuple[Section, Judged]:
                 Cell(readable(one.first, unit, 6), one.first),
                 Cell(readable(one.last, unit, 6), one.last),
                 Cell(str(one.orbits), float(one.orbits)),
-                _plain(one.largest[0]),
-                _plain(one.largest[1]),
+                *map(_multiplier, one.largest),
             ),
         )
         for one in spans
     )
-    columns = ("", "from", "to", "orbits", "largest multiplier, least", "greatest")
+    columns = ("", "from", "to", "orbits", "largest multiplier, of least size", "of greatest")
     items: list[Table | Picture] = [
         Table(columns=columns, rows=rows, caption=f"Orbits over {parameter}", key=f"{key}-stability")
     ]

@@ -35,7 +35,9 @@ def test_a_linear_branch_follows_the_response(oscillator):
     m, k, c, force = 1.0, (2.0 * math.pi) ** 2, 1.0, 2.0
 
     def family(frequency):
-        return Flow(oscillator(m, k, c, force, frequency), RunSettings(rtol=1e-11, engine="compiled")), 1.0 / frequency
+        return Flow(
+            oscillator(m, k, c, force, frequency), RunSettings(rtol=1e-11, engine="compiled")
+        ), 1.0 / frequency
 
     flow, period = family(0.8)
     branch = continued(
