@@ -27,6 +27,30 @@ def test_an_orbit_is_told(cli):
     assert told.out.startswith("orbit of 1.6 s, stable") and f"{found['exponents'][0]:.4g}" in told.out
 
 
+def test_a_saved_orbit_and_a_saved_branch_are_gone_on_from(cli):
+    """The same orbit without a transient, from its own file; a branch's table again; its orbits by number."""
+    first = json.loads(cli("orbit", *PENDULUM, "--out", "orbit.nc", "--json").out)
+    again = json.loads(cli("orbit", "orbit.nc", "--json").out)
+    np.testing.assert_allclose(again["q"], first["q"], atol=1e-9)
+    assert again["period"] == first["period"]
+    follow = cli("orbit", "orbit.nc", *OVER, "1 N*m:1.2 N*m", "--out", "branch.nc")
+    told = cli("orbit", "branch.nc")
+    assert (told.code, told.out) == (0, follow.out.partition("\n")[2])
+    other = json.loads(
+        cli("orbit", "branch.nc", "--at", "1", "--set", "drives.motor.amplitude=1", "--json").out
+    )
+    np.testing.assert_allclose(other["q"], first["q"], atol=1e-9)
+    for given, said in (
+        (("branch.nc", "--at", "0"), "--at must be from 1 to "),
+        (("orbit.nc", "--at", "1"), "is one orbit; --at is of branches"),
+        (("orbit.nc", "--case", "ideal"), "--case must be left out: the file holds its scenario"),
+        ((*PENDULUM, "--at", "1"), "--at must be given with a saved branch"),
+        (("nothing.nc",), "nothing.nc: no such file"),
+    ):
+        refused = cli("orbit", *given)
+        assert refused.code == 2 and said in refused.err and refused.err.count("\n") == 1
+
+
 def test_exponents_are_told_with_their_error(cli, tmp_path):
     table = tmp_path / "exponents.csv"
     said = cli("lyapunov", *PENDULUM, "--interval", "0.2 s", "--count", "40", "--csv", str(table))

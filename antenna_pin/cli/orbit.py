@@ -24,6 +24,7 @@ from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, exported,
 from antenna_pin.cli._progress import branch_bar
 from antenna_pin.cli._quantities import positive_quantity
 from antenna_pin.cli._saved import PlotOption, TableOption, save_both, targets_of
+from antenna_pin.cli._saved_orbit import AtOption, begun_from, is_saved, saved_branch
 from antenna_pin.cli._tables import power_above, print_rows
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.interruption import Ended, ended_by
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
 
     from antenna_pin.nonlinear import Orbit, Point
     from antenna_pin.scenario import Scenario
+    from antenna_pin.state import State
 
 __all__ = ["PeriodOption", "orbit", "period_of"]
 
@@ -58,8 +60,11 @@ def period_of(scenario: Scenario, period: str | None, command: str) -> float:
 
 def orbit(
     context: typer.Context,
-    scenario: Annotated[str, typer.Argument(metavar="SCENARIO", help="Scenario.")],
+    scenario: Annotated[
+        str, typer.Argument(metavar="SCENARIO|FILE.nc", help="Scenario, or a saved orbit or branch.")
+    ],
     case: CaseOption = None,
+    at: AtOption = None,
     period: PeriodOption = None,
     multiple: Annotated[int, typer.Option(help="Periods in which the orbit closes.")] = 1,
     free_period: Annotated[
@@ -84,7 +89,8 @@ def orbit(
 
     Multipliers are by how much they grow in a period. The instant of its start must be one between impacts.
     With --over the orbit is followed over a key of the scenario, through folds; what is interrupted is saved
-    as far as it is.
+    as far as it is. A saved branch is told again; from a saved orbit, or one of a branch by --at, Newton's
+    method begins at once, with the scenario of the file and the changes of --set.
     """
     table, targets = csv_target(csv), targets_of(out, plot)
     for name, number, least in (("--multiple", multiple, 1), ("--transient", transient, 0)):
@@ -97,11 +103,23 @@ def orbit(
         raise InvalidParameterError("orbit", "--free-period", "left out beside --over", said="both")
     from antenna_pin.plot import figure_branch, figure_multipliers
 
-    known = load(scenario, case, settings)
+    if is_saved(scenario):
+        if case is not None:
+            raise InvalidParameterError("orbit", "--case", "left out: the file holds its scenario", case)
+        if over is None and at is None and (branch := saved_branch(scenario)) is not None:
+            save_both(branch, lambda: figure_branch(branch, width=width.value), targets, context, as_json)
+            if not exported(facts_of(branch), rows_of_branch(branch), as_json, table):
+                print_branch(branch)
+            return
+        known, begin = begun_from(scenario, at, settings)
+    else:
+        known, begin = load(scenario, case, settings), None
+        if at is not None:
+            raise InvalidParameterError("orbit", "--at", "given with a saved branch", at)
     if over is not None:
         ends = ends_of(values, over, known)
         branch, cut = _followed(
-            known, over, ends, period, multiple, transient, rtol, arc, most, quantity or [], progress
+            known, over, ends, period, multiple, transient, rtol, arc, most, quantity or [], progress, begin
         )
         with not_interrupted():
             save_both(branch, lambda: figure_branch(branch, width=width.value), targets, context, as_json)
@@ -114,7 +132,9 @@ def orbit(
 
     span = multiple * period_of(known, period, "orbit")
     flow, start = flow_of(known, rtol=rtol)
-    if transient:
+    if begin is not None:
+        start = begin
+    elif transient:
         start = flow.after(start, transient * span)
     found = periodic_orbit(flow, start, span, free_period=free_period)
     kept = orbit_table(found, flow.system, known)
@@ -136,6 +156,7 @@ def _followed(
     most: int,
     quantities: list[str],
     progress: bool,
+    begin: State | None,
 ) -> tuple[xr.Dataset, bool]:
     """Return the branch of the orbit that a scenario has come to, and whether it was cut short."""
     from antenna_pin.nonlinear import amplitudes, branch_table, check_steps, continued, family_of, flow_of
@@ -152,7 +173,9 @@ def _followed(
         glance = flow.seen(start, 1e-6 * span, 1)
         for name in quantities:
             quantity(glance, name)
-    if transient:
+    if begin is not None:
+        start = begin
+    elif transient:
         start = flow.after(start, transient * span)
     with branch_bar(over, (first, last), progress) as report:
 
