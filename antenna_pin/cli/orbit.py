@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import signal
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -101,15 +102,14 @@ def orbit(
             raise InvalidParameterError("orbit", name, "given with --over KEY", said=given)
     if free_period and over is not None:
         raise InvalidParameterError("orbit", "--free-period", "left out beside --over", said="both")
-    from antenna_pin.plot import figure_branch, figure_multipliers
+    from antenna_pin.plot import figure_multipliers
 
     if is_saved(scenario):
         if case is not None:
             raise InvalidParameterError("orbit", "--case", "left out: the file holds its scenario", case)
-        if over is None and at is None and (branch := saved_branch(scenario)) is not None:
-            save_both(branch, lambda: figure_branch(branch, width=width.value), targets, context, as_json)
-            if not exported(facts_of(branch), rows_of_branch(branch), as_json, table):
-                print_branch(branch)
+        again = saved_branch(scenario) if over is None and at is None else None
+        if again is not None:
+            _tell(again, width, targets, context, as_json, table)
             return
         known, begin = begun_from(scenario, at, settings)
     else:
@@ -122,9 +122,7 @@ def orbit(
             known, over, ends, period, multiple, transient, rtol, arc, most, quantity or [], progress, begin
         )
         with not_interrupted():
-            save_both(branch, lambda: figure_branch(branch, width=width.value), targets, context, as_json)
-            if not exported(facts_of(branch), rows_of_branch(branch), as_json, table):
-                print_branch(branch)
+            _tell(branch, width, targets, context, as_json, table)
         if cut:
             raise Ended if ended_by() != signal.SIGINT else KeyboardInterrupt
         return
@@ -142,6 +140,22 @@ def orbit(
         save_both(kept, lambda: figure_multipliers(kept, width=width.value), targets, context, as_json)
         if not exported(_facts(found), _rows(found), as_json, table):
             _print(found)
+
+
+def _tell(
+    branch: xr.Dataset,
+    width: Width,
+    targets: tuple[Path | None, Path | None],
+    context: typer.Context,
+    as_json: bool,
+    table: Path | None,
+) -> None:
+    """Save, draw and print a branch, as far as that is asked for."""
+    from antenna_pin.plot import figure_branch
+
+    save_both(branch, lambda: figure_branch(branch, width=width.value), targets, context, as_json)
+    if not exported(facts_of(branch), rows_of_branch(branch), as_json, table):
+        print_branch(branch)
 
 
 def _followed(
