@@ -457,7 +457,7 @@ def test_figures_that_cannot_be_made_are_refused_before_anything_is(cli, tmp_pat
 @pytest.mark.slow
 def test_figures_of_settled_motions_are_made_once(cli, tmp_path, drawn_quickly):
     """Of the parallel mechanism, two values of a diagram and 32 points of a map: a minute and a half."""
-    arguments = ("--figure", "13", "--figure", "14", "--values", "2", "--points", "32", "--no-progress")
+    arguments = ("--figure", "13", "--figure", "14", "--count", "2", "--points", "32", "--no-progress")
     said = cli("figures", "chen2021", *arguments, "--out", "paper", "--format", "svg")
     assert said.code == 0, said.err
     index = (tmp_path / "paper/index.md").read_text()

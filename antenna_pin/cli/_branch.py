@@ -22,7 +22,7 @@ OverOption = Annotated[
     typer.Option(metavar="KEY", help="Follow the orbit over a key of the scenario, as in --set."),
 ]
 ValuesOption = Annotated[
-    str | None, typer.Option(metavar="A:B", help="From A to B, as '1 N*m:3 N*m'; given with --over.")
+    str | None, typer.Option(metavar="FIRST:LAST", help="Range of --over, as '1 N*m:3 N*m'; given with it.")
 ]
 AmplitudeOption = Annotated[
     list[str] | None,

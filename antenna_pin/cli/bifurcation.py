@@ -65,7 +65,7 @@ def bifurcation(
     over: Annotated[str | None, typer.Option(metavar="KEY", help="Key of the scenario, as in --set.")] = None,
     values: Annotated[
         str | None,
-        typer.Option(metavar="A:B:N", help="N values from A to B, as '0 mm:0.9 mm:10', or a list A,B,C."),
+        typer.Option(metavar="FIRST:LAST:COUNT", help="Values, as '0 mm:0.9 mm:10', or a list with commas."),
     ] = None,
     quantity: Annotated[list[str] | None, QUANTITY] = None,
     section: Annotated[str | None, SECTION] = None,

@@ -58,7 +58,7 @@ def figures(
         list[int] | None,
         typer.Option("--figure", metavar="N", help="Number of a figure in the paper; all if left out."),
     ] = None,
-    values: Annotated[
+    count: Annotated[
         int, typer.Option(metavar="N", min=2, help="Values of a parameter in figures over one.")
     ] = 20,
     points: Annotated[
@@ -99,14 +99,14 @@ def figures(
     from antenna_pin.plot import folder_for_figures
 
     name = str(first.name)
-    attractors = AttractorStore(runs or target / "runs", settings or (), points, values, progress)
+    attractors = AttractorStore(runs or target / "runs", settings or (), points, count, progress)
     attractors.check(of_attractors)
     folder_for_figures(target)
     store = RunStore(folder_for_figures(runs or target / "runs"), name, list(loaded.values()), progress)
     command = _command(scenario, cases, duration, settings, geometry)
     command += "".join(f" --figure {number}" for number in numbers or ())
     if of_attractors:
-        command += f" --values {values} --points {points}"
+        command += f" --count {count} --points {points}"
     index = FigureIndex(target, first.title, first.source, command)
     index.expected = [f"Figure {each.number}" for each in (*of_runs, *of_attractors)]
     try:
