@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,12 +12,12 @@ from antenna_pin.differences import WEIGHTS
 from antenna_pin.dynamics import System, Workspace
 from antenna_pin.engine import CompiledImplicitStepper, CompiledStepper, Slopes
 from antenna_pin.integrate import method_named
-from antenna_pin.nonlinear.frames import Frame, Lift, Units, frame_at
+from antenna_pin.nonlinear.frames import Frame, Lift, Rates, Units, frame_at
 from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.quiet import stepper_of
 from antenna_pin.simulation.scales import scale_vector
 
-__all__ = ["Field", "Function", "Rates"]
+__all__ = ["Field", "Function"]
 
 Array = NDArray[np.float64]
 Function = Callable[[float, Array], Array]
@@ -39,22 +38,6 @@ _ROUND_OFF = 4.0 * float(np.finfo(float).eps)
 _SHALLOW = 0.1
 # Over a step of differences, that with which a kink is located: to the square of it.
 _LOCATING = 0.01
-
-
-class Rates(NamedTuple):
-    """Derivatives of rates in a state.
-
-    Attributes:
-        sixth: Of the coordinates' rates over the coordinates, by differences of sixth order, (size, size).
-        fourth: The same by differences of fourth order.
-        along: Of rates along one displacement, in units, (nv + bristles,).
-        noise: Round-off of these.
-    """
-
-    sixth: Array
-    fourth: Array
-    along: Array
-    noise: float
 
 
 class Field:

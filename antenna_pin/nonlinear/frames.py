@@ -16,7 +16,7 @@ from antenna_pin.integrate import KINDS
 from antenna_pin.settings import ErrorScales
 from antenna_pin.simulation.scales import scale_vector
 
-__all__ = ["MEMORIES", "Frame", "Lift", "Units", "frame_at", "own_state", "way_between"]
+__all__ = ["MEMORIES", "Frame", "Lift", "Rates", "Units", "frame_at", "own_state", "way_between"]
 
 Array = NDArray[np.float64]
 
@@ -77,6 +77,22 @@ class Lift(NamedTuple):
 
     up: Array
     down: Array
+
+
+class Rates(NamedTuple):
+    """Derivatives of rates in a state.
+
+    Attributes:
+        sixth: Of the coordinates' rates over the coordinates, by differences of sixth order, (size, size).
+        fourth: The same by differences of fourth order.
+        along: Of rates along one displacement, in units, (nv + bristles,).
+        noise: Round-off of these.
+    """
+
+    sixth: Array
+    fourth: Array
+    along: Array
+    noise: float
 
 
 def own_state(frame: Frame, size: int, lasting: Collection[int]) -> NDArray[np.bool_]:
