@@ -183,6 +183,7 @@ class Bounces:
         return 1.0 + np.trace(matrix) + np.linalg.det(matrix), y
 
 
+@pytest.mark.slow  # two to three minutes: kinks are looked for in every step of its contacts
 def test_a_scenario_doubles_its_period(table):
     """The ball bounces once a period of the table, until it does so high and low by turns."""
     unit = GRAVITY / (2.0 * math.pi * FAST) ** 2

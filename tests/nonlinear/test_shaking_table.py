@@ -89,6 +89,7 @@ def test_where_a_bouncing_orbit_changes(oscillator, kind, begin, end, phase):
 HOLLOW = 0.4  # [m]: how far the ball's centre is below the hollow's where they touch
 
 
+@pytest.mark.slow  # two to three minutes: kinks are looked for in every step of its contacts
 def test_a_scenario_whose_contact_lasts_tends_to_the_map_of_impacts(ball_on_table):
     """Lankarani and Nikravesh's law gives a restitution of its own, the same at all speeds.
 
