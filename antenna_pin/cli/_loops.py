@@ -71,26 +71,11 @@ def print_loops(label: str, found: Mapping[str, Any], zeros: Zeros) -> None:
         ]
         print_rows(f"{label}: forces of closures", ("", *_CLOSURES.values()), rows)
     if found["couplings"]:
-        rows = [
-            [
-                f"{one['of']} [{one['units']}]",
-                *(
-                    zeros.text(one[name], unit if "[" in unit else f"{unit} [{one['units']}]")
-                    for name, unit in _COUPLINGS.items()
-                ),
-            ]
-            for one in found["couplings"]
-        ]
+        rows = [_row(one, one["of"], _COUPLINGS, zeros) for one in found["couplings"]]
         print_rows(f"{label}: torques of couplings, on followers", ("", *_COUPLINGS.values()), rows)
     if found["drives"]:
         rows = [
-            [
-                f"{'motion' if one['motion'] else 'drive'} {one['of']} [{one['units']}]",
-                *(
-                    zeros.text(one[name], unit if "[" in unit else f"{unit} [{one['units']}]")
-                    for name, unit in _DRIVES.items()
-                ),
-            ]
+            _row(one, f"{'motion' if one['motion'] else 'drive'} {one['of']}", _DRIVES, zeros)
             for one in found["drives"]
         ]
         print_rows(f"{label}: what drives exert", ("", *_DRIVES.values()), rows)
@@ -98,3 +83,12 @@ def print_loops(label: str, found: Mapping[str, Any], zeros: Zeros) -> None:
         if text:
             typer.echo(text)
     typer.echo()
+
+
+def _row(one: Mapping[str, Any], name: str, columns: Mapping[str, str], zeros: Zeros) -> list[str]:
+    """Return the row of something that acts at a joint: in its own unit, where a column names none."""
+    units = f"[{one['units']}]"
+    cells = (
+        zeros.text(one[key], head if "[" in head else f"{head} {units}") for key, head in columns.items()
+    )
+    return [f"{name} {units}", *cells]
