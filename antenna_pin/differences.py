@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["STEPS", "WEIGHTS", "Slope", "gradient", "slope"]
+__all__ = ["STEPS", "WEIGHTS", "Slope", "gradient", "roughness", "slope"]
 
 Array = NDArray[np.float64]
 
@@ -27,6 +27,22 @@ _ROUND_OFF = 4.0 * float(np.finfo(float).eps)
 # Difference of the two orders over the derivative that is good enough; doubt above which there is a kink; and
 # derivatives over the largest that are round-off.
 _GOOD, _ROUGH, _NOTHING = 1e-8, 1e-3, 1e-6
+
+
+# The median of third differences of what is normally distributed, over its deviation.
+_OF_THIRDS = 0.6745 * 20.0**0.5
+
+
+def roughness(values: Array) -> Array:
+    """Return by how much evenly spaced values scatter that are else smooth, or that have one kink: (n,).
+
+    By the median of their third differences, of which a kink shows in three.
+
+    Args:
+        values: (count, n), of a dozen or so.
+    """
+    thirds = np.median(np.abs(np.diff(values, 3, axis=0)), axis=0)
+    return np.asarray(thirds / _OF_THIRDS)
 
 
 class Slope(NamedTuple):

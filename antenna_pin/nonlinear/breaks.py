@@ -46,12 +46,12 @@ class Break(NamedTuple):
 
     Attributes:
         place: Where.
-        jump: Its size.
+        beside: Places before it and behind it, near but apart from what is next to it.
         later: By how much later it is for a neighbour a step of the ramps away.
     """
 
     place: float
-    jump: float
+    beside: tuple[float, float]
     later: float
 
 
@@ -112,12 +112,12 @@ def located(
         return None
     place = float(brentq(lambda there: past(ramps, there), low, high, xtol=1e-15, rtol=1e-15))
     near = _NARROW * (high - low)
-    jump = past(jumps, min(place + near, high)) - past(jumps, max(place - near, low))
-    if not jump > _MOST:
+    beside = max(place - near, low), min(place + near, high)
+    if not past(jumps, beside[1]) - past(jumps, beside[0]) > _MOST:
         return None
     # How the ramp rises tells how much later a neighbour comes to the kink.
     there, rise = high, past(ramps, high)
     if rise > _QUARTER > past(ramps, place):
         there = float(brentq(lambda at: past(ramps, at) - _QUARTER, place, high, xtol=1e-15, rtol=1e-6))
         rise = _QUARTER
-    return Break(place, float(np.sqrt(size)), (there - place) / (rise / _RISE))
+    return Break(place, beside, (there - place) / (rise / _RISE))

@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.differences import WEIGHTS
+from antenna_pin.differences import WEIGHTS, roughness
 from antenna_pin.dynamics import System, Workspace
 from antenna_pin.engine import CompiledImplicitStepper, CompiledStepper, Slopes
 from antenna_pin.integrate import method_named
@@ -34,6 +34,8 @@ _FAINT = 1e-10
 # that are so much finer, as often at most. And round-off of rates, over these.
 _STRADDLES, _FINER, _OFTEN, _NOISY = 1e-8, 8.0, 8, 10.0
 _ROUND_OFF = 4.0 * float(np.finfo(float).eps)
+# Where rates are looked at for their round-off, in parts of a step.
+_MINUTE, _BESIDE = 1e-3, range(-6, 7)
 # Part of their size to which steps are cut by a contact's depth where kinks are looked for no more.
 _SHALLOW = 0.1
 # Over a step of differences, that with which a kink is located: to the square of it.
@@ -50,6 +52,7 @@ class Field:
     Attributes:
         workspace: Its contact memory and program are those of the moment.
         units: Of displacements.
+        bristles: Where these stand in x, (bristles,).
         round_off: Of the rates near where it was last looked (:meth:`look_at`), in units per second.
     """
 
@@ -60,14 +63,14 @@ class Field:
         self.units = Units.of(system)
         scales = scale_vector(system, settings.scales)
         self._stepper = stepper_of(self.workspace, method_named(settings.method), scales, settings)
-        self._bristles = np.asarray(system.bristle_x, dtype=int)
+        self.bristles = np.asarray(system.bristle_x, dtype=int)
         self._slopes: Slopes | None = None
         if isinstance(self._stepper, CompiledStepper | CompiledImplicitStepper):
-            self._slopes = Slopes(self._stepper, self._bristles, WEIGHTS)
+            self._slopes = Slopes(self._stepper, self.bristles, WEIGHTS)
         self._y = np.zeros(system.manifold.size)
         self._memory = self.workspace.memory.copy()
         nv, contacts = system.model.nv, len(system.contact_names)
-        ends = np.cumsum([nv, nv, len(self._bristles), contacts, contacts, 1])
+        ends = np.cumsum([nv, nv, len(self.bristles), contacts, contacts, 1])
         #: Parts of a displacement: way, rate, bristles, approach speeds, masses, time.
         self.parts = tuple(slice(end - n, end) for end, n in zip(ends, np.diff(ends, prepend=0), strict=True))
         #: Size of a displacement.
@@ -75,7 +78,7 @@ class Field:
         self._coarse = self._coarseness()
         self._measured = any(joint.backend != "closed-form" for joint in system.clearances)
         self.round_off = 0.0
-        self._rows = np.concatenate([np.arange(nv), nv + self._bristles])
+        self._rows = np.concatenate([np.arange(nv), nv + self.bristles])
         self._weights = 1.0 / np.concatenate([self.units.rate, self.units.bristle])[:, None]
 
     def rates(self, time: float, y: Array) -> Array:
@@ -87,7 +90,7 @@ class Field:
         nq, nv = self.system.model.nq, self.system.model.nv
         rates, out = self.rates(time, y), np.zeros(self.displacement)
         way, rate, bristles, *_, clock = self.parts
-        out[way], out[rate], out[bristles] = y[nq : nq + nv], rates[:nv], rates[nv + self._bristles]
+        out[way], out[rate], out[bristles] = y[nq : nq + nv], rates[:nv], rates[nv + self.bristles]
         out[clock] = 1.0
         return out
 
@@ -153,27 +156,24 @@ class Field:
         """
         steps = self._steps(y, ways, True)
         found = self._differences(time, y, ways, steps)
-        off = self._sizes(found[0] - found[1])
-        least = np.maximum(
-            _STRADDLES * self._sizes(found[0]).max(initial=0.0), _NOISY * self.round_off / steps
-        )
-        if not (off > least).any():
-            return found[0], found[1], steps
-        rough, finer = np.flatnonzero((off > least) & ~self._shallow(y, ways, steps)), steps.copy()
-        if not len(rough):
-            return found[0], found[1], steps
+        off, noise = self._sizes(found[0] - found[1]), _NOISY * self.round_off
+        least = np.maximum(_STRADDLES * self._sizes(found[0]).max(initial=0.0), noise / steps)
+        rough, finer = np.flatnonzero(off > least), steps.copy()
+        rough = rough[~self._shallow(y, ways, steps)[rough]] if len(rough) else rough
         for _ in range(_OFTEN):
+            if not len(rough):
+                break
             finer[rough] /= _FINER
             again = self._differences(time, y, ways[:, rough], finer[rough])
             rest = self._sizes(again[0] - again[1])
             # Next to a kink the two orders part the more before steps are so short that they do not at all.
-            enough = np.maximum(least[rough], _NOISY * self.round_off / finer[rough])
+            enough = np.maximum(least[rough], noise / finer[rough])
             better = (rest < off[rough]) | (rest <= enough)
             taken = rough[better]
             found[:, :, taken], steps[taken], off[taken] = again[:, :, better], finer[taken], rest[better]
+            # Right at a kink they agree by chance, on the middle of two derivatives.
+            off[rough] = np.maximum(off[rough], rest)
             rough = rough[rest > enough]
-            if not len(rough):
-                break
         return found[0], found[1], steps
 
     def _shallow(self, y: Array, ways: Array, steps: Array) -> NDArray[np.bool_]:
@@ -198,9 +198,12 @@ class Field:
         """Return the largest of derivatives in units, (k,)."""
         return np.asarray(np.abs(self._weighed(rates)).max(axis=0, initial=0.0))
 
-    def look_at(self, time: float, y: Array) -> None:
-        """Find how large the rates are near a state, and their round-off with that."""
-        self.round_off = _ROUND_OFF * float(self._sizes(self.rates(time, y)[:, None])[0])
+    def look_at(self, time: float, y: Array, way: Array) -> None:
+        """Find the round-off of rates near a state, along a way."""
+        step = _MINUTE * float(self._steps(y, way[:, None], True)[0])
+        near = self._weighed(np.array([self._at(self.rates, time, y, k * step * way) for k in _BESIDE]).T)
+        least = _ROUND_OFF * float(np.abs(near).max(initial=0.0))
+        self.round_off = max(float(roughness(near.T).max(initial=0.0)), least)
 
     def along_way(self, time: float, y: Array, way: Array) -> tuple[Array, float]:
         """Return the derivative of the rates along one displacement, in units, and its round-off.
@@ -258,7 +261,7 @@ class Field:
         self._y[:] = y
         self.workspace.retract(self._y, way)
         self._y[nq : nq + nv] += rate
-        self._y[nq + nv + self._bristles] += bristles
+        self._y[nq + nv + self.bristles] += bristles
         kept[:] = memory
         memory["approach_speed"] *= np.exp(speeds)
         memory["effective_mass"] *= np.exp(masses)
@@ -276,7 +279,7 @@ class Field:
         they want it to be.
         """
         units, (way, rate, bristles, *remembered, _) = self.units, self.parts
-        n, nb, nm = frame.ways, len(self._bristles), len(frame.remembered)
+        n, nb, nm = frame.ways, len(self.bristles), len(frame.remembered)
         up, down = (
             np.zeros((self.displacement, 2 * n + nb + nm)),
             np.zeros((2 * n + nb + nm, self.displacement)),
@@ -337,7 +340,7 @@ class Field:
         for found in (sixth[:, :count], fourth[:, :count]):
             change = np.zeros((self.displacement, count))
             change[own] = lift.up[rate] - self.system.manifold.bracket(v, lift.up[own])
-            change[rate], change[bristles] = found[:nv], found[nv + self._bristles]
+            change[rate], change[bristles] = found[:nv], found[nv + self.bristles]
             both.append(lift.down @ change)
         return Rates(
             both[0],

@@ -225,5 +225,7 @@ class Saltation:
             first = len(found.matrix) - len(found.frame.remembered)
             for k, (contact, column) in enumerate(found.frame.remembered, first):
                 if contact == c:
-                    found.matrix[k], found.other[k] = onset.rows[column]
+                    # What was missed since the onset is not remembered of it.
+                    for rows, row in zip(found[:2], onset.rows[column], strict=True):
+                        rows[k], rows[k, : len(row)] = 0.0, row
         return found

@@ -12,7 +12,8 @@ effective mass) that it remembers are those of the neighbour's own instant, ``lo
 dt``. A release lets them go.
 
 Where a force has a kink, A jumps: displacements go on as they are, but the step must be cut there. Where one
-is told of, the run's own steps end; others are found (:mod:`antenna_pin.nonlinear.breaks`).
+is told of, the run's own steps end; others are found (:mod:`antenna_pin.nonlinear.breaks`), and what the run
+itself is off by for them is in the doubt (:mod:`antenna_pin.nonlinear.missed`).
 """
 
 from __future__ import annotations
@@ -29,6 +30,7 @@ from antenna_pin.integrate import NODES, Propagator, method_named
 from antenna_pin.nonlinear.breaks import BETWEEN, SAMPLES, left_over, located
 from antenna_pin.nonlinear.field import Field
 from antenna_pin.nonlinear.frames import Frame
+from antenna_pin.nonlinear.missed import Kink, Missed, StepAnew
 from antenna_pin.nonlinear.saltation import Carried, Onset, Saltation
 from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.quiet import stepper_of
@@ -40,8 +42,6 @@ Array = NDArray[np.float64]
 # What a piece of a step may be wrong by, over the displacements and over the run's tolerance; how often a
 # step is halved for that, and how often to find where it breaks: what is wrong then is in the doubt.
 _GOOD, _HALVINGS, _SEARCHES = 1e2, 30, 8
-# What a run is off by, over its tolerance, where it comes to a kink.
-_OFF = 10.0
 # Power of what is integrated over that time goes with next to where a contact begins or ends.
 _GRADE = 4
 # How often round-off may be what a piece's derivatives are off by.
@@ -103,7 +103,6 @@ class Carrier:
         ways: Displacements to carry, in coordinates along these, (size, k); all of them if left out.
 
     Attributes:
-        carried: Displacements in the present state.
         field: The rates, with the contacts that count.
     """
 
@@ -116,18 +115,26 @@ class Carrier:
         self._own = Workspace(system)
         self._dense = stepper_of(self._own, method_named(settings.method), run.stepper.scales, settings)
         self._saltation = Saltation(self.field, run)
-        self._good, self._off = _GOOD * settings.rtol, _OFF * settings.rtol
+        self._again = StepAnew(self.field, settings, run.stepper.scales, self._own)
+        self._good = _GOOD * settings.rtol
         self._shallow = 10.0 * np.array(run.search.tolerances)
         self._coming: dict[int, Onset] = {}
         self._changed = False
         self._broken = False
-        self._missed = 0.0
-        self._way: tuple[Frame, Array] | None = None
+        self._left_over = 0.0
+        self._way: tuple[Frame, Array, Array] | None = None
         self._propagator = Propagator(0)
         self._take_over(run)
         size = self.field.lift(first, self._time, self._y).up.shape[1]
         start = np.eye(size) if ways is None else ways
-        self.carried = Carried(start, start.copy(), first)
+        self._missed = Missed(start.shape[1], settings.rtol)
+        start = self._missed.begin(start)
+        self._all = Carried(start, start.copy(), first)
+
+    @property
+    def carried(self) -> Carried:
+        """Displacements in the present state."""
+        return self._missed.own(self._all)
 
     def _take_over(self, run: Run) -> None:
         """Begin the next step where the run is."""
@@ -143,13 +150,13 @@ class Carrier:
         if run.stepper.t > self._time:
             self._step(run.stepper.t, run.stepper.h, bool(flipped) or happened, broken)
         if happened:
-            self.carried = self._saltation.through_events(run, self.carried, self._time, self._y)
+            self._all = self._saltation.through_events(run, self._all, self._time, self._y)
         for c in flipped:
             if touching[c] != 0.0:
-                now = self.carried, self._time, self._y
+                now = self._all, self._time, self._y
                 self._coming[c] = self._saltation.onset(c, run.workspace.memory[c], *now)
             elif self._coming.pop(c, None) is None:
-                self.carried = self._saltation.through_contact(c, None, self.carried, self._time, self._y)
+                self._all = self._saltation.through_contact(c, None, self._all, self._time, self._y)
         self._changed = self._changed or bool(flipped) or happened
         self._take_over(run)
 
@@ -161,7 +168,7 @@ class Carrier:
 
     def _let_count(self, c: int, time: float, y: Array) -> None:
         """Let a contact that has begun count."""
-        self.carried = self._saltation.through_contact(c, self._coming.pop(c), self.carried, time, y)
+        self._all = self._saltation.through_contact(c, self._coming.pop(c), self._all, time, y)
 
     def _step(self, end: float, size: float, ends_in_change: bool, ends_in_break: bool) -> None:
         """Carry the displacements over a step that the run has made.
@@ -176,7 +183,8 @@ class Carrier:
         dense.restart(self._time, self._y)
         dense.attempt(size)
         dense.prepare_dense()
-        self.field.look_at(self._time, self._y)
+        self._again.begin(self._time, self._y)
+        self.field.look_at(self._time, self._y, self._along()[0])
         begin, begins, broken = 0.0, self._changed, self._changed or self._broken
         for theta, c in sorted((self._counts_from(c), c) for c in self._coming):
             if theta > 1.0:
@@ -184,7 +192,7 @@ class Carrier:
             if theta > begin:
                 self._piece(_Piece(begin, theta, known=(broken, True)))
             self._let_count(c, self._time + theta * size, self._at(theta))
-            self.field.look_at(self._time + theta * size, self._at(theta))
+            self.field.look_at(self._time + theta * size, self._at(theta), self._along()[0])
             begin, begins, broken = theta, True, True
         last = ends_in_change or ends_in_break
         if begins and ends_in_change:
@@ -192,9 +200,19 @@ class Carrier:
             self._piece(_Piece(begin, middle, True, False, (broken, False)))
             begin, begins, broken = middle, False, False
         self._piece(_Piece(begin, 1.0, begins, ends_in_change, (broken, last)))
-        self._time, self._y, self._changed, self._broken = end, self._at(1.0), False, ends_in_break
+        whole = self._at(1.0)
+        off = self._again.off(end, whole)
+        if off.any():
+            self._all = self._missed.off(self._all, self._down(end, whole) @ off)
+        if not self._coming:
+            self._all = self._missed.merged(self._all)
+        self._time, self._y, self._changed, self._broken = end, whole, False, ends_in_break
         if self.field.workspace.constraints is not None:
             self.turn(self.field.frame(self._y))
+
+    def _down(self, time: float, y: Array) -> Array:
+        """Return what makes coordinates of displacements."""
+        return self.field.lift(self._all.frame, time, y).down
 
     def _at(self, theta: float) -> Array:
         """Return the state at a fraction of the step."""
@@ -218,23 +236,24 @@ class Carrier:
         Args:
             frame: The axes; of the contacts that count.
         """
-        field, old = self.field, self.carried
+        field, old = self.field, self._all
         turn = field.lift(frame, self._time, self._y).down @ field.lift(old.frame, self._time, self._y).up
-        self.carried = Carried(turn @ old.matrix, turn @ old.other, frame)
+        self._all = Carried(turn @ old.matrix, turn @ old.other, frame)
 
-    def _along(self) -> Array:
-        """Return the displacement along which breaks are looked for: some of every coordinate."""
-        frame = self.carried.frame
+    def _along(self) -> tuple[Array, Array]:
+        """Return the displacement along which breaks are looked for, some of every coordinate, and these."""
+        frame = self._all.frame
         if self._way is None or self._way[0] is not frame:
             up = self.field.lift(frame, self._time, self._y).up
             some = np.random.default_rng(0).standard_normal(up.shape[1])
-            self._way = frame, up @ (some / np.linalg.norm(some))
-        return self._way[1]
+            unit = np.asarray(some / np.linalg.norm(some))
+            self._way = frame, up @ unit, unit
+        return self._way[1:]
 
     def _piece(self, piece: _Piece) -> None:
         """Carry the displacements over a part of the step, cut where it breaks and as short as it must be."""
         field, start, whole = self.field, self._time, self._dense.h
-        frame, length, way = self.carried.frame, (piece.b - piece.a) * whole, self._along()
+        frame, length, way = self._all.frame, (piece.b - piece.a) * whole, self._along()[0]
         thetas, slopes = piece.at(NODES)
         found = [field.matrix(frame, start + s * whole, self._at(s), way) for s in thetas.tolist()]
         sixth, fourth = (np.array([f[k] * s for f, s in zip(found, slopes, strict=True)]) for k in (0, 1))
@@ -252,22 +271,22 @@ class Carrier:
         found_break = self._break(piece, way, low, high, seen) if off > self._good else None
         searching = off > self._good and piece.halvings > _HALVINGS - _SEARCHES
         if piece.halvings > 0 and (found_break is not None or searching or not step.off <= self._good):
-            cut = 0.5 * (piece.a + piece.b) if found_break is None else found_break
-            for part in piece.cut(cut, found_break is not None):
-                self._piece(part)
+            cut = 0.5 * (piece.a + piece.b) if found_break is None else found_break[0]
+            before, behind = piece.cut(cut, found_break is not None)
+            self._piece(before)
+            if found_break is not None:
+                self._pass(*found_break)
+            self._piece(behind)
             return
         other = step.other + self._propagator.change(length, fourth - sixth)
-        old = self.carried
-        self._missed += off
-        self.carried = Carried(step.matrix @ old.matrix, other @ old.other, old.frame)
+        old = self._all
+        self._left_over += off
+        self._all = Carried(step.matrix @ old.matrix, other @ old.other, old.frame)
 
     def _break(
         self, piece: _Piece, way: Array, low: int, high: int, seen: list[tuple[Array, float]]
-    ) -> float | None:
-        """Return where rates break between two samples of a piece, as a fraction of the step, or None.
-
-        The run's own error moves that instant: what it does to displacements is missed.
-        """
+    ) -> tuple[float, Kink] | None:
+        """Return where rates break between two samples of a piece, as a fraction of the step, or None."""
         field = self.field
 
         def ramps(place: float) -> Array:
@@ -280,10 +299,21 @@ class Carrier:
         found = located(ramps, jumps, *places, seen[low][0], seen[high][0])
         if found is None:
             return None
-        cut = float(piece.at(np.array([found.place]))[0][0])
-        step = field.across_kinks(self._time + cut * self._dense.h, self._at(cut), way)[1]
-        self._missed += found.jump * (piece.b - piece.a) * self._dense.h * found.later / step * self._off
-        return cut
+        (cut, before, behind), (slope, *_) = piece.at(np.array([found.place, *found.beside]))
+        one, other = (
+            field.matrix(self._all.frame, self._time + s * self._dense.h, self._at(s), way).sixth
+            for s in (float(before), float(behind))
+        )
+        step = field.across_kinks(self._time + cut * self._dense.h, self._at(float(cut)), way)[1]
+        later = found.later * slope * (piece.b - piece.a) * self._dense.h / step
+        return float(cut), Kink.of(other - one, self._along()[1], later)
+
+    def _pass(self, theta: float, kink: Kink) -> None:
+        """Count what displacements miss of a kink at a fraction of the step."""
+        time, y = self._time + theta * self._dense.h, self._at(theta)
+        self._again.to(time)
+        error = self._missed.error(self._all) + self._down(time, y) @ self._again.off(time, y)
+        self._all = self._missed.passed(kink, error, self._all)
 
     def _looked(self, piece: _Piece, place: float, look: Callable[[float, Array], Array]) -> Array:
         """Return what a look at a place of a piece shows, per what is integrated over."""
@@ -294,5 +324,5 @@ class Carrier:
     def doubt(self) -> Array:
         """By how much the displacements are in doubt, of each, (k,)."""
         matrix, other, _ = self.carried
-        sizes = np.linalg.norm(matrix, axis=0)
-        return np.asarray(np.linalg.norm(matrix - other, axis=0) + self._missed * sizes)
+        left_over = self._left_over * np.linalg.norm(matrix, axis=0)
+        return np.asarray(np.linalg.norm(matrix - other, axis=0) + left_over + self._missed.sizes(self._all))
