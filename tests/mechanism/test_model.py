@@ -8,6 +8,7 @@ import pinocchio as pin
 import pytest
 import yourdfpy
 
+from antenna_pin.constraints import Anchor, on_body
 from antenna_pin.errors import InvalidParameterError, MechanismError, UnknownNameError
 from antenna_pin.mechanism import Urdf, build_mechanism, frame_aligning_z
 
@@ -282,6 +283,42 @@ def test_bodies_bear_the_names_of_the_links_that_have_mass(crooked):
         assert (fixed.base_body, set(fixed.bodies)) == ("hull", {"arm", "hand", "weight"})
     locked = build_mechanism(crooked.variant(joints={"swivel": "locked"}))
     assert set(locked.bodies) == {"hull", "hand", "weight"}
+
+
+def on_the_world(text, fixed=False):
+    """Return crooked's text with a root ``world`` before its hull, or with a hull of that name."""
+    if not fixed:
+        return text.replace('"hull"', '"world"')
+    weld = '<joint name="stand" type="fixed"><parent link="world"/><child link="hull"/></joint>'
+    return text.replace("</robot>", f'<link name="world"/>{weld}</robot>')
+
+
+@pytest.mark.parametrize("fixed", [False, True])
+def test_a_link_called_the_world_is_the_world(crooked_text, fixed):
+    """As the root on a fixed base it is what closures and springs to ``world`` mean; else it is refused."""
+    urdf = Urdf.from_text(on_the_world(crooked_text, fixed), "u.urdf")
+    mechanism, plain = (
+        build_mechanism(one, "fixed") for one in (urdf, Urdf.from_text(crooked_text, "u.urdf"))
+    )
+    q, v, tau = random_state(plain.model, 4)
+    ours, theirs = (pin.aba(one.model, one.model.createData(), q, v, tau) for one in (mechanism, plain))
+    assert np.array_equal(ours, theirs)
+    place = Anchor.at("world", (1.0, 2.0, 3.0), (0.0, 1.0, 0.0))
+    (body, frame), (none, same) = (on_body(one, "here", place) for one in (mechanism, plain))
+    assert body == none == -1 and np.array_equal(frame, same)
+    assert np.array_equal(mechanism.model.frames[mechanism.frame("world")].placement.homogeneous, np.eye(4))
+    with pytest.raises(MechanismError) as caught:
+        build_mechanism(urdf, "free")
+    assert str(caught.value) == (
+        "u.urdf: link 'world' must be the root on a fixed base, for its name means what does not move, got a "
+        "free base; take base = 'fixed', or rename it"
+    )
+
+
+def test_another_link_called_the_world_is_refused(crooked_text):
+    for name in ("camera", "hand"):
+        with pytest.raises(MechanismError, match="does not move, got another link; rename it"):
+            build_mechanism(Urdf.from_text(crooked_text.replace(f'"{name}"', '"world"'), "u.urdf"), "fixed")
 
 
 def test_gravity_pulls_the_whole_mass(crooked):
