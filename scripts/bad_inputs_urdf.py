@@ -77,7 +77,7 @@ _CHANGES: tuple[tuple[str, str, str, str], ...] = (
     ("two dynamics", _LIMIT, _LIMIT + "<dynamics/><dynamics/>", "one <dynamics>"),
     ("two mimics", _LIMIT, _LIMIT + '<mimic joint="a"/><mimic joint="b"/>', "mimic"),
     ("no mass", _MASS, "", "must have a <mass>"),
-    ("no inertia", _INERTIA, "", "must have a <inertia>"),
+    ("no mass but a density", _MASS + _INERTIA, '<density value="1"/>', "must have a <mass>"),
     ("mass without value", _MASS, "<mass/>", "<mass> value"),
     ("negative mass", _MASS, '<mass value="-2"/>', "mass must be zero or more"),
     ("mass nan", _MASS, '<mass value="nan"/>', "<mass> value"),

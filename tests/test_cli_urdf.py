@@ -77,6 +77,19 @@ def test_info_lists_what_was_passed_over(folder):
     assert (facts["passed_over"], facts["unbounded"]) == ({"<gazebo>": [5]}, ["hinge"])
 
 
+def test_a_mass_without_moments_is_said_by_all(folder):
+    arm = BODY.replace("<inertial>", '<inertial><origin xyz="1 0 0"/>').replace("<inertia ", "<!-- ")
+    (folder / "arm.urdf").write_text(ARM.replace(BODY, arm.replace('iyz="0"/>', "-->")))
+    code, lines, error = said("info", folder / "scenario.toml")
+    assert (
+        code == 0
+        and "arm.urdf: no <inertia> beside the <mass> of links, which are taken as points: base, arm" in error
+    )
+    assert "  taken as points, without moments in the URDF: base, arm" in lines
+    assert json.loads(said("info", folder / "scenario.toml", "--json")[1][0])["points"] == ["base", "arm"]
+    assert f"{folder}/arm.urdf: taken as points: base, arm" in said("urdf", folder / "arm.urdf", "--check")[1]
+
+
 def test_check_says_of_each_file_what_is_read_and_counts(folder):
     (folder / "below").mkdir()
     (folder / "below" / "bad.urdf").write_text(ARM.replace("0 1 0", "0 0 0"))

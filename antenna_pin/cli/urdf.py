@@ -166,6 +166,8 @@ def _verdict(
         return f"refused: {error}", details
     if made.unbounded:
         details.append(f"without bounds: {', '.join(made.unbounded)}")
+    if made.points:
+        details.append(f"taken as points: {', '.join(made.points)}")
     details += [f"not drawn: {link}: {problem}" for link, problem in made.undrawn]
     if missing := _missing(made):
         details.append(f"not there: {', '.join(missing)}")
@@ -181,9 +183,9 @@ def _said(written: WrittenUrdf) -> list[str]:
 def _built(made: Urdf, base: str | None = None) -> Mechanism:
     """Return the mechanism on a base: a scenario's, or a free one, or a fixed one where that cannot be."""
     from antenna_pin.errors import MechanismError
-    from antenna_pin.mechanism import build_mechanism
+    from antenna_pin.mechanism import WORLD, build_mechanism
 
-    if base is not None:
+    if base is not None or made.root == WORLD:
         return build_mechanism(made, "free" if base == "free" else "fixed")
     try:
         return build_mechanism(made, "free")

@@ -34,11 +34,13 @@ class Findings:
     Attributes:
         passed_over: Lines of what means nothing to the mechanics, by what it is.
         unbounded: Revolute and prismatic joints whose ``<limit>`` leaves them no bounds, or that have none.
+        points: Links with a mass and no ``<inertia>``, which are taken as points.
         undrawn: Link of each visual shape that cannot be drawn, and why.
     """
 
     passed_over: dict[str, list[int]] = field(default_factory=dict)
     unbounded: list[str] = field(default_factory=list)
+    points: list[str] = field(default_factory=list)
     undrawn: list[tuple[str, str]] = field(default_factory=list)
 
     def pass_over(self, what: str, element: Any) -> None:
@@ -62,6 +64,8 @@ def clean(robot: Any, name: str) -> Findings:
         robot.set("name", name)
         found.pass_over("<robot> without a name", robot)
     robot.attrib.pop("version", None)
+    for inertial in robot.iterfind("link/inertial"):
+        _complete(inertial, found)
     _keep_read(robot, found)
     _clean_materials(robot, found)
     for link in robot.findall("link"):
@@ -119,6 +123,25 @@ def _keep_read(element: Any, found: Findings) -> None:
             element.remove(child)
         elif child.tag not in _SHAPES:
             _keep_read(child, found)
+
+
+def _complete(inertial: Any, found: Findings) -> None:
+    """Put into an inertial what it leaves out and the format takes for zero.
+
+    A mass alone is a point at the inertial's origin, an inertial of nothing a frame. Moments need a mass, and
+    so does what says something that is not read, a density.
+    """
+    given = {child.tag for child in inertial.iterchildren(etree.Element)}
+    if "mass" in given and "inertia" not in given:
+        etree.SubElement(inertial, "inertia", dict.fromkeys(MOMENTS, "0"))
+        if not _is_of_zeros(inertial):
+            found.points.append(str(inertial.getparent().get("name")))
+    elif "mass" not in given and given <= {"origin", "inertia"}:
+        mass = etree.SubElement(inertial, "mass", value="0")
+        if "inertia" not in given:
+            etree.SubElement(inertial, "inertia", dict.fromkeys(MOMENTS, "0"))
+        if not _is_of_zeros(inertial):
+            inertial.remove(mass)
 
 
 def _is_of_zeros(inertial: Any) -> bool:

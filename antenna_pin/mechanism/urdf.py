@@ -61,6 +61,7 @@ class Urdf:
         simulated: What of it Pinocchio's parser is given: bodies and joints.
         unbounded: Revolute and prismatic joints without bounds, because they have no ``<limit>`` or because
             it leaves none.
+        points: Links with a mass and no ``<inertia>``, which are taken as points at their inertial's origin.
         undrawn: Link of each visual shape that cannot be drawn, and why.
     """
 
@@ -74,6 +75,7 @@ class Urdf:
     robot: Any = field(init=False, repr=False)
     simulated: str = field(init=False, repr=False)
     unbounded: tuple[str, ...] = field(init=False, repr=False)
+    points: tuple[str, ...] = field(init=False, repr=False)
     undrawn: tuple[tuple[str, str], ...] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -83,6 +85,7 @@ class Urdf:
             ("robot", reading.robot),
             ("simulated", reading.simulated),
             ("unbounded", tuple(reading.findings.unbounded)),
+            ("points", tuple(reading.findings.points)),
             ("undrawn", tuple(reading.findings.undrawn)),
         ):
             object.__setattr__(self, name, value)
