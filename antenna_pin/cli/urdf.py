@@ -18,6 +18,7 @@ from antenna_pin.cli._common import (
     stem,
     writable_file,
 )
+from antenna_pin.cli._packages import PackagePathOption, package_folders
 
 if TYPE_CHECKING:
     from antenna_pin.mechanism import Mechanism, Urdf, WrittenUrdf
@@ -46,14 +47,7 @@ def urdf(
         bool,
         typer.Option("--copy-meshes", help="Copy its mesh files beside it, so that the folder can be moved."),
     ] = False,
-    package_path: Annotated[
-        list[Path] | None,
-        typer.Option(
-            "--package-path",
-            metavar="DIR",
-            help="Folder with packages of package:// names, before ROS_PACKAGE_PATH. May be repeated.",
-        ),
-    ] = None,
+    package_path: PackagePathOption = None,
     settings: SetOption = None,
 ) -> None:
     """Write the URDF that a case simulates, or say what is read of URDFs (--check).
@@ -61,7 +55,7 @@ def urdf(
     Joints with clearance are free in it; other tools can load it. Mesh files are named relative to it. With
     --check the exit code is 0 if all load, 2 if one does not.
     """
-    roots = [root.absolute() for root in package_path or ()]
+    roots = package_folders(package_path)
     if check:
         if copy_meshes:
             refuse("urdf: --copy-meshes must be left out beside --check, which writes no URDF")
