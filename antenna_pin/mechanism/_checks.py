@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Collection
 from typing import Any
 
-import numpy as np
-
 from antenna_pin.errors import MechanismError, UnknownNameError
 from antenna_pin.mechanism import _inertia
 
@@ -27,8 +25,6 @@ def check(robot: Any, where: str, allow_impossible_inertia: Collection[str]) -> 
             raise UnknownNameError(f"{where}: allow_impossible_inertia", "link", name, links)
     _check_tree(robot, where)
     _check_mimics(robot, where)
-    for joint in robot.joints:
-        _check_planar(joint, where)
     _inertia.check_masses(robot, where)
     for first, group in _inertia.rigid_groups(robot).items():
         if first != root_link(robot):
@@ -77,13 +73,3 @@ def _check_mimics(robot: Any, where: str) -> None:
             raise UnknownNameError(
                 f"{where}: <mimic> of joint {joint.name!r}", "joint", str(joint.mimic.joint), joints
             )
-
-
-def _check_planar(joint: Any, where: str) -> None:
-    """Pinocchio takes ``z`` of the joint frame as the normal, whatever the axis says."""
-    if joint.type == "planar" and (np.any(joint.axis[:2] != 0.0) or joint.axis[2] <= 0.0):
-        raise MechanismError(
-            f"{where}: joint {joint.name!r} is planar and its axis must be 0 0 1, got "
-            f"{' '.join(f'{a:g}' for a in joint.axis)}; turn its frame, or write it as 'continuous' and "
-            "make it planar by a variant, which turns the frame"
-        )

@@ -48,6 +48,9 @@ class Urdf:
     :func:`antenna_pin.mechanism.build_mechanism` refuses, for it hangs on the base and on all joints. What
     means nothing to the mechanics is not judged (:class:`antenna_pin.mechanism.WrittenUrdf` counts it).
 
+    A planar joint moves in the plane normal to its axis. Where that is not z of its frame, the frame is
+    turned as that of a hinge made planar (:meth:`variant`), in what is read of the text and in what is written.
+
     Limits of joints are not simulated. Damping and friction of joints with an axis are
     (:attr:`joint_friction`), those of others are not (:attr:`not_simulated`).
 
@@ -323,13 +326,12 @@ class Urdf:
         start = self.folder
         copies: dict[Path, Path] = {}
         robot = _xml.read(self.text, self.where)
+        _vary.turn_planes(robot, self.where)  # for readers that do not look at their axes
         if copy_meshes:
             filenames = [mesh.get("filename") for mesh in _edits.meshes(robot)]
             names, copies = _meshes.planned_copies(folder, start, filenames, self.where, self.package_path)
             _edits.relocate_meshes(robot, names.__getitem__)
-        elif start is None or start.resolve() == folder.resolve():
-            return self.text, copies
-        else:
+        elif start is not None and start.resolve() != folder.resolve():
             _edits.relocate_meshes(robot, lambda filename: _meshes.name_from(folder, start, filename))
         return _source.write(robot), copies
 

@@ -2,6 +2,7 @@
 
 import io
 import math
+import re
 
 import numpy as np
 import pinocchio as pin
@@ -10,7 +11,7 @@ import yourdfpy
 
 from antenna_pin.constraints import Anchor, on_body
 from antenna_pin.errors import InvalidParameterError, MechanismError, UnknownNameError
-from antenna_pin.mechanism import Urdf, build_mechanism, frame_aligning_z
+from antenna_pin.mechanism import JointChange, Urdf, build_mechanism, frame_aligning_z
 
 KINDS = ("ideal", "free", "planar", "locked")
 CASES = [("crooked", "wrist"), ("crooked", "swivel"), ("antenna", "elevation"), ("antenna", "azimuth")]
@@ -268,6 +269,60 @@ def test_a_planar_joint_of_the_urdfs_own_is_taken_as_it_is(crooked_text):
     slot = build_mechanism(Urdf.from_text(text, "u.urdf")).joint("slide")
     assert (slot.kind, slot.axis.tolist()) == ("planar", [0.0, 0.0, 1.0])
     assert np.array_equal(slot.frame_rotation, np.eye(3))
+
+
+@pytest.mark.parametrize(
+    "axis", [None, (0.0, 1.0, 0.0), (0.0, 0.0, -2.0), (0.3, -0.5, 0.8), (0.0, 0.0, 3.0), (1.0, 1e-7, 1e-9)]
+)
+def test_a_planar_joint_lies_in_the_plane_normal_to_its_axis(crooked_text, axis, tmp_path):
+    """Against Pinocchio's joint, whose normal is z, put by hand where URDF says; x where there is no axis."""
+    written = "" if axis is None else '<axis xyz="{} {} {}"/>'.format(*axis)
+    normal = (1.0, 0.0, 0.0) if axis is None else axis
+    (inertial, *_) = re.findall("<inertial>.*?</inertial>", crooked_text, re.DOTALL)
+    urdf = Urdf.from_text(
+        f'<robot name="p"><link name="a"/><link name="b">{inertial}</link><link name="c">{inertial}</link>'
+        '<joint name="j" type="planar"><parent link="a"/><child link="b"/><origin xyz="1 2 3" rpy="1 2 3"/>'
+        f'{written}</joint><joint name="k" type="revolute"><parent link="b"/><child link="c"/>'
+        '<origin xyz="0 1 0" rpy="0.1 0.2 0.3"/><axis xyz="1 0 0"/>'
+        '<limit lower="-9" upper="9" effort="1" velocity="1"/></joint></robot>',
+        "p.urdf",
+    )
+    mechanism = build_mechanism(urdf, "fixed", (0.1, 0.2, -9.0))
+    (path,) = urdf.write(tmp_path / "p.urdf")
+    alone = pin.buildModelFromUrdf(str(path))
+    alone.gravity = mechanism.model.gravity
+    slot = mechanism.joint("j")
+    assert (slot.kind, urdf.link("b").name) == ("planar", mechanism.bodies[0])
+    assert slot.axis == pytest.approx(np.array(normal) / np.linalg.norm(normal), rel=1e-15)
+    assert np.array_equal(slot.frame_rotation, frame_aligning_z(slot.axis))
+    turn = pin.SE3(frame_aligning_z(normal), np.zeros(3))
+    place = pin.SE3(pin.rpy.rpyToMatrix(1.0, 2.0, 3.0), np.array([1.0, 2.0, 3.0]))
+    elbow = pin.SE3(pin.rpy.rpyToMatrix(0.1, 0.2, 0.3), np.array([0.0, 1.0, 0.0]))
+    own = urdf.mass_properties("c")
+    body = pin.Inertia(own.mass, own.centre, own.inertia)
+    hand = pin.Model()
+    first = hand.addJoint(0, pin.JointModelPlanar(), place * turn, "j")
+    hand.appendBodyToJoint(first, body, turn.inverse())
+    second = hand.addJoint(first, pin.JointModelRX(), turn.inverse() * elbow, "k")
+    hand.appendBodyToJoint(second, body, pin.SE3.Identity())
+    hand.gravity = mechanism.model.gravity
+    for seed in range(3):
+        state = random_state(hand, seed)
+        ours, theirs, read = (pin.aba(m, m.createData(), *state) for m in (mechanism.model, hand, alone))
+        assert np.abs(ours - theirs).max() < 1e-12 * np.abs(theirs).max()  # round-off
+        assert np.array_equal(ours, read)
+
+
+def test_the_normal_of_a_planar_joint_is_changed_like_any_axis(crooked_text):
+    text = crooked_text.replace('type="prismatic"', 'type="planar"')
+    changes = {"slide": JointChange(axis=(1.0, 2.0, 3.0), origin_rpy=(0.1, 0.2, 0.3))}
+    urdf = Urdf.from_text(text, "u.urdf").variant(origins=changes)
+    direct = text.replace('<axis xyz="0 1 1"/>', '<axis xyz="1 2 3"/>').replace(
+        'rpy="0 0.8 0"', 'rpy="0.1 0.2 0.3"'
+    )
+    ours, theirs = (build_mechanism(one, "free") for one in (urdf, Urdf.from_text(direct, "u.urdf")))
+    state = random_state(ours.model, 3)
+    assert np.array_equal(*(pin.aba(one.model, one.model.createData(), *state) for one in (ours, theirs)))
 
 
 def test_bodies_bear_the_names_of_the_links_that_have_mass(crooked):
