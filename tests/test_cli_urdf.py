@@ -93,6 +93,7 @@ def test_a_mass_without_moments_is_said_by_all(folder):
 def test_check_says_of_each_file_what_is_read_and_counts(folder):
     (folder / "below").mkdir()
     (folder / "below" / "bad.urdf").write_text(ARM.replace("0 1 0", "0 0 0"))
+    (folder / "below" / "slip.urdf").write_text(ARM.replace("<axis xyz", "<axis xzy"))
     (folder / "arm.sdf").write_text('<sdf version="1.6"/>')
     code, lines, _ = said("urdf", folder, folder / "arm.sdf", folder / "scenario.toml", "--check")
     below = folder / "below" / "bad.urdf"
@@ -102,12 +103,14 @@ def test_check_says_of_each_file_what_is_read_and_counts(folder):
         f"{folder}/arm.urdf: without bounds: hinge",
         f"{below}: refused: bad.urdf, line 3: joint 'hinge': axis must be nonzero, got '0 0 0'",
         f"{below}: passed over: 1 <gazebo>, line 5",
+        f"{folder}/below/slip.urdf: refused: slip.urdf, line 3: joint 'hinge': attribute xzy of <axis> is "
+        "unknown; did you mean the attribute xyz?",
         f"{folder}/arm.sdf: refused: arm.sdf, line 1: the root of a URDF must be <robot>, got <sdf>: this is "
         "SDF, Gazebo's format; convert it to URDF, or take the URDF or xacro that it was made from",
         f"{folder}/scenario.toml: loads: 1 freedom on a fixed base",
         f"{folder}/scenario.toml: passed over: 1 <gazebo>, line 5",
         f"{folder}/scenario.toml: without bounds: hinge",
-        "2 of 4 load",
+        "2 of 5 load",
     ]
     code, lines, _ = said("urdf", folder / "arm.urdf", "--check", "--out", folder / "said.txt")
     assert (code, lines) == (0, [f"saved {folder}/said.txt"])

@@ -49,7 +49,8 @@ class Urdf:
     means nothing to the mechanics is not judged (:class:`antenna_pin.mechanism.WrittenUrdf` counts it).
 
     A planar joint moves in the plane normal to its axis. Where that is not z of its frame, the frame is
-    turned as that of a hinge made planar (:meth:`variant`), in what is read of the text and in what is written.
+    turned as that of a hinge made planar is (:meth:`variant`): in what is read of the text, and in what is
+    written.
 
     Limits of joints are not simulated. Damping and friction of joints with an axis are
     (:attr:`joint_friction`), those of others are not (:attr:`not_simulated`).
