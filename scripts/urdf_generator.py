@@ -342,6 +342,20 @@ def other_tools(robot: Any, rng: Random) -> None:
 
 
 @oddity
+def foreign_attributes(robot: Any, rng: Random) -> None:
+    """As of iCub, ANYmal and SolidWorks' exporter, where mechanics is read; and text between elements."""
+    for joint in robot.findall("joint"):
+        joint.set("dont_collapse", "true")
+        for axis in joint.findall("axis"):
+            axis.set("rpy", "0 0 1")
+        for limit in joint.findall("limit"):
+            limit.attrib.update({"gear_velocity": "10", "acceleration": "5", "jerk": "1", "soft_lower": "-1"})
+        joint.find("child").tail = "?>"
+    for inertia in robot.iterfind("link/inertial/inertia"):  # the other half, which says the same
+        inertia.attrib.update({f"i{b}{a}": inertia.get(f"i{a}{b}") for a, b in ("xy", "xz", "yz")})
+
+
+@oddity
 def drake_prefixes(robot: Any, rng: Random) -> None:
     """Elements and attributes with a prefix that nothing declares once the text is written."""
     space = "undeclared:drake"
