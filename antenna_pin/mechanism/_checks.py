@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from typing import Any
 
 from antenna_pin.errors import MechanismError, UnknownNameError
 from antenna_pin.mechanism import _inertia
 
 
-def check(robot: Any, where: str, allow_impossible_inertia: Collection[str]) -> None:
+def check(
+    robot: Any, where: str, allow_impossible_inertia: Collection[str], rounding: Mapping[str, float]
+) -> None:
     """Refuse what is not a mechanism.
 
     The inertia of the root's body is not judged here: it acts on a free base only.
@@ -18,6 +20,7 @@ def check(robot: Any, where: str, allow_impossible_inertia: Collection[str]) -> 
         robot: What yourdfpy read, a ``yourdfpy.Robot``.
         where: Name of the file, for messages.
         allow_impossible_inertia: Links whose body's inertia may break the triangle rule.
+        rounding: By link, how much of that rule may be broken by rounding [kg m^2].
     """
     links = [link.name for link in robot.links]
     for name in allow_impossible_inertia:
@@ -28,7 +31,7 @@ def check(robot: Any, where: str, allow_impossible_inertia: Collection[str]) -> 
     _inertia.check_masses(robot, where)
     for first, group in _inertia.rigid_groups(robot).items():
         if first != root_link(robot):
-            _inertia.check_inertia(group, where, allow_impossible_inertia)
+            _inertia.check_inertia(group, where, allow_impossible_inertia, rounding)
 
 
 def root_link(robot: Any) -> str:

@@ -7,6 +7,7 @@ at zero.
 
 from __future__ import annotations
 
+from decimal import Decimal, InvalidOperation
 from typing import Any, NamedTuple
 
 from lxml import etree
@@ -14,7 +15,17 @@ from lxml import etree
 from antenna_pin.errors import MechanismError, nearest
 from antenna_pin.mechanism._source import tag_of
 
-__all__ = ["FORMAT", "LARGEST", "MOMENTS", "SHAPES", "check_names", "numbers_in", "placed", "text_in"]
+__all__ = [
+    "FORMAT",
+    "LARGEST",
+    "MOMENTS",
+    "SHAPES",
+    "check_names",
+    "half_unit",
+    "numbers_in",
+    "placed",
+    "text_in",
+]
 
 # Tag of a shape -> its attributes: how many numbers each holds.
 SHAPES: dict[str, dict[str, int]] = {
@@ -82,6 +93,19 @@ def numbers_in(text: str | None) -> tuple[float, ...] | None:
         return tuple(float(word) for word in plain.split())
     except ValueError:
         return None
+
+
+def half_unit(text: str | None) -> float:
+    """Return half a unit of the last digit behind the point that a number is written with.
+
+    That is how far it may be off. Zeros and whole numbers are exact, and what is no number is not told.
+    """
+    try:
+        number = Decimal((text or "").strip())
+        last = number.as_tuple().exponent
+    except InvalidOperation:
+        return 0.0
+    return 0.5 * 10.0**last if number and isinstance(last, int) and last < 0 else 0.0
 
 
 def placed(element: Any, where: str) -> str:

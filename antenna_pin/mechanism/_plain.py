@@ -12,7 +12,7 @@ from typing import Any
 
 from lxml import etree
 
-from antenna_pin.mechanism._format import FORMAT, LARGEST, MOMENTS, SHAPES, numbers_in, text_in
+from antenna_pin.mechanism._format import FORMAT, LARGEST, MOMENTS, SHAPES, half_unit, numbers_in, text_in
 from antenna_pin.mechanism._source import name_of, tag_of
 
 __all__ = ["Findings", "WITH_AXIS", "clean", "for_pinocchio"]
@@ -34,12 +34,14 @@ class Findings:
     Attributes:
         passed_over: Lines of what means nothing to the mechanics, by what it is.
         unbounded: Revolute and prismatic joints whose ``<limit>`` leaves them no bounds, or that have none.
+        rounding: By link, by how much the rounding of its moments can break the triangle rule [kg m^2].
         points: Links with a mass and no ``<inertia>``, which are taken as points.
         undrawn: Link of each visual shape that cannot be drawn, and why.
     """
 
     passed_over: dict[str, list[int]] = field(default_factory=dict)
     unbounded: list[str] = field(default_factory=list)
+    rounding: dict[str, float] = field(default_factory=dict)
     points: list[str] = field(default_factory=list)
     undrawn: list[tuple[str, str]] = field(default_factory=list)
 
@@ -73,6 +75,8 @@ def clean(robot: Any, name: str) -> Findings:
             if _is_of_zeros(inertial):
                 found.pass_over("<inertial> of zeros", inertial)
                 link.remove(inertial)
+            for inertia in inertial.findall("inertia"):
+                found.rounding[str(link.get("name"))] = _rounding(inertia)
         for shape in (shape for tag in _SHAPES for shape in link.findall(tag)):
             _clean_shape(shape, str(link.get("name")), found)
     for joint in robot.findall("joint"):
@@ -142,6 +146,17 @@ def _complete(inertial: Any, found: Findings) -> None:
             etree.SubElement(inertial, "inertia", dict.fromkeys(MOMENTS, "0"))
         if not _is_of_zeros(inertial):
             inertial.remove(mass)
+
+
+def _rounding(inertia: Any) -> float:
+    r"""Return by how much the rounding of its numbers can break the triangle rule of an inertia [kg m^2].
+
+    The excess :math:`2 \lambda_{max}(I) - tr I` is not positive for a body and is subadditive. So that of
+    :math:`I + E` is at most that of the rounding :math:`E`, by Gershgorin's discs the sum of its moments and
+    twice the largest sum of products in a row.
+    """
+    xx, yy, zz, xy, xz, yz = (half_unit(inertia.get(moment)) for moment in MOMENTS)
+    return xx + yy + zz + 2.0 * max(xy + xz, xy + yz, xz + yz)
 
 
 def _is_of_zeros(inertial: Any) -> bool:

@@ -53,7 +53,7 @@ def checked(text: str, where: str, allow_impossible_inertia: tuple[str, ...]) ->
         robot = yourdfpy.URDF.load(plain, build_scene_graph=False, load_meshes=False).robot
     except Exception as error:  # yourdfpy lets through whatever its converters raise
         raise MechanismError(f"{where}: yourdfpy cannot read this URDF: {error}") from error
-    _checks.check(robot, where, allow_impossible_inertia)
+    _checks.check(robot, where, allow_impossible_inertia, findings.rounding)
     return Reading(robot, _plain.for_pinocchio(clean), findings)
 
 

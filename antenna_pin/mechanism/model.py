@@ -163,7 +163,7 @@ def build_mechanism(urdf: Urdf, base: Base = "free", gravity: Sequence[float] = 
         raise InvalidParameterError("build_mechanism", "gravity", "three finite numbers [m/s^2]", gravity)
     groups = rigid_groups(urdf.robot)
     if base == "free":
-        check_inertia(groups[urdf.root], urdf.where, urdf.allow_impossible_inertia)
+        check_inertia(groups[urdf.root], urdf.where, urdf.allow_impossible_inertia, urdf.rounding)
     try:
         model = pin.buildModelFromXML(
             urdf.simulated, *((pin.JointModelFreeFlyer(),) if base == "free" else ())

@@ -65,6 +65,7 @@ class Urdf:
         simulated: What of it Pinocchio's parser is given: bodies and joints.
         unbounded: Revolute and prismatic joints without bounds, because they have no ``<limit>`` or because
             it leaves none.
+        rounding: By link with an inertia, how much of the triangle rule its written digits leave [kg m^2].
         points: Links with a mass and no ``<inertia>``, which are taken as points at their inertial's origin.
         undrawn: Link of each visual shape that cannot be drawn, and why.
     """
@@ -79,6 +80,7 @@ class Urdf:
     robot: Any = field(init=False, repr=False)
     simulated: str = field(init=False, repr=False)
     unbounded: tuple[str, ...] = field(init=False, repr=False)
+    rounding: Mapping[str, float] = field(init=False, repr=False)
     points: tuple[str, ...] = field(init=False, repr=False)
     undrawn: tuple[tuple[str, str], ...] = field(init=False, repr=False)
 
@@ -89,6 +91,7 @@ class Urdf:
             ("robot", reading.robot),
             ("simulated", reading.simulated),
             ("unbounded", tuple(reading.findings.unbounded)),
+            ("rounding", reading.findings.rounding),
             ("points", tuple(reading.findings.points)),
             ("undrawn", tuple(reading.findings.undrawn)),
         ):
