@@ -84,6 +84,9 @@ _LOOKS = ("material",)
 # <limit>, by five letters.
 _SLIP = 2
 
+# Names that have a meaning elsewhere and are near by chance: a safety controller's, SDF's, MJCF's, a motor's.
+_NO_SLIPS = ("k_velocity", "axis2", "limited", "power")
+
 
 def numbers_in(text: str | None) -> tuple[float, ...] | None:
     """Return the numbers of an attribute's text, or None where it holds something else."""
@@ -154,7 +157,7 @@ def check_names(element: Any, where: str) -> None:
 
 def _meant(name: str, known: tuple[str, ...], element: Any) -> str | None:
     """Return the name of the format that a name which is none is a slip of: rather one that is missing."""
-    if name in known or name.startswith("{"):
+    if name in known or name in _NO_SLIPS or name.startswith("{"):
         return None
     children, attributes = FORMAT[element.tag]
     names = [one for one in (*children, *attributes) if one not in _LOOKS]

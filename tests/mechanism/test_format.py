@@ -97,13 +97,15 @@ OTHERS = {
     "link": "contact collision_checking self_collision_checking self_filter surface gravity kinematic sensor "
     "origin spatial",
     "inertial": "density fluid_added_mass",
-    "joint": "calibration safety_controller hardwareInterface joint_properties transmission sensor gearbox",
+    "joint": "calibration safety_controller hardwareInterface joint_properties transmission sensor gearbox "
+    "axis2 limited physics",
     "visual": "meta highlight",
     "geometry": "capsule plane cdf ellipsoid cone",
     "origin": "quat_xyzw units",
     "inertia": "com",
     "axis": "rpy expressed_in",
-    "limit": "acceleration jerk soft_lower_limit k_position gear_velocity current twist command_effort",
+    "limit": "acceleration jerk soft_lower_limit k_position k_velocity power gear_velocity "
+    "current twist command_effort",
     "dynamics": "spring_stiffness spring_reference mu_coulomb mu_viscous D K stiffness armature frictionloss "
     "implicitSpringDamper",
     "mimic": "source",
