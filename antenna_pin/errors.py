@@ -7,6 +7,7 @@ but an :class:`antenna_pin.trajectory.Outcome`.
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterable
 
@@ -148,30 +149,36 @@ _LONGEST_NAME = 100
 _BETWEEN_WORDS = re.compile(r"[\s_.\-/]+")
 
 
-def nearest(name: str, known: Iterable[str]) -> str | None:
+def nearest(name: str, known: Iterable[str], letters: float = math.inf) -> str | None:
     """Return the known name that ``name`` is most likely a slip of, or None if it is like none.
 
     Letters that were left out, added, mistaken or (at half the price) doubled or swapped count by their share
     of the longer name, and case does not. A word or the beginning of a known name is like it too:
     ``clearence`` is ``axial_clearance``, ``lim`` is ``limit``. Nothing is like a name of two letters but
     these letters: of the gains ``kp`` and ``kd``, ``ki`` is neither.
+
+    Args:
+        name: The name that is unknown.
+        known: Those that there are.
+        letters: How many letters of a word may differ at most.
     """
     if len(name) > _LONGEST_NAME:
         return None
-    scored = [(score, other) for other in known if (score := _unlike(name, other)) is not None]
+    scored = [(score, other) for other in known if (score := _unlike(name, other, letters)) is not None]
     return min(scored, key=lambda one: one[0])[1] if scored else None
 
 
-def _unlike(name: str, other: str) -> float | None:
+def _unlike(name: str, other: str, letters: float) -> float | None:
     """Return how far a name is from another; None if it is no slip of it."""
     given, meant = name.strip().casefold(), other.casefold()
-    found = [_slip(given, meant)]
+    found = [_slip(given, meant, letters)]
     if len(given) >= _LEAST_PREFIX and meant.startswith(given):
         found.append(_PART)
     words, whole = ([word for word in _BETWEEN_WORDS.split(one) if word] for one in (given, meant))
     if words and len(whole) > 1:
         slips = [
-            min((s for part in whole if (s := _slip(word, part)) is not None), default=None) for word in words
+            min((s for part in whole if (s := _slip(word, part, letters)) is not None), default=None)
+            for word in words
         ]
         if None not in slips:
             apart = max(slip for slip in slips if slip is not None)
@@ -179,13 +186,13 @@ def _unlike(name: str, other: str) -> float | None:
     return min((one for one in found if one is not None), default=None)
 
 
-def _slip(given: str, meant: str) -> float | None:
+def _slip(given: str, meant: str, letters: float) -> float | None:
     """Return the share of letters in which two words differ; None if it is too large for a slip."""
     longer = max(len(given), len(meant))
     if longer == 0 or abs(len(given) - len(meant)) > _SLIP * longer:
         return None
-    share = _distance(given, meant) / longer
-    return share if share < _SLIP else None
+    apart = _distance(given, meant)
+    return apart / longer if apart < _SLIP * longer and apart <= letters else None
 
 
 def _distance(given: str, meant: str) -> float:

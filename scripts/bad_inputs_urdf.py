@@ -13,6 +13,7 @@ _COMMAND = ("urdf", "scenario.toml", "--out", "out.urdf")
 
 _MASS = '<mass value="2"/>'
 _INERTIA = '<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/>'
+_BAR = '      <inertia ixx="1" iyy="1" izz="1" ixy="0"'  # of the link that moves
 _BOX = '<box size="0.1 0.1 0.4"/>'
 _AXIS = '<axis xyz="0 1 0"/>'
 _PARENT = '<parent link="stand"/>'
@@ -54,7 +55,6 @@ _CHANGES: tuple[tuple[str, str, str, str], ...] = (
     ("origin nan", _ORIGIN, '<origin xyz="nan 0 0"/>', "<origin> xyz"),
     ("origin rpy of two", _ORIGIN, '<origin rpy="0 0"/>', "<origin> rpy"),
     ("origin overflows", _ORIGIN, '<origin xyz="1e999 0 0"/>', "<origin> xyz"),
-    ("mimic of itself", _LIMIT, _LIMIT + '<mimic joint="hinge"/>', "must name another joint"),
     ("mimic of nobody", _LIMIT, _LIMIT + '<mimic joint="hing"/>', "did you mean hinge"),
     ("mimic without a joint", _LIMIT, _LIMIT + "<mimic/>", "<mimic> must have a joint"),
     ("mimic with a comma", _LIMIT, _LIMIT + '<mimic joint="k" offset="1,5"/>', "<mimic> offset"),
@@ -77,10 +77,9 @@ _CHANGES: tuple[tuple[str, str, str, str], ...] = (
     ("two dynamics", _LIMIT, _LIMIT + "<dynamics/><dynamics/>", "one <dynamics>"),
     ("two mimics", _LIMIT, _LIMIT + '<mimic joint="a"/><mimic joint="b"/>', "mimic"),
     ("no mass", _MASS, "", "must have a <mass>"),
-    ("no inertia", _INERTIA, "", "must have a <inertia>"),
+    ("no mass but a density", _MASS + _INERTIA, '<density value="1"/>', "must have a <mass>"),
     ("mass without value", _MASS, "<mass/>", "<mass> value"),
-    ("negative mass", _MASS, '<mass value="-2"/>', "mass must be positive"),
-    ("zero mass", _MASS, '<mass value="0"/>', "mass must be positive"),
+    ("negative mass", _MASS, '<mass value="-2"/>', "mass must be zero or more"),
     ("mass nan", _MASS, '<mass value="nan"/>', "<mass> value"),
     ("mass with unit", _MASS, '<mass value="2 kg"/>', "<mass> value"),
     ("mass with underscore", _MASS, '<mass value="1_0"/>', "<mass> value"),
@@ -88,13 +87,17 @@ _CHANGES: tuple[tuple[str, str, str, str], ...] = (
     ("mass of 5,000 digits", _MASS, f'<mass value="{"9" * 5000}"/>', "<mass> value"),
     ("mass too large", _MASS, '<mass value="1e300"/>', "<mass> value must be at most"),
     ("no moment", ' iyy="1"', "", "<inertia> iyy"),
-    ("negative moment", 'ixx="1"', 'ixx="-1"', "inertia"),
-    ("triangle rule", 'ixx="1"', 'ixx="10"', "inertia"),
-    ("not positive definite", 'ixy="0"', 'ixy="5"', "inertia"),
-    ("moment of zero", 'ixx="1"', 'ixx="0"', "inertia"),
+    ("negative moment", _BAR, _BAR.replace('ixx="1"', 'ixx="-1"'), "must not be negative"),
+    ("triangle rule", _BAR, _BAR.replace('ixx="1"', 'ixx="10"'), "must not exceed the sum"),
+    ("not positive definite", _BAR, _BAR.replace('ixy="0"', 'ixy="5"'), "must not be negative"),
     ("moment nan", 'ixx="1"', 'ixx="nan"', "<inertia> ixx"),
     ("moment too large", _INERTIA, _INERTIA.replace('"1"', '"1e308"'), "<inertia> ixx must be at most"),
-    ("no geometry", "geometry>", "gemetry>", ""),
+    ("geometry mistyped", _BOX, "<bax/>", "did you mean <box>"),
+    ("origin mistyped", _ORIGIN, '<orgin xyz="0 0 1"/>', "did you mean <origin>"),
+    ("xyz mistyped", _ORIGIN, '<origin xzy="0 0 1"/>', "did you mean the attribute xyz"),
+    ("inertia in capitals", "<inertia ", "<Inertia ", "did you mean <inertia>"),
+    ("axis as text", _AXIS, "<axis>0 1 0</axis>", "must hold no text"),
+    ("bounds as elements", _LIMIT, "<limit><lower>1</lower></limit>", "did you mean the attribute lower"),
     (
         "a xacro macro",
         'name="pair">',

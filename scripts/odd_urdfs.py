@@ -9,7 +9,9 @@ FOLDER --check`` says what was passed over::
     scripts/odd_urdfs.py --count 200 --out odd
 
 Prints a line for each that does not load or is another mechanism, then the count beside that of Pinocchio
-alone. Exit code 1 on any.
+alone. With ``--slips`` each file has one name that is written almost right (``<orgin>``, ``xzy``) and must be
+refused, in one line that names both; how many Pinocchio alone loads, as other mechanisms, is printed beside.
+Exit code 1 on any.
 """
 
 from __future__ import annotations
@@ -20,11 +22,11 @@ from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
-from urdf_generator import OddUrdf, draw_urdf
+from urdf_generator import OddUrdf, SlippedUrdf, draw_slip, draw_urdf
 
 from antenna_pin import AntennaPinError, Urdf, build_mechanism
 
-__all__ = ["problem_of"]
+__all__ = ["problem_of", "problem_of_slip"]
 
 _GRAVITY = (0.0, 0.0, -9.81)
 
@@ -56,6 +58,22 @@ def problem_of(drawn: OddUrdf, path: Path) -> str | None:
     return None
 
 
+def problem_of_slip(drawn: SlippedUrdf) -> str | None:
+    """Return how a URDF with a slip is not refused as it should be; None if it is.
+
+    Args:
+        drawn: The URDF.
+    """
+    try:
+        Urdf.from_text(drawn.text, f"{drawn.name}.urdf")
+    except AntennaPinError as error:
+        said = str(error)
+        if drawn.written in said and drawn.meant in said and "did you mean" in said:
+            return None
+        return f"is refused for something else: {said}"
+    return "is not refused"
+
+
 def main() -> int:
     """Draw, write, load and compare."""
     parser = argparse.ArgumentParser(
@@ -63,23 +81,32 @@ def main() -> int:
     )
     parser.add_argument("--count", type=int, default=200)
     parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--slips", action="store_true")
     parser.add_argument("--out", type=Path, default=Path("odd_urdfs"), metavar="DIR")
     given = parser.parse_args()
     given.out.mkdir(parents=True, exist_ok=True)
     alone = failed = 0
     for number in range(given.count):
-        drawn = draw_urdf(given.seed, number)
-        path = given.out / f"{drawn.name}.urdf"
-        path.write_bytes(drawn.odd)
-        if problem := problem_of(drawn, path):
+        if given.slips:
+            slipped = draw_slip(given.seed, number)
+            path, what = given.out / f"{slipped.name}.urdf", f"{slipped.written} for {slipped.meant}"
+            path.write_text(slipped.text)
+            problem = problem_of_slip(slipped)
+        else:
+            drawn = draw_urdf(given.seed, number)
+            path, what = given.out / f"{drawn.name}.urdf", ", ".join(drawn.oddities)
+            path.write_bytes(drawn.odd)
+            problem = problem_of(drawn, path)
+        if problem:
             failed += 1
-            print(f"{path}: {problem} ({', '.join(drawn.oddities)})")
+            print(f"{path}: {problem} ({what})")
         try:
             pin.buildModelFromUrdf(str(path))
             alone += 1
         except ValueError:
             pass
-    print(f"{given.count - failed} of {given.count} load as what they mean; Pinocchio alone loads {alone}")
+    done = "are refused by their slips" if given.slips else "load as what they mean"
+    print(f"{given.count - failed} of {given.count} {done}; Pinocchio alone loads {alone}")
     return 1 if failed else 0
 
 

@@ -5,6 +5,9 @@ twin is written from its numbers. The odd one is the same tree with what the exp
 must mean nothing: of a deck of oddities (:data:`ODDITIES`) each file gets some, dealt so that a few dozen
 files hold all. A number follows from a seed and a place alone.
 
+Files with one slip each (:func:`draw_slip`) must be refused: a name that mechanics or shapes are read by is
+written almost right.
+
 To add an oddity is one function with ``@oddity``: it gets the elements of a file, the drawn mechanism and a
 random generator, and changes the elements. What is a change of the text (encodings, what stands before the
 declaration) is one with ``@written``.
@@ -20,7 +23,7 @@ from typing import Any
 import numpy as np
 from lxml import etree
 
-__all__ = ["ODDITIES", "OddUrdf", "draw_urdf"]
+__all__ = ["ODDITIES", "OddUrdf", "SlippedUrdf", "draw_slip", "draw_urdf"]
 
 Random = np.random.Generator
 
@@ -45,6 +48,23 @@ class OddUrdf:
     odd: bytes
     plain: str
     oddities: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class SlippedUrdf:
+    """A URDF in which one name is written almost right.
+
+    Attributes:
+        name: Of the file, without suffix.
+        text: Its XML.
+        written: The name with the slip.
+        meant: The name of the format.
+    """
+
+    name: str
+    text: str
+    written: str
+    meant: str
 
 
 ODDITIES: dict[str, Callable[[Any, Random], None]] = {}
@@ -77,6 +97,72 @@ def draw_urdf(seed: int, number: int) -> OddUrdf:
     etree.indent(robot)
     odd = _WRITTEN[way](etree.tostring(robot, encoding="unicode"))
     return OddUrdf(f"odd_{seed}_{number}", odd, plain, (*chosen, way))
+
+
+def draw_slip(seed: int, number: int) -> SlippedUrdf:
+    """Return the URDF with a slip of a number: in turn each element and attribute is written almost right."""
+    rng = np.random.default_rng([seed, number, 1])
+    robot = _mechanism(rng)
+    for joint in _of_type(robot, "revolute", "continuous", "prismatic"):
+        etree.SubElement(joint, "dynamics", damping="0.1", friction="0.2")
+        if joint.get("name") != "joint1":
+            etree.SubElement(joint, "mimic", joint="joint1", multiplier="2", offset="0.1")
+    for shape, numbers in _SHAPES.items():
+        visual = _shape(robot.find("link"), "visual", shape, **numbers)
+        etree.SubElement(visual, "origin", xyz="0 0 1", rpy="0 0 0")
+    places = {
+        (element.tag, key): element
+        for element in robot.iter()
+        if element is not robot
+        for key in (None, *element.attrib)
+    }
+    tag, key = sorted(places, key=str)[number % len(places)]
+    element, meant = places[tag, key], key or tag
+    slip = _slip(meant, rng)
+    if key is None:
+        element.tag = slip
+    else:
+        text = element.attrib.pop(key)
+        element.set(slip, text)
+    etree.indent(robot)
+    return SlippedUrdf(f"slip_{seed}_{number}", etree.tostring(robot, encoding="unicode"), slip, meant)
+
+
+_SHAPES = {
+    "box": {"size": "1 1 1"},
+    "cylinder": {"radius": "0.1", "length": "1"},
+    "sphere": {"radius": "1"},
+    "mesh": {"filename": "part.stl", "scale": "1 1 1"},
+}
+
+
+def _slip(name: str, rng: Random) -> str:
+    """Return a name with a slip in it; some long names have one in either half."""
+    while True:
+        half = len(name) // 2
+        twice = half > 2 and rng.random() < 0.3
+        slip = _slipped(name[:half], rng) + _slipped(name[half:], rng) if twice else _slipped(name, rng)
+        if slip != name and slip.lower() not in _NAMES - {name}:
+            return slip
+
+
+# Lest a slip be another name of the format.
+_NAMES = {"link", "joint", "inertia", "inertial", "ixx", "iyy", "izz", "ixy", "ixz", "iyz", "xyz", "rpy"}
+
+
+def _slipped(word: str, rng: Random) -> str:
+    """Return a word of which a letter is swapped, lost, doubled, mistaken, added or in the other case."""
+    at, letter = int(rng.integers(len(word))), chr(97 + int(rng.integers(26)))
+    before, here, after = word[:at], word[at], word[at + 1 :]
+    choices = (
+        before + after[:1] + here + after[1:],
+        before + after,
+        before + here + here + after,
+        before + letter + after,
+        before + letter + here + after,
+        before + here.upper() + after,
+    )
+    return choices[int(rng.integers(len(choices)))]
 
 
 # --- the mechanism -----------------------------------------------------------------------------------------
@@ -256,6 +342,20 @@ def other_tools(robot: Any, rng: Random) -> None:
 
 
 @oddity
+def foreign_attributes(robot: Any, rng: Random) -> None:
+    """As of iCub, ANYmal and SolidWorks' exporter, where mechanics is read; and text between elements."""
+    for joint in robot.findall("joint"):
+        joint.set("dont_collapse", "true")
+        for axis in joint.findall("axis"):
+            axis.set("rpy", "0 0 1")
+        for limit in joint.findall("limit"):
+            limit.attrib.update({"gear_velocity": "10", "acceleration": "5", "jerk": "1", "soft_lower": "-1"})
+        joint.find("child").tail = "?>"
+    for inertia in robot.iterfind("link/inertial/inertia"):  # the other half, which says the same
+        inertia.attrib.update({f"i{b}{a}": inertia.get(f"i{a}{b}") for a, b in ("xy", "xz", "yz")})
+
+
+@oddity
 def drake_prefixes(robot: Any, rng: Random) -> None:
     """Elements and attributes with a prefix that nothing declares once the text is written."""
     space = "undeclared:drake"
@@ -385,3 +485,9 @@ def in_utf_16(text: str) -> bytes:
 def of_another_encoding(text: str) -> bytes:
     """UTF-8 that calls itself UTF-16, with a DOCTYPE that declares nothing."""
     return ('<?xml version="1.0" encoding="utf-16"?>\n<!DOCTYPE robot>\n' + _finished(text)).encode()
+
+
+@written
+def of_no_version(text: str) -> bytes:
+    """As many files that come with PyBullet."""
+    return ('<?xml version="0.0" ?>\n' + _finished(text)).encode()

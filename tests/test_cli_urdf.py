@@ -77,9 +77,23 @@ def test_info_lists_what_was_passed_over(folder):
     assert (facts["passed_over"], facts["unbounded"]) == ({"<gazebo>": [5]}, ["hinge"])
 
 
+def test_a_mass_without_moments_is_said_by_all(folder):
+    arm = BODY.replace("<inertial>", '<inertial><origin xyz="1 0 0"/>').replace("<inertia ", "<!-- ")
+    (folder / "arm.urdf").write_text(ARM.replace(BODY, arm.replace('iyz="0"/>', "-->")))
+    code, lines, error = said("info", folder / "scenario.toml")
+    assert (
+        code == 0
+        and "arm.urdf: no <inertia> beside the <mass> of links, which are taken as points: base, arm" in error
+    )
+    assert "  taken as points, without moments in the URDF: base, arm" in lines
+    assert json.loads(said("info", folder / "scenario.toml", "--json")[1][0])["points"] == ["base", "arm"]
+    assert f"{folder}/arm.urdf: taken as points: base, arm" in said("urdf", folder / "arm.urdf", "--check")[1]
+
+
 def test_check_says_of_each_file_what_is_read_and_counts(folder):
     (folder / "below").mkdir()
     (folder / "below" / "bad.urdf").write_text(ARM.replace("0 1 0", "0 0 0"))
+    (folder / "below" / "slip.urdf").write_text(ARM.replace("<axis xyz", "<axis xzy"))
     (folder / "arm.sdf").write_text('<sdf version="1.6"/>')
     code, lines, _ = said("urdf", folder, folder / "arm.sdf", folder / "scenario.toml", "--check")
     below = folder / "below" / "bad.urdf"
@@ -89,12 +103,14 @@ def test_check_says_of_each_file_what_is_read_and_counts(folder):
         f"{folder}/arm.urdf: without bounds: hinge",
         f"{below}: refused: bad.urdf, line 3: joint 'hinge': axis must be nonzero, got '0 0 0'",
         f"{below}: passed over: 1 <gazebo>, line 5",
+        f"{folder}/below/slip.urdf: refused: slip.urdf, line 3: joint 'hinge': attribute xzy of <axis> is "
+        "unknown; did you mean the attribute xyz?",
         f"{folder}/arm.sdf: refused: arm.sdf, line 1: the root of a URDF must be <robot>, got <sdf>: this is "
         "SDF, Gazebo's format; convert it to URDF, or take the URDF or xacro that it was made from",
         f"{folder}/scenario.toml: loads: 1 freedom on a fixed base",
         f"{folder}/scenario.toml: passed over: 1 <gazebo>, line 5",
         f"{folder}/scenario.toml: without bounds: hinge",
-        "2 of 4 load",
+        "2 of 5 load",
     ]
     code, lines, _ = said("urdf", folder / "arm.urdf", "--check", "--out", folder / "said.txt")
     assert (code, lines) == (0, [f"saved {folder}/said.txt"])

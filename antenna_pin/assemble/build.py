@@ -30,7 +30,7 @@ _HELD: dict[str, HeldKind] = {
 }
 
 # Joints that a line names.
-_JOINTS_NAMED = 6
+_NAMED = 6
 
 
 @takes()
@@ -73,15 +73,16 @@ def build_system(scenario: Scenario) -> System:
 
 
 def said_of_file(written: WrittenUrdf, urdf: Urdf) -> tuple[str, ...]:
-    """Return what is said when a URDF is loaded: how much was passed over, which joints have no bounds."""
+    """Return what is said when a URDF is loaded: how much was passed over, what was taken for granted."""
     lines = [written.said_of_passed_over()]
-    if urdf.unbounded:
-        names = ", ".join(urdf.unbounded[:_JOINTS_NAMED])
-        more = len(urdf.unbounded) - _JOINTS_NAMED
-        lines.append(
-            f"{urdf.where}: no bounds in the <limit> of joints, which are taken as without: {names}"
-            + (f" and {more} joints more" if more > 0 else "")
-        )
+    for names, said in (
+        (urdf.unbounded, "no bounds in the <limit> of joints, which are taken as without"),
+        (urdf.points, "no <inertia> beside the <mass> of links, which are taken as points"),
+    ):
+        if names:
+            more = len(names) - _NAMED
+            rest = f" and {more} more" if more > 0 else ""
+            lines.append(f"{urdf.where}: {said}: {', '.join(names[:_NAMED])}{rest}")
     return tuple(line for line in lines if line)
 
 

@@ -10,9 +10,9 @@ from scipy.spatial.transform import Rotation
 
 from antenna_pin.assemble.initial import given
 from antenna_pin.assemble.places import check_known, where
-from antenna_pin.constraints import CLOSURES, OPPOSITE, WORLD, Anchor, Closure
+from antenna_pin.constraints import CLOSURES, OPPOSITE, Anchor, Closure
 from antenna_pin.errors import ScenarioError
-from antenna_pin.mechanism import Mechanism, link_poses
+from antenna_pin.mechanism import WORLD, Mechanism, link_poses
 from antenna_pin.scenario import AnchorSpec, PlaceSpec, Scenario
 
 __all__ = ["axes_turned", "closures_of", "link_of"]
@@ -109,7 +109,7 @@ def link_of(
     urdf = mechanism.urdf
     links = [link.name for link in urdf.robot.links]
     if spec.link is not None:
-        check_known(scenario, [spec.link], "link", [*links, WORLD], *place, "link")
+        check_known(scenario, [spec.link], "link", dict.fromkeys([*links, WORLD]), *place, "link")
         return spec.link, _Z
     assert spec.frame is not None
     joints = {joint.name: joint for joint in urdf.robot.joints}

@@ -34,7 +34,7 @@ def scenario_facts(scenario: Scenario) -> dict[str, Any]:
     the search began, if that is more than 10 deg or as much of the mechanism's length: turns [rad] and ways
     [m]. A closure is ``turned`` if its second side's axis is taken the other way round than it is written.
     ``passed_over`` has lines of the URDF, by what stands there that means nothing to the mechanics,
-    ``unbounded`` the joints without bounds.
+    ``unbounded`` the joints without bounds, ``points`` the links without moments of inertia.
 
     Raises:
         AntennaPinError: The scenario cannot be built, or its loops cannot be closed; one line that says why.
@@ -61,6 +61,7 @@ def scenario_facts(scenario: Scenario) -> dict[str, Any]:
         "residuals": _residuals(system, y),
         "passed_over": {kind.what: list(kind.lines) for kind in as_written(scenario).passed_over},
         "unbounded": list(system.mechanism.urdf.unbounded),
+        "points": list(system.mechanism.urdf.points),
         **({} if system.plan is None else _start(scenario, system, q)),
     }
 

@@ -82,6 +82,8 @@ def _of_file(facts: dict[str, Any]) -> Iterator[str]:
         yield f"passed over in the URDF: {PassedOver(what, tuple(lines)).said()}"
     if facts["unbounded"]:
         yield f"without bounds in the URDF: {', '.join(facts['unbounded'])}"
+    if facts["points"]:
+        yield f"taken as points, without moments in the URDF: {', '.join(facts['points'])}"
 
 
 def _many(count: int, noun: str) -> str:

@@ -11,6 +11,7 @@ import typer
 
 from antenna_pin.cli._common import load_result, not_interrupted, say
 from antenna_pin.cli._film import Kind, check_options, film, kind_of, size_of
+from antenna_pin.cli._packages import PackagePathOption, package_folders
 from antenna_pin.cli._quantities import bare
 from antenna_pin.errors import InvalidParameterError
 
@@ -78,6 +79,7 @@ def record(
         float,
         typer.Option(metavar="MB", help="Size that a page keeps below; key frames are thinned to it."),
     ] = 20.0,
+    package_path: PackagePathOption = None,
     progress: Annotated[bool, typer.Option(help="Show a progress bar while filming.")] = True,
 ) -> None:
     """Record a run in 3D: one HTML page with a player, in which nothing is loaded from elsewhere.
@@ -90,6 +92,7 @@ def record(
     for option, value in (("--key-rate", key_rate), ("--max-size", max_size)):
         if value is not None and not (value > 0.0 and math.isfinite(value)):
             raise InvalidParameterError("record", option, "positive", value)
+    packages = package_folders(package_path)
     run = load_result(file)
     reference = None if ideal is None else load_result(ideal)
 
@@ -108,6 +111,7 @@ def record(
         start=_time(start, "--start"),
         end=_time(end, "--end"),
         max_megabytes=max_size,
+        package_path=packages,
     )
     for warning in recording.data["warnings"]:
         say(f"note: {warning}")

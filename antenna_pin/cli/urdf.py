@@ -18,6 +18,7 @@ from antenna_pin.cli._common import (
     stem,
     writable_file,
 )
+from antenna_pin.cli._packages import PackagePathOption, package_folders
 
 if TYPE_CHECKING:
     from antenna_pin.mechanism import Mechanism, Urdf, WrittenUrdf
@@ -46,14 +47,7 @@ def urdf(
         bool,
         typer.Option("--copy-meshes", help="Copy its mesh files beside it, so that the folder can be moved."),
     ] = False,
-    package_path: Annotated[
-        list[Path] | None,
-        typer.Option(
-            "--package-path",
-            metavar="DIR",
-            help="Folder with packages of package:// names, before ROS_PACKAGE_PATH. May be repeated.",
-        ),
-    ] = None,
+    package_path: PackagePathOption = None,
     settings: SetOption = None,
 ) -> None:
     """Write the URDF that a case simulates, or say what is read of URDFs (--check).
@@ -61,7 +55,7 @@ def urdf(
     Joints with clearance are free in it; other tools can load it. Mesh files are named relative to it. With
     --check the exit code is 0 if all load, 2 if one does not.
     """
-    roots = [root.absolute() for root in package_path or ()]
+    roots = package_folders(package_path)
     if check:
         if copy_meshes:
             refuse("urdf: --copy-meshes must be left out beside --check, which writes no URDF")
@@ -166,6 +160,8 @@ def _verdict(
         return f"refused: {error}", details
     if made.unbounded:
         details.append(f"without bounds: {', '.join(made.unbounded)}")
+    if made.points:
+        details.append(f"taken as points: {', '.join(made.points)}")
     details += [f"not drawn: {link}: {problem}" for link, problem in made.undrawn]
     if missing := _missing(made):
         details.append(f"not there: {', '.join(missing)}")
@@ -181,9 +177,9 @@ def _said(written: WrittenUrdf) -> list[str]:
 def _built(made: Urdf, base: str | None = None) -> Mechanism:
     """Return the mechanism on a base: a scenario's, or a free one, or a fixed one where that cannot be."""
     from antenna_pin.errors import MechanismError
-    from antenna_pin.mechanism import build_mechanism
+    from antenna_pin.mechanism import WORLD, build_mechanism
 
-    if base is not None:
+    if base is not None or made.root == WORLD:
         return build_mechanism(made, "free" if base == "free" else "fixed")
     try:
         return build_mechanism(made, "free")

@@ -8,7 +8,7 @@ from antenna_pin.constraints.assembly import (
     mobility,
     redundancies,
 )
-from antenna_pin.constraints.closure import CLOSURES, OPPOSITE, WORLD, Anchor, Closure, ClosureKind, Holds
+from antenna_pin.constraints.closure import CLOSURES, OPPOSITE, Anchor, Closure, ClosureKind, Holds
 from antenna_pin.constraints.coupling import Coupling, check_order, spread
 from antenna_pin.constraints.plan import DrivenJoint, Plan, make_plan, on_body
 from antenna_pin.constraints.search import Unclosed, find_configuration, worst_row
@@ -17,7 +17,6 @@ from antenna_pin.constraints.solver import Constraints
 __all__ = [
     "CLOSURES",
     "OPPOSITE",
-    "WORLD",
     "Anchor",
     "Closure",
     "ClosureKind",

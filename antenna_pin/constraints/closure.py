@@ -14,7 +14,7 @@ from antenna_pin.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.mechanism import frame_aligning_z
 
-__all__ = ["CLOSURES", "OPPOSITE", "WORLD", "Anchor", "Closure", "ClosureKind", "Holds"]
+__all__ = ["CLOSURES", "OPPOSITE", "Anchor", "Closure", "ClosureKind", "Holds"]
 
 Array = NDArray[np.float64]
 
@@ -23,9 +23,6 @@ ClosureKind = Literal["revolute", "universal", "spherical", "prismatic", "cylind
 #: From this angle on axes that should be parallel count as given the opposite way, rather than as far off
 #: in a first guess [rad]: between it and 90 deg either could be meant, and they are taken as written.
 OPPOSITE = np.radians(150.0)
-
-#: The name of what does not move, on one side of a closure.
-WORLD = "world"
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from antenna_pin._lanes import LANES
 from antenna_pin.constraints import _layout_kernels as _layout
-from antenna_pin.constraints.closure import WORLD, Anchor, Closure
+from antenna_pin.constraints.closure import Anchor, Closure
 from antenna_pin.constraints.coupling import Coupling
 from antenna_pin.errors import MechanismError, UnknownNameError
-from antenna_pin.mechanism import Mechanism, body_tree
+from antenna_pin.mechanism import WORLD, Mechanism, body_tree
 from antenna_pin.records import words_of
 
 __all__ = ["DrivenJoint", "Plan", "make_plan", "on_body"]
@@ -216,10 +216,10 @@ def on_body(mechanism: Mechanism, place: str, side: Anchor) -> tuple[int, Array]
     """
     frame = np.eye(4)
     frame[:3, :3], frame[:3, 3] = side.rotation, side.origin
+    if side.link == WORLD:
+        return -1, frame
     links = [link.name for link in mechanism.urdf.robot.links]
     if side.link not in links:
-        if side.link == WORLD:
-            return -1, frame
-        raise UnknownNameError(place, "link", side.link, [*links, WORLD])
+        raise UnknownNameError(place, "link", side.link, dict.fromkeys([*links, WORLD]))
     found = mechanism.model.frames[mechanism.frame(side.link)]
     return int(found.parentJoint) - 1, np.asarray(found.placement.homogeneous @ frame)

@@ -11,7 +11,7 @@ import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.arguments import takes
-from antenna_pin.constraints import WORLD, Closure, Coupling, DrivenJoint, Plan, make_plan
+from antenna_pin.constraints import Closure, Coupling, DrivenJoint, Plan, make_plan
 from antenna_pin.dynamics import _kernels
 from antenna_pin.dynamics.blocks import Blocks, check_motion, clearance_block, held_block
 from antenna_pin.dynamics.configuration import make_unit, spaces
@@ -26,7 +26,7 @@ from antenna_pin.flexible import ElasticPart
 from antenna_pin.integrate import Manifold
 from antenna_pin.joints import ClearanceJoint
 from antenna_pin.joints import _layout_kernels as _layout
-from antenna_pin.mechanism import Mechanism
+from antenna_pin.mechanism import WORLD, Mechanism
 from antenna_pin.records import PROGRAM, place_of
 
 __all__ = ["System"]
@@ -279,16 +279,13 @@ class System:
     def closed_to_world(self) -> bool:
         """Whether a closure holds it to the world."""
         links = {side.link for closure in self.closures.values() for side in (closure.first, closure.second)}
-        return self._among_worlds(links)
+        return WORLD in links
 
     @property
     def sprung_to_world(self) -> bool:
         """Whether a spring between points is fixed to the world."""
         springs = self.point_springs.values()
-        return self._among_worlds({link for one in springs for link, _ in (one.first, one.second)})
-
-    def _among_worlds(self, links: set[str]) -> bool:
-        return WORLD in links - {link.name for link in self.mechanism.urdf.robot.links}
+        return WORLD in {link for one in springs for link, _ in (one.first, one.second)}
 
     @property
     def keeps_momentum(self) -> bool:

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from antenna_pin.mechanism.frames import frame_aligning_z, quaternions, roll_pitch_yaw
     from antenna_pin.mechanism.kinematics import link_motion, link_poses, link_twists
     from antenna_pin.mechanism.loads import transmitted_wrenches
-    from antenna_pin.mechanism.model import Base, JointKind, JointSlot, Mechanism, build_mechanism
+    from antenna_pin.mechanism.model import WORLD, Base, JointKind, JointSlot, Mechanism, build_mechanism
     from antenna_pin.mechanism.tree import BODY, PLACE, body_tree
     from antenna_pin.mechanism.urdf import Urdf
     from antenna_pin.mechanism.written import PassedOver, WrittenJoint, WrittenUrdf
@@ -31,6 +31,7 @@ __all__ = [
     "ShapeChange",
     "TreeDynamics",
     "Urdf",
+    "WORLD",
     "WrittenJoint",
     "WrittenUrdf",
     "body_tree",
@@ -51,7 +52,7 @@ loaded_when_used(
         "frames": "frame_aligning_z quaternions roll_pitch_yaw",
         "kinematics": "link_motion link_poses link_twists",
         "loads": "transmitted_wrenches",
-        "model": "Base JointKind JointSlot Mechanism build_mechanism",
+        "model": "WORLD Base JointKind JointSlot Mechanism build_mechanism",
         "tree": "BODY PLACE body_tree",
         "urdf": "Urdf",
         "written": "PassedOver WrittenJoint WrittenUrdf",

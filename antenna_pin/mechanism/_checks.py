@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from typing import Any
-
-import numpy as np
 
 from antenna_pin.errors import MechanismError, UnknownNameError
 from antenna_pin.mechanism import _inertia
 
 
-def check(robot: Any, where: str, allow_impossible_inertia: Collection[str]) -> None:
+def check(
+    robot: Any, where: str, allow_impossible_inertia: Collection[str], rounding: Mapping[str, float]
+) -> None:
     """Refuse what is not a mechanism.
 
     The inertia of the root's body is not judged here: it acts on a free base only.
@@ -20,6 +20,7 @@ def check(robot: Any, where: str, allow_impossible_inertia: Collection[str]) -> 
         robot: What yourdfpy read, a ``yourdfpy.Robot``.
         where: Name of the file, for messages.
         allow_impossible_inertia: Links whose body's inertia may break the triangle rule.
+        rounding: By link, how much of that rule may be broken by rounding [kg m^2].
     """
     links = [link.name for link in robot.links]
     for name in allow_impossible_inertia:
@@ -27,12 +28,10 @@ def check(robot: Any, where: str, allow_impossible_inertia: Collection[str]) -> 
             raise UnknownNameError(f"{where}: allow_impossible_inertia", "link", name, links)
     _check_tree(robot, where)
     _check_mimics(robot, where)
-    for joint in robot.joints:
-        _check_planar(joint, where)
     _inertia.check_masses(robot, where)
     for first, group in _inertia.rigid_groups(robot).items():
         if first != root_link(robot):
-            _inertia.check_inertia(group, where, allow_impossible_inertia)
+            _inertia.check_inertia(group, where, allow_impossible_inertia, rounding)
 
 
 def root_link(robot: Any) -> str:
@@ -77,13 +76,3 @@ def _check_mimics(robot: Any, where: str) -> None:
             raise UnknownNameError(
                 f"{where}: <mimic> of joint {joint.name!r}", "joint", str(joint.mimic.joint), joints
             )
-
-
-def _check_planar(joint: Any, where: str) -> None:
-    """Pinocchio takes ``z`` of the joint frame as the normal, whatever the axis says."""
-    if joint.type == "planar" and (np.any(joint.axis[:2] != 0.0) or joint.axis[2] <= 0.0):
-        raise MechanismError(
-            f"{where}: joint {joint.name!r} is planar and its axis must be 0 0 1, got "
-            f"{' '.join(f'{a:g}' for a in joint.axis)}; turn its frame, or write it as 'continuous' and "
-            "make it planar by a variant, which turns the frame"
-        )

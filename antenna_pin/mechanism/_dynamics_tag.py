@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from antenna_pin.mechanism._plain import WITH_AXIS, numbers_in
+from antenna_pin.mechanism._format import numbers_in
+from antenna_pin.mechanism._plain import WITH_AXIS
 
 __all__ = ["friction_of", "left_out"]
 

@@ -14,7 +14,7 @@ from lxml import etree
 
 from antenna_pin.changes import JointChange, JointVariant, LinkChange, ShapeChange
 from antenna_pin.errors import MechanismError, UnknownNameError
-from antenna_pin.mechanism._plain import MOMENTS, SHAPES, numbers_in
+from antenna_pin.mechanism._format import MOMENTS, SHAPES, numbers_in
 from antenna_pin.mechanism.frames import Matrix3, Vector3, frame_aligning_z, roll_pitch_yaw
 
 _HINGES = ("revolute", "continuous")
@@ -141,7 +141,7 @@ def vary_joint(
     elif variant == "free":
         joint.set("type", "floating")  # keeps <axis>, which says where the bearing's axis is
     else:
-        _make_planar(robot, joint, axis, origin, where)
+        make_planar(robot, joint, axis, origin, where)
     if kind != joint.get("type"):
         note = etree.Comment(f" antenna_pin: {variant}; was {kind} ")
         note.tail = joint.text
@@ -159,10 +159,17 @@ def meshes(robot: Any) -> list[Any]:
     return [mesh for mesh in robot.iterfind("link/*/geometry/mesh") if mesh.get("filename", "").strip()]
 
 
-def _make_planar(robot: Any, joint: Any, axis: Vector3, origin: Matrix3, where: str) -> None:
+def make_planar(robot: Any, joint: Any, axis: Vector3, origin: Matrix3, where: str) -> None:
     """Turn the joint frame so that z is its axis, and turn back behind a massless link.
 
     The fixed joint keeps the axis as it was, in the axes of the frame as it was: a reader finds both again.
+
+    Args:
+        robot: Root element, changed in place.
+        joint: The joint's element.
+        axis: (3,) its axis in its own frame [-].
+        origin: (3, 3) orientation of its frame in the parent link [-].
+        where: Name of the file, for messages.
     """
     link_name, mount_name = plane_names(joint.get("name"))
     for kind, new in (("link", link_name), ("joint", mount_name)):

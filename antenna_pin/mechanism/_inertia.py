@@ -8,7 +8,7 @@ about some line can be made to turn about it hangs on joints (:mod:`antenna_pin.
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -112,13 +112,16 @@ def check_masses(robot: Any, where: str) -> None:
             )
 
 
-def check_inertia(group: RigidGroup, where: str, allow_impossible: Collection[str]) -> None:
+def check_inertia(
+    group: RigidGroup, where: str, allow_impossible: Collection[str], rounding: Mapping[str, float]
+) -> None:
     """Refuse principal moments of a group about its mass centre that no body can have.
 
     Args:
         group: The links.
         where: Name of the file, for messages.
         allow_impossible: Links that may break the triangle rule, each with those that it is fixed to.
+        rounding: By link, how much of that rule may be broken by the rounding of what is written [kg m^2].
     """
     mass, _, inertia = group.composite()
     low, middle, high = (float(moment) for moment in np.linalg.eigvalsh(inertia))
@@ -130,7 +133,8 @@ def check_inertia(group: RigidGroup, where: str, allow_impossible: Collection[st
             "correct them"
         )
     excess = high - (low + middle)
-    if excess > inexact and not any(link.name in allow_impossible for link in group.links):
+    rounded = sum(rounding.get(link.name, 0.0) for link in group.links)
+    if excess > max(inexact, rounded) and not any(link.name in allow_impossible for link in group.links):
         raise MechanismError(
             f"{where}: {group.called}: the largest principal moment of inertia must not exceed the "
             f"sum of the other two, got {moments}: too large by {excess:.6g}; correct it, or name the link "

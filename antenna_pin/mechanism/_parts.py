@@ -22,7 +22,7 @@ from antenna_pin.flexible import (
     Takes,
 )
 from antenna_pin.mechanism._edits import child_of, named, remove, set_numbers, text_of
-from antenna_pin.mechanism._plain import MOMENTS
+from antenna_pin.mechanism._format import MOMENTS
 from antenna_pin.mechanism.frames import roll_pitch_yaw
 
 __all__ = ["add_parts", "body_name"]

@@ -12,37 +12,16 @@ from typing import Any
 
 from lxml import etree
 
-from antenna_pin.mechanism._source import tag_of
+from antenna_pin.mechanism._format import FORMAT, LARGEST, MOMENTS, SHAPES, half_unit, numbers_in, text_in
+from antenna_pin.mechanism._source import name_of, tag_of
 
-__all__ = ["MOMENTS", "SHAPES", "Findings", "clean", "for_pinocchio", "numbers_in"]
+__all__ = ["Findings", "WITH_AXIS", "clean", "for_pinocchio"]
 
-# Tag of a shape -> its attributes: how many numbers each holds.
-SHAPES: dict[str, dict[str, int]] = {
-    "box": {"size": 3},
-    "cylinder": {"radius": 1, "length": 1},
-    "sphere": {"radius": 1},
-    "mesh": {},
-}
-
-MOMENTS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
-
-# The children that the format defines and that are read.
-_READ = {
-    "robot": ("link", "joint", "material"),
-    "link": ("inertial", "visual", "collision"),
-    "joint": ("origin", "parent", "child", "axis", "limit", "dynamics", "mimic"),
-    "inertial": ("origin", "mass", "inertia"),
-    "visual": ("origin", "geometry", "material"),
-    "collision": ("origin", "geometry"),
-    "material": ("color", "texture"),
-}
+_SHAPES = ("visual", "collision")
 
 # Joints that turn or slide about an axis of their own, and those with bounds.
 WITH_AXIS = ("continuous", "prismatic", "revolute")
 _BOUNDED = ("prismatic", "revolute")
-
-# Numbers beyond that cannot be squared.
-LARGEST = 1e150
 
 # Bounds in place of none, for a reader that takes none for 0.
 _FAR = {"lower": "-1e9", "upper": "1e9", "effort": "1e9", "velocity": "1e9"}
@@ -55,26 +34,20 @@ class Findings:
     Attributes:
         passed_over: Lines of what means nothing to the mechanics, by what it is.
         unbounded: Revolute and prismatic joints whose ``<limit>`` leaves them no bounds, or that have none.
+        rounding: By link, by how much the rounding of its moments can break the triangle rule [kg m^2].
+        points: Links with a mass and no ``<inertia>``, which are taken as points.
         undrawn: Link of each visual shape that cannot be drawn, and why.
     """
 
     passed_over: dict[str, list[int]] = field(default_factory=dict)
     unbounded: list[str] = field(default_factory=list)
+    rounding: dict[str, float] = field(default_factory=dict)
+    points: list[str] = field(default_factory=list)
     undrawn: list[tuple[str, str]] = field(default_factory=list)
 
     def pass_over(self, what: str, element: Any) -> None:
         """Note something that means nothing, and where it stands."""
         self.passed_over.setdefault(what, []).append(int(element.sourceline or 0))
-
-
-def numbers_in(text: str | None) -> tuple[float, ...] | None:
-    """Return the numbers of an attribute's text, or None where it holds something else."""
-    try:
-        # Python reads 1_000 and digits of other scripts; Pinocchio's parser does not.
-        plain = (text or "").replace("_", "?").encode("ascii", "replace").decode()
-        return tuple(float(word) for word in plain.split())
-    except ValueError:
-        return None
 
 
 def clean(robot: Any, name: str) -> Findings:
@@ -93,19 +66,20 @@ def clean(robot: Any, name: str) -> Findings:
         robot.set("name", name)
         found.pass_over("<robot> without a name", robot)
     robot.attrib.pop("version", None)
+    for inertial in robot.iterfind("link/inertial"):
+        _complete(inertial, found)
     _keep_read(robot, found)
     _clean_materials(robot, found)
     for link in robot.findall("link"):
-        _keep_read(link, found)
         for inertial in link.findall("inertial"):
-            _keep_read(inertial, found)
             if _is_of_zeros(inertial):
                 found.pass_over("<inertial> of zeros", inertial)
                 link.remove(inertial)
-        for shape in (*link.findall("visual"), *link.findall("collision")):
+            for inertia in inertial.findall("inertia"):
+                found.rounding[str(link.get("name"))] = _rounding(inertia)
+        for shape in (shape for tag in _SHAPES for shape in link.findall(tag)):
             _clean_shape(shape, str(link.get("name")), found)
     for joint in robot.findall("joint"):
-        _keep_read(joint, found)
         _clean_joint(joint, found)
     return found
 
@@ -136,11 +110,53 @@ def _copied(parent: Any, element: Any, *children: str) -> Any:
 
 
 def _keep_read(element: Any, found: Findings) -> None:
-    """Take out the children that the format does not define here."""
+    """Take out what the format does not define in an element and below: children, attributes, text.
+
+    Shapes are judged as they stand.
+    """
+    defined = FORMAT[element.tag]
+    for key in list(element.attrib):
+        if key not in defined.attributes:
+            found.pass_over(f"<{element.tag} {name_of(element, key)}>", element)
+            element.attrib.pop(key)
+    if text_in(element):
+        found.pass_over(f"text in <{element.tag}>", element)
     for child in list(element):
-        if child.tag not in _READ[element.tag]:
+        if child.tag not in defined.children:
             found.pass_over(f"<{tag_of(child)}>", child)
             element.remove(child)
+        elif child.tag not in _SHAPES:
+            _keep_read(child, found)
+
+
+def _complete(inertial: Any, found: Findings) -> None:
+    """Put into an inertial what it leaves out and the format takes for zero.
+
+    A mass alone is a point at the inertial's origin, an inertial of nothing a frame. Moments need a mass, and
+    so does what says something that is not read, a density.
+    """
+    given = {child.tag for child in inertial.iterchildren(etree.Element)}
+    if "mass" in given and "inertia" not in given:
+        etree.SubElement(inertial, "inertia", dict.fromkeys(MOMENTS, "0"))
+        if not _is_of_zeros(inertial):
+            found.points.append(str(inertial.getparent().get("name")))
+    elif "mass" not in given and given <= {"origin", "inertia"}:
+        mass = etree.SubElement(inertial, "mass", value="0")
+        if "inertia" not in given:
+            etree.SubElement(inertial, "inertia", dict.fromkeys(MOMENTS, "0"))
+        if not _is_of_zeros(inertial):
+            inertial.remove(mass)
+
+
+def _rounding(inertia: Any) -> float:
+    r"""Return by how much the rounding of its numbers can break the triangle rule of an inertia [kg m^2].
+
+    The excess :math:`2 \lambda_{max}(I) - tr I` is not positive for a body and is subadditive. So that of
+    :math:`I + E` is at most that of the rounding :math:`E`, by Gershgorin's discs the sum of its moments and
+    twice the largest sum of products in a row.
+    """
+    xx, yy, zz, xy, xz, yz = (half_unit(inertia.get(moment)) for moment in MOMENTS)
+    return xx + yy + zz + 2.0 * max(xy + xz, xy + yz, xz + yz)
 
 
 def _is_of_zeros(inertial: Any) -> bool:
@@ -172,7 +188,6 @@ def _clean_materials(robot: Any, found: Findings) -> None:
 
 
 def _clean_material(material: Any, found: Findings) -> None:
-    _keep_read(material, found)
     colours = material.findall("color")
     for other in colours[1:]:
         found.pass_over("<color> beside another", other)

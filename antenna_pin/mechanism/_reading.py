@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from antenna_pin.errors import MechanismError
 from antenna_pin.files import decoded
-from antenna_pin.mechanism import _checks, _plain, _source, _xml
+from antenna_pin.mechanism import _checks, _plain, _source, _vary, _xml
 
 __all__ = ["Reading", "checked", "judged", "text_of", "written"]
 
@@ -53,7 +53,7 @@ def checked(text: str, where: str, allow_impossible_inertia: tuple[str, ...]) ->
         robot = yourdfpy.URDF.load(plain, build_scene_graph=False, load_meshes=False).robot
     except Exception as error:  # yourdfpy lets through whatever its converters raise
         raise MechanismError(f"{where}: yourdfpy cannot read this URDF: {error}") from error
-    _checks.check(robot, where, allow_impossible_inertia)
+    _checks.check(robot, where, allow_impossible_inertia, findings.rounding)
     return Reading(robot, _plain.for_pinocchio(clean), findings)
 
 
@@ -61,4 +61,5 @@ def judged(robot: Any, where: str) -> tuple[Any, _plain.Findings]:
     """Return a root element without what does not count, and what that was; refuse what is no number."""
     findings = _plain.clean(robot, Path(where).stem)
     _xml.judge(robot, where)
+    _vary.turn_planes(robot, where)
     return robot, findings

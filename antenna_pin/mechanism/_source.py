@@ -1,8 +1,8 @@
 """From the text of a URDF to its elements: well-formed XML, and what other parsers of URDFs forgive.
 
-Those are a default namespace, a prefix that nothing declares, two hyphens in a comment, and what stands
-before the XML declaration. Each is mended in the text, so that what is written can be read by any parser.
-Lines keep their numbers.
+Those are a default namespace, a prefix that nothing declares, two hyphens in a comment, what stands before
+the XML declaration, and a version of XML that there is not (PyBullet's 0.0). Each is mended in the text, so
+that what is written can be read by any parser. Lines keep their numbers.
 """
 
 from __future__ import annotations
@@ -14,11 +14,12 @@ from lxml import etree
 
 from antenna_pin.errors import MechanismError
 
-__all__ = ["is_xacro", "parsed", "root_of", "tag_of", "write"]
+__all__ = ["is_xacro", "name_of", "parsed", "root_of", "tag_of", "write"]
 
 _COMMENT = re.compile(r"<!--(.*?)-->", re.DOTALL)
 # Nothing is tried twice (*+): a text with many comments would take for ever.
 _BEFORE_DECLARATION = re.compile(r"\A((?:\s++|<!--(?:(?!-->).)*+-->)*+)<\?xml\s[^>]*\?>", re.DOTALL)
+_VERSION = re.compile(r"""\A(\s*<\?xml\s+version\s*=\s*)(?:"[^"]*"|'[^']*')""")
 _PREFIX = re.compile(r"Namespace prefix (\S+) (?:on|for) ")
 _XACRO = "http://www.ros.org/wiki/xacro"
 
@@ -76,6 +77,13 @@ def tag_of(element: Any) -> str:
     return f"{element.prefix}:{name}" if element.prefix else str(name)
 
 
+def name_of(element: Any, key: str) -> str:
+    """Return the name of an attribute as it is written: with its prefix, if it has one."""
+    name = etree.QName(key)
+    prefix = next((one for one, space in element.nsmap.items() if space == name.namespace), None)
+    return f"{prefix}:{name.localname}" if prefix else str(name.localname)
+
+
 def is_xacro(element: Any) -> bool:
     """Whether an element is one of xacro's."""
     return "xacro" in (etree.QName(element).namespace or "")
@@ -93,6 +101,8 @@ def _parsed(text: str, parser: Any) -> Any:
 def _mended(text: str, parser: Any) -> str:
     """Return a text in which what a parser stumbled over is mended, if it can be."""
     faults = {fault.type_name for fault in parser.error_log}
+    if "ERR_UNKNOWN_VERSION" in faults:
+        return _VERSION.sub(r'\1"1.0"', text)
     if "ERR_HYPHEN_IN_COMMENT" in faults:
         return _COMMENT.sub(lambda found: f"<!--{_without_hyphens(found[1])}-->", text)
     if faults == {"NS_ERR_UNDEFINED_NAMESPACE"}:

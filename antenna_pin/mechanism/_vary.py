@@ -13,7 +13,7 @@ from antenna_pin.mechanism import _edits, _xml
 from antenna_pin.mechanism._plain import WITH_AXIS
 from antenna_pin.mechanism.frames import direction
 
-__all__ = ["edited"]
+__all__ = ["edited", "turn_planes"]
 
 
 def edited(
@@ -56,6 +56,22 @@ def edited(
             turn = _turned(_xml.check_origin(joint, where))
         _edits.vary_joint(robot, name, kind, axis, turn, where)
     return robot
+
+
+def turn_planes(robot: Any, where: str) -> None:
+    """Give planar joints of which the normal is not their frame's z a frame of which it is.
+
+    Pinocchio takes z, whatever the axis says.
+
+    Args:
+        robot: Root element, changed in place; its numbers have been judged.
+        where: Name of the file, for messages.
+    """
+    for joint in robot.findall("joint"):
+        if joint.get("type") == "planar":
+            axis = direction(_xml.axis_of(joint, where))
+            if np.any(axis[:2] != 0.0) or axis[2] < 0.0:
+                _edits.make_planar(robot, joint, axis, _turned(_xml.check_origin(joint, where)), where)
 
 
 def _turned(angles: tuple[float, ...]) -> Any:

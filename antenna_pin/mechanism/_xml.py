@@ -1,10 +1,10 @@
 """The syntax of a URDF: is it one, has each element what it needs, is each number a number?
 
-Reading looks at what no change can mend: names, parents, children. :func:`judge` looks at the numbers
-of the mechanics, once all changes are made and what does not count is out (``_plain.py``). Both come before
-any other reader sees the text, because the readers are lenient in ways that change the physics without a
-word: yourdfpy takes a missing moment of inertia as 1 kg m^2 and merges repeated names, and Pinocchio's parser
-drops an inertial it cannot read (mass zero) and goes on.
+Reading looks at what no change can mend: names, the format's and the file's own, parents, children.
+:func:`judge` looks at the numbers of the mechanics, once all changes are made and what does not count is out
+(``_plain.py``). Both come before any other reader sees the text, because the readers are lenient in ways that
+change the physics without a word: yourdfpy takes a missing moment of inertia as 1 kg m^2 and merges repeated
+names, and Pinocchio's parser drops an inertial it cannot read (mass zero) and goes on.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from typing import Any
 from lxml import etree
 
 from antenna_pin.errors import MechanismError, nearest
-from antenna_pin.mechanism._plain import LARGEST, MOMENTS, numbers_in
+from antenna_pin.mechanism._format import LARGEST, MOMENTS, check_names, numbers_in, placed
 from antenna_pin.mechanism._source import is_xacro, root_of, tag_of
 
 JOINT_TYPES = ("continuous", "fixed", "floating", "planar", "prismatic", "revolute")
@@ -60,9 +60,12 @@ def read(text: str, where: str) -> Any:
     if robot.tag != "robot":
         name = tag_of(robot)
         what = f": this is {_OTHERS[name]}" if name in _OTHERS else ""
-        raise MechanismError(f"{_at(robot, where)}: the root of a URDF must be <robot>, got <{name}>{what}")
+        raise MechanismError(
+            f"{placed(robot, where)}: the root of a URDF must be <robot>, got <{name}>{what}"
+        )
     _refuse_xacro(robot, where)
-    _check_names(robot, where)
+    check_names(robot, where)
+    _check_own_names(robot, where)
     for joint in robot.findall("joint"):
         for end in ("parent", "child"):
             _refuse_repeated(joint, (end,), where)
@@ -96,23 +99,15 @@ def judge(robot: Any, where: str) -> None:
         _check_joint(joint, where)
 
 
-def _at(element: Any, where: str) -> str:
-    """Return file, line and the link or joint that an element belongs to."""
-    owner = next(
-        (e for e in (element, *element.iterancestors()) if e.tag in ("link", "joint") and e.get("name")), None
-    )
-    name = "" if owner is None else f": {owner.tag} {owner.get('name')!r}"
-    line = f", line {element.sourceline}" if element.sourceline else ""  # none of what a change has made
-    return f"{where}{line}{name}"
-
-
 def _refuse_xacro(robot: Any, where: str) -> None:
     """Refuse macros among what is read; what stands in other elements is not looked at."""
     for part in robot.iterchildren(etree.Element):
         for element in part.iter(etree.Element) if part.tag in ("link", "joint") else (part,):
             if is_xacro(element) or element.tag in ("include", "macro"):
                 name = etree.QName(element).localname
-                raise MechanismError(f"{_at(element, where)}: <{name}> is a xacro macro, not URDF; {_EXPAND}")
+                raise MechanismError(
+                    f"{placed(element, where)}: <{name}> is a xacro macro, not URDF; {_EXPAND}"
+                )
 
 
 def _refuse_repeated(element: Any, tags: Iterable[str], where: str) -> None:
@@ -120,12 +115,12 @@ def _refuse_repeated(element: Any, tags: Iterable[str], where: str) -> None:
         found = element.findall(tag)
         if len(found) > 1:
             raise MechanismError(
-                f"{_at(found[1], where)}: <{element.tag}> must have one <{tag}>, got {len(found)}, the "
+                f"{placed(found[1], where)}: <{element.tag}> must have one <{tag}>, got {len(found)}, the "
                 f"first in line {found[0].sourceline}; remove the others"
             )
 
 
-def _check_names(robot: Any, where: str) -> None:
+def _check_own_names(robot: Any, where: str) -> None:
     """Names are present and unique."""
     for kind in ("link", "joint"):
         elements = robot.findall(kind)
@@ -134,7 +129,7 @@ def _check_names(robot: Any, where: str) -> None:
             if robot.find("group") is not None or robot.find("disable_collisions") is not None:
                 hint = ": this is an SRDF of MoveIt, which goes with a URDF; name that"
             raise MechanismError(
-                f"{_at(robot, where)}: a mechanism must have at least one <link>, got none{hint}"
+                f"{placed(robot, where)}: a mechanism must have at least one <link>, got none{hint}"
             )
         seen: dict[str, int] = {}
         for element in elements:
@@ -159,7 +154,7 @@ def _check_joint(joint: Any, where: str) -> None:
         guess = nearest(kind, JOINT_TYPES)
         hint = f"; did you mean {guess}?" if guess else ""
         raise MechanismError(
-            f"{_at(joint, where)}: type must be one of {', '.join(JOINT_TYPES)}, got {kind!r}{hint}"
+            f"{placed(joint, where)}: type must be one of {', '.join(JOINT_TYPES)}, got {kind!r}{hint}"
         )
     check_origin(joint, where)
     mimic = joint.find("mimic")
@@ -185,7 +180,7 @@ def check_dynamics(joint: Any, where: str) -> None:
         for name in ("damping", "friction"):
             if name in dynamics.attrib and _numbers(dynamics, name, (1,), where)[0] < 0.0:
                 raise MechanismError(
-                    f"{_at(dynamics, where)}: <dynamics> {name} must be zero or more, "
+                    f"{placed(dynamics, where)}: <dynamics> {name} must be zero or more, "
                     f"got {dynamics.get(name)!r}"
                 )
 
@@ -202,7 +197,7 @@ def axis_of(joint: Any, where: str) -> tuple[float, ...]:
         return 1.0, 0.0, 0.0
     numbers = _numbers(axis, "xyz", (3,), where)
     if not any(numbers):
-        raise MechanismError(f"{_at(axis, where)}: axis must be nonzero, got {axis.get('xyz')!r}")
+        raise MechanismError(f"{placed(axis, where)}: axis must be nonzero, got {axis.get('xyz')!r}")
     return numbers
 
 
@@ -222,7 +217,7 @@ def check_origin(element: Any, where: str) -> tuple[float, ...]:
 def _child(element: Any, tag: str, where: str) -> Any:
     child = element.find(tag)
     if child is None:
-        raise MechanismError(f"{_at(element, where)}: <{element.tag}> must have a <{tag}>, got none")
+        raise MechanismError(f"{placed(element, where)}: <{element.tag}> must have a <{tag}>, got none")
     return child
 
 
@@ -230,7 +225,7 @@ def _attribute(element: Any, name: str, where: str) -> str:
     value: str = element.get(name, "")
     if not value.strip():
         got = repr(value) if name in element.attrib else "none"
-        raise MechanismError(f"{_at(element, where)}: <{element.tag}> must have a {name}, got {got}")
+        raise MechanismError(f"{placed(element, where)}: <{element.tag}> must have a {name}, got {got}")
     _refuse_expression(element, value, where)
     return value
 
@@ -248,12 +243,13 @@ def _numbers(
     ):
         got = "none" if text is None else repr(text)
         raise MechanismError(
-            f"{_at(element, where)}: <{element.tag}> {name} must be {' or '.join(str(c) for c in counts)} "
+            f"{placed(element, where)}: <{element.tag}> {name} must be {' or '.join(str(c) for c in counts)} "
             f"finite number(s), got {got}"
         )
     if any(LARGEST < abs(number) < math.inf for number in numbers):
         raise MechanismError(
-            f"{_at(element, where)}: <{element.tag}> {name} must be at most {LARGEST:g} in size, got {text!r}"
+            f"{placed(element, where)}: <{element.tag}> {name} must be at most {LARGEST:g} in size, "
+            f"got {text!r}"
         )
     return numbers
 
@@ -261,5 +257,5 @@ def _numbers(
 def _refuse_expression(element: Any, text: str, where: str) -> None:
     if "${" in text or "$(" in text:
         raise MechanismError(
-            f"{_at(element, where)}: {text!r} is an expression of xacro, not URDF; {_EXPAND}"
+            f"{placed(element, where)}: {text!r} is an expression of xacro, not URDF; {_EXPAND}"
         )

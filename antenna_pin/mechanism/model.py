@@ -19,7 +19,7 @@ from antenna_pin.mechanism._regular import check_regular, idle_joint, said_of_id
 from antenna_pin.mechanism.frames import Matrix3, Vector3, frame_aligning_z
 from antenna_pin.mechanism.urdf import Urdf
 
-__all__ = ["Base", "JointKind", "JointSlot", "Mechanism", "build_mechanism"]
+__all__ = ["WORLD", "Base", "JointKind", "JointSlot", "Mechanism", "build_mechanism"]
 
 Base = Literal["free", "fixed"]
 
@@ -28,6 +28,9 @@ JointKind = Literal["revolute", "continuous", "prismatic", "floating", "planar",
 
 Sizes (nq, nv): revolute and prismatic (1, 1); continuous (2, 1) with q = (cos, sin); floating (7, 6) with
 q = (x, y, z, quaternion xyzw); planar (4, 3) with q = (x, y, cos, sin)."""
+
+#: The name of what does not move, wherever a link is named.
+WORLD = "world"
 
 # What Pinocchio calls the joint of a free base.
 _ROOT_JOINT = "root_joint"
@@ -146,6 +149,8 @@ class Mechanism:
 def build_mechanism(urdf: Urdf, base: Base = "free", gravity: Sequence[float] = (0.0, 0.0, 0.0)) -> Mechanism:
     """Build the Pinocchio model of a URDF.
 
+    A root link called ``world`` is on a fixed base, and is the world wherever a place is named.
+
     Args:
         urdf: The variant to build.
         base: ``free`` lets the root link float in the world, ``fixed`` holds it there.
@@ -158,7 +163,7 @@ def build_mechanism(urdf: Urdf, base: Base = "free", gravity: Sequence[float] = 
         raise InvalidParameterError("build_mechanism", "gravity", "three finite numbers [m/s^2]", gravity)
     groups = rigid_groups(urdf.robot)
     if base == "free":
-        check_inertia(groups[urdf.root], urdf.where, urdf.allow_impossible_inertia)
+        check_inertia(groups[urdf.root], urdf.where, urdf.allow_impossible_inertia, urdf.rounding)
     try:
         model = pin.buildModelFromXML(
             urdf.simulated, *((pin.JointModelFreeFlyer(),) if base == "free" else ())
@@ -167,6 +172,7 @@ def build_mechanism(urdf: Urdf, base: Base = "free", gravity: Sequence[float] = 
         raise MechanismError(
             f"{urdf.where}: Pinocchio cannot read this URDF: {' '.join(str(error).split())}"
         ) from error
+    _check_world(model, urdf)
     if model.nv == 0:
         raise MechanismError(f"{urdf.where}: nothing moves: the base is fixed and so is every joint")
     _check_mass(model, urdf)
@@ -211,6 +217,20 @@ def _slot(model: Any, urdf: Urdf, name: str) -> JointSlot:
         v=slice(v, v + int(model.nvs[joint_id])),
         axis=axis,
         frame_rotation=rotation,
+    )
+
+
+def _check_world(model: Any, urdf: Urdf) -> None:
+    """Refuse a link that is called the world and is not: a closure to it would hold something else."""
+    if all(link.name != WORLD for link in urdf.robot.links):
+        return
+    frame = model.frames[model.getFrameId(WORLD, pin.FrameType.BODY)]
+    if frame.parentJoint == 0 and frame.placement.isIdentity():
+        return
+    got, out = ("a free base", "take base = 'fixed', or ") if urdf.root == WORLD else ("another link", "")
+    raise MechanismError(
+        f"{urdf.where}: link {WORLD!r} must be the root on a fixed base, for its name means what does not "
+        f"move, got {got}; {out}rename it"
     )
 
 

@@ -48,6 +48,10 @@ class Urdf:
     :func:`antenna_pin.mechanism.build_mechanism` refuses, for it hangs on the base and on all joints. What
     means nothing to the mechanics is not judged (:class:`antenna_pin.mechanism.WrittenUrdf` counts it).
 
+    A planar joint moves in the plane normal to its axis. Where that is not z of its frame, the frame is
+    turned as that of a hinge made planar is (:meth:`variant`): in what is read of the text, and in what is
+    written.
+
     Limits of joints are not simulated. Damping and friction of joints with an axis are
     (:attr:`joint_friction`), those of others are not (:attr:`not_simulated`).
 
@@ -61,6 +65,8 @@ class Urdf:
         simulated: What of it Pinocchio's parser is given: bodies and joints.
         unbounded: Revolute and prismatic joints without bounds, because they have no ``<limit>`` or because
             it leaves none.
+        rounding: By link with an inertia, how much of the triangle rule its written digits leave [kg m^2].
+        points: Links with a mass and no ``<inertia>``, which are taken as points at their inertial's origin.
         undrawn: Link of each visual shape that cannot be drawn, and why.
     """
 
@@ -74,6 +80,8 @@ class Urdf:
     robot: Any = field(init=False, repr=False)
     simulated: str = field(init=False, repr=False)
     unbounded: tuple[str, ...] = field(init=False, repr=False)
+    rounding: Mapping[str, float] = field(init=False, repr=False)
+    points: tuple[str, ...] = field(init=False, repr=False)
     undrawn: tuple[tuple[str, str], ...] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -83,6 +91,8 @@ class Urdf:
             ("robot", reading.robot),
             ("simulated", reading.simulated),
             ("unbounded", tuple(reading.findings.unbounded)),
+            ("rounding", reading.findings.rounding),
+            ("points", tuple(reading.findings.points)),
             ("undrawn", tuple(reading.findings.undrawn)),
         ):
             object.__setattr__(self, name, value)
@@ -320,13 +330,12 @@ class Urdf:
         start = self.folder
         copies: dict[Path, Path] = {}
         robot = _xml.read(self.text, self.where)
+        _vary.turn_planes(robot, self.where)  # for readers that do not look at their axes
         if copy_meshes:
             filenames = [mesh.get("filename") for mesh in _edits.meshes(robot)]
             names, copies = _meshes.planned_copies(folder, start, filenames, self.where, self.package_path)
             _edits.relocate_meshes(robot, names.__getitem__)
-        elif start is None or start.resolve() == folder.resolve():
-            return self.text, copies
-        else:
+        elif start is not None and start.resolve() != folder.resolve():
             _edits.relocate_meshes(robot, lambda filename: _meshes.name_from(folder, start, filename))
         return _source.write(robot), copies
 

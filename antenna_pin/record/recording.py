@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import os
-from dataclasses import dataclass
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
 
@@ -100,6 +101,7 @@ def record(
     start: float | None = None,
     end: float | None = None,
     max_megabytes: float = 20.0,
+    package_path: Iterable[str | Path] = (),
 ) -> Recording:
     """Return a recording of a run.
 
@@ -123,6 +125,7 @@ def record(
         start: First time recorded [s]; the run's start if left out.
         end: Last time recorded [s]; the run's end if left out.
         max_megabytes: Size of the page that is not exceeded [MB]; key frames are thinned to keep to it.
+        package_path: Folders to look for packages of ``package://`` in, before those of the run.
 
     Raises:
         InvalidParameterError: Values that make no sense, or a joint's view of a run without clearance.
@@ -140,8 +143,9 @@ def record(
             raise InvalidParameterError("recording", name, f"left out in the view of a {view}", shown)
     if not max_megabytes > 0.0:  # NaN fails too
         raise InvalidParameterError("recording", "max_megabytes", "positive", max_megabytes)
-    run = _trajectory(run)
-    ideal = None if ideal is None else _trajectory(ideal)
+    folders = [str(Path(folder).absolute()) for folder in package_path]
+    run = _looking_in(folders, _trajectory(run))
+    ideal = None if ideal is None else _looking_in(folders, _trajectory(ideal))
     first, last = _span(run, start, end)
     line = _boresight(run, body, boresight)
     places = _places(run)
@@ -178,6 +182,15 @@ def record(
     raise InvalidParameterError(
         "recording", "max_megabytes", f"above {1e-6 * fixed:.2f}, what viewer and shapes take", max_megabytes
     )
+
+
+def _looking_in(folders: list[str], run: Trajectory) -> Trajectory:
+    """Return a run whose meshes are looked for in packages of some folders too, and there first."""
+    if not folders or "mechanism" not in run.data.attrs:
+        return run
+    about = json.loads(run.data.attrs["mechanism"])
+    about["package_path"] = [*folders, *about.get("package_path", ())]
+    return replace(run, data=run.data.assign_attrs(mechanism=json.dumps(about)))
 
 
 def _trajectory(run: Trajectory | xr.Dataset) -> Trajectory:

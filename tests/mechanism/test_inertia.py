@@ -1,6 +1,7 @@
 """Inertia is judged where it acts: on what fixed joints make one body, and in what joints can move."""
 
 import itertools
+from contextlib import nullcontext
 
 import numpy as np
 import pinocchio as pin
@@ -115,6 +116,42 @@ def test_the_rules_hold_for_the_sum_in_any_axes():
             MechanismError, match="moments of inertia must not be negative, got -1.5[0-9]*e-05"
         ):
             mechanism((-1.5e-5, 0.5, 0.5), 12)
+
+
+FEW_DIGITS = {
+    "three numbers, off by half a unit each": (("0.0012", "0.0008", "0.0021"), ("0", "0", "0"), True),
+    "more than that": (("0.0012", "0.0008", "0.0022"), ("0", "0", "0"), False),
+    "the same with a digit more": (("0.00120", "0.00080", "0.00210"), ("0", "0", "0"), False),
+    "a power of ten": (("1.2e-3", "8E-4", "2.1e-3"), ("0.0", "0.00", "0"), True),
+    "zeros are exact": (("0.12", "0.08", "0.22"), ("0.0", "0.0", "0.0"), False),
+    "whole numbers are exact": (("1", "1", "3"), ("0", "0", "0"), False),
+    "products, which count twice": (("1.00", "1.00", "2.03"), ("0.001", "0.01", "-0.01"), True),
+    "products of more digits": (("1.00", "1.00", "2.03"), ("0.001", "0.010", "-0.010"), False),
+}
+
+
+@pytest.mark.parametrize(("moments", "products", "taken"), FEW_DIGITS.values(), ids=FEW_DIGITS)
+def test_what_the_written_digits_leave_is_no_fault_of_the_body(moments, products, taken):
+    """Of a link that moves, of a root that floats, and of one fixed to another."""
+    names = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
+    written = " ".join(f'{key}="{value}"' for key, value in zip(names, moments + products, strict=True))
+    text = link("odd", 1, (1, 1, 1))
+    odd = text[: text.index("<inertia ")] + f"<inertia {written}/></inertial></link>"
+    frame = '<link name="first"/>'
+    cases = (
+        (odd, link("b", 1, (1, 1, 1)), joint("j", "odd", "b", "continuous")),
+        (link("a", 1, (1, 1, 1)), odd, joint("j", "a", "odd", "continuous")),
+        (
+            link("a", 1, (1, 1, 1)),
+            frame,
+            odd,
+            joint("j", "a", "first", "continuous"),
+            joint("w", "first", "odd"),
+        ),
+    )
+    for parts in cases:
+        with nullcontext() if taken else pytest.raises(MechanismError, match="must not exceed the sum"):
+            build_mechanism(robot(*parts), "free")
 
 
 def test_round_off_of_zeros_is_a_point():

@@ -2,14 +2,16 @@
 
 import io
 import math
+import re
 
 import numpy as np
 import pinocchio as pin
 import pytest
 import yourdfpy
 
+from antenna_pin.constraints import Anchor, on_body
 from antenna_pin.errors import InvalidParameterError, MechanismError, UnknownNameError
-from antenna_pin.mechanism import Urdf, build_mechanism, frame_aligning_z
+from antenna_pin.mechanism import JointChange, Urdf, build_mechanism, frame_aligning_z
 
 KINDS = ("ideal", "free", "planar", "locked")
 CASES = [("crooked", "wrist"), ("crooked", "swivel"), ("antenna", "elevation"), ("antenna", "azimuth")]
@@ -269,6 +271,60 @@ def test_a_planar_joint_of_the_urdfs_own_is_taken_as_it_is(crooked_text):
     assert np.array_equal(slot.frame_rotation, np.eye(3))
 
 
+@pytest.mark.parametrize(
+    "axis", [None, (0.0, 1.0, 0.0), (0.0, 0.0, -2.0), (0.3, -0.5, 0.8), (0.0, 0.0, 3.0), (1.0, 1e-7, 1e-9)]
+)
+def test_a_planar_joint_lies_in_the_plane_normal_to_its_axis(crooked_text, axis, tmp_path):
+    """Against Pinocchio's joint, whose normal is z, put by hand where URDF says; x where there is no axis."""
+    written = "" if axis is None else '<axis xyz="{} {} {}"/>'.format(*axis)
+    normal = (1.0, 0.0, 0.0) if axis is None else axis
+    (inertial, *_) = re.findall("<inertial>.*?</inertial>", crooked_text, re.DOTALL)
+    urdf = Urdf.from_text(
+        f'<robot name="p"><link name="a"/><link name="b">{inertial}</link><link name="c">{inertial}</link>'
+        '<joint name="j" type="planar"><parent link="a"/><child link="b"/><origin xyz="1 2 3" rpy="1 2 3"/>'
+        f'{written}</joint><joint name="k" type="revolute"><parent link="b"/><child link="c"/>'
+        '<origin xyz="0 1 0" rpy="0.1 0.2 0.3"/><axis xyz="1 0 0"/>'
+        '<limit lower="-9" upper="9" effort="1" velocity="1"/></joint></robot>',
+        "p.urdf",
+    )
+    mechanism = build_mechanism(urdf, "fixed", (0.1, 0.2, -9.0))
+    (path,) = urdf.write(tmp_path / "p.urdf")
+    alone = pin.buildModelFromUrdf(str(path))
+    alone.gravity = mechanism.model.gravity
+    slot = mechanism.joint("j")
+    assert (slot.kind, urdf.link("b").name) == ("planar", mechanism.bodies[0])
+    assert slot.axis == pytest.approx(np.array(normal) / np.linalg.norm(normal), rel=1e-15)
+    assert np.array_equal(slot.frame_rotation, frame_aligning_z(slot.axis))
+    turn = pin.SE3(frame_aligning_z(normal), np.zeros(3))
+    place = pin.SE3(pin.rpy.rpyToMatrix(1.0, 2.0, 3.0), np.array([1.0, 2.0, 3.0]))
+    elbow = pin.SE3(pin.rpy.rpyToMatrix(0.1, 0.2, 0.3), np.array([0.0, 1.0, 0.0]))
+    own = urdf.mass_properties("c")
+    body = pin.Inertia(own.mass, own.centre, own.inertia)
+    hand = pin.Model()
+    first = hand.addJoint(0, pin.JointModelPlanar(), place * turn, "j")
+    hand.appendBodyToJoint(first, body, turn.inverse())
+    second = hand.addJoint(first, pin.JointModelRX(), turn.inverse() * elbow, "k")
+    hand.appendBodyToJoint(second, body, pin.SE3.Identity())
+    hand.gravity = mechanism.model.gravity
+    for seed in range(3):
+        state = random_state(hand, seed)
+        ours, theirs, read = (pin.aba(m, m.createData(), *state) for m in (mechanism.model, hand, alone))
+        assert np.abs(ours - theirs).max() < 1e-12 * np.abs(theirs).max()  # round-off
+        assert np.array_equal(ours, read)
+
+
+def test_the_normal_of_a_planar_joint_is_changed_like_any_axis(crooked_text):
+    text = crooked_text.replace('type="prismatic"', 'type="planar"')
+    changes = {"slide": JointChange(axis=(1.0, 2.0, 3.0), origin_rpy=(0.1, 0.2, 0.3))}
+    urdf = Urdf.from_text(text, "u.urdf").variant(origins=changes)
+    direct = text.replace('<axis xyz="0 1 1"/>', '<axis xyz="1 2 3"/>').replace(
+        'rpy="0 0.8 0"', 'rpy="0.1 0.2 0.3"'
+    )
+    ours, theirs = (build_mechanism(one, "free") for one in (urdf, Urdf.from_text(direct, "u.urdf")))
+    state = random_state(ours.model, 3)
+    assert np.array_equal(*(pin.aba(one.model, one.model.createData(), *state) for one in (ours, theirs)))
+
+
 def test_bodies_bear_the_names_of_the_links_that_have_mass(crooked):
     """Not of the massless link that a planar joint puts first, nor of links that are welded on."""
     for kind in ("ideal", "free", "planar"):
@@ -282,6 +338,42 @@ def test_bodies_bear_the_names_of_the_links_that_have_mass(crooked):
         assert (fixed.base_body, set(fixed.bodies)) == ("hull", {"arm", "hand", "weight"})
     locked = build_mechanism(crooked.variant(joints={"swivel": "locked"}))
     assert set(locked.bodies) == {"hull", "hand", "weight"}
+
+
+def on_the_world(text, fixed=False):
+    """Return crooked's text with a root ``world`` before its hull, or with a hull of that name."""
+    if not fixed:
+        return text.replace('"hull"', '"world"')
+    weld = '<joint name="stand" type="fixed"><parent link="world"/><child link="hull"/></joint>'
+    return text.replace("</robot>", f'<link name="world"/>{weld}</robot>')
+
+
+@pytest.mark.parametrize("fixed", [False, True])
+def test_a_link_called_the_world_is_the_world(crooked_text, fixed):
+    """As the root on a fixed base it is what closures and springs to ``world`` mean; else it is refused."""
+    urdf = Urdf.from_text(on_the_world(crooked_text, fixed), "u.urdf")
+    mechanism, plain = (
+        build_mechanism(one, "fixed") for one in (urdf, Urdf.from_text(crooked_text, "u.urdf"))
+    )
+    q, v, tau = random_state(plain.model, 4)
+    ours, theirs = (pin.aba(one.model, one.model.createData(), q, v, tau) for one in (mechanism, plain))
+    assert np.array_equal(ours, theirs)
+    place = Anchor.at("world", (1.0, 2.0, 3.0), (0.0, 1.0, 0.0))
+    (body, frame), (none, same) = (on_body(one, "here", place) for one in (mechanism, plain))
+    assert body == none == -1 and np.array_equal(frame, same)
+    assert np.array_equal(mechanism.model.frames[mechanism.frame("world")].placement.homogeneous, np.eye(4))
+    with pytest.raises(MechanismError) as caught:
+        build_mechanism(urdf, "free")
+    assert str(caught.value) == (
+        "u.urdf: link 'world' must be the root on a fixed base, for its name means what does not move, got a "
+        "free base; take base = 'fixed', or rename it"
+    )
+
+
+def test_another_link_called_the_world_is_refused(crooked_text):
+    for name in ("camera", "hand"):
+        with pytest.raises(MechanismError, match="does not move, got another link; rename it"):
+            build_mechanism(Urdf.from_text(crooked_text.replace(f'"{name}"', '"world"'), "u.urdf"), "fixed")
 
 
 def test_gravity_pulls_the_whole_mass(crooked):

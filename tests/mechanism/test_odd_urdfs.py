@@ -111,6 +111,41 @@ def test_bounds_are_those_that_leave_a_way(limit, bounds):
     assert build_mechanism(urdf, "fixed").model.nv == 1
 
 
+POINT = '<inertial><origin xyz="0 0.3 0"/><mass value="2"/></inertial>'
+ZEROS = '<inertia ixx="0" iyy="0" izz="0" ixy="0" ixz="0" iyz="0"/></inertial>'
+
+
+def test_a_mass_without_moments_is_a_point_and_said():
+    """The format takes moments that are left out for zero; Pinocchio's parser drops the mass too."""
+    text = pair(REVOLUTE.format(""), POINT)
+    alone = Urdf.from_text(text, "u.urdf")
+    whole = Urdf.from_text(pair(REVOLUTE.format(""), POINT.replace("</inertial>", ZEROS)), "u.urdf")
+    assert (alone.points, whole.points) == (("b",), ())
+    assert alone.points == WrittenUrdf(text=text, where="u.urdf").variant().points
+    for base in ("free", "fixed"):
+        first, second = (build_mechanism(one, base) for one in (alone, whole))
+        assert first.model == second.model and first.model.inertias[-1].mass == 2.0
+    assert alone.variant(links={"b": LinkChange(inertia=(1.0, 1.0, 1.0))}).points == ()
+    on_axis = Urdf.from_text(text.replace('xyz="0 0.3 0"', 'xyz="0.3 0 0"'), "u.urdf")
+    with pytest.raises(MechanismError, match="can turn link 'b' without any inertia: it has 2 kg"):
+        build_mechanism(on_axis, "fixed")
+
+
+@pytest.mark.parametrize("nothing", ["<inertial/>", "<inertial><origin/></inertial>", f"<inertial>{ZEROS}"])
+def test_an_inertial_of_nothing_is_a_frame(nothing):
+    frame = f'<link name="f">{nothing}</link>'
+    weld = '<joint name="w" type="fixed"><parent link="b"/><child link="f"/></joint>'
+    written = WrittenUrdf(text=pair(REVOLUTE.format(""), more=frame + weld), where="u.urdf")
+    assert [kind.what for kind in written.passed_over] == ["<inertial> of zeros"]
+    assert (written.variant().link("f").inertial, written.variant().points) == (None, ())
+
+
+def test_moments_or_a_density_need_a_mass():
+    for inertial in (BODY.replace('<mass value="1"/>', ""), '<inertial><density value="1"/></inertial>'):
+        with pytest.raises(MechanismError, match="link 'b': <inertial> must have a <mass>, got none"):
+            Urdf.from_text(pair(REVOLUTE.format(""), inertial), "u.urdf")
+
+
 MENDED = {
     "inertia given": (
         pair(REVOLUTE.format(""), '<inertial><mass value="much"/><inertia ixx="1"/></inertial>'),

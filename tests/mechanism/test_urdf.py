@@ -147,11 +147,6 @@ REFUSED = {
         pair(hinge('<origin rpy="0 0 nan"/>')),
         "u.urdf, line 4: joint 'j': <origin> rpy must be 3 finite number(s), got '0 0 nan'",
     ),
-    "planar about y": (
-        pair(hinge('<axis xyz="0 1 0"/>', kind="planar")),
-        "u.urdf: joint 'j' is planar and its axis must be 0 0 1, got 0 1 0; "
-        "turn its frame, or write it as 'continuous'",
-    ),
     "no mass": (
         pair(hinge(), BODY.replace('<mass value="1"/>', "")),
         "u.urdf, line 3: link 'b': <inertial> must have a <mass>, got none",

@@ -20,6 +20,35 @@ def call(*arguments):
     return CliRunner().invoke(app, ["record", *map(str, arguments)])
 
 
+def test_meshes_of_packages_are_found_where_the_option_says(tmp_path):
+    """A result does not know where packages are on the machine that draws it."""
+    body = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
+    mesh = "<visual><geometry><mesh filename='package://arm/part.stl'/></geometry></visual>"
+    (tmp_path / "arm.urdf").write_text(
+        f'<robot name="arm"><link name="a"/><link name="b">{body}{mesh}</link>'
+        '<joint name="j" type="continuous"><parent link="a"/><child link="b"/></joint></robot>'
+    )
+    (tmp_path / "arm.toml").write_text(
+        'format = 1\nduration = "1 ms"\n[mechanism]\nurdf = "arm.urdf"\nbase = "fixed"\n'
+    )
+    package = tmp_path / "packages" / "arm"
+    package.mkdir(parents=True)
+    corners = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]
+    facet = "".join(f"vertex {x} {y} {z}\n" for x, y, z in corners)
+    (package / "part.stl").write_text(
+        f"solid s\nfacet normal 0 0 1\nouter loop\n{facet}endloop\nendfacet\nendsolid s\n"
+    )
+    result = simulate(load_scenario(tmp_path / "arm.toml")).save(tmp_path / "arm.nc")
+    out = tmp_path / "arm.html"
+    lost = call(result, "--out", out)
+    assert lost.exit_code == 0 and "'package://arm/part.stl'" in lost.stdout
+    found = call(result, "--out", out, "--package-path", tmp_path / "packages")
+    assert (found.exit_code, found.stdout) == (0, f"saved {out}\n")
+    refused = call(result, "--out", out, "--package-path", package / "part.stl")
+    assert refused.exit_code == 2 and refused.stderr.count("\n") == 1
+    assert "must be a folder, got a file" in refused.stderr
+
+
 def data_of(path):
     text = path.read_text(encoding="utf-8")
     return json.loads(re.search(r'id="recording-data">(.*?)</script>', text)[1])
