@@ -29,6 +29,7 @@ from antenna_pin.units import QuantityError, quantity
 
 __all__ = [
     "RULES",
+    "SWINGS",
     "Parameter",
     "attribute_docs",
     "check",
@@ -38,11 +39,15 @@ __all__ = [
     "parameters_of",
 ]
 
+#: What a damping ratio must be of what swings.
+SWINGS = "zero or more and below 1"
+
 RULES: Mapping[str, Callable[[float], bool]] = MappingProxyType(
     {
         "": lambda _: True,
         "positive": lambda number: number > 0.0,
         "zero or more": lambda number: number >= 0.0,
+        SWINGS: lambda number: 0.0 <= number < 1.0,
         "1 or more": lambda number: number >= 1.0,
         "between 0 and 1": lambda number: 0.0 < number < 1.0,
         "above -1 and at most 0.5": lambda number: -1.0 < number <= 0.5,

@@ -12,7 +12,7 @@ from antenna_pin.errors import InvalidParameterError
 from antenna_pin.flexible.inertia import MassProperties, least_share
 from antenna_pin.flexible.part import Drawn, ElasticPart, SphereShape
 from antenna_pin.flexible.realised import realised
-from antenna_pin.parameters import check, parameter
+from antenna_pin.parameters import SWINGS, check, parameter
 
 __all__ = ["ModalData"]
 
@@ -46,7 +46,7 @@ class ModalData:
 
     frequency: tuple[float, ...] = parameter("Hz", sizes=(0,), rule="positive", repr=False)
     participation: tuple[float, ...] = parameter("1", sizes=(0,), repr=False)
-    damping_ratio: tuple[float, ...] = parameter("1", sizes=(0,), rule="zero or more", default=(0.0,))
+    damping_ratio: tuple[float, ...] = parameter("1", sizes=(0,), rule=SWINGS, default=(0.0,))
     root_xyz: tuple[float, ...] = parameter("m", sizes=(3,), default=(0.0, 0.0, 0.0))
     root_rpy: tuple[float, ...] = parameter("rad", sizes=(3,), default=(0.0, 0.0, 0.0))
     places: tuple[str, ...] = ()

@@ -12,7 +12,7 @@ from antenna_pin.errors import InvalidParameterError
 from antenna_pin.flexible.inertia import MassProperties
 from antenna_pin.flexible.part import Drawn, ElasticPart, SphereShape, Takes
 from antenna_pin.flexible.realised import balanced_rotor, sliding_mass
-from antenna_pin.parameters import check, parameter
+from antenna_pin.parameters import SWINGS, check, parameter
 from antenna_pin.units import shown
 
 __all__ = ["EffectiveMode", "EffectiveModes"]
@@ -44,7 +44,7 @@ class EffectiveMode:
     direction: tuple[float, ...] = parameter("1", sizes=(3,))
     frequency: float | None = parameter("Hz", rule="positive", default=None)
     stiffness: float | None = parameter("N*m/rad", sliding="N/m", rule="positive", default=None)
-    damping_ratio: float = parameter("1", rule="zero or more", default=0.0)
+    damping_ratio: float = parameter("1", rule=SWINGS, default=0.0)
     mass: float | None = parameter("kg", rule="positive", default=None)
     inertia: float | None = parameter("kg*m**2", rule="positive", default=None)
     place: tuple[float, ...] | None = parameter("m", sizes=(3,), default=None)

@@ -18,7 +18,7 @@ from antenna_pin.flexible.part import (
     MeshShape,
     frame_with_z,
 )
-from antenna_pin.parameters import check, parameter
+from antenna_pin.parameters import SWINGS, check, parameter
 from antenna_pin.units import shown
 
 __all__ = ["Petals", "petal_body"]
@@ -95,7 +95,7 @@ class Petals:
     boresight: tuple[float, ...] = parameter("1", sizes=(3,), default=(1.0, 0.0, 0.0))
     frequency: float | None = parameter("Hz", rule="positive", default=None)
     stiffness: float | None = parameter("N*m/rad", rule="positive", default=None)
-    damping_ratio: float = parameter("1", rule="zero or more", default=0.0)
+    damping_ratio: float = parameter("1", rule=SWINGS, default=0.0)
     mesh: str | None = None
     hub_mesh: str | None = None
     replaces: tuple[str, ...] = ()
