@@ -23,7 +23,7 @@ from functools import cache
 from types import MappingProxyType
 from typing import Any, Literal, get_args, get_origin, get_type_hints
 
-from antenna_pin.arguments import fits, rule_of, takes, unknown_type
+from antenna_pin.arguments import fits, is_number, rule_of, takes, unknown_type
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.units import QuantityError, quantity
 
@@ -208,11 +208,11 @@ def _declared(cls: type[Any]) -> tuple[_Declared, ...]:
 
 def holds(value: object, rule: str) -> bool:
     """Return whether a value is a finite number that obeys one of ``RULES``."""
-    if isinstance(value, bool | str):
+    if not is_number(value):
         return False
     try:
         number = float(value)  # type: ignore[arg-type]
-    except (TypeError, ValueError, OverflowError):
+    except OverflowError:
         return False
     return math.isfinite(number) and RULES[rule](number)
 

@@ -1,8 +1,11 @@
 """Parameters declared once: a class checks itself by what a scenario's table refuses too."""
 
 import dataclasses
+import re
+from collections.abc import Iterator
 from typing import get_args
 
+import numpy as np
 import pytest
 
 from antenna_pin import changes, settings
@@ -17,7 +20,10 @@ from antenna_pin.scenario import (
     OutputSpec,
     ScalesSpec,
     ShapeSpec,
+    SpringSpec,
 )
+from antenna_pin.scenario.spec import Spec
+from antenna_pin.units import shown
 
 PAIRS = [
     (settings.ErrorScales, ScalesSpec),
@@ -60,3 +66,38 @@ def test_every_number_that_is_set_has_a_unit_and_a_meaning() -> None:
 
 def test_methods_that_can_be_asked_for_are_those_there_are() -> None:
     assert set(get_args(settings.Method)) == set(METHODS)
+
+
+def _classes(base: type) -> set[type]:
+    return {base} | {one for below in base.__subclasses__() for one in _classes(below)}
+
+
+def _flags() -> Iterator[tuple[type, str]]:
+    for cls in sorted(_classes(Spec), key=lambda one: one.__name__):
+        for name, field in cls.model_fields.items():
+            if bool in (field.annotation, *get_args(field.annotation)) and str not in get_args(
+                field.annotation
+            ):
+                yield cls, name
+
+
+def test_true_and_false_are_themselves() -> None:
+    """Of every key of every table, whatever else it lacks: nothing but true and false, NumPy's too."""
+    assert len(set(_flags())) >= 5
+    for cls, name in _flags():
+        given = {key: None for key, field in cls.model_fields.items() if field.is_required()}
+        for value in ("no", "off", "true", 1, 0, 1.0, []):
+            with pytest.raises(
+                ScenarioError, match=f"{name} must be true or false, got {re.escape(shown(value))}"
+            ):
+                cls(**{**given, name: value})
+    for value in (True, np.True_):
+        assert SpringSpec(joint="a", stiffness=1.0, shorter_way=value).build().shorter_way is True
+
+
+@pytest.mark.parametrize("value", [True, np.True_, np.array(True), np.array([1.0]), "1_0"])
+def test_true_is_no_number(value: object) -> None:
+    with pytest.raises(InvalidParameterError, match="step must be"):
+        settings.RunSettings(method="rk4", step=value)
+    with pytest.raises(ScenarioError, match=r"step must be|step\[0\] must be"):
+        IntegratorSpec(method="rk4", step=value)

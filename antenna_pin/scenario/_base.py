@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any, ClassVar, NamedTuple, NoReturn, Self
+from typing import Annotated, Any, ClassVar, NamedTuple, NoReturn, Self, get_args
 
 from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, ValidationError, model_validator
 from pydantic.fields import FieldInfo
 from pydantic_core import CoreSchema, InitErrorDetails, PydanticCustomError, core_schema
 
+from antenna_pin.arguments import fits
 from antenna_pin.elements import DRIVES, SPRINGS
 from antenna_pin.errors import AntennaPinError, ScenarioError, UnknownNameError, nearest
 from antenna_pin.parameters import RULES
@@ -239,7 +240,30 @@ class Spec(BaseModel):
         for name, field in cls.model_fields.items():
             if field.is_required() and name not in data:
                 refuse(f"is missing{_wanted(field)}", name)
-        return data
+        given = {key: value.item() if _is_of_numpy(value) else value for key, value in data.items()}
+        return given | {name: _read_plain(given[name], kind, name) for name, kind in _plain(cls, given)}
+
+
+def _is_of_numpy(value: Any) -> bool:
+    """Whether a value is a single one of NumPy's, which pydantic does not take for true, false or text."""
+    return hasattr(value, "item") and getattr(value, "ndim", None) == 0
+
+
+def _plain(cls: type[Spec], data: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+    """Yield the keys given whose type says all of them, true or false or a number, and that type."""
+    for name, field in cls.model_fields.items():
+        kinds = [kind for kind in get_args(field.annotation) or (field.annotation,) if kind is not type(None)]
+        if kinds in ([bool], [float]) and not field.metadata and data.get(name) is not None:
+            yield name, kinds[0]
+
+
+def _read_plain(value: Any, kind: Any, name: str) -> Any:
+    # Of itself pydantic takes "no", 0 and "off" for false, true for 1 and "1_0" for 10.
+    if kind is float:
+        return read_quantity(value, "1", "", name)
+    if not fits(value, bool):
+        refuse(f"must be true or false, got {shown(value)}", name, value=value)
+    return bool(value)
 
 
 def _wanted(field: FieldInfo) -> str:
