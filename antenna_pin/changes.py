@@ -6,9 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal, get_args
 
-from antenna_pin.errors import InvalidParameterError
+from antenna_pin.directions import direction
 from antenna_pin.parameters import check, parameter
-from antenna_pin.units import shown
 
 __all__ = ["JOINT_VARIANTS", "JointChange", "JointVariant", "LinkChange", "ShapeChange"]
 
@@ -90,5 +89,5 @@ class JointChange:
     def __post_init__(self) -> None:
         """Refuse what is no place and no direction."""
         check(self)
-        if self.axis is not None and not any(self.axis):
-            raise InvalidParameterError(self, "axis", "nonzero", said=shown(self.axis))
+        if self.axis is not None:
+            direction(self.axis, self, "axis")

@@ -8,12 +8,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from antenna_pin.directions import direction, unit
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.flexible.inertia import MassProperties
 from antenna_pin.flexible.part import Drawn, ElasticPart, SphereShape, Takes
 from antenna_pin.flexible.realised import balanced_rotor, sliding_mass
 from antenna_pin.parameters import SWINGS, check, parameter
-from antenna_pin.units import shown
 
 __all__ = ["EffectiveMode", "EffectiveModes"]
 
@@ -53,8 +53,7 @@ class EffectiveMode:
     def __post_init__(self) -> None:
         """Refuse what is no mode."""
         check(self)
-        if not any(self.direction):
-            raise InvalidParameterError(self, "direction", "nonzero", said=shown(self.direction))
+        direction(self.direction, self, "direction")
         for one, other in (("mass", "inertia"), ("frequency", "stiffness")):
             first, second = getattr(self, one), getattr(self, other)
             if (first is None) == (second is None):
@@ -76,15 +75,14 @@ class EffectiveMode:
             name: Of the part.
             link: The whole link.
         """
-        direction = np.array(self.direction) / np.abs(self.direction).max()
-        direction /= np.linalg.norm(direction)
+        along = unit(self.direction)
         place = link.centre if self.place is None else np.array(self.place)
         omega = 2.0 * math.pi * self.natural_frequency
         if self.mass is not None:
-            made = sliding_mass(name, link, self.mass, direction, place, omega, self.damping_ratio)
+            made = sliding_mass(name, link, self.mass, along, place, omega, self.damping_ratio)
         else:
             assert self.inertia is not None
-            made = balanced_rotor(name, link, self.inertia, direction, place, omega, self.damping_ratio)
+            made = balanced_rotor(name, link, self.inertia, along, place, omega, self.damping_ratio)
         ball = np.eye(4)
         ball[:3, 3] = place
         drawn = tuple(map(Takes, self.shapes)) or (SphereShape(_BALL * link.gyration, ball),)

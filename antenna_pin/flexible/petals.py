@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.directions import direction, unit
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.flexible.inertia import MassProperties
 from antenna_pin.flexible.part import (
@@ -19,7 +20,6 @@ from antenna_pin.flexible.part import (
     frame_with_z,
 )
 from antenna_pin.parameters import SWINGS, check, parameter
-from antenna_pin.units import shown
 
 __all__ = ["Petals", "petal_body"]
 
@@ -108,8 +108,7 @@ class Petals:
         if not self.hub_radius < self.rim_radius:
             rule = f"below rim_radius = {self.rim_radius:g} m"
             raise InvalidParameterError(self, "hub_radius", rule)
-        if not any(self.boresight):
-            raise InvalidParameterError(self, "boresight", "nonzero", said=shown(self.boresight))
+        direction(self.boresight, self, "boresight")
         if (self.frequency is None) == (self.stiffness is None):
             got = "neither" if self.frequency is None else "both"
             raise InvalidParameterError(self, "frequency", "given, or stiffness instead of it", said=got)
@@ -157,8 +156,7 @@ class Petals:
     @property
     def placement(self) -> Array:
         """Dish's frame in the link's, z along the boresight, (4, 4)."""
-        axis = np.array(self.boresight) / np.abs(self.boresight).max()
-        return frame_with_z(axis / np.linalg.norm(axis), np.array(self.vertex))
+        return frame_with_z(unit(self.boresight), np.array(self.vertex))
 
     @property
     def hub_drawn(self) -> tuple[Drawn, ...]:

@@ -11,6 +11,7 @@ from pydantic.fields import FieldInfo
 from pydantic_core import CoreSchema, InitErrorDetails, PydanticCustomError, core_schema
 
 from antenna_pin.arguments import fits
+from antenna_pin.directions import A_DIRECTION
 from antenna_pin.errors import nearest
 from antenna_pin.parameters import RULES
 from antenna_pin.scenario._explained import Location, Place, dotted, explained
@@ -96,11 +97,13 @@ class Vector:
         unit: SI unit that its entries are read in.
         sizes: How many there may be; () for any number.
         rule: What each must be, one of ``antenna_pin.parameters.RULES``.
+        directs: Whether it is a direction, of any length but zero.
     """
 
     unit: str
     sizes: tuple[int, ...] = (3,)
     rule: str = ""
+    directs: bool = False
 
     def read(self, value: object) -> tuple[float, ...]:
         """Return the entries in SI units, or refuse them."""
@@ -111,6 +114,8 @@ class Vector:
         numbers = tuple(read_quantity(entry, self.unit, "", i) for i, entry in enumerate(value))
         if not all(RULES[self.rule](number) for number in numbers):
             refuse(f"must be {self.rule}, got {shown(numbers)}", value=value)
+        if self.directs and not any(numbers):
+            refuse(f"must be {A_DIRECTION}, got {shown(numbers)}", value=value)
         return numbers
 
     def __str__(self) -> str:
@@ -157,6 +162,7 @@ PositiveTime = Annotated[float, Quantity("s", "positive")]
 PositiveSpeed = Annotated[float, Quantity("m/s", "positive")]
 Position = Annotated[Vector3, Vector("m")]
 Velocity = Annotated[Vector3, Vector("m/s")]
+Direction = Annotated[Vector3, Vector("1", directs=True)]
 Rotation = Annotated[Vector3, Vector("rad")]
 AngularVelocity = Annotated[Vector3, Vector("rad/s")]
 
