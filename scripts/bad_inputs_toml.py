@@ -154,7 +154,7 @@ _CHANGES: tuple[tuple[str, str, str, str], ...] = (
     ),
     *(
         (
-            f"spring: true or false as {value}",
+            f"spring: {key} as {value}",
             "[springs.hinge]",
             f"[springs.hinge]\n{key} = {value}",
             "true or false",

@@ -9,15 +9,21 @@ import numpy as np
 import pytest
 
 from antenna_pin import changes, settings
+from antenna_pin.changes import JointChange, LinkChange
+from antenna_pin.directions import A_DIRECTION
+from antenna_pin.elements import SineDrive
 from antenna_pin.errors import InvalidParameterError, ScenarioError
 from antenna_pin.integrate.methods import METHODS
 from antenna_pin.parameters import parameters_of
 from antenna_pin.scenario import (
+    InitialBaseSpec,
+    InitialJointSpec,
     IntegratorSpec,
     JointSpec,
     LinkSpec,
     MadeSpec,
     OutputSpec,
+    PlaceSpec,
     ScalesSpec,
     ShapeSpec,
     SpringSpec,
@@ -43,7 +49,8 @@ def test_a_table_refuses_what_its_class_refuses(cls: type, table: type[MadeSpec]
         key = {**{field: key for key, field in table.fields_of_keys.items()}}.get(name, name)
         if key not in table.model_fields:
             continue
-        bad = [[-1.0] * max(*parameter.sizes, 1)] if parameter.sizes else [-1.0]
+        wrong = 0.0 if parameter.rule == A_DIRECTION else -1.0
+        bad = [[wrong] * max(*parameter.sizes, 1)] if parameter.sizes else [wrong]
         for value in bad if parameter.rule else []:
             with pytest.raises(InvalidParameterError, match=f"{cls.__name__}: {name} must be"):
                 cls(**{name: value})
@@ -101,3 +108,36 @@ def test_true_is_no_number(value: object) -> None:
         settings.RunSettings(method="rk4", step=value)
     with pytest.raises(ScenarioError, match=r"step must be|step\[0\] must be"):
         IntegratorSpec(method="rk4", step=value)
+
+
+FAR, LARGE = (8e9, 1e10, r"at most 8.6e\+09 {} in size, up to"), (1e99, 1e101, r"at most 1e\+100 in size")
+
+
+@pytest.mark.parametrize(
+    ("make", "name", "bounds", "unit"),
+    [
+        (lambda x: JointChange(origin_xyz=(0.0, x, 0.0)), "origin_xyz must be 3 numbers", FAR, "m"),
+        (lambda x: JointChange(origin_rpy=(0.0, x, 0.0)), "origin_rpy must be 3 numbers", FAR, "rad"),
+        (lambda x: JointChange(lower=-x), "lower must be", FAR, "rad"),
+        (lambda x: InitialBaseSpec(position=(0.0, x, 0.0)), r"position\[1\] must be", FAR, "m"),
+        (lambda x: InitialJointSpec(angle=x), "angle must be", FAR, "rad"),
+        (lambda x: InitialJointSpec(position=-x), "position must be", FAR, "rad"),
+        (lambda x: PlaceSpec(link="a", point=(0, 0, x)), r"point\[2\] must be", FAR, "m"),
+        (lambda x: InitialJointSpec(rate=x), "rate must be", LARGE, ""),
+        (lambda x: LinkChange(mass=x), "mass must be", LARGE, ""),
+        (lambda x: SineDrive(joint="a", amplitude=x, frequency=1.0), "amplitude must be", LARGE, ""),
+        (lambda x: SineDrive(joint="a", amplitude=1.0, frequency=x), "frequency must be", LARGE, ""),
+        (
+            lambda x: SineDrive(joint="a", amplitude=1.0, frequency=1.0 / x),
+            "frequency must be",
+            (*LARGE[:2], "1e-100 or more, got"),
+            "",
+        ),
+    ],
+)
+def test_what_a_double_does_not_hold_is_refused(make, name, bounds, unit):
+    """A place or an angle of which a millionth is lost; a number of which products overflow, or vanish."""
+    good, bad, says = bounds
+    make(good)
+    with pytest.raises(ValueError, match=f"{name} {says.format(unit)}"):
+        make(bad)

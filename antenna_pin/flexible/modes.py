@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from antenna_pin.directions import direction, unit
+from antenna_pin.directions import A_DIRECTION, unit
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.flexible.inertia import MassProperties
 from antenna_pin.flexible.part import Drawn, ElasticPart, SphereShape, Takes
@@ -41,7 +41,7 @@ class EffectiveMode:
             is drawn where there are none.
     """
 
-    direction: tuple[float, ...] = parameter("1", sizes=(3,))
+    direction: tuple[float, ...] = parameter("1", rule=A_DIRECTION, sizes=(3,))
     frequency: float | None = parameter("Hz", rule="positive", default=None)
     stiffness: float | None = parameter("N*m/rad", sliding="N/m", rule="positive", default=None)
     damping_ratio: float = parameter("1", rule=SWINGS, default=0.0)
@@ -53,7 +53,6 @@ class EffectiveMode:
     def __post_init__(self) -> None:
         """Refuse what is no mode."""
         check(self)
-        direction(self.direction, self, "direction")
         for one, other in (("mass", "inertia"), ("frequency", "stiffness")):
             first, second = getattr(self, one), getattr(self, other)
             if (first is None) == (second is None):

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.directions import direction, unit
+from antenna_pin.directions import A_DIRECTION, unit
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.flexible.inertia import MassProperties
 from antenna_pin.flexible.part import (
@@ -92,7 +92,7 @@ class Petals:
     hub_radius: float = parameter("m", rule="positive")
     focal_length: float = parameter("m", rule="positive")
     vertex: tuple[float, ...] = parameter("m", sizes=(3,), default=(0.0, 0.0, 0.0))
-    boresight: tuple[float, ...] = parameter("1", sizes=(3,), default=(1.0, 0.0, 0.0))
+    boresight: tuple[float, ...] = parameter("1", rule=A_DIRECTION, sizes=(3,), default=(1.0, 0.0, 0.0))
     frequency: float | None = parameter("Hz", rule="positive", default=None)
     stiffness: float | None = parameter("N*m/rad", rule="positive", default=None)
     damping_ratio: float = parameter("1", rule=SWINGS, default=0.0)
@@ -108,7 +108,6 @@ class Petals:
         if not self.hub_radius < self.rim_radius:
             rule = f"below rim_radius = {self.rim_radius:g} m"
             raise InvalidParameterError(self, "hub_radius", rule)
-        direction(self.boresight, self, "boresight")
         if (self.frequency is None) == (self.stiffness is None):
             got = "neither" if self.frequency is None else "both"
             raise InvalidParameterError(self, "frequency", "given, or stiffness instead of it", said=got)

@@ -13,7 +13,7 @@ from pydantic_core import CoreSchema, InitErrorDetails, PydanticCustomError, cor
 from antenna_pin.arguments import fits
 from antenna_pin.directions import A_DIRECTION
 from antenna_pin.errors import nearest
-from antenna_pin.parameters import RULES
+from antenna_pin.parameters import RULES, beyond
 from antenna_pin.scenario._explained import Location, Place, dotted, explained
 from antenna_pin.units import QuantityError, describe_unit, quantity, shown
 
@@ -86,6 +86,9 @@ def read_quantity(value: object, unit: str | tuple[str, ...], rule: str, *locati
         refuse(error.reason, *location, value=value)
     if not RULES[rule](number):
         refuse(f"must be {rule}, got {shown(value)}", *location, value=value)
+    too_far = beyond([number], unit, rule)
+    if too_far:
+        refuse(f"must be {too_far}, got {shown(value)}", *location, value=value)
     return number
 
 
@@ -96,14 +99,12 @@ class Vector:
     Attributes:
         unit: SI unit that its entries are read in.
         sizes: How many there may be; () for any number.
-        rule: What each must be, one of ``antenna_pin.parameters.RULES``.
-        directs: Whether it is a direction, of any length but zero.
+        rule: What each must be, or all of them, one of ``antenna_pin.parameters.RULES``.
     """
 
     unit: str
     sizes: tuple[int, ...] = (3,)
     rule: str = ""
-    directs: bool = False
 
     def read(self, value: object) -> tuple[float, ...]:
         """Return the entries in SI units, or refuse them."""
@@ -111,10 +112,11 @@ class Vector:
             value = value.tolist()
         if not isinstance(value, list | tuple) or (self.sizes and len(value) not in self.sizes):
             refuse(f"must be {self}, got {shown(value)}", value=value)
-        numbers = tuple(read_quantity(entry, self.unit, "", i) for i, entry in enumerate(value))
+        own = A_DIRECTION if self.rule == A_DIRECTION else ""  # other rules are told of all together
+        numbers = tuple(read_quantity(entry, self.unit, own, i) for i, entry in enumerate(value))
         if not all(RULES[self.rule](number) for number in numbers):
             refuse(f"must be {self.rule}, got {shown(numbers)}", value=value)
-        if self.directs and not any(numbers):
+        if self.rule == A_DIRECTION and not any(numbers):
             refuse(f"must be {A_DIRECTION}, got {shown(numbers)}", value=value)
         return numbers
 
@@ -162,7 +164,7 @@ PositiveTime = Annotated[float, Quantity("s", "positive")]
 PositiveSpeed = Annotated[float, Quantity("m/s", "positive")]
 Position = Annotated[Vector3, Vector("m")]
 Velocity = Annotated[Vector3, Vector("m/s")]
-Direction = Annotated[Vector3, Vector("1", directs=True)]
+Direction = Annotated[Vector3, Vector("1", rule=A_DIRECTION)]
 Rotation = Annotated[Vector3, Vector("rad")]
 AngularVelocity = Annotated[Vector3, Vector("rad/s")]
 
