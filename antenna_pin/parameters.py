@@ -31,6 +31,7 @@ from antenna_pin.units import QuantityError, quantity
 __all__ = [
     "FARTHEST",
     "LARGEST",
+    "LEAST",
     "RULES",
     "SWINGS",
     "Parameter",

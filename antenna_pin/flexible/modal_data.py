@@ -13,6 +13,7 @@ from antenna_pin.flexible.inertia import MassProperties, least_share
 from antenna_pin.flexible.part import Drawn, ElasticPart, SphereShape
 from antenna_pin.flexible.realised import realised
 from antenna_pin.parameters import SWINGS, check, parameter
+from antenna_pin.units import shown
 
 __all__ = ["ModalData"]
 
@@ -20,6 +21,8 @@ Array = NDArray[np.float64]
 
 # What the numbers of a mode are called, in files too.
 _COLUMNS = ("tx", "ty", "tz", "rx", "ry", "rz")
+# A mode with less than that in all six has a mass that is none [sqrt(kg)], [sqrt(kg) m].
+_FELT = 1e-50
 # Radius of the ball that stands for a mode in pictures, over the link's radius of gyration.
 _BALL = 0.08
 
@@ -64,9 +67,10 @@ class ModalData:
             rule = f"one number, or one for each of {count} modes"
             raise InvalidParameterError(self, "damping_ratio", rule, said=str(len(self.damping_ratio)))
         for k, row in enumerate(self.factors):
-            if not row.any():
-                rule = f"other than six zeros, which no hub feels, at {self._place(k)}; leave the mode out"
-                raise InvalidParameterError(self, "participation", rule, said="zeros")
+            if not np.abs(row).max() > _FELT:
+                where = f"which no hub feels, at {self._place(k)}; leave the mode out"
+                rule = f"other than six zeros, or nearly so, {where}"
+                raise InvalidParameterError(self, "participation", rule, said=shown(row.tolist()))
 
     @property
     def factors(self) -> Array:
