@@ -27,7 +27,7 @@ from numpy.typing import ArrayLike
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.units import QuantityError, quantity, shown
 
-__all__ = ["fits", "rule_of", "takes", "unknown_type"]
+__all__ = ["fits", "is_number", "rule_of", "takes", "unknown_type"]
 
 _T = TypeVar("_T", bound=Callable[..., Any])
 _UNIONS = (Union, types.UnionType)
@@ -147,7 +147,7 @@ def fits(value: Any, hint: Any) -> bool:
     if origin is not None:
         return _fits_parts(value, origin, inner)
     if hint is float:
-        return _is_number(value)
+        return is_number(value)
     if hint is int:
         return isinstance(value, Integral) and not isinstance(value, bool)
     if hint is bool:
@@ -189,8 +189,11 @@ def _fits_parts(value: Any, origin: Any, inner: tuple[Any, ...]) -> bool:
     return not again or all(fits(one, inner[0]) for one in value)
 
 
-def _is_number(value: Any) -> bool:
-    if isinstance(value, bool | str | bytes | np.bool_) or not hasattr(value, "__float__"):
+def is_number(value: Any) -> bool:
+    """Return whether a value is a number: neither true, false, text nor several of them."""
+    if isinstance(value, np.ndarray | np.generic) and (value.ndim or value.dtype.kind not in "iuf"):
+        return False
+    if isinstance(value, bool | str | bytes) or not hasattr(value, "__float__"):
         return isinstance(value, Integral) and not isinstance(value, bool)
     try:
         float(value)

@@ -6,9 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal, get_args
 
-from antenna_pin.errors import InvalidParameterError
+from antenna_pin.directions import A_DIRECTION
 from antenna_pin.parameters import check, parameter
-from antenna_pin.units import shown
 
 __all__ = ["JOINT_VARIANTS", "JointChange", "JointVariant", "LinkChange", "ShapeChange"]
 
@@ -80,7 +79,7 @@ class JointChange:
 
     origin_xyz: tuple[float, ...] | None = parameter("m", sizes=(3,), default=None)
     origin_rpy: tuple[float, ...] | None = parameter("rad", sizes=(3,), default=None)
-    axis: tuple[float, ...] | None = parameter("1", sizes=(3,), default=None)
+    axis: tuple[float, ...] | None = parameter("1", rule=A_DIRECTION, sizes=(3,), default=None)
     lower: float | None = parameter("rad", sliding="m", default=None)
     upper: float | None = parameter("rad", sliding="m", default=None)
     damping: float | None = parameter("N*m*s/rad", sliding="N*s/m", rule="zero or more", default=None)
@@ -90,5 +89,3 @@ class JointChange:
     def __post_init__(self) -> None:
         """Refuse what is no place and no direction."""
         check(self)
-        if self.axis is not None and not any(self.axis):
-            raise InvalidParameterError(self, "axis", "nonzero", said=shown(self.axis))

@@ -21,6 +21,7 @@ __all__ = [
     "ScenarioError",
     "UnknownNameError",
     "nearest",
+    "one_line",
     "printable",
 ]
 
@@ -43,7 +44,7 @@ def printable(text: str) -> str:
     )
 
 
-def _one_line(text: str) -> str:
+def one_line(text: str) -> str:
     """Return a message as one line; of one that is too long the middle is left out."""
     left_out = len(text) - _HEAD - _TAIL
     if left_out > 0:
@@ -56,7 +57,7 @@ class AntennaPinError(Exception):
 
     def __init__(self, *arguments: object) -> None:
         """Take the message as one line."""
-        super().__init__(*(_one_line(one) if isinstance(one, str) else one for one in arguments))
+        super().__init__(*(one_line(one) if isinstance(one, str) else one for one in arguments))
 
 
 class NotSimulatedWarning(UserWarning):

@@ -17,20 +17,26 @@ from __future__ import annotations
 import dataclasses
 import math
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import MISSING, dataclass, field
 from functools import cache
 from types import MappingProxyType
 from typing import Any, Literal, get_args, get_origin, get_type_hints
 
-from antenna_pin.arguments import fits, rule_of, takes, unknown_type
+from antenna_pin.arguments import fits, is_number, rule_of, takes, unknown_type
+from antenna_pin.directions import A_DIRECTION, direction
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.units import QuantityError, quantity
 
 __all__ = [
+    "FARTHEST",
+    "LARGEST",
+    "LEAST",
     "RULES",
+    "SWINGS",
     "Parameter",
     "attribute_docs",
+    "beyond",
     "check",
     "choices_of",
     "holds",
@@ -38,17 +44,28 @@ __all__ = [
     "parameters_of",
 ]
 
+#: What a damping ratio must be of what swings.
+SWINGS = "zero or more and below 1"
+
 RULES: Mapping[str, Callable[[float], bool]] = MappingProxyType(
     {
         "": lambda _: True,
+        A_DIRECTION: lambda _: True,
         "positive": lambda number: number > 0.0,
         "zero or more": lambda number: number >= 0.0,
+        SWINGS: lambda number: 0.0 <= number < 1.0,
         "1 or more": lambda number: number >= 1.0,
         "between 0 and 1": lambda number: 0.0 < number < 1.0,
         "above -1 and at most 0.5": lambda number: -1.0 < number <= 0.5,
     }
 )
 """What a finite number must be, as it reads after "must be"."""
+
+#: Sizes beyond which a number is refused, lest what is made of it (k = m w^2) be no number any more.
+LARGEST, LEAST = 1e100, 1e-100
+
+#: Size beyond which a double does not tell places and angles apart to a millionth [m], [rad].
+FARTHEST = 2.0**33
 
 _FINITE = {"": "finite", "positive": "positive and finite", "zero or more": "zero or more, and finite"}
 
@@ -169,13 +186,13 @@ def check(owner: Any) -> None:
         if "unit" in declared:
             if declared.get("sizes"):
                 value = _in_si(owner, name, value, declared)
-                numbers = _numbers(owner, name, value, declared["sizes"], declared["rule"])
+                numbers = _numbers(owner, name, value, declared)
                 object.__setattr__(owner, name, numbers)
             else:
                 if isinstance(value, str):
                     value = _in_si(owner, name, value, declared)
                     object.__setattr__(owner, name, value)
-                _number(owner, name, value, declared["rule"])
+                _number(owner, name, value, declared)
                 if whole and value != int(value):
                     raise InvalidParameterError(owner, name, "a whole number", value)
         elif not choices and not fits(value, hint):
@@ -203,11 +220,11 @@ def _declared(cls: type[Any]) -> tuple[_Declared, ...]:
 
 def holds(value: object, rule: str) -> bool:
     """Return whether a value is a finite number that obeys one of ``RULES``."""
-    if isinstance(value, bool | str):
+    if not is_number(value):
         return False
     try:
         number = float(value)  # type: ignore[arg-type]
-    except (TypeError, ValueError, OverflowError):
+    except OverflowError:
         return False
     return math.isfinite(number) and RULES[rule](number)
 
@@ -231,13 +248,40 @@ def _in_si(owner: object, name: str, value: Any, declared: Mapping[Any, Any]) ->
         raise InvalidParameterError(owner, name, rule, said=said) from None
 
 
-def _number(owner: object, name: str, value: object, rule: str) -> None:
-    if not holds(value, rule):
-        said = _FINITE.get(rule, rule)
+def beyond(numbers: Iterable[float], units: str | tuple[str, ...], rule: str = "") -> str:
+    """Return what the size of numbers must be, as it reads after "must be", where it is not; else nothing.
+
+    Args:
+        numbers: Finite ones.
+        units: SI unit of them, or several of which one is.
+        rule: One of ``RULES``.
+    """
+    if rule == A_DIRECTION:
+        return ""
+    sizes = [abs(float(number)) for number in numbers]
+    unit = units if isinstance(units, str) else next((one for one in units if one in ("m", "rad")), "")
+    if unit in ("m", "rad") and max(sizes, default=0.0) > FARTHEST:
+        return f"at most {FARTHEST:.2g} {unit} in size, up to where a double holds it to a millionth"
+    if max(sizes, default=0.0) > LARGEST:
+        return f"at most {LARGEST:g} in size"
+    return f"{LEAST:g} or more" if rule == "positive" and min(sizes, default=1.0) < LEAST else ""
+
+
+def _number(owner: object, name: str, value: Any, declared: Mapping[Any, Any]) -> None:
+    rule = declared["rule"]
+    said = beyond([value], _units(declared), rule) if holds(value, rule) else _FINITE.get(rule, rule)
+    if said:
         raise InvalidParameterError(owner, name, said, value)
 
 
-def _numbers(owner: object, name: str, value: object, sizes: tuple[int, ...], rule: str) -> tuple[float, ...]:
+def _units(declared: Mapping[Any, Any]) -> tuple[str, ...]:
+    return declared["unit"], declared["sliding"]
+
+
+def _numbers(owner: object, name: str, value: object, declared: Mapping[Any, Any]) -> tuple[float, ...]:
+    sizes, rule = declared["sizes"], declared["rule"]
+    if rule == A_DIRECTION:
+        direction(value, owner, name)  # type: ignore[arg-type]
     count = "" if sizes == (0,) else f"{' or '.join(str(size) for size in sizes)} "
     said = f"{count}{rule or 'finite'} numbers"
     try:
@@ -246,4 +290,7 @@ def _numbers(owner: object, name: str, value: object, sizes: tuple[int, ...], ru
         raise InvalidParameterError(owner, name, said, value) from None
     if (sizes != (0,) and len(entries) not in sizes) or not all(holds(entry, rule) for entry in entries):
         raise InvalidParameterError(owner, name, said, value)
+    too_far = beyond(entries, _units(declared), rule)
+    if too_far:
+        raise InvalidParameterError(owner, name, f"{count}numbers {too_far}", value)
     return tuple(float(entry) for entry in entries)

@@ -18,6 +18,7 @@ from numbers import Real
 from typing import Any
 
 from antenna_pin.errors import ScenarioError
+from antenna_pin.numerals import DECIMAL
 
 __all__ = ["QuantityError", "any_quantity", "describe_unit", "matching_unit", "quantity", "shown"]
 
@@ -48,7 +49,7 @@ _KINDS = {
 }
 _PURE = ("1", "-", "")
 
-_QUANTITY = re.compile(r"([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*(.*)", re.DOTALL)
+_QUANTITY = re.compile(rf"({DECIMAL})\s*(.*)", re.DOTALL)
 _NOT_FINITE = re.compile(r"[+-]?(?:nan|inf|infinity)\b.*", re.IGNORECASE | re.DOTALL)
 _UNIT_CHARACTERS = re.compile(r"[\w\s*/^().+\-°·]*|%")
 _LONGEST = 100  # letters of a quantity

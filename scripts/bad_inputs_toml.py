@@ -152,6 +152,31 @@ _CHANGES: tuple[tuple[str, str, str, str], ...] = (
         "[materials.x]\nyoung = 1e9\npoisson = 1\n[integrator]",
         "poisson must be",
     ),
+    *(
+        (
+            f"spring: {key} as {value}",
+            "[springs.hinge]",
+            f"[springs.hinge]\n{key} = {value}",
+            "true or false",
+        )
+        for key in ("on", "shorter_way")
+        for value in ('"no"', "1", '"off"', "0.0")
+    ),
+    ("guess of text", "[output]", '[initial.joints.hinge]\nguess = "no"\n[output]', "guess must be true or"),
+    *(
+        (
+            f"{key} beside the journal's",
+            "[output]",
+            f"[initial.joints.hinge]\n{key} = 0\n{journal}\n[output]",
+            says,
+        )
+        for key, journal, says in (
+            ("rate", "journal_angular_velocity = [0, 0, 5]", "beside journal_angular_velocity[2]"),
+            ("velocity", "journal_angular_velocity = [0, 0, 5]", "beside journal_angular_velocity[2]"),
+            ("angle", "journal_tilt = [0, 0, 0.1]", "leave out angle, or make journal_tilt[2] zero"),
+            ("position", "journal_tilt = [0, 0, 0.1]", "got 0 and 0.1"),
+        )
+    ),
     ("no law", _LAW, "", "normal is missing"),
     ("law unknown", "lankarani-nikravesh", "lankarani-nikravish", "did you mean lankarani-nikravesh"),
     ("law a number", _LAW, "normal = 3", "normal"),

@@ -264,9 +264,9 @@ def _initial_journal(rng: Random, joint: Mapping[str, Any]) -> Table:
         return state
     if model == "spherical":
         state["journal_position"] = numbers(play * rng.uniform(0.0, 0.9) * direction(rng))
-        state["journal_tilt"] = numbers(rng.uniform(0.0, 0.3) * direction(rng))
+        state["journal_tilt"] = numbers(rng.uniform(0.0, 0.3) * direction(rng) * [1.0, 1.0, 0.0])
         state["journal_velocity"] = numbers(rng.uniform(0.0, 0.05) * direction(rng))
-        state["journal_angular_velocity"] = numbers(rng.uniform(0.0, 1.0) * direction(rng))
+        state["journal_angular_velocity"] = numbers(rng.uniform(0.0, 1.0) * direction(rng) * [1.0, 1.0, 0.0])
         return state
     way = rng.uniform(0.0, 2.0 * math.pi)
     across = np.array([math.cos(way), math.sin(way), 0.0])

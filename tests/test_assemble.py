@@ -35,6 +35,18 @@ REFUSALS = {
         ["initial.joints.elevation.journal_position=[0.5e-3, 0, 0]"],
         ["penetration of elevation.radial", "maximum_depth = 0.0001 m", "0.0003"],
     ),
+    **{
+        f"{key} beside {journal}": (
+            [f"initial.joints.elevation={{{key}=0, {journal}=[0, 0, 0.1]}}"],
+            [f"elevation.{key}: must be left out beside {journal}[2]", "got 0 and 0.1", f"leave out {key}"],
+        )
+        for key, journal in (
+            ("rate", "journal_angular_velocity"),
+            ("velocity", "journal_angular_velocity"),
+            ("angle", "journal_tilt"),
+            ("position", "journal_tilt"),
+        )
+    },
     "stiffness of another exponent without a number": (
         ["clearance.elevation.normal.exponent=1.2"],
         ["clearance.elevation.normal.stiffness", "1.2"],

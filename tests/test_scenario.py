@@ -778,7 +778,7 @@ REFUSALS = [
     ),
     (
         {"mechanism.joints.azimuth.axis": [0, 0, 0]},
-        "mechanism.joints.azimuth.axis must be nonzero, got [0.0, 0.0, 0.0]",
+        "mechanism.joints.azimuth.axis must be three finite numbers, not all zero, got [0.0, 0.0, 0.0]",
     ),
     (
         {"mechanism.joints.azimuth.kind": "lockd"},
@@ -1073,7 +1073,10 @@ REFUSALS = [
     # pointing
     ({"pointing.boresigth": [1, 0, 0]}, "pointing.boresigth is unknown; did you mean boresight?"),
     ({"pointing.boresight": DELETED}, "pointing.boresight is missing; give an array of 3 numbers"),
-    ({"pointing.boresight": [0, 0, 0]}, "pointing.boresight must not be zero, got [0.0, 0.0, 0.0]"),
+    (
+        {"pointing.boresight": [0, 0, 0]},
+        "pointing.boresight must be three finite numbers, not all zero, got [0.0, 0.0, 0.0]",
+    ),
     (
         {"pointing.up": [0, 0, 1]},
         "pointing.up must not lie along boresight = [0.0, 0.0, -2.0], got [0.0, 0.0, 1.0]",

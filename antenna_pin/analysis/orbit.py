@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
+from antenna_pin.directions import unit
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.scenario import OrbitSpec
 
@@ -71,10 +72,8 @@ class Orbit:
 
     def axes(self, times: ArrayLike) -> Rotation:
         """Return the orbit-fixed axes in the world at times (n,) [s]: turns from orbit to world."""
-        normal = np.array(self.normal) / np.linalg.norm(self.normal)
-        z = np.array(self.nadir) / np.linalg.norm(self.nadir)
-        x = np.cross(z, normal)
-        x /= np.linalg.norm(x)
+        normal, z = unit(self.normal), unit(self.nadir)
+        x = unit(np.cross(z, normal))
         start = Rotation.from_matrix(np.column_stack([x, -normal, np.cross(x, -normal)]))
         turn = Rotation.from_rotvec(
             self.rate * np.atleast_1d(np.asarray(times, dtype=float))[:, None] * normal

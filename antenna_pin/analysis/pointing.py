@@ -32,6 +32,7 @@ from antenna_pin.analysis._run import Array, RunLike, data_of, label_of
 from antenna_pin.analysis.blocks import blocks
 from antenna_pin.analysis.bodies import body_poses, mechanism_of
 from antenna_pin.analysis.orbit import Orbit
+from antenna_pin.directions import unit
 from antenna_pin.errors import FileFormatError, InvalidParameterError, UnknownNameError
 from antenna_pin.scenario import PointingSpec
 from antenna_pin.trajectory import Trajectory
@@ -271,12 +272,9 @@ def _swing(relative: Rotation) -> tuple[Array, Array]:
 
 def _frame(first: Vector3, second: Vector3 | None) -> Rotation:
     """Return axes whose x is the first direction and whose z is the perpendicular part of the second."""
-    x = np.array(first, dtype=float) / np.linalg.norm(first)
-    up = np.array(
-        second if second is not None else (1, 0, 0) if abs(x[2]) > _ALONG else (0, 0, 1), dtype=float
-    )
-    y = np.cross(up, x)
-    y /= np.linalg.norm(y)
+    x = unit(first)
+    up = unit(second if second is not None else (1, 0, 0) if abs(x[2]) > _ALONG else (0, 0, 1))
+    y = unit(np.cross(up, x))
     return Rotation.from_matrix(np.column_stack([x, y, np.cross(x, y)]))
 
 

@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 from antenna_pin.analysis._run import RunLike, choose, data_of
 from antenna_pin.analysis.bodies import body_poses
 from antenna_pin.analysis.journal import clearance_shapes
+from antenna_pin.directions import unit
 from antenna_pin.errors import FileFormatError
 from antenna_pin.trajectory import series
 
@@ -44,7 +45,7 @@ def bearing_up(run: RunLike, joint: str, times: ArrayLike | None = None) -> NDAr
     turn = Rotation.from_quat(np.asarray(place["bearing_placement"], dtype=float)[3:])
     attitude = body_poses(data, times, [place["bearing_body"]])["attitude"][:, 0]
     body = Rotation.from_quat(np.asarray(attitude.values, dtype=float))
-    return np.asarray((body * turn).apply(-gravity / np.linalg.norm(gravity), inverse=True))
+    return np.asarray((body * turn).apply(-unit(gravity), inverse=True))
 
 
 def steady_up(run: RunLike, joint: str) -> NDArray[np.float64] | None:

@@ -130,6 +130,7 @@ def _place_journal(
 
     Angle, position and rate are the joint's; with the bearing on the child the journal's are the opposite.
     """
+    _refuse_twice(scenario, slot, spec)
     angle = _angle(spec)
     rate = spec.rate if spec.rate is not None else spec.velocity or 0.0
     if _bearing_on_child(scenario, slot):
@@ -162,6 +163,20 @@ def _place_journal(
     omega = turn.T @ axes @ spin
     q[slot.q] = [*(axes @ position + centre - turn @ centre), *pin.Quaternion(turn).coeffs()]
     v[slot.v] = [*(turn.T @ axes @ velocity - np.cross(omega, centre)), *omega]
+
+
+def _refuse_twice(scenario: Scenario, slot: JointSlot, spec: Any) -> None:
+    """Refuse a number of the joint's own motion that is given beside the journal's part of it."""
+    place, speed = ("position", "velocity") if slides(scenario, slot) else ("tilt", "angular_velocity")
+    for keys, journal in ((("angle", "position"), place), (("rate", "velocity"), speed)):
+        key = next((key for key in keys if getattr(spec, key) is not None), None)
+        vector = getattr(spec, f"journal_{journal}")
+        if key is not None and vector is not None and vector[2] != 0.0:
+            raise ScenarioError(
+                f"{where(scenario, 'initial.joints', slot.name, key)}: must be left out beside "
+                f"journal_{journal}[2], which is the same motion, got {getattr(spec, key):g} and "
+                f"{vector[2]:g}; leave out {key}, or make journal_{journal}[2] zero"
+            )
 
 
 def _bearing_on_child(scenario: Scenario, slot: JointSlot) -> bool:

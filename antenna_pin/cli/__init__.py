@@ -37,6 +37,7 @@ from antenna_pin.cli import (
     urdf,
 )
 from antenna_pin.cli._common import StandardOutput, one_line_errors, told_interruption, told_unwritable
+from antenna_pin.cli._numbers import with_plain_numbers
 from antenna_pin.cli._usage import OneLineGroup
 from antenna_pin.interruption import ending_by_signals
 
@@ -123,10 +124,10 @@ _COMMANDS: dict[str, Callable[..., None]] = {
     "sweep": sweep.sweep,
 }
 for _name, _command in _COMMANDS.items():
-    app.command(_name)(one_line_errors(_command))
+    app.command(_name)(one_line_errors(with_plain_numbers(_command)))
 
 for _group in (contact.app, study.app):
     for _registered in _group.registered_commands:
         assert _registered.callback is not None
-        _registered.callback = one_line_errors(_registered.callback)
+        _registered.callback = one_line_errors(with_plain_numbers(_registered.callback))
     app.add_typer(_group)

@@ -8,9 +8,9 @@ import typer
 
 from antenna_pin.cli._common import say
 from antenna_pin.cli._export import plain
-from antenna_pin.cli._quantities import bare
 from antenna_pin.cli._tables import print_rows
 from antenna_pin.errors import InvalidParameterError
+from antenna_pin.numerals import bare
 
 if TYPE_CHECKING:
     import xarray as xr

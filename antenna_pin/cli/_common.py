@@ -27,6 +27,7 @@ from antenna_pin.errors import (
     InvalidParameterError,
     OutputError,
     UnknownNameError,
+    one_line,
     printable,
 )
 from antenna_pin.interruption import Ended, ended_by, held_back, is_interruption
@@ -37,8 +38,7 @@ if TYPE_CHECKING:
     from antenna_pin.scenario import Scenario
     from antenna_pin.trajectory import Trajectory
 
-REFUSED = 2
-ENDED_EARLY = 3
+REFUSED, ENDED_EARLY = 2, 3
 
 #: To which the number of the signal is added that has stopped a command.
 SIGNALLED = 128
@@ -104,7 +104,7 @@ def say(line: str) -> None:
 def complain(message: str) -> None:
     """Print one line on the error stream, if somebody still reads it."""
     with contextlib.suppress(OSError):
-        typer.echo(f"antenna-pin: {printable(' '.join(message.split()))}", err=True)
+        typer.echo(f"antenna-pin: {one_line(' '.join(message.split()))}", err=True)
 
 
 def refuse(message: str) -> NoReturn:

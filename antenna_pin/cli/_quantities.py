@@ -6,6 +6,7 @@ import re
 
 from antenna_pin.cli._tables import length_text
 from antenna_pin.errors import InvalidParameterError
+from antenna_pin.numerals import DECIMAL, bare, decimal_in
 
 
 def positive_quantity(text: str, unit: str, option: str, place: str = "contact") -> float:
@@ -28,12 +29,11 @@ def clearance_of(text: str, bearing_radius: float, place: str) -> float:
     return value
 
 
-def bare(text: str) -> str | float:
-    """Return a number where the text is one: it is in SI units then."""
-    try:
-        return float(text)
-    except ValueError:
-        return text
+def vector_in(text: str) -> tuple[float, float, float] | None:
+    """Return the three numbers of ``X,Y,Z``; None if the text is something else."""
+    numbers = [decimal_in(part) for part in text.split(",")]
+    x, y, z = numbers if len(numbers) == 3 else (None, None, None)
+    return None if x is None or y is None or z is None else (x, y, z)
 
 
 def list_of(text: str, unit: str, option: str, positive: bool = True) -> tuple[float, ...]:
@@ -43,7 +43,7 @@ def list_of(text: str, unit: str, option: str, positive: bool = True) -> tuple[f
     parts = [part.strip() for part in text.split(",") if part.strip()]
     if not parts:
         raise InvalidParameterError("contact", option, "one value or more, separated by commas", text)
-    shared = re.fullmatch(r"[-+.\deE]+?\s*([a-zA-Zµμ].*)", parts[-1])
+    shared = re.fullmatch(rf"{DECIMAL}\s*([a-zA-Zµμ].*)", parts[-1])
     if (
         shared
         and isinstance(bare(parts[-1]), str)

@@ -16,6 +16,7 @@ from antenna_pin.cli._records import plain_number, records
 from antenna_pin.cli._tables import print_rows, text_of
 from antenna_pin.cli._zeros import Zeros
 from antenna_pin.errors import InvalidParameterError
+from antenna_pin.numerals import bare
 
 if TYPE_CHECKING:
     from antenna_pin.trajectory import Trajectory
@@ -71,10 +72,7 @@ def analyse(
     from antenna_pin.units import quantity
 
     target = csv_target(csv)
-    try:
-        gap = float(longest_gap)  # a bare number is SI
-    except ValueError:
-        gap = quantity(longest_gap, "s", "--longest-gap")
+    gap = quantity(bare(longest_gap), "s", "--longest-gap")
     run = load_result(file, scenario=False)
     found: dict[str, Any] = {"file": str(file), "case": run.data.attrs.get("case", "")}
     found["outcome"] = run.outcome.name

@@ -22,9 +22,10 @@ from antenna_pin.cli._common import (
     writable_file,
 )
 from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, exported, plain
-from antenna_pin.cli._quantities import bare
+from antenna_pin.cli._quantities import vector_in
 from antenna_pin.cli._tables import print_rows
 from antenna_pin.errors import InvalidParameterError
+from antenna_pin.numerals import bare
 
 if TYPE_CHECKING:
     from antenna_pin.linear import Modes
@@ -172,13 +173,12 @@ def _loads(texts: list[str] | None) -> Any:
     found: dict[str, tuple[float, ...]] = {}
     for text in texts or ():
         joint, _, numbers = text.rpartition("=")
-        try:
-            x, y, z = (float(part) for part in numbers.split(","))
-        except ValueError:
+        vector = vector_in(numbers)
+        if vector is None:
             raise InvalidParameterError(
                 "modes", "--load", "three numbers such as 100,0,0, with JOINT= before them or not", text
-            ) from None
-        found[joint] = (x, y, z)
+            )
+        found[joint] = vector
     if not found:
         return None
     return found[""] if list(found) == [""] else found

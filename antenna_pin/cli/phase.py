@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from antenna_pin.cli._common import FIGURES, Width, WidthOption, load_result, not_interrupted, say
-from antenna_pin.cli._quantities import bare
 from antenna_pin.cli._saved import PlotOption, save_both, targets_of
 from antenna_pin.errors import InvalidParameterError
+from antenna_pin.numerals import bare
 
 if TYPE_CHECKING:
     from antenna_pin.analysis import Periods
 
-_PERIODS = re.compile(r"\s*([\d.]+)\s*periods?\s*")
+_PERIODS = re.compile(r"\s*([0-9.]+)\s*periods?\s*")
 
 
 class Colour(StrEnum):

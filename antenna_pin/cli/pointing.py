@@ -12,8 +12,10 @@ import typer
 
 from antenna_pin.cli._common import FilesArgument, label_of, load_result, refuse, say
 from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, say_json, write_csv
+from antenna_pin.cli._quantities import vector_in
 from antenna_pin.cli._tables import print_rows
 from antenna_pin.errors import InvalidParameterError
+from antenna_pin.numerals import bare
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -178,20 +180,14 @@ def _antenna(run: Trajectory, body: str | None, boresight: str | None, up: str |
 def _seconds(text: str | None, option: str) -> float | None:
     from antenna_pin.units import quantity
 
-    if text is None:
-        return None
-    try:
-        return float(text)  # a bare number is SI
-    except ValueError:
-        return quantity(text, "s", option)
+    return None if text is None else quantity(bare(text), "s", option)
 
 
 def _vector(text: str, option: str) -> tuple[float, float, float]:
-    try:
-        x, y, z = (float(part) for part in text.split(","))
-    except ValueError:
-        raise InvalidParameterError("pointing", option, "three numbers such as 1,0,0", text) from None
-    return x, y, z
+    vector = vector_in(text)
+    if vector is None:
+        raise InvalidParameterError("pointing", option, "three numbers such as 1,0,0", text)
+    return vector
 
 
 def _plain(found: xr.Dataset) -> dict[str, Any]:

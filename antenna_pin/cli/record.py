@@ -12,8 +12,9 @@ import typer
 from antenna_pin.cli._common import load_result, not_interrupted, say
 from antenna_pin.cli._film import Kind, check_options, film, kind_of, size_of
 from antenna_pin.cli._packages import PackagePathOption, package_folders
-from antenna_pin.cli._quantities import bare
+from antenna_pin.cli._quantities import vector_in
 from antenna_pin.errors import InvalidParameterError
+from antenna_pin.numerals import bare, decimal_in
 
 
 class ViewName(StrEnum):
@@ -129,18 +130,16 @@ def _time(text: str | None, option: str) -> float | None:
     return None if text is None else quantity(bare(text), "s", option)
 
 
-def _direction(text: str) -> list[float]:
-    try:
-        return [float(part) for part in text.split(",")]
-    except ValueError:
-        raise InvalidParameterError("--boresight", "direction", "three numbers such as 1,0,0", text) from None
+def _direction(text: str) -> tuple[float, float, float]:
+    vector = vector_in(text)
+    if vector is None:
+        raise InvalidParameterError("--boresight", "direction", "three numbers such as 1,0,0", text)
+    return vector
 
 
 def _ratio(text: str) -> float:
-    above, _, below = text.partition("/")
-    try:
-        return float(above) / (float(below) if below else 1.0)
-    except (ValueError, ZeroDivisionError, OverflowError):
-        raise InvalidParameterError(
-            "--speed", "speed", "a number or a fraction such as 1/100", text
-        ) from None
+    above, slash, below = text.partition("/")
+    number, by = decimal_in(above), decimal_in(below) if slash else 1.0
+    if number is None or not by:
+        raise InvalidParameterError("--speed", "speed", "a number or a fraction such as 1/100", text)
+    return number / by

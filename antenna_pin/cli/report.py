@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from antenna_pin.cli._common import writable_file
-from antenna_pin.cli._quantities import bare
+from antenna_pin.numerals import bare
 
 
 def report(

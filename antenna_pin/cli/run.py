@@ -34,6 +34,7 @@ from antenna_pin.cli._quantities import positive_quantity
 from antenna_pin.cli._tables import flat, print_summaries
 from antenna_pin.cli._zeros import Zeros
 from antenna_pin.interruption import ended_by
+from antenna_pin.numerals import decimal_in
 
 if TYPE_CHECKING:
     from antenna_pin.scenario import Scenario
@@ -169,10 +170,8 @@ def run(
 
 def _toml(text: str) -> str:
     """Return a number as it is written, anything else as a text in TOML."""
-    try:
-        return repr(float(text))
-    except ValueError:
-        return json.dumps(text)
+    number = decimal_in(text)
+    return json.dumps(text) if number is None else repr(number)
 
 
 def has_checkpoint(path: Path) -> bool:

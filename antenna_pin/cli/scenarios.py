@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, exported
-from antenna_pin.cli._quantities import bare, clearance_of, positive_quantity
+from antenna_pin.cli._quantities import clearance_of, positive_quantity
 from antenna_pin.cli._tables import length_text, print_rows
+from antenna_pin.numerals import bare
 
 if TYPE_CHECKING:
     from antenna_pin.analysis import ScenarioPair

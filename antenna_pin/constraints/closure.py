@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.arguments import takes
+from antenna_pin.directions import direction, unit
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.mechanism import frame_aligning_z
 
@@ -94,26 +95,17 @@ class Anchor:
                 about the axis; what it has along the axis does not count. Without it links of which the axis
                 has the same components have parallel axes.
         """
-        z = _unit(axis, "axis")
+        z = direction(axis, "closure", "axis")
         if across is None:
             rotation = frame_aligning_z(z)
         else:
-            x = np.asarray(across, dtype=float)
+            x = direction(across, "closure", "across")
             x = x - z * (z @ x)
-            if not np.linalg.norm(x) > 1e-6 * np.linalg.norm(across):
+            if not np.linalg.norm(x) > 1e-6:
                 raise InvalidParameterError("closure", "across", "a direction off the axis", tuple(across))
-            x = x / np.linalg.norm(x)
+            x = unit(x)
             rotation = np.column_stack([x, np.cross(z, x), z])
         return cls(link=link, rotation=np.array(rotation), origin=np.array(point, dtype=float))
-
-
-def _unit(direction: tuple[float, float, float], name: str) -> Array:
-    vector = np.asarray(direction, dtype=float)
-    if vector.shape != (3,) or not np.isfinite(vector).all() or not np.linalg.norm(vector) > 0.0:
-        raise InvalidParameterError(
-            "closure", name, "a direction: three finite numbers, not all 0", direction
-        )
-    return np.asarray(vector / np.linalg.norm(vector))
 
 
 @takes()

@@ -6,12 +6,14 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
+from antenna_pin.arguments import unknown_type
 from antenna_pin.errors import InvalidParameterError, MechanismError
 from antenna_pin.mechanism import Mechanism
+from antenna_pin.parameters import beyond
 
-__all__ = ["make_unit", "spaces"]
+__all__ = ["make_unit", "numbers", "spaces"]
 
 _SPACES = {
     "JointModelFreeFlyer": "rigid",
@@ -40,6 +42,26 @@ def spaces(model: Any) -> tuple[str, ...]:
                 "continuous, prismatic, planar, floating or spherical joints"
             )
     return tuple(kinds)
+
+
+def numbers(given: ArrayLike, count: int, name: str, unit: str) -> NDArray[np.float64]:
+    """Return a copy of the numbers of a state, or refuse what is not finite or further than a double tells.
+
+    Args:
+        given: What is given.
+        count: How many there must be.
+        name: What they are called.
+        unit: SI unit of the largest [-].
+    """
+    try:
+        found = np.array(given, dtype=float)
+    except (TypeError, ValueError):
+        found = np.zeros(0)
+    rule = "" if found.shape == (count,) and np.isfinite(found).all() else f"{count} finite numbers"
+    rule = rule or beyond(found.tolist(), unit)
+    if rule:
+        raise InvalidParameterError("System", name, rule, said=unknown_type(given))
+    return found
 
 
 def make_unit(mechanism: Mechanism, configuration: NDArray[np.float64]) -> None:

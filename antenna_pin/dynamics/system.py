@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -14,7 +13,7 @@ from antenna_pin.arguments import takes
 from antenna_pin.constraints import Closure, Coupling, DrivenJoint, Plan, make_plan
 from antenna_pin.dynamics import _kernels
 from antenna_pin.dynamics.blocks import Blocks, check_motion, clearance_block, held_block
-from antenna_pin.dynamics.configuration import make_unit, spaces
+from antenna_pin.dynamics.configuration import make_unit, numbers, spaces
 from antenna_pin.dynamics.coordinates import coordinate_names
 from antenna_pin.dynamics.coupled import couplings_of, fit_turns, put_followers
 from antenna_pin.dynamics.held import HeldKind, closures_by_name
@@ -310,11 +309,7 @@ class System:
                 without whole turns, here are the turns. Others have those that couplings give them, or are
                 in (-pi, pi].
         """
-        configuration, velocity = np.array(q, dtype=float), np.asarray(v, dtype=float)
-        if configuration.shape != (self.model.nq,) or not np.isfinite(configuration).all():
-            raise InvalidParameterError("System", "q", f"{self.model.nq} finite numbers", q)
-        if velocity.shape != (self.model.nv,) or not np.isfinite(velocity).all():
-            raise InvalidParameterError("System", "v", f"{self.model.nv} finite numbers", v)
+        configuration, velocity = numbers(q, self.model.nq, "q", "m"), numbers(v, self.model.nv, "v", "m/s")
         make_unit(self.mechanism, configuration)
         y = np.concatenate([configuration, velocity, np.zeros(self.manifold.nx)])
         x = y[self.model.nq + self.model.nv :]
@@ -323,9 +318,7 @@ class System:
                 raise UnknownNameError(
                     "System.state: angles", "joint that turns without end", name, self.turn_x
                 )
-            if not math.isfinite(angle):
-                raise InvalidParameterError("System", f"angles[{name!r}]", "finite [rad]", angle)
-            x[self.turn_x[name]] = angle
+            x[self.turn_x[name]] = numbers([angle], 1, f"angles[{name!r}]", "rad")[0]
         self.turn_on(y)
         if self.couplings:
             fit_turns(self.mechanism, self.couplings.values(), y, self.turn_x, angles or {})

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Sequence
 from itertools import pairwise
 from typing import Any, Literal
 
 from antenna_pin.errors import InvalidParameterError
+from antenna_pin.parameters import LARGEST, LEAST
 from antenna_pin.readable import GIVEN, number, readable
 
 __all__ = [
@@ -36,6 +38,17 @@ def check_table(owner: object, values: str) -> None:
         if not after > before:
             rule = f"above the one before, {before!r}"
             raise InvalidParameterError(owner, f"time[{i}]", rule, said=repr(after))
+        if not after - before >= LEAST:
+            rule = f"{LEAST:g} s or more above the one before, {before!r}"
+            raise InvalidParameterError(owner, f"time[{i}]", rule, said=repr(after))
+        slope = (given[i] - given[i - 1]) / (after - before)
+        if not abs(slope) <= LARGEST:
+            rule = (
+                f"such that its slope from the one before, {given[i - 1]!r}, is at most {LARGEST:g} in size"
+            )
+            raise InvalidParameterError(
+                owner, f"{values}[{i}]", rule, said=f"{given[i]!r}, a slope of {slope:g}"
+            )
 
 
 def check_course(owner: Any, values: str) -> None:
@@ -119,11 +132,16 @@ def cubics(
     if interpolation == "cubic":
         from scipy.interpolate import PchipInterpolator
 
-        coefficients = PchipInterpolator(t, y).c.T
+        with np.errstate(over="ignore"):  # the reciprocal of a slope that is nearly none
+            coefficients = PchipInterpolator(t, y).c.T
     elif interpolation == "smooth":
         from scipy.interpolate import CubicSpline
+        from scipy.linalg import LinAlgWarning
 
-        coefficients = CubicSpline(t, y, bc_type="not-a-knot").c.T
+        with warnings.catch_warnings():
+            # Of three points; its rows differ in size by that of the steps, which does no harm.
+            warnings.simplefilter("ignore", LinAlgWarning)
+            coefficients = CubicSpline(t, y, bc_type="not-a-knot").c.T
     else:
         coefficients = np.zeros((t.size - 1, 4))
         coefficients[:, 2] = np.diff(y) / np.diff(t)

@@ -12,7 +12,8 @@ from antenna_pin.errors import InvalidParameterError
 from antenna_pin.flexible.inertia import MassProperties, least_share
 from antenna_pin.flexible.part import Drawn, ElasticPart, SphereShape
 from antenna_pin.flexible.realised import realised
-from antenna_pin.parameters import check, parameter
+from antenna_pin.parameters import SWINGS, check, parameter
+from antenna_pin.units import shown
 
 __all__ = ["ModalData"]
 
@@ -20,6 +21,8 @@ Array = NDArray[np.float64]
 
 # What the numbers of a mode are called, in files too.
 _COLUMNS = ("tx", "ty", "tz", "rx", "ry", "rz")
+# A mode with less than that in all six has a mass that is none [sqrt(kg)], [sqrt(kg) m].
+_FELT = 1e-50
 # Radius of the ball that stands for a mode in pictures, over the link's radius of gyration.
 _BALL = 0.08
 
@@ -46,7 +49,7 @@ class ModalData:
 
     frequency: tuple[float, ...] = parameter("Hz", sizes=(0,), rule="positive", repr=False)
     participation: tuple[float, ...] = parameter("1", sizes=(0,), repr=False)
-    damping_ratio: tuple[float, ...] = parameter("1", sizes=(0,), rule="zero or more", default=(0.0,))
+    damping_ratio: tuple[float, ...] = parameter("1", sizes=(0,), rule=SWINGS, default=(0.0,))
     root_xyz: tuple[float, ...] = parameter("m", sizes=(3,), default=(0.0, 0.0, 0.0))
     root_rpy: tuple[float, ...] = parameter("rad", sizes=(3,), default=(0.0, 0.0, 0.0))
     places: tuple[str, ...] = ()
@@ -64,9 +67,10 @@ class ModalData:
             rule = f"one number, or one for each of {count} modes"
             raise InvalidParameterError(self, "damping_ratio", rule, said=str(len(self.damping_ratio)))
         for k, row in enumerate(self.factors):
-            if not row.any():
-                rule = f"other than six zeros, which no hub feels, at {self._place(k)}; leave the mode out"
-                raise InvalidParameterError(self, "participation", rule, said="zeros")
+            if not np.abs(row).max() > _FELT:
+                where = f"which no hub feels, at {self._place(k)}; leave the mode out"
+                rule = f"other than six zeros, or nearly so, {where}"
+                raise InvalidParameterError(self, "participation", rule, said=shown(row.tolist()))
 
     @property
     def factors(self) -> Array:

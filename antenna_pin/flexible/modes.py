@@ -8,12 +8,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from antenna_pin.directions import A_DIRECTION, unit
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.flexible.inertia import MassProperties
 from antenna_pin.flexible.part import Drawn, ElasticPart, SphereShape, Takes
 from antenna_pin.flexible.realised import balanced_rotor, sliding_mass
-from antenna_pin.parameters import check, parameter
-from antenna_pin.units import shown
+from antenna_pin.parameters import SWINGS, check, parameter
 
 __all__ = ["EffectiveMode", "EffectiveModes"]
 
@@ -41,10 +41,10 @@ class EffectiveMode:
             is drawn where there are none.
     """
 
-    direction: tuple[float, ...] = parameter("1", sizes=(3,))
+    direction: tuple[float, ...] = parameter("1", rule=A_DIRECTION, sizes=(3,))
     frequency: float | None = parameter("Hz", rule="positive", default=None)
     stiffness: float | None = parameter("N*m/rad", sliding="N/m", rule="positive", default=None)
-    damping_ratio: float = parameter("1", rule="zero or more", default=0.0)
+    damping_ratio: float = parameter("1", rule=SWINGS, default=0.0)
     mass: float | None = parameter("kg", rule="positive", default=None)
     inertia: float | None = parameter("kg*m**2", rule="positive", default=None)
     place: tuple[float, ...] | None = parameter("m", sizes=(3,), default=None)
@@ -53,8 +53,6 @@ class EffectiveMode:
     def __post_init__(self) -> None:
         """Refuse what is no mode."""
         check(self)
-        if not any(self.direction):
-            raise InvalidParameterError(self, "direction", "nonzero", said=shown(self.direction))
         for one, other in (("mass", "inertia"), ("frequency", "stiffness")):
             first, second = getattr(self, one), getattr(self, other)
             if (first is None) == (second is None):
@@ -76,15 +74,14 @@ class EffectiveMode:
             name: Of the part.
             link: The whole link.
         """
-        direction = np.array(self.direction) / np.abs(self.direction).max()
-        direction /= np.linalg.norm(direction)
+        along = unit(self.direction)
         place = link.centre if self.place is None else np.array(self.place)
         omega = 2.0 * math.pi * self.natural_frequency
         if self.mass is not None:
-            made = sliding_mass(name, link, self.mass, direction, place, omega, self.damping_ratio)
+            made = sliding_mass(name, link, self.mass, along, place, omega, self.damping_ratio)
         else:
             assert self.inertia is not None
-            made = balanced_rotor(name, link, self.inertia, direction, place, omega, self.damping_ratio)
+            made = balanced_rotor(name, link, self.inertia, along, place, omega, self.damping_ratio)
         ball = np.eye(4)
         ball[:3, 3] = place
         drawn = tuple(map(Takes, self.shapes)) or (SphereShape(_BALL * link.gyration, ball),)

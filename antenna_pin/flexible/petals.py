@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.directions import A_DIRECTION, unit
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.flexible.inertia import MassProperties
 from antenna_pin.flexible.part import (
@@ -18,8 +19,7 @@ from antenna_pin.flexible.part import (
     MeshShape,
     frame_with_z,
 )
-from antenna_pin.parameters import check, parameter
-from antenna_pin.units import shown
+from antenna_pin.parameters import SWINGS, check, parameter
 
 __all__ = ["Petals", "petal_body"]
 
@@ -92,10 +92,10 @@ class Petals:
     hub_radius: float = parameter("m", rule="positive")
     focal_length: float = parameter("m", rule="positive")
     vertex: tuple[float, ...] = parameter("m", sizes=(3,), default=(0.0, 0.0, 0.0))
-    boresight: tuple[float, ...] = parameter("1", sizes=(3,), default=(1.0, 0.0, 0.0))
+    boresight: tuple[float, ...] = parameter("1", rule=A_DIRECTION, sizes=(3,), default=(1.0, 0.0, 0.0))
     frequency: float | None = parameter("Hz", rule="positive", default=None)
     stiffness: float | None = parameter("N*m/rad", rule="positive", default=None)
-    damping_ratio: float = parameter("1", rule="zero or more", default=0.0)
+    damping_ratio: float = parameter("1", rule=SWINGS, default=0.0)
     mesh: str | None = None
     hub_mesh: str | None = None
     replaces: tuple[str, ...] = ()
@@ -108,8 +108,6 @@ class Petals:
         if not self.hub_radius < self.rim_radius:
             rule = f"below rim_radius = {self.rim_radius:g} m"
             raise InvalidParameterError(self, "hub_radius", rule)
-        if not any(self.boresight):
-            raise InvalidParameterError(self, "boresight", "nonzero", said=shown(self.boresight))
         if (self.frequency is None) == (self.stiffness is None):
             got = "neither" if self.frequency is None else "both"
             raise InvalidParameterError(self, "frequency", "given, or stiffness instead of it", said=got)
@@ -157,8 +155,7 @@ class Petals:
     @property
     def placement(self) -> Array:
         """Dish's frame in the link's, z along the boresight, (4, 4)."""
-        axis = np.array(self.boresight) / np.abs(self.boresight).max()
-        return frame_with_z(axis / np.linalg.norm(axis), np.array(self.vertex))
+        return frame_with_z(unit(self.boresight), np.array(self.vertex))
 
     @property
     def hub_drawn(self) -> tuple[Drawn, ...]:

@@ -4,29 +4,49 @@ CSV has the header ``frequency,damping_ratio,tx,ty,tz,rx,ry,rz``, of which ``dam
 
 A printed table is known by its heading, MODAL PARTICIPATION FACTORS, letters spaced out or not. Below it, a
 line names the columns, ``T1 T2 T3 R1 R2 R3`` or ``X-COMPONENT`` to ``Z-ROTATION``, with FREQUENCY or without;
-then frequencies are the CYCLES of the REAL EIGENVALUES (EIGENVALUE OUTPUT) before it. Anything else, headings
-of pages in between too, is skipped. Numbers may be written the short way, ``1.25-3``, or with a D.
+then frequencies are the CYCLES of the REAL EIGENVALUES (EIGENVALUE OUTPUT) before it, which must be those of
+their RADIANS and eigenvalue, to the digits printed. Anything else, headings of pages in between too, is
+skipped. Numbers may be written the short way, ``1.25-3``, or with a D.
 """
 
 from __future__ import annotations
 
 import csv
+import decimal
 import math
 import re
+from collections.abc import Container
 from dataclasses import dataclass
 from typing import Any
 
 from antenna_pin.errors import FileFormatError
+from antenna_pin.numerals import decimal_in, whole_in
+from antenna_pin.parameters import RULES, SWINGS
 from antenna_pin.units import shown
 
 __all__ = ["BadModalTableError", "ModalTable", "read_modal_table"]
 
 _CSV = ("frequency", "damping_ratio", "tx", "ty", "tz", "rx", "ry", "rz")
-_SHORT = re.compile(r"([0-9.])([+-]\d+)$")  # 1.25-3 for 1.25e-3
+_SHORT = re.compile(r"([0-9.])([+-][0-9]+)$")  # 1.25-3 for 1.25e-3
 _AXES = (
     ("T1", "T2", "T3", "R1", "R2", "R3"),
     ("X-COMPONENT", "Y-COMPONENT", "Z-COMPONENT", "X-ROTATION", "Y-ROTATION", "Z-ROTATION"),
 )
+# What a row of eigenvalues has, by how many numbers: NASTRAN's, and Abaqus'.
+_EIGENVALUES = {
+    7: (
+        "MODE",
+        "ORDER",
+        "EIGENVALUE",
+        "RADIANS",
+        "CYCLES",
+        "GENERALIZED MASS",
+        "GENERALIZED STIFFNESS",
+    ),
+    6: ("MODE", "EIGENVALUE", "RADIANS", "CYCLES", "GENERALIZED MASS", "COMPOSITE DAMPING"),
+}
+# Letters alone that make a line the heading of another table.
+_SPACED = 6
 # A generalized mass that is one, as printed tables round it.
 _UNIT = 1e-4
 
@@ -76,6 +96,7 @@ def _of_csv(rows: Any) -> ModalTable:
     damping: list[float] = []
     participation: list[float] = []
     lines: list[int] = []
+    seen: dict[tuple[float, ...], int] = {}
     for row in rows:
         if not row or row[0].lstrip().startswith("#"):
             continue
@@ -91,10 +112,15 @@ def _of_csv(rows: Any) -> ModalTable:
         if len(row) != len(header):
             raise BadModalTableError(f"{place}: must have {len(header)} values, got {len(row)}")
         numbers = [_number(cell, name, place) for cell, name in zip(row, header, strict=True)]
+        before = seen.setdefault(tuple(numbers), rows.line_num)
+        if before != rows.line_num:
+            raise BadModalTableError(f"{place}: a mode must stand once, got that of line {before} again")
         frequency.append(_positive(numbers[0], place))
         if len(header) == len(_CSV):
-            if not numbers[1] >= 0.0:
-                raise BadModalTableError(f"{place}: damping_ratio must be zero or more, got {numbers[1]:g}")
+            if not RULES[SWINGS](numbers[1]):
+                raise BadModalTableError(
+                    f"{place}: damping_ratio must be {SWINGS}, got {numbers[1]:g}; 2 % are 0.02"
+                )
             damping.append(numbers[1])
         participation += _factors(numbers[-6:], place)
         lines.append(rows.line_num)
@@ -107,7 +133,7 @@ def _of_csv(rows: Any) -> ModalTable:
 
 def _of_print(text: str) -> ModalTable:
     """Read a printed table; modes go by their numbers, so that one may go on over several pages."""
-    cycles: dict[int, float] = {}
+    cycles: dict[int, _Printed] = {}
     factors: dict[int, list[float]] = {}
     lines: dict[int, int] = {}
     section, columns = "", 0
@@ -120,22 +146,26 @@ def _of_print(text: str) -> ModalTable:
             section, columns = "eigenvalues", 0
         elif re.search(r"EFFECTIVE(MODAL)?(MASS|WEIGHT)", squeezed):
             section, columns = "", 0
+        elif sum(len(word) == 1 and word.isalpha() for word in words) >= _SPACED:
+            section, columns = "", 0
         elif section == "factors" and tuple(words[-6:]) in _AXES:
             columns = 8 if "FREQUENCY" in words else 7
         elif section == "factors" and columns and _is_row(words):
             if len(words) != columns:
                 raise BadModalTableError(f"{place}: must have {columns} numbers, got {len(words)}")
-            mode = int(words[0])
-            if mode in factors:
-                raise BadModalTableError(
-                    f"{place}: mode {mode} must stand once, got it again; keep one subcase in the file"
-                )
+            mode = _new_mode(words[0], lines, place)
             values = [_number(word, "a factor", place) for word in words[1:]]
             if columns == 8:
-                cycles[mode] = _positive(values[0], place)
+                own, other = _printed(words[1], "FREQUENCY", place), cycles.get(mode)
+                if other is not None and not own.is_like(other.number, other.step):
+                    raise BadModalTableError(
+                        f"{place}: FREQUENCY of mode {mode} must be its CYCLES among the REAL EIGENVALUES, "
+                        f"{other.number:g} Hz, got {own.number:g}"
+                    )
+                cycles[mode] = own
             factors[mode], lines[mode] = _factors(values[-6:], place), number
-        elif section == "eigenvalues" and len(words) >= 5 and _is_row(words):
-            _read_eigenvalue(words, place, cycles)
+        elif section == "eigenvalues" and _is_row(words):
+            cycles[_new_mode(words[0], cycles, place)] = _eigenvalue(words, place)
     if not factors:
         raise BadModalTableError(
             "line 1: must be CSV with the header " + ",".join(_CSV) + ", or have a table under the heading "
@@ -149,7 +179,7 @@ def _of_print(text: str) -> ModalTable:
         )
     order = list(factors)
     return ModalTable(
-        tuple(cycles[mode] for mode in order),
+        tuple(_positive(cycles[mode].number, f"line {lines[mode]}") for mode in order),
         tuple(x for mode in order for x in factors[mode]),
         None,
         tuple(lines[mode] for mode in order),
@@ -168,29 +198,79 @@ def _factors(numbers: list[float], place: str) -> list[float]:
 def _is_row(words: list[str]) -> bool:
     """Whether a line is one of a table: a page's heading has a number in front too, but words behind it."""
     numbers = sum(_value(word) is not None for word in words)
-    return len(words) > 1 and words[0].isdigit() and 2 * numbers > len(words)
+    return len(words) > 1 and whole_in(words[0]) is not None and 2 * numbers > len(words)
 
 
-def _read_eigenvalue(words: list[str], place: str, cycles: dict[int, float]) -> None:
-    """Read a mode's line: number, [order of extraction,] eigenvalue, rad/s, Hz, [generalized mass, ...]."""
-    at = 4 if len(words) == 7 else 3
-    cycles[int(words[0])] = _number(words[at], "the frequency", place)
-    if len(words) == 7:
-        mass = _number(words[5], "the generalized mass", place)
-        if abs(mass - 1.0) > _UNIT:
-            raise BadModalTableError(
-                f"{place}: the generalized mass of mode {words[0]} must be 1, got {mass:g}; "
-                "have the code scale modes by mass (NORM = MASS)"
-            )
+def _new_mode(word: str, known: Container[int], place: str) -> int:
+    """Return a mode's number, or refuse one that the table has had."""
+    mode = whole_in(word)
+    assert mode is not None
+    if mode in known:
+        raise BadModalTableError(
+            f"{place}: mode {mode} must stand once, got it again; keep one subcase in the file"
+        )
+    return mode
+
+
+@dataclass(frozen=True, slots=True)
+class _Printed:
+    """A number, and one of its last digit, by which it may be off."""
+
+    number: float
+    step: float
+
+    def is_like(self, other: float, step: float) -> bool:
+        """Whether a number, known to a step, is this one."""
+        return abs(self.number - other) <= 1.001 * (self.step + step)
+
+
+def _printed(word: str, name: str, place: str) -> _Printed:
+    number = _number(word, name, place)
+    exponent = decimal.Decimal(_as_written(word)).as_tuple().exponent
+    return _Printed(number, float(f"1e{exponent}"))
+
+
+def _eigenvalue(words: list[str], place: str) -> _Printed:
+    """Return the frequency [Hz] of a mode's line, whose numbers must say the same."""
+    columns = _EIGENVALUES.get(len(words))
+    if columns is None:
+        *first, last = (f"{count} ({', '.join(names)})" for count, names in _EIGENVALUES.items())
+        raise BadModalTableError(
+            f"{place}: a row of the REAL EIGENVALUES must have {', '.join(first)} or {last} numbers, "
+            f"got {len(words)}"
+        )
+    row = {name: _printed(word, name, place) for name, word in zip(columns, words, strict=True)}
+    value, radians, cycles = row["EIGENVALUE"], row["RADIANS"], row["CYCLES"]
+    mass = row["GENERALIZED MASS"].number
+    if abs(mass - 1.0) > _UNIT:
+        raise BadModalTableError(
+            f"{place}: the generalized mass of mode {words[0]} must be 1, got {mass:g}; "
+            "have the code scale modes by mass (NORM = MASS)"
+        )
+    if not _Printed(abs(value.number), value.step).is_like(
+        radians.number**2, 2.0 * abs(radians.number) * radians.step + radians.step**2
+    ):
+        raise BadModalTableError(
+            f"{place}: RADIANS of mode {words[0]} must be the root of its EIGENVALUE, "
+            f"{math.sqrt(abs(value.number)):.7g} rad/s, got {radians.number:.7g}"
+        )
+    if not cycles.is_like(radians.number / math.tau, radians.step / math.tau):
+        raise BadModalTableError(
+            f"{place}: CYCLES of mode {words[0]} must be its RADIANS over 2 pi, "
+            f"{radians.number / math.tau:.7g} Hz, got {cycles.number:.7g}"
+        )
+    # A code prints the root of what is below zero, too.
+    return _Printed(math.copysign(cycles.number, value.number), cycles.step)
+
+
+def _as_written(word: str) -> str:
+    """Return a number as printed tables write it, with an E."""
+    return _SHORT.sub(r"\1E\2", word.strip().upper().replace("D", "E"))
 
 
 def _value(word: str) -> float | None:
     """Return a finite number, as it is printed; None if it is none."""
-    try:
-        number = float(_SHORT.sub(r"\1e\2", word.strip().upper().replace("D", "E").replace("_", "?")))
-    except ValueError:
-        return None
-    return number if math.isfinite(number) else None
+    return decimal_in(_as_written(word))
 
 
 def _number(word: str, name: str, place: str) -> float:

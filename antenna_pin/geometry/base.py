@@ -9,6 +9,7 @@ from typing import Any, Literal, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from antenna_pin.directions import direction
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.geometry import _kernels
 from antenna_pin.records import CONTACT, POSE
@@ -169,10 +170,7 @@ def pose_of(p_HJ: ArrayLike, attitude: ArrayLike) -> NDArray[Any]:
         pose["rotation"] = given
         axis = given[:, 2]
     else:
-        length = float(np.linalg.norm(given))
-        if length == 0.0:
-            raise InvalidParameterError("contacts", "attitude", "a nonzero vector", given)
-        axis = given / length
+        axis = direction(given, "contacts", "attitude")
         pose["rotation"] = _smallest_rotation(axis)
     pose["axis"] = axis
     pose["sine"] = math.sqrt(axis[0] ** 2 + axis[1] ** 2)

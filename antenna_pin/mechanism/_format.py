@@ -14,6 +14,7 @@ from lxml import etree
 
 from antenna_pin.errors import MechanismError, nearest
 from antenna_pin.mechanism._source import tag_of
+from antenna_pin.numerals import decimal_in
 
 __all__ = [
     "FORMAT",
@@ -90,12 +91,9 @@ _NO_SLIPS = ("k_velocity", "axis2", "limited", "power")
 
 def numbers_in(text: str | None) -> tuple[float, ...] | None:
     """Return the numbers of an attribute's text, or None where it holds something else."""
-    try:
-        # Python reads 1_000 and digits of other scripts; Pinocchio's parser does not.
-        plain = (text or "").replace("_", "?").encode("ascii", "replace").decode()
-        return tuple(float(word) for word in plain.split())
-    except ValueError:
-        return None
+    numbers = [decimal_in(word, infinite=True) for word in (text or "").split()]
+    known = tuple(number for number in numbers if number is not None)
+    return known if len(known) == len(numbers) else None
 
 
 def half_unit(text: str | None) -> float:

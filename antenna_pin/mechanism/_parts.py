@@ -22,7 +22,7 @@ from antenna_pin.flexible import (
     Takes,
 )
 from antenna_pin.mechanism._edits import child_of, named, remove, set_numbers, text_of
-from antenna_pin.mechanism._format import MOMENTS
+from antenna_pin.mechanism._format import MOMENTS, numbers_in
 from antenna_pin.mechanism.frames import roll_pitch_yaw
 
 __all__ = ["add_parts", "body_name"]
@@ -134,7 +134,7 @@ def _shapes(link: Any, name: str, where: str) -> list[Any]:
 
 def _shift(shape: Any, by: np.ndarray) -> None:
     origin = child_of(shape, "origin")
-    place = np.array([float(word) for word in origin.get("xyz", "0 0 0").split()])
+    place = np.array(numbers_in(origin.get("xyz", "0 0 0")))
     origin.set("xyz", text_of(place + by))
 
 

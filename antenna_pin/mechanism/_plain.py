@@ -12,6 +12,7 @@ from typing import Any
 
 from lxml import etree
 
+from antenna_pin.directions import unit
 from antenna_pin.mechanism._format import FORMAT, LARGEST, MOMENTS, SHAPES, half_unit, numbers_in, text_in
 from antenna_pin.mechanism._source import name_of, tag_of
 
@@ -93,9 +94,18 @@ def for_pinocchio(robot: Any) -> str:
             _copied(copy, inertial, "origin", "mass", "inertia")
     for joint in robot.findall("joint"):
         copy = _copied(bare, joint, "parent", "child", "origin", "axis")
+        for axis in copy.findall("axis"):
+            _make_moderate(axis)
         if joint.get("type") in _BOUNDED:
             etree.SubElement(copy, "limit", _FAR)
     return str(etree.tostring(bare, encoding="unicode"))
+
+
+def _make_moderate(axis: Any) -> None:
+    """Make an axis one of length 1 if Pinocchio's parser cannot square it."""
+    numbers = numbers_in(axis.get("xyz")) or (1.0,)
+    if not 1e-100 < max(map(abs, numbers)) < 1e100:
+        axis.set("xyz", " ".join(map(repr, unit(numbers).tolist())))
 
 
 def _copied(parent: Any, element: Any, *children: str) -> Any:
@@ -259,7 +269,8 @@ def _clean_joint(joint: Any, found: Findings) -> None:
     kind = joint.get("type")
     if kind in ("fixed", "floating"):
         for axis in joint.findall("axis"):
-            if not _sound(axis.get("xyz"), (3,)) or not any(numbers_in(axis.get("xyz")) or ()):
+            numbers = numbers_in(axis.get("xyz")) or ()
+            if len(numbers) != 3 or not all(map(math.isfinite, numbers)) or not any(numbers):
                 found.pass_over(f"<axis> of a {kind} joint", axis)
                 joint.remove(axis)
     meaningless = {

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from antenna_pin.changes import JOINT_VARIANTS, JointChange, JointVariant, LinkChange
+from antenna_pin.directions import unit
 from antenna_pin.errors import UnknownNameError
 from antenna_pin.mechanism import _edits, _xml
 from antenna_pin.mechanism._plain import WITH_AXIS
-from antenna_pin.mechanism.frames import direction
 
 __all__ = ["edited", "turn_planes"]
 
@@ -51,7 +51,7 @@ def edited(
         joint = _edits.named(robot, "joint", name)
         if kind in ("free", "planar") and joint.get("type") in WITH_AXIS:
             # Axis and friction are those of a bearing from here on, and the joint has none to be judged by.
-            axis = direction(_xml.axis_of(joint, where))
+            axis = unit(_xml.axis_of(joint, where))
             _xml.check_dynamics(joint, where)
             turn = _turned(_xml.check_origin(joint, where))
         _edits.vary_joint(robot, name, kind, axis, turn, where)
@@ -69,7 +69,7 @@ def turn_planes(robot: Any, where: str) -> None:
     """
     for joint in robot.findall("joint"):
         if joint.get("type") == "planar":
-            axis = direction(_xml.axis_of(joint, where))
+            axis = unit(_xml.axis_of(joint, where))
             if np.any(axis[:2] != 0.0) or axis[2] < 0.0:
                 _edits.make_planar(robot, joint, axis, _turned(_xml.check_origin(joint, where)), where)
 

@@ -195,7 +195,7 @@ def axis_of(joint: Any, where: str) -> tuple[float, ...]:
     axis = joint.find("axis")
     if axis is None:
         return 1.0, 0.0, 0.0
-    numbers = _numbers(axis, "xyz", (3,), where)
+    numbers = _numbers(axis, "xyz", (3,), where, any_size=True)
     if not any(numbers):
         raise MechanismError(f"{placed(axis, where)}: axis must be nonzero, got {axis.get('xyz')!r}")
     return numbers
@@ -231,9 +231,18 @@ def _attribute(element: Any, name: str, where: str) -> str:
 
 
 def _numbers(
-    element: Any, name: str, counts: Iterable[int], where: str, *, infinite: bool = False
+    element: Any,
+    name: str,
+    counts: Iterable[int],
+    where: str,
+    *,
+    infinite: bool = False,
+    any_size: bool = False,
 ) -> tuple[float, ...]:
-    """Return the finite numbers of an attribute, or infinite ones where they may be."""
+    """Return the finite numbers of an attribute, or infinite ones where they may be.
+
+    The size of a direction does not count; what is something else must be such that it can be squared.
+    """
     text: str | None = element.get(name)
     _refuse_expression(element, text or "", where)
     counts = tuple(counts)
@@ -246,7 +255,7 @@ def _numbers(
             f"{placed(element, where)}: <{element.tag}> {name} must be {' or '.join(str(c) for c in counts)} "
             f"finite number(s), got {got}"
         )
-    if any(LARGEST < abs(number) < math.inf for number in numbers):
+    if not any_size and any(LARGEST < abs(number) < math.inf for number in numbers):
         raise MechanismError(
             f"{placed(element, where)}: <{element.tag}> {name} must be at most {LARGEST:g} in size, "
             f"got {text!r}"

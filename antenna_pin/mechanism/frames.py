@@ -9,22 +9,15 @@ import numpy as np
 import numpy.typing as npt
 from scipy.spatial.transform import Rotation
 
-from antenna_pin.errors import InvalidParameterError
+from antenna_pin.directions import direction
 
-__all__ = ["Matrix3", "Vector3", "direction", "frame_aligning_z", "quaternions", "roll_pitch_yaw"]
+__all__ = ["Matrix3", "Vector3", "frame_aligning_z", "quaternions", "roll_pitch_yaw"]
 
 Vector3: TypeAlias = npt.NDArray[np.float64]
 """Shape (3,)."""
 
 Matrix3: TypeAlias = npt.NDArray[np.float64]
 """Shape (3, 3)."""
-
-
-def direction(axis: npt.ArrayLike) -> Vector3:
-    """Return the unit vector (3,) along an axis that is not zero [-]; no length overflows or underflows."""
-    vector = np.asarray(axis, dtype=np.float64)
-    vector = vector / np.abs(vector).max()
-    return np.asarray(vector / np.linalg.norm(vector))
 
 
 def frame_aligning_z(axis: npt.ArrayLike) -> Matrix3:
@@ -48,11 +41,7 @@ def frame_aligning_z(axis: npt.ArrayLike) -> Matrix3:
         (3, 3) rotation [-]. Its columns are the axes of the aligned frame in the axes that ``axis`` is given
         in.
     """
-    vector = np.array(axis, dtype=np.float64)
-    if vector.shape != (3,) or not np.all(np.isfinite(vector)) or not np.any(vector):
-        raise InvalidParameterError("frame_aligning_z", "axis", "three finite numbers, not all zero", axis)
-    vector /= np.abs(vector).max()  # first, so that no length overflows or underflows
-    a, b, c = (float(u) for u in vector / math.sqrt(float(vector @ vector)))
+    a, b, c = (float(u) for u in direction(axis, "frame_aligning_z", "axis"))
     radial = a * a + b * b
     if c < 0.0 and radial < 1e-280:  # so near -z that its reciprocal would overflow
         return np.diag([1.0, -1.0, -1.0])

@@ -17,6 +17,7 @@ import numpy.typing as npt
 
 from antenna_pin.brief import brief
 from antenna_pin.changes import JointChange, JointVariant, LinkChange
+from antenna_pin.directions import unit
 from antenna_pin.errors import MechanismError, UnknownNameError
 from antenna_pin.files import replacing
 from antenna_pin.flexible import MassProperties, SplitLink
@@ -31,7 +32,7 @@ from antenna_pin.mechanism import (
     _vary,
     _xml,
 )
-from antenna_pin.mechanism.frames import Vector3, direction
+from antenna_pin.mechanism.frames import Vector3
 from antenna_pin.mechanism.packages import mesh_file
 
 __all__ = ["Urdf"]
@@ -225,7 +226,7 @@ class Urdf:
 
     def axis(self, joint: str) -> Vector3:
         """Return the unit axis (3,) of a joint in its own frame [-]; URDF's x where the file says nothing."""
-        return direction(self.joint(joint).axis)
+        return unit(self.joint(joint).axis)
 
     def placement(self, joint: str) -> npt.NDArray[np.float64]:
         """Return the (4, 4) placement of a joint's frame in its parent link [-, m]."""

@@ -12,7 +12,8 @@ from pydantic import BeforeValidator, Field, ValidationError
 
 from antenna_pin.errors import InvalidParameterError, ScenarioError, UnknownNameError
 from antenna_pin.nonlinear.branches import Branch
-from antenna_pin.nonlinear.surfaces import Section, bare, section_of
+from antenna_pin.nonlinear.surfaces import Section, section_of
+from antenna_pin.numerals import bare, whole_in
 from antenna_pin.scenario import Scenario, load_scenario, models_path
 from antenna_pin.scenario.merge import merge, read_overrides
 from antenna_pin.scenario.shipped import read_toml
@@ -40,14 +41,15 @@ def values_of(text: str) -> list[float | str]:
             raise InvalidParameterError("bifurcation", "values", rule, text)
         return found
     ends = [any_quantity(bare(part)) for part in parts[:2]]
-    if len(parts) != 3 or not parts[2].isdigit() or int(parts[2]) < 2 or None in ends:
+    count = whole_in(parts[2]) if len(parts) == 3 else None
+    if count is None or count < 2 or None in ends:
         raise InvalidParameterError("bifurcation", "values", f"{rule}, COUNT 2 or more", text)
     (first, one), (last, other) = (end for end in ends if end is not None)
     if one and other and one != other:
         raise InvalidParameterError("bifurcation", "values", "of one unit from first to last", text)
     unit = one or other
     suffix = f" {unit}" if unit not in ("", "1") else ""
-    numbers = np.linspace(first, last, int(parts[2])).tolist()
+    numbers = np.linspace(first, last, count).tolist()
     return [f"{number!r}{suffix}" if suffix else number for number in numbers]
 
 

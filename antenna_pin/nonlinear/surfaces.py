@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
+from antenna_pin.numerals import bare
 from antenna_pin.scenario import Scenario
 from antenna_pin.simulation import Angle, Force, Gap, Moment, Rate
 from antenna_pin.units import quantity
@@ -207,10 +208,3 @@ def section_of(text: str, direction: str = "rising", phase: float = 0.0) -> Sect
     kinds: dict[str, Callable[[str, float], Callable[[Moment], float]]]
     kinds = {"angle": Angle, "rate": Rate, "gap": Gap, "force": Force}
     return Crossing(when=kinds[kind](name, number), direction=_DIRECTIONS[direction], name=said)
-
-
-def bare(text: str) -> str | float:
-    try:
-        return float(text)
-    except ValueError:
-        return text.strip()

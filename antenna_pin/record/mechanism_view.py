@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
 from antenna_pin.analysis import mechanism_of
+from antenna_pin.directions import direction
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.mechanism import frame_aligning_z
 from antenna_pin.record._closure_marks import mark_closures
@@ -45,11 +46,8 @@ class Boresight:
         """Check the body and the axis."""
         if body not in bodies:
             raise UnknownNameError("recording", "body", body, bodies)
-        vector = np.asarray(axis, dtype=float)
-        if vector.shape != (3,) or not np.isfinite(vector).all() or not vector.any():
-            raise InvalidParameterError("recording", "boresight", "three numbers, not all zero", axis)
         self.body = body
-        self.axis = vector / np.linalg.norm(vector)
+        self.axis = direction(axis, "recording", "boresight")
 
 
 def mechanism_view(

@@ -2,42 +2,20 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any, ClassVar, NamedTuple, NoReturn, Self
+from typing import Annotated, Any, ClassVar, NoReturn, Self, get_args
 
 from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, ValidationError, model_validator
 from pydantic.fields import FieldInfo
 from pydantic_core import CoreSchema, InitErrorDetails, PydanticCustomError, core_schema
 
-from antenna_pin.elements import DRIVES, SPRINGS
-from antenna_pin.errors import AntennaPinError, ScenarioError, UnknownNameError, nearest
-from antenna_pin.parameters import RULES
+from antenna_pin.arguments import fits
+from antenna_pin.directions import A_DIRECTION
+from antenna_pin.errors import nearest
+from antenna_pin.parameters import RULES, beyond
+from antenna_pin.scenario._explained import Location, Place, dotted, explained
 from antenna_pin.units import QuantityError, describe_unit, quantity, shown
-
-Location = tuple[str | int, ...]
-"""Where a value stands: the keys and indices that lead to it."""
-
-# Tables whose entries are one of several classes; pydantic puts the class into the location, after the name.
-TAGGED: dict[str, tuple[str, ...]] = {
-    "drives": tuple(DRIVES),
-    "events": ("angle", "rate", "time", "gap", "force"),
-    "springs": tuple(SPRINGS),
-    "flexible": ("modes", "petals", "modal-data"),
-}
-_BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
-
-
-def dotted(location: Location) -> str:
-    """Return a location as it is written with dots: ``mechanism.gravity[2]``."""
-    text = ""
-    for item in location:
-        if isinstance(item, int):
-            text += f"[{item}]"
-        else:
-            text += ("." if text else "") + (item if _BARE_KEY.fullmatch(item) else f'"{item}"')
-    return text
 
 
 def refuse(text: str, *location: str | int, value: object = None) -> NoReturn:
@@ -108,6 +86,9 @@ def read_quantity(value: object, unit: str | tuple[str, ...], rule: str, *locati
         refuse(error.reason, *location, value=value)
     if not RULES[rule](number):
         refuse(f"must be {rule}, got {shown(value)}", *location, value=value)
+    too_far = beyond([number], unit, rule)
+    if too_far:
+        refuse(f"must be {too_far}, got {shown(value)}", *location, value=value)
     return number
 
 
@@ -118,7 +99,7 @@ class Vector:
     Attributes:
         unit: SI unit that its entries are read in.
         sizes: How many there may be; () for any number.
-        rule: What each must be, one of ``antenna_pin.parameters.RULES``.
+        rule: What each must be, or all of them, one of ``antenna_pin.parameters.RULES``.
     """
 
     unit: str
@@ -131,9 +112,12 @@ class Vector:
             value = value.tolist()
         if not isinstance(value, list | tuple) or (self.sizes and len(value) not in self.sizes):
             refuse(f"must be {self}, got {shown(value)}", value=value)
-        numbers = tuple(read_quantity(entry, self.unit, "", i) for i, entry in enumerate(value))
+        own = A_DIRECTION if self.rule == A_DIRECTION else ""  # other rules are told of all together
+        numbers = tuple(read_quantity(entry, self.unit, own, i) for i, entry in enumerate(value))
         if not all(RULES[self.rule](number) for number in numbers):
             refuse(f"must be {self.rule}, got {shown(numbers)}", value=value)
+        if self.rule == A_DIRECTION and not any(numbers):
+            refuse(f"must be {A_DIRECTION}, got {shown(numbers)}", value=value)
         return numbers
 
     def __str__(self) -> str:
@@ -180,6 +164,7 @@ PositiveTime = Annotated[float, Quantity("s", "positive")]
 PositiveSpeed = Annotated[float, Quantity("m/s", "positive")]
 Position = Annotated[Vector3, Vector("m")]
 Velocity = Annotated[Vector3, Vector("m/s")]
+Direction = Annotated[Vector3, Vector("1", rule=A_DIRECTION)]
 Rotation = Annotated[Vector3, Vector("rad")]
 AngularVelocity = Annotated[Vector3, Vector("rad/s")]
 
@@ -239,7 +224,30 @@ class Spec(BaseModel):
         for name, field in cls.model_fields.items():
             if field.is_required() and name not in data:
                 refuse(f"is missing{_wanted(field)}", name)
-        return data
+        given = {key: value.item() if _is_of_numpy(value) else value for key, value in data.items()}
+        return given | {name: _read_plain(given[name], kind, name) for name, kind in _plain(cls, given)}
+
+
+def _is_of_numpy(value: Any) -> bool:
+    """Whether a value is a single one of NumPy's, which pydantic does not take for true, false or text."""
+    return hasattr(value, "item") and getattr(value, "ndim", None) == 0
+
+
+def _plain(cls: type[Spec], data: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+    """Yield the keys given whose type says all of them, true or false or a number, and that type."""
+    for name, field in cls.model_fields.items():
+        kinds = [kind for kind in get_args(field.annotation) or (field.annotation,) if kind is not type(None)]
+        if kinds in ([bool], [float]) and not field.metadata and data.get(name) is not None:
+            yield name, kinds[0]
+
+
+def _read_plain(value: Any, kind: Any, name: str) -> Any:
+    # Of itself pydantic takes "no", 0 and "off" for false, true for 1 and "1_0" for 10.
+    if kind is float:
+        return read_quantity(value, "1", "", name)
+    if not fits(value, bool):
+        refuse(f"must be true or false, got {shown(value)}", name, value=value)
+    return bool(value)
 
 
 def _wanted(field: FieldInfo) -> str:
@@ -249,84 +257,5 @@ def _wanted(field: FieldInfo) -> str:
     return ""
 
 
-class Place(NamedTuple):
-    """Where a value stands, for a message.
-
-    Attributes:
-        text: File and dotted place, such as ``my.toml: integrator.rtol``.
-        note: What is to be said of its origin after the message, or "".
-        stale: What is to be said, too, of a key that its table does not have, or "".
-    """
-
-    text: str
-    note: str = ""
-    stale: str = ""
-
-
 def _by_class(cls: type[Spec]) -> Callable[[Location], Place]:
     return lambda location: Place(f"{cls.__name__}: {dotted(location)}" if location else f"{cls.__name__}:")
-
-
-Line = tuple[Location, Mapping[str, Any]]
-"""One thing that pydantic found: its location, as the user writes it, and its details."""
-
-
-def explained(error: ValidationError, place: Callable[[Location], Place]) -> AntennaPinError:
-    """Return the first thing that pydantic found as an error of one line."""
-    return explained_line(located_lines(error)[0], place)
-
-
-def explained_line(line: Line, place: Callable[[Location], Place]) -> AntennaPinError:
-    """Return one thing that pydantic found as an error of one line.
-
-    Args:
-        line: What it found.
-        place: Returns the place of a location.
-    """
-    location, detail = line
-    where, note, stale = place(location)
-    context = detail.get("ctx", {})
-    if detail["type"] == "unknown_name":
-        return UnknownNameError(where, context["what"], context["name"], context["known"])
-    stale = stale if detail["type"] == "unknown_key" else ""
-    return ScenarioError(f"{where} {_message(detail, context)}{stale}{note}")
-
-
-def located_lines(error: ValidationError) -> list[Line]:
-    """Return all that pydantic found."""
-    lines: list[Line] = []
-    for detail in error.errors(include_url=False):
-        location = tuple(item for item in detail["loc"] if item != "[key]")
-        if len(location) > 2 and location[2] in TAGGED.get(str(location[0]), ()):
-            location = (*location[:2], *location[3:])
-        lines.append((location, detail))
-    return lines
-
-
-# What pydantic's own checks ask for, as it reads after "must be".
-_RULES = {
-    "string_type": "text",
-    "bool_type": "true or false",
-    "dict_type": "a table",
-    "model_type": "a table",
-    "model_attributes_type": "a table",
-    "tuple_type": "an array",
-    "path_type": "a path",
-    "finite_number": "finite",
-}
-
-
-def _message(detail: Mapping[str, Any], context: Mapping[str, Any]) -> str:
-    kind, value = detail["type"], detail["input"]
-    if kind in ("refused", "unknown_key"):
-        return str(context["text"])
-    if kind == "literal_error":
-        guess = nearest(str(value), re.findall(r"'([^']*)'", context["expected"]))
-        return f"must be {context['expected']}, got {shown(value)}" + (
-            f"; did you mean {guess}?" if guess else ""
-        )
-    if kind == "json_invalid":
-        return f"is not JSON: {context['error']}"
-    if kind in _RULES:
-        return f"must be {_RULES[kind]}, got {shown(value)}"
-    return f"is not valid: {detail['msg']}, got {shown(value)}"

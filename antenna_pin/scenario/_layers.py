@@ -13,7 +13,8 @@ from pydantic import ValidationError
 from antenna_pin.errors import ScenarioError, nearest
 from antenna_pin.files import decoded
 from antenna_pin.flexible.table import BadModalTableError, read_modal_table
-from antenna_pin.scenario._base import Location, Place, Spec, dotted, explained, unknown_key
+from antenna_pin.scenario._base import Spec, unknown_key
+from antenna_pin.scenario._explained import Location, Place, dotted, explained
 from antenna_pin.scenario.drives import file_columns
 from antenna_pin.scenario.flexible import has_modal_file, modal_stand_in
 from antenna_pin.scenario.merge import Overrides, merge, read_overrides

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal, Self, get_args
 from pydantic import model_validator
 
 from antenna_pin.errors import InvalidParameterError, ScenarioError
-from antenna_pin.scenario._base import TAGGED, PositiveLength, refuse
+from antenna_pin.scenario._base import PositiveLength, refuse
 from antenna_pin.scenario._clearance import (
     AXIAL_PLAY,
     KINDS,
@@ -18,6 +18,7 @@ from antenna_pin.scenario._clearance import (
     Variant,
     check_play,
 )
+from antenna_pin.scenario._explained import TAGGED
 from antenna_pin.scenario.laws import LawSpec, needs_materials
 
 if TYPE_CHECKING:

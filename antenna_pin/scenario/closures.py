@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self
+from typing import Literal, Self
 
 from pydantic import Field, model_validator
 
-from antenna_pin.scenario._base import Position, Spec, Vector, Vector3, refuse
+from antenna_pin.scenario._base import Direction, Position, Spec, refuse
 
 __all__ = ["AnchorSpec", "ClosureSpec", "PlaceSpec"]
 
-Direction = Annotated[Vector3, Vector("1")]
 
 # Kinds without an axis.
 _POINTS = ("spherical", "fixed")
@@ -54,14 +53,6 @@ class AnchorSpec(PlaceSpec):
 
     axis: Direction | None = None
     across: Direction | None = None
-
-    @model_validator(mode="after")
-    def _check_directions(self) -> Self:
-        for key in ("axis", "across"):
-            given = getattr(self, key)
-            if given is not None and not any(given):
-                refuse("must be a direction, not all zero", key, value=given)
-        return self
 
 
 class ClosureSpec(Spec):

@@ -29,8 +29,8 @@ class InitialJointSpec(JointTable):
     Attributes:
         position: Of a joint with one degree of freedom [rad] ([m]).
         velocity: Of a joint with one degree of freedom [rad/s] ([m/s]).
-        angle: Of a joint with play, about the axis [rad].
-        rate: Of a joint with play, about the axis [rad/s].
+        angle: Of a joint with play, about the axis; with it journal_tilt[2] must be zero [rad].
+        rate: Of a joint with play, about the axis; with it journal_angular_velocity[2] must be zero [rad/s].
         journal_position: Journal's centre from the bearing's, in bearing axes [m].
         journal_tilt: Rotation vector of the journal's tilt, in bearing axes [rad].
         journal_velocity: Of the journal's centre in bearing axes [m/s].

@@ -10,7 +10,7 @@ from pydantic import ValidationError
 
 from antenna_pin.arguments import takes
 from antenna_pin.errors import AntennaPinError, ScenarioError, UnknownNameError
-from antenna_pin.scenario._base import dotted, explained_line, located_lines
+from antenna_pin.scenario._explained import dotted, explained_line, located_lines
 from antenna_pin.scenario._layers import (
     Source,
     built,

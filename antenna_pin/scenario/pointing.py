@@ -5,14 +5,23 @@ from __future__ import annotations
 import math
 from typing import Annotated, Literal, Self
 
+import numpy as np
 from pydantic import model_validator
 
-from antenna_pin.scenario._base import PositiveLength, PositiveTime, Quantity, Spec, Vector, Vector3, refuse
+from antenna_pin.directions import unit
+from antenna_pin.scenario._base import (
+    Direction,
+    PositiveLength,
+    PositiveTime,
+    Quantity,
+    Spec,
+    Vector3,
+    refuse,
+)
 from antenna_pin.units import shown
 
 __all__ = ["OrbitSpec", "PointingSpec"]
 
-Direction = Annotated[Vector3, Vector("1")]
 
 # Directions that are to be perpendicular, and parallel ones that may not be, are told apart to this angle.
 _ANGLE = 1e-6
@@ -40,8 +49,6 @@ class OrbitSpec(Spec):
         given = [name for name in ("altitude", "period", "rate") if getattr(self, name) is not None]
         if len(given) != 1:
             refuse(f"must have one of altitude, period and rate, got {' and '.join(given) or 'none'}")
-        for name in ("normal", "nadir"):
-            _check_direction(getattr(self, name), name)
         if abs(math.pi / 2 - _angle(self.normal, self.nadir)) > _ANGLE:
             refuse(
                 f"must be perpendicular to normal = {shown(self.normal)}, got {shown(self.nadir)}",
@@ -77,7 +84,6 @@ class PointingSpec(Spec):
 
     @model_validator(mode="after")
     def _check_axes(self) -> Self:
-        _check_direction(self.boresight, "boresight")
         _check_second(self.up, self.boresight, "up", "boresight")
         if self.commanded == "ideal":
             for name in ("direction", "direction_up"):
@@ -87,7 +93,6 @@ class PointingSpec(Spec):
             return self
         if self.direction is None:
             refuse(f'is missing; give it where commanded is "{self.commanded}"', "direction")
-        _check_direction(self.direction, "direction")
         _check_second(self.direction_up, self.direction, "direction_up", "direction")
         if self.commanded == "orbit" and self.orbit is None:
             refuse('is missing; give it where commanded is "orbit"', "orbit")
@@ -96,20 +101,14 @@ class PointingSpec(Spec):
 
 def _angle(a: Vector3, b: Vector3) -> float:
     """Angle between two directions [rad]."""
-    cross = (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
-    return math.atan2(math.hypot(*cross), sum(x * y for x, y in zip(a, b, strict=True)))
-
-
-def _check_direction(direction: Vector3, name: str) -> None:
-    if not any(direction):
-        refuse(f"must not be zero, got {shown(direction)}", name, value=direction)
+    one, other = unit(a), unit(b)
+    return math.atan2(float(np.linalg.norm(np.cross(one, other))), float(one @ other))
 
 
 def _check_second(second: Vector3 | None, first: Vector3, name: str, other: str) -> None:
     """Refuse a second axis that says nothing beside the first."""
     if second is None:
         return
-    _check_direction(second, name)
     angle = _angle(second, first)
     if min(angle, math.pi - angle) <= _ANGLE:
         refuse(f"must not lie along {other} = {shown(first)}, got {shown(second)}", name, value=second)

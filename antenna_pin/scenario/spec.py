@@ -2,15 +2,13 @@
 
 from antenna_pin.scenario._base import (
     Count,
-    Place,
     PositiveTime,
     Quantity,
     Spec,
-    dotted,
-    explained,
     refuse,
     refuse_name,
 )
+from antenna_pin.scenario._explained import Place, dotted, explained
 
 __all__ = [
     "Count",

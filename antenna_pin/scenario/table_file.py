@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import csv
-import math
 from typing import Any
 
 from antenna_pin.errors import FileFormatError
+from antenna_pin.numerals import decimal_in
 from antenna_pin.units import shown
 
 __all__ = ["BadTableError", "read_table"]
@@ -59,10 +59,7 @@ def _columns(rows: Any, columns: tuple[str, str]) -> tuple[tuple[float, ...], tu
 
 
 def _number(cell: str, name: str, line: str) -> float:
-    try:
-        number = float(cell)
-    except ValueError:
-        number = math.nan
-    if not math.isfinite(number):
+    number = decimal_in(cell)
+    if number is None:
         raise BadTableError(f"{line}: {name} must be a finite number, got {shown(cell.strip())}")
     return number

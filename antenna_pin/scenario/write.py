@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from antenna_pin.scenario._base import dotted
+from antenna_pin.scenario._explained import dotted
 from antenna_pin.scenario.merge import toml_value
 from antenna_pin.scenario.scenario import Scenario
 

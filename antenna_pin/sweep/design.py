@@ -22,7 +22,7 @@ __all__ = ["Column", "Design", "design_of"]
 SAMPLE = "sample"
 _MOST = 10_000_000
 _LONGEST = 60  # characters of a value in a message
-_INDEXED = re.compile(r"(.*)\[(\d+)\]")
+_INDEXED = re.compile(r"(.*)\[([0-9]{1,9})\]")
 
 
 @dataclass(frozen=True, slots=True)

@@ -23,7 +23,7 @@ PRINT = """1    WING                              NOVEMBER  22, 2026  MSC.NASTRA
     NO.       ORDER                                                                 MASS            STIFFNESS
         1         1      3.553058E+02      1.884956E+01      3.000000E+00      1.000000E+00      3.553058E+02
 1    WING                              NOVEMBER  22, 2026  MSC.NASTRAN 11/22/24   PAGE    12
-        2         2      1.395361E+04      1.181254E+02      1.880000E+01      1.000000E+00      1.395361E+04
+        2         2      1.395326E+04      1.181239E+02      1.880000E+01      1.000000E+00      1.395326E+04
 1    WING                              NOVEMBER  22, 2026  MSC.NASTRAN   PAGE    13
 
                                 MODAL PARTICIPATION FACTORS
@@ -63,11 +63,32 @@ def test_tables_are_read(text: str, damping: tuple[float, ...] | None):
         (CSV.replace("0,0,-0.3", "0,-0.3"), "line 5: must have 8 values, got 7"),
         (CSV.replace("18.8", "eighteen"), "line 5: frequency must be a finite number, got 'eighteen'"),
         (CSV.replace("18.8", "0"), "line 5: frequency must be positive, got 0 Hz; a mode without one is"),
-        (CSV.replace("0.01", "-0.01"), "line 5: damping_ratio must be zero or more, got -0.01"),
+        (CSV.replace("0.01", "-0.01"), "line 5: damping_ratio must be zero or more and below 1, got -0.01"),
         (CSV.replace("2.2,0,0,0,0,-1.9", "0,0,0,0,0,0"), "line 3: tx to rz must be other than six zeros"),
         (WITH_FREQUENCY.replace("2.2", "0.0").replace("-1.9", "0.0"), "line 3: tx to rz must be other than"),
         ("frequency,tx,ty,tz,rx,ry,rz\n", "line 1: must have at least one mode below the header"),
         ("nothing\n", "line 1: must be CSV with the header"),
+        (CSV.replace("0.01", "2"), "line 5: damping_ratio must be zero or more and below 1, got 2; 2 %"),
+        (CSV.replace("18.8", '"2,000"'), "line 5: frequency must be a finite number, got '2,000'"),
+        (CSV.replace("18.8", "1_8"), "line 5: frequency must be a finite number, got '1_8'"),
+        (CSV.replace("18.8", "\u0661\u0668"), "line 5: frequency must be a finite number, got"),
+        (CSV.replace("18.8", "infinity"), "line 5: frequency must be a finite number, got 'infinity'"),
+        (CSV + CSV.splitlines()[2], "line 6: a mode must stand once, got that of line 3 again"),
+        (CSV + CSV, "line 7: frequency must be a finite number, got 'frequency'"),
+        (PRINT.replace("1.000000E+00      1.395326E+04", ""),
+         "line 8: a row of the REAL EIGENVALUES must have 7 (MODE, ORDER, EIGENVALUE, RADIANS"),
+        (PRINT.replace("1.395326E+04\n", "1.395326E+04 0.0\n"),
+         "line 8: a row of the REAL EIGENVALUES must have 7 (MODE, ORDER, EIGENVALUE, RADIANS"),
+        (PRINT.replace("1.880000E+01", "1.880010E+01"),
+         "line 8: CYCLES of mode 2 must be its RADIANS over 2 pi, 18.8 Hz, got 18.8001"),
+        (PRINT.replace("1.181239E+02", "1.181260E+02"),
+         "line 8: RADIANS of mode 2 must be the root of its EIGENVALUE, 118.12"),
+        (PRINT.replace("        2         2      1.395", "        1         2      1.395"),
+         "line 8: mode 1 must stand once, got it again; keep one subcase"),
+        (PRINT.replace("2      1.395326E+04", "2     -1.395326E+04"),
+         "line 15: frequency must be positive, got -18.8 Hz"),
+        (PRINT[: PRINT.index("     MODAL PART")] + WITH_FREQUENCY.replace("18.8", "19.0"),
+         "line 14: FREQUENCY of mode 2 must be its CYCLES among the REAL EIGENVALUES, 18.8 Hz, got 19"),
         (PRINT.replace("1.000000E+00      1.395", "2.5 1.395"),
          "line 8: the generalized mass of mode 2 must be 1, got 2.5"),
         (PRINT.replace("        2         2      1.395", "    text 1.395"),

@@ -170,7 +170,9 @@ def test_refuses_what_is_no_pose(joint):
         for centre in ([0, 0], [0, 0, math.nan]):
             with pytest.raises(ValueError, match=f"^{rule}, got "):
                 geometry.contacts(centre, [0, 0, 1])
-        with pytest.raises(ValueError, match="^contacts: attitude must be a nonzero vector, got "):
+        with pytest.raises(
+            ValueError, match="^contacts: attitude must be three finite numbers, not all zero, got "
+        ):
             geometry.contacts([0, 0, 0], [0, 0, 0])
 
 

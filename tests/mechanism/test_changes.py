@@ -28,7 +28,10 @@ from antenna_pin.mechanism import JointChange, LinkChange, ShapeChange
             lambda: ShapeChange(size=(1.0, 0.0, 1.0)),
             "ShapeChange: size must be 3 positive numbers, got (1.0, 0.0, 1.0)",
         ),
-        (lambda: JointChange(axis=(0.0, 0.0, 0.0)), "JointChange: axis must be nonzero, got [0.0, 0.0, 0.0]"),
+        (
+            lambda: JointChange(axis=(0.0, 0.0, 0.0)),
+            "JointChange: axis must be three finite numbers, not all zero, got [0.0, 0.0, 0.0]",
+        ),
         (
             lambda: JointChange(origin_xyz=(0.0, 0.0)),
             "JointChange: origin_xyz must be 3 finite numbers, got (0.0, 0.0)",
