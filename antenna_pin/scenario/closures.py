@@ -12,6 +12,7 @@ __all__ = ["AnchorSpec", "ClosureSpec", "PlaceSpec"]
 
 Direction = Annotated[Vector3, Vector("1")]
 
+ClosureKind = Literal["revolute", "universal", "spherical", "prismatic", "cylindrical", "planar", "fixed"]
 # Kinds without an axis.
 _POINTS = ("spherical", "fixed")
 
@@ -74,7 +75,7 @@ class ClosureSpec(Spec):
         second: The other side; its forces are those on this side's link.
     """
 
-    kind: Literal["revolute", "universal", "spherical", "prismatic", "cylindrical", "planar", "fixed"]
+    kind: ClosureKind
     first: AnchorSpec = Field(...)
     second: AnchorSpec = Field(...)
 
