@@ -19,7 +19,7 @@ from antenna_pin.arguments import fits, unknown_type
 from antenna_pin.errors import AntennaPinError, FunctionError, InvalidParameterError
 from antenna_pin.interruption import FunctionInterrupted
 
-__all__ = ["AskedFunction", "asked", "check_takes", "number_in", "told_numbers"]
+__all__ = ["AskedFunction", "asked", "check_takes", "number_in", "refused", "told_numbers"]
 
 _FINITE = "a finite number"
 
@@ -56,7 +56,7 @@ class AskedFunction:
         try:
             answer = self._function(*question)
         except BaseException as error:
-            raise _refused(self.name, self.told(question), self._rule, error) from error
+            raise refused(self.name, self.told(question), self._rule, error) from error
         # Most answers: a check that costs next to nothing.
         if type(answer) is float and answer - answer == 0.0 and answer >= self._least:
             return answer
@@ -86,10 +86,10 @@ def asked(name: str, told: str, rule: str, function: Callable[..., Any], *questi
     try:
         return function(*question)
     except BaseException as error:
-        raise _refused(name, told, rule, error) from error
+        raise refused(name, told, rule, error) from error
 
 
-def _refused(name: str, told: str, rule: str, error: BaseException) -> BaseException:
+def refused(name: str, told: str, rule: str, error: BaseException) -> BaseException:
     """Return what is raised where a function raises something: an exit or a want of memory ends no run."""
     if isinstance(error, FunctionError | FunctionInterrupted):
         return error  # of another that it has asked

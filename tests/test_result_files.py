@@ -34,7 +34,7 @@ def _break(rule: Rule, values: np.ndarray, data: xr.Dataset) -> None:
     elif rule.only:
         values[last] = 0.5
     elif rule.least != -np.inf:
-        values[last] = rule.least - 1.0 - 2.0 * np.abs(values[np.isfinite(values)]).max(initial=0.0)
+        values[...] = rule.least - 1.0 - 2.0 * np.abs(values[np.isfinite(values)]).max(initial=0.0)
     elif rule.most != np.inf:
         values[last] = rule.most + 1.0
     elif rule.rising:

@@ -2,22 +2,25 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.answers import asked
+from antenna_pin.answers import refused
 from antenna_pin.errors import FunctionError
 from antenna_pin.geometry.base import Distances
 from antenna_pin.records import CONTACT
+from antenna_pin.units import shown
 
 __all__ = ["OwnBackend"]
 
 _RULE = "a finite gap and point, and a finite unit normal, of each contact asked for, and change nothing else"
 _UNIT = 1e-6  # that a normal's length may be off by
-_GIVEN = ("gap", "normal", "point")
+# What it fills in: the first numbers of a row (:data:`antenna_pin.records.CONTACT`).
+_GIVEN = ("gap", *(f"{name} {axis}" for name in ("normal", "point") for axis in "xyz"))
 
 
 class OwnBackend:
@@ -36,6 +39,7 @@ class OwnBackend:
         self.name = name
         self._distances, self._contacts = distances, contacts
         self._table = np.zeros(0, CONTACT)
+        self._own = np.zeros((0, len(_GIVEN)))
 
     def query(
         self, pose: NDArray[Any], table: NDArray[Any], row: int, wanted: Sequence[float] | None = None
@@ -47,35 +51,36 @@ class OwnBackend:
         """
         if len(self._table) != len(table):
             self._table = np.zeros_like(table)
-        rows, before = slice(row, row + self._contacts), pose.tobytes()
-        own = self._table[rows]
-        for name in _GIVEN:
-            own[name] = np.nan
-        more = () if wanted is None else (list(wanted),)
-        asked(self.name, self.told(pose), _RULE, self._distances.query, pose, self._table, row, *more)
+            self._own = self._numbers_of(self._table, row)
+        own, before = self._own, pose.tobytes()
+        own[:] = np.nan
+        try:
+            if wanted is None:
+                self._distances.query(pose, self._table, row)
+            else:
+                self._distances.query(pose, self._table, row, list(wanted))
+        except BaseException as error:
+            raise refused(self.name, self.told(pose), _RULE, error) from error
         if pose.tobytes() != before:
             pose[:] = np.frombuffer(before, pose.dtype)
-            raise self._refused(pose, "a pose that it had changed")
-        for k, row_of in enumerate(own):
-            if wanted is not None and not wanted[k]:
-                continue
-            normal = row_of["normal"]
-            numbers = (row_of["gap"], *normal, *row_of["point"])
-            if not np.isfinite(numbers).all():
-                raise self._refused(pose, self._got(row_of, k))
-            if not abs(float(normal @ normal) - 1.0) <= 2.0 * _UNIT:
-                raise self._refused(pose, self._got(row_of, k))
-        for name in _GIVEN:
-            table[name][rows] = own[name]
+            raise FunctionError(self.name, self.told(pose), _RULE, "a pose that it had changed")
+        # Plain numbers: a query is asked several times a step.
+        for k, numbers in enumerate(own.tolist()):
+            if wanted is None or wanted[k]:
+                _, x, y, z, *_ = numbers
+                if not (
+                    abs(x * x + y * y + z * z - 1.0) <= 2.0 * _UNIT and math.isfinite(sum(numbers))
+                ):
+                    got = f"{shown(dict(zip(_GIVEN, numbers, strict=True)))} for contact {k}"
+                    raise FunctionError(self.name, self.told(pose), _RULE, got)
+        self._numbers_of(table, row)[:] = own
+
+    def _numbers_of(self, table: NDArray[Any], row: int) -> NDArray[np.float64]:
+        """Return gap, normal and point of the joint's rows of a table, (contacts, 7); a view."""
+        rows = table[row : row + self._contacts]
+        return rows.view(np.float64).reshape(self._contacts, -1)[:, : len(_GIVEN)]
 
     def told(self, pose: NDArray[Any]) -> str:
         """Return a question in words."""
         x, y, z = pose["centre"][0].tolist()
         return f"journal at x = {x:.9g} m, y = {y:.9g} m, z = {z:.9g} m in its bearing"
-
-    def _got(self, row: Any, number: int) -> str:
-        said = ", ".join(f"{name} {np.array2string(row[name], precision=6)}" for name in _GIVEN)
-        return f"{said} for contact {number}"
-
-    def _refused(self, pose: NDArray[Any], got: str) -> FunctionError:
-        return FunctionError(self.name, self.told(pose), _RULE, got)

@@ -30,6 +30,11 @@ _DIRECTION = Rule(unit=True)
 
 def problems_of_numbers(data: xr.Dataset) -> Iterator[str]:
     """Yield what of a result's numbers cannot be, in words: column, place, value and rule."""
+    if "episode" in data.sizes:
+        index = data["episode_contact"].values
+        if index.dtype.kind not in "iu" or (index < 0).any() or (index >= data.sizes["contact"]).any():
+            yield "numbers in 'episode_contact' that are of no contact"
+            return
     columns = [("time", TIME)] if not is_lean(data) else []
     columns += [
         (one.name, one.rule) for one in variables_of({str(dim) for dim in data.sizes}, free_base=True)
@@ -44,10 +49,6 @@ def problems_of_numbers(data: xr.Dataset) -> Iterator[str]:
     if not is_lean(data):
         for place, part in _directions(data):
             yield from _in_column(data, "q", _DIRECTION, True, part, f"{place!r} of 'q'")
-    if "episode" in data.sizes:
-        index = data["episode_contact"].values
-        if index.dtype.kind not in "iu" or (index < 0).any() or (index >= data.sizes["contact"]).any():
-            yield "numbers in 'episode_contact' that are of no contact"
 
 
 def _in_column(
