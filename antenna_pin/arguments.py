@@ -153,7 +153,7 @@ def fits(value: Any, hint: Any) -> bool:
     if hint is bool:
         return isinstance(value, bool | np.bool_)
     if getattr(hint, "_is_protocol", False):
-        return all(hasattr(value, name) for name in _members(hint))
+        return not inspect.isclass(value) and all(hasattr(value, name) for name in _members(hint))
     return isinstance(value, hint) if isinstance(hint, type) else True
 
 
@@ -195,6 +195,9 @@ def is_number(value: Any) -> bool:
         return False
     if isinstance(value, bool | str | bytes) or not hasattr(value, "__float__"):
         return isinstance(value, Integral) and not isinstance(value, bool)
+    # Of these NumPy makes numbers as well, with a warning.
+    if isinstance(value, np.complexfloating) or (isinstance(value, np.ndarray) and value.ndim):
+        return False
     try:
         float(value)
     except (TypeError, ValueError):

@@ -14,6 +14,7 @@ from collections.abc import Iterable
 __all__ = [
     "AntennaPinError",
     "FileFormatError",
+    "FunctionError",
     "InvalidParameterError",
     "MechanismError",
     "MissingToolError",
@@ -92,6 +93,30 @@ class InvalidParameterError(AntennaPinError, ValueError):
         self.reason = f"must be {rule}, got {_repr(value) if said is None else said}"
         super().__init__(f"{name}: {parameter} {self.reason}")
         self.parameter = parameter
+
+
+class FunctionError(AntennaPinError, RuntimeError):
+    """A function of a user's has no answer that can be used, or raises something.
+
+    A run ends by it as :class:`antenna_pin.trajectory.Outcome` ``FUNCTION_FAILED``, and keeps what it has.
+
+    Args:
+        name: Whose it is and what it is called.
+        question: What it was asked, in words.
+        rule: What it must give, as it reads after "must give".
+        got: What it gave instead.
+    """
+
+    def __init__(self, name: str, question: str, rule: str, got: str) -> None:
+        """Compose the one-line message."""
+        #: What was seen, as it reads in a message of a run.
+        self.seen = f"{name} of {question} gave {got}"
+        super().__init__(f"{name} must give {rule}, got {got} of {question}")
+        self._parts = name, question, rule, got
+
+    def __reduce__(self) -> tuple[type[FunctionError], tuple[str, str, str, str]]:
+        """Be made anew of its parts in another process."""
+        return type(self), self._parts
 
 
 class ScenarioError(AntennaPinError, ValueError):

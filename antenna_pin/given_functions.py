@@ -5,11 +5,12 @@ Kernels call them by their addresses (``_called.py``).
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from functools import cache
 from typing import Any
 
-from numba import cfunc, float64
+from numba import cfunc, float64, njit
 from numba.core.ccallback import CFunc
 from numba.core.dispatcher import Dispatcher
 from numba.core.errors import NumbaError
@@ -24,9 +25,20 @@ def is_compiled(*functions: object) -> bool:
     return all(isinstance(function, Dispatcher | CFunc) for function in functions)
 
 
-def callable_of(function: Callable[..., float]) -> Callable[..., float]:
-    """Return a function as Python can call it: one compiled by ``numba.cfunc`` stands for itself only."""
-    return function.ctypes if isinstance(function, CFunc) else function
+def callable_of(function: Callable[..., float], arguments: int) -> Callable[..., float]:
+    """Return a function of so many floats as Python can call it: a compiled one as kernels call it."""
+    if not is_compiled(function):
+        return function
+    of_user = _dispatched(function)
+    called = _compiled(function, arguments).ctypes
+
+    def call(*question: float) -> float:
+        answer = float(called(*question))
+        if math.isnan(answer):
+            of_user(*question)  # which says why, if it raises
+        return answer
+
+    return call
 
 
 def address_of(place: str, name: str, function: Any, arguments: int) -> float:
@@ -41,35 +53,49 @@ def address_of(place: str, name: str, function: Any, arguments: int) -> float:
     Raises:
         InvalidParameterError: It does not take them, or gives something else.
     """
-    return float(_address(place, name, function, arguments))
-
-
-@cache
-def _address(place: str, name: str, function: Any, arguments: int) -> int:
-    signature = float64(*[float64] * arguments)
     count = "1 float" if arguments == 1 else f"{arguments} floats"
     rule = f"a compiled function of {count} that returns a float"
-    if isinstance(function, CFunc):
-        given: Any = function
-        if given._sig != signature:
-            raise InvalidParameterError(place, name, rule, f"one of {given._sig}")
-        _KEPT.append(given)
-        return int(given.address)
-
-    def one(a: float) -> float:
-        return function(a)  # type: ignore[no-any-return]
-
-    def three(a: float, b: float, c: float) -> float:
-        return function(a, b, c)  # type: ignore[no-any-return]
-
-    wrapped: Callable[..., float] = one if arguments == 1 else three
+    given = getattr(function, "_sig", _signature(arguments))  # of one by cfunc
+    if given != _signature(arguments):
+        raise InvalidParameterError(place, name, rule, f"one of {given}")
     try:
-        compiled: Any = cfunc(signature, error_model="numpy")(wrapped)
+        return float(_compiled(function, arguments).address)
     except NumbaError as error:
         first = next(line for line in str(error).splitlines() if line.strip())
         raise InvalidParameterError(place, name, rule, f"one of which Numba says: {first.strip()}") from None
+
+
+def _signature(arguments: int) -> Any:
+    return float64(*[float64] * arguments)
+
+
+@cache
+def _dispatched(function: Any) -> Any:
+    """Return a compiled function that other compiled ones can call."""
+    return njit(function.__wrapped__) if isinstance(function, CFunc) else function
+
+
+@cache
+def _compiled(function: Any, arguments: int) -> Any:
+    """Return a function as kernels call it, which gives NaN where it raises: of itself it would give zero."""
+    given = _dispatched(function)
+
+    def one(a: float) -> float:
+        try:
+            return given(a)  # type: ignore[no-any-return]
+        except Exception:
+            return math.nan
+
+    def three(a: float, b: float, c: float) -> float:
+        try:
+            return given(a, b, c)  # type: ignore[no-any-return]
+        except Exception:
+            return math.nan
+
+    wrapped: Callable[..., float] = one if arguments == 1 else three
+    compiled: Any = cfunc(_signature(arguments), error_model="numpy")(wrapped)
     _KEPT.append(compiled)
-    return int(compiled.address)
+    return compiled
 
 
 #: Compiled functions, kept for as long as their addresses are in use anywhere.

@@ -17,7 +17,15 @@ from contextlib import contextmanager
 from types import FrameType
 from typing import NoReturn
 
-__all__ = ["Ended", "ended_by", "ending_by_signals", "held_back", "interruptible", "is_interruption"]
+__all__ = [
+    "Ended",
+    "FunctionInterrupted",
+    "ended_by",
+    "ending_by_signals",
+    "held_back",
+    "interruptible",
+    "is_interruption",
+]
 
 _ENDING = tuple(
     number for name in ("SIGTERM", "SIGHUP") if (number := getattr(signal, name, None)) is not None
@@ -26,6 +34,10 @@ _ENDING = tuple(
 
 class Ended(KeyboardInterrupt):
     """SIGTERM or SIGHUP has come: as Ctrl-C."""
+
+
+class FunctionInterrupted(KeyboardInterrupt):
+    """Ctrl-C has come in a function of a user's, between what must not be left half done."""
 
 
 # The signal that stopped or interrupted work last.

@@ -7,6 +7,10 @@ import xarray as xr
 
 from antenna_pin import Trajectory, load_scenario, simulate
 from antenna_pin.errors import FileFormatError
+from antenna_pin.trajectory.check import problem_of
+from antenna_pin.trajectory.columns import Rule
+from antenna_pin.trajectory.file import write
+from antenna_pin.trajectory.schema import VARIABLES
 
 
 @pytest.fixture(scope="module")
@@ -15,10 +19,31 @@ def result(tmp_path_factory):
     return simulate(load_scenario("impact_pair", case="contact"), duration=2e-3).save(path)
 
 
-def _spoiled(data: xr.Dataset, name: str) -> xr.Dataset:
-    values = data[name].values.copy()
-    values.flat[0] = np.nan
+def _with(data: xr.Dataset, name: str, change) -> xr.Dataset:
+    """Return data in one of whose variables numbers are changed, in place."""
+    values = data[name].values.astype(float)
+    change(values)
     return data.assign({name: (data[name].dims, values)})
+
+
+# A number that breaks each part of a rule, and what it is set to where.
+def _break(rule: Rule, values: np.ndarray, data: xr.Dataset) -> None:
+    last = (len(values) - 1, *(0,) * (values.ndim - 1))
+    if rule.unit:
+        values[-1] = 0.0
+    elif rule.only:
+        values[last] = 0.5
+    elif rule.least != -np.inf:
+        values[...] = rule.least - 1.0 - 2.0 * np.abs(values[np.isfinite(values)]).max(initial=0.0)
+    elif rule.most != np.inf:
+        values[last] = rule.most + 1.0
+    elif rule.rising:
+        values[last] = values[0] - 1.0
+    elif rule.beside:
+        apart = np.argwhere(data[rule.beside].values == 0)[0]
+        values[(*apart, 0)] = 1.0
+    else:
+        values[last] = np.inf
 
 
 def _without_its_joint(data: xr.Dataset) -> xr.Dataset:
@@ -41,8 +66,7 @@ def _in_kilonewtons(data: xr.Dataset) -> xr.Dataset:
         (_in_kilonewtons, "'contact_force' in 'kN', not in 'N'"),
         (lambda data: data.drop_vars("contact_force"), "got no variable 'contact_force'"),
         (lambda data: data.drop_vars("q"), "got no variable 'q'"),
-        (lambda data: _spoiled(data, "q"), "numbers in 'q' that are not finite"),
-        (lambda data: data.isel(time=slice(None, None, -1)), "times that are not finite or go back"),
+        (lambda data: data.isel(time=slice(None, None, -1)), "in 'time' at .*, no less than the one before"),
         (lambda data: data.assign_attrs(clearance_joints="{"), "'clearance_joints' that cannot be read"),
         (lambda data: data.assign_attrs(counts="[]"), "'counts' that cannot be read"),
         (lambda data: data.assign_attrs(outcome="PERHAPS"), "'outcome' that cannot be read"),
@@ -53,6 +77,74 @@ def test_a_result_that_is_not_whole_is_refused(result, tmp_path, change, words):
     path = tmp_path / "changed.nc"
     change(xr.load_dataset(result)).to_netcdf(path, engine="h5netcdf")
     with pytest.raises(FileFormatError, match=words):
+        Trajectory.load(path)
+
+
+def test_every_column_is_held_to_its_rule(result):
+    """The schema says of each column what it may be, and that is all."""
+    data = Trajectory.load(result).data
+    assert problem_of(data) is None
+    found = [one for one in VARIABLES.values() if one.name in data and data[one.name].size]
+    assert len(found) > 40
+    for variable in found:
+        said = problem_of(_with(data, variable.name, lambda v, rule=variable.rule: _break(rule, v, data)))
+        assert said is not None and f"in '{variable.name}'" in said, (variable.name, said)
+        assert "which must be finite" in said or variable.name == "episode_contact"
+
+
+@pytest.mark.parametrize(
+    ("name", "change", "words"),
+    [
+        ("q", lambda q: q[3].__setitem__(slice(3, 7), 0.0), "in 'base' of 'q' at sample 3 .*of length 1"),
+        (
+            "q",
+            lambda q: q[2].__setitem__(0, np.nan),
+            r"nan in 'q' at sample 2 \(t = .* s\), which must be finite",
+        ),
+        ("normal_force", lambda f: np.negative(f, out=f), "in 'normal_force' at sample .*0 or more"),
+        ("touching", lambda t: np.maximum(t, 0.5, out=t), "0.5 in 'touching' at sample 0 .*one of 0, 1"),
+        ("touching", lambda t: t.fill(0.0), "in 'normal_force' at sample .*zero where touching is"),
+        ("dissipated", lambda e: np.negative(e, out=e), "in 'dissipated' at episode 0, .*0 or more"),
+        ("onset_time", lambda t: t.__setitem__(0, 1.0), "in 'onset_time' at episode 1, .*no less than"),
+    ],
+)
+def test_what_a_hand_may_have_changed_is_told(result, tmp_path, name, change, words):
+    path = tmp_path / "sealed.nc"
+    write(_with(xr.load_dataset(result), name, change), path)
+    with pytest.raises(FileFormatError, match=words):
+        Trajectory.load(path)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda data: data.assign_attrs(form="half"), "'half' in the attribute 'form'"),
+        (
+            lambda data: data.assign_coords(contact_end=("contact", ["top", "-", "+", "-"])),
+            "'top'.* which must be ",
+        ),
+        (
+            lambda data: data.assign_attrs(
+                clearance_joints=data.attrs["clearance_joints"].replace('"load": "point"', '"load": "some"')
+            ),
+            "'clearance_joints' that cannot be read",
+        ),
+    ],
+)
+def test_words_that_there_are_not_are_refused(result, tmp_path, change, words):
+    path = tmp_path / "sealed.nc"
+    write(change(xr.load_dataset(result)), path)
+    with pytest.raises(FileFormatError, match=words):
+        Trajectory.load(path)
+
+
+def test_a_run_that_ended_badly_may_have_numbers_that_are_none(result, tmp_path):
+    data = _with(xr.load_dataset(result), "a", lambda a: a[-1].fill(np.nan))
+    path = tmp_path / "sealed.nc"
+    write(data.assign_attrs(outcome="NOT_FINITE"), path)
+    assert not Trajectory.load(path).completed
+    write(data, path)
+    with pytest.raises(FileFormatError, match="nan in 'a' at sample"):
         Trajectory.load(path)
 
 

@@ -92,6 +92,12 @@ def _write(t: float, y: Any, program: Any, plan: Any, work: Any, whole: bool) ->
 
 
 @inlined
+def _larger(a: float, b: float) -> float:
+    """Return the larger of two numbers; NaN if one is none, which closes nothing."""
+    return a if a > b or a != a else b
+
+
+@inlined
 def _note(plan: Any, work: Any, row: int, turns: bool, gap: float, speed: float, lack: float) -> None:
     """Write a row's numbers, and remember the largest residuals."""
     head, found = plan_of(plan), found_in(plan, work)
@@ -100,11 +106,11 @@ def _note(plan: Any, work: Any, row: int, turns: bool, gap: float, speed: float,
     work[head.speed + row] = scale * speed
     work[head.lack + row] = scale * lack
     if turns:
-        found.turn = max(found.turn, abs(gap))
-        found.spin = max(found.spin, abs(speed))
+        found.turn = _larger(found.turn, abs(gap))
+        found.spin = _larger(found.spin, abs(speed))
     else:
-        found.gap = max(found.gap, abs(gap))
-        found.speed = max(found.speed, abs(speed))
+        found.gap = _larger(found.gap, abs(gap))
+        found.speed = _larger(found.speed, abs(speed))
 
 
 @inlined

@@ -195,7 +195,7 @@ class Constraints:
         self.residuals(t, y, program)
         at_rest = self._in_place()
         length = self.plan.length
-        last = max(self.found.gap, self.found.turn * length)
+        last = np.maximum(self.found.gap, self.found.turn * length)  # NaN if one is
         # The rows hardly turn over such a correction: one factorization serves it all, else there is another.
         near = last < NEAR * length
         self.factorize(y[:nq])
@@ -204,7 +204,7 @@ class Constraints:
                 break
             retract(y, self.step(of_speed=False))
             found = self.residuals(t, y, program)
-            now = max(found.gap, found.turn * length)
+            now = np.maximum(found.gap, found.turn * length)
             at_rest = self._in_place() or now > 0.5 * last
             last = now
             if not near:

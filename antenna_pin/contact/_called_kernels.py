@@ -35,7 +35,8 @@ def called_whole(law: Any, depth: float, rate: float, approach_speed: float) -> 
     """Whole normal force [N]; never adhesive."""
     if depth <= 0.0:
         return 0.0
-    return max(0.0, float(call_3(law.whole, min(depth, law.end), rate, approach_speed)))
+    force = float(call_3(law.whole, min(depth, law.end), rate, approach_speed))
+    return force if not force < 0.0 else 0.0  # NaN stays NaN
 
 
 @inlined

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin._compile import record
+from antenna_pin.answers import check_takes
 from antenna_pin.arguments import takes
 from antenna_pin.contact import _friction_kernels as _kernels
 from antenna_pin.contact._called_kernels import CALLED_FRICTION
@@ -271,6 +272,10 @@ class CustomFriction:
     """
 
     coefficient: Callable[[float], float]
+
+    def __post_init__(self) -> None:
+        """Check that its function can be asked."""
+        check_takes(self, "coefficient", self.coefficient, "slip speed")
 
     @property
     def is_compiled(self) -> bool:

@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin._compile import record
+from antenna_pin.answers import check_takes
 from antenna_pin.arguments import takes
 from antenna_pin.contact import _kernels
 from antenna_pin.contact._called_kernels import CALLED, CALLED_WHOLE
@@ -41,6 +42,7 @@ __all__ = [
     "Hertz",
     "NoDissipation",
     "NormalLaw",
+    "normal_questions",
 ]
 
 # A scenario may leave out what has "from_joint": it follows from the joint's dimensions and materials.
@@ -64,6 +66,19 @@ class NormalLaw(Protocol):
 
     def elastic_energy(self, depth: float) -> float:
         """Return the energy stored at ``depth`` [J]."""
+
+
+_QUESTION = (("depth", "m"), ("rate", "m/s"), ("approach speed", "m/s"))
+
+
+def normal_questions(
+    law: NormalLaw,
+) -> tuple[tuple[str, Callable[..., float], tuple[tuple[str, str], ...]], ...]:
+    """Return what a run asks a normal law: name, function, name and unit of each number it is asked."""
+    return tuple(
+        (name, getattr(law, name), _QUESTION[:count])
+        for name, count in (("force", 3), ("elastic_force", 1), ("elastic_energy", 1))
+    )
 
 
 class CompiledNormalLaw(Law):
@@ -299,6 +314,11 @@ class CustomNormal:
     elastic_force: Callable[[float], float]
     elastic_energy: Callable[[float], float]
     depth_limit: float = math.inf
+
+    def __post_init__(self) -> None:
+        """Check that its functions can be asked."""
+        for name, _, words in normal_questions(self):
+            check_takes(self, name, getattr(self, name), *(word for word, _ in words))
 
     @property
     def is_compiled(self) -> bool:

@@ -303,6 +303,8 @@ def _check_reach(system: System, workspace: Workspace, y: Array, begin: float, e
                 break
             h *= 0.5
             if h < 1e-9 * (end - begin):
+                for one in system.motions:  # a function without an answer there says so
+                    system.drives[one.name].at(t + 2.0 * h)  # type: ignore[attr-defined]
                 raise MechanismError(
                     f"motions: out of reach from t = {number(t)} s on: {worst_row(constraints)} cannot be "
                     "closed there; change the motion or the dimensions"
@@ -327,10 +329,8 @@ def _check_singular(system: System, workspace: Workspace, y: Array) -> None:
         trial = y.copy()
         workspace.retract(trial, way * (_BESIDE / float(np.abs(way).max())))
         if motions or not constraints.plan.motions:
-            closed = find_configuration(
-                constraints, trial, program, np.eye(len(way)), workspace.retract, reach
-            )
-            if closed is not None:
+            given = np.eye(len(way)), workspace.retract, reach
+            if find_configuration(constraints, trial, program, *given) is not None:
                 continue
         there = mobility(constraints, 0.0, trial, program)
         if there.closed_rank > here.closed_rank or there.rank > here.rank:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.answers import AskedFunction
 from antenna_pin.dynamics import _kernels
 from antenna_pin.dynamics.held import held_slot
 from antenna_pin.elements import Element, Motion
@@ -15,9 +17,36 @@ from antenna_pin.joints import ClearanceJoint
 from antenna_pin.joints import _layout_kernels as _layout
 from antenna_pin.mechanism import JointSlot, Mechanism, frame_aligning_z
 
-__all__ = ["Blocks", "check_motion", "clearance_block", "held_block"]
+__all__ = ["Blocks", "InPython", "check_motion", "clearance_block", "held_block", "slides"]
 
 Array = NDArray[np.float64]
+
+
+class InPython(NamedTuple):
+    """An element whose numbers Python writes before each evaluation.
+
+    Attributes:
+        block: Where in a program its block stands.
+        words: Where its numbers go.
+        element: The element.
+        functions: Its functions as a run asks them.
+    """
+
+    block: int
+    words: slice
+    element: Element
+    functions: tuple[AskedFunction, ...]
+
+    def given(self, t: float, angle: float, rate: float) -> tuple[float, ...]:
+        """Return its numbers at time t [s], at an angle and a rate of its joint."""
+        return self.element.given(self.functions, t, angle, rate)
+
+
+def slides(mechanism: Mechanism, clearances: Sequence[ClearanceJoint], joint: str) -> bool:
+    """Whether a joint slides along its axis rather than turning about it."""
+    return mechanism.joint(joint).kind == "prismatic" or any(
+        one.name == joint and one.geometry.motion == "slide" for one in clearances
+    )
 
 
 class Blocks:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import operator
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import compress, pairwise
 from typing import Any
@@ -16,6 +16,7 @@ from antenna_pin.dynamics import _audit_kernels, _point_kernels, _sample_kernels
 from antenna_pin.dynamics.audit import energy_of_python_laws
 from antenna_pin.dynamics.system import System
 from antenna_pin.dynamics.workspace import Workspace
+from antenna_pin.errors import FunctionError
 from antenna_pin.mechanism import PLACE, JointSlot, body_tree, frame_aligning_z
 from antenna_pin.records import CONTACT, POSE
 
@@ -47,6 +48,8 @@ class Observed:
         coupling: Force [N] or torque [N m] of each coupling on its follower, (n, couplings).
         residual: Largest of closures, couplings and motions, of positions [m] and angles [rad] and of their
             rates [m/s], [rad/s], (n, 4).
+        failures: By which functions of a user's have no answer, by the number of the sample: what is asked of
+            Python is not a number there.
     """
 
     acceleration: Array
@@ -59,6 +62,7 @@ class Observed:
     closure: Array
     coupling: Array
     residual: Array
+    failures: Mapping[int, FunctionError]
 
     @property
     def energy(self) -> Array:
@@ -113,14 +117,20 @@ def observed(
         audits,
         stretch,
     )
+    failures: dict[int, FunctionError] = {}
     if workspace.paths or system.callables:
         for i in range(n):
             workspace.program[:] = programs[i]
             workspace.memory[:] = memories[i]
-            workspace.measure(states[i])
-            workspace.apply_elements(times[i], states[i], rates)
-            _sample_kernels.observe(i, i + 1, True, *given)
-            audits["contacts"][i] += energy_of_python_laws(workspace)
+            try:
+                workspace.measure(states[i])
+                workspace.apply_elements(times[i], states[i], rates)
+                _sample_kernels.observe(i, i + 1, True, *given)
+                audits["contacts"][i] += energy_of_python_laws(workspace)
+            except FunctionError as error:
+                failures[i] = error
+                for part in (forces, contact, pose, effort, audits, stretch):
+                    part[i : i + 1].view(np.float64)[:] = np.nan
     else:
         changed = map(operator.is_not, programs[1:], programs)
         changes = [0, *compress(range(1, n), changed), n]
@@ -131,7 +141,9 @@ def observed(
         accelerations, closure = _accelerations(model, states, forces), np.zeros((n, 0, 2, 3))
         coupling, residual = np.zeros((n, 0)), np.zeros((n, 4))
     else:
-        accelerations, closure, coupling, residual = _held(workspace, times, states, forces, programs, effort)
+        accelerations, closure, coupling, residual = _held(
+            workspace, times, states, forces, programs, effort, failures
+        )
     return Observed(
         acceleration=accelerations,
         contact=contact,
@@ -143,6 +155,7 @@ def observed(
         closure=closure,
         coupling=coupling,
         residual=residual,
+        failures=failures,
     )
 
 
@@ -153,6 +166,7 @@ def _held(
     forces: Array,
     programs: Sequence[Array],
     effort: NDArray[Any],
+    failures: dict[int, FunctionError],
 ) -> tuple[Array, Array, Array, Array]:
     """Return accelerations, closures' wrenches, couplings' forces, residuals; motions' go to ``effort``."""
     system, constraints = workspace.system, workspace.constraints
@@ -165,7 +179,14 @@ def _held(
     rates = np.zeros(system.model.nv + system.manifold.nx)
     for i, (t, y, force) in enumerate(zip(times, states, forces, strict=True)):
         workspace.program[:] = programs[i]
-        workspace.prepare_motions(t, y)
+        try:
+            workspace.prepare_motions(t, y)
+        except FunctionError as error:
+            failures[i] = error
+        if i in failures:
+            for part in (accelerations, wrenches, joints, residuals):
+                part[i] = np.nan
+            continue
         constraints.observe(t, y, workspace.program, force, rates, wrenches[i], joints[i])
         accelerations[i] = rates[: system.model.nv]
         residuals[i] = constraints.residual

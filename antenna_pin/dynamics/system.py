@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from antenna_pin.arguments import takes
 from antenna_pin.constraints import Closure, Coupling, DrivenJoint, Plan, make_plan
 from antenna_pin.dynamics import _kernels
-from antenna_pin.dynamics.blocks import Blocks, check_motion, clearance_block, held_block
+from antenna_pin.dynamics.blocks import Blocks, InPython, check_motion, clearance_block, held_block, slides
 from antenna_pin.dynamics.configuration import make_unit, numbers, spaces
 from antenna_pin.dynamics.coordinates import coordinate_names
 from antenna_pin.dynamics.coupled import couplings_of, fit_turns, put_followers
@@ -184,18 +184,15 @@ class System:
         self.impulse_x = starts + place_of(_layout.INTEGRALS, "impulse")
         self.lost_normal_x = starts + place_of(_layout.INTEGRALS, "lost_normal")
         self.lost_friction_x = starts + place_of(_layout.INTEGRALS, "lost_friction")
-        bristles = [
-            np.arange(first + _layout.BRISTLES, first + stride)
-            for first, stride in zip(starts, strides, strict=True)
-        ]
+        bristles = [np.arange(a + _layout.BRISTLES, a + n) for a, n in zip(starts, strides, strict=True)]
         self.bristle_x = np.concatenate([np.zeros(0, dtype=int), *bristles])
 
     def _place_elements(self, blocks: Blocks) -> None:
         """Lay out drives and springs at joints."""
         #: Places in x of what elements integrate, by its name; in the order of the elements.
         integrals: dict[str, list[int]] = {}
-        #: Elements in Python: their block, and where in the program their numbers go.
-        self.callables: list[tuple[int, slice, Element]] = []
+        #: Elements in Python.
+        self.callables: list[InPython] = []
         #: Joints whose motion is prescribed.
         self.motions: list[DrivenJoint] = []
         self.drive_blocks: dict[str, int] = {}
@@ -212,7 +209,8 @@ class System:
                 places[name] = at = blocks.add(block, len(element.integrals))
                 own = at + int(_kernels.PARAMETERS)
                 if element.in_python:
-                    self.callables.append((at, slice(own, at + len(block)), element))
+                    asked = element.asked(f"{family} {name!r}", self.slides(element.joint))
+                    self.callables.append(InPython(at, slice(own, at + len(block)), element, asked))
                 if isinstance(element, Motion):
                     check_motion(f"{family} {name!r}", self.mechanism, self.drives, name, element)
                     kind = element.compiled().KIND
@@ -238,6 +236,10 @@ class System:
         self.damper_x = np.array([int(head.view(_kernels.ELEMENT)["x"][0]) for head in heads], dtype=int)
         return begin
 
+    def slides(self, joint: str) -> bool:
+        """Whether a joint slides along its axis rather than turning about it."""
+        return slides(self.mechanism, self.clearances, joint)
+
     def element_block(self, place: str, element: Element, x: int) -> Array:
         """Return the block of an element, or refuse a joint at which it cannot act.
 
@@ -248,8 +250,7 @@ class System:
         """
         slot = self.mechanism.joint(element.joint)
         clearance = self.clearance_blocks.get(element.joint, -1)
-        play = [j.geometry for j in self.clearances if j.name == element.joint]
-        without_axis = any(geometry.motion is None for geometry in play)
+        without_axis = any(j.geometry.motion is None for j in self.clearances if j.name == element.joint)
         if clearance >= 0 and not without_axis:
             joint_kind = _kernels.PLAY
         elif slot.kind in ("revolute", "prismatic"):
@@ -262,8 +263,7 @@ class System:
                 f"{place}: joint {element.joint!r} is {kind_seen} and has no axis to act about; "
                 "use a revolute, continuous, prismatic or clearance joint"
             )
-        slides = slot.kind == "prismatic" or any(geometry.motion == "slide" for geometry in play)
-        element.check_joint(place, slides)
+        element.check_joint(place, self.slides(element.joint))
         words = element.words_of_kernel()
         block = np.concatenate([np.zeros(_kernels.PARAMETERS), words])
         head = block[: _kernels.PARAMETERS].view(_kernels.ELEMENT)

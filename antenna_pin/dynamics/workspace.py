@@ -77,7 +77,7 @@ class Workspace:
         #: Whether each drive in Python is on at present.
         self._on = [
             self.program[block : block + _kernels.PARAMETERS].view(_kernels.ELEMENT)["on"]
-            for block, _, _ in system.callables
+            for block, *_ in system.callables
         ]
         #: The bodies, and room for where they are, if springs between points ask for that.
         self._bodies: tuple[NDArray[Any], NDArray[Any]] | None = None
@@ -115,11 +115,11 @@ class Workspace:
 
     def prepare_motions(self, t: float, y: Array) -> None:
         """Write the numbers of elements in Python at time t [s] and state y into the program."""
-        for on, (block, words, element) in zip(self._on, self.system.callables, strict=True):
+        for on, one in zip(self._on, self.system.callables, strict=True):
             if on[0] == 0.0:
                 continue
-            angle, rate, _, _ = _kernels.joint_motion(self.program, block, y, self.model.nq)
-            self.program[words] = element.given(t, angle, rate)
+            angle, rate, _, _ = _kernels.joint_motion(self.program, one.block, y, self.model.nq)
+            self.program[one.words] = one.given(t, angle, rate)
 
     def locate(self, y: Array, table: NDArray[Any]) -> None:
         """Fill gap, normal, point, rate and slip of all contacts in a table, by what locates their changes.

@@ -21,11 +21,12 @@ It enters by one line of :mod:`antenna_pin.elements.registry`; everything else f
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
+from antenna_pin.answers import AskedFunction, check_takes, told_numbers
 from antenna_pin.arguments import takes
 from antenna_pin.parameters import check, parameters_of
 
@@ -158,8 +159,38 @@ class Element(ForceElement):
         """Functions of a user's that it asks: name, function, how many of time, angle and rate it takes."""
         return ()
 
-    def given(self, t: float, angle: float, rate: float) -> tuple[float, ...]:
-        """Return the numbers of its record at time t [s], angle and rate, if Python writes them."""
+    def __post_init__(self) -> None:
+        """Check the parameters, and that its functions can be asked."""
+        ForceElement.__post_init__(self)
+        for name, function, count in self.functions:
+            check_takes(self, name, function, *(word for word, _ in _motion_words(False)[:count]))
+
+    def asked(self, place: str, slides: bool) -> tuple[AskedFunction, ...]:
+        """Return its functions as a run asks them.
+
+        Args:
+            place: Its name, for what is said of them.
+            slides: Whether the joint slides along its axis rather than turning about it.
+        """
+        from antenna_pin.given_functions import callable_of
+
+        words = _motion_words(slides)
+        return tuple(
+            AskedFunction(f"{place}: {name}", callable_of(function, count), told_numbers(words[:count]))
+            for name, function, count in self.functions
+        )
+
+    def given(
+        self, functions: Sequence[Callable[..., float]], t: float, angle: float, rate: float
+    ) -> tuple[float, ...]:
+        """Return the numbers of its record, if Python writes them.
+
+        Args:
+            functions: Its own, as :meth:`asked` has them.
+            t: Time [s].
+            angle: Of the joint.
+            rate: Of the joint.
+        """
         raise NotImplementedError
 
     def check_joint(self, place: str, slides: bool) -> None:
@@ -169,6 +200,12 @@ class Element(ForceElement):
             place: Its name, for the message.
             slides: Whether the joint slides along its axis rather than turning about it.
         """
+
+
+def _motion_words(slides: bool) -> tuple[tuple[str, str], ...]:
+    """Return name and unit of what functions of a joint's motion are asked."""
+    unit = "m" if slides else "rad"
+    return ("t", "s"), ("position" if slides else "angle", unit), ("rate", f"{unit}/s")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -61,9 +61,11 @@ class CallableDrive(Drive):
 
         return address_of(type(self).__name__, "torque", self.torque, 3) if self.called else 0.0
 
-    def given(self, t: float, angle: float, rate: float) -> tuple[float, ...]:
+    def given(
+        self, functions: Sequence[Callable[..., float]], t: float, angle: float, rate: float
+    ) -> tuple[float, ...]:
         """Return the numbers of its record at time t [s]."""
-        return (self.torque(t, angle, rate), 0.0)
+        return (functions[0](t, angle, rate), 0.0)
 
     def words(self, slides: bool) -> str:
         """Return what it is in words."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -223,13 +223,16 @@ class CallableMotion(Motion):
         """Its three functions, of time."""
         return tuple((name, getattr(self, name), 1) for name in ("position", "velocity", "acceleration"))
 
-    def given(self, t: float, angle: float, rate: float) -> tuple[float, ...]:
+    def given(
+        self, functions: Sequence[Callable[..., float]], t: float, angle: float, rate: float
+    ) -> tuple[float, ...]:
         """Return the numbers of its record at time t [s]."""
-        return (*self.profile()(t), 0.0, 0.0, 0.0)
+        return (*(function(t) for function in functions), 0.0, 0.0, 0.0)
 
     def profile(self) -> Callable[[float], tuple[float, float, float]]:
         """Return position, rate and acceleration as a function of time."""
-        return lambda t: (float(self.position(t)), float(self.velocity(t)), float(self.acceleration(t)))
+        position, velocity, acceleration = self.asked(f"motion of joint {self.joint!r}", False)
+        return lambda t: (position(t), velocity(t), acceleration(t))
 
     def words(self, slides: bool) -> str:
         """Return what it is in words."""

@@ -36,9 +36,9 @@ def check_compiled(system: System) -> None:
                 f"engine 'compiled': joint {joint.name!r} has its gaps measured by {backend}, which is not "
                 f"compiled; set its geometry to 'closed-form', {way_out}"
             )
-    for _, _, element in system.callables:
+    for at in (one.element.joint for one in system.callables):
         raise MechanismError(
-            f"engine 'compiled': what acts at joint {element.joint!r} is a function in Python; compile it "
+            f"engine 'compiled': what acts at joint {at!r} is a function in Python; compile it "
             f"with numba.njit, {way_out}"
         )
 

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from antenna_pin._compile import record
+from antenna_pin.answers import check_takes
 from antenna_pin.contact._kernels import DISSIPATION_RECORDS, ELASTIC_RECORDS
 from antenna_pin.contact._records import NORMAL_LAW
+from antenna_pin.contact.normal import CompiledNormalLaw, normal_questions
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.geometry import ClearanceGeometry, RevoluteClearance
 
-__all__ = ["check_kinds", "check_load"]
+__all__ = ["check_asked", "check_load"]
 
 
-def check_kinds(place: str, law: Any) -> None:
+def _check_kinds(place: str, law: Any) -> None:
     """Refuse a law whose code the kernels do not know.
 
     Args:
@@ -30,6 +33,31 @@ def check_kinds(place: str, law: Any) -> None:
                 f"one of {', '.join(f'{k:g}' for k in known)}, which the kernels know; or give it no code()",
                 float(kind),
             )
+
+
+def check_asked(place: str, normal_laws: Sequence[Any], friction: Any, backend: object) -> None:
+    """Refuse laws and a backend that a run could not ask.
+
+    Args:
+        place: The joint, for the message.
+        normal_laws: Of its contacts.
+        friction: Its friction law.
+        backend: What measures its gaps, or the name of that.
+    """
+    if backend not in ("coal", "closed-form") and not hasattr(backend, "query"):
+        raise InvalidParameterError(place, "backend", "coal, closed-form or an object with query()", backend)
+    for law in normal_laws:
+        if isinstance(law, CompiledNormalLaw):
+            _check_kinds(place, law)
+        elif not hasattr(law, "code"):
+            for name, function, words in normal_questions(law):
+                check_takes(f"{place}: {type(law).__name__}", name, function, *(word for word, _ in words))
+    if not hasattr(friction, "code"):
+        law = f"{place}: {type(friction).__name__}"
+        check_takes(law, "coefficient", friction.coefficient, "slip speed")
+    if not isinstance(backend, str):
+        query: Any = getattr(backend, "query", None)
+        check_takes(f"{place}: {type(backend).__name__}", "query", query, "pose", "table", "row", "wanted")
 
 
 def check_load(

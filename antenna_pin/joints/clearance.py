@@ -19,12 +19,13 @@ from antenna_pin.contact._kernels import NORMAL_SIZE, takes_mass_of_contact
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.geometry import ClearanceGeometry, Distances, RevoluteClearance
 from antenna_pin.geometry._patch_kernels import NODE
+from antenna_pin.geometry.own_backend import OwnBackend
 from antenna_pin.joints import _kernels
 from antenna_pin.joints import _layout_kernels as _layout
-from antenna_pin.joints._checks import check_kinds, check_load
+from antenna_pin.joints._checks import check_asked, check_load
 from antenna_pin.joints._patch_kernels import patch_energy
 from antenna_pin.joints.contacts import JointContacts
-from antenna_pin.joints.python_path import PythonPath, has_code, range_of
+from antenna_pin.joints.python_path import LawInRun, PythonPath, has_code, range_of
 from antenna_pin.records import CONTACT, MEMORY, POSE
 
 __all__ = ["ClearanceJoint"]
@@ -80,10 +81,6 @@ class ClearanceJoint:
     def __post_init__(self) -> None:
         """Check what the parts do not check themselves."""
         place = f"joint {self.name!r}"
-        if self.backend not in ("coal", "closed-form") and not hasattr(self.backend, "query"):
-            raise InvalidParameterError(
-                place, "backend", "coal, closed-form or an object with query()", self.backend
-            )
         if self.bearing_on not in ("parent", "child"):
             raise InvalidParameterError(place, "bearing_on", "parent or child", self.bearing_on)
         if not 0.0 < self.approach_speed_floor < math.inf:
@@ -92,9 +89,7 @@ class ClearanceJoint:
             )
         if self.axial is None and any(place.kind == "axial" for place in self.geometry.contact_places):
             raise InvalidParameterError(place, "axial", "a normal law", None)
-        for law in self.normal_laws:
-            if isinstance(law, CompiledNormalLaw):
-                check_kinds(place, law)
+        check_asked(place, self.normal_laws, self.friction, self.backend)
         bristles = bool(getattr(self.friction, "states", 0))
         check_load(
             place,
@@ -109,16 +104,10 @@ class ClearanceJoint:
         if self.maximum_depth is None:
             object.__setattr__(self, "maximum_depth", 0.01 * self.geometry.section_radius)
         elif not 0.0 < self.maximum_depth < math.inf:
-            raise InvalidParameterError(
-                f"joint {self.name!r}", "maximum_depth", "a positive length [m]", self.maximum_depth
-            )
+            raise InvalidParameterError(place, "maximum_depth", "a positive length [m]", self.maximum_depth)
         if bristles and not all(has_code(law) for law in self.normal_laws):
-            raise InvalidParameterError(
-                f"joint {self.name!r}",
-                "friction",
-                "a law of the slip speed beside a normal law in Python (bristles need compiled laws)",
-                self.friction,
-            )
+            rule = "a law of the slip speed beside a normal law in Python (bristles need compiled laws)"
+            raise InvalidParameterError(place, "friction", rule, self.friction)
 
     @property
     def planar(self) -> bool:
@@ -142,6 +131,18 @@ class ClearanceJoint:
         return tuple(self.axial if kind == "axial" and self.axial else self.radial for kind in kinds)
 
     @property
+    def law_names(self) -> tuple[str, ...]:
+        """What is said of the normal law of each contact."""
+        return tuple(f"joint {self.name!r}: {place.kind} law" for place in self.geometry.contact_places)
+
+    @property
+    def own_backend(self) -> OwnBackend | None:
+        """A backend of one's own as a run asks it; None if it is one of ours."""
+        if isinstance(self.backend, str):
+            return None
+        return OwnBackend(f"joint {self.name!r}: geometry: query", self.backend, self.contacts)
+
+    @property
     def takes_mass(self) -> tuple[bool, ...]:
         """Of each contact, whether its law depends on the effective mass that it remembers."""
         laws = (law.code() if isinstance(law, CompiledNormalLaw) else None for law in self.normal_laws)
@@ -160,14 +161,13 @@ class ClearanceJoint:
         """
         if self.compiled and self.backend == "closed-form":
             return None
-        backend: Distances | None = None
-        if not isinstance(self.backend, str):
-            backend = self.backend
-        elif self.backend == "coal":
+        backend: Distances | None = self.own_backend
+        if self.backend == "coal":
             backend = self.geometry.coal(block[: _layout.JOINT_WORDS].view(_layout.JOINT)["axes"][0])
-        friction = None if self.compiled else self.friction
-        measured = backend is self.backend
-        return PythonPath(block, memory, table, nq, backend, self.normal_laws, friction, measured)
+        friction = None if self.compiled else (self.friction, f"joint {self.name!r}")
+        measured = not isinstance(self.backend, str)
+        laws = list(zip(self.normal_laws, self.law_names, strict=True))
+        return PythonPath(block, memory, table, nq, backend, laws, friction, measured)
 
     @property
     def depth_limits(self) -> tuple[float, ...]:
@@ -280,11 +280,11 @@ class ClearanceJoint:
         table = np.zeros(self.contacts + self.place_strips(block, self.contacts), CONTACT)
         _kernels.geometry_alone(block, 0, y, configuration.size, table, np.zeros(1, POSE))
         energy = 0.0
-        for k, law in enumerate(self.normal_laws):
+        for k, law in enumerate(zip(self.normal_laws, self.law_names, strict=True)):
             if self.load == "distributed":
                 energy += patch_energy(block, 0, k, table)
             elif table[k].gap < 0.0:
-                energy += law.elastic_energy(-float(table[k].gap))
+                energy += LawInRun(*law).energy(-float(table[k].gap))
         return energy
 
     def evaluate(

@@ -9,18 +9,21 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.answers import AskedFunction, told_numbers
 from antenna_pin.contact import FrictionLaw, NormalLaw
 from antenna_pin.contact._friction_kernels import friction_force
 from antenna_pin.contact._kernels import elastic_energy, elastic_force, normal_force
+from antenna_pin.contact.normal import normal_questions
 from antenna_pin.geometry import Distances
 from antenna_pin.geometry._patch_kernels import NODE
 from antenna_pin.geometry.coal_revolute import CoalRevolute
+from antenna_pin.given_functions import callable_of
 from antenna_pin.joints import _kernels
 from antenna_pin.joints._layout_kernels import JOINT, JOINT_WORDS, nodes_at, patches_at
 from antenna_pin.joints._pose_kernels import place_journal
 from antenna_pin.records import POSE
 
-__all__ = ["LawInRun", "PythonPath", "has_code", "range_of"]
+__all__ = ["LawInRun", "PythonPath", "coefficient_of", "functions_of_law", "has_code", "range_of"]
 
 Array = NDArray[np.float64]
 
@@ -37,6 +40,20 @@ def range_of(law: NormalLaw) -> float:
     return float(getattr(law, "depth_limit", math.inf))
 
 
+def functions_of_law(law: NormalLaw, place: str) -> tuple[AskedFunction, ...]:
+    """Return the functions of a normal law as a run asks them: force, its elastic part, energy stored."""
+    return tuple(
+        AskedFunction(f"{place}: {name}", callable_of(function, len(words)), told_numbers(words))
+        for name, function, words in normal_questions(law)
+    )
+
+
+def coefficient_of(law: Any, place: str) -> AskedFunction:
+    """Return the function of a friction law of the slip speed, as a run asks it."""
+    told = told_numbers([("slip speed", "m/s")])
+    return AskedFunction(f"{place}: friction law: coefficient", callable_of(law.coefficient, 1), told, 0.0)
+
+
 class LawInRun:
     """A contact's normal law as a run asks it: with the contact's mass, and past its range in a trial step.
 
@@ -44,16 +61,17 @@ class LawInRun:
 
     Args:
         law: The law.
+        place: Whose it is, for what is said of its functions.
     """
 
-    __slots__ = ("_code", "_law", "_limit")
+    __slots__ = ("_code", "_elastic_energy", "_elastic_force", "_force", "_limit")
 
-    def __init__(self, law: NormalLaw) -> None:
+    def __init__(self, law: NormalLaw, place: str) -> None:
         """Compose a compiled law's numbers once."""
-        self._law = law
         known: Any = law
         self._code = known.code() if has_code(law) else None
         self._limit = range_of(law)
+        self._force, self._elastic_force, self._elastic_energy = functions_of_law(law, place)
 
     def forces(self, depth: float, rate: float, approach_speed: float, mass: float) -> tuple[float, float]:
         """Return elastic and whole normal force [N] at a positive depth."""
@@ -61,13 +79,13 @@ class LawInRun:
             force = float(normal_force(self._code, depth, rate, approach_speed, mass))
             return float(elastic_force(self._code, depth)), force
         within = min(depth, self._limit)
-        return self._law.elastic_force(within), max(0.0, self._law.force(within, rate, approach_speed))
+        return self._elastic_force(within), max(0.0, self._force(within, rate, approach_speed))
 
     def energy(self, depth: float) -> float:
         """Return the energy stored at a positive depth [J]."""
         if self._code is not None:
             return float(elastic_energy(self._code, depth))
-        return self._law.elastic_energy(min(depth, self._limit))
+        return self._elastic_energy(min(depth, self._limit))
 
 
 class PythonPath:
@@ -79,8 +97,8 @@ class PythonPath:
         table: Contact table of the system, :data:`antenna_pin.records.CONTACT`.
         nq: Size of the configuration: where the velocities start in a state.
         distances: What measures its gaps; None for the compiled closed form.
-        laws: Its normal laws, one for each contact.
-        friction: Its friction law if laws are asked in Python, None if all are compiled.
+        laws: Its normal laws, one for each contact, and whose each is, in words.
+        friction: Its friction law if laws are asked in Python, None if all are compiled; and whose it is.
         measured: Whether no closed form is known for what ``distances`` measures.
     """
 
@@ -91,8 +109,8 @@ class PythonPath:
         table: NDArray[Any],
         nq: int,
         distances: Distances | None,
-        laws: Sequence[NormalLaw],
-        friction: FrictionLaw | None,
+        laws: Sequence[tuple[NormalLaw, str]],
+        friction: tuple[FrictionLaw, str] | None,
         measured: bool = False,
     ) -> None:
         """Build the buffers once."""
@@ -101,8 +119,11 @@ class PythonPath:
         #: Whether all its laws are compiled.
         self.compiled = friction is None
         #: Its laws, one for each contact.
-        self.laws = tuple(LawInRun(law) for law in laws)
-        self._friction: Any = friction
+        self.laws = tuple(LawInRun(*law) for law in laws)
+        self._friction: Any = None if friction is None else friction[0]
+        self._coefficient = None
+        if friction is not None and not has_code(friction[0]):
+            self._coefficient = coefficient_of(*friction)
         self._block = block
         self._nq = nq
         head = block[:JOINT_WORDS].view(JOINT)
@@ -153,8 +174,8 @@ class PythonPath:
             self._apply_laws()
 
     def _apply_laws(self) -> None:
-        friction, rows = self._friction, self._rows
-        code = friction.code() if has_code(friction) else None
+        coefficient, rows = self._coefficient, self._rows
+        code = self._friction.code() if coefficient is None else None
         rows["force"][:] = 0.0
         rows["elastic"][:] = 0.0
         rows["friction"][:] = 0.0
@@ -169,7 +190,7 @@ class PythonPath:
             rows["elastic"][k] = elastic
             slip = rows["slip"][k]
             speed = math.sqrt(slip.dot(slip))
-            if code is not None:
+            if coefficient is None:
                 rows["friction"][k] = friction_force(code, force, *slip.tolist())
             elif speed > 0.0:
-                rows["friction"][k] = -friction.coefficient(speed) * force / speed * slip
+                rows["friction"][k] = -coefficient(speed) * force / speed * slip

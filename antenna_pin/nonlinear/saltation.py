@@ -123,7 +123,7 @@ class Saltation:
             passage = _Passage(up, late, field.flow(time, y))
             self._adjustments.set(action.place, action.value)
         else:
-            passage = self._jump(action, time, y, up, late)
+            passage = self._jump(event.name, action, time, y, up, late)
         return self._carry(passage, carried, time, y)
 
     def _late(
@@ -135,14 +135,13 @@ class Saltation:
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.asarray(-slopes / rate)
 
-    def _jump(self, action: Jump, time: float, y: Array, up: Array, late: Array) -> _Passage:
+    def _jump(self, event: str, action: Jump, time: float, y: Array, up: Array, late: Array) -> _Passage:
         """Return what a jump does, and let the state jump, in place."""
         field = self._field
         nq, nv = field.system.model.nq, field.system.model.nv
 
         def jumped(t: float, state: Array) -> Array:
-            q, v = action.change(self._moment.set(t, state))
-            return field.system.state(q, v)[: nq + nv]
+            return action.state_after(event, self._moment.set(t, state))[: nq + nv]
 
         behind = jumped(time, y)
 

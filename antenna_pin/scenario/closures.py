@@ -11,6 +11,7 @@ from antenna_pin.scenario._base import Direction, Position, Spec, refuse
 __all__ = ["AnchorSpec", "ClosureSpec", "PlaceSpec"]
 
 
+ClosureKind = Literal["revolute", "universal", "spherical", "prismatic", "cylindrical", "planar", "fixed"]
 # Kinds without an axis.
 _POINTS = ("spherical", "fixed")
 
@@ -65,7 +66,7 @@ class ClosureSpec(Spec):
         second: The other side; its forces are those on this side's link.
     """
 
-    kind: Literal["revolute", "universal", "spherical", "prismatic", "cylindrical", "planar", "fixed"]
+    kind: ClosureKind
     first: AnchorSpec = Field(...)
     second: AnchorSpec = Field(...)
 

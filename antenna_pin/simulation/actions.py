@@ -84,7 +84,7 @@ class Actions:
             if isinstance(action, Set):
                 self.set(action.place, action.value)
             else:
-                self._jump(action)
+                self._jump(event.name, action)
             energy += self._energy()
         self._stepper.refresh()
         self._watch.renew()
@@ -99,10 +99,10 @@ class Actions:
         self._control.renew(self.adjustments.elements.values())
         self._samples.program = self._workspace.program.copy()
 
-    def _jump(self, action: Jump) -> None:
+    def _jump(self, event: str, action: Jump) -> None:
         system, here = self._workspace.system, self._here
         n = system.model.nq + system.model.nv
-        after = system.state(*action.change(self._watch.moment.set(self._stepper.t, here)))
+        after = action.state_after(event, self._watch.moment.set(self._stepper.t, here))
         here[:n] = after[:n]
         self._control.spin = system.turn_on(self._stepper.start)
 

@@ -22,7 +22,7 @@ from antenna_pin.joints import ClearanceJoint
 from antenna_pin.mechanism import frame_aligning_z
 from antenna_pin.readable import number
 
-__all__ = ["carried_joints", "mechanism_attributes", "slides"]
+__all__ = ["carried_joints", "mechanism_attributes"]
 
 
 _NAMES = {cls: name for names in (NORMAL_LAWS, DISSIPATIONS, FRICTION_LAWS) for name, cls in names.items()}
@@ -57,7 +57,7 @@ def mechanism_attributes(system: System) -> dict[str, str]:
     }
     packages = mechanism.urdf.package_path
     frictions = {
-        name: {**dataclasses.asdict(one), "slides": slides(system, one.joint)}
+        name: {**dataclasses.asdict(one), "slides": system.slides(one.joint)}
         for name, one in system.springs.items()
         if isinstance(one, JointFriction)
     }
@@ -112,14 +112,7 @@ def _shapes(system: System, part: str) -> set[str]:
 
 
 def _drive(system: System, drive: Element) -> dict[str, Any]:
-    return {"joint": drive.joint, "slides": slides(system, drive.joint), "motion": isinstance(drive, Motion)}
-
-
-def slides(system: System, joint: str) -> bool:
-    """Whether a joint slides along its axis rather than turning about it."""
-    return system.mechanism.joint(joint).kind == "prismatic" or any(
-        one.name == joint and one.geometry.motion == "slide" for one in system.clearances
-    )
+    return {"joint": drive.joint, "slides": system.slides(drive.joint), "motion": isinstance(drive, Motion)}
 
 
 def carried_joints(system: System) -> dict[str, dict[str, Any]]:

@@ -11,15 +11,19 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Literal, Protocol, runtime_checkable
 
-from numpy.typing import ArrayLike
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
-from antenna_pin.arguments import takes
+from antenna_pin.answers import AskedFunction, asked, check_takes
+from antenna_pin.arguments import fits, takes, unknown_type
 from antenna_pin.dynamics import Adjustments, System, Workspace
-from antenna_pin.errors import InvalidParameterError
+from antenna_pin.errors import FunctionError, InvalidParameterError
 from antenna_pin.parameters import holds
 from antenna_pin.simulation.moment import Moment
 
 __all__ = ["Angle", "Event", "Force", "Gap", "Jump", "Mark", "Rate", "Set", "Stop", "Time"]
+
+Array = NDArray[np.float64]
 
 
 @runtime_checkable
@@ -190,6 +194,30 @@ class Jump:
 
     change: Callable[[Moment], tuple[ArrayLike, ArrayLike]]
 
+    def __post_init__(self) -> None:
+        """Check that it can be asked."""
+        check_takes(self, "change", self.change, "moment")
+
+    def state_after(self, event: str, moment: Moment) -> Array:
+        """Return the state behind it [q, v, x].
+
+        Args:
+            event: Whose action it is.
+            moment: Before it.
+
+        Raises:
+            FunctionError: Its function gives none.
+        """
+        name, told, rule = (
+            f"event {event!r}: change",
+            told_moment((moment,)),
+            "a configuration and a velocity",
+        )
+        answer = asked(name, told, rule, self.change, moment)
+        if not fits(answer, tuple[ArrayLike, ArrayLike]) or any(np.iscomplexobj(one) for one in answer):
+            raise FunctionError(name, told, rule, unknown_type(answer))
+        return np.asarray(asked(name, told, rule, moment.system.state, *answer))
+
 
 @dataclass(frozen=True, slots=True)
 class Kink:
@@ -234,8 +262,9 @@ class Event:
         place = f"event {self.name!r}"
         if not self.name:
             raise InvalidParameterError("Event", "name", "given", self.name)
-        if not callable(self.when):
-            raise InvalidParameterError(place, "when", "a function of a Moment", self.when)
+        check_takes(place, "when", self.when, "moment")
+        if isinstance(self.when, Rated):
+            check_takes(place, "rate", self.when.rate, "moment")
         if self.direction not in (-1, 0, 1):
             raise InvalidParameterError(place, "direction", "-1, 0 or 1", self.direction)
         if not isinstance(self.action, Action):
@@ -244,16 +273,31 @@ class Event:
             if not (isinstance(getattr(self, name), int) and getattr(self, name) >= 1):
                 raise InvalidParameterError(place, name, "a whole number of 1 or more", getattr(self, name))
 
+    def asked(self) -> tuple[AskedFunction, AskedFunction | None]:
+        """Return its function as a run asks it, and that of its rate, None if it has none."""
+        name = f"event {self.name!r}: "
+        rate = (
+            AskedFunction(f"{name}rate", self.when.rate, told_moment)
+            if isinstance(self.when, Rated)
+            else None
+        )
+        return AskedFunction(f"{name}when", self.when, told_moment), rate
+
     def counts(self, side: float) -> bool:
         """Whether the function's passing to this sign is what is looked for."""
         return self.direction in (0, side)
+
+
+def told_moment(question: Sequence[Moment]) -> str:
+    """Return in words what the function of an event is asked."""
+    return f"the moment t = {question[0].time:.9g} s"
 
 
 def check_events(events: Sequence[Event], system: System, y: ArrayLike) -> None:
     """Refuse events that do not fit a system, by asking each in its initial state [q, v, x].
 
     Raises:
-        AntennaPinError: Names that there are not, places that cannot be set, a function that is no number.
+        AntennaPinError: Names that there are not, places that cannot be set, a function without an answer.
     """
     names = [event.name for event in events]
     if len(set(names)) != len(names):
@@ -267,12 +311,8 @@ def check_events(events: Sequence[Event], system: System, y: ArrayLike) -> None:
         moment.set(0.0, y)  # type: ignore[arg-type]
         if isinstance(event.when, Force):
             moment.contact_number(event.when.contact)
-        value = event.when(moment)
-        try:
-            float(value)
-        except (TypeError, ValueError):
-            raise InvalidParameterError(
-                f"event {event.name!r}", "when", "a function that returns a number", value
-            ) from None
+        for function in event.asked():
+            if function is not None:
+                function(moment)
         if isinstance(event.action, Set):
             trial.set(event.action.place, event.action.value)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from antenna_pin.dynamics import System, _kernels
+from antenna_pin.dynamics import System
 from antenna_pin.simulation.events import Event, Kink
 from antenna_pin.simulation.moment import Moment
 
@@ -23,7 +23,7 @@ class Passing:
 
     def __call__(self, moment: Moment) -> float:
         """Return how far it is past the kink."""
-        return float(_kernels.element_kink(moment.program, self.block, moment.time, moment.y, moment.nq))
+        return moment.kink(self.block)
 
 
 def kinks_of(system: System) -> tuple[Event, ...]:

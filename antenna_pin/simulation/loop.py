@@ -69,8 +69,7 @@ class Run:
         stretches: bool = True,
     ) -> None:
         """Prepare the stepper, the search of its steps, and the contacts that touch at the start."""
-        self.system = system
-        self.settings = settings
+        self.system, self.settings = system, settings
         self.workspace = Workspace(system)
         self.duration = end
         #: From when on it records [s].
@@ -93,9 +92,9 @@ class Run:
         if stretches and isinstance(self.stepper, CompiledStepper) and all(map(is_known, self.watch.events)):
             parts = self.samples, self.contacts, self.search, self.watch, self.singular
             self.trials = QuietTrials(self.stepper, self.control, *parts)
-        self.wall = 0.0
+        self.trials.failure_in = self.oversight.failure_in
         self.outcome, self.message = Outcome.COMPLETED, Outcome.COMPLETED.value
-        self.following = 0.0
+        self.wall = self.following = 0.0
         self.left: State | None = None
         if isinstance(start, State):
             self._go_on(start)
@@ -188,17 +187,18 @@ class Run:
             keep: Shown the run between steps, and at its end.
         """
         report = Reporter(progress, self.duration, self.wall)
-        self.oversight.begin(self.stepper.t, self.here)
         h = self.following
-        while self.stepper.t < self.duration and self.outcome is Outcome.COMPLETED:
-            self.following = h = self._step(h)
-            self.wall = report.wall
-            if self.outcome is not Outcome.COMPLETED or not self._may_go_on(interrupted()):
-                break
-            report(self.stepper.t, h, self.trials.accepted)
-            if keep is not None:
-                keep.look(self)
-        self._stop(*self.oversight.end(self.outcome))
+        with self.oversight.listening(self._stop):
+            self.oversight.begin(self.stepper.t, self.here)
+            while self.stepper.t < self.duration and self.outcome is Outcome.COMPLETED:
+                self.following = h = self._step(h)
+                self.wall = report.wall
+                if self.outcome is not Outcome.COMPLETED or not self._may_go_on(interrupted()):
+                    break
+                report(self.stepper.t, h, self.trials.accepted)
+                if keep is not None:
+                    keep.look(self)
+            self._stop(*self.oversight.end(self.outcome))
         if keep is not None:
             keep.end(self)
         self.left = dataclasses.replace(self.state, reached=self.stepper.t)
@@ -230,7 +230,7 @@ class Run:
 
     def _give_up(self, trial: Trial) -> float:
         """Accept nothing; return the size to try next, if the run does not end."""
-        self._stop(trial.outcome)
+        self._stop(trial.outcome, trial.words)
         return trial.following
 
     def _conclude(self, following: float) -> float:

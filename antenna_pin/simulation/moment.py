@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.dynamics import JointMotion, System, Workspace
+from antenna_pin.dynamics import JointMotion, System, Workspace, _kernels
 from antenna_pin.errors import UnknownNameError
 from antenna_pin.records import memory_numbers
 
@@ -48,20 +48,9 @@ class Moment:
         self._measured = self._evaluated = False
         return self
 
-    @property
-    def y(self) -> Array:
-        """The whole state [q, v, x], not a copy."""
-        return self._y
-
-    @property
-    def nq(self) -> int:
-        """Size of q."""
-        return int(self._nq)
-
-    @property
-    def program(self) -> Array:
-        """The force elements as they are at the moment, not a copy."""
-        return self._workspace.program
+    def kink(self, block: int) -> float:
+        """Return how far the effort of an element, by its place in the program, is past its kink."""
+        return float(_kernels.element_kink(self._workspace.program, block, self.time, self._y, self._nq))
 
     @property
     def q(self) -> Array:

@@ -13,20 +13,21 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.answers import AskedFunction
 from antenna_pin.contact import CustomFriction, CustomNormal
-from antenna_pin.dynamics import System, Workspace, _kernels
+from antenna_pin.contact.normal import normal_questions
+from antenna_pin.dynamics import Workspace, _kernels
 from antenna_pin.elements import Element
-from antenna_pin.geometry import Distances
-from antenna_pin.given_functions import callable_of
+from antenna_pin.geometry.own_backend import OwnBackend
 from antenna_pin.joints._pose_kernels import place_journal
-from antenna_pin.joints.python_path import has_code, range_of
+from antenna_pin.joints.python_path import coefficient_of, functions_of_law, has_code, range_of
 from antenna_pin.records import CONTACT, POSE
-from antenna_pin.simulation.carried import slides
-from antenna_pin.simulation.events import Event, Rated
+from antenna_pin.simulation.events import Event, told_moment
 from antenna_pin.simulation.moment import Moment
 from antenna_pin.simulation.watched import is_known
+from antenna_pin.simulation.witness import Called
 
-__all__ = ["Asked", "asked_functions"]
+__all__ = ["Asked", "asked_functions", "called_functions"]
 
 Array = NDArray[np.float64]
 
@@ -63,38 +64,33 @@ class _Numbers:
     """A function of numbers.
 
     Args:
-        name: Whose it is and what it is called.
         function: The function; compiled ones are called from Python.
         asked: Returns its arguments at a time and state, or None.
-        words: Name and unit of each argument.
+        called: It, if kernels may call it.
         first: Arguments before there are any; None if there always are.
     """
 
     def __init__(
         self,
-        name: str,
-        function: Callable[..., float],
+        function: AskedFunction,
         asked: Callable[[float, Array], tuple[float, ...] | None],
-        words: Sequence[tuple[str, str]],
+        called: Called,
         first: tuple[float, ...] | None = None,
     ) -> None:
-        self.name, self.first = name, first
-        self._function = callable_of(function)
-        self._asked, self._words = asked, words
+        self.name, self.first, self.called = function.name, first, called
+        self._function, self._asked = function, asked
 
     def question(self, t: float, y: Array) -> tuple[float, ...] | None:
         return self._asked(t, y)
 
     def answer(self, question: tuple[float, ...]) -> tuple[float, ...]:
-        return (float(self._function(*question)),)
+        return (self._function(*question),)
 
     def differ(self, one: tuple[float, ...], other: tuple[float, ...]) -> bool:
         return _differ(one, other)
 
     def told(self, question: tuple[float, ...]) -> str:
-        return ", ".join(
-            f"{name} = {value:.9g} {unit}" for (name, unit), value in zip(self._words, question, strict=True)
-        )
+        return self._function.told(question)
 
 
 class _Backend:
@@ -104,10 +100,10 @@ class _Backend:
     are the same within a billionth of the play, the distance up to which contacts are located.
     """
 
-    def __init__(self, name: str, distances: Distances, workspace: Workspace, joint: int) -> None:
+    def __init__(self, distances: OwnBackend, workspace: Workspace, joint: int) -> None:
         system = workspace.system
         clearance = system.clearances[joint]
-        self.name, self.first = name, None
+        self.name, self.first = distances.name, None
         self._distances, self._nq = distances, system.model.nq
         self._program, self._block = workspace.program, system.clearance_blocks[clearance.name]
         first = sum(one.contacts for one in system.clearances[:joint])
@@ -131,15 +127,14 @@ class _Backend:
         )
 
     def told(self, question: NDArray[Any]) -> str:
-        x, y, z = question["centre"][0].tolist()
-        return f"journal at x = {x:.9g} m, y = {y:.9g} m, z = {z:.9g} m in its bearing"
+        return self._distances.told(question)
 
 
 class _Condition:
     """The function of an event, asked in a place of its own with contacts and elements as they were."""
 
-    def __init__(self, name: str, function: Callable[[Moment], float], workspace: Workspace) -> None:
-        self.name, self.first = name, None
+    def __init__(self, function: AskedFunction, workspace: Workspace) -> None:
+        self.name, self.first = function.name, None
         self._function = function
         self._run = workspace
         self._own = Workspace(workspace.system)
@@ -151,13 +146,18 @@ class _Condition:
     def answer(self, question: tuple[float, Array, NDArray[Any], Array]) -> tuple[float, ...]:
         t, y, memory, program = question
         self._own.memory[:], self._own.program[:] = memory, program
-        return (float(self._function(self._moment.set(t, y))),)
+        return (self._function(self._moment.set(t, y)),)
 
     def differ(self, one: tuple[float, ...], other: tuple[float, ...]) -> bool:
         return _differ(one, other)
 
     def told(self, question: tuple[float, Array, NDArray[Any], Array]) -> str:
-        return f"the moment t = {question[0]:.9g} s"
+        return told_moment((self._moment.set(*question[:2]),))
+
+
+def called_functions(functions: Sequence[Asked]) -> tuple[Called, ...]:
+    """Return those of a run's functions that kernels may call."""
+    return tuple(one.called for one in functions if isinstance(one, _Numbers))
 
 
 def asked_functions(workspace: Workspace, events: Sequence[Event]) -> tuple[Asked, ...]:
@@ -180,18 +180,10 @@ def _of_elements(workspace: Workspace) -> Iterator[Asked]:
         for name, element in elements.items():
             if not isinstance(element, Element):
                 continue
-            for of, function, count in element.functions:
-                yield _Numbers(
-                    f"{family} {name!r}: {of}",
-                    function,
-                    _motion_of(workspace, blocks[name], count),
-                    _motion_words(system, element.joint)[:count],
-                )
-
-
-def _motion_words(system: System, joint: str) -> tuple[tuple[str, str], ...]:
-    unit = "m" if slides(system, joint) else "rad"
-    return ("t", "s"), ("angle" if unit == "rad" else "position", unit), ("rate", f"{unit}/s")
+            asked = element.asked(f"{family} {name!r}", system.slides(element.joint))
+            for function, (_, own, count) in zip(asked, element.functions, strict=True):
+                called = Called(function, own, count, blocks[name])
+                yield _Numbers(function, _motion_of(workspace, blocks[name], count), called)
 
 
 def _motion_of(workspace: Workspace, block: int, count: int) -> Callable[[float, Array], Any]:
@@ -211,34 +203,35 @@ def _motion_of(workspace: Workspace, block: int, count: int) -> Callable[[float,
 def _of_joints(workspace: Workspace) -> Iterator[Asked]:
     row = 0
     for number, joint in enumerate(workspace.system.clearances):
-        place, seen = f"joint {joint.name!r}", set()
+        seen = set()
         for k, law in enumerate(joint.normal_laws):
             if id(law) not in seen and (isinstance(law, CustomNormal) or not has_code(law)):
                 seen.add(id(law))
                 rows = [row + i for i, other in enumerate(joint.normal_laws) if other is law]
-                kind = joint.geometry.contact_places[k].kind
                 # A thousandth of what it may be pressed to, at the slowest approach that it is told of.
                 first = 1e-3 * joint.depth_limits[k], 0.0, joint.approach_speed_floor
-                yield from _of_law(f"{place}: {kind} law", law, rows, workspace, first)
+                block = workspace.system.clearance_blocks[joint.name]
+                yield from _of_law(joint.law_names[k], law, rows, workspace, block, first)
         friction: Any = joint.friction
         if isinstance(friction, CustomFriction) or not has_code(friction):
             rows = list(range(row, row + joint.contacts))
-            words = [("slip speed", "m/s")]
-            name = f"{place}: friction law: coefficient"
-            slow = (joint.approach_speed_floor,)
-            yield _Numbers(name, friction.coefficient, _slip_of(workspace, rows), words, slow)
-        if not isinstance(joint.backend, str):
-            yield _Backend(f"{place}: geometry: query", joint.backend, workspace, number)
+            function, slow = coefficient_of(friction, f"joint {joint.name!r}"), (joint.approach_speed_floor,)
+            block = workspace.system.clearance_blocks[joint.name]
+            called = Called(function, friction.coefficient, 1, block)
+            yield _Numbers(function, _slip_of(workspace, rows), called, slow)
+        backend = joint.own_backend
+        if backend is not None:
+            yield _Backend(backend, workspace, number)
         row += joint.contacts
 
 
 def _of_law(
-    name: str, law: Any, rows: Sequence[int], workspace: Workspace, first: tuple[float, ...]
+    name: str, law: Any, rows: Sequence[int], workspace: Workspace, block: int, first: tuple[float, ...]
 ) -> Iterator[Asked]:
-    words = ("depth", "m"), ("rate", "m/s"), ("approach speed", "m/s")
-    for of, count in (("force", 3), ("elastic_force", 1), ("elastic_energy", 1)):
+    for function, (_, own, words) in zip(functions_of_law(law, name), normal_questions(law), strict=True):
+        count = len(words)
         asked = _depth_of(workspace, rows, range_of(law), count)
-        yield _Numbers(f"{name}: {of}", getattr(law, of), asked, words[:count], first[:count])
+        yield _Numbers(function, asked, Called(function, own, count, block), first[:count])
 
 
 def _deepest(workspace: Workspace, rows: Sequence[int]) -> int:
@@ -279,6 +272,4 @@ def _of_events(workspace: Workspace, events: Sequence[Event]) -> Iterator[Asked]
     for event in events:
         if is_known(event):
             continue
-        yield _Condition(f"event {event.name!r}: when", event.when, workspace)
-        if isinstance(event.when, Rated):
-            yield _Condition(f"event {event.name!r}: rate", event.when.rate, workspace)
+        yield from (_Condition(function, workspace) for function in event.asked() if function is not None)

@@ -18,6 +18,8 @@ from antenna_pin.simulation.held import constraint_attributes
 from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.parts import Parts
 from antenna_pin.simulation.seen import Seen
+from antenna_pin.trajectory import ENDED_WELL, Outcome
+from antenna_pin.trajectory.columns import first_not_finite
 from antenna_pin.trajectory.labelled import labelled
 
 __all__ = ["Recording", "dataset"]
@@ -82,11 +84,28 @@ class Recording:
             values: dict[str, Any] = {"time": seen.times}
             for source in _SERIES:
                 values |= source(seen)
+            self._judge(seen, values)
             self._labels = self._labels or _labels(seen)
             self._sum_up(seen, values)
             self._last = seen
             yield first, values
             first += len(seen.times)
+
+    def _judge(self, seen: Seen, values: Values) -> None:
+        """Let a run that came to its end not count as one where what is recorded of it is not finite."""
+        run, first = self.run, len(seen.times)
+        if run.outcome not in ENDED_WELL:
+            return
+        found: tuple[Outcome, str] | None = None
+        for k, failure in sorted(seen.found.failures.items())[:1]:
+            found, first = (Outcome.FUNCTION_FAILED, failure.seen), k
+        for name, part in values.items() if found is None else ():
+            k = first_not_finite(part)
+            if k < first:
+                found, first = (Outcome.NOT_FINITE, f"{name} is not finite"), k
+        if found is not None:
+            run.outcome, what = found
+            run.message = f"at t = {seen.times[first]:.9g} s, {what}: {run.outcome.value}"
 
     def _sum_up(self, seen: Seen, values: Values) -> None:
         """Take what is said of the whole run from a block."""

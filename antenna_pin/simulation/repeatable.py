@@ -81,7 +81,9 @@ class Repeatable:
 
     def __init__(self, workspace: Workspace, events: Sequence[Event]) -> None:
         """Begin without a question."""
-        self._functions = [_Kept(asked) for asked in asked_functions(workspace, events)]
+        #: What it asks.
+        self.asked = asked_functions(workspace, events)
+        self._functions = [_Kept(asked) for asked in self.asked]
         self._at_first = _LOOKS_AT_FIRST
         self._next = 0
 

@@ -9,13 +9,13 @@ to the tolerance: what swings or decays visibly needs such steps for its own sak
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from antenna_pin.dynamics import Workspace, _kernels
+from antenna_pin.dynamics import System, Workspace, _kernels
 from antenna_pin.elements import Motion
 from antenna_pin.integrate import Method
 from antenna_pin.readable import readable
@@ -187,7 +187,7 @@ class Stiffness:
         )
         found = {
             f"{family} {name!r}": abs(
-                _effort(element, place, blocks[name], moved) - _effort(element, place, blocks[name], place.y)
+                _effort(system, place, blocks[name], moved) - _effort(system, place, blocks[name], place.y)
             )
             for family, elements, blocks in families
             for name, element in elements.items()
@@ -197,10 +197,11 @@ class Stiffness:
         return most if most and found[most] > 0.0 else ""
 
 
-def _effort(element: Any, place: _Place, block: int, y: Array) -> float:
-    """Return the effort of an element at a joint [N m] or [N]."""
+def _effort(system: System, place: _Place, block: int, y: Array) -> float:
+    """Return the effort of an element of a system at a joint [N m] or [N]."""
     nq = int(place.program[: words_of(PROGRAM)].view(PROGRAM)["nq"][0])
-    if element.in_python:
+    given = next((one for one in system.callables if one.block == block), None)
+    if given is not None:
         angle, rate, _, _ = _kernels.joint_motion(place.program, block, y, nq)
-        return float(element.given(place.t, angle, rate)[0])
+        return float(given.given(place.t, angle, rate)[0])
     return float(_kernels.element_state(place.program, block, place.t, y, nq)[0])

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable
 from typing import NamedTuple
 
+from antenna_pin.errors import FunctionError
 from antenna_pin.integrate import Stepper
 from antenna_pin.simulation.control import StepControl
 from antenna_pin.trajectory import Outcome
@@ -23,12 +24,14 @@ class Trial(NamedTuple):
         passed: Whether there is a trial step that passes, in the stepper.
         following: Size to try next [s].
         outcome: Why the run ends, if it does.
+        words: What of, where that is known.
         tried: Whether there is anything to conclude of, beside those.
     """
 
     passed: bool
     following: float
     outcome: Outcome | None = None
+    words: str = ""
     tried: bool = True
 
 
@@ -50,6 +53,9 @@ class Trials:
         self._stepper = stepper
         self._control = control
         self.accepted = self.rejected = self.relocated = 0
+        self._failure: FunctionError | None = None
+        #: Returns what a function that kernels call has failed by, in a step of a size [s]; None if none has.
+        self.failure_in: Callable[[Stepper, float], FunctionError | None] = lambda stepper, h: None
 
     @property
     def made(self) -> int:
@@ -71,7 +77,7 @@ class Trials:
                 cut(wished)
             if stepper.t + tried == stepper.t:
                 return Trial(False, h, Outcome.STEP_TOO_SMALL)
-            error = stepper.attempt(tried)
+            error = self._attempt(tried)
             if error <= 1.0:
                 return Trial(True, control.pace.following(h, tried, error, self.rejected > rejected))
             self.rejected += 1
@@ -96,7 +102,7 @@ class Trials:
         longest = stepper.h
         size = theta * longest
         for _ in range(_RELOCATIONS):
-            error = stepper.attempt(size)
+            error = self._attempt(size)
             self.relocated += 1
             if not error <= 1.0:
                 return self._shortened(size, error)
@@ -106,8 +112,23 @@ class Trials:
             size += more
         return Trial(True, size)
 
+    def _attempt(self, h: float) -> float:
+        """Try a step; return its error, none where a function of the user's has no answer in it.
+
+        A shorter step may not come to where it has none.
+        """
+        self._failure = None
+        try:
+            return self._stepper.attempt(h)
+        except FunctionError as failure:
+            self._failure = failure
+            return math.nan
+
     def _shortened(self, tried: float, error: float) -> Trial:
         h = self._control.pace.shortened(tried, error)
-        if self._control.pace.hopeless(h):
-            return Trial(False, h, Outcome.STEP_TOO_SMALL if math.isfinite(error) else Outcome.NOT_FINITE)
-        return Trial(False, h)
+        if not self._control.pace.hopeless(h):
+            return Trial(False, h)
+        failure = self._failure or self.failure_in(self._stepper, tried)
+        if failure is not None:
+            return Trial(False, h, Outcome.FUNCTION_FAILED, f", {failure.seen}")
+        return Trial(False, h, Outcome.STEP_TOO_SMALL if math.isfinite(error) else Outcome.NOT_FINITE)

@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 
 from antenna_pin.dynamics import Workspace
 from antenna_pin.integrate import Stepper
-from antenna_pin.simulation.events import Event, Rated, Time
+from antenna_pin.simulation.events import Event, Time
 from antenna_pin.simulation.moment import Moment
 from antenna_pin.state import EventMemory
 
@@ -90,7 +90,8 @@ class Watch:
         self._values = [0.0] * len(self.events)
         self._times = [k for k, event in enumerate(self.events) if isinstance(event.when, Time)]
         self._functions = [k for k, event in enumerate(self.events) if not isinstance(event.when, Time)]
-        self._rates = [event.when.rate if isinstance(event.when, Rated) else None for event in self.events]
+        asked = [event.asked() for event in self.events]
+        self._whens, self._rates = [when for when, _ in asked], [rate for _, rate in asked]
         self.instants = sorted(
             {t for event in self.events if isinstance(event.when, Time) for t in event.when.instants}
         )
@@ -137,7 +138,7 @@ class Watch:
             self.moment.set(stepper.t, stepper.start[: self._y.size])
         for k in self._functions:
             memory, event = self._memories[k], self.events[k]
-            self._values[k] = value = float(event.when(self.moment))
+            self._values[k] = value = self._whens[k](self.moment)
             side = memory.sign(value)
             if side not in (0.0, memory.side) and (
                 memory.side == 0.0 or not event.counts(side) or memory.last == stepper.t
@@ -183,8 +184,10 @@ class Watch:
     def _crossing(self, k: int) -> Crossing | None:
         event, memory = self.events[k], self._memories[k]
 
+        when = self._whens[k]
+
         def f(theta: float) -> float:
-            return float(event.when(self._at(theta)))
+            return when(self._at(theta))
 
         side, a, fa = memory.side, 0.0, self._values[k]
         if side != 0.0 and memory.sign(fa) == -side:
@@ -193,7 +196,7 @@ class Watch:
         rated = self._rates[k]
 
         def rate(theta: float) -> float:
-            return 0.0 if rated is None else float(rated(self._at(theta)))
+            return 0.0 if rated is None else rated(self._at(theta))
 
         ra = rate(a)
         fresh = side == 0.0
@@ -254,7 +257,7 @@ class Watch:
             if crossing.slope == 0.0:
                 return 0.0
             self.moment.set(stepper.t + stepper.h, stepper.y)
-            size = -float(self.events[crossing.event].when(self.moment)) / crossing.slope
+            size = -self._whens[crossing.event](self.moment) / crossing.slope
             if not 2.0 * math.ulp(stepper.t + stepper.h) < abs(size) < longest:
                 return 0.0
             longest = 0.5 * abs(size)

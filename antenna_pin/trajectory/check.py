@@ -6,18 +6,28 @@ import json
 import math
 from collections.abc import Iterator
 from functools import cache
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, get_args
 from xml.etree import ElementTree
 
-import numpy as np
 import xarray as xr
 from pydantic import AfterValidator, AllowInfNan, BaseModel, Field, TypeAdapter, ValidationError
 
+from antenna_pin.trajectory.numbers import problems_of_numbers
 from antenna_pin.trajectory.read import is_lean, names_along
 from antenna_pin.trajectory.schema import COORDINATES, DIMENSIONS, variables_of
 from antenna_pin.units import shown
 
 __all__ = ["problem_of"]
+
+
+def _closure_kind(kind: str) -> str:
+    """Refuse a kind of closure that there is not."""
+    from antenna_pin.scenario.closures import ClosureKind  # a room that most results do not need
+
+    known = get_args(ClosureKind)
+    if kind not in known:
+        raise ValueError(f"should be one of {', '.join(known)}")
+    return kind
 
 
 def _placed(seven: list[float]) -> list[float]:
@@ -27,7 +37,6 @@ def _placed(seven: list[float]) -> list[float]:
     return seven
 
 
-_ROWS = 65536  # samples that are looked at at once
 _UNIT = 1e-6  # as of the quaternions of a configuration
 _Number = Annotated[float, AllowInfNan(True)]
 _Finite = Annotated[float, AllowInfNan(False)]
@@ -80,7 +89,7 @@ class _Joint(BaseModel):
     friction_law: _Law
     approach_speed_floor: _Number
     backend: str
-    load: str
+    load: Literal["point", "distributed"]
 
 
 class _Drive(BaseModel):
@@ -114,7 +123,7 @@ class _ElasticPart(BaseModel):
 
 
 class _Closure(BaseModel):
-    kind: str
+    kind: Annotated[str, AfterValidator(_closure_kind)]
     equations: int
     axis: bool
     first_body: str
@@ -168,12 +177,15 @@ _PLAIN: dict[str, type] = {
     "urdf": str,
     "urdf_folder": str,
     "start": str,
+    "form": str,
     "advice": str,
     "finished": str,
     "end_time": float,
     "gap_difference": float,
     "samples": float,
 }
+# Those of them that are one of some words.
+_WORDS = {"form": ("full", "lean")}
 # Those that a result may do without.
 _OPTIONAL = {
     "joint_friction",
@@ -196,7 +208,7 @@ _FIXED = {"axis": ["x", "y", "z"], "quaternion": ["x", "y", "z", "w"]}
 
 def problem_of(data: xr.Dataset) -> str | None:
     """Return what of a result a dataset lacks or has spoiled, in words; None if it is whole."""
-    for problems in (_labels, _attributes, _places, _variables, _numbers):
+    for problems in (_labels, _attributes, _places, _variables, problems_of_numbers):
         for problem in problems(data):
             return problem
     return None
@@ -251,21 +263,6 @@ def _variables(data: xr.Dataset) -> Iterator[str]:
         yield "no numbers in 'time'"
 
 
-def _numbers(data: xr.Dataset) -> Iterator[str]:
-    if not is_lean(data):
-        times = data["time"].values
-        if not np.isfinite(times).all() or (times[1:] < times[:-1]).any():
-            yield "times that are not finite or go back"
-        for name in ("q", "v"):
-            parts = (data[name].variable[first : first + _ROWS] for first in range(0, len(times), _ROWS))
-            if not all(np.isfinite(part.values).all() for part in parts):
-                yield f"numbers in {name!r} that are not finite"
-    if "episode" in data.sizes:
-        index = data["episode_contact"].values
-        if index.dtype.kind not in "iu" or (index < 0).any() or (index >= data.sizes["contact"]).any():
-            yield "numbers in 'episode_contact' that are of no contact"
-
-
 def _attributes(data: xr.Dataset) -> Iterator[str]:
     found = data.attrs
     needed = {name for name, (_, dim) in _JSON.items() if dim in data.sizes}
@@ -275,6 +272,8 @@ def _attributes(data: xr.Dataset) -> Iterator[str]:
             yield f"no attribute {name!r}"
         elif name in found and not (isinstance(value, str) if kind is str else _is_number(value)):
             yield f"an attribute {name!r} that cannot be read"
+        if name in found and name in _WORDS and value not in _WORDS[name]:
+            yield f"{value!r} in the attribute {name!r}, which must be one of {shown(_WORDS[name])}"
     for name, (_, dim) in _JSON.items():
         if name not in found:
             if name in needed or name not in _OPTIONAL:
@@ -302,7 +301,17 @@ def _places(data: xr.Dataset) -> Iterator[str]:
             for key in keys:
                 if content[key] not in (joints if key in ("joint", "follower", "leader") else links):
                     yield f"{key} {content[key]!r} of {entry!r} in the attribute {name!r}, not in its URDF"
-    for name in json.loads(data.attrs["clearance_joints"]):
+    about = json.loads(data.attrs["clearance_joints"])
+    told = {
+        contact: [name, one["kind"], one["end"]]
+        for name, joint in about.items()
+        for contact, one in joint["contacts"].items()
+    }
+    labels = [names_along(data, name) for name in ("contact_joint", "contact_kind", "contact_end")]
+    for contact, *found in zip(names_along(data, "contact"), *labels, strict=True):
+        if told.get(contact) != found:
+            yield f"{shown(found)} for {contact!r}, which must be {shown(told.get(contact))}"
+    for name in about:
         if name not in joints:
             yield f"{name!r} in the attribute 'clearance_joints' but not in its URDF"
 

@@ -7,15 +7,14 @@ springs) has no dimension. A *lean* result has no ``time``, and so none of the s
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Iterator
-from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 from antenna_pin.geometry import AxialScenario, RadialScenario
+from antenna_pin.trajectory.columns import ANY, Coordinate, Rule, Variable
 
-__all__ = ["COORDINATES", "DIMENSIONS", "VARIABLES", "Coordinate", "Variable", "variables_of"]
+__all__ = ["COORDINATES", "DIMENSIONS", "TIME", "VARIABLES", "variables_of"]
 
 #: Every dimension and what runs along it.
 DIMENSIONS: dict[str, str] = {
@@ -41,21 +40,6 @@ DIMENSIONS: dict[str, str] = {
 }
 
 
-@dataclass(frozen=True, slots=True)
-class Coordinate:
-    """Labels beside those of a dimension.
-
-    Attributes:
-        name: Of the coordinate.
-        dim: Along what.
-        meaning: In words.
-    """
-
-    name: str
-    dim: str
-    meaning: str
-
-
 #: Labels of contacts beside their names.
 COORDINATES: tuple[Coordinate, ...] = (
     Coordinate("contact_joint", "contact", "clearance joint of the contact"),
@@ -68,45 +52,23 @@ COORDINATES: tuple[Coordinate, ...] = (
 )
 
 
-@dataclass(frozen=True, slots=True)
-class Variable:
-    """One variable of a result.
-
-    Attributes:
-        name: Of the variable.
-        dims: Its dimensions, in order; it is there if they are.
-        units: Of its values, as text; "1" if none.
-        meaning: Its long name.
-        source: Where it comes from, of each sample: the ``state``, its ``derivative`` (the equations of
-            motion), the ``contact`` of journals and bearings, the ``ledger`` of works and losses that the
-            state holds, the ``audit`` of energies and momenta, the ``motion`` of joints with one axis; of the
-            whole run: its ``episodes`` of contact and events, and a ``summary`` of series.
-        flags: What its numbers stand for, if they are codes.
-        free_base: Whether it is there with a free base only.
-    """
-
-    name: str
-    dims: tuple[str, ...]
-    units: str
-    meaning: str
-    source: str
-    flags: tuple[tuple[int, str], ...] = ()
-    free_base: bool = False
-
-    @property
-    def attributes(self) -> dict[str, Any]:
-        """Return its attributes in a dataset."""
-        found: dict[str, Any] = {"units": self.units, "long_name": self.meaning}
-        if self.flags:
-            found["flag_values"] = np.array([value for value, _ in self.flags], dtype=np.int8)
-            found["flag_meanings"] = " ".join(word for _, word in self.flags)
-        return found
+_SIZE = Rule(least=0.0)
+_UNIT = Rule(unit=True)
+_ORDERED = Rule(rising=True)
+_TOTAL = Rule(least=0.0, summed=True)
+_PRESSED = Rule(least=0.0, beside="touching")
+# Of contacts; none of them is sure to lose energy under a law of a user's.
+_LOST = Rule(least=0.0, summed=True, passive=True)
+#: What the times of samples may be.
+TIME = _ORDERED
 
 
-def _rows(source: str, dims: str, *rows: tuple[str, str, str], **more: Any) -> Iterator[Variable]:
-    """Yield variables of one source along the same dimensions: name, units, meaning of each."""
-    for name, units, meaning in rows:
-        yield Variable(name, tuple(dims.split()), units, meaning, source, **more)
+def _rows(
+    source: str, dims: str, *rows: tuple[str, str, str] | tuple[str, str, str, Rule], **more: Any
+) -> Iterator[Variable]:
+    """Yield variables of one source along the same dimensions: name, units, meaning of each, and its rule."""
+    for name, units, meaning, *rule in rows:
+        yield Variable(name, tuple(dims.split()), units, meaning, source, rule[0] if rule else ANY, **more)
 
 
 def _table() -> Iterator[Variable]:
@@ -126,7 +88,7 @@ def _table() -> Iterator[Variable]:
     yield from _rows(
         "state",
         "time quaternion",
-        ("base_attitude", "1", "base in the world, quaternion"),
+        ("base_attitude", "1", "base in the world, quaternion", _UNIT),
         free_base=True,
     )
     yield from _rows(
@@ -143,7 +105,7 @@ def _table() -> Iterator[Variable]:
     yield from _rows(
         "derivative",
         "time point_spring",
-        ("spring_length", "m", "distance of the spring's points"),
+        ("spring_length", "m", "distance of the spring's points", _SIZE),
         ("spring_tension", "N", "force of spring and damper that draws the points together"),
     )
     yield from _rows(
@@ -163,17 +125,17 @@ def _table() -> Iterator[Variable]:
         "contact",
         "time contact",
         ("gap", "m", "distance of the surfaces, negative in contact"),
-        ("depth", "m", "penetration depth"),
+        ("depth", "m", "penetration depth", _SIZE),
         ("depth_rate", "m/s", "rate of penetration, positive closing"),
-        ("slip_speed", "m/s", "tangential speed of the journal over the bearing"),
-        ("normal_force", "N", "normal force on the journal"),
-        ("friction_force", "N", "friction on the journal"),
-        ("touching", "1", "whether the contact touches"),
+        ("slip_speed", "m/s", "tangential speed of the journal over the bearing", _SIZE),
+        ("normal_force", "N", "normal force on the journal", _PRESSED),
+        ("friction_force", "N", "friction on the journal", _PRESSED),
+        ("touching", "1", "whether the contact touches", Rule(only=(0.0, 1.0))),
     )
     yield from _rows(
         "contact",
         "time contact axis",
-        ("contact_force", "N", "force on the journal, bearing axes"),
+        ("contact_force", "N", "force on the journal, bearing axes", Rule(beside="touching")),
         ("contact_point", "m", "candidate contact, from the bearing's centre"),
     )
     yield from _rows(
@@ -186,24 +148,34 @@ def _table() -> Iterator[Variable]:
     yield from _rows(
         "contact",
         "time clearance_joint quaternion",
-        ("journal_attitude", "1", "journal in the bearing, quaternion"),
+        ("journal_attitude", "1", "journal in the bearing, quaternion", _UNIT),
     )
     by_joint = ("contact", "time clearance_joint")
-    yield from _rows(*by_joint, ("journal_tilt", "rad", "angle between the axes of journal and bearing"))
+    yield from _rows(
+        *by_joint,
+        (
+            "journal_tilt",
+            "rad",
+            "angle between the axes of journal and bearing",
+            Rule(least=0.0, most=math.pi),
+        ),
+    )
     for name, kinds in (("radial", RadialScenario), ("axial", AxialScenario)):
         flags = tuple((int(kind.value), kind.name.lower()) for kind in kinds)
-        yield from _rows(*by_joint, (f"{name}_scenario", "1", f"contact scenario, {name}"), flags=flags)
+        rule = Rule(only=tuple(float(value) for value, _ in flags))
+        row = (f"{name}_scenario", "1", f"contact scenario, {name}", rule)
+        yield from _rows(*by_joint, row, flags=flags)
     yield from _rows(
         "audit",
         "time",
-        ("kinetic_energy", "J", "kinetic energy"),
+        ("kinetic_energy", "J", "kinetic energy", _TOTAL),
         ("contact_energy", "J", "energy stored in contacts"),
-        ("spring_energy", "J", "energy stored in springs, at joints and between points"),
+        ("spring_energy", "J", "energy stored in springs, at joints and between points", _TOTAL),
         ("gravity_energy", "J", "potential energy of gravity"),
     )
     part = "time elastic_part"
-    yield from _rows("audit", part, ("elastic_energy", "J", "energy stored in the part's spring"))
-    yield from _rows("ledger", part, ("dissipation_elastic", "J", "energy lost in the part's damper"))
+    yield from _rows("audit", part, ("elastic_energy", "J", "energy stored in the part's spring", _TOTAL))
+    yield from _rows("ledger", part, ("dissipation_elastic", "J", "energy lost in the part's damper", _TOTAL))
     yield from _rows(
         "motion",
         part,
@@ -215,19 +187,19 @@ def _table() -> Iterator[Variable]:
         "ledger",
         "time drive",
         ("drive_work", "J", "work of the drive since the start"),
-        ("drive_gross_work", "J", "integral of |power| of the drive"),
+        ("drive_gross_work", "J", "integral of |power| of the drive", _TOTAL),
     )
     yield from _rows(
         "ledger",
         "time contact",
-        ("dissipation_normal", "J", "energy lost to normal contact"),
-        ("dissipation_friction", "J", "energy lost to friction"),
-        ("normal_impulse", "N s", "integral of normal force"),
+        ("dissipation_normal", "J", "energy lost to normal contact", _LOST),
+        ("dissipation_friction", "J", "energy lost to friction", _LOST),
+        ("normal_impulse", "N s", "integral of normal force", _TOTAL),
     )
     yield from _rows(
         "ledger",
         "time spring",
-        ("dissipation_damper", "J", "energy lost in the damper, or to a joint's own friction"),
+        ("dissipation_damper", "J", "energy lost in the damper, or to a joint's own friction", _TOTAL),
     )
     yield from _rows("ledger", "time", ("energy_error", "J", "stored - start - work of drives + losses"))
     yield from _rows(
@@ -240,8 +212,8 @@ def _table() -> Iterator[Variable]:
     yield from _rows(
         "audit",
         "time",
-        ("momentum_scale", "kg m/s", f"summed magnitudes, {apart}"),
-        ("angular_momentum_scale", "kg m^2/s", f"summed magnitudes about the mass centre, {apart}"),
+        ("momentum_scale", "kg m/s", f"summed magnitudes, {apart}", _SIZE),
+        ("angular_momentum_scale", "kg m^2/s", f"summed magnitudes about the mass centre, {apart}", _SIZE),
     )
     yield from _rows(
         "motion",
@@ -262,70 +234,77 @@ def _table() -> Iterator[Variable]:
         "joint",
         ("final_angle", "rad", "motion angle at the end"),
         ("final_rate", "rad/s", "its rate at the end"),
-        ("peak_acceleration", "rad/s^2", "largest size of its acceleration at a sample"),
+        ("peak_acceleration", "rad/s^2", "largest size of its acceleration at a sample", _SIZE),
     )
     yield from _rows(
         "summary",
         "sliding_joint",
         ("final_position", "m", "way along the joint's axis at the end"),
         ("final_slide_rate", "m/s", "its rate at the end"),
-        ("peak_slide_acceleration", "m/s^2", "largest size of its acceleration at a sample"),
+        ("peak_slide_acceleration", "m/s^2", "largest size of its acceleration at a sample", _SIZE),
     )
     yield from _rows(
         "summary",
         "drive",
         ("total_work", "J", "work of the drive from start to end"),
-        ("total_gross_work", "J", "integral of |power| of the drive from start to end"),
+        ("total_gross_work", "J", "integral of |power| of the drive from start to end", _TOTAL),
     )
     yield from _rows(
         "summary",
         "contact",
-        ("total_normal_loss", "J", "energy lost to normal contact from start to end"),
-        ("total_friction_loss", "J", "energy lost to friction from start to end"),
+        ("total_normal_loss", "J", "energy lost to normal contact from start to end", _LOST),
+        ("total_friction_loss", "J", "energy lost to friction from start to end", _LOST),
     )
     yield from _rows(
         "summary",
         "motion",
-        ("peak_effort", "N m", "largest size at a sample of the torque that holds the motion (a force [N])"),
+        (
+            "peak_effort",
+            "N m",
+            "largest size at a sample of the torque that holds the motion (a force [N])",
+            _SIZE,
+        ),
     )
     yield from _rows(
         "summary",
         "closure",
-        ("peak_closure_force", "N", "largest force of the closure at a sample"),
-        ("peak_closure_moment", "N m", "largest moment of the closure at a sample"),
+        ("peak_closure_force", "N", "largest force of the closure at a sample", _SIZE),
+        ("peak_closure_moment", "N m", "largest moment of the closure at a sample", _SIZE),
     )
-    yield from _rows("summary", "coupling", ("peak_coupling_torque", "N m", f"largest size of the {torque}"))
+    yield from _rows(
+        "summary", "coupling", ("peak_coupling_torque", "N m", f"largest size of the {torque}", _SIZE)
+    )
     yield from _rows(
         "summary",
         "spring",
-        ("total_damper_loss", "J", "energy lost in the damper, or to a joint's own friction, in all"),
+        ("total_damper_loss", "J", "energy lost in the damper, or to a joint's own friction, in all", _TOTAL),
     )
     yield from _rows(
         "summary",
         "elastic_part",
-        ("peak_deflection", "rad", "largest size of the part's deflection at a sample (a way [m])"),
-        ("peak_elastic_energy", "J", "largest energy in the part's spring at a sample"),
-        ("total_elastic_loss", "J", "energy lost in the part's damper in all"),
-        ("peak_spin", "rad/s", "largest angular speed of the part's hub at a sample"),
+        ("peak_deflection", "rad", "largest size of the part's deflection at a sample (a way [m])", _SIZE),
+        ("peak_elastic_energy", "J", "largest energy in the part's spring at a sample", _SIZE),
+        ("total_elastic_loss", "J", "energy lost in the part's damper in all", _TOTAL),
+        ("peak_spin", "rad/s", "largest angular speed of the part's hub at a sample", _SIZE),
     )
     yield from _rows(
         "episodes",
         "episode",
-        ("onset_time", "s", "start of the contact"),
-        ("release_time", "s", "end of the contact; NaN: still touching"),
-        ("approach_speed", "m/s", "depth rate at onset, floored"),
-        ("peak_force", "N", "largest normal force, of the dense output"),
+        ("onset_time", "s", "start of the contact", _ORDERED),
+        ("release_time", "s", "end of the contact; NaN: still touching", Rule(lacks=True)),
+        ("approach_speed", "m/s", "depth rate at onset, floored", _SIZE),
+        ("peak_force", "N", "largest normal force, of the dense output", _SIZE),
         ("peak_time", "s", "when the force was largest"),
-        ("peak_depth", "m", "largest depth, of the dense output"),
-        ("impulse", "N s", "integral of the normal force"),
-        ("dissipated", "J", "energy lost, normal and friction"),
-        ("effective_mass", "kg", "(n^T M^-1 n)^-1 at onset, along the normal"),
+        ("peak_depth", "m", "largest depth, of the dense output", _SIZE),
+        ("impulse", "N s", "integral of the normal force", _TOTAL),
+        ("dissipated", "J", "energy lost, normal and friction", _LOST),
+        ("effective_mass", "kg", "(n^T M^-1 n)^-1 at onset, along the normal", _SIZE),
         ("episode_contact", "1", "index of the contact"),
     )
     yield from _rows(
         "episodes",
         "event",
-        ("event_time", "s", "when the event happened"),
+        ("event_time", "s", "when the event happened", _ORDERED),
         ("event_energy", "J", "energy that the event's action brought in"),
     )
 

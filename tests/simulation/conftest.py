@@ -45,8 +45,7 @@ def impact_rig() -> Callable[..., System]:
             name="hole",
             geometry=PlanarClearance(bearing_radius=0.01, journal_radius=0.01 - play),
             radial=law,
-            backend="closed-form",
-            **{"maximum_depth": 1e-2, **joint},
+            **{"backend": "closed-form", "maximum_depth": 1e-2, **joint},
         )
         return System(mechanism, clearances=[clearance])
 

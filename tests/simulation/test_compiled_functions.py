@@ -155,8 +155,9 @@ def in_words(a):
     return "much"
 
 
-@pytest.mark.parametrize("wrong", [of_two, in_words])
-def test_a_function_of_another_kind_is_refused(wrong):
-    law = CustomFriction(coefficient=wrong)
-    with pytest.raises(InvalidParameterError, match="coefficient must be a compiled function of 1 float"):
-        pair(OWN, law)
+@pytest.mark.parametrize(
+    ("wrong", "rule"), [(of_two, "function of 1 argument"), (in_words, "compiled function of 1")]
+)
+def test_a_function_of_another_kind_is_refused(wrong, rule):
+    with pytest.raises(InvalidParameterError, match=f"coefficient must be a {rule}"):
+        pair(OWN, CustomFriction(coefficient=wrong))

@@ -354,7 +354,7 @@ def test_a_result_file_holds_its_events(tmp_path):
     [
         ({"when": Angle("knee", 0.0)}, "knee"),
         ({"when": Force("joint.radial+", 1.0)}, "event: contact 'joint.radial"),
-        ({"when": lambda moment: None}, "event 'e': when must be a function that returns a number"),
+        ({"when": lambda moment: None}, "event 'e': when must give a finite number, got None"),
         ({"when": 3.0}, "Event: when must be a function, got 3.0"),
         ({"direction": 2}, "event 'e': direction must be -1, 0 or 1, got 2"),
         ({"after": 0}, "event 'e': after must be a whole number of 1 or more, got 0"),

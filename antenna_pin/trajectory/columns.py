@@ -1,0 +1,200 @@
+"""Columns of results and tables: what each is, and what its numbers may be, declared in one place.
+
+Whoever fills a column and whoever reads it look at it by the same declaration, so that a new column is looked
+at without a word more.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["ANY", "Breach", "Coordinate", "Rule", "Variable", "first_not_finite"]
+
+Numbers = NDArray[Any]
+
+_UNIT = 1e-6  # that the length of a direction or a quaternion may be off by
+
+
+@dataclass(frozen=True, slots=True)
+class Rule:
+    """What the numbers of a column may be; finite in any case.
+
+    Attributes:
+        least: None is less.
+        most: None is more.
+        only: Each is one of these, if there are any.
+        unit: Those along the last dimension are of length 1: a quaternion.
+        rising: None is less than the one before it, along the first dimension.
+        lacks: NaN stands where there is no number.
+        beside: A column without which it is zero: where that one is zero.
+        summed: Integrals of a run, or sums of its large numbers: bounds hold to their errors.
+        passive: Energy that contacts lose: bounds hold for those of which that is known.
+    """
+
+    least: float = -math.inf
+    most: float = math.inf
+    only: tuple[float, ...] = ()
+    unit: bool = False
+    rising: bool = False
+    lacks: bool = False
+    beside: str = ""
+    summed: bool = False
+    passive: bool = False
+
+    @property
+    def words(self) -> str:
+        """What they must be, as it reads after "must be"."""
+        said = ["finite, or NaN where there is none" if self.lacks else "finite"]
+        if self.only:
+            said.append(f"one of {', '.join(f'{one:g}' for one in self.only)}")
+        if self.least != -math.inf:
+            said.append(f"{self.least:g} or more")
+        if self.most != math.inf:
+            said.append(f"{self.most:g} or less")
+        said += ["of length 1"] * self.unit + ["no less than the one before"] * self.rising
+        said += [f"zero where {self.beside} is"] * bool(self.beside)
+        return ", ".join(said)
+
+    def breach(
+        self,
+        values: Numbers,
+        *,
+        before: Numbers | None = None,
+        other: Numbers | None = None,
+        slack: Callable[[], float] = lambda: 0.0,
+        finite: bool = True,
+    ) -> Breach | None:
+        """Return the first number of a column that it does not allow; None if it allows all.
+
+        Args:
+            values: Of the column, or of some of its rows.
+            before: The row before them.
+            other: Those of ``beside``, of the same rows.
+            slack: Returns what bounds may be off by; asked where one is passed of what is ``summed``.
+            finite: Whether numbers must be finite: in a run that ended badly, its last ones need not be.
+        """
+        if not values.size:
+            return None
+        rows = len(values)
+        first = first_not_finite(values, lacks=self.lacks) if finite else rows
+        if first < rows:
+            return self._at(values, first, ~np.isfinite(values[first]))
+        with np.errstate(invalid="ignore"):
+            wrong = self._wrong(values, before, other, 0.0)
+            if self.summed and wrong.any():
+                wrong = self._wrong(values, before, other, slack())
+        if not wrong.any():
+            return None
+        first = int(np.argmax(wrong.reshape(rows, -1).any(axis=1)))
+        return self._at(values, first, wrong[first])
+
+    def _wrong(
+        self, values: Numbers, before: Numbers | None, other: Numbers | None, slack: float
+    ) -> NDArray[np.bool_]:
+        """Return which numbers are not allowed; NaN passes here."""
+        wrong = (values < self.least - slack) | (values > self.most + slack)
+        if self.only:
+            wrong |= ~np.isin(values, self.only)
+        if self.rising:
+            start = values[:1] if before is None else before[np.newaxis]
+            wrong |= values < np.concatenate([start, values[:-1]]) - slack
+        if self.unit:
+            lengths = np.linalg.norm(values, axis=-1, keepdims=True)
+            wrong |= np.abs(lengths - 1.0) > _UNIT
+        if other is not None:
+            shape = (*other.shape, *[1] * (values.ndim - other.ndim))
+            wrong |= (values != 0.0) & (other == 0.0).reshape(shape)
+        return wrong
+
+    def _at(self, values: Numbers, row: int, wrong: Any) -> Breach:
+        found = values[row] if self.unit else np.atleast_1d(values[row])[np.atleast_1d(wrong)][0]
+        return Breach(row, np.array2string(np.asarray(found), precision=9, separator=", "))
+
+
+#: Any finite number.
+ANY = Rule()
+
+
+class Breach(NamedTuple):
+    """A number that breaks a rule.
+
+    Attributes:
+        row: Where, along the first dimension.
+        value: What stands there, as text.
+    """
+
+    row: int
+    value: str
+
+
+def first_not_finite(values: Numbers, *, lacks: bool = False) -> int:
+    """Return the first row of numbers that are not all finite; that behind the last if all are.
+
+    Args:
+        values: Of any shape, floats or whole numbers.
+        lacks: Whether NaN is none of them.
+    """
+    if values.dtype.kind != "f":
+        return len(values)
+    good = ~np.isinf(values) if lacks else np.isfinite(values)
+    if good.all():
+        return len(values)
+    return int(np.argmin(good.reshape(len(values), -1).all(axis=1)))
+
+
+@dataclass(frozen=True, slots=True)
+class Coordinate:
+    """Labels beside those of a dimension.
+
+    Attributes:
+        name: Of the coordinate.
+        dim: Along what.
+        meaning: In words.
+    """
+
+    name: str
+    dim: str
+    meaning: str
+
+
+@dataclass(frozen=True, slots=True)
+class Variable:
+    """One variable of a result.
+
+    Attributes:
+        name: Of the variable.
+        dims: Its dimensions, in order; it is there if they are.
+        units: Of its values, as text; "1" if none.
+        meaning: Its long name.
+        source: Where it comes from, of each sample: the ``state``, its ``derivative`` (the equations of
+            motion), the ``contact`` of journals and bearings, the ``ledger`` of works and losses that the
+            state holds, the ``audit`` of energies and momenta, the ``motion`` of joints with one axis; of the
+            whole run: its ``episodes`` of contact and events, and a ``summary`` of series.
+        rule: What its numbers may be.
+        flags: What its numbers stand for, if they are codes.
+        free_base: Whether it is there with a free base only.
+    """
+
+    name: str
+    dims: tuple[str, ...]
+    units: str
+    meaning: str
+    source: str
+    rule: Rule = ANY
+    flags: tuple[tuple[int, str], ...] = ()
+    free_base: bool = False
+
+    @property
+    def attributes(self) -> dict[str, Any]:
+        """Return its attributes in a dataset."""
+        found: dict[str, Any] = {"units": self.units, "long_name": self.meaning}
+        if self.flags:
+            found["flag_values"] = np.array([value for value, _ in self.flags], dtype=np.int8)
+            found["flag_meanings"] = " ".join(word for _, word in self.flags)
+        return found

@@ -1,0 +1,73 @@
+"""Why a run ended, and what it took."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+__all__ = ["ENDED_WELL", "Counts", "Outcome"]
+
+
+class Outcome(Enum):
+    """Why a run ended."""
+
+    COMPLETED = "reached the end of the time span"
+    STOPPED = "stopped by an event that was to end it"
+    INTERRUPTED = "stopped by the user; what was computed is kept"
+    STEP_TOO_SMALL = (
+        "the step fell below its floor; take integrator.method = 'radau5', soften the contact, loosen rtol "
+        "or lower integrator.min_step"
+    )
+    NO_PROGRESS = (
+        "the run makes no way; a force that jumps does that, or a law or a drive too stiff for an explicit "
+        "method: look at the last samples, take integrator.method = 'radau5', loosen rtol, or raise "
+        "integrator.max_expected_steps"
+    )
+    STEP_LIMIT = "made as many steps as integrator.max_steps allows; what was computed is kept"
+    TIME_LIMIT = "took as long as integrator.max_wall_time allows; what was computed is kept"
+    NOT_FINITE = (
+        "numbers of the run stopped being finite; look at the drives and stiffnesses, or tighten the step"
+    )
+    FUNCTION_FAILED = (
+        "a function given in Python has no answer there that can be used; what was computed before is kept: "
+        "let it answer with finite numbers of the kind it is asked for, at every state that the run comes to"
+    )
+    FUNCTION_WITH_MEMORY = (
+        "a function given in Python answered one question in two ways, and what was computed means nothing; "
+        "a run asks out of order and back in time: give it no memory, chance or clock, and make a sampled "
+        "controller of pieces of runs, each with start=run.end"
+    )
+    NOT_CLOSED = (
+        "the loops cannot be closed from here on, in a singular position or out of reach; change motions or "
+        "dimensions"
+    )
+    OUT_OF_LAW_RANGE = (
+        "a contact left the range of its law; choose a law that reaches deeper, or lower the load"
+    )
+    TOO_DEEP = (
+        "a contact was pressed beyond maximum_depth, where rigid bodies with contact stiffness no "
+        "longer describe it; stiffen the law, lower the load or raise maximum_depth"
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Counts:
+    """What a run took.
+
+    Attributes:
+        accepted: Steps accepted.
+        rejected: Trial steps rejected by their error.
+        relocated: Trial steps cut back to end at a change of contact.
+        evaluations: Evaluations of the equations of motion.
+        wall_seconds: Time of the run, recording included [s].
+    """
+
+    accepted: int = 0
+    rejected: int = 0
+    relocated: int = 0
+    evaluations: int = 0
+    wall_seconds: float = 0.0
+
+
+#: Those of a run that came to its end: every number of its result is one.
+ENDED_WELL = (Outcome.COMPLETED, Outcome.STOPPED)
