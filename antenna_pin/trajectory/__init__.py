@@ -2,6 +2,7 @@
 
 from antenna_pin.trajectory.blows import blow_counts, blow_numbers, surfaces
 from antenna_pin.trajectory.file import FORMAT, write_blocks
+from antenna_pin.trajectory.outcome import Outcome
 from antenna_pin.trajectory.read import (
     contact_ends,
     contact_joints,
@@ -11,7 +12,7 @@ from antenna_pin.trajectory.read import (
     names_along,
     series,
 )
-from antenna_pin.trajectory.result import Counts, Outcome, Trajectory, library_versions
+from antenna_pin.trajectory.result import Counts, Trajectory, library_versions
 from antenna_pin.trajectory.table import (
     FORMATS,
     KINDS,

@@ -8,7 +8,6 @@ import os
 import platform
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from enum import Enum
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
@@ -22,50 +21,15 @@ from antenna_pin.state import State
 from antenna_pin.trajectory.blows import blow_counts
 from antenna_pin.trajectory.check import problem_of
 from antenna_pin.trajectory.file import FORMAT, read, write
+from antenna_pin.trajectory.outcome import Outcome
 from antenna_pin.trajectory.read import names_along
 
 if TYPE_CHECKING:
     from antenna_pin.scenario import Scenario
 
-__all__ = ["Counts", "Outcome", "Trajectory", "library_versions"]
+__all__ = ["Counts", "Trajectory", "library_versions"]
 
 _LIBRARIES = ("antenna_pin", "pin", "coal", "numpy", "scipy", "numba", "xarray", "h5netcdf")
-
-
-class Outcome(Enum):
-    """Why a run ended."""
-
-    COMPLETED = "reached the end of the time span"
-    STOPPED = "stopped by an event that was to end it"
-    INTERRUPTED = "stopped by the user; what was computed is kept"
-    STEP_TOO_SMALL = (
-        "the step fell below its floor; take integrator.method = 'radau5', soften the contact, loosen rtol "
-        "or lower integrator.min_step"
-    )
-    NO_PROGRESS = (
-        "the run makes no way; a force that jumps does that, or a law or a drive too stiff for an explicit "
-        "method: look at the last samples, take integrator.method = 'radau5', loosen rtol, or raise "
-        "integrator.max_expected_steps"
-    )
-    STEP_LIMIT = "made as many steps as integrator.max_steps allows; what was computed is kept"
-    TIME_LIMIT = "took as long as integrator.max_wall_time allows; what was computed is kept"
-    NOT_FINITE = "the state stopped being finite; look at the drives and stiffnesses, or tighten the step"
-    FUNCTION_WITH_MEMORY = (
-        "a function given in Python answered one question in two ways, and what was computed means nothing; "
-        "a run asks out of order and back in time: give it no memory, chance or clock, and make a sampled "
-        "controller of pieces of runs, each with start=run.end"
-    )
-    NOT_CLOSED = (
-        "the loops cannot be closed from here on, in a singular position or out of reach; change motions or "
-        "dimensions"
-    )
-    OUT_OF_LAW_RANGE = (
-        "a contact left the range of its law; choose a law that reaches deeper, or lower the load"
-    )
-    TOO_DEEP = (
-        "a contact was pressed beyond maximum_depth, where rigid bodies with contact stiffness no "
-        "longer describe it; stiffen the law, lower the load or raise maximum_depth"
-    )
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,0 +1,48 @@
+"""Why a run ended."""
+
+from __future__ import annotations
+
+from enum import Enum
+
+__all__ = ["Outcome"]
+
+
+class Outcome(Enum):
+    """Why a run ended."""
+
+    COMPLETED = "reached the end of the time span"
+    STOPPED = "stopped by an event that was to end it"
+    INTERRUPTED = "stopped by the user; what was computed is kept"
+    STEP_TOO_SMALL = (
+        "the step fell below its floor; take integrator.method = 'radau5', soften the contact, loosen rtol "
+        "or lower integrator.min_step"
+    )
+    NO_PROGRESS = (
+        "the run makes no way; a force that jumps does that, or a law or a drive too stiff for an explicit "
+        "method: look at the last samples, take integrator.method = 'radau5', loosen rtol, or raise "
+        "integrator.max_expected_steps"
+    )
+    STEP_LIMIT = "made as many steps as integrator.max_steps allows; what was computed is kept"
+    TIME_LIMIT = "took as long as integrator.max_wall_time allows; what was computed is kept"
+    NOT_FINITE = "the state stopped being finite; look at the drives and stiffnesses, or tighten the step"
+    FUNCTION_WITH_MEMORY = (
+        "a function given in Python answered one question in two ways, and what was computed means nothing; "
+        "a run asks out of order and back in time: give it no memory, chance or clock, and make a sampled "
+        "controller of pieces of runs, each with start=run.end"
+    )
+    NOT_CLOSED = (
+        "the loops cannot be closed from here on, in a singular position or out of reach; change motions or "
+        "dimensions"
+    )
+    OUT_OF_LAW_RANGE = (
+        "a contact left the range of its law; choose a law that reaches deeper, or lower the load"
+    )
+    TOO_DEEP = (
+        "a contact was pressed beyond maximum_depth, where rigid bodies with contact stiffness no "
+        "longer describe it; stiffen the law, lower the load or raise maximum_depth"
+    )
+
+    @property
+    def may_go_on(self) -> bool:
+        """Whether the run was stopped on its way, and its checkpoint is kept to go on from."""
+        return self in (Outcome.INTERRUPTED, Outcome.TIME_LIMIT)
