@@ -188,7 +188,7 @@ class Run:
             keep: Shown the run between steps, and at its end.
         """
         report = Reporter(progress, self.duration, self.wall)
-        self.oversight.begin(self.stepper.t, self.here)
+        self.oversight.begin(self.stepper.t, self.here, self.trials.so_far(self.wall))
         h = self.following
         while self.stepper.t < self.duration and self.outcome is Outcome.COMPLETED:
             self.following = h = self._step(h)
@@ -212,8 +212,8 @@ class Run:
         report(self.stepper.t, h, self.trials.accepted, last=True)
 
     def _may_go_on(self, interrupted: bool) -> bool:
-        counts = self.trials.made, self.stepper.evaluations
-        return self._stop(*self.oversight.look(self.stepper.t, self.here, counts, self.wall, interrupted))
+        made = self.trials.so_far(self.wall)
+        return self._stop(*self.oversight.look(self.stepper.t, self.here, made, interrupted))
 
     def _step(self, h: float) -> float:
         """Make one accepted step, or a stretch; return the size to try next."""

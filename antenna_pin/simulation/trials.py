@@ -10,7 +10,7 @@ from antenna_pin.integrate import Stepper
 from antenna_pin.simulation.control import StepControl
 from antenna_pin.trajectory import Outcome
 
-__all__ = ["Trial", "Trials"]
+__all__ = ["Made", "Trial", "Trials"]
 
 _RELOCATIONS = 5
 _REJECTED_IN_A_ROW = 1000
@@ -30,6 +30,22 @@ class Trial(NamedTuple):
     following: float
     outcome: Outcome | None = None
     tried: bool = True
+
+
+class Made(NamedTuple):
+    """What a run has made so far.
+
+    Attributes:
+        tried: Trial steps.
+        rejected: Those whose error was too large.
+        evaluations: Of the right-hand side.
+        wall: Wall time that it took [s].
+    """
+
+    tried: int
+    rejected: int
+    evaluations: int
+    wall: float
 
 
 class Trials:
@@ -55,6 +71,10 @@ class Trials:
     def made(self) -> int:
         """Trial steps made so far."""
         return self.accepted + self.rejected + self.relocated
+
+    def so_far(self, wall: float) -> Made:
+        """Return what was made, in so much wall time [s]."""
+        return Made(self.made, self.rejected, self._stepper.evaluations, wall)
 
     def first(self, h: float, cut: Callable[[float], None]) -> Trial:
         """Try steps until one passes.
