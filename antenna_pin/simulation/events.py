@@ -244,6 +244,11 @@ class Event:
             if not (isinstance(getattr(self, name), int) and getattr(self, name) >= 1):
                 raise InvalidParameterError(place, name, "a whole number of 1 or more", getattr(self, name))
 
+    @property
+    def changes(self) -> bool:
+        """Whether it may change what moves, or end it: nothing is known of what comes after it."""
+        return isinstance(self.action, Set | Jump | Stop)
+
     def counts(self, side: float) -> bool:
         """Whether the function's passing to this sign is what is looked for."""
         return self.direction in (0, side)

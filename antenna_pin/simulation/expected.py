@@ -38,19 +38,22 @@ class Expected:
         left: Wall time that the run will still take, as last told [s]; NaN if nothing was told.
         step: Way of the run for each trial step, at its present pace [s].
         rejected: Share of trial steps that were rejected, likewise [-].
+        relocated: Share of those that were made to end where something happens, likewise [-].
     """
 
     def __init__(self, end: float) -> None:
         """Begin without a look."""
-        self.left, self.step, self.rejected = math.nan, 0.0, 0.0
+        self.left, self.step = math.nan, 0.0
+        self.rejected = self.relocated = 0.0
         self._end = end
         self._told = math.nan
+        self._before = self._start = 0.0
         self._began = self._next = math.nan
-        self._mark = 0.0, Made(0, 0, 0, 0.0)
+        self._mark = 0.0, Made(0, 0, 0, 0, 0.0)
 
     def begin(self, t: float, made: Made) -> None:
         """Take the time from here on: at t [s], with what a run that goes on has made before."""
-        self._mark = t, made
+        self._mark, self._start = (t, made), t
         self._began, self._next = made.wall, made.wall + _FIRST
 
     def look(self, t: float, made: Made) -> bool:
@@ -62,18 +65,27 @@ class Expected:
         self._next = self._began + 2.0 * (made.wall - self._began)
         if then.wall == self._began:
             return False
-        left = (self._end - t) * (made.wall - then.wall) / way if way > 0.0 else math.inf
+        left = self._left(t, way, made.wall - then.wall)
+        # At two looks, or by the whole way so far: a burst of impacts or events is soon over.
+        sure = max(self._before, self._left(t, t - self._start, made.wall - self._began)) > _LONG
+        self._before = left
         whole = made.wall + left
-        if not left > _LONG or self._told / _OTHER <= whole <= self._told * _OTHER:
+        if not (sure and left > _LONG) or self._told / _OTHER <= whole <= self._told * _OTHER:
             return False
         self.left, self._told = left, whole
         return True
+
+    def _left(self, t: float, way: float, wall: float) -> float:
+        """Return what the run will take from t [s] on, if it makes such a way in so much wall time [s]."""
+        return (self._end - t) * wall / way if way > 0.0 else math.inf
 
     def measure(self, t: float, made: Made) -> float:
         """Take the pace since the last look, of a run that has come to t [s]; return its way since [s]."""
         before, then = self._mark
         tried, way = max(made.tried - then.tried, 1), t - before
-        self.step, self.rejected = way / tried, (made.rejected - then.rejected) / tried
+        self.step = way / tried
+        self.rejected = (made.rejected - then.rejected) / tried
+        self.relocated = (made.relocated - then.relocated) / tried
         return way
 
     def words(self, t: float) -> str:

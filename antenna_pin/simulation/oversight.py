@@ -22,7 +22,7 @@ __all__ = ["Oversight"]
 
 Array = NDArray[np.float64]
 
-# Share of rejected steps from which on they are what takes the time.
+# Share of steps that are rejected, or end where something happens, from which on they take the time.
 _MANY = 0.2
 _WAY_OUT = "; integrator.max_wall_time ends a run in time, and keeps what it has"
 
@@ -95,6 +95,9 @@ class Oversight:
                     f"{100.0 * pace.rejected:.0f} % of its steps are rejected, as by a force that jumps: "
                     "friction that is not zero at rest, a drive that switches"
                 )
+            elif not self._slow and pace.relocated > _MANY:
+                share = 100.0 * pace.relocated
+                self._slow = f"{share:.0f} % of its steps end at an event or where a contact changes"
         usual = "loosen integrator.rtol" if self._control.method.adaptive else "take a longer integrator.step"
         if settings.engine == "pinocchio":
             usual += ", or take integrator.engine = 'compiled'"

@@ -38,12 +38,14 @@ class Made(NamedTuple):
     Attributes:
         tried: Trial steps.
         rejected: Those whose error was too large.
+        relocated: Those made to end where something happens.
         evaluations: Of the right-hand side.
         wall: Wall time that it took [s].
     """
 
     tried: int
     rejected: int
+    relocated: int
     evaluations: int
     wall: float
 
@@ -74,7 +76,7 @@ class Trials:
 
     def so_far(self, wall: float) -> Made:
         """Return what was made, in so much wall time [s]."""
-        return Made(self.made, self.rejected, self._stepper.evaluations, wall)
+        return Made(self.made, self.rejected, self.relocated, self._stepper.evaluations, wall)
 
     def first(self, h: float, cut: Callable[[float], None]) -> Trial:
         """Try steps until one passes.
@@ -102,19 +104,18 @@ class Trials:
                 return shorter
             h = shorter.following
 
-    def again(self, theta: float, lack: Callable[[], float]) -> Trial:
+    def again(self, size: float, longest: float, lack: Callable[[], float]) -> Trial:
         """Make the trial step again so that it ends where something happens.
 
         The error of the step that went on past that point says nothing of the one up to it. Where that one's
         is too large, there is none that passes.
 
         Args:
-            theta: At which fraction of the trial step, by its dense output.
+            size: How far into the step that is, by a dense output [s].
+            longest: What the step may be corrected to at most [s].
             lack: How much longer the trial step should be [s], or 0.
         """
         stepper = self._stepper
-        longest = stepper.h
-        size = theta * longest
         for _ in range(_RELOCATIONS):
             error = stepper.attempt(size)
             self.relocated += 1

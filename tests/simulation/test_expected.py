@@ -57,17 +57,29 @@ def test_a_long_run_is_told_of_once_and_is_the_same_run(monkeypatch, engine):
 def test_an_estimate_is_told_again_if_it_is_another():
     """Steps of 1 ms a second, of 50 s; then a hundred times as slow, then as before."""
     watch, told, wall = expected.Expected(50.0), [], 7.0
-    watch.begin(0.0, Made(0, 0, 0, wall))
+    watch.begin(0.0, Made(0, 0, 0, 0, wall))
     for k in range(1, 8193):
         wall += 100.0 if 1024 < k <= 1100 else 1.0
-        if watch.look(1e-3 * k, Made(k, 0, 0, wall)):
+        if watch.look(1e-3 * k, Made(k, 0, 0, 0, wall)):
             told.append((k, watch.words(1e-3 * k)))
     assert [k for k, _ in told][0] == 6 and 2 <= len(told) <= 4
     assert (
         "after 6 s, the run will take another 14 h at its present pace, with steps of 0.001 s" in told[0][1]
     )
     assert told[1][0] > 1024 and "another 6" in told[1][1] and "days" in told[1][1] or "h" in told[1][1]
-    assert not expected.Expected(1.0).look(0.5, Made(9, 0, 0, 1e9))  # nothing before the beginning
+    assert not expected.Expected(1.0).look(0.5, Made(9, 0, 0, 0, 1e9))  # nothing before the beginning
+
+
+def test_a_burst_is_not_told_of():
+    """Fast up to 90 %, then for 4 s hardly any way, then fast again; it is told of where it stays slow."""
+    for slow in (4, 40):
+        watch, told, t = expected.Expected(100.0), [], 0.0
+        watch.begin(t, Made(0, 0, 0, 0, 0.0))
+        for k in range(1, 401):
+            t += 1e-4 if 25 < k <= 25 + 10 * slow else 3.6
+            if t < 100.0 and watch.look(t, Made(k, 0, 0, 0, 0.1 * k)):
+                told.append(0.1 * k)
+        assert len(told) == (slow == 40) and all(when <= 10.1 for when in told)
 
 
 def jumps(t, angle, rate):
