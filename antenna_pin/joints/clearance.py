@@ -21,7 +21,7 @@ from antenna_pin.geometry import ClearanceGeometry, Distances, RevoluteClearance
 from antenna_pin.geometry._patch_kernels import NODE
 from antenna_pin.joints import _kernels
 from antenna_pin.joints import _layout_kernels as _layout
-from antenna_pin.joints._checks import check_kinds, check_load
+from antenna_pin.joints._checks import check_friction, check_kinds, check_load
 from antenna_pin.joints._patch_kernels import patch_energy
 from antenna_pin.joints.contacts import JointContacts
 from antenna_pin.joints.python_path import PythonPath, has_code, range_of
@@ -112,13 +112,7 @@ class ClearanceJoint:
             raise InvalidParameterError(
                 f"joint {self.name!r}", "maximum_depth", "a positive length [m]", self.maximum_depth
             )
-        if bristles and not all(has_code(law) for law in self.normal_laws):
-            raise InvalidParameterError(
-                f"joint {self.name!r}",
-                "friction",
-                "a law of the slip speed beside a normal law in Python (bristles need compiled laws)",
-                self.friction,
-            )
+        check_friction(f"joint {self.name!r}", self.friction, all(map(has_code, self.normal_laws)))
 
     @property
     def planar(self) -> bool:
