@@ -69,6 +69,10 @@ class StiffRunWarning(UserWarning):
     """The explicit steps of a run are held short by what an implicit method would step over."""
 
 
+class LongRunWarning(UserWarning):
+    """At its present pace a run will take long: how long, and what makes it slow."""
+
+
 class InvalidParameterError(AntennaPinError, ValueError):
     """A parameter breaks a rule of the thing it describes.
 

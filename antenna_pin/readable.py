@@ -12,7 +12,7 @@ import re
 from collections.abc import Iterable
 from decimal import Decimal
 
-__all__ = ["GIVEN", "number", "prefixed", "printed_unit", "readable"]
+__all__ = ["GIVEN", "lasting", "number", "prefixed", "printed_unit", "readable"]
 
 MISSING = "–"
 
@@ -93,3 +93,11 @@ def readable(value: float | None, unit: str = "1", digits: int = 4) -> str:
     factor, printed = prefixed(unit, [value])
     text = number(None if value is None else value * factor, digits)
     return text if not printed or text == MISSING else f"{text}\N{NO-BREAK SPACE}{printed}"
+
+
+def lasting(seconds: float) -> str:
+    """Return a time that somebody waits, in the largest unit of which it has one or more: "3.5 h"."""
+    for size, unit in ((365.25 * 86400.0, "years"), (86400.0, "days"), (3600.0, "h"), (60.0, "min")):
+        if seconds >= size:
+            return f"{number(seconds / size, 2)} {unit}"
+    return f"{number(seconds, 2)} s"

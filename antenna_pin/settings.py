@@ -92,7 +92,8 @@ class RunSettings:
         min_step: A run whose step falls below this ends [s].
         first_step: First trial step [s]; None to choose it: a small one that the control enlarges.
         max_steps: Trial steps in all after which a run ends; None for no limit [-].
-        max_wall_time: Wall time after which a run ends [s]; None for no limit.
+        max_wall_time: Wall time after which a run ends, counted anew where it is gone on with [s]; None for
+            no limit.
         max_expected_steps: A run that at its present pace would need more trial steps than this to its end
             makes no way, and ends [-].
         scales: What the tolerance is relative to.

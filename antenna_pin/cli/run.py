@@ -90,6 +90,13 @@ def run(
     at: Annotated[
         str | None, typer.Option(help="Sample at these times too, ascending, such as '0.1, 250 ms'.")
     ] = None,
+    max_wall_time: Annotated[
+        str | None,
+        typer.Option(
+            metavar="TIME",
+            help="Wall time after which it ends, to be gone on with: integrator.max_wall_time.",
+        ),
+    ] = None,
     checkpoint: Annotated[
         str, typer.Option(metavar="TIME", help="Wall time from one checkpoint to the next.")
     ] = "5 min",
@@ -115,6 +122,9 @@ def run(
         changes.append(f"integrator.accuracy={accuracy!r}")
     if at is not None:
         changes.append(f"output.times=[{', '.join(_toml(time.strip()) for time in at.split(','))}]")
+    if max_wall_time is not None:
+        limit = positive_quantity(max_wall_time, "s", "--max-wall-time", "run")
+        changes.append(f"integrator.max_wall_time={limit!r}")
     interval = positive_quantity(checkpoint, "s", "--checkpoint", "run")
     if resume is None:
         if scenario is None:
@@ -132,6 +142,7 @@ def run(
             if value:
                 refuse(f"run: {name} must be left out beside --resume, which goes on with what was begun")
         chosen, path = resumed(resume)
+        chosen = chosen.with_overrides(changes) if changes else chosen
         span = None if duration is None else positive_quantity(duration, "s", "--duration", "run")
 
     from antenna_pin.simulation import UnsavedError, simulate
@@ -163,7 +174,7 @@ def run(
             if outcome != "COMPLETED" and not quiet:
                 say(trajectory.message)
             return
-        way_on = f"; go on by --resume {path}" if outcome == "INTERRUPTED" else ""
+        way_on = f"; go on by --resume {path}" if trajectory.outcome.may_go_on else ""
         complain(f"{stem(chosen)}: {trajectory.message} (the result up to there is in {path}{way_on})")
     raise typer.Exit(SIGNALLED + ended_by() if outcome == "INTERRUPTED" else ENDED_EARLY)
 

@@ -23,7 +23,7 @@ from antenna_pin.contact._called_kernels import CALLED_FRICTION
 from antenna_pin.contact._law import Law
 from antenna_pin.contact._records import FRICTION_LAW, FRICTION_SIZE, coded
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.given_functions import address_of, is_compiled
+from antenna_pin.given_functions import address_of, callable_of, is_compiled
 
 __all__ = [
     "Ambrosio",
@@ -86,6 +86,32 @@ class CompiledFrictionLaw(Law):
                 to it.
         """
         return float(_kernels.friction_ratio(self.code(), speed, normal_force) * speed)
+
+
+# A law that has not fallen by half at this speed from what it reaches further on jumps at rest [m/s].
+_REST, _SPEEDS = 1e-12, (1e-9, 1e-6, 1e-3, 1.0)
+
+
+def check_at_rest(place: str, coefficient: Callable[[float], float]) -> None:
+    """Refuse friction that jumps where the slip turns round: no step would be short enough for it.
+
+    A function that is none of a float is left to what calls it.
+
+    Args:
+        place: Whose it is, for the refusal.
+        coefficient: ``speed [m/s] -> mu [-]``.
+    """
+    try:
+        first, *further = (float(coefficient(speed)) for speed in (_REST, *_SPEEDS))
+    except Exception:
+        return
+    if first > 0.5 * max(further):
+        rule = (
+            "a function that tends to 0 with the speed, since force and slip are opposed and the force would "
+            "jump where the slip turns round; multiply it by tanh(speed / 1e-4), or take a law that sticks, "
+            "such as LuGre"
+        )
+        raise InvalidParameterError(place, "coefficient", rule, said=f"{first:g} at {_REST:g} m/s")
 
 
 def check_coefficient(law: object, name: str) -> None:
@@ -263,8 +289,8 @@ class Threlfall(CompiledFrictionLaw):
 class CustomFriction:
     """A user's own friction coefficient over slip speed; slower than the built-in laws unless it is compiled.
 
-    It must answer equal questions equally: a run ends as ``FUNCTION_WITH_MEMORY`` where it keeps something
-    between calls.
+    It must tend to zero with the speed, and answer equal questions equally: a run ends as
+    ``FUNCTION_WITH_MEMORY`` where it keeps something between calls.
 
     Attributes:
         coefficient: ``speed [m/s] -> mu [-]``, at least 0; a plain function, or compiled by ``numba.njit`` or
@@ -274,8 +300,9 @@ class CustomFriction:
     coefficient: Callable[[float], float]
 
     def __post_init__(self) -> None:
-        """Check that its function can be asked."""
+        """Check that its function can be asked, and refuse a law that jumps at rest."""
         check_takes(self, "coefficient", self.coefficient, "slip speed")
+        check_at_rest(type(self).__name__, callable_of(self.coefficient, 1))
 
     @property
     def is_compiled(self) -> bool:

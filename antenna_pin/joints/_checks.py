@@ -9,11 +9,12 @@ from antenna_pin._compile import record
 from antenna_pin.answers import check_takes
 from antenna_pin.contact._kernels import DISSIPATION_RECORDS, ELASTIC_RECORDS
 from antenna_pin.contact._records import NORMAL_LAW
+from antenna_pin.contact.friction import check_at_rest
 from antenna_pin.contact.normal import CompiledNormalLaw, normal_questions
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.geometry import ClearanceGeometry, RevoluteClearance
 
-__all__ = ["check_asked", "check_load"]
+__all__ = ["check_asked", "check_friction", "check_load"]
 
 
 def _check_kinds(place: str, law: Any) -> None:
@@ -58,6 +59,21 @@ def check_asked(place: str, normal_laws: Sequence[Any], friction: Any, backend: 
     if not isinstance(backend, str):
         query: Any = getattr(backend, "query", None)
         check_takes(f"{place}: {type(backend).__name__}", "query", query, "pose", "table", "row", "wanted")
+
+
+def check_friction(place: str, law: Any, compiled: bool) -> None:
+    """Refuse a friction law that jumps at rest, or one with states beside normal laws in Python.
+
+    Args:
+        place: The joint, for the messages.
+        law: The law.
+        compiled: Whether all normal laws run compiled.
+    """
+    if not hasattr(law, "code") and hasattr(law, "coefficient"):
+        check_at_rest(f"{place}: {type(law).__name__}", law.coefficient)
+    if getattr(law, "states", 0) and not compiled:
+        rule = "a law of the slip speed beside a normal law in Python (bristles need compiled laws)"
+        raise InvalidParameterError(place, "friction", rule, law)
 
 
 def check_load(

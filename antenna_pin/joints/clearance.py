@@ -22,7 +22,7 @@ from antenna_pin.geometry._patch_kernels import NODE
 from antenna_pin.geometry.own_backend import OwnBackend
 from antenna_pin.joints import _kernels
 from antenna_pin.joints import _layout_kernels as _layout
-from antenna_pin.joints._checks import check_asked, check_load
+from antenna_pin.joints._checks import check_asked, check_friction, check_load
 from antenna_pin.joints._patch_kernels import patch_energy
 from antenna_pin.joints.contacts import JointContacts
 from antenna_pin.joints.python_path import LawInRun, PythonPath, has_code, range_of
@@ -105,9 +105,7 @@ class ClearanceJoint:
             object.__setattr__(self, "maximum_depth", 0.01 * self.geometry.section_radius)
         elif not 0.0 < self.maximum_depth < math.inf:
             raise InvalidParameterError(place, "maximum_depth", "a positive length [m]", self.maximum_depth)
-        if bristles and not all(has_code(law) for law in self.normal_laws):
-            rule = "a law of the slip speed beside a normal law in Python (bristles need compiled laws)"
-            raise InvalidParameterError(place, "friction", rule, self.friction)
+        check_friction(place, self.friction, all(map(has_code, self.normal_laws)))
 
     @property
     def planar(self) -> bool:

@@ -75,7 +75,6 @@ class Actions:
         action = event.action
         count = self._watch.happen(crossing)
         if isinstance(action, Kink):
-            self._watch.renew()
             return None
         new = self._stepper.t > self._begin  # the others were the run's that was before
         energy = 0.0
@@ -86,8 +85,8 @@ class Actions:
             else:
                 self._jump(event.name, action)
             energy += self._energy()
-        self._stepper.refresh()
-        self._watch.renew()
+            self._stepper.refresh()
+            self._watch.renew()
         if new:
             self.happened.append(Happening(event.name, self._stepper.t, energy))
         self._samples.add(self._stepper.t, self._here.copy())

@@ -67,7 +67,7 @@ class Checkpoint:
             run: Between two steps.
             about: What it is of: kept as it is.
         """
-        ended = run.outcome not in (Outcome.COMPLETED, Outcome.INTERRUPTED)
+        ended = not (run.outcome is Outcome.COMPLETED or run.outcome.may_go_on)
         counts = dataclasses.asdict(run.counts())
         samples = run.samples
         manifold = run.system.manifold
@@ -229,13 +229,15 @@ def check_same(stood: Checkpoint, about: Mapping[str, Any]) -> None:
     was = stood.about
     way_out = "give what it was begun with, or run it from its start"
     ours, theirs = (json.loads(one["scenario"] or "{}") for one in (about, was))
+    for one in (ours, theirs):
+        one["integrator"] = _of_any_patience(one.get("integrator"))
     for name in [*theirs, *ours]:
         if name not in _MAY_DIFFER and ours.get(name) != theirs.get(name):
             raise FileFormatError(
                 f"simulate: the checkpoint must be of this scenario, got one with another {name!r}; {way_out}"
             )
     for name, what in (("system", "system"), ("settings", "settings"), ("events", "events")):
-        if about[name] != was[name]:
+        if _of_any_patience(about[name]) != _of_any_patience(was[name]):
             raise FileFormatError(f"simulate: the checkpoint must be of a run with these {what}; {way_out}")
     if about["span"] == was["span"]:
         return
@@ -249,3 +251,8 @@ def check_same(stood: Checkpoint, about: Mapping[str, Any]) -> None:
             f"simulate: duration must be beyond the checkpoint, at {stood.start.time:.6g} s, got "
             f"{about['span']:g} s"
         )
+
+
+def _of_any_patience(told: Any) -> Any:
+    """Return settings without the wall time that a run may take, which may be another each time."""
+    return {k: v for k, v in told.items() if k != "max_wall_time"} if isinstance(told, dict) else told

@@ -100,7 +100,7 @@ class StepControl:
         Args:
             trials: Trial steps made so far.
             t: How far they went [s].
-            wall: Wall time they took [s].
+            wall: Wall time since the run was begun, or gone on with [s].
         """
         settings = self.settings
         if settings.max_steps is not None and trials >= settings.max_steps:

@@ -283,6 +283,11 @@ class Event:
         )
         return AskedFunction(f"{name}when", self.when, told_moment), rate
 
+    @property
+    def changes(self) -> bool:
+        """Whether it may change what moves, or end it: nothing is known of what comes after it."""
+        return isinstance(self.action, Set | Jump | Stop)
+
     def counts(self, side: float) -> bool:
         """Whether the function's passing to this sign is what is looked for."""
         return self.direction in (0, side)

@@ -15,7 +15,7 @@ from antenna_pin.files import check_writable, replacing
 from antenna_pin.simulation.keeper import Keeper
 from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.record import Recording, dataset
-from antenna_pin.trajectory import Outcome, Trajectory, library_versions, write_blocks
+from antenna_pin.trajectory import Trajectory, library_versions, write_blocks
 
 if TYPE_CHECKING:
     from antenna_pin.scenario import Scenario
@@ -84,7 +84,7 @@ def finished(
                 raise UnsavedError(str(error), trajectory) from error
     else:
         trajectory = _streamed(run, keeper, {"title": title, "case": case}, result, lean)
-    if keeper is not None and run.outcome is not Outcome.INTERRUPTED:
+    if keeper is not None and not run.outcome.may_go_on:
         keeper.parts.remove()
     return trajectory
 

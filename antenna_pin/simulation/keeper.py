@@ -16,7 +16,6 @@ from antenna_pin.errors import OutputError
 from antenna_pin.simulation.checkpoint import Checkpoint
 from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.parts import Parts, folder_of
-from antenna_pin.trajectory import Outcome
 
 __all__ = ["CheckpointsWaitedWarning", "Keeper", "NotKeptWarning"]
 
@@ -109,8 +108,8 @@ class Keeper:
             self._wait = wall + _AGAIN
 
     def end(self, run: Run) -> None:
-        """Keep a run that was interrupted, or whose record is in parts; say if checkpoints waited."""
-        if run.outcome is Outcome.INTERRUPTED or self.parts.rows:
+        """Keep a run that may go on, or whose record is in parts; say if checkpoints waited."""
+        if run.outcome.may_go_on or self.parts.rows:
             try:
                 self.write(run)
             except OutputError as error:

@@ -8,6 +8,7 @@ the integration restarts from that state. So the equations are smooth inside eve
 from __future__ import annotations
 
 import dataclasses
+import itertools
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -18,14 +19,13 @@ from antenna_pin.dynamics import System, Workspace
 from antenna_pin.dynamics.workspace import ON_SURFACE
 from antenna_pin.engine import CompiledStepper
 from antenna_pin.integrate import method_named
-from antenna_pin.records import memory_numbers
 from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.actions import Actions
 from antenna_pin.simulation.control import StepControl
 from antenna_pin.simulation.episodes import Episodes
 from antenna_pin.simulation.events import Event
 from antenna_pin.simulation.kinks import kinks_of
-from antenna_pin.simulation.measured import Found
+from antenna_pin.simulation.measured import NOTHING, Found
 from antenna_pin.simulation.oversight import Oversight
 from antenna_pin.simulation.progress import Keeping, Progress, Reporter
 from antenna_pin.simulation.quiet import QuietTrials, stepper_of
@@ -33,6 +33,7 @@ from antenna_pin.simulation.samples import Samples
 from antenna_pin.simulation.scales import scale_vector
 from antenna_pin.simulation.search import ContactSearch
 from antenna_pin.simulation.singular import Singularities
+from antenna_pin.simulation.standing import state_of, take_up
 from antenna_pin.simulation.trials import Trial, Trials
 from antenna_pin.simulation.watch import Crossing, Watch
 from antenna_pin.simulation.watched import is_known
@@ -97,7 +98,7 @@ class Run:
         self.wall = self.following = 0.0
         self.left: State | None = None
         if isinstance(start, State):
-            self._go_on(start)
+            take_up(self, start)
         else:
             self._start(start)
 
@@ -113,22 +114,6 @@ class Run:
         self.watch.renew()
         self.samples.add(0.0, y.copy())
         self.following = self.control.first
-
-    def _go_on(self, state: State) -> None:
-        """Take up a run where another left it."""
-        self.contacts.take_up(state)
-        for place, value in state.adjusted:
-            self.actions.set(place, value)
-        self.stepper.restart(state.time, state.y)
-        self.control.spin = self.system.turn_on(self.stepper.start)
-        self.control.sizes.take_up(state.sizes)
-        self.search.ignore[:] = state.changed
-        self.following = state.step
-        self.control.error = state.error
-        self.watch.take_up(state.events, state.time)
-        self.watch.renew()
-        if state.time == state.reached:
-            self.samples.add(state.time, state.y)
 
     # --- what there is at the end ---------------------------------------------------------------------------
 
@@ -149,22 +134,7 @@ class Run:
 
     def present(self) -> State:
         """Return the state at this moment."""
-        nq, nv, y = self.system.model.nq, self.system.model.nv, self.here
-        return State(
-            time=self.stepper.t,
-            reached=self.stepper.t,
-            q=y[:nq].copy(),
-            v=y[nq : nq + nv].copy(),
-            x=y[nq + nv :].copy(),
-            memory=memory_numbers(self.workspace.memory),
-            contacts=self.contacts.value(),
-            step=self.following,
-            error=self.control.error,
-            sizes=self.control.sizes.value(),
-            changed=tuple(self.search.ignore.tolist()),
-            events=self.watch.value(),
-            adjusted=tuple(self.actions.adjustments.values.items()),
-        )
+        return state_of(self)
 
     @property
     def here(self) -> Array:
@@ -189,7 +159,7 @@ class Run:
         report = Reporter(progress, self.duration, self.wall)
         h = self.following
         with self.oversight.listening(self._stop):
-            self.oversight.begin(self.stepper.t, self.here)
+            self.oversight.begin(self.stepper.t, self.here, self.trials.so_far(self.wall))
             while self.stepper.t < self.duration and self.outcome is Outcome.COMPLETED:
                 self.following = h = self._step(h)
                 self.wall = report.wall
@@ -212,8 +182,8 @@ class Run:
         report(self.stepper.t, h, self.trials.accepted, last=True)
 
     def _may_go_on(self, interrupted: bool) -> bool:
-        counts = self.trials.made, self.stepper.evaluations
-        return self._stop(*self.oversight.look(self.stepper.t, self.here, counts, self.wall, interrupted))
+        made = self.trials.so_far(self.wall)
+        return self._stop(*self.oversight.look(self.stepper.t, self.here, made, interrupted))
 
     def _step(self, h: float) -> float:
         """Make one accepted step, or a stretch; return the size to try next."""
@@ -236,24 +206,25 @@ class Run:
     def _conclude(self, following: float) -> float:
         """Accept the trial step, or one that ends where something happens; return the size to try next."""
         contacts, search, watch = self.contacts, self.search, self.watch
-        crossings: list[Crossing] = []
+        ahead: list[list[Crossing]] = []
         if contacts or watch:
             search.compare_gaps()
             self.stepper.prepare_dense()
-            crossings = watch.first()
-        if contacts:
-            found = search.first(crossings[0].theta if crossings else 2.0)
-            if found.deep:
-                return self._end_too_deep(found, following)
-            if found.contact >= 0:
-                return self._change(found, following)
-        if crossings:
-            return self._happen(crossings, following)
-        if contacts:
-            contacts.keep_peaks()
-            search.ignore[:] = 0
-        self._accept()
+            ahead = watch.ahead()
+        found = search.first(ahead[0][0].theta if ahead else 2.0) if contacts else NOTHING
+        if found.contact >= 0:
+            act = self._end_too_deep if found.deep else self._change
+            return act(found, following)
+        if ahead:
+            return self._happen(ahead, following)
+        self._keep_and_accept()
         return following
+
+    def _keep_and_accept(self, renew: bool = True) -> None:
+        if self.contacts:
+            self.contacts.keep_peaks()
+            self.search.ignore[:] = 0
+        self._accept(renew)
 
     def _end_too_deep(self, found: Found, following: float) -> float:
         c = found.contact
@@ -295,28 +266,56 @@ class Run:
         self.stepper.refresh()
         self.watch.renew()
 
-    def _relocate(self, theta: float, lack: Callable[[], float]) -> Trial:
+    def _relocate(self, theta: float, lack: Callable[[], float], renew: bool = True) -> Trial:
         """Make the trial step again to end where something happens (:meth:`Trials.again`), and accept it."""
-        trial = self.trials.again(theta, lack)
+        trial = self.trials.again(theta * self.stepper.h, self.stepper.h, lack)
         if trial.passed:
             if self.contacts:
                 self.search.compare_gaps()
                 self.stepper.prepare_dense()
                 self.search.track()
-                self.contacts.keep_peaks()
-                self.search.ignore[:] = 0
-            self._accept()
+            self._keep_and_accept(renew)
         return trial
 
-    def _happen(self, crossings: list[Crossing], following: float) -> float:
-        """Let events happen where the first does; return the size to try next."""
-        stepper, first = self.stepper, crossings[0]
-        if stepper.t + first.theta * stepper.h > stepper.t:
-            trial = self._relocate(first.theta, self.watch.lack(first))
+    def _happen(self, ahead: list[list[Crossing]], following: float) -> float:
+        """Let events happen, one instant after the other, where they do; return the size to try next.
+
+        Where those at one instant change nothing, those at the next were found with them: a step leads there.
+        """
+        stepper, (first, *more) = self.stepper, ahead
+        begin, size = stepper.t, stepper.h
+        if begin + first[0].theta * size > begin:
+            trial = self._relocate(first[0].theta, self.watch.lack(first[0]), renew=not more)
             if not trial.passed:
                 return self._give_up(trial)
-        self._act(crossings)
+        self._act(first)
+        for before, group in itertools.pairwise(ahead):
+            if any(self.watch.events[one.event].changes for one in before):
+                break
+            left, way = begin + size - stepper.t, begin + group[0].theta * size - stepper.t
+            if stepper.t + way > stepper.t:
+                trial = self.trials.again(way, left, self.watch.lack(group[0]))
+                found = self._contacts_in_step() if trial.passed else NOTHING
+                if not trial.passed or found.contact >= 0:
+                    self.watch.renew()
+                if not trial.passed:
+                    return self._give_up(trial)
+                if found.contact >= 0:
+                    act = self._end_too_deep if found.deep else self._change
+                    return act(found, following)
+                self._keep_and_accept(renew=False)
+            self._act(group)
+        if more:
+            self.watch.renew()
         return following
+
+    def _contacts_in_step(self) -> Found:
+        """Return which contact changes first in the trial step."""
+        if not self.contacts:
+            return NOTHING
+        self.search.compare_gaps()
+        self.stepper.prepare_dense()
+        return self.search.first()
 
     def _act(self, crossings: list[Crossing]) -> None:
         for crossing in crossings:
@@ -324,7 +323,7 @@ class Run:
             if last is not None:
                 self._stop(Outcome.STOPPED, f", event {last!r}")
 
-    def _accept(self) -> None:
+    def _accept(self, renew: bool = True) -> None:
         stepper = self.stepper
         self.samples.during(stepper)
         stepper.accept()
@@ -336,7 +335,8 @@ class Run:
         if self.singular is not None:
             self.singular.look(stepper.t, self.here)
         if self.watch:
-            self.watch.renew()
+            if renew:
+                self.watch.renew()
             self._act(self.watch.due())
 
     def _stop(self, outcome: Outcome | None, what: str = "") -> bool:

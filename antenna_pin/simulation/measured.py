@@ -16,7 +16,7 @@ from scipy.optimize import brentq
 from antenna_pin.dynamics import Workspace, _peak_kernels
 from antenna_pin.integrate import Stepper
 
-__all__ = ["Found", "Measured", "passage"]
+__all__ = ["NOTHING", "Found", "Measured", "passage"]
 
 Function = Callable[[float], float]
 
@@ -35,6 +35,10 @@ class Found(NamedTuple):
     contact: int
     theta: float
     deep: bool
+
+
+#: Nothing.
+NOTHING = Found(-1, 2.0, False)
 
 
 def _root(function: Function, a: float, b: float) -> float:

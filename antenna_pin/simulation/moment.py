@@ -38,6 +38,7 @@ class Moment:
         self._y = np.zeros(workspace.manifold.size)
         self._rates = np.zeros(self._nv + workspace.manifold.nx)
         self._motions: dict[str, JointMotion] = {}
+        self._found: dict[str, tuple[float, float]] = {}  # at the present time and state
         self._contacts: Mapping[str, int] = {name: c for c, name in enumerate(self.system.contact_names)}
         self._measured = self._evaluated = False
 
@@ -45,6 +46,7 @@ class Moment:
         """Bring it to another time and state; return it."""
         self.time = time
         self._y[:] = y
+        self._found.clear()
         self._measured = self._evaluated = False
         return self
 
@@ -81,9 +83,12 @@ class Moment:
         return self._motion(joint)[1]
 
     def _motion(self, joint: str) -> tuple[float, float]:
-        if joint not in self._motions:
-            self._motions[joint] = JointMotion(self.system, joint)
-        return self._motions[joint](self._y)
+        found = self._found.get(joint)
+        if found is None:
+            if joint not in self._motions:
+                self._motions[joint] = JointMotion(self.system, joint)
+            self._found[joint] = found = self._motions[joint](self._y)
+        return found
 
     def contact_number(self, contact: str) -> int:
         """Return the number of a contact.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 
 import numpy as np
@@ -27,7 +28,8 @@ __all__ = ["QuietTrials", "stepper_of"]
 
 Array = NDArray[np.float64]
 
-_BUDGET = 1024  # trial steps from one look at the clock, at Ctrl-C and at limits to the next
+_BUDGET = 1024  # trial steps from one look at the clock, at Ctrl-C and at limits to the next, at most
+_STRETCH = 0.1  # [s] of wall time that they may take
 _CAPACITY = 256  # samples
 
 
@@ -70,6 +72,7 @@ class QuietTrials(Trials):
         super().__init__(stepper, control)
         self._compiled = stepper
         self._singular = singular
+        self._most = 1  # trial steps that go into a stretch, by what the last one took
         self._samples, self._episodes, self._watch = samples, episodes, watch
         size, contacts = stepper.manifold.size, len(episodes)
         ends = 0 if singular is None else _BUDGET
@@ -132,7 +135,7 @@ class QuietTrials(Trials):
     def _budget(self) -> int:
         """How many trial steps may be made in one go."""
         most = self._control.settings.max_steps
-        return _BUDGET if most is None else max(1, min(_BUDGET, most - self.made))
+        return self._most if most is None else max(1, min(self._most, most - self.made))
 
     def _go_on(self, h: float) -> tuple[int, int, float]:
         """Make steps; return why they ended, how many they were, and the size to try next [s]."""
@@ -146,8 +149,11 @@ class QuietTrials(Trials):
         control.sizes.make_room()
         self._watched.renew()
         loop = self._loop._replace(breaks=control.pace.breaks, book=episodes.book, sizes=control.sizes.table)
+        began = time.perf_counter()
         reason = _kernels.go_on(loop)
-        found = stretch[0]
+        took, found = time.perf_counter() - began, stretch[0]
+        tried = int(found["accepted"] + found["rejected"] + found["relocated"])
+        self._most = int(min(_BUDGET, 2 * self._most, max(1.0, tried * _STRETCH / max(took, 1e-9))))
         stepper.t = float(found["t"])
         stepper.evaluations += int(found["evaluations"])
         stepper.has_dense = reason == _kernels.TRIAL_STANDS

@@ -11,7 +11,7 @@ from antenna_pin.integrate import Stepper
 from antenna_pin.simulation.control import StepControl
 from antenna_pin.trajectory import Outcome
 
-__all__ = ["Trial", "Trials"]
+__all__ = ["Made", "Trial", "Trials"]
 
 _RELOCATIONS = 5
 _REJECTED_IN_A_ROW = 1000
@@ -33,6 +33,24 @@ class Trial(NamedTuple):
     outcome: Outcome | None = None
     words: str = ""
     tried: bool = True
+
+
+class Made(NamedTuple):
+    """What a run has made so far.
+
+    Attributes:
+        tried: Trial steps.
+        rejected: Those whose error was too large.
+        relocated: Those made to end where something happens.
+        evaluations: Of the right-hand side.
+        wall: Wall time that it took [s].
+    """
+
+    tried: int
+    rejected: int
+    relocated: int
+    evaluations: int
+    wall: float
 
 
 class Trials:
@@ -62,6 +80,10 @@ class Trials:
         """Trial steps made so far."""
         return self.accepted + self.rejected + self.relocated
 
+    def so_far(self, wall: float) -> Made:
+        """Return what was made, in so much wall time [s]."""
+        return Made(self.made, self.rejected, self.relocated, self._stepper.evaluations, wall)
+
     def first(self, h: float, cut: Callable[[float], None]) -> Trial:
         """Try steps until one passes.
 
@@ -88,19 +110,17 @@ class Trials:
                 return shorter
             h = shorter.following
 
-    def again(self, theta: float, lack: Callable[[], float]) -> Trial:
+    def again(self, size: float, longest: float, lack: Callable[[], float]) -> Trial:
         """Make the trial step again so that it ends where something happens.
 
         The error of the step that went on past that point says nothing of the one up to it. Where that one's
         is too large, there is none that passes.
 
         Args:
-            theta: At which fraction of the trial step, by its dense output.
+            size: How far into the step that is, by a dense output [s].
+            longest: What the step may be corrected to at most [s].
             lack: How much longer the trial step should be [s], or 0.
         """
-        stepper = self._stepper
-        longest = stepper.h
-        size = theta * longest
         for _ in range(_RELOCATIONS):
             error = self._attempt(size)
             self.relocated += 1

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +11,7 @@ from scipy.optimize import brentq
 
 from antenna_pin.dynamics import Workspace
 from antenna_pin.integrate import Stepper
+from antenna_pin.simulation.crossing import Bracket, Crossing, Looks, Memory
 from antenna_pin.simulation.events import Event, Time
 from antenna_pin.simulation.moment import Moment
 from antenna_pin.state import EventMemory
@@ -28,41 +28,7 @@ _SLOPE_REACH = 2.0**-10  # of a step, to either side
 # Of a step: dense output is better than this; a correction that is larger is none.
 _LARGEST_CORRECTION = 1e-2
 _SAME_INSTANT = 1e-13  # of a step
-
-
-class Crossing(NamedTuple):
-    """Where an event's function passes zero.
-
-    Attributes:
-        event: Number of the event.
-        theta: At which fraction of the trial step.
-        side: The sign that it has passed to, if it has done so already; 0 if it is zero there.
-        slope: Of the function there, per second; 0 if it has none.
-        noise: What it may be off by there.
-    """
-
-    event: int
-    theta: float
-    side: float = 0.0
-    slope: float = 0.0
-    noise: float = 0.0
-
-
-class _Memory:
-    """What one event remembers, in use (see :class:`EventMemory`)."""
-
-    __slots__ = ("count", "last", "noise", "side")
-
-    def __init__(self) -> None:
-        self.count = 0
-        self.last = -math.inf
-        self.side = self.noise = 0.0
-
-    def sign(self, value: float) -> float:
-        """Return the side that a value tells of: 0 if none."""
-        if not abs(value) > (self.noise if self.side == 0.0 else 0.0):  # nor does NaN
-            return 0.0
-        return math.copysign(1.0, value)
+_NEAR = 1e-6  # likewise: what is nearer to a zero, by its slope, is not taken to come later unseen
 
 
 class Watch:
@@ -86,7 +52,8 @@ class Watch:
         self.stepper = stepper
         self.moment = Moment(workspace)
         self._y = np.zeros(workspace.manifold.size)
-        self._memories = [_Memory() for _ in events]
+        self._theta = math.nan  # the fraction of the trial step that the moment is at, if any
+        self._memories = [Memory() for _ in events]
         self._values = [0.0] * len(self.events)
         self._times = [k for k, event in enumerate(self.events) if isinstance(event.when, Time)]
         self._functions = [k for k, event in enumerate(self.events) if not isinstance(event.when, Time)]
@@ -133,26 +100,39 @@ class Watch:
 
         One that has passed zero, and has not been counted yet, keeps its side: it will be found at once.
         """
-        stepper = self.stepper
         if self._functions:
-            self.moment.set(stepper.t, stepper.start[: self._y.size])
+            self._set_here()
         for k in self._functions:
-            memory, event = self._memories[k], self.events[k]
-            self._values[k] = value = self._whens[k](self.moment)
-            side = memory.sign(value)
-            if side not in (0.0, memory.side) and (
-                memory.side == 0.0 or not event.counts(side) or memory.last == stepper.t
-            ):
-                memory.side, memory.noise = side, 0.0
+            self._renew(k)
+
+    def _set_here(self) -> None:
+        self._theta = math.nan
+        self.moment.set(self.stepper.t, self.stepper.start[: self._y.size])
+
+    def _renew(self, k: int) -> None:
+        """Look on which side a function is, at the moment's state."""
+        memory, event = self._memories[k], self.events[k]
+        self._values[k] = value = self._whens[k](self.moment)
+        side = memory.sign(value)
+        if side not in (0.0, memory.side) and (
+            memory.side == 0.0 or not event.counts(side) or memory.last == self.stepper.t
+        ):
+            memory.side, memory.noise = side, 0.0
 
     def happen(self, crossing: Crossing) -> int:
         """Count an event that happens at the present state; return how often it has by now."""
-        memory = self._memories[crossing.event]
+        k = crossing.event
+        memory, watched = self._memories[k], k not in self._times
+        if watched:
+            self._set_here()
+            self._values[k] = self._whens[k](self.moment)
         memory.count += 1
         memory.last = self.stepper.t
         memory.side, memory.noise = crossing.side, 0.0
         if crossing.side == 0.0:
-            memory.noise = max(crossing.noise, 4.0 * abs(self._values[crossing.event]))
+            memory.noise = max(crossing.noise, 4.0 * abs(self._values[k]))
+        if watched:
+            self._renew(k)
         return memory.count
 
     def due(self) -> list[Crossing]:
@@ -166,22 +146,70 @@ class Watch:
     # --- search ---------------------------------------------------------------------------------------------
 
     def _at(self, theta: float) -> Moment:
-        stepper = self.stepper
+        if theta == self._theta:
+            return self.moment
+        stepper, self._theta = self.stepper, theta
         stepper.interpolate(theta, self._y)
         return self.moment.set(stepper.t + theta * stepper.h, self._y)
 
-    def first(self) -> list[Crossing]:
-        """Return the first event in the trial step, and those at the same instant.
+    def ahead(self) -> list[list[Crossing]]:
+        """Return the events in the trial step as they come, those at the same instant together.
 
-        The step's dense output must be there.
+        The step's dense output must be there. Only the first are returned for sure: none that come after one
+        that changes something, or after something else may happen of an event that has been found already.
         """
-        found = [crossing for k in self._functions if (crossing := self._crossing(k)) is not None]
+        self._theta = math.nan
+        looks: dict[int, Looks] = {}
+        for nodes in dict.fromkeys(self.events[k].nodes for k in self._functions):
+            self._look(nodes, looks)
+        brackets = [bracket for k in self._functions if (bracket := self._bracket(k, looks[k])) is not None]
+        brackets.sort(key=lambda bracket: bracket.guess)
+        found: list[Crossing] = []
+        later: list[Bracket] = []
+        for bracket in brackets:
+            if found and self._comes_after(bracket, found[0].theta):
+                later.append(bracket)
+            else:
+                found.append(self._located(bracket))
+                found.sort(key=_order)
         if not found:
-            return found
-        found.sort(key=lambda crossing: crossing.theta)
-        return [crossing for crossing in found if crossing.theta - found[0].theta <= _SAME_INSTANT]
+            return []
+        first = [one for one in found if one.theta - found[0].theta <= _SAME_INSTANT]
+        if any(self.events[one.event].changes for one in first):
+            return [first]
+        found = sorted([*found, *map(self._located, later)], key=_order)
+        until = min(one.until for one in found)
+        groups = [[found[0]]]
+        for one in found[1:]:
+            if one.theta - groups[-1][0].theta <= _SAME_INSTANT:
+                groups[-1].append(one)
+            else:
+                groups.append([one])
+        return [groups[0], *(group for group in groups[1:] if group[-1].theta < until)]
 
-    def _crossing(self, k: int) -> Crossing | None:
+    def _comes_after(self, one: Bracket, theta: float) -> bool:
+        """Whether a function passes zero later than at a fraction, for sure, without looking when."""
+        if one.a >= theta or one.a == one.b:
+            return one.a > theta + _SAME_INSTANT
+        value = self._whens[one.event](self._at(theta))
+        return value * one.fa > 0.0 and abs(value) > _NEAR * abs(one.fb - one.fa) / (one.b - one.a)
+
+    def _look(self, nodes: int, looks: dict[int, Looks]) -> None:
+        """Ask the functions that are looked at in so many parts of a step at the ends of these."""
+        mine = [k for k in self._functions if self.events[k].nodes == nodes]
+        for k in mine:
+            looks[k] = Looks([0.0], [self._values[k]], [])
+        for i in range(nodes + 1):
+            moment = self._at(i / nodes)
+            for k in mine:
+                rated, look = self._rates[k], looks[k]
+                if i > 0:
+                    look.thetas.append(i / nodes)
+                    look.values.append(self._whens[k](moment))
+                look.rates.append(0.0 if rated is None else rated(moment))
+
+    def _bracket(self, k: int, look: Looks) -> Bracket | None:
+        """Return where in the trial step an event's function passes zero first; None if nowhere."""
         event, memory = self.events[k], self._memories[k]
 
         when = self._whens[k]
@@ -189,16 +217,15 @@ class Watch:
         def f(theta: float) -> float:
             return when(self._at(theta))
 
-        side, a, fa = memory.side, 0.0, self._values[k]
+        side, a, fa, ra = memory.side, 0.0, look.values[0], look.rates[0]
         if side != 0.0 and memory.sign(fa) == -side:
             # Passed already: by a jump, or where another event has ended the step.
-            return Crossing(k, 0.0, -side)
+            return Bracket(k, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -side)
         rated = self._rates[k]
 
         def rate(theta: float) -> float:
             return 0.0 if rated is None else rated(self._at(theta))
 
-        ra = rate(a)
         fresh = side == 0.0
         if fresh and ra != 0.0:
             # It is zero here, but for round-off, and moves to this side.
@@ -209,11 +236,9 @@ class Watch:
             side = memory.sign(value)
             if side != 0.0:
                 a, fa, ra, fresh = probe, value, rate(probe), False
-        points = [(i + 1) / event.nodes for i in range(event.nodes)]
-        values = [f(b) for b in points]
-        noise = _ROUND_OFF * max(map(abs, (fa, *values)))
-        for b, fb in zip(points, values, strict=True):
-            rb = rate(b)
+        noise = _ROUND_OFF * max(map(abs, (fa, *look.values[1:])))
+        for i in range(1, len(look.thetas)):
+            b, fb, rb = look.thetas[i], look.values[i], look.rates[i]
             new = memory.sign(fb) if side == 0.0 else (math.copysign(1.0, fb) if abs(fb) > 0.0 else 0.0)
             if side == 0.0:
                 side = new
@@ -222,27 +247,33 @@ class Watch:
                     a = float(brentq(rate, a, b, xtol=1e-15))
                     fa = f(a)
                 if event.counts(new) and (side * fa > 0.0 or not fresh):
-                    return self._located(k, f, a, b, fa, fb, noise)
+                    return Bracket(k, a, b, fa, fb, noise, look.stays(i, new))
                 side = new
             elif side * ra < 0.0 < side * rb:
                 # It comes nearer to zero, then goes away: does it pass in between?
                 m = float(brentq(rate, a, b, xtol=1e-15))
                 fm = f(m)
                 if side * fm < 0.0:
+                    # Twice: what comes after the first of them is looked for anew.
                     if event.counts(-side):
-                        return self._located(k, f, a, m, fa, fm, noise)
-                    return self._located(k, f, m, b, fm, fb, noise)
+                        return Bracket(k, a, m, fa, fm, noise, a)
+                    return Bracket(k, m, b, fm, fb, noise, m)
             a, fa, ra, fresh = b, fb, rb, False
         return None
 
-    def _located(
-        self, k: int, f: Callable[[float], float], a: float, b: float, fa: float, fb: float, noise: float
-    ) -> Crossing:
+    def _located(self, one: Bracket) -> Crossing:
         """Return the crossing between two fractions: its signs there differ, or it is zero at the first."""
+        if one.side != 0.0:
+            return Crossing(one.event, one.a, one.side, until=one.until)
+        when, (a, b, fa, fb) = self._whens[one.event], one[1:5]
+
+        def f(theta: float) -> float:
+            return when(self._at(theta))
+
         theta = a if fa * fb >= 0.0 else float(brentq(f, a, b, xtol=1e-15, rtol=4.0 * np.finfo(float).eps))
         low, high = max(theta - _SLOPE_REACH, 0.0), min(theta + _SLOPE_REACH, 1.0)
         slope = (f(high) - f(low)) / ((high - low) * self.stepper.h)
-        return Crossing(k, theta, 0.0, slope if math.isfinite(slope) else 0.0, noise)
+        return Crossing(one.event, theta, 0.0, slope if math.isfinite(slope) else 0.0, one.noise, one.until)
 
     def lack(self, crossing: Crossing) -> Callable[[], float]:
         """Return a function that tells how much longer the trial step should be to end at an event [s].
@@ -264,3 +295,7 @@ class Watch:
             return size
 
         return correction
+
+
+def _order(crossing: Crossing) -> tuple[float, int]:
+    return crossing.theta, crossing.event

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import platform
 import tempfile
 import time
-from collections.abc import Sequence
+import warnings
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
@@ -135,7 +137,8 @@ def _do(work: Work, job: Job) -> Done:
     entry: dict[str, Any] = {"run": job.run, "seed": job.seed, "values": {}}
     reference: Trajectory | None = None
     try:
-        run = simulate(scenario_of(work, job))
+        with _told_of(job):
+            run = simulate(scenario_of(work, job))
     except AntennaPinError as error:  # only what the check before the start could not see
         entry |= _failed("REFUSED", str(error))
     except Exception as error:  # a bug must not end a study of a week
@@ -171,6 +174,19 @@ def _do(work: Work, job: Job) -> Done:
         result = _file(run) if keep else b""
         return Done(entry | {"wall_time": time.perf_counter() - began, "worker": platform.node()}, result)
     return Done(entry | {"wall_time": time.perf_counter() - began, "worker": platform.node()})
+
+
+@contextlib.contextmanager
+def _told_of(job: Job) -> Iterator[None]:
+    """Have what a run warns of say which of the study it is."""
+    with warnings.catch_warnings():
+        told = warnings.showwarning
+
+        def with_number(message: Warning | str, category: type[Warning], *where: Any, **more: Any) -> None:
+            told(f"run {job.run}: {message}", category, *where, **more)
+
+        warnings.showwarning = with_number
+        yield
 
 
 def _failed(outcome: str, message: str) -> dict[str, Any]:

@@ -49,6 +49,11 @@ class Outcome(Enum):
         "longer describe it; stiffen the law, lower the load or raise maximum_depth"
     )
 
+    @property
+    def may_go_on(self) -> bool:
+        """Whether the run was stopped on its way, and its checkpoint is kept to go on from."""
+        return self in (Outcome.INTERRUPTED, Outcome.TIME_LIMIT)
+
 
 @dataclass(frozen=True, slots=True)
 class Counts:

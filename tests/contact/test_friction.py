@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numba import njit
 
 from antenna_pin.contact import (
     Ambrosio,
@@ -15,6 +16,7 @@ from antenna_pin.contact import (
     Coulomb,
     CustomFriction,
     FrictionLaw,
+    Hertz,
     LinearFriction,
     NoFriction,
     Stribeck,
@@ -23,6 +25,8 @@ from antenna_pin.contact import (
     VelocityBased,
 )
 from antenna_pin.contact import _friction_kernels as _kernels
+from antenna_pin.geometry import PlanarClearance
+from antenna_pin.joints import ClearanceJoint
 
 SPEEDS = np.concatenate([[0.0], np.geomspace(1e-9, 1e2, 200)])
 BAI_ZHAO = VelocityBased(static=0.15, dynamic=0.10, static_speed=0.1, dynamic_speed=1.0)
@@ -349,6 +353,28 @@ def test_refuses_what_is_no_law(make, message):
 
 
 def test_a_users_own_law_is_a_law():
-    law = CustomFriction(coefficient=lambda speed: 0.1)
+    law = CustomFriction(coefficient=lambda speed: 0.1 * min(1.0, speed / 1e-6))
     assert isinstance(law, FrictionLaw)
     assert law.coefficient(3.0) == 0.1
+
+
+@pytest.mark.parametrize(
+    "coefficient",
+    [
+        lambda speed: 0.1,
+        lambda speed: 0.1 if speed > 0.0 else 0.0,
+        njit(lambda speed: 0.3 - 0.1 * math.tanh(speed)),
+    ],
+)
+def test_refuses_a_law_that_jumps_where_the_slip_turns_round(coefficient):
+    """Steps would become shorter for ever; a law of one's own as a class is refused by its joint."""
+    with pytest.raises(ValueError, match="coefficient must be a function that tends to 0 with the speed"):
+        CustomFriction(coefficient=coefficient)
+
+    class Mine:
+        def coefficient(self, speed):
+            return coefficient(speed)
+
+    shape = PlanarClearance(bearing_radius=5.05e-3, journal_radius=5e-3)
+    with pytest.raises(ValueError, match="joint 'pin': Mine: coefficient must be"):
+        ClearanceJoint(name="pin", geometry=shape, radial=Hertz(stiffness=1e8), friction=Mine())
