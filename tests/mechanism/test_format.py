@@ -130,13 +130,11 @@ def test_names_of_other_tools_are_passed_over_and_listed(tag):
         added = "".join(f'{name}="5" ' for name in [*names, "drake:lowr"])
         text = changed(f"<{tag} ", f"<{tag} {added}")
         kinds = {f"<{tag} {name}>" for name in [*names, "drake:lowr"]}
-    if tag == "geometry":  # one of two shapes: drawn is neither
-        kinds = {"<visual> that cannot be drawn"}
     written = WrittenUrdf(text=text, where="u.urdf")
     assert {kind.what for kind in written.passed_over} == kinds
     made = written.variant()
     assert made.joint_friction == {"j": {"damping": 1.0, "friction": 1.0}}
-    assert made.simulated == Urdf.from_text(URDF, "u.urdf").simulated
+    assert (made.simulated, made.undrawn) == (Urdf.from_text(URDF, "u.urdf").simulated, ())
 
 
 def test_slips_in_looks_and_in_what_other_tools_read_are_theirs():
