@@ -242,7 +242,7 @@ def _problem_of_shape(shape: Any) -> str | None:
         for key in ("xyz", "rpy"):
             if key in origin.attrib and not _sound(origin.get(key), (3,)):
                 return f"an <origin> with {key} {origin.get(key)!r}"
-    kinds = list(geometries[0])
+    kinds = [kind for kind in geometries[0] if kind.tag in SHAPES] or list(geometries[0])
     if len(kinds) != 1 or kinds[0].tag not in SHAPES:
         return f"a shape of {' and '.join(f'<{tag_of(kind)}>' for kind in kinds) or 'no kind'}"
     (kind,) = kinds

@@ -45,7 +45,7 @@ class MechanismSpec(Spec):
 
     Attributes:
         urdf: Path of the URDF, relative to the scenario's folder.
-        base: Whether the root link floats freely or is fixed in the world.
+        base: Whether the root link floats freely or is fixed in the world; one called `world` must be fixed.
         gravity: In world axes [m/s^2].
         package_path: Folders in which packages of ``package://`` are looked for first, relative to the
             scenario's folder; then come ROS_PACKAGE_PATH and the folders above the URDF.
