@@ -24,8 +24,8 @@ from antenna_pin import Trajectory, Urdf, build_system, load_scenario, load_stud
 from antenna_pin.parameters import parameters_of
 from antenna_pin.units import shown as shown_value
 from fuzzing.inputs import Change, Draft, Input
-from fuzzing.results import made
-from fuzzing.values import Raw, odd_number, odd_value
+from fuzzing.made import made
+from fuzzing.odd import Raw, odd_number, odd_value
 
 __all__ = ["draw_call", "public"]
 

@@ -17,8 +17,9 @@ from antenna_pin.nonlinear import DiagramPlan
 from antenna_pin.scenario.merge import merge
 from fuzzing.declared import NEW, Named, Place, Table, places_of
 from fuzzing.inputs import Change, Draft, Input
+from fuzzing.odd import misspelt, odd_value
 from fuzzing.texts import text_change
-from fuzzing.values import Names, admits, misspelt, name_for, odd_value, sound_value, toml
+from fuzzing.values import Names, admits, name_for, sound_value, toml
 
 __all__ = ["Base", "document", "draw_diagram", "draw_scenario", "draw_study", "scenarios", "small_scenario"]
 

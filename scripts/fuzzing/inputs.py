@@ -23,8 +23,8 @@ LINE = 1200
 #: Exit codes of what was done, refused, and ended before its time with a result that was saved.
 _DONE, _REFUSED, _EARLY = 0, 2, 3
 
-# Lines on the error stream of a command that was not refused.
-_NOTE = re.compile(r"antenna-pin: (?!.*(encountered in|Warning))")
+# Lines on the error stream of a command that was not refused: notes and bars of progress.
+_NOTE = re.compile(r"antenna-pin: (?!.*(encountered in|Warning))|.*━|\s*$")
 
 Content = bytes | str | Callable[[Path], Any]
 

@@ -14,8 +14,8 @@ from urdf_generator import draw_urdf as odd_urdf
 
 from fuzzing.documents import SHORT, document, scenarios
 from fuzzing.inputs import Change, Draft, Input
+from fuzzing.odd import ODD_TEXTS, misspelt, odd_number
 from fuzzing.texts import text_change
-from fuzzing.values import ODD_TEXTS, misspelt, odd_number
 
 __all__ = ["draw_urdf"]
 

@@ -14,8 +14,8 @@ import typer.main
 from antenna_pin.cli import app
 from fuzzing.documents import SHORT
 from fuzzing.inputs import Change, Draft, Input
-from fuzzing.results import made
-from fuzzing.values import ODD_TEXTS, misspelt, odd_number
+from fuzzing.made import made
+from fuzzing.odd import ODD_TEXTS, misspelt, odd_number
 
 __all__ = ["commands", "draw_options"]
 
@@ -132,6 +132,7 @@ def draw_options(chance: Random) -> Draft:
     ]
     needed = [*name.split(), *[word for one in positional if one.required for word in _sound(one)[:1]]]
     needed += _NEEDED.get(name, ())
+    needed += [option for one in named for option in one.secondary_opts if option == "--no-progress"]
     changes = tuple(
         _change(chance, named, positional, needed, len(name.split()))
         for _ in range(chance.choice((1, 1, 2, 3)))

@@ -14,52 +14,15 @@ import h5py
 import numpy as np
 
 from antenna_pin.files import seal
-from fuzzing.documents import SHORT, document, small_scenario
-from fuzzing.inputs import Change, Draft, Input, quietly
+from fuzzing.documents import SHORT
+from fuzzing.inputs import Change, Draft, Input
+from fuzzing.made import FAST, MADE, made
+from fuzzing.odd import Raw, misspelt, odd_value
 from fuzzing.texts import text_change
-from fuzzing.values import Raw, misspelt, odd_value
 
-__all__ = ["MADE", "draw_result", "draw_store", "made", "swinging"]
+__all__ = ["draw_result", "draw_store"]
 
 Edit = Callable[[Any], None]
-
-_FAST = ("--no-progress",)
-
-#: What is written, by the name of the file, and the command that writes it.
-MADE: Mapping[str, tuple[str, ...]] = {
-    "run.nc": ("run", "play.toml", *_FAST, *SHORT),
-    "portrait.nc": ("phase", "run.nc", "-x", "q[bore.x]", "-y", "v[bore.vx]"),
-    "section.nc": ("poincare", "swing.toml", "-q", "v[bore]", "--count", "32", "--transient", "0"),
-    "diagram.nc": (
-        *(
-            "bifurcation",
-            "swing.toml",
-            "--over",
-            "drives.push.amplitude",
-            "--values",
-            "0.1,0.2",
-            "-q",
-            "v[bore]",
-        ),
-        *("--count", "32", "--transient", "0", "--workers", "1", *_FAST),
-    ),
-    "orbit.nc": ("orbit", "swing.toml", "--transient", "5", "--rtol", "1e-9", *_FAST),
-    "branch.nc": (
-        *("orbit", "swing.toml", "--transient", "5", "--rtol", "1e-9", "--over", "drives.push.amplitude"),
-        *("--values", "0.1 N*m:0.11 N*m", "--most", "3", *_FAST),
-    ),
-    "exponents.nc": ("lyapunov", "swing.toml", "--count", "5", "--transient", "1", "--rtol", "1e-9", *_FAST),
-}
-
-_STUDY = """scenario = "play.toml"
-[set]
-integrator.max_steps = 200
-[parameters.play]
-key = "clearance.bore.radial_clearance"
-values = ["0.1 mm", "0.2 mm"]
-[responses]
-impacts = { measure = "impacts" }
-"""
 
 # What is asked of a file, whatever it is.
 _ASKED: tuple[tuple[str, ...], ...] = (
@@ -84,35 +47,6 @@ _ALSO: Mapping[str, tuple[str, ...]] = {
     "branch.nc": ("orbit", "FILE", "--at", "1", "--rtol", "1e-9", "--no-progress"),
     "diagram.nc": (*MADE["diagram.nc"], "--out", "FILE"),
 }
-
-
-def swinging() -> dict[str, Any]:
-    """Return a scenario that is driven and damped, without play: it has an orbit of 10 ms."""
-    push = {"joint": "bore", "kind": "sine", "amplitude": 0.1, "frequency": 100.0}
-    held = {"joint": "bore", "stiffness": 100.0, "damping": 1.0}
-    table = {**small_scenario().table, "clearance": {}, "initial": {}, "drives": {"push": push}}
-    return {**table, "springs": {"held": held}}
-
-
-@functools.cache
-def made() -> Mapping[str, bytes]:
-    """Return the files that can be read again, and those that they came from, by name."""
-    base = small_scenario()
-    # Fast enough to touch within its millisecond.
-    fast = {"bore": {"journal_velocity": [0.5, 0.0, 0.0]}}
-    play = {**base.table, "initial": {"joints": fast}}
-    files = {**base.files, "play.toml": document(play).encode(), "swing.toml": document(swinging()).encode()}
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        for file, content in {**files, "few.study.toml": _STUDY.encode()}.items():
-            (folder / file).write_bytes(content)
-        for file, words in MADE.items():
-            quietly([*words, "--out", file], folder)
-        quietly(["sweep", "few.study.toml", "--out", "few.study", "--workers", "0", *_FAST], folder)
-        for path in sorted(folder.rglob("*")):
-            if path.is_file():
-                files[path.relative_to(folder).as_posix()] = path.read_bytes()
-    return files
 
 
 # --- one file ----------------------------------------------------------------------------------------------
@@ -322,8 +256,8 @@ def draw_store(chance: Random) -> Draft:
             ("study", "show", "few.study", "--failed"),
             ("study", "plot", "few.study", "--list"),
             ("study", "report", "few.study", "--out", "r.html", "--no-figures"),
-            ("sweep", "few.study", "--workers", "0", *_FAST),
-            ("sweep", "few.study.toml", "--out", "few.study", "--workers", "0", *_FAST),
+            ("sweep", "few.study", "--workers", "0", *FAST),
+            ("sweep", "few.study.toml", "--out", "few.study", "--workers", "0", *FAST),
         )
     )
     changes = tuple(_store_change(chance, name) for _ in range(chance.choice((1, 1, 2))))

@@ -10,8 +10,8 @@ from antenna_pin.scenario import DRIVE_SPECS
 from fuzzing.declared import declared
 from fuzzing.documents import SHORT, Base, document, scenarios, small_scenario
 from fuzzing.inputs import Change, Draft, Input
+from fuzzing.odd import ODD_TEXTS, misspelt, odd_number
 from fuzzing.texts import text_change
-from fuzzing.values import ODD_TEXTS, misspelt, odd_number
 
 __all__ = ["draw_curve", "draw_modal"]
 
