@@ -51,8 +51,8 @@ def started(words: Sequence[str], folder: Path, hook: Callable[[], None] | None 
         for stream in (1, 2):
             os.dup2(theirs, stream)
         # As Python has them where it starts so.
-        sys.stdout = open(1, "w", closefd=False)  # noqa: SIM115
-        sys.stderr = open(2, "w", buffering=1, closefd=False)
+        sys.stdout = sys.__stdout__ = open(1, "w", closefd=False)  # type: ignore[misc]
+        sys.stderr = sys.__stderr__ = open(2, "w", buffering=1, closefd=False)  # type: ignore[misc]
         os.environ.update(HOME=str(folder / "home"), TMPDIR=str(folder / "home"))
         tempfile.tempdir = None
         sys.argv = ["antenna-pin", *words]

@@ -14,6 +14,7 @@ import h5py
 import numpy as np
 
 from antenna_pin.files import seal
+from antenna_pin.units import shown
 from fuzzing.documents import SHORT
 from fuzzing.inputs import Change, Draft, Input
 from fuzzing.made import FAST, MADE, made
@@ -146,7 +147,7 @@ def _attribute_edit(chance: Random, key: str) -> Change:
             return
         _set(file.attrs, key, json.dumps(_replaced(content, at, value, other), default=str))
 
-    what = other or str(value)[:60]
+    what = other or shown(value)[:60]
     return Change(f"attribute {key} at {at:.3f}: {what!r}", edit)
 
 
@@ -154,6 +155,8 @@ def _replaced(content: Any, at: float, value: Any, other: str | None) -> Any:
     """Return JSON with the entry at some part of it replaced, lost or called otherwise."""
     if isinstance(value, Raw):
         value = [[[[value.text]]]]
+    if isinstance(value, int) and value.bit_length() > 4096:  # which Python does not print
+        value = 10**400
     places: list[tuple[Any, Any]] = []
 
     def walk(node: Any) -> None:
@@ -287,4 +290,4 @@ def _store_change(chance: Random, name: str) -> Change:
             return content[:-1]
         return json.dumps(_replaced(table, at, value, None), default=str).encode()
 
-    return Change(f"{name} at {at:.3f}: {str(value)[:60]!r}", edit)
+    return Change(f"{name} at {at:.3f}: {shown(value)[:60]!r}", edit)
