@@ -40,6 +40,7 @@ from random import Random
 
 from fuzzing import FORMATS
 from fuzzing.inputs import Draft, problem_of
+from fuzzing.made import made
 
 __all__ = ["drawn", "inputs_of", "least_problem"]
 
@@ -80,6 +81,7 @@ def _tried(draft: Draft) -> str | None:
 
 def _work(pipe: Connection, seed: int, names: Sequence[str]) -> None:
     resource.setrlimit(resource.RLIMIT_AS, (_MEMORY, _MEMORY))
+    made()  # once, before any time is taken
     with tempfile.TemporaryDirectory(prefix="fuzz-home-") as home:
         os.environ["HOME"] = home
         for name in names:

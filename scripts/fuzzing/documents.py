@@ -165,7 +165,8 @@ def _value_change(chance: Random, base: Base, place: Place) -> Change:
     wrong = not admits(what, value) and not any(
         isinstance(shape, Named) and not shape.of for shape in what.shapes
     )
-    says = tuple(name for name in path[-2:] if name.isidentifier())
+    long = isinstance(value, int) and value.bit_length() > 4096  # told of before its place is known
+    says = () if long else tuple(name for name in path[-2:] if name.isidentifier())
     plain = all(key.replace("-", "_").isidentifier() for key in path)
     if plain and base.cls is Scenario and chance.random() < 0.2 and not isinstance(value, dict):
         text = f"{'.'.join(path)}={toml(value)}"
