@@ -6,6 +6,7 @@ in a process apart, so that one that hangs or dies is listed like any other fail
 
     scripts/random_scenarios.py --count 200             # all
     scripts/random_scenarios.py --seed 1 --only 37      # one again
+    scripts/random_scenarios.py --count 500 --engines   # with both engines, which must agree
 
 What must hold, of runs that end early as well:
 
@@ -22,6 +23,9 @@ What must hold, of runs that end early as well:
   (but for the release of contacts that still touch), a process that dies, or a run that takes longer than
   ``--wall`` seconds counts as a failure.
 - Of all runs together at least 90 % are completed and had contacts.
+- With ``--engines`` the compiled engine makes the run, and the other one makes it again: both end alike, keep
+  their ledgers, and are in the same place after a tenth of the time, to 1e-6; what impacts make of round-off
+  is more, later.
 
 Exit code 1 on any failure.
 """
@@ -57,6 +61,8 @@ ENERGY = 1e-5
 COMPLETED = 0.9  # least share of runs completed with contacts
 WALL = 120.0  # [s]; coal under distributed load takes most, about half a millisecond an evaluation
 
+AGREE, PART = 1e-6, 0.1  # how near engines come, after which part of a run
+
 _REPORT_INTERVAL = 0.5  # [s]
 _MAY_BE_NAN = ("release_time",)  # of a contact that still touches
 
@@ -79,6 +85,7 @@ class Row:
         steps: Accepted.
         evaluations: Of the equations of motion.
         gap_difference: Coal's gaps less those in closed form, the largest [m].
+        engines: How far apart the engines are after a part of the run, over what has moved [-].
         wall: Time of the run [s].
         classes: What it is an example of: names by kind, such as ``law`` or ``load``.
         failures: What is wrong.
@@ -97,6 +104,7 @@ class Row:
     steps: int = 0
     evaluations: int = 0
     gap_difference: float = math.nan
+    engines: float = math.nan
     wall: float = math.nan
     classes: dict[str, tuple[str, ...]] = field(default_factory=dict)
     failures: list[str] = field(default_factory=list)
@@ -110,22 +118,25 @@ class Row:
 # --- one scenario ------------------------------------------------------------------------------------------
 
 
-def run_number(seed: int, number: int, progress: Any = None) -> Row:
-    """Make and run one scenario; return what became of it, whatever that is."""
+def run_number(seed: int, number: int, progress: Any = None, engines: bool = False) -> Row:
+    """Make and run one scenario; return what became of it, whatever that is.
+
+    Args:
+        seed: Of all scenarios.
+        number: Of this one.
+        progress: Called as the run goes on.
+        engines: Whether both engines make the run.
+    """
     row = Row(number)
     with warnings.catch_warnings(record=True) as said:
         warnings.simplefilter("always")
         try:
             scenario = draw_scenario(seed, number)
             row.classes = classes_of(scenario)
-            began = time.perf_counter()
-            try:
-                run = simulate(scenario, progress=progress)
-            except AntennaPinError as error:
-                row.outcome, row.message = "REFUSED", str(error)
+            if engines:
+                _run_with_both(row, scenario, progress)
             else:
-                row.wall = time.perf_counter() - began
-                _judge(row, scenario, run)
+                _run(row, scenario, progress)
         except Exception as error:  # whatever it is, it is what is looked for
             where = traceback.extract_tb(error.__traceback__)[-1]
             text = f"{type(error).__name__}: {error} ({Path(where.filename).name}:{where.lineno})"
@@ -133,6 +144,38 @@ def run_number(seed: int, number: int, progress: Any = None) -> Row:
     texts = {f"warning {one.category.__name__}: {one.message}" for one in said}
     row.failures += sorted(texts)
     return row
+
+
+def _run(row: Row, scenario: Scenario, progress: Any) -> Trajectory | None:
+    """Run a scenario and write what became of it into its row; return the run, or None if it was refused."""
+    began = time.perf_counter()
+    try:
+        run = simulate(scenario, progress=progress)
+    except AntennaPinError as error:
+        row.outcome, row.message = "REFUSED", str(error)
+        return None
+    row.wall = time.perf_counter() - began
+    _judge(row, scenario, run)
+    return run
+
+
+def _run_with_both(row: Row, scenario: Scenario, progress: Any) -> None:
+    """Run a scenario with both engines, and write into its row where they do not agree."""
+    closed = {f"clearance.{name}.geometry": "closed-form" for name in scenario.clearance}
+    other = Row(row.number)
+    runs = [
+        _run(each, scenario.with_overrides({**closed, "integrator.engine": engine}), progress)
+        for each, engine in ((row, "compiled"), (other, "pinocchio"))
+    ]
+    row.failures += [f"by pinocchio: {text}" for text in other.failures]
+    if row.outcome != other.outcome:
+        row.failures.append(f"compiled ended {row.outcome}, pinocchio {other.outcome}: {other.message}")
+    if None in runs:
+        return
+    ours, theirs = (run.data.q.interp(time=PART * scenario.duration).values for run in runs if run)
+    row.engines = float(np.abs(ours - theirs).max() / max(1.0, np.abs(theirs).max()))
+    if not row.engines <= AGREE:
+        row.failures.append(f"engines are {row.engines:.3g} apart after {PART:g} of the run, limit {AGREE:g}")
 
 
 def _judge(row: Row, scenario: Scenario, run: Trajectory) -> None:
@@ -209,7 +252,7 @@ def classes_of(scenario: Scenario) -> dict[str, tuple[str, ...]]:
 # --- many, in processes of their own -----------------------------------------------------------------------
 
 
-def _work(pipe: Connection, seed: int) -> None:
+def _work(pipe: Connection, seed: int, engines: bool) -> None:
     """Run the numbers that come through a pipe, and send back where they are and what became of them."""
     last = time.perf_counter()
 
@@ -222,17 +265,17 @@ def _work(pipe: Connection, seed: int) -> None:
     with contextlib.suppress(EOFError, OSError):  # nobody listens any more
         pipe.send("ready")
         while True:
-            pipe.send(run_number(seed, pipe.recv(), report))
+            pipe.send(run_number(seed, pipe.recv(), report, engines))
 
 
 class _Worker:
     """A process that runs one number after another, and is ended if one takes too long."""
 
-    def __init__(self, seed: int) -> None:
+    def __init__(self, seed: int, engines: bool) -> None:
         """Start the process; it says when it is ready."""
         context = multiprocessing.get_context("spawn")
         self.pipe, other = context.Pipe()
-        self.process = context.Process(target=_work, args=(other, seed), daemon=True)
+        self.process = context.Process(target=_work, args=(other, seed, engines), daemon=True)
         self.process.start()
         other.close()
         self.number: int | None = None
@@ -277,14 +320,16 @@ class _Worker:
         self.pipe.close()
 
 
-def run_numbers(seed: int, numbers: Iterable[int], jobs: int, wall: float) -> Iterator[Row]:
+def run_numbers(
+    seed: int, numbers: Iterable[int], jobs: int, wall: float, engines: bool = False
+) -> Iterator[Row]:
     """Run numbers in several processes, each at most some seconds; yield rows as they come."""
     waiting = deque(numbers)
     workers: list[_Worker] = []
     try:
         while waiting or any(worker.number is not None for worker in workers):
             while len(workers) < min(jobs, len(waiting)):
-                workers.append(_Worker(seed))
+                workers.append(_Worker(seed, engines))
             for worker in workers:
                 if waiting and worker.ready and worker.number is None:
                     worker.begin(waiting.popleft())
@@ -365,7 +410,8 @@ def summary_lines(rows: list[Row]) -> list[str]:
             lines.append(f"  {row.number}: {row.message}")
     met = sum(completed_with_contacts(row) for row in rows)
     lines.append(f"completed with contacts: {met} of {len(rows)}")
-    limits = {"momentum": MOMENTUM, "energy": ENERGY, "gap_difference": None, "wall": None, "episodes": None}
+    limits = {"momentum": MOMENTUM, "energy": ENERGY, "engines": AGREE}
+    limits |= dict.fromkeys(("gap_difference", "wall", "episodes"))
     for quantity, limit in limits.items():
         values = np.array([getattr(row, quantity) for row in rows], dtype=float)
         values = values[np.isfinite(values)]
@@ -408,6 +454,7 @@ def main() -> int:
     add(
         "--wall", type=float, default=WALL, metavar="S", help="longest time of a run in seconds (%(default)s)"
     )
+    add("--engines", action="store_true", help="have both engines make each run")
     add("--brief", action="store_true", help="without the table of classes")
     add("--save", type=Path, metavar="FILE.csv", help="write a row for each scenario")
     given = parser.parse_args()
@@ -416,7 +463,7 @@ def main() -> int:
     numbers = range(given.first, given.first + given.count) if given.only is None else [given.only]
     _compile()
     rows = []
-    for row in run_numbers(given.seed, numbers, min(given.jobs, len(numbers)), given.wall):
+    for row in run_numbers(given.seed, numbers, min(given.jobs, len(numbers)), given.wall, given.engines):
         rows.append(row)
         for line in failure_lines([row], given.seed):
             print(f"FAILED {line}", flush=True)

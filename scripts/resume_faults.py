@@ -11,8 +11,8 @@ full at a random place (a small file system in memory), and gets room. What must
 
 Then checkpoints are cut off or have one bit flipped: each must be refused in one line, and stay as it is::
 
-    scripts/bench/resume_faults.py                     # 50 trials of each fault
-    scripts/bench/resume_faults.py --trials 5 --seed 7
+    scripts/resume_faults.py                     # 50 trials of each fault
+    scripts/resume_faults.py --trials 5 --seed 7
 
 Exit code 1 on any failure.
 """
@@ -33,7 +33,8 @@ import time
 from pathlib import Path
 
 import numpy as np
-from faults import Ended, ended, small_disk
+from faults_of import small_disk
+from forked import Ended, ended, unsaid
 
 from antenna_pin import Trajectory
 
@@ -65,7 +66,7 @@ def gone_on(place: Path, at: float | None = None, number: int = 0) -> Ended:
     begun = [sys.executable, "-c", COMMAND, *words]
     process = subprocess.Popen(begun, cwd=place, stdout=theirs, stderr=theirs)
     os.close(theirs)
-    return ended(process.pid, ours, time.monotonic(), at, number)
+    return ended(process.pid, ours, time.monotonic(), at, lambda alive: os.kill(alive, number))
 
 
 def difference(one: Path, other: Path) -> str | None:
@@ -85,16 +86,6 @@ def difference(one: Path, other: Path) -> str | None:
             return f"another attribute {name}"
     counts = [json.loads(run.data.attrs["counts"]) | {"wall_seconds": 0.0} for run in (a, b)]
     return None if counts[0] == counts[1] else f"other counts {counts}"
-
-
-def wrong_with(found: Ended, codes: set[int]) -> str | None:
-    """Return what a command has not done as documented."""
-    said = [line for line in found.said.splitlines() if line.startswith("antenna-pin: ")]
-    if "Traceback" in found.said:
-        return f"a traceback: {found.said[-400:]!r}"
-    if len([line for line in said if not line.startswith("antenna-pin: note")]) > 1:
-        return f"more than one line: {found.said!r}"
-    return None if found.code in codes else f"exit code {found.code}: {found.said[-300:]!r}"
 
 
 class Bench:
@@ -120,13 +111,13 @@ class Bench:
         place, number = prepared(self.folder / "trial"), signal.Signals[fault]
         for _ in range(self.chance.randrange(1, 5)):
             found = gone_on(place, self.chance.uniform(0.0, 1.05) * self.seconds, number)
-            wrong = wrong_with(found, {0, -number, 128 + number})
+            wrong = unsaid(found, {0, -number, 128 + number})
             if wrong or found.code == 0:
                 break
             self.stops += 1
         else:
             found = gone_on(place)
-            wrong = wrong_with(found, {0})
+            wrong = unsaid(found, {0})
         return wrong or self._end(place)
 
     def full(self) -> str | None:
@@ -137,7 +128,7 @@ class Bench:
             if not mounted:
                 return "no small file system can be mounted here"
             found = gone_on(place)
-            wrong = wrong_with(found, {0, 2})
+            wrong = unsaid(found, {0, 2})
             if wrong or found.code == 0:
                 return wrong or self._end(place)
             self.stops += 1
@@ -146,7 +137,7 @@ class Bench:
                     return f"{path.name}: {difference(path, self.whole)}"
             subprocess.run(["mount", "-o", "remount,size=1g", str(place / "out")], check=True)
             found = gone_on(place)
-            return wrong_with(found, {0}) or self._end(place)
+            return unsaid(found, {0}) or self._end(place)
 
     def _end(self, place: Path) -> str | None:
         left = sorted(path.name for path in (place / "out").iterdir())
@@ -169,7 +160,7 @@ class Bench:
         for number, one in enumerate(spoiled):
             path.write_bytes(one)
             found = gone_on(place)
-            wrong = wrong_with(found, {2})
+            wrong = unsaid(found, {2})
             if wrong or path.read_bytes() != one:
                 accepted += 1
                 print(f"damage {number}: {wrong or 'it was changed'}", flush=True)

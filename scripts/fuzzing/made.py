@@ -1,0 +1,118 @@
+"""Small files of every kind that commands write, made once, and the commands that work or write."""
+
+from __future__ import annotations
+
+import functools
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from fuzzing.documents import SHORT, document, small_scenario
+from fuzzing.inputs import quietly
+
+__all__ = ["COMMANDS", "FAST", "MADE", "made"]
+
+FAST = ("--no-progress",)
+
+#: What is written, by the name of the file, and the command that writes it.
+MADE: Mapping[str, tuple[str, ...]] = {
+    "run.nc": ("run", "play.toml", *FAST, *SHORT),
+    "portrait.nc": ("phase", "run.nc", "-x", "q[bore.x]", "-y", "v[bore.vx]"),
+    "section.nc": ("poincare", "swing.toml", "-q", "v[bore]", "--count", "32", "--transient", "0"),
+    "diagram.nc": (
+        *(
+            "bifurcation",
+            "swing.toml",
+            "--over",
+            "drives.push.amplitude",
+            "--values",
+            "0.1,0.2",
+            "-q",
+            "v[bore]",
+        ),
+        *("--count", "32", "--transient", "0", "--workers", "1", *FAST),
+    ),
+    "orbit.nc": ("orbit", "swing.toml", "--transient", "5", "--rtol", "1e-9", *FAST),
+    "branch.nc": (
+        *("orbit", "swing.toml", "--transient", "5", "--rtol", "1e-9", "--over", "drives.push.amplitude"),
+        *("--values", "0.1 N*m:0.11 N*m", "--most", "3", *FAST),
+    ),
+    "exponents.nc": ("lyapunov", "swing.toml", "--count", "5", "--transient", "1", "--rtol", "1e-9", *FAST),
+}
+
+#: Every command that works or writes, by a name: its words and what it writes, in the folder ``out``.
+COMMANDS: Mapping[str, tuple[tuple[str, ...], str]] = {
+    **{name[:-3]: ((*words, "--out", f"out/{name}"), name) for name, words in MADE.items()},
+    "long run": (("run", "long.toml", "--no-progress", "--no-summary", "--out", "out/long.nc"), "long.nc"),
+    "checkpoints": (
+        ("run", "long.toml", "--checkpoint", "50 ms", "--no-progress", "--out", "out/parts.nc"),
+        "parts.nc",
+    ),
+    "info": (("info", "run.nc", "--csv", "out/info.csv"), "info.csv"),
+    "analyse": (("analyse", "run.nc", "--csv", "out/analysis.csv"), "analysis.csv"),
+    "impacts": (("impacts", "run.nc", "--csv", "out/impacts.csv"), "impacts.csv"),
+    "pointing": (
+        (
+            *("pointing", "run.nc", "--body", "disc", "--boresight", "1,0,0", "--direction", "0,1,0"),
+            *("--csv", "out/pointing.csv"),
+        ),
+        "pointing.csv",
+    ),
+    "modes": (("modes", "swing.toml", "--record", "out/modes.html"), "modes.html"),
+    "plot": (
+        ("plot", "run.nc", "--figure", "energy", "--figure", "contact_forces", "--out", "out/plots"),
+        "plots",
+    ),
+    "record": (("record", "run.nc", "--out", "out/page.html"), "page.html"),
+    "report": (("report", "run.nc", "section.nc", "--no-figures", "--out", "out/report.html"), "report.html"),
+    "urdf": (("urdf", "play.toml", "--out", "out/pair.urdf"), "pair.urdf"),
+    "sweep": (("sweep", "few.study.toml", "--workers", "0", *FAST, "--out", "out/few.study"), "few.study"),
+    "study show": (("study", "show", "few.study", "--csv", "out/study.csv"), "study.csv"),
+    "study plot": (("study", "plot", "few.study", "--out", "out/studies"), "studies"),
+    "study report": (("study", "report", "few.study", "--no-figures", "--out", "out/s.html"), "s.html"),
+    "curve": (("contact", "curve", "--csv", "out/curve.csv"), "curve.csv"),
+    "law figures": (("contact", "curve", "hertz", "--out", "out/laws"), "laws"),
+    "list": (("list",), ""),
+}
+
+_STUDY = """scenario = "play.toml"
+[set]
+integrator.max_steps = 200
+[parameters.play]
+key = "clearance.bore.radial_clearance"
+values = ["0.1 mm", "0.2 mm"]
+[responses]
+impacts = { measure = "impacts" }
+"""
+
+
+def _swinging() -> dict[str, Any]:
+    """Return a scenario that is driven and damped, without play: it has an orbit of 10 ms."""
+    push = {"joint": "bore", "kind": "sine", "amplitude": 0.1, "frequency": 100.0}
+    held = {"joint": "bore", "stiffness": 100.0, "damping": 1.0}
+    table = {**small_scenario().table, "clearance": {}, "initial": {}, "drives": {"push": push}}
+    return {**table, "springs": {"held": held}}
+
+
+@functools.cache
+def made() -> Mapping[str, bytes]:
+    """Return the files that can be read again, and those that they came from, by name."""
+    base = small_scenario()
+    # Fast enough to touch within its millisecond.
+    fast = {"bore": {"journal_velocity": [0.5, 0.0, 0.0]}}
+    play = {**base.table, "initial": {"joints": fast}}
+    long = {**play, "duration": 0.5, "output": {"rate": 20e3}}
+    tables = {"play.toml": play, "swing.toml": _swinging(), "long.toml": long}
+    files = {**base.files, **{name: document(table).encode() for name, table in tables.items()}}
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        for file, content in {**files, "few.study.toml": _STUDY.encode()}.items():
+            (folder / file).write_bytes(content)
+        for file, words in MADE.items():
+            quietly([*words, "--out", file], folder)
+        quietly(["sweep", "few.study.toml", "--out", "few.study", "--workers", "0", *FAST], folder)
+        for path in sorted(folder.rglob("*")):
+            if path.is_file():
+                files[path.relative_to(folder).as_posix()] = path.read_bytes()
+    return files

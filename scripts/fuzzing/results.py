@@ -1,0 +1,293 @@
+"""What commands write and read again: results of runs, sections, diagrams, orbits, and stores of studies."""
+
+from __future__ import annotations
+
+import functools
+import json
+import tempfile
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from random import Random
+from typing import Any
+
+import h5py
+import numpy as np
+
+from antenna_pin.files import seal
+from antenna_pin.units import shown
+from fuzzing.documents import SHORT
+from fuzzing.inputs import Change, Draft, Input
+from fuzzing.made import FAST, MADE, made
+from fuzzing.odd import Raw, misspelt, odd_value
+from fuzzing.texts import text_change
+
+__all__ = ["draw_result", "draw_store"]
+
+Edit = Callable[[Any], None]
+
+# What is asked of a file, whatever it is.
+_ASKED: tuple[tuple[str, ...], ...] = (
+    ("info", "FILE"),
+    ("info", "FILE", "--json"),
+    ("analyse", "FILE"),
+    ("impacts", "FILE", "--csv", "a.csv"),
+    ("pointing", "FILE", "--body", "disc", "--boresight", "1,0,0", "--direction", "0,1,0"),
+    ("phase", "FILE", "-x", "q[bore.x]", "-y", "v[bore.vx]", "--out", "p.nc"),
+    ("phase", "FILE", "--list"),
+    ("plot", "FILE", "--out", "figures", "--figure", "energy"),
+    ("record", "FILE", "--out", "a.html"),
+    ("report", "FILE", "--out", "r.html", "--no-figures", "--no-recordings"),
+    ("modes", "FILE"),
+    ("modes", "play.toml", "--at", "FILE"),
+    ("run", "--resume", "FILE", "--no-progress"),
+    ("run", "play.toml", "--out", "FILE", "--no-progress", *SHORT),
+)
+# Of some what they are read for, too.
+_ALSO: Mapping[str, tuple[str, ...]] = {
+    "orbit.nc": ("orbit", "FILE", "--out", "o.nc", "--rtol", "1e-9", "--no-progress"),
+    "branch.nc": ("orbit", "FILE", "--at", "1", "--rtol", "1e-9", "--no-progress"),
+    "diagram.nc": (*MADE["diagram.nc"], "--out", "FILE"),
+}
+
+
+# --- one file ----------------------------------------------------------------------------------------------
+
+
+def draw_result(chance: Random) -> Draft:
+    """Return a file that commands write, edited or damaged, and what is asked of it."""
+    name = chance.choice([*MADE, "run.nc", "run.nc"])
+    files = {key: content for key, content in made().items() if not key.startswith("few")}
+    words = chance.choice((*_ASKED, _ALSO.get(name, _ASKED[0])))
+    damaged = chance.random() < 0.2
+    sealed = chance.random() < 0.3
+    changes = tuple(_edit(chance, name) for _ in range(chance.choice((1, 1, 2))))
+    if damaged:
+        found = text_change(chance)
+        changes = (Change(found.name, found.apply, wrong=words[0] in ("info", "analyse")),)
+
+    def written(kept: Sequence[Change]) -> Input:
+        def write(path: Path) -> None:
+            content = files[name]
+            if damaged:
+                for change in kept:
+                    content = change.apply(content)
+                path.write_bytes(content)
+                # What changes nothing is no damage.
+                if content == files[name]:
+                    path.write_bytes(b"nothing")
+                return
+            path.write_bytes(_unsealed(content))
+            with h5py.File(path, "r+") as file:
+                if not sealed:
+                    file.attrs.pop("_NCProperties", None)
+                for change in kept:
+                    change.apply(file)
+            if sealed:
+                seal(path)
+
+        return Input({**files, name: write}, [name if word == "FILE" else word for word in words])
+
+    return Draft(changes, written)
+
+
+def _unsealed(content: bytes) -> bytes:
+    """Return a file without the digest behind its end."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "whole"
+        path.write_bytes(content)
+        with h5py.File(path, "r") as file:
+            size = file.id.get_filesize()
+    length = len(content) - len(seal_of(content))
+    return content[: max(min(size, length), length)]
+
+
+def seal_of(content: bytes) -> bytes:
+    """Return the digest that stands behind a file's end."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "some"
+        path.write_bytes(b"some")
+        seal(path)
+        return content[-(path.stat().st_size - 4) :]
+
+
+def _edit(chance: Random, name: str) -> Change:
+    attributes, variables = _inside(name)
+    if chance.random() < 0.5:
+        key = chance.choice(attributes)
+        return _attribute_edit(chance, key)
+    return _variable_edit(chance, chance.choice(variables))
+
+
+@functools.cache
+def _inside(name: str) -> tuple[list[str], list[str]]:
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / name
+        path.write_bytes(made()[name])
+        with h5py.File(path, "r") as file:
+            return sorted(file.attrs), sorted(file)
+
+
+def _attribute_edit(chance: Random, key: str) -> Change:
+    roll, at = chance.random(), chance.random()
+    value = odd_value(chance)
+    if roll < 0.15:
+        return Change(f"no attribute {key}", lambda file: file.attrs.pop(key, None))
+    if roll < 0.4:
+        plain = chance.choice(
+            (0, -1.0, float("nan"), "x", "", "[", "{}", "[]", "[" * 50_000, [1.0, 2.0], ["a", "b"])
+        )
+        return Change(f"attribute {key} = {str(plain)[:40]!r}", lambda file: _set(file.attrs, key, plain))
+    other = chance.choice((None, None, "gone", misspelt(chance, "name")))
+
+    def edit(file: Any) -> None:
+        try:
+            content = json.loads(file.attrs[key])
+        except (KeyError, TypeError, ValueError):
+            _set(file.attrs, key, "x")
+            return
+        _set(file.attrs, key, json.dumps(_replaced(content, at, value, other), default=str))
+
+    what = other or shown(value)[:60]
+    return Change(f"attribute {key} at {at:.3f}: {what!r}", edit)
+
+
+def _replaced(content: Any, at: float, value: Any, other: str | None) -> Any:
+    """Return JSON with the entry at some part of it replaced, lost or called otherwise."""
+    if isinstance(value, Raw):
+        value = [[[[value.text]]]]
+    if isinstance(value, int) and value.bit_length() > 4096:  # which Python does not print
+        value = 10**400
+    places: list[tuple[Any, Any]] = []
+
+    def walk(node: Any) -> None:
+        for key, entry in node.items() if isinstance(node, dict) else enumerate(node):
+            places.append((node, key))
+            if isinstance(entry, dict | list):
+                walk(entry)
+
+    if isinstance(content, dict | list):
+        walk(content)
+    if not places:
+        return value
+    node, key = places[int(at * len(places))]
+    if other is None:
+        node[key] = value
+    elif other == "gone" or isinstance(node, list):
+        del node[key]
+    else:
+        node[other] = node.pop(key)
+    return content
+
+
+def _set(attributes: Any, key: str, value: Any) -> None:
+    attributes[key] = value
+
+
+def _variable_edit(chance: Random, name: str) -> Change:
+    value, at = chance.choice((float("nan"), float("inf"), -1.0, 1e300, 1e9, 0.5)), chance.random()
+    changes: dict[str, Callable[[Any], Any] | None] = {
+        "gone": None,
+        "a group": lambda of: None,
+        "backwards": lambda of: of[::-1],
+        "one less": lambda of: of[:-1],
+        "none": lambda of: of[:0],
+        "one more": lambda of: np.concatenate([of, of[-1:]]),
+        "an axis more": lambda of: of[..., None],
+        "a number": lambda of: of.flat[0] if of.size else 0.0,
+        "text": lambda of: np.full(of.shape, b"x"),
+        "complex": lambda of: of.astype(complex),
+        "whole": lambda of: of.astype("i4"),
+        "big-endian": lambda of: of.astype(">f8"),
+        f"with {value:g} at {at:.2f}": lambda of: _with(of, at, value),
+        f"all {value:g}": lambda of: np.full(of.shape, value),
+        "of another unit": lambda of: of,
+    }
+    what = chance.choice([*changes, *[key for key in changes if key.startswith("with")] * 4])
+    change = changes[what]
+
+    def edit(file: Any) -> None:
+        if name not in file:
+            return
+        if what == "of another unit":
+            file[name].attrs["units"] = "mm"
+            return
+        old = file[name][()] if isinstance(file[name], h5py.Dataset) else np.zeros(1)
+        try:
+            values = None if change is None else change(np.asarray(old))
+        except (TypeError, ValueError, IndexError):
+            return  # there is nothing to be changed so
+        kept = {key: file[name].attrs[key] for key in file[name].attrs if key not in _SCALES}
+        scale = isinstance(file[name], h5py.Dataset) and file[name].is_scale
+        del file[name]
+        if change is None:
+            return
+        if values is None:
+            file.create_group(name)
+            return
+        text = {"dtype": h5py.string_dtype()} if np.asarray(values).dtype == object else {}
+        new = file.create_dataset(name, data=values, **text)
+        if scale:
+            new.make_scale(name)
+        for key, entry in kept.items():
+            new.attrs[key] = entry
+
+    return Change(f"variable {name} {what}", edit)
+
+
+_SCALES = ("CLASS", "NAME", "REFERENCE_LIST", "DIMENSION_LIST")
+
+
+def _with(of: Any, at: float, value: float) -> Any:
+    values = np.array(of, dtype=float)
+    values.flat[int(at * values.size)] = value
+    return values
+
+
+# --- stores of studies -------------------------------------------------------------------------------------
+
+
+def draw_store(chance: Random) -> Draft:
+    """Return the store of a study, a file of it damaged, and what is asked of it."""
+    files = {
+        key: content for key, content in made().items() if not key.endswith(".nc") or key.startswith("few")
+    }
+    inside = sorted(key for key in files if key.startswith("few.study/"))
+    name = chance.choice(inside)
+    words = chance.choice(
+        (
+            ("study", "show", "few.study", "--json"),
+            ("study", "show", "few.study", "--failed"),
+            ("study", "plot", "few.study", "--list"),
+            ("study", "report", "few.study", "--out", "r.html", "--no-figures"),
+            ("sweep", "few.study", "--workers", "0", *FAST),
+            ("sweep", "few.study.toml", "--out", "few.study", "--workers", "0", *FAST),
+        )
+    )
+    changes = tuple(_store_change(chance, name) for _ in range(chance.choice((1, 1, 2))))
+
+    def written(kept: Sequence[Change]) -> Input:
+        content: bytes | None = files[name]
+        for change in kept:
+            content = None if content is None else change.apply(content)
+        rest = {key: one for key, one in files.items() if key != name}
+        return Input(rest if content is None else {**rest, name: content}, words)
+
+    return Draft(changes, written)
+
+
+def _store_change(chance: Random, name: str) -> Change:
+    roll, at, value = chance.random(), chance.random(), odd_value(chance)
+    if roll < 0.1:
+        return Change(f"no {name}", lambda content: None)
+    if roll < 0.5 or not name.endswith("json"):
+        found = text_change(chance)
+        return Change(f"{name}: {found.name}", found.apply)
+
+    def edit(content: bytes) -> bytes:
+        try:
+            table = json.loads(content)
+        except ValueError:
+            return content[:-1]
+        return json.dumps(_replaced(table, at, value, None), default=str).encode()
+
+    return Change(f"{name} at {at:.3f}: {shown(value)[:60]!r}", edit)
