@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.analysis import quantity
-from antenna_pin.errors import InvalidParameterError
+from antenna_pin.capacity import check_count
 from antenna_pin.nonlinear.continuation import Branch, Family
 from antenna_pin.nonlinear.flow import Flow, flow_of
 from antenna_pin.nonlinear.surfaces import drive_period
@@ -42,8 +42,7 @@ def family_of(
     Raises:
         InvalidParameterError: The multiple is less than 1.
     """
-    if isinstance(multiple, bool) or multiple < 1:
-        raise InvalidParameterError("branch", "multiple", "1 or more", multiple)
+    check_count("branch", "multiple", multiple)
 
     def at(value: float) -> tuple[Flow, float]:
         changed = scenario.with_overrides({parameter: value})

@@ -13,6 +13,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from antenna_pin.brief import brief
+from antenna_pin.capacity import MOST, check_count
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.nonlinear.chart import Chart, NotAlikeError
 from antenna_pin.nonlinear.flow import Flow
@@ -105,8 +106,10 @@ def _check(interval: float, count: int, transient: float) -> None:
         if not (math.isfinite(value) and value > least):
             rule = "positive and finite [s]" if name == "interval" else "zero or more [s]"
             raise InvalidParameterError("Lyapunov exponents", name, rule, value)
-    if count < 1:
-        raise InvalidParameterError("Lyapunov exponents", "count", "1 or more intervals", count)
+    check_count("Lyapunov exponents", "count", count)
+    if interval > 0.0 and transient / interval > MOST:
+        rule = f"at most {MOST} intervals, {MOST * interval:g} s"
+        raise InvalidParameterError("Lyapunov exponents", "transient", rule, transient)
 
 
 class _Ahead:

@@ -10,6 +10,7 @@ from typing import Annotated, Any, ClassVar, Literal
 import numpy as np
 from pydantic import BeforeValidator, Field, ValidationError
 
+from antenna_pin.capacity import check_count
 from antenna_pin.errors import InvalidParameterError, ScenarioError, UnknownNameError
 from antenna_pin.nonlinear.branches import Branch
 from antenna_pin.nonlinear.surfaces import Section, section_of
@@ -44,6 +45,7 @@ def values_of(text: str) -> list[float | str]:
     count = whole_in(parts[2]) if len(parts) == 3 else None
     if count is None or count < 2 or None in ends:
         raise InvalidParameterError("bifurcation", "values", f"{rule}, COUNT 2 or more", text)
+    check_count("bifurcation", "COUNT", count, 2)
     (first, one), (last, other) = (end for end in ends if end is not None)
     if one and other and one != other:
         raise InvalidParameterError("bifurcation", "values", "of one unit from first to last", text)
