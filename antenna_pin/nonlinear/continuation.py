@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.arguments import takes
 from antenna_pin.brief import brief
 from antenna_pin.capacity import check_count
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
@@ -65,6 +66,7 @@ class Branch:
     interrupted: bool = False
 
 
+@takes()
 def check_steps(values: tuple[float, float], arc: float, most: int) -> None:
     """Refuse what :func:`continued` does of these arguments, before a long transient is run."""
     begin, end = map(float, values)
@@ -75,6 +77,7 @@ def check_steps(values: tuple[float, float], arc: float, most: int) -> None:
     check_count("branch", "most", most, 2)
 
 
+@takes()
 def continued(
     family: Family,
     guess: State,

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.analysis import quantity
+from antenna_pin.arguments import takes
 from antenna_pin.capacity import check_count
 from antenna_pin.nonlinear.continuation import Branch, Family
 from antenna_pin.nonlinear.flow import Flow, flow_of
@@ -22,6 +23,7 @@ Array = NDArray[np.float64]
 _SAMPLES = 400
 
 
+@takes()
 def family_of(
     scenario: Scenario,
     parameter: str,
@@ -52,6 +54,7 @@ def family_of(
     return at
 
 
+@takes()
 def amplitudes(branch: Branch, family: Family, quantities: Sequence[str]) -> dict[str, tuple[Array, str]]:
     """Return half of the range of quantities over a period of each orbit of a branch, and their units.
 

@@ -12,6 +12,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from antenna_pin.arguments import takes
 from antenna_pin.brief import brief
 from antenna_pin.capacity import MOST, check_count
 from antenna_pin.errors import InvalidParameterError
@@ -158,6 +159,7 @@ def _mechanical(chart: Chart) -> NDArray[np.bool_]:
     return own_state(chart.frame, chart.size, [contact for contact, _ in chart.frame.remembered])
 
 
+@takes()
 def largest_exponent(
     flow: Flow,
     start: State,
@@ -230,6 +232,7 @@ def largest_exponent(
     return _exponents(np.array(growth[turning:])[:, None], np.array(lengths[turning:]), interval, first, here)
 
 
+@takes()
 def lyapunov_spectrum(
     flow: Flow,
     start: State,
@@ -278,6 +281,7 @@ def lyapunov_spectrum(
 # --- as a dataset, and its file ---
 
 
+@takes()
 def exponents_table(found: Exponents, scenario: Scenario | None = None) -> xr.Dataset:
     """Return exponents as a dataset, which :func:`antenna_pin.nonlinear.save_table` writes.
 
@@ -317,6 +321,7 @@ def exponents_table(found: Exponents, scenario: Scenario | None = None) -> xr.Da
     )
 
 
+@takes()
 def open_exponents(path: str | os.PathLike[str]) -> xr.Dataset:
     """Return Lyapunov exponents from their file, as ``antenna-pin lyapunov --out`` writes it.
 

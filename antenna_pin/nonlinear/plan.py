@@ -10,6 +10,7 @@ from typing import Annotated, Any, ClassVar, Literal
 import numpy as np
 from pydantic import BeforeValidator, Field, ValidationError
 
+from antenna_pin.arguments import takes
 from antenna_pin.capacity import check_count
 from antenna_pin.errors import InvalidParameterError, ScenarioError, UnknownNameError
 from antenna_pin.nonlinear.branches import Branch
@@ -28,6 +29,7 @@ __all__ = ["DiagramPlan", "is_plan", "list_plans", "load_plan", "values_of"]
 SUFFIX = ".diagram.toml"
 
 
+@takes()
 def values_of(text: str) -> list[float | str]:
     """Return the values of a parameter that a text says: ``FIRST:LAST:COUNT``, or a list with commas.
 
@@ -124,6 +126,7 @@ def list_plans() -> list[str]:
     )
 
 
+@takes()
 def load_plan(path: str | os.PathLike[str], settings: Mapping[str, Any] | None = None) -> DiagramPlan:
     """Return a diagram's file, complete and checked; its scenario is not read yet.
 

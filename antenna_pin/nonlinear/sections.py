@@ -13,6 +13,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from antenna_pin.analysis.transients import LEAST, RULE, Settled, settled
+from antenna_pin.arguments import takes
 from antenna_pin.capacity import check_count
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.nonlinear.returns import Points, Returns
@@ -92,6 +93,7 @@ def _judged(values: Array, sizes: Array, tolerance: float) -> Settled:
     return settled(values, scale=scale, tolerance=tolerance, whole=True)
 
 
+@takes()
 def poincare(
     scenario: Scenario,
     section: Section,

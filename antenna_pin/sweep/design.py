@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.arguments import takes
 from antenna_pin.capacity import MOST
 from antenna_pin.errors import ScenarioError
 from antenna_pin.scenario import Scenario
@@ -126,6 +127,7 @@ def _put(found: dict[str, Any], key: str, value: Any, base: Scenario) -> None:
     found[name] = [value if i == index else old for i, old in enumerate(array)]
 
 
+@takes()
 def design_of(study: Study) -> Design:
     """Return the runs of a study.
 
