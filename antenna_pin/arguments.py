@@ -110,7 +110,7 @@ def _hints(function: Any, owner: type[Any] | None) -> dict[str, Any]:
     for name, hint in inspect.get_annotations(inspect.unwrap(function)).items():
         try:
             found[name] = eval(hint, names) if isinstance(hint, str) else hint  # noqa: S307 - our own source
-        except (NameError, AttributeError):
+        except (NameError, AttributeError, TypeError):  # a type known to the checker only
             continue
     return found
 
@@ -136,7 +136,7 @@ def fits(value: Any, hint: Any) -> bool:
     if hint is None or hint is type(None):
         return value is None
     if hint == ArrayLike or get_origin(hint) is np.ndarray or hint is np.ndarray:
-        return _is_array(value)
+        return _is_array(value, "c" if hint != ArrayLike and "complex" in str(hint) else "")
     origin, inner = get_origin(hint), get_args(hint)
     if origin in _UNIONS:
         return any(fits(value, one) for one in inner)
@@ -172,7 +172,7 @@ def _fits_parts(value: Any, origin: Any, inner: tuple[Any, ...]) -> bool:
             return False
         return len(inner) != 2 or all(fits(k, inner[0]) and fits(v, inner[1]) for k, v in value.items())
     if isinstance(value, Mapping):
-        return origin in (Iterable, Collection)
+        return origin in (Iterable, Collection) and all(fits(one, inner[0]) for one in value)
     if isinstance(value, np.ndarray):
         return value.ndim > 0 and (not inner or fits(value.flat[0], inner[0]) if value.size else True)
     if origin is tuple:
@@ -207,11 +207,12 @@ def is_number(value: Any) -> bool:
     return True
 
 
-def _is_array(value: Any) -> bool:
+def _is_array(value: Any, more: str) -> bool:
+    """Return whether a value is an array of numbers, of NumPy's ``more`` kinds too, or of times."""
     if value is None or isinstance(value, str | bytes | Mapping):
         return False
     try:
-        return np.asarray(value).dtype.kind in "biufcVMm" or np.asarray(value).size == 0
+        return np.asarray(value).dtype.kind in "biufVMm" + more or np.asarray(value).size == 0
     except (TypeError, ValueError):
         return False
 

@@ -20,6 +20,7 @@ __all__ = [
     "MissingToolError",
     "OutputError",
     "ScenarioError",
+    "TooLargeError",
     "UnknownNameError",
     "nearest",
     "one_line",
@@ -156,6 +157,10 @@ class FileFormatError(AntennaPinError, ValueError):
 
 class OutputError(AntennaPinError, OSError):
     """A result cannot be written where it was asked to be."""
+
+
+class TooLargeError(AntennaPinError, MemoryError):
+    """What is asked for needs more memory than this machine has."""
 
 
 class MissingToolError(AntennaPinError, RuntimeError):

@@ -260,7 +260,8 @@ def beyond(numbers: Iterable[float], units: str | tuple[str, ...], rule: str = "
         return ""
     sizes = [abs(float(number)) for number in numbers]
     unit = units if isinstance(units, str) else next((one for one in units if one in ("m", "rad")), "")
-    if unit in ("m", "rad") and max(sizes, default=0.0) > FARTHEST:
+    # A place or an angle; what must be positive is a length or a scale, which does no harm.
+    if unit in ("m", "rad") and not rule and max(sizes, default=0.0) > FARTHEST:
         return f"at most {FARTHEST:.2g} {unit} in size, up to where a double holds it to a millionth"
     if max(sizes, default=0.0) > LARGEST:
         return f"at most {LARGEST:g} in size"

@@ -7,6 +7,7 @@ import math
 from dataclasses import dataclass, field
 from typing import Literal
 
+from antenna_pin.capacity import MOST
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.parameters import check, parameter
 
@@ -15,7 +16,6 @@ __all__ = ["Engine", "ErrorScales", "Method", "RunSettings", "choice_for"]
 # Below, the error of a step is round-off, and no step is short enough.
 _LEAST_RTOL = 1e-15
 # Beyond, samples of the smallest mechanism take tens of gigabytes.
-_MOST_SAMPLES = 1e7
 
 Method = Literal["rk4", "bogacki-shampine-32", "dormand-prince-54", "dormand-prince-853", "radau5"]
 """A Runge-Kutta method by name, of ``antenna_pin.integrate.METHODS``."""
@@ -172,8 +172,6 @@ class RunSettings:
         if self.output_times and self.output_times[-1] > end:
             rule = f"at most {end:g} s, the end of the run"
             raise InvalidParameterError(self, "output_times", rule, said=f"{self.output_times[-1]:g} s")
-        if span * self.output_rate > _MOST_SAMPLES:
-            rule = (
-                f"{_MOST_SAMPLES / span:.3g} Hz or less in a run of {span:g} s, for {_MOST_SAMPLES:g} samples"
-            )
+        if span * self.output_rate > MOST:
+            rule = f"{MOST / span:.3g} Hz or less in a run of {span:g} s, for {MOST:g} samples"
             raise InvalidParameterError(self, "output_rate", rule, said=f"{self.output_rate:g} Hz")

@@ -3,12 +3,12 @@
 import importlib
 import inspect
 import typing
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, Literal, Protocol
 
 import numpy as np
 import pytest
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin import AntennaPinError, RunSettings, System, load_scenario, simulate
 from antenna_pin.arguments import fits, rule_of, takes
@@ -170,7 +170,9 @@ class _Yes:
         (Sequence[float], ([1, 2.0], (), np.zeros(3)), ("12", {1: 2}, [1, "a"], 3), "a sequence of numbers"),
         (tuple[float, float], ((1, 2), [1.0, 2.0]), ((1,), (1, "a"), 3, "ab"), "2 of numbers"),
         (Mapping[str, float], ({"a": 1}, {}), ([], {"a": "b"}, {1: 1.0}), "a mapping of names to numbers"),
-        (ArrayLike, ([1, 2], 3.0, np.eye(2), []), ("a", {}, None, ["a"], object()), "an array of numbers"),
+        (ArrayLike, ([1, 2], 3.0, np.eye(2), []), ("a", {}, None, ["a"], object(), 1j), "an array of numbers"),
+        (NDArray[np.complex128], (np.ones(2) * 1j,), ("a", None), "an array of numbers"),
+        (Iterable[int], ({1: "a"}, [1]), ({"a": 1}, ["a"], 3), "a sequence of whole numbers"),
         (Callable[[float], float], (abs, Thing), (3, "a", None), "a function"),
         (Literal["a", "b"], ("a", "c"), (1, None, ["a"]), "'a' or 'b'"),  # which text is the owner's to say
         (_Named, (_Yes(),), (Thing(), 3), "a _Named"),
@@ -198,3 +200,51 @@ def test_a_decorated_function_stays_what_it_was():
         far("a", 1, "b")
     with pytest.raises(TypeError, match="missing a required argument"):  # Python's own, of the call itself
         far()
+
+
+#: Rooms whose functions people call with values of their own; the others' are called by these.
+CALLED = "analysis antenna_pin assemble linear mechanism nonlinear plot record report scenario simulation studies sweep"
+
+
+def _is_checked(function):
+    while hasattr(function, "__wrapped__"):
+        if function.__code__.co_filename == takes.__code__.co_filename:
+            return True
+        function = function.__wrapped__
+    return False
+
+
+@pytest.mark.parametrize("room", CALLED.split())
+def test_every_public_function_says_what_it_takes(room):
+    """One that takes anything, and lacks the decorator, is found here; so is a type that is not known."""
+    module = importlib.import_module("antenna_pin" if room == "antenna_pin" else f"antenna_pin.{room}")
+    for name in module.__all__:
+        function = getattr(module, name)
+        if inspect.isfunction(function) and inspect.signature(function).parameters:
+            assert _is_checked(function), name
+
+
+def _functions():
+    for room in CALLED.split():
+        module = importlib.import_module("antenna_pin" if room == "antenna_pin" else f"antenna_pin.{room}")
+        for name in module.__all__:
+            function = getattr(module, name)
+            if inspect.isfunction(function) and inspect.signature(function).parameters:
+                yield pytest.param(function, id=f"{room}.{name}")
+
+
+@pytest.mark.parametrize("function", list(_functions()))
+def test_a_function_names_itself_the_argument_and_what_it_got(function):
+    """Of what no function takes, as its first argument."""
+    first, *others = inspect.signature(function).parameters.values()
+    several = first.kind is first.VAR_POSITIONAL
+    needed = {
+        one.name: Thing() for one in others if one.default is one.empty and one.kind is not one.VAR_KEYWORD
+    }
+    if first.kind is first.KEYWORD_ONLY:
+        needed[first.name] = Thing()
+    place = f"{function.__name__}: {first.name} must be "
+    with pytest.raises(AntennaPinError) as error:
+        function(*([] if first.kind is first.KEYWORD_ONLY else [Thing()]), **needed)
+    assert str(error.value).startswith(place) or several
+    assert "(Thing)" in str(error.value)

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
+from antenna_pin.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["interpolate_attitude", "interpolation_error"]
@@ -26,6 +27,7 @@ __all__ = ["interpolate_attitude", "interpolation_error"]
 Array = NDArray[np.float64]
 
 
+@takes()
 def interpolate_attitude(
     times: ArrayLike, knots: ArrayLike, attitude: Rotation, angular_velocity: ArrayLike
 ) -> Rotation:
@@ -61,6 +63,7 @@ def interpolate_attitude(
     return at[k] * Rotation.from_rotvec(phi)
 
 
+@takes()
 def interpolation_error(knots: ArrayLike, attitude: Rotation, angular_velocity: ArrayLike) -> float:
     """Return an estimate of the largest error of :func:`interpolate_attitude` [rad].
 

@@ -8,6 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from antenna_pin.analysis._motion import motion_dataset
 from antenna_pin.analysis._run import RunLike, data_of, label_of, variable
+from antenna_pin.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["base_motion"]
@@ -15,6 +16,7 @@ __all__ = ["base_motion"]
 _RATES = ("vx", "vy", "vz", "wx", "wy", "wz")
 
 
+@takes()
 def base_motion(run: RunLike) -> xr.Dataset:
     r"""Return position, attitude, velocities and accelerations of the base, all in world axes.
 

@@ -25,6 +25,7 @@ from scipy.spatial.transform import Rotation
 from antenna_pin.analysis._run import Array, RunLike, data_of
 from antenna_pin.analysis.bodies import body_poses, body_twists
 from antenna_pin.analysis.journal import clearance_shapes, journal_motion
+from antenna_pin.arguments import takes
 
 __all__ = ["between_samples"]
 
@@ -34,6 +35,7 @@ _QUARTERS = 4  # pieces of an interval at whose ends its bend is looked for
 _MOST = 16  # pieces of an interval
 
 
+@takes()
 def between_samples(run: RunLike, joint: str, within: float = 1e-3) -> xr.Dataset:
     """Return journal and contacts of a joint with play at the samples, and between them where they bend.
 

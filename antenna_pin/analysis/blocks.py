@@ -8,6 +8,7 @@ import numpy as np
 import xarray as xr
 
 from antenna_pin.analysis._run import Array
+from antenna_pin.arguments import takes
 
 __all__ = ["LONG", "ROWS", "beside", "blocks"]
 
@@ -20,6 +21,7 @@ ROWS = 16_384
 _MARGIN = 64
 
 
+@takes()
 def blocks(data: xr.Dataset, rows: int | None = None, overlap: int = 0) -> Iterator[xr.Dataset]:
     """Yield a run in parts, one after another along time; a run that is not long is one part.
 
@@ -38,6 +40,7 @@ def blocks(data: xr.Dataset, rows: int | None = None, overlap: int = 0) -> Itera
         yield data.isel(time=slice(first, first + rows + overlap))
 
 
+@takes()
 def beside(data: xr.Dataset, times: Array, rows: int | None = None) -> Iterator[tuple[slice, xr.Dataset]]:
     """Yield which of some times, and the samples of a run that its interpolation there takes.
 

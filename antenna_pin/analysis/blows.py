@@ -7,6 +7,7 @@ import xarray as xr
 
 from antenna_pin.analysis._run import RunLike, data_of
 from antenna_pin.analysis.impacts import impacts
+from antenna_pin.arguments import takes
 from antenna_pin.trajectory import blow_counts, names_along
 
 __all__ = ["blow_statistics", "blows"]
@@ -22,6 +23,7 @@ _UNITS = {
 }
 
 
+@takes()
 def blows(run: RunLike, joint: str | None = None) -> xr.Dataset:
     """Return the table of blows of a run, in order of their onset.
 
@@ -68,6 +70,7 @@ def blows(run: RunLike, joint: str | None = None) -> xr.Dataset:
     )
 
 
+@takes()
 def blow_statistics(run: RunLike) -> xr.Dataset:
     """Return how many ``blows`` each joint with play took, all surfaces, over ``clearance_joint``."""
     data = data_of(run)

@@ -10,6 +10,7 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.analysis._beside_tree import applied_wrenches, passed_by_closures, passed_by_springs
+from antenna_pin.arguments import takes
 from antenna_pin.errors import FileFormatError
 from antenna_pin.mechanism import (
     Mechanism,
@@ -26,6 +27,7 @@ __all__ = ["body_poses", "body_twists", "joint_loads", "mechanism_of"]
 _AXES = ("x", "y", "z")
 
 
+@takes()
 def mechanism_of(run: Trajectory | xr.Dataset) -> Mechanism:
     """Return the mechanism that a run simulated: from the URDF that it carries.
 
@@ -60,6 +62,7 @@ def _array(data: xr.Dataset, name: str) -> NDArray[np.float64]:
     return np.asarray(data[name].values, dtype=float)
 
 
+@takes()
 def body_poses(
     run: Trajectory | xr.Dataset, times: ArrayLike | None = None, bodies: Sequence[str] | None = None
 ) -> xr.Dataset:
@@ -103,6 +106,7 @@ def _names(mechanism: Mechanism, bodies: Sequence[str] | None) -> list[str]:
     return [link.name for link in mechanism.urdf.robot.links] if bodies is None else list(bodies)
 
 
+@takes()
 def body_twists(
     run: Trajectory | xr.Dataset, times: ArrayLike | None = None, bodies: Sequence[str] | None = None
 ) -> xr.Dataset:
@@ -134,6 +138,7 @@ def body_twists(
     )
 
 
+@takes()
 def joint_loads(run: Trajectory | xr.Dataset, times: ArrayLike | None = None) -> xr.Dataset:
     """Return what each moving joint passes from parent to child, by inverse dynamics of the recorded motion.
 

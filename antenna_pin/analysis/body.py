@@ -8,12 +8,14 @@ import xarray as xr
 from antenna_pin.analysis._motion import motion_dataset, motion_deviation
 from antenna_pin.analysis._run import RunLike, data_of, label_of, sample_times, variable
 from antenna_pin.analysis.bodies import mechanism_of
+from antenna_pin.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.mechanism import link_motion, quaternions
 
 __all__ = ["body_deviation", "body_motion", "moved_body"]
 
 
+@takes()
 def moved_body(run: RunLike, joint: str) -> str:
     """Return the name of the body that a joint moves.
 
@@ -25,6 +27,7 @@ def moved_body(run: RunLike, joint: str) -> str:
     return mechanism.bodies[mechanism.joint(joint).joint_id - 1]
 
 
+@takes()
 def body_motion(run: RunLike, body: str) -> xr.Dataset:
     """Return position, attitude, velocities and accelerations of a link's frame, all in world axes.
 
@@ -53,6 +56,7 @@ def body_motion(run: RunLike, body: str) -> xr.Dataset:
     )
 
 
+@takes()
 def body_deviation(run: RunLike, ideal: RunLike, body: str) -> xr.Dataset:
     """Return how far a body is from where it would be in the ideal run, at the run's own samples.
 

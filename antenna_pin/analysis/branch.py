@@ -10,6 +10,8 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
+from antenna_pin.arguments import takes
+
 __all__ = ["StabilitySpan", "said_of_multiplier", "stability_spans", "unexplained_changes"]
 
 
@@ -31,6 +33,7 @@ class StabilitySpan(NamedTuple):
     largest: tuple[complex, complex]
 
 
+@takes()
 def said_of_multiplier(multiplier: complex, digits: int = 4, places: int | None = None) -> str:
     """Return a multiplier in words: a real one with its sign, one of a pair by its size and its angle.
 
@@ -45,6 +48,7 @@ def said_of_multiplier(multiplier: complex, digits: int = 4, places: int | None 
     return f"{size:.{digits}g} at {math.degrees(cmath.phase(multiplier)):.4g} deg"
 
 
+@takes()
 def stability_spans(branch: xr.Dataset) -> list[StabilitySpan]:
     """Return where along a branch orbits are stable, in order.
 
@@ -66,6 +70,7 @@ def stability_spans(branch: xr.Dataset) -> list[StabilitySpan]:
     return spans
 
 
+@takes()
 def unexplained_changes(branch: xr.Dataset) -> list[tuple[float, float]]:
     """Return the values of the parameter about each change of stability without a bifurcation that was found.
 

@@ -24,6 +24,7 @@ from numpy.typing import ArrayLike
 from scipy.fft import irfft, next_fast_len, rfft
 
 from antenna_pin.analysis._run import Array
+from antenna_pin.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["Chaos", "ChaosTest", "chaos_test"]
@@ -52,6 +53,7 @@ class ChaosTest(NamedTuple):
     angles: Array  # (angles,), in (pi/5, 4 pi/5) [rad]
 
 
+@takes()
 def chaos_test(values: ArrayLike, *, angles: int = 100, noise: float = 0.0) -> ChaosTest:
     """Return what the 0-1 test says of a series.
 

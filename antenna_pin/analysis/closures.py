@@ -11,6 +11,7 @@ import xarray as xr
 
 from antenna_pin.analysis._run import Array, RunLike, data_of, sample_times
 from antenna_pin.analysis.sampled import time_rms
+from antenna_pin.arguments import takes
 from antenna_pin.readable import GIVEN, number, readable
 from antenna_pin.trajectory import names_along
 
@@ -29,18 +30,21 @@ __all__ = [
 ]
 
 
+@takes()
 def closures_of(run: RunLike) -> dict[str, dict[str, Any]]:
     """Return the closures of a run by name: kind, links and placements, as a result carries them."""
     found: dict[str, dict[str, Any]] = json.loads(data_of(run).attrs.get("closures", "{}"))
     return found
 
 
+@takes()
 def couplings_of(run: RunLike) -> dict[str, dict[str, Any]]:
     """Return the couplings of a run by name: joints, multiplier and offset, as a result carries them."""
     found: dict[str, dict[str, Any]] = json.loads(data_of(run).attrs.get("couplings", "{}"))
     return found
 
 
+@takes()
 def drives_of(run: RunLike) -> dict[str, dict[str, Any]]:
     """Return the drives of a run by name: joint, whether it slides, and whether its motion is prescribed.
 
@@ -50,6 +54,7 @@ def drives_of(run: RunLike) -> dict[str, dict[str, Any]]:
     return found
 
 
+@takes()
 def effort_unit(run: RunLike, drive: str) -> str:
     """Return the unit of a drive's effort: N at a joint that slides, N m at one that turns."""
     return "N" if drives_of(run).get(drive, {}).get("slides") else "N m"
@@ -80,6 +85,7 @@ _EFFORTS = {
 }
 
 
+@takes()
 def closure_loads(run: RunLike) -> xr.Dataset:
     """Return what each closure of a run carried: sizes of its force and its moment about its point.
 
@@ -105,6 +111,7 @@ def closure_loads(run: RunLike) -> xr.Dataset:
     return _table("closure", names_along(data, "closure"), rows, _FORCES)
 
 
+@takes()
 def coupling_loads(run: RunLike) -> xr.Dataset:
     """Return what each coupling of a run carried: the torque on its follower.
 
@@ -127,6 +134,7 @@ def coupling_loads(run: RunLike) -> xr.Dataset:
     return _table("coupling", names_along(data, "coupling"), rows, _TORQUES)
 
 
+@takes()
 def drive_loads(run: RunLike) -> xr.Dataset:
     """Return what each drive of a run exerted; of a prescribed motion, what it took to hold it.
 
@@ -151,6 +159,7 @@ def drive_loads(run: RunLike) -> xr.Dataset:
     return _table("drive", names_along(data, "drive"), rows, _EFFORTS)
 
 
+@takes()
 def drive_power(run: RunLike, drive: str) -> Array | None:
     """Return the power of a drive [W] at the samples; None where the result does not say of which joint."""
     data = data_of(run)
@@ -177,6 +186,7 @@ def _table(
     )
 
 
+@takes()
 def said_of_constraints(counts: Mapping[str, Any]) -> str:
     """Return in a sentence how many equations closures, couplings and motions are, and what they leave free.
 
@@ -199,6 +209,7 @@ def said_of_constraints(counts: Mapping[str, Any]) -> str:
     return "; ".join(parts)
 
 
+@takes()
 def said_of_coupling(one: Mapping[str, Any]) -> str:
     """Return a coupling as an equation: "finger = 2 · thumb + 5 mm".
 
@@ -214,6 +225,7 @@ def said_of_coupling(one: Mapping[str, Any]) -> str:
     return f"{one['follower']} = {times}{one['leader']}{behind}"
 
 
+@takes()
 def said_of_singular(counts: Mapping[str, Any]) -> str:
     """Return in words when a run passed singular positions; nothing if it did not.
 

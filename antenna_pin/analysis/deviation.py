@@ -15,6 +15,7 @@ from antenna_pin.analysis.base import base_motion
 from antenna_pin.analysis.blocks import beside, blocks
 from antenna_pin.analysis.growth import Growth, growths_of
 from antenna_pin.analysis.sampled import Mean, resampled
+from antenna_pin.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.trajectory import names_along
 
@@ -83,6 +84,7 @@ class Deviation:
         return self.measures[known.index(choose("deviation", "quantity", of, known)[0])]
 
 
+@takes()
 def deviation(run: RunLike, ideal: RunLike, joint: str | None = None) -> Deviation:
     """Return how far a run is from the ideal one, at the run's own samples.
 
@@ -103,6 +105,7 @@ def deviation(run: RunLike, ideal: RunLike, joint: str | None = None) -> Deviati
     return Deviation(found, _measured(found["time"].values, lambda: [found]))
 
 
+@takes()
 def deviation_measures(
     run: RunLike, ideal: RunLike, joint: str | None = None
 ) -> tuple[DeviationMeasures, ...]:
@@ -114,6 +117,7 @@ def deviation_measures(
     return _measured(pair.at, lambda: (pair.apart(part) for part in blocks(pair.data)))
 
 
+@takes()
 def deviation_over_time(run: RunLike, ideal: RunLike, joint: str | None = None) -> xr.Dataset:
     """Return how far a run is from the ideal one: the ``data`` of :func:`deviation`, without its measures."""
     pair = _Pair(data_of(run), data_of(ideal), joint)

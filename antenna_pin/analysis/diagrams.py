@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from antenna_pin.analysis.recurrence import RecurrenceKind, recurrence
+from antenna_pin.arguments import takes
 
 __all__ = ["Verdict", "diagram_verdicts", "said_of_verdicts"]
 
@@ -23,6 +24,7 @@ _UNDECIDED = RecurrenceKind.TOO_SHORT.value
 _ZERO = 1e-6
 
 
+@takes()
 def diagram_verdicts(
     diagram: xr.Dataset,
     quantities: Sequence[str] | None = None,
@@ -63,6 +65,7 @@ def diagram_verdicts(
     return found
 
 
+@takes()
 def said_of_verdicts(
     values: Sequence[float], verdicts: Sequence[Verdict | None], unit: str = ""
 ) -> list[str]:

@@ -11,6 +11,7 @@ import xarray as xr
 
 from antenna_pin.analysis._run import Array, RunLike, data_of, sample_times, variable
 from antenna_pin.analysis.sampled import time_rms
+from antenna_pin.arguments import takes
 from antenna_pin.readable import number, readable
 from antenna_pin.trajectory import names_along
 
@@ -20,6 +21,7 @@ __all__ = ["SPIN_WITHIN", "elastic_motion", "elastic_parts_of", "modal_energy", 
 SPIN_WITHIN = 0.3
 
 
+@takes()
 def elastic_parts_of(run: RunLike) -> dict[str, dict[str, Any]]:
     """Return what the elastic parts of a run are, by name; {} if it has none.
 
@@ -30,6 +32,7 @@ def elastic_parts_of(run: RunLike) -> dict[str, dict[str, Any]]:
     return found
 
 
+@takes()
 def modal_energy(run: RunLike) -> Array:
     r"""Return the energy of each elastic part against its hub at all samples, (n, parts) [J].
 
@@ -42,6 +45,7 @@ def modal_energy(run: RunLike) -> Array:
     return np.asarray(data["elastic_energy"].values + 0.5 * moved * rate**2, dtype=float)
 
 
+@takes()
 def elastic_motion(run: RunLike) -> xr.Dataset:
     """Return key numbers of the elastic parts of a run.
 
@@ -74,6 +78,7 @@ def elastic_motion(run: RunLike) -> xr.Dataset:
     )
 
 
+@takes()
 def said_of_spin(run: RunLike) -> str:
     """Return in words whether hubs span so fast that their elastic parts soften; nothing if they did not.
 

@@ -17,6 +17,7 @@ from scipy.interpolate import Akima1DInterpolator
 
 from antenna_pin.analysis._run import Array
 from antenna_pin.analysis.blocks import LONG, ROWS
+from antenna_pin.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["LEAST_SAMPLES", "EvenSignal", "Read", "UniformSignal", "uniform"]
@@ -39,6 +40,7 @@ class UniformSignal(NamedTuple):
     rate: float  # samples per time [Hz]
 
 
+@takes()
 def uniform(time: ArrayLike, values: ArrayLike, rate: float | None = None) -> UniformSignal:
     """Return a signal on an even grid, without folding; the module's text says how.
 

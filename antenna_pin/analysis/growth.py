@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from antenna_pin.analysis._run import Array
+from antenna_pin.arguments import takes
 
 __all__ = ["Growth", "growth_of", "growths_of"]
 
@@ -63,6 +64,7 @@ class Growth:
         return self.note
 
 
+@takes()
 def growth_of(time: ArrayLike, deviation: ArrayLike) -> Growth:
     """Return how a deviation grows; the module's text says what is fitted.
 

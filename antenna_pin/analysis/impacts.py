@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 
 from antenna_pin.analysis._run import Array, RunLike, choose, data_of, sample_times, variable
+from antenna_pin.arguments import takes
 from antenna_pin.errors import FileFormatError
 from antenna_pin.trajectory import blow_numbers, contact_joints, contact_kinds, names_along
 
@@ -25,6 +26,7 @@ _UNITS = {
 }
 
 
+@takes()
 def impacts(run: RunLike, joint: str | None = None) -> xr.Dataset:
     """Return the table of impacts of a run, in order of their onset.
 
@@ -142,6 +144,7 @@ def _table(
     )
 
 
+@takes()
 def impact_statistics(table: xr.Dataset) -> xr.Dataset:
     """Return what the impacts of each contact come to.
 

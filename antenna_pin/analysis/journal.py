@@ -22,6 +22,7 @@ from scipy.spatial.transform import Rotation
 from antenna_pin.analysis._journal_kinds import JOURNAL_KINDS
 from antenna_pin.analysis._run import Array, RunLike, choose, data_of, label_of, variable
 from antenna_pin.analysis.blocks import blocks
+from antenna_pin.arguments import takes
 from antenna_pin.errors import FileFormatError, InvalidParameterError
 from antenna_pin.trajectory import contact_ends, contacts_of, names_along
 
@@ -30,6 +31,7 @@ __all__ = ["bore_load", "clearance_shapes", "journal_motion"]
 _AXES = ["x", "y", "z"]
 
 
+@takes()
 def clearance_shapes(run: RunLike) -> dict[str, dict[str, Any]]:
     """Return kind, dimensions and places of every clearance joint of a run, as it carries them.
 
@@ -51,6 +53,7 @@ def clearance_shapes(run: RunLike) -> dict[str, dict[str, Any]]:
     return dict(json.loads(data.attrs["clearance_joints"]))
 
 
+@takes()
 def journal_motion(run: RunLike, joint: str | None = None) -> xr.Dataset:
     """Return how the journal (or ball) moves in its bearing (or socket), in bearing axes.
 
@@ -129,6 +132,7 @@ def _kind(data: xr.Dataset, joint: str, place: str) -> tuple[str, dict[str, floa
     return choose(place, "kind of joint", shape["kind"], list(JOURNAL_KINDS))[0], shape["dimensions"]
 
 
+@takes()
 def bore_load(run: RunLike, joint: str | None = None, sectors: int = 36) -> xr.Dataset:
     """Return how much load each sector of the bore took: the integral of the normal force over time.
 

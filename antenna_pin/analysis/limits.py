@@ -10,6 +10,7 @@ import xarray as xr
 
 from antenna_pin.analysis._run import RunLike, data_of
 from antenna_pin.analysis.blocks import blocks
+from antenna_pin.arguments import takes
 from antenna_pin.readable import number
 from antenna_pin.trajectory import is_lean, names_along
 
@@ -22,6 +23,7 @@ _KINDS = (
 )
 
 
+@takes()
 def said_of_limits(run: RunLike) -> tuple[str, ...]:
     """Return a line for each joint that a run has taken past a ``<limit>`` of its URDF.
 

@@ -11,6 +11,7 @@ from antenna_pin.analysis._run import Array, RunLike, choose, data_of, sample_ti
 from antenna_pin.analysis.blocks import blocks
 from antenna_pin.analysis.sampled import time_mean, time_percentiles, time_rms
 from antenna_pin.analysis.settling import touching_intervals
+from antenna_pin.arguments import takes
 from antenna_pin.trajectory import contacts_of, names_along
 
 __all__ = ["load_statistics"]
@@ -36,6 +37,7 @@ _JOINT = {
 }
 
 
+@takes()
 def load_statistics(
     run: RunLike, joint: str | None = None, percent: Sequence[float] = (50.0, 90.0, 99.0, 99.9)
 ) -> xr.Dataset:

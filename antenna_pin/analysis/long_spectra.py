@@ -11,6 +11,7 @@ from scipy import fft, signal
 from antenna_pin.analysis._run import Array
 from antenna_pin.analysis.blocks import ROWS
 from antenna_pin.analysis.even import LEAST_SAMPLES, EvenSignal, Read
+from antenna_pin.arguments import takes
 
 __all__ = ["long_amplitudes", "long_spectrogram", "long_spectrum"]
 
@@ -21,6 +22,7 @@ _SPECTROGRAM = 2**13
 _COLUMNS = 77
 
 
+@takes()
 def long_spectrum(time: Array, read: Read) -> xr.Dataset:
     """Return the one-sided power spectral density of a long signal.
 
@@ -59,6 +61,7 @@ def long_spectrum(time: Array, read: Read) -> xr.Dataset:
     )
 
 
+@takes()
 def long_spectrogram(time: Array, read: Read) -> xr.Dataset:
     """Return the power spectral density of a long signal as it changes with time.
 

@@ -13,6 +13,7 @@ import xarray as xr
 from antenna_pin.analysis._run import Array, RunLike, data_of, label_of
 from antenna_pin.analysis.quantity import Quantity, quantity
 from antenna_pin.analysis.transients import settled
+from antenna_pin.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.trajectory import Trajectory, open_table, table_attributes
 
@@ -67,6 +68,7 @@ class PhasePortrait:
         return np.column_stack([one.values for one in self.quantities])
 
 
+@takes()
 def phase_portrait(
     run: RunLike,
     x: str,
@@ -157,6 +159,7 @@ def _judged(every: tuple[Quantity, ...], label: str) -> tuple[float, str]:
 # --- as a dataset, and its file ---
 
 
+@takes()
 def portrait_table(portrait: PhasePortrait, run: RunLike) -> xr.Dataset:
     """Return a portrait as a dataset, which :func:`antenna_pin.trajectory.save_table` writes.
 
@@ -189,6 +192,7 @@ def portrait_table(portrait: PhasePortrait, run: RunLike) -> xr.Dataset:
     return xr.Dataset(variables, coords={"time": time}, attrs=attributes)
 
 
+@takes()
 def portrait_of(table: xr.Dataset) -> PhasePortrait:
     """Return the portrait that a dataset holds (:func:`portrait_table`)."""
     time = np.asarray(table["time"].values, dtype=float)
@@ -206,6 +210,7 @@ def portrait_of(table: xr.Dataset) -> PhasePortrait:
     return PhasePortrait(str(attributes["run"]), every, float(attributes["start"]), str(attributes["rule"]))
 
 
+@takes()
 def open_portrait(path: str | os.PathLike[str]) -> PhasePortrait:
     """Return a portrait from its file, as ``antenna-pin phase --out`` writes it.
 

@@ -32,6 +32,7 @@ from antenna_pin.analysis._run import Array, RunLike, data_of, label_of
 from antenna_pin.analysis.blocks import blocks
 from antenna_pin.analysis.bodies import body_poses, mechanism_of
 from antenna_pin.analysis.orbit import Orbit
+from antenna_pin.arguments import takes
 from antenna_pin.directions import unit
 from antenna_pin.errors import FileFormatError, InvalidParameterError, UnknownNameError
 from antenna_pin.scenario import PointingSpec
@@ -109,6 +110,7 @@ class Command:
         )
 
 
+@takes()
 def boresight(
     run: RunLike, antenna: Antenna | None = None, orbit: Orbit | None = None, times: ArrayLike | None = None
 ) -> xr.Dataset:
@@ -161,6 +163,7 @@ def boresight(
     )
 
 
+@takes()
 def pointing_error(
     run: RunLike,
     ideal: RunLike | None = None,
@@ -299,6 +302,7 @@ def _link(run: RunLike, antenna: Antenna) -> str:
     return antenna.body
 
 
+@takes()
 def pointing_spec(run: RunLike) -> PointingSpec | None:
     """Return what the run's scenario says of pointing, if it does; nothing else of it is read, for speed.
 

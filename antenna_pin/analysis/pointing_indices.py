@@ -49,6 +49,7 @@ from antenna_pin.analysis._indices import (
     extremes,
 )
 from antenna_pin.analysis._polygon import Polygon
+from antenna_pin.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["DEFINITIONS", "INTERPRETATIONS", "error_components", "pointing_indices"]
@@ -75,6 +76,7 @@ INTERPRETATIONS = {
 _PLACE = "pointing_indices"
 
 
+@takes()
 def error_components(errors: xr.Dataset) -> dict[str, Array]:
     """Return a pointing error as components for :func:`pointing_indices`.
 
@@ -92,6 +94,7 @@ def error_components(errors: xr.Dataset) -> dict[str, Array]:
     return found | {"half-cone": np.asarray(errors["boresight_error"].values, dtype=float)}
 
 
+@takes()
 def pointing_indices(
     time: ArrayLike | Sequence[ArrayLike],
     error: ArrayLike | Mapping[str, ArrayLike] | Sequence[ArrayLike] | Sequence[Mapping[str, ArrayLike]],

@@ -36,6 +36,7 @@ from antenna_pin.analysis._run import Array, RunLike, data_of, label_of, sample_
 from antenna_pin.analysis.closures import couplings_of, drives_of, effort_unit
 from antenna_pin.analysis.elastic import elastic_parts_of
 from antenna_pin.analysis.signals import signals
+from antenna_pin.arguments import takes
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.readable import printed_unit
 from antenna_pin.trajectory import names_along
@@ -95,6 +96,7 @@ class Quantity(NamedTuple):
         return f"{self.name} [{unit}]" if unit else self.name
 
 
+@takes()
 def quantity(run: RunLike, name: str) -> Quantity:
     """Return a recorded or derived quantity of a run.
 
@@ -160,6 +162,7 @@ def _derived(data: xr.Dataset, name: str, wanted: QuantityName) -> Quantity:
     return _made(time, values, wanted, dims, labels, one.units, one.meaning)
 
 
+@takes()
 def quantities(run: RunLike) -> dict[str, str]:
     """Return the names of all quantities of a run, each with its unit.
 

@@ -32,6 +32,7 @@ from numpy.typing import ArrayLike
 from antenna_pin.analysis._run import Array
 from antenna_pin.analysis.chaos_test import Chaos, ChaosTest, chaos_test
 from antenna_pin.analysis.transients import scaled, settled
+from antenna_pin.arguments import takes
 
 __all__ = ["Recurrence", "RecurrenceKind", "recurrence", "section_lines"]
 
@@ -94,6 +95,7 @@ class Recurrence:
         return f"{self.kind.value}" + (f", {self.bands} bands" if self.bands > 1 else "")
 
 
+@takes()
 def recurrence(
     points: ArrayLike,
     *,
@@ -212,6 +214,7 @@ def _spectral_floor(z: Array) -> float:
     return float(np.sqrt(np.median(power) / (np.log(2.0) * white))) if white > 0.0 else 0.0
 
 
+@takes()
 def section_lines(points: ArrayLike) -> tuple[Array, Array]:
     """Return the strongest lines in the spectrum of section points.
 

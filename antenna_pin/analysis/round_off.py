@@ -18,6 +18,7 @@ import xarray as xr
 
 from antenna_pin.analysis._run import RunLike, data_of
 from antenna_pin.analysis.blocks import blocks
+from antenna_pin.arguments import takes
 from antenna_pin.trajectory import is_lean
 
 __all__ = ["ROUND_OFF", "ROUND_OFF_WORDS", "is_round_off", "round_off_scales"]
@@ -33,6 +34,7 @@ _PAIRS = (("m", "rad"), ("m/s", "rad/s"), ("m/s^2", "rad/s^2"), ("N m", "N"), ("
 _NO_SCALE = {"q", "v", "a", "energy_error"}
 
 
+@takes()
 def round_off_scales(*runs: RunLike) -> dict[str, float]:
     """Return the scale of each unit in which a run, or any of several, has numbers.
 
@@ -46,6 +48,7 @@ def round_off_scales(*runs: RunLike) -> dict[str, float]:
     return found
 
 
+@takes()
 def is_round_off(size: float | None, unit: str, scales: Mapping[str, float]) -> bool:
     """Whether a number is zero but for round-off; an exact zero is none of round-off.
 

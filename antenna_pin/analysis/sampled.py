@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from antenna_pin.analysis._run import Array
 from antenna_pin.analysis.blocks import LONG, ROWS
+from antenna_pin.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["resampled", "time_mean", "time_percentiles", "time_rms"]
@@ -21,6 +22,7 @@ __all__ = ["resampled", "time_mean", "time_percentiles", "time_rms"]
 _FEW = 33  # levels that all segments of a polygon are compared with
 
 
+@takes()
 def resampled(
     time: ArrayLike, values: ArrayLike, at: ArrayLike, derivative: ArrayLike | None = None
 ) -> Array:
@@ -95,6 +97,7 @@ class Mean:
         return np.asarray(self._area / (self._end - self._start))
 
 
+@takes()
 def time_mean(time: ArrayLike, values: ArrayLike) -> Array:
     """Return the mean over time by the trapezoidal rule; of one instant, its value.
 
@@ -118,6 +121,7 @@ def _mean_of(time: Array, values: Array, function: Callable[[Array], Array]) -> 
     return mean.value
 
 
+@takes()
 def time_rms(time: ArrayLike, values: ArrayLike) -> Array:
     """Return the root mean square over time, the square integrated by the trapezoidal rule.
 
@@ -131,6 +135,7 @@ def time_rms(time: ArrayLike, values: ArrayLike) -> Array:
     return np.sqrt(_mean_of(*_checked(time, values), np.square))
 
 
+@takes()
 def time_percentiles(time: ArrayLike, values: ArrayLike, percent: ArrayLike) -> Array:
     """Return the values that a signal stays below for given shares of the time.
 

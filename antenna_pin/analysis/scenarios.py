@@ -28,6 +28,7 @@ from numpy.typing import ArrayLike
 
 from antenna_pin.analysis.assembled import AssembledJoint, JournalPose
 from antenna_pin.analysis.tilts import TiltRange, milliradians
+from antenna_pin.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.geometry import AxialScenario, RadialScenario, RevoluteClearance, pose_of
 from antenna_pin.geometry.revolute import revolute_scenario
@@ -70,6 +71,7 @@ class ScenarioPair:
         return self.pose is not None
 
 
+@takes()
 def scenario_of(
     shape: RevoluteClearance, p_HJ: ArrayLike, axis_J_H: ArrayLike, tolerance: float = 0.0
 ) -> tuple[RadialScenario, AxialScenario]:
@@ -92,6 +94,7 @@ def scenario_of(
     return RadialScenario(radial), AxialScenario(axial)
 
 
+@takes()
 def possible_scenarios(shape: RevoluteClearance, penetration: float = 0.0) -> tuple[ScenarioPair, ...]:
     """Return all 16 pairs of contact scenarios, each with a pose or with the reason why there is none.
 
@@ -125,6 +128,7 @@ def possible_scenarios(shape: RevoluteClearance, penetration: float = 0.0) -> tu
     return tuple(pairs)
 
 
+@takes()
 def scenario_rows(pairs: Iterable[ScenarioPair]) -> list[tuple[str, ...]]:
     """Return pairs as rows of text under :data:`SCENARIO_COLUMNS`."""
     rows: list[tuple[str, ...]] = []

@@ -19,6 +19,7 @@ import xarray as xr
 from antenna_pin.analysis._run import Array, RunLike, choose, data_of, sample_times, variable
 from antenna_pin.analysis.closures import drives_of
 from antenna_pin.analysis.impacts import impacts
+from antenna_pin.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.trajectory import contacts_of, names_along
 
@@ -71,6 +72,7 @@ class Settling:
         return self.decay_rate > 0.0 and self.decay_r2 >= _LEAST_R2
 
 
+@takes()
 def touching_intervals(run: RunLike, contacts: Sequence[str]) -> Array:
     """Return when any of some contacts touches, as intervals that do not overlap.
 
@@ -100,6 +102,7 @@ def touching_intervals(run: RunLike, contacts: Sequence[str]) -> Array:
     return np.array(merged).reshape(-1, 2)
 
 
+@takes()
 def settling(
     run: RunLike,
     joint: str | None = None,

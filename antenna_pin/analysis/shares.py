@@ -10,6 +10,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from antenna_pin.analysis.blocks import blocks
+from antenna_pin.arguments import takes
 from antenna_pin.errors import FileFormatError, InvalidParameterError, UnknownNameError
 from antenna_pin.geometry import AxialScenario, RadialScenario
 from antenna_pin.trajectory import Trajectory, contacts_of, series
@@ -19,6 +20,7 @@ __all__ = ["scenario_shares", "scenario_spans"]
 _NEEDED = ("radial_scenario", "axial_scenario", "touching")
 
 
+@takes()
 def scenario_shares(run: Trajectory | xr.Dataset) -> xr.DataArray:
     """Return the share of the time that each clearance joint spent in each pair of contact scenarios.
 
@@ -52,6 +54,7 @@ def scenario_shares(run: Trajectory | xr.Dataset) -> xr.DataArray:
     )
 
 
+@takes()
 def scenario_spans(run: Trajectory | xr.Dataset, joint: str | None = None) -> xr.Dataset:
     """Return the spans of time that a clearance joint spent in one pair of contact scenarios each.
 

@@ -13,6 +13,7 @@ from antenna_pin.analysis.base import base_motion
 from antenna_pin.analysis.blocks import blocks
 from antenna_pin.analysis.elastic import elastic_parts_of
 from antenna_pin.analysis.even import Read
+from antenna_pin.arguments import takes
 from antenna_pin.trajectory import names_along
 
 __all__ = ["RunSignal", "scales_of", "signals"]
@@ -43,6 +44,7 @@ class RunSignal:
         return self.read(0, self.time.size)
 
 
+@takes()
 def scales_of(signals: Iterable[RunSignal]) -> dict[str, float]:
     """Return the largest size of the signals of each unit: what round-off in any of them is judged by."""
     found: dict[str, float] = {}
@@ -51,6 +53,7 @@ def scales_of(signals: Iterable[RunSignal]) -> dict[str, float]:
     return found
 
 
+@takes()
 def signals(run: RunLike) -> dict[str, RunSignal]:
     """Return accelerations of a run's joints and base, deflections, and forces in clearance joints, by name.
 

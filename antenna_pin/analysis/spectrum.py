@@ -26,6 +26,7 @@ from antenna_pin.analysis._run import Array
 from antenna_pin.analysis.blocks import LONG
 from antenna_pin.analysis.even import LEAST_SAMPLES, EvenSignal, Read, UniformSignal, uniform
 from antenna_pin.analysis.long_spectra import long_amplitudes
+from antenna_pin.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = [
@@ -40,6 +41,7 @@ _ROUND_OFF = 1e-10  # of the size of a quantity: what it varies by without a cau
 _LEAST_SHARE = 1e-3  # of the strongest peak, for one to be named beside it
 
 
+@takes()
 def spectrum(
     time: ArrayLike,
     values: ArrayLike,
@@ -87,6 +89,7 @@ def spectrum(
     )
 
 
+@takes()
 def dominant_frequencies(
     time: ArrayLike,
     values: ArrayLike | Read,
@@ -185,6 +188,7 @@ def dominant_frequencies(
     )
 
 
+@takes()
 def spectrogram(
     time: ArrayLike,
     values: ArrayLike,

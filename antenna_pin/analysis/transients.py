@@ -23,6 +23,7 @@ from numpy.typing import ArrayLike
 from scipy.stats import t as student
 
 from antenna_pin.analysis._run import Array
+from antenna_pin.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["LEAST", "RULE", "Settled", "settled"]
@@ -74,6 +75,7 @@ class Settled:
         return f"settled from point {self.start} of {self.points} on"
 
 
+@takes()
 def settled(
     points: ArrayLike, *, scale: ArrayLike | None = None, tolerance: float = 1e-3, whole: bool = False
 ) -> Settled:

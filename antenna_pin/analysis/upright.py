@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 from antenna_pin.analysis._run import RunLike, choose, data_of
 from antenna_pin.analysis.bodies import body_poses
 from antenna_pin.analysis.journal import clearance_shapes
+from antenna_pin.arguments import takes
 from antenna_pin.directions import unit
 from antenna_pin.errors import FileFormatError
 from antenna_pin.trajectory import series
@@ -22,6 +23,7 @@ STEADY = 0.87
 _LOOKED_AT = 200  # samples
 
 
+@takes()
 def bearing_up(run: RunLike, joint: str, times: ArrayLike | None = None) -> NDArray[np.float64] | None:
     """Return the unit vectors against gravity in a bearing's axes, (n, 3) [-], or None without gravity.
 
@@ -48,6 +50,7 @@ def bearing_up(run: RunLike, joint: str, times: ArrayLike | None = None) -> NDAr
     return np.asarray((body * turn).apply(-unit(gravity), inverse=True))
 
 
+@takes()
 def steady_up(run: RunLike, joint: str) -> NDArray[np.float64] | None:
     """Return the mean direction against gravity in a bearing's axes, (3,) [-], for pictures of the bearing.
 

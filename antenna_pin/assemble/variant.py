@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from antenna_pin.arguments import takes
 from antenna_pin.assemble.cuts import check_not_closures
 from antenna_pin.assemble.flexible import with_flexible_links
 from antenna_pin.assemble.places import check_known, where
@@ -32,6 +33,7 @@ def as_written(scenario: Scenario) -> WrittenUrdf:
     )
 
 
+@takes()
 def urdf_variant(scenario: Scenario) -> Urdf:
     """Return the URDF of a scenario's case: joints freed, locked or made planar, and all overrides applied.
 

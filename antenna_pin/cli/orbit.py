@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from antenna_pin.capacity import check_count
 from antenna_pin.cli._branch import (
     AmplitudeOption,
     ArcOption,
@@ -95,8 +96,7 @@ def orbit(
     """
     table, targets = csv_target(csv), targets_of(out, plot)
     for name, number, least in (("--multiple", multiple, 1), ("--transient", transient, 0)):
-        if number < least:
-            raise InvalidParameterError("orbit", name, f"{least} or more", number)
+        check_count("orbit", name, number, least)
     for name, given in (("--values", values), ("--quantity", ", ".join(quantity or ()))):
         if given and over is None:
             raise InvalidParameterError("orbit", name, "given with --over KEY", said=given)

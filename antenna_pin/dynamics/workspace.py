@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
 from typing import Any
 
@@ -47,12 +48,16 @@ class Workspace:
         program: The system's program, with the values of drives in Python of the last evaluation.
     """
 
+    @functools.cached_property
+    def data(self) -> Any:
+        """Pinocchio's buffers, made when they are asked for: they grow with the cube of the freedoms."""
+        return self.model.createData()
+
     def __init__(self, system: System, memory: ArrayLike | None = None) -> None:
-        """Allocate everything once."""
+        """Allocate everything once, but for what only Pinocchio needs."""
         self.system = system
         self.model = system.model
         self.manifold = system.manifold
-        self.data = system.model.createData()
         self.program = system.program.copy()
         nv, contacts = self.model.nv, len(system.contact_names)
         first = nv + words_of(POSE)

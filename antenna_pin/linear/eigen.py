@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy.linalg import eig, eigh, null_space
 from scipy.optimize import linear_sum_assignment
 
+from antenna_pin.arguments import takes
 from antenna_pin.linear.linearisation import Linearisation
 
 __all__ = ["Eigen", "Kind", "solve"]
@@ -57,6 +58,7 @@ class Eigen:
             return np.asarray(-0.5 * self.roots.sum(axis=1).real / self.modulus)
 
 
+@takes()
 def solve(linear: Linearisation) -> Eigen:
     """Return the modes of small motions about a state.
 

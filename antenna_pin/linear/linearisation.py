@@ -10,6 +10,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
+from antenna_pin.arguments import takes
 from antenna_pin.brief import brief
 from antenna_pin.constraints import directions
 from antenna_pin.dynamics import System, Workspace
@@ -119,6 +120,7 @@ class Linearisation:
         return found
 
 
+@takes()
 def linearise(at: At) -> Linearisation:
     """Return the equations of small motions about a state.
 

@@ -9,6 +9,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from antenna_pin.arguments import takes
 from antenna_pin.brief import brief
 from antenna_pin.dynamics import BASE, System, Workspace, assemble
 from antenna_pin.errors import InvalidParameterError, MechanismError, UnknownNameError
@@ -98,6 +99,7 @@ def ideal_directions(slot: JointSlot, joint: ClearanceJoint, q: Array) -> Array:
     return found
 
 
+@takes()
 def prepared(
     system: System,
     y: Array,

@@ -11,6 +11,7 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.analysis import Antenna
+from antenna_pin.arguments import takes
 from antenna_pin.differences import slope
 from antenna_pin.dynamics import JointMotion, System, Workspace
 from antenna_pin.elements import ConstantDrive, Motion
@@ -40,6 +41,7 @@ class _Output(NamedTuple):
     row: Array  # over the coordinates of velocities, (nv,)
 
 
+@takes()
 def sources_of(modes: Modes) -> list[str]:
     """Return what a response can start from: drives by name, and forces and moments on a free base."""
     found = [
@@ -50,6 +52,7 @@ def sources_of(modes: Modes) -> list[str]:
     return found + (list(_BASE_FORCES) if modes.linearisation.system.mechanism.base == "free" else [])
 
 
+@takes()
 def targets_of(modes: Modes) -> list[str]:
     """Return what a response can end at: the boresight, joints with an axis, a free base."""
     system = modes.linearisation.system
@@ -64,6 +67,7 @@ def targets_of(modes: Modes) -> list[str]:
     return found + (list(_BASE_MOTIONS) if system.mechanism.base == "free" else [])
 
 
+@takes()
 def frequency_response(
     modes: Modes,
     source: str,

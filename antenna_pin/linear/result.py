@@ -10,6 +10,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
+from antenna_pin.arguments import takes
 from antenna_pin.dynamics import BASE, System
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.linear.eigen import Eigen, solve
@@ -135,6 +136,7 @@ def _plain(values: ArrayLike) -> Any:
     return None if isinstance(value, float) and not np.isfinite(value) else value
 
 
+@takes()
 def modes_at(at: At, scenario: Scenario | None = None) -> Modes:
     """Return the modes about a state.
 

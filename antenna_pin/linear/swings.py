@@ -7,6 +7,7 @@ import pinocchio as pin
 import xarray as xr
 from numpy.typing import NDArray
 
+from antenna_pin.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.linear.result import Modes
 from antenna_pin.linear.shares import bodies_of
@@ -24,6 +25,7 @@ _WAY, _TURN = 0.08, 0.25
 _SWINGS, _PICTURES = 3, 48
 
 
+@takes()
 def swing(modes: Modes, mode: int, amplitude: float = 1.0) -> Trajectory:
     """Return a mechanism that swings in one mode, undamped, drawn as large as it can well be seen.
 

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.spatial.transform import Rotation
 
+from antenna_pin.arguments import takes
 from antenna_pin.directions import direction
 
 __all__ = ["Matrix3", "Vector3", "frame_aligning_z", "quaternions", "roll_pitch_yaw"]
@@ -20,6 +21,7 @@ Matrix3: TypeAlias = npt.NDArray[np.float64]
 """Shape (3, 3)."""
 
 
+@takes()
 def frame_aligning_z(axis: npt.ArrayLike) -> Matrix3:
     r"""Return the shortest rotation that takes ``z`` to an axis.
 
@@ -50,6 +52,7 @@ def frame_aligning_z(axis: npt.ArrayLike) -> Matrix3:
     return rotation + 0.0  # no negative zeros
 
 
+@takes()
 def roll_pitch_yaw(rotation: Matrix3) -> tuple[float, float, float]:
     """Return the URDF angles of a rotation, ``R = Rz(yaw) Ry(pitch) Rx(roll)``.
 
@@ -71,6 +74,7 @@ def roll_pitch_yaw(rotation: Matrix3) -> tuple[float, float, float]:
     return roll + 0.0, pitch + 0.0, yaw + 0.0
 
 
+@takes()
 def quaternions(rotations: npt.ArrayLike) -> npt.NDArray[np.float64]:
     """Return rotations over time as quaternions xyzw that do not jump in sign from one to the next.
 

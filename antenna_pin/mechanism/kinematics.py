@@ -8,6 +8,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
+from antenna_pin.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.mechanism.frames import quaternions
 from antenna_pin.mechanism.model import Mechanism
@@ -19,6 +20,7 @@ Array = NDArray[np.float64]
 _AT_ONCE = 8192  # samples
 
 
+@takes()
 def link_poses(mechanism: Mechanism, q: ArrayLike, links: Sequence[str] | None = None) -> tuple[Array, Array]:
     """Return the pose of every link's frame in the world, or of those that are named.
 
@@ -59,6 +61,7 @@ def link_poses(mechanism: Mechanism, q: ArrayLike, links: Sequence[str] | None =
     return positions, attitudes
 
 
+@takes()
 def link_twists(
     mechanism: Mechanism, q: ArrayLike, v: ArrayLike, links: Sequence[str] | None = None
 ) -> Array:
@@ -87,6 +90,7 @@ def link_twists(
     return twists
 
 
+@takes()
 def link_motion(
     mechanism: Mechanism, link: str, q: ArrayLike, v: ArrayLike, a: ArrayLike
 ) -> tuple[Array, Array]:

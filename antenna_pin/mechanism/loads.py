@@ -8,6 +8,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
+from antenna_pin.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.mechanism.model import Mechanism
 
@@ -16,6 +17,7 @@ __all__ = ["transmitted_wrenches"]
 Array = NDArray[np.float64]
 
 
+@takes()
 def transmitted_wrenches(
     mechanism: Mechanism,
     q: ArrayLike,

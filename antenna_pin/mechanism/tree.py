@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.arguments import takes
 from antenna_pin.mechanism import _tree_kernels as _bodies
 from antenna_pin.mechanism._tree_kernels import BODY, PLACE
 from antenna_pin.mechanism.model import Mechanism
@@ -23,6 +24,7 @@ _KINDS = {
 }
 
 
+@takes()
 def body_tree(mechanism: Mechanism) -> NDArray[Any]:
     """Return the moving bodies as the kernels take them, (bodies,) of ``BODY``; parents first."""
     model = mechanism.model

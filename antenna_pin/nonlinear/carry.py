@@ -6,6 +6,7 @@ import dataclasses
 
 import numpy as np
 
+from antenna_pin.arguments import takes
 from antenna_pin.dynamics import System, Workspace
 from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.loop import Run
@@ -15,6 +16,7 @@ from antenna_pin.state import OpenContact, State
 __all__ = ["carried"]
 
 
+@takes()
 def carried(state: State, system: System, *, scale: float = 1.0) -> State:
     """Return a state as a start of another system of the same shape.
 

@@ -11,7 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.arguments import takes
 from antenna_pin.brief import brief
+from antenna_pin.capacity import check_count
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
 from antenna_pin.nonlinear.bifurcations import (
     Bifurcation,
@@ -64,6 +66,7 @@ class Branch:
     interrupted: bool = False
 
 
+@takes()
 def check_steps(values: tuple[float, float], arc: float, most: int) -> None:
     """Refuse what :func:`continued` does of these arguments, before a long transient is run."""
     begin, end = map(float, values)
@@ -71,10 +74,10 @@ def check_steps(values: tuple[float, float], arc: float, most: int) -> None:
         raise InvalidParameterError("branch", "values", "two different, finite ones", values)
     if not (math.isfinite(arc) and arc > 0.0):
         raise InvalidParameterError("branch", "arc", "positive and finite", arc)
-    if most < 2:
-        raise InvalidParameterError("branch", "most", "2 points or more", most)
+    check_count("branch", "most", most, 2)
 
 
+@takes()
 def continued(
     family: Family,
     guess: State,

@@ -22,6 +22,7 @@ from typing import Any
 
 import xarray as xr
 
+from antenna_pin.arguments import takes
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.files import check_writable
 from antenna_pin.nonlinear.branches import BRANCHES, Asked, Branch, Entry, make
@@ -53,6 +54,7 @@ class Made:
     unsettled: int
 
 
+@takes()
 def bifurcation(
     scenario: Scenario,
     parameter: str,

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.analysis import quantity
-from antenna_pin.errors import InvalidParameterError
+from antenna_pin.arguments import takes
+from antenna_pin.capacity import check_count
 from antenna_pin.nonlinear.continuation import Branch, Family
 from antenna_pin.nonlinear.flow import Flow, flow_of
 from antenna_pin.nonlinear.surfaces import drive_period
@@ -22,6 +23,7 @@ Array = NDArray[np.float64]
 _SAMPLES = 400
 
 
+@takes()
 def family_of(
     scenario: Scenario,
     parameter: str,
@@ -42,8 +44,7 @@ def family_of(
     Raises:
         InvalidParameterError: The multiple is less than 1.
     """
-    if isinstance(multiple, bool) or multiple < 1:
-        raise InvalidParameterError("branch", "multiple", "1 or more", multiple)
+    check_count("branch", "multiple", multiple)
 
     def at(value: float) -> tuple[Flow, float]:
         changed = scenario.with_overrides({parameter: value})
@@ -53,6 +54,7 @@ def family_of(
     return at
 
 
+@takes()
 def amplitudes(branch: Branch, family: Family, quantities: Sequence[str]) -> dict[str, tuple[Array, str]]:
     """Return half of the range of quantities over a period of each orbit of a branch, and their units.
 

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.arguments import takes
 from antenna_pin.assemble import build_system, initial_angles, initial_state
 from antenna_pin.differences import Slope, slope
 from antenna_pin.dynamics import System, Workspace
@@ -268,6 +269,7 @@ def _slope(function: Callable[[float], Array]) -> Slope:
     return slope(function, _STEPS[-1:])
 
 
+@takes()
 def flow_of(
     scenario: Scenario, settings: RunSettings | None = None, *, rtol: float | None = None
 ) -> tuple[Flow, State]:

@@ -12,7 +12,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from antenna_pin.arguments import takes
 from antenna_pin.brief import brief
+from antenna_pin.capacity import MOST, check_count
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.nonlinear.chart import Chart, NotAlikeError
 from antenna_pin.nonlinear.flow import Flow
@@ -105,8 +107,10 @@ def _check(interval: float, count: int, transient: float) -> None:
         if not (math.isfinite(value) and value > least):
             rule = "positive and finite [s]" if name == "interval" else "zero or more [s]"
             raise InvalidParameterError("Lyapunov exponents", name, rule, value)
-    if count < 1:
-        raise InvalidParameterError("Lyapunov exponents", "count", "1 or more intervals", count)
+    check_count("Lyapunov exponents", "count", count)
+    if interval > 0.0 and transient / interval > MOST:
+        rule = f"at most {MOST} intervals, {MOST * interval:g} s"
+        raise InvalidParameterError("Lyapunov exponents", "transient", rule, transient)
 
 
 class _Ahead:
@@ -155,6 +159,7 @@ def _mechanical(chart: Chart) -> NDArray[np.bool_]:
     return own_state(chart.frame, chart.size, [contact for contact, _ in chart.frame.remembered])
 
 
+@takes()
 def largest_exponent(
     flow: Flow,
     start: State,
@@ -227,6 +232,7 @@ def largest_exponent(
     return _exponents(np.array(growth[turning:])[:, None], np.array(lengths[turning:]), interval, first, here)
 
 
+@takes()
 def lyapunov_spectrum(
     flow: Flow,
     start: State,
@@ -275,6 +281,7 @@ def lyapunov_spectrum(
 # --- as a dataset, and its file ---
 
 
+@takes()
 def exponents_table(found: Exponents, scenario: Scenario | None = None) -> xr.Dataset:
     """Return exponents as a dataset, which :func:`antenna_pin.nonlinear.save_table` writes.
 
@@ -314,6 +321,7 @@ def exponents_table(found: Exponents, scenario: Scenario | None = None) -> xr.Da
     )
 
 
+@takes()
 def open_exponents(path: str | os.PathLike[str]) -> xr.Dataset:
     """Return Lyapunov exponents from their file, as ``antenna-pin lyapunov --out`` writes it.
 

@@ -10,6 +10,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from antenna_pin.arguments import takes
 from antenna_pin.dynamics import System
 from antenna_pin.nonlinear.continuation import Branch
 from antenna_pin.nonlinear.orbits import Orbit
@@ -90,6 +91,7 @@ def _way(system: System, name: str) -> str:
     return "m" if part in ("x", "y", "z", "vx", "vy", "vz") else "rad" if part in ("wx", "wy", "wz") else "1"
 
 
+@takes()
 def orbit_table(orbit: Orbit, system: System, scenario: Scenario | None = None) -> xr.Dataset:
     """Return a periodic solution as a dataset, which :func:`antenna_pin.nonlinear.save_table` writes.
 
@@ -118,6 +120,7 @@ def orbit_table(orbit: Orbit, system: System, scenario: Scenario | None = None) 
     )
 
 
+@takes()
 def branch_table(
     branch: Branch,
     system: System,
@@ -178,6 +181,7 @@ def branch_table(
     return xr.Dataset(columns, coords=labels, attrs=table_attributes("branch", scenario) | about)
 
 
+@takes()
 def open_orbit(path: str | os.PathLike[str]) -> xr.Dataset:
     """Return a periodic solution from its file, as ``antenna-pin orbit --out`` writes it.
 
@@ -190,6 +194,7 @@ def open_orbit(path: str | os.PathLike[str]) -> xr.Dataset:
     return open_table(path, "orbit")
 
 
+@takes()
 def open_branch(path: str | os.PathLike[str]) -> xr.Dataset:
     """Return a branch of periodic solutions from its file, as ``antenna-pin orbit --over --out`` writes it.
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.arguments import takes
 from antenna_pin.brief import brief
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
 from antenna_pin.nonlinear.chart import Chart
@@ -140,6 +141,7 @@ def _newton_step(flow: Flow, start: State, tangent: Tangent, miss: Array, chart:
     return np.asarray(step)
 
 
+@takes()
 def periodic_orbit(
     flow: Flow,
     guess: State,

@@ -10,6 +10,8 @@ from typing import Annotated, Any, ClassVar, Literal
 import numpy as np
 from pydantic import BeforeValidator, Field, ValidationError
 
+from antenna_pin.arguments import takes
+from antenna_pin.capacity import check_count
 from antenna_pin.errors import InvalidParameterError, ScenarioError, UnknownNameError
 from antenna_pin.nonlinear.branches import Branch
 from antenna_pin.nonlinear.surfaces import Section, section_of
@@ -27,6 +29,7 @@ __all__ = ["DiagramPlan", "is_plan", "list_plans", "load_plan", "values_of"]
 SUFFIX = ".diagram.toml"
 
 
+@takes()
 def values_of(text: str) -> list[float | str]:
     """Return the values of a parameter that a text says: ``FIRST:LAST:COUNT``, or a list with commas.
 
@@ -44,6 +47,7 @@ def values_of(text: str) -> list[float | str]:
     count = whole_in(parts[2]) if len(parts) == 3 else None
     if count is None or count < 2 or None in ends:
         raise InvalidParameterError("bifurcation", "values", f"{rule}, COUNT 2 or more", text)
+    check_count("bifurcation", "COUNT", count, 2)
     (first, one), (last, other) = (end for end in ends if end is not None)
     if one and other and one != other:
         raise InvalidParameterError("bifurcation", "values", "of one unit from first to last", text)
@@ -122,6 +126,7 @@ def list_plans() -> list[str]:
     )
 
 
+@takes()
 def load_plan(path: str | os.PathLike[str], settings: Mapping[str, Any] | None = None) -> DiagramPlan:
     """Return a diagram's file, complete and checked; its scenario is not read yet.
 

@@ -13,6 +13,8 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from antenna_pin.analysis.transients import LEAST, RULE, Settled, settled
+from antenna_pin.arguments import takes
+from antenna_pin.capacity import check_count
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.nonlinear.returns import Points, Returns
 from antenna_pin.nonlinear.surfaces import Section
@@ -91,6 +93,7 @@ def _judged(values: Array, sizes: Array, tolerance: float) -> Settled:
     return settled(values, scale=scale, tolerance=tolerance, whole=True)
 
 
+@takes()
 def poincare(
     scenario: Scenario,
     section: Section,
@@ -155,6 +158,7 @@ def check_counts(
         if isinstance(value, bool) or not isinstance(value, int) or value < least:  # type: ignore[operator]
             why = ", with fewer of which nothing can be judged" if name == "count" else ""
             raise InvalidParameterError(place, name, f"a whole number of {least} or more{why}", value)
+        check_count(place, name, value, least)  # type: ignore[arg-type]
     if transient is not None and most is not None:
         raise InvalidParameterError(place, "most", "left out beside a transient", most)
     if not 0.0 <= tolerance < 1.0:

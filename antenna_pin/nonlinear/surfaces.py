@@ -8,6 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
+from antenna_pin.arguments import takes
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.numerals import bare
 from antenna_pin.scenario import Scenario
@@ -105,6 +106,7 @@ def _words_of(when: Callable[[Moment], float]) -> str:
 # --- the period of what drives --------------------------------------------------------------------------
 
 
+@takes()
 def drive_period(scenario: Scenario, drive: str | None = None) -> float:
     """Return the period of what drives a scenario [s].
 
@@ -169,6 +171,7 @@ def _period(table: object) -> float | None:
 _CROSSING = re.compile(r"(angle|rate|gap|force)[.: ]\s*(.+?)\s*=\s*([^=]+)")
 
 
+@takes()
 def section_of(text: str, direction: str = "rising", phase: float = 0.0) -> Section:
     """Return a section that a text says.
 

@@ -11,6 +11,7 @@ import numpy as np
 import xarray as xr
 
 from antenna_pin.analysis.transients import RULE
+from antenna_pin.arguments import takes
 from antenna_pin.nonlinear.branches import Asked, Entry
 from antenna_pin.trajectory import open_table, table_attributes
 from antenna_pin.units import any_quantity
@@ -93,6 +94,7 @@ def diagram_table(
     )
 
 
+@takes()
 def open_diagram(path: str | os.PathLike[str]) -> xr.Dataset:
     """Return a bifurcation diagram from its file.
 
@@ -115,6 +117,7 @@ def open_diagram(path: str | os.PathLike[str]) -> xr.Dataset:
     return table
 
 
+@takes()
 def open_section(path: str | os.PathLike[str]) -> xr.Dataset:
     """Return the points of a section from their file.
 

@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from antenna_pin.analysis import Recurrence, RecurrenceKind, quantity, recurrence
+from antenna_pin.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.plot._style import (
     Array,
@@ -104,6 +105,7 @@ class Attractor:
         return said if found.period is not None else f"{said}, over {self.spread(*names):.1g}"
 
 
+@takes()
 @styled
 def figure_attractors(
     attractors: Sequence[Attractor],

@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 
+from antenna_pin.arguments import takes
 from antenna_pin.plot._kinds import FREE_BASE, none_with
 from antenna_pin.plot._run_figure import RunFigure
 from antenna_pin.plot._runs import LabelledRun, Run, labelled, too_short
@@ -51,6 +52,7 @@ _LOST = (
 _MOMENTA = (("linear_momentum", "momentum_scale"), ("angular_momentum", "angular_momentum_scale"))
 
 
+@takes()
 @styled
 def figure_energy(runs: Iterable[Run] | Run, *, width: Width = "page") -> Figure:
     """Return the energy ledger of each run: work and stored energy, losses, and the error of their balance.
@@ -106,6 +108,7 @@ def figure_energy(runs: Iterable[Run] | Run, *, width: Width = "page") -> Figure
     return figure
 
 
+@takes()
 @styled
 def figure_momentum(runs: Iterable[Run] | Run, *, width: Width = "page") -> Figure:
     """Return the drift of linear and angular momentum of all runs with a free base.

@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from scipy.spatial.transform import Rotation
 
 from antenna_pin.analysis import base_motion, deviation_over_time
+from antenna_pin.arguments import takes
 from antenna_pin.errors import AntennaPinError, InvalidParameterError, UnknownNameError
 from antenna_pin.plot._compared import Curve, Panel, above_round_off, panels_figure
 from antenna_pin.plot._kinds import FREE_BASE, SEVERAL_JOINTS, none_with
@@ -48,6 +49,7 @@ _COMPONENTS = ("x", "y", "z")
 _ANGLES = ("roll about x", "pitch about y", "yaw about z")
 
 
+@takes()
 @styled
 def figure_base(
     runs: Iterable[Run] | Run,
@@ -131,6 +133,7 @@ def _components(motion: xr.Dataset, quantity: BaseQuantity) -> Array:
     return np.asarray(np.unwrap(yaw_pitch_roll, axis=0)[:, ::-1])
 
 
+@takes()
 @styled
 def figure_joints(
     runs: Iterable[Run] | Run,

@@ -12,6 +12,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from antenna_pin.analysis import body_deviation, body_motion, moved_body
+from antenna_pin.arguments import takes
 from antenna_pin.errors import AntennaPinError, UnknownNameError
 from antenna_pin.plot._compared import Curve, Panel, above_round_off, panels_figure
 from antenna_pin.plot._kinds import LOOPED, MOVING, choose_joint
@@ -25,6 +26,7 @@ BODY_QUANTITIES: tuple[BodyQuantity, ...] = get_args(BodyQuantity)
 _UNITS = {"position": "m", "velocity": "m/s", "acceleration": "m/s^2"}
 
 
+@takes()
 @styled
 def figure_body(
     runs: Iterable[Run] | Run,

@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 from matplotlib.figure import Figure
 
+from antenna_pin.arguments import takes
 from antenna_pin.errors import UnknownNameError
 from antenna_pin.plot import (
     audit,
@@ -74,6 +75,7 @@ class Allowed(NamedTuple):
         return self.figure.draw(runs, joint=self.joint, width=width)
 
 
+@takes()
 def run_figure(name: str) -> RunFigure:
     """Return a figure of the catalogue.
 
@@ -85,6 +87,7 @@ def run_figure(name: str) -> RunFigure:
     return CATALOGUE[name]
 
 
+@takes()
 def allowed_figures(
     runs: Iterable[Run], joint: str | None = None, names: Collection[str] | None = None
 ) -> Iterator[Allowed]:

@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from antenna_pin.analysis import closures_of, couplings_of, drive_power, drives_of, effort_unit
+from antenna_pin.arguments import takes
 from antenna_pin.plot._compared import Curve, Panel, above_round_off, panels_figure
 from antenna_pin.plot._kinds import CLOSED, COUPLED, PRESCRIBED, RunKind, none_with
 from antenna_pin.plot._run_figure import RunFigure
@@ -21,6 +22,7 @@ _OF_CLOSURES = {"force": "N", "moment": "N m"}
 _Pick = Callable[[LabelledRun], Array | None]
 
 
+@takes()
 @styled
 def figure_closure_forces(
     runs: Iterable[Run] | Run, *, ideal: Run | None = None, width: Width = "page"
@@ -65,6 +67,7 @@ def figure_closure_forces(
     return figure
 
 
+@takes()
 @styled
 def figure_coupling_torques(
     runs: Iterable[Run] | Run, *, ideal: Run | None = None, width: Width = "page"
@@ -97,6 +100,7 @@ def figure_coupling_torques(
     return figure
 
 
+@takes()
 @styled
 def figure_drive_efforts(
     runs: Iterable[Run] | Run, *, ideal: Run | None = None, width: Width = "page"

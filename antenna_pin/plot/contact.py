@@ -12,6 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
+from antenna_pin.arguments import takes
 from antenna_pin.contact import NormalLaw
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.plot._style import (
@@ -31,6 +32,7 @@ _LABEL_HEIGHT = 3.0  # of one line of text beside a panel [mm]
 _FAR = 0.1  # a dissipation further than this from what it is asked for has its place in the first panel [-]
 
 
+@takes()
 def save_contact_figures(
     figures: Mapping[str, Figure], folder: str | Path, formats: Sequence[str] = ("png",)
 ) -> list[Path]:
@@ -49,6 +51,7 @@ def save_contact_figures(
 # --- force over depth ---
 
 
+@takes()
 @styled
 def figure_force_curves(
     laws: Mapping[str, NormalLaw], *, depths: Iterable[float] = (1e-7, 2e-5), width: Width = "page"
@@ -176,6 +179,7 @@ def _label_ends(figure: Figure, axes: Axes, ends: Sequence[tuple[str, str, float
 # --- restitution ---
 
 
+@takes()
 @styled
 def figure_restitution(
     rows: Iterable[RestitutionRow], *, closed_form: Iterable[RestitutionRow] = (), width: Width = "page"

@@ -10,6 +10,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from antenna_pin.analysis import journal_motion
+from antenna_pin.arguments import takes
 from antenna_pin.plot._kinds import TOUCHING, choose_joint
 from antenna_pin.plot._run_figure import RunFigure
 from antenna_pin.plot._runs import (
@@ -49,6 +50,7 @@ _BOUNDED = (
 _LIMIT: dict[str, Any] = {"color": "#666666", "linewidth": 0.6, "linestyle": ":", "zorder": 1.5}
 
 
+@takes()
 @styled
 def figure_eccentricity(
     runs: Iterable[Run] | Run, *, joint: str | None = None, width: Width = "page"

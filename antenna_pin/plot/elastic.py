@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter, NullLocator
 
 from antenna_pin.analysis import elastic_parts_of, spectrum
+from antenna_pin.arguments import takes
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.plot._kinds import FLEXIBLE, none_with
 from antenna_pin.plot._run_figure import RunFigure
@@ -35,6 +36,7 @@ _MOST = {"page": 4, "column": 3}
 _DECADES = 6
 
 
+@takes()
 @styled
 def figure_deflection(runs: Iterable[Run] | Run, *, width: Width = "page") -> Figure:
     """Return the deflections of elastic parts in all runs that have them, and their amplitude densities.

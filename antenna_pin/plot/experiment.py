@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from antenna_pin.arguments import takes
 from antenna_pin.contact import LiuPinJoint, effective_modulus, make_normal_law
 from antenna_pin.plot._style import COLOURS, Width, legend_above, new_figure, panel_title, styled
 from antenna_pin.plot.contact import DASHES, looks
@@ -17,6 +18,7 @@ from antenna_pin.studies import LIU_2013, LIU_2013_PLAYS, LIU_2013_STEEL, force_
 _Load = Callable[[float, float], float]  # [N] for a radial play [m] and a displacement [m]
 
 
+@takes()
 def figures_of_experiment(
     *, journal_radius: float = 5e-3, length: float = 1e-3, width: Width = "page"
 ) -> dict[str, Figure]:
@@ -61,6 +63,7 @@ def figures_of_experiment(
     }
 
 
+@takes()
 @styled
 def figure_experiment(
     laws: Mapping[str, Callable[[float, float], float]], *, width: Width = "page"
@@ -111,6 +114,7 @@ def figure_experiment(
     return figure
 
 
+@takes()
 @styled
 def figure_contact_width(law: LiuPinJoint, *, width: Width = "column") -> Figure:
     """Return depth over half-width of the contact, by Liu et al.'s (24) and by (5) and (11) of Hertz's kind.

@@ -11,6 +11,7 @@ from pathlib import Path
 import matplotlib
 from matplotlib.figure import Figure
 
+from antenna_pin.arguments import takes
 from antenna_pin.errors import AntennaPinError, OutputError, UnknownNameError
 from antenna_pin.files import replacing
 from antenna_pin.plot._runs import Run, labelled
@@ -23,6 +24,7 @@ FORMATS = ("png", "pdf", "svg")
 _LEFT_OUT = {"png": "Software", "pdf": "CreationDate", "svg": "Date"}
 
 
+@takes()
 def save_figures(
     runs: Iterable[Run],
     folder: str | Path,
@@ -90,6 +92,7 @@ def check_formats(formats: Sequence[str]) -> None:
             raise UnknownNameError("figure", "format", suffix, FORMATS)
 
 
+@takes()
 def save_figure(figure: Figure, path: str | Path, formats: Sequence[str] = ("png",)) -> list[Path]:
     """Write a figure in each format, the format added to the path, and return the files.
 
@@ -102,6 +105,7 @@ def save_figure(figure: Figure, path: str | Path, formats: Sequence[str] = ("png
     return [_save(figure, Path(f"{path}.{suffix}")) for suffix in formats]
 
 
+@takes()
 def folder_for_figures(folder: str | Path) -> Path:
     """Make the folder, or say why it cannot be made."""
     folder = Path(folder)
@@ -121,6 +125,7 @@ def _save(figure: Figure, path: Path) -> Path:
     return path
 
 
+@takes()
 @styled
 def rendered(figure: Figure, suffix: str, dpi: float = 300.0) -> bytes:
     """Return a figure as the bytes of a file; letters of an SVG are outlines, which need no font.

@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from antenna_pin.analysis import is_round_off, round_off_scales
+from antenna_pin.arguments import takes
 from antenna_pin.plot._kinds import TOUCHING, choose_joint
 from antenna_pin.plot._run_figure import RunFigure
 from antenna_pin.plot._runs import (
@@ -46,6 +47,7 @@ _SAMPLED = "resultant on the journal"
 _PEAKS = "peak normal force of each contact episode"
 
 
+@takes()
 @styled
 def figure_contact_forces(
     runs: Iterable[Run] | Run, *, joint: str | None = None, width: Width = "page"

@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from antenna_pin.analysis import joint_loads
+from antenna_pin.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.plot._kinds import LOOPED, MOVING, choose_joint
 from antenna_pin.plot._run_figure import RunFigure
@@ -38,6 +39,7 @@ from antenna_pin.plot._thinned import closer, thinned_beside
 _DECADES = 5
 
 
+@takes()
 @styled
 def figure_joint_load(
     runs: Iterable[Run] | Run,
@@ -96,6 +98,7 @@ def figure_joint_load(
     return figure
 
 
+@takes()
 @styled
 def figure_steady_force(
     runs: Iterable[Run] | Run,

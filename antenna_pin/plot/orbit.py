@@ -16,6 +16,7 @@ from matplotlib.projections.polar import PolarAxes
 from matplotlib.ticker import MaxNLocator
 
 from antenna_pin.analysis import blocks, bore_load, journal_motion
+from antenna_pin.arguments import takes
 from antenna_pin.errors import UnknownNameError
 from antenna_pin.plot._journal_path import JournalPath, farthest
 from antenna_pin.plot._kinds import TOUCHING, choose_joint
@@ -60,6 +61,7 @@ _ALIKE = 2.0  # clearances whose ratio is no larger are drawn on one scale [-]
 _PLACES = {"+": "end +", "-": "end \N{MINUS SIGN}", "centre": "centre"}
 
 
+@takes()
 @styled
 def figure_orbit(
     runs: Iterable[Run] | Run, *, joint: str | None = None, shade: Shade = "time", width: Width = "page"
@@ -234,6 +236,7 @@ def _square_panels(width: Width, count: int, more: float, **how: Any) -> tuple[F
     return figure, [figure.add_subplot(grid[i // columns, i % columns], **how) for i in range(count)]
 
 
+@takes()
 @styled
 def figure_bore_load(
     runs: Iterable[Run] | Run, *, joint: str | None = None, sectors: int = 36, width: Width = "page"

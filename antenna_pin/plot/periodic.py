@@ -11,6 +11,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from antenna_pin.arguments import takes
 from antenna_pin.errors import UnknownNameError
 from antenna_pin.plot._style import (
     SEQUENTIAL,
@@ -142,6 +143,7 @@ def _over(branch: xr.Dataset) -> str:
     return _labelled(str(branch.attrs["parameter"]), str(branch["value"].attrs.get("units", "")))
 
 
+@takes()
 @styled
 def figure_branch(branch: xr.Dataset, coordinate: str | None = None, *, width: Width = "page") -> Figure:
     """Return a branch of periodic solutions over its parameter, and the size of the largest multiplier.
@@ -195,6 +197,7 @@ def _draw(axes: Axes, found: _Track) -> None:
         )
 
 
+@takes()
 @styled
 def figure_multipliers(found: xr.Dataset, *, width: Width = "column") -> Figure:
     """Return Floquet multipliers in the complex plane, with the unit circle.

@@ -15,6 +15,7 @@ from mpl_toolkits.mplot3d import Axes3D
 from mpl_toolkits.mplot3d.art3d import Line3DCollection
 
 from antenna_pin.analysis import PhasePortrait, Quantity
+from antenna_pin.arguments import takes
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.plot._lines import draw_pieces
 from antenna_pin.plot._style import (
@@ -35,6 +36,7 @@ _BINS, _EVEN = 160, 1_000_000
 _MANY = 2500  # pieces beyond which a line is drawn as pixels in a vector file
 
 
+@takes()
 @styled
 def figure_phase(portrait: PhasePortrait, *, shade: PhaseShade = "time", width: Width = "page") -> Figure:
     """Return a phase portrait (:func:`antenna_pin.analysis.phase_portrait`), in the plane or in space.

@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from antenna_pin.analysis import boresight, pointing_error
+from antenna_pin.arguments import takes
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
 from antenna_pin.plot._compared import Curve, Panel, panels_figure
 from antenna_pin.plot._kinds import POINTED
@@ -19,6 +20,7 @@ from antenna_pin.plot._thinned import thinned_beside, turning
 _CROSS = ("cross", "up")
 
 
+@takes()
 @styled
 def figure_pointing(runs: Iterable[Run] | Run, *, ideal: Run | None = None, width: Width = "page") -> Figure:
     """Return the boresight's azimuth and elevation, and the pointing error, over time.

@@ -7,6 +7,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
+from antenna_pin.arguments import takes
 from antenna_pin.plot._style import Width, footnote, legend_above, letters, new_figure, panel_title, styled
 from antenna_pin.readable import printed_unit
 
@@ -14,6 +15,7 @@ from antenna_pin.readable import printed_unit
 _DECADES = 8
 
 
+@takes()
 @styled
 def figure_response(response: xr.Dataset, *, width: Width = "page") -> Figure:
     """Return magnitude and phase of a frequency response (:func:`antenna_pin.linear.frequency_response`).

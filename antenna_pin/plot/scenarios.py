@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from antenna_pin.analysis import scenario_spans
+from antenna_pin.arguments import takes
 from antenna_pin.plot._kinds import TOUCHING, choose_joint
 from antenna_pin.plot._run_figure import RunFigure
 from antenna_pin.plot._runs import (
@@ -38,6 +39,7 @@ _COLOURS = ("#9A9A9A", COLOURS[0], COLOURS[1], COLOURS[2])
 _Span = tuple[float, float]
 
 
+@takes()
 @styled
 def figure_scenarios(
     runs: Iterable[Run] | Run,

@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
+from antenna_pin.arguments import takes
 from antenna_pin.errors import UnknownNameError
 from antenna_pin.plot._style import Width, footnote, legend_above, letters, new_figure, panel_title, styled
 from antenna_pin.readable import printed_unit
@@ -35,6 +36,7 @@ def _range(values: np.ndarray) -> tuple[float, float]:
     return middle - half, middle + half
 
 
+@takes()
 @styled
 def figure_section(section: xr.Dataset, *, width: Width = "column") -> Figure:
     """Return the points of a section (:func:`antenna_pin.nonlinear.poincare`).
@@ -74,6 +76,7 @@ def figure_section(section: xr.Dataset, *, width: Width = "column") -> Figure:
     return figure
 
 
+@takes()
 @styled
 def figure_bifurcation(
     diagram: xr.Dataset, *, quantities: Sequence[str] | None = None, width: Width = "page"

@@ -23,6 +23,7 @@ from antenna_pin.analysis import (
     spectrogram,
     spectrum,
 )
+from antenna_pin.arguments import takes
 from antenna_pin.errors import AntennaPinError, InvalidParameterError, UnknownNameError
 from antenna_pin.plot._kinds import MOVING, choose_joint
 from antenna_pin.plot._run_figure import RunFigure
@@ -73,6 +74,7 @@ class _Density(NamedTuple):
     window: str = ""  # of a long run: which windows it is the mean over
 
 
+@takes()
 @styled
 def figure_spectra(
     runs: Iterable[Run] | Run,
@@ -136,6 +138,7 @@ def figure_spectra(
     return figure
 
 
+@takes()
 @styled
 def figure_spectrogram(
     runs: Iterable[Run] | Run,

@@ -17,6 +17,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from antenna_pin.arguments import takes
 from antenna_pin.plot._study import broken, label_axis, left_out, names_of, quantity_of
 from antenna_pin.plot._style import (
     COLOURS,
@@ -65,6 +66,7 @@ class StudyFigure:
     draw: Callable[..., Figure]
 
 
+@takes()
 @styled
 def study_response(study: xr.Dataset, response: str, parameter: str, *, width: Width = "column") -> Figure:
     """Draw a response against a parameter: lines over a grid of two parameters at most, else a point a run.
@@ -127,6 +129,7 @@ def _lines(study: xr.Dataset, others: Sequence[str]) -> list[tuple[str, Any]] | 
     return found
 
 
+@takes()
 @styled
 def study_map(
     study: xr.Dataset, response: str, first: str, second: str, *, width: Width = "column"
@@ -168,6 +171,7 @@ def study_map(
     return figure
 
 
+@takes()
 @styled
 def study_distribution(study: xr.Dataset, response: str, *, width: Width = "column") -> Figure:
     """Draw how a response is distributed over the runs, with quantiles: a histogram and the share below.
@@ -218,6 +222,7 @@ def study_distribution(study: xr.Dataset, response: str, *, width: Width = "colu
     return figure
 
 
+@takes()
 @styled
 def study_scatter(study: xr.Dataset, names: Sequence[str]) -> Figure:
     """Draw parameters and responses all against all, with a histogram of each, as wide as a page.
@@ -251,6 +256,7 @@ def study_scatter(study: xr.Dataset, names: Sequence[str]) -> Figure:
     return figure
 
 
+@takes()
 @styled
 def study_sensitivities(found: xr.Dataset, title: str = "", *, width: Width = "column") -> Figure:
     """Draw which parameters a response depends on, with the intervals of the confidence.
@@ -292,6 +298,7 @@ def study_sensitivities(found: xr.Dataset, title: str = "", *, width: Width = "c
     return figure
 
 
+@takes()
 def study_figures(study: xr.Dataset) -> Iterator[StudyFigure]:
     """Yield the figures that a study allows, but sensitivities.
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from antenna_pin.analysis import body_poses, elastic_parts_of, mechanism_of
+from antenna_pin.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.mechanism import Mechanism
 from antenna_pin.trajectory import Trajectory
@@ -42,6 +43,7 @@ def check_bending(run: Trajectory, magnify: float | None) -> float:
     return float(magnify)
 
 
+@takes()
 def bending_magnification(run: Trajectory) -> float | None:
     """Return a magnification at which the bending of a run is seen; None of a run without elastic parts.
 

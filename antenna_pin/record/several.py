@@ -6,6 +6,7 @@ import os
 from collections.abc import Iterable
 from pathlib import Path
 
+from antenna_pin.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.files import check_writable, replacing
 from antenna_pin.record.page import page_of_several
@@ -18,6 +19,7 @@ __all__ = ["record_several"]
 _FPS = 1e6
 
 
+@takes()
 def record_several(
     runs: Iterable[Trajectory], path: str | os.PathLike[str], title: str, max_megabytes: float = 20.0
 ) -> Path:

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.arguments import takes
 from antenna_pin.errors import InvalidParameterError, OutputError
 from antenna_pin.files import check_writable, replacing
 from antenna_pin.interruption import interruptible
@@ -59,6 +60,7 @@ class Filmed:
         return self.frames == self.planned
 
 
+@takes()
 def check_film(path: str | os.PathLike[str], suffix: str) -> Path:
     """Return the path if a film can be made and written there; else raise before any work is done.
 
@@ -83,6 +85,7 @@ def check_film(path: str | os.PathLike[str], suffix: str) -> Path:
     return target
 
 
+@takes()
 def film_times(recording: Recording, fps: float) -> NDArray[np.float64]:
     """Return the times of the run that the pictures of a film show [s], from its first to its last.
 
@@ -96,6 +99,7 @@ def film_times(recording: Recording, fps: float) -> NDArray[np.float64]:
     return np.minimum(start + np.arange(count + 1, dtype=np.float64) * (speed / fps), end)
 
 
+@takes()
 def save_picture(
     recording: Recording,
     path: str | os.PathLike[str],
@@ -126,6 +130,7 @@ def save_picture(
     return target
 
 
+@takes()
 def save_frames(
     recording: Recording,
     folder: str | os.PathLike[str],
@@ -171,6 +176,7 @@ def save_frames(
     return Filmed(target, done, len(times))
 
 
+@takes()
 def save_video(
     recording: Recording,
     path: str | os.PathLike[str],

@@ -7,6 +7,7 @@ import shlex
 from collections.abc import Sequence
 from pathlib import Path
 
+from antenna_pin.arguments import takes
 from antenna_pin.report._parts import Details, Section, Statement, Table, words
 from antenna_pin.report._runs import ReportedRun, labels_of
 from antenna_pin.scenario import Scenario, list_scenarios, scenario_toml
@@ -85,6 +86,7 @@ def _sources(runs: Sequence[ReportedRun]) -> list[Details]:
     ]
 
 
+@takes()
 def run_command(run: ReportedRun) -> str | None:
     """Return the command that repeats a run; None for a system built in Python."""
     scenario = run.run.scenario
@@ -121,6 +123,7 @@ def _file_name(label: str) -> str:
     return "".join(letter if letter.isalnum() or letter in "-_." else "-" for letter in label)
 
 
+@takes()
 def report_command(runs: Sequence[ReportedRun], beside: Sequence[Path | None] = ()) -> str | None:
     """Return a command that writes a report of files; None where something came from no file.
 

@@ -11,6 +11,7 @@ import numpy as np
 import xarray as xr
 
 from antenna_pin import plot
+from antenna_pin.arguments import takes
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.readable import number, prefixed, readable
 from antenna_pin.report._parts import Cell, Details, Picture, Row, Section, Statement, Table
@@ -35,6 +36,7 @@ class _Status:
     completed: bool
 
 
+@takes()
 def study_report(study: xr.Dataset, *, title: str | None = None, figures: bool = True) -> Report:
     """Return a report on a parameter study.
 

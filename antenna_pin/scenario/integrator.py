@@ -7,6 +7,7 @@ from typing import Any
 
 from pydantic import ValidationError, model_validator
 
+from antenna_pin.arguments import takes
 from antenna_pin.scenario._base import read_quantity, refuse
 from antenna_pin.scenario._made import MadeSpec, reads
 from antenna_pin.settings import ErrorScales, RunSettings, choice_for
@@ -42,6 +43,7 @@ class IntegratorSpec(MadeSpec):
         return {**data, **chosen}
 
 
+@takes()
 def settings_key(parameter: str) -> tuple[str, str]:
     """Return the keys of a scenario by which a parameter of the settings is set."""
     output = parameter.removeprefix("output_")

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from antenna_pin.arguments import takes
 from antenna_pin.scenario._explained import dotted
 from antenna_pin.scenario.merge import toml_value
 from antenna_pin.scenario.scenario import Scenario
@@ -12,6 +13,7 @@ from antenna_pin.scenario.scenario import Scenario
 __all__ = ["scenario_toml"]
 
 
+@takes()
 def scenario_toml(scenario: Scenario) -> str:
     """Return a scenario as the text of a scenario file: its case and overrides laid in, numbers in SI units.
 

@@ -33,6 +33,7 @@ from antenna_pin.simulation.from_scenario import events_of
 from antenna_pin.simulation.keeper import Keeper
 from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.progress import Progress
+from antenna_pin.simulation.samples import check_room
 from antenna_pin.state import State
 from antenna_pin.trajectory import Trajectory
 from antenna_pin.units import shown
@@ -160,7 +161,9 @@ def simulate(
     if stood is None and start is not None:
         told = f"another run's state at {begin:.12g} s: the first sample"
     keeper = None
-    if out is not None:
+    if out is None:
+        check_room(system, float(span) * used.output_rate + len(used.output_times))
+    else:
         about = about_run(system, scenario, used, float(span), told, events)
         if stood is not None:
             check_same(stood, about)

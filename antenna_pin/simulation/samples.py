@@ -9,15 +9,30 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.dynamics import Workspace
+from antenna_pin.capacity import check_fits
+from antenna_pin.dynamics import System, Workspace
 from antenna_pin.integrate import Stepper
 from antenna_pin.records import MEMORY
 
-__all__ = ["Chunk", "Late", "Samples"]
+__all__ = ["Chunk", "Late", "Samples", "check_room"]
+
+# Numbers of a result for each of a state, and the copies of it while it is made; measured on what ships.
+_OF_STATE = 8.0
 
 Array = NDArray[np.float64]
 
 _ROOM = 256
+
+
+def check_room(system: System, count: float) -> None:
+    """Refuse a result of so many samples that they do not fit into memory; in a file they need not."""
+    size = system.model.nq + system.model.nv + system.manifold.nx
+    check_fits(
+        "simulate",
+        f"{count:.3g} samples of a state of {size} numbers",
+        8.0 * _OF_STATE * size * count,
+        "lower the output rate, shorten the run, or have it written as it goes (out=)",
+    )
 
 
 class Late(NamedTuple):

@@ -25,6 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin._compile import record
+from antenna_pin.arguments import takes
 from antenna_pin.contact import (
     DISSIPATIONS,
     CompiledNormalLaw,
@@ -110,6 +111,7 @@ def _decay(zeta: float) -> float:
     return zeta * math.acosh(zeta) / math.sqrt(zeta * zeta - 1.0)
 
 
+@takes()
 def closed_form_restitution(law: CompiledNormalLaw, *, mass: float, speed: float) -> float | None:
     """Return the restitution that a law delivers in a free impact [-], or None if there is no closed form.
 
@@ -131,6 +133,7 @@ def closed_form_restitution(law: CompiledNormalLaw, *, mass: float, speed: float
     return math.exp(-_decay(zeta) if only_loading else -2.0 * _decay(zeta))
 
 
+@takes()
 def closed_form_peak_depth(law: CompiledNormalLaw, *, mass: float, speed: float) -> float | None:
     """Return the largest depth of a free impact [m], or None if there is no closed form.
 
@@ -153,6 +156,7 @@ def closed_form_peak_depth(law: CompiledNormalLaw, *, mass: float, speed: float)
     return float(peak ** (1.0 / half))
 
 
+@takes()
 def restitution_table(
     dissipations: Iterable[str] | None = None,
     asked: Iterable[float] = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 1.0),
@@ -214,6 +218,7 @@ def restitution_table(
     return tuple(rows)
 
 
+@takes()
 def largest_errors(rows: Iterable[RestitutionRow]) -> tuple[float, float]:
     """Return how far integrated impacts are from the closed forms at most.
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 
+from antenna_pin.arguments import takes
 from antenna_pin.contact import (
     NORMAL_LAWS,
     CompiledNormalLaw,
@@ -22,6 +23,7 @@ from antenna_pin.errors import InvalidParameterError
 __all__ = ["differing_factor", "elastic_laws_of_joint", "force_table", "force_within", "laws_left_out"]
 
 
+@takes()
 def elastic_laws_of_joint(
     *, bearing_radius: float, journal_radius: float, length: float, bearing: Material, journal: Material
 ) -> dict[str, ElasticLaw]:
@@ -40,6 +42,7 @@ def elastic_laws_of_joint(
     return {name: law for name, law in tried.items() if not isinstance(law, InvalidParameterError)}
 
 
+@takes()
 def laws_left_out(
     *, bearing_radius: float, journal_radius: float, length: float, bearing: Material, journal: Material
 ) -> dict[str, InvalidParameterError]:
@@ -83,6 +86,7 @@ def _try_all(
     return found
 
 
+@takes()
 def differing_factor(forces: Iterable[float]) -> float | None:
     """Return how many times the largest of forces is the smallest; None if fewer than two are known.
 
@@ -93,6 +97,7 @@ def differing_factor(forces: Iterable[float]) -> float | None:
     return max(known) / min(known) if len(known) > 1 else None
 
 
+@takes()
 def force_table(laws: Mapping[str, NormalLaw], depths: Iterable[float]) -> dict[str, tuple[float, ...]]:
     """Return the elastic force of each law at each depth [N]; NaN where the law says nothing.
 
@@ -104,6 +109,7 @@ def force_table(laws: Mapping[str, NormalLaw], depths: Iterable[float]) -> dict[
     return {name: tuple(force_within(law, depth) for depth in points) for name, law in laws.items()}
 
 
+@takes()
 def force_within(law: NormalLaw, depth: float) -> float:
     """Return the elastic force of a law at a depth [N], or NaN beyond its range."""
     return law.elastic_force(depth) if depth <= getattr(law, "depth_limit", math.inf) else math.nan

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from antenna_pin.arguments import takes
 from antenna_pin.contact import Material
 from antenna_pin.studies.comparison import elastic_laws_of_joint, force_within
 
@@ -123,6 +124,7 @@ class ExperimentFit:
         return float(np.mean(group))
 
 
+@takes()
 def compare_with_experiment(
     *, journal_radius: float = 5e-3, length: float = 1e-3, material: Material = LIU_2013_STEEL
 ) -> tuple[ExperimentFit, ...]:
@@ -170,6 +172,7 @@ def _fit(law: str, contacts: int | None, loads: tuple[float, ...]) -> Experiment
     return ExperimentFit(law, contacts, loads, errors)
 
 
+@takes()
 def ranked(fits: Iterable[ExperimentFit]) -> list[ExperimentFit]:
     """Return fits sorted: those that reach every point first, then by the mean error where they do."""
 

@@ -6,6 +6,7 @@ import itertools
 import math
 from dataclasses import dataclass
 
+from antenna_pin.arguments import takes
 from antenna_pin.contact import effective_modulus
 from antenna_pin.studies.experiment import (
     LIU_2013,
@@ -93,6 +94,7 @@ class ExperimentFindings:
         return found
 
 
+@takes()
 def experiment_findings(*, journal_radius: float = 5e-3, length: float = 1e-3) -> ExperimentFindings:
     """Return what the measured joint says.
 

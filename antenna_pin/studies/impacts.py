@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from antenna_pin.arguments import takes
 from antenna_pin.contact import CompiledNormalLaw, NormalLaw
 from antenna_pin.contact._kernels import normal_force
 from antenna_pin.errors import InvalidParameterError
@@ -63,6 +64,7 @@ def depth_of_energy(law: NormalLaw, energy: float) -> float:
     return float(brentq(lambda d: law.elastic_energy(d) / energy - 1.0, low, high, xtol=1e-30, rtol=1e-15))
 
 
+@takes()
 def impact_on_wall(law: NormalLaw, *, mass: float, speed: float, rtol: float = 1e-12) -> Impact:
     """Integrate the impact of a free mass on a wall.
 
@@ -76,6 +78,7 @@ def impact_on_wall(law: NormalLaw, *, mass: float, speed: float, rtol: float = 1
     return _impact(law, (mass, math.inf), (speed, 0.0), rtol)
 
 
+@takes()
 def impact_of_pair(
     law: NormalLaw, *, masses: tuple[float, float], speeds: tuple[float, float], rtol: float = 1e-12
 ) -> Impact:

@@ -11,6 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.arguments import takes
+from antenna_pin.capacity import MOST
 from antenna_pin.errors import ScenarioError
 from antenna_pin.scenario import Scenario
 from antenna_pin.sweep.parameters import Settings
@@ -20,7 +22,6 @@ from antenna_pin.units import shown
 __all__ = ["Column", "Design", "design_of"]
 
 SAMPLE = "sample"
-_MOST = 10_000_000
 _LONGEST = 60  # characters of a value in a message
 _INDEXED = re.compile(r"(.*)\[([0-9]{1,9})\]")
 
@@ -126,6 +127,7 @@ def _put(found: dict[str, Any], key: str, value: Any, base: Scenario) -> None:
     found[name] = [value if i == index else old for i, old in enumerate(array)]
 
 
+@takes()
 def design_of(study: Study) -> Design:
     """Return the runs of a study.
 
@@ -159,7 +161,7 @@ def design_of(study: Study) -> Design:
     if probability is not None:
         sizes[SAMPLE] = len(probability)
     count = math.prod(sizes.values())
-    if count > _MOST:
+    if count > MOST:
         raise _too_many(study, count)
     return Design(sizes, tuple(columns), probability, tuple(sampled), _seeds(study.seed, count))
 
@@ -167,12 +169,12 @@ def design_of(study: Study) -> Design:
 def _check_count(study: Study) -> None:
     """Refuse a grid of too many runs before its values are made."""
     sizes = {one.zip or name: one.length for name, one in study.parameters.items() if not one.sampled}
-    if math.prod(sizes.values()) > _MOST:
+    if math.prod(sizes.values()) > MOST:
         raise _too_many(study, math.prod(sizes.values()))
 
 
 def _too_many(study: Study, count: int) -> ScenarioError:
-    return ScenarioError(f"study {study.name}: must be of at most {_MOST} runs, got {count}")
+    return ScenarioError(f"study {study.name}: must be of at most {MOST} runs, got {count}")
 
 
 def _seeds(seed: int, count: int) -> NDArray[np.int64]:

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from antenna_pin.arguments import takes
 from antenna_pin.errors import AntennaPinError, ScenarioError
 from antenna_pin.scenario import Scenario
 from antenna_pin.simulation import simulate
@@ -73,6 +74,7 @@ class Trial:
     notes: tuple[str, ...] = ()
 
 
+@takes()
 def prepare(study: Study) -> Prepared:
     """Return a study ready to be run: scenario, runs and functions read and checked.
 
@@ -104,6 +106,7 @@ def prepare(study: Study) -> Prepared:
     return Prepared(study, design, base, work)
 
 
+@takes()
 def trial(prepared: Prepared, run: int = 0) -> Trial:
     """Make a short part of a run, look at its responses, and estimate the time of a whole one.
 
@@ -153,6 +156,7 @@ def trial(prepared: Prepared, run: int = 0) -> Trial:
     return Trial(whole, tuple(notes))
 
 
+@takes()
 def run_seconds(prepared: Prepared) -> float:
     """Return an estimate of the time that a run takes on this machine [s]: the mean of three of them.
 

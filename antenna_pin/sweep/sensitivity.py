@@ -13,6 +13,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from antenna_pin.arguments import takes
 from antenna_pin.errors import InvalidParameterError, MissingToolError
 
 __all__ = ["morris_points", "saltelli_points", "sensitivities"]
@@ -49,6 +50,7 @@ def saltelli_points(names: list[str], count: int, second_order: bool, seed: int)
     return np.asarray(made, dtype=float)
 
 
+@takes()
 def sensitivities(study: xr.Dataset, response: str, confidence: float = 0.95) -> xr.Dataset:
     """Return how a response depends on the parameters that were sampled for that.
 

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import xarray as xr
 
+from antenna_pin.arguments import takes
 from antenna_pin.errors import FileFormatError
 from antenna_pin.files import has_whole_seal, replacing
 from antenna_pin.trajectory.file import write
@@ -91,6 +92,7 @@ def format_of(path: str | os.PathLike[str]) -> str | None:
     return found if isinstance(found, str) else ""
 
 
+@takes()
 def save_table(table: xr.Dataset, path: str | os.PathLike[str]) -> None:
     """Write a dataset to a file (NetCDF 4), whole or not at all.
 

@@ -275,7 +275,7 @@ def test_a_stop_that_is_moved_away(oscillator, rig, stops, arc):
     [
         ({"values": (1.0, 1.0)}, "values must be two different, finite ones"),
         ({"values": (1.0, 2.0), "arc": 0.0}, "arc must be positive and finite"),
-        ({"values": (1.0, 2.0), "most": 1}, "most must be 2 points or more"),
+        ({"values": (1.0, 2.0), "most": 1}, "most must be 2 or more"),
     ],
 )
 def test_refusals(oscillator, given, message):

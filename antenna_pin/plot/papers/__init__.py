@@ -5,6 +5,7 @@ Nothing is simulated here: give the runs of the cases, or let ``antenna-pin figu
 
 from __future__ import annotations
 
+from antenna_pin.arguments import takes
 from antenna_pin.errors import UnknownNameError
 from antenna_pin.plot.papers import bai2020, chen2021, you2010
 from antenna_pin.plot.papers._attractor_figures import AttractorFigure, Diagram, DiagramFigure
@@ -31,6 +32,7 @@ PAPERS: dict[str, tuple[PaperFigure, ...]] = {
 ATTRACTORS: dict[str, tuple[AttractorFigure | DiagramFigure, ...]] = {"chen2021": chen2021.ATTRACTORS}
 
 
+@takes()
 def paper_figures(model: str) -> tuple[PaperFigure, ...]:
     """Return the figures of the paper that a shipped model repeats, in the paper's order.
 
