@@ -68,9 +68,7 @@ class OwnBackend:
         for k, numbers in enumerate(own.tolist()):
             if wanted is None or wanted[k]:
                 _, x, y, z, *_ = numbers
-                if not (
-                    abs(x * x + y * y + z * z - 1.0) <= 2.0 * _UNIT and math.isfinite(sum(numbers))
-                ):
+                if not (abs(x * x + y * y + z * z - 1.0) <= 2.0 * _UNIT and math.isfinite(sum(numbers))):
                     got = f"{shown(dict(zip(_GIVEN, numbers, strict=True)))} for contact {k}"
                     raise FunctionError(self.name, self.told(pose), _RULE, got)
         self._numbers_of(table, row)[:] = own

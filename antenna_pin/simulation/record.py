@@ -19,12 +19,18 @@ from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.parts import Parts
 from antenna_pin.simulation.seen import Seen
 from antenna_pin.trajectory import ENDED_WELL, Outcome
-from antenna_pin.trajectory.columns import first_not_finite
+from antenna_pin.trajectory.columns import ROUND_OFF, first_not_finite
 from antenna_pin.trajectory.labelled import labelled
+from antenna_pin.trajectory.schema import VARIABLES
 
 __all__ = ["Recording", "dataset"]
 
 Values = Mapping[str, Any]
+
+# Series of energies and works, which work is large or small beside.
+_ENERGIES = {one.name for one in VARIABLES.values() if one.units == "J" and "time" in one.dims} - {
+    "energy_error"
+}
 
 
 def dataset(run: Run, title: str, case: str, versions: dict[str, str], *, lean: bool = False) -> xr.Dataset:
@@ -73,6 +79,7 @@ class Recording:
         self._totals: dict[str, Any] = {}
         self._peaks: dict[str, Any] = {}
         self._audit: dict[str, Any] = {}
+        self._largest_energy = 0.0
 
     def blocks(self) -> Iterator[tuple[int, Values]]:
         """Yield the number of a block's first sample, and the series there by name, ``time`` among them."""
@@ -113,6 +120,8 @@ class Recording:
         for name, sizes in _sizes(seen, values).items():
             most = sizes.max(axis=0)
             self._peaks[name] = np.maximum(self._peaks.get(name, most), most)
+        sizes = [np.abs(part).max(initial=0.0) for name, part in values.items() if name in _ENERGIES]
+        self._largest_energy = max(self._largest_energy, *map(float, sizes))
         if not self._audit:
             self._audit = {name: seen.found.audit[name][0] for name in ("linear", "angular")}
         for name in ("linear", "angular"):
@@ -151,7 +160,9 @@ class Recording:
         result: dict[str, Any] = {"energy_error": float(self._peaks["peak_energy_error"])}
         gross = float(self._totals["total_gross_work"].sum())
         result["gross_work"] = gross
-        result["energy_error_relative"] = result["energy_error"] / gross if gross > 0.0 else None
+        # Work that is zero to round-off is none to compare with.
+        done = gross > ROUND_OFF * self._largest_energy
+        result["energy_error_relative"] = result["energy_error"] / gross if done else None
         conserved = self.run.system.keeps_momentum
         for name in ("linear", "angular"):
             scale, drift = (float(self._audit[f"{name}_{kind}"]) for kind in ("scale", "drift"))

@@ -14,9 +14,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["ANY", "Breach", "Coordinate", "Rule", "Variable", "first_not_finite"]
+__all__ = ["ANY", "ROUND_OFF", "Breach", "Coordinate", "Rule", "Variable", "first_not_finite"]
 
 Numbers = NDArray[Any]
+
+#: Share of a run's largest number in a unit below which a number of it is zero [-]: 1e-16 of round-off, grown
+#: 1e6 times over a run, and still far below what the error of a step is asked to be.
+ROUND_OFF = 1e-10
 
 _UNIT = 1e-6  # that the length of a direction or a quaternion may be off by
 
