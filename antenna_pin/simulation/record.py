@@ -89,11 +89,12 @@ class Recording:
             found = observed(system, chunk.times, chunk.states, chunk.memories, chunk.programs)
             seen = Seen(self.run, *chunk, found, None if self._last is None else self._last.end)
             values: dict[str, Any] = {"time": seen.times}
-            for source in _SERIES:
-                values |= source(seen)
-            self._judge(seen, values)
-            self._labels = self._labels or _labels(seen)
-            self._sum_up(seen, values)
+            with np.errstate(invalid="ignore", over="ignore"):  # what is not finite is told by the outcome
+                for source in _SERIES:
+                    values |= source(seen)
+                self._judge(seen, values)
+                self._labels = self._labels or _labels(seen)
+                self._sum_up(seen, values)
             self._last = seen
             yield first, values
             first += len(seen.times)

@@ -36,6 +36,7 @@ class Rule:
         unit: Those along the last dimension are of length 1: a quaternion.
         rising: None is less than the one before it, along the first dimension.
         lacks: NaN stands where there is no number.
+        infinite: Infinity is one of them.
         beside: A column without which it is zero: where that one is zero.
         summed: Integrals of a run, or sums of its large numbers: bounds hold to their errors.
         passive: Energy that contacts lose: bounds hold for those of which that is known.
@@ -47,6 +48,7 @@ class Rule:
     unit: bool = False
     rising: bool = False
     lacks: bool = False
+    infinite: bool = False
     beside: str = ""
     summed: bool = False
     passive: bool = False
@@ -54,7 +56,8 @@ class Rule:
     @property
     def words(self) -> str:
         """What they must be, as it reads after "must be"."""
-        said = ["finite, or NaN where there is none" if self.lacks else "finite"]
+        said = ["a number" if self.infinite else "finite"]
+        said += ["or NaN where there is none"] * self.lacks
         if self.only:
             said.append(f"one of {', '.join(f'{one:g}' for one in self.only)}")
         if self.least != -math.inf:
@@ -86,9 +89,11 @@ class Rule:
         if not values.size:
             return None
         rows = len(values)
-        first = first_not_finite(values, lacks=self.lacks) if finite else rows
+        first = first_not_finite(values, lacks=self.lacks, infinite=self.infinite) if finite else rows
         if first < rows:
-            return self._at(values, first, ~np.isfinite(values[first]))
+            return self._at(
+                values, first, ~(np.isfinite(values[first]) | (self.lacks & np.isnan(values[first])))
+            )
         with np.errstate(invalid="ignore"):
             wrong = self._wrong(values, before, other, 0.0)
             if self.summed and wrong.any():
@@ -137,16 +142,17 @@ class Breach(NamedTuple):
     value: str
 
 
-def first_not_finite(values: Numbers, *, lacks: bool = False) -> int:
-    """Return the first row of numbers that are not all finite; that behind the last if all are.
+def first_not_finite(values: Numbers, *, lacks: bool = False, infinite: bool = False) -> int:
+    """Return the first row of numbers that are not all finite; the number of rows if all are.
 
     Args:
         values: Of any shape, floats or whole numbers.
-        lacks: Whether NaN is none of them.
+        lacks: Whether NaN may stand among them.
+        infinite: Whether infinity may.
     """
     if values.dtype.kind != "f":
         return len(values)
-    good = ~np.isinf(values) if lacks else np.isfinite(values)
+    good = np.isfinite(values) | (lacks & np.isnan(values)) | (infinite & np.isinf(values))
     if good.all():
         return len(values)
     return int(np.argmin(good.reshape(len(values), -1).all(axis=1)))
