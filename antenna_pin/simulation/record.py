@@ -349,4 +349,4 @@ def _episodes(run: Run) -> Values:
     }
 
 
-_SERIES: tuple[Callable[[Seen], Values], ...] = (_state, _derivative, _contact, _ledger, _audit, _motion)
+_SERIES: tuple[Callable[[Seen], Values], ...] = (_state, _derivative, _contact, _audit, _ledger, _motion)
