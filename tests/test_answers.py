@@ -1,4 +1,4 @@
-"""Functions of a user's that cannot be asked, and what stands in their place, are refused when they are given."""
+"""Functions of a user's that cannot be asked, and what stands in their place, are refused when given."""
 
 import math
 
