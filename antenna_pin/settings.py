@@ -15,6 +15,8 @@ __all__ = ["Engine", "ErrorScales", "Method", "RunSettings", "choice_for"]
 
 # Below, the error of a step is round-off, and no step is short enough.
 _LEAST_RTOL = 1e-15
+# Of a run, in floors of a step and in distances of neighbouring times: less is round-off.
+_FLOORS, _ULPS = 10.0, 1000.0
 # Beyond, samples of the smallest mechanism take tens of gigabytes.
 
 Method = Literal["rk4", "bogacki-shampine-32", "dormand-prince-54", "dormand-prince-853", "radau5"]
@@ -153,6 +155,30 @@ class RunSettings:
                 raise InvalidParameterError(self, name, rule, given)
             object.__setattr__(self, name, chosen)
 
+    def shortest_at(self, time: float) -> float:
+        """Return the shortest span that steps can make from a time on [s].
+
+        A run over less would be a step of the floor, or of the round-off of its times.
+        """
+        return max(_FLOORS * self.min_step, _ULPS * math.ulp(time))
+
+    def check_long_enough(self, place: object, name: str, span: float, time: float) -> None:
+        """Refuse a span that steps cannot make.
+
+        Args:
+            place: Whose it is, for the refusal.
+            name: What it is called.
+            span: [s].
+            time: From when on [s].
+        """
+        least = self.shortest_at(time)
+        if not least <= span < math.inf:
+            rule = (
+                f"finite and {least:.3g} s or more, from t = {time:.6g} s on: {_FLOORS:g} times "
+                f"integrator.min_step, and {_ULPS:g} times what times there are apart at least"
+            )
+            raise InvalidParameterError(place, name, rule, said=f"{span:.6g} s")
+
     def check_span(self, begin: float, end: float) -> None:
         """Refuse steps and samples with which a run would never come to its end, or outgrow any memory.
 
@@ -161,6 +187,7 @@ class RunSettings:
             end: Of the run [s].
         """
         span = end - begin
+        self.check_long_enough(self, "duration", span, begin)
         name = "step" if self.method == "rk4" else "max_step"
         step: float = getattr(self, name)
         unlimited = self.max_steps is None and self.max_wall_time is None

@@ -23,7 +23,7 @@ from pathlib import Path
 from scenario_reference import laws_table, scenario_table
 
 from antenna_pin.plot import CATALOGUE, PAPERS
-from antenna_pin.trajectory.schema import COORDINATES, DIMENSIONS, VARIABLES
+from antenna_pin.trajectory.schema import COORDINATES, DIMENSIONS, TIME, VARIABLES
 
 __all__ = ["TABLES", "documents", "filled", "names_of_tables"]
 
@@ -36,14 +36,15 @@ PLACE = re.compile(r"(<!-- table: (\w+) -->\n)(.*?)(<!-- end -->)", re.DOTALL)
 
 def trajectory_table() -> str:
     """Return the variables and labels of a result, of its schema."""
-    lines = ["| variable | dimensions | unit | meaning |", "|---|---|---|---|"]
-    lines.append("| `time` | time | s | time |")
-    lines += [f"| `{one.name}` | {one.dim} |  | {one.meaning} |" for one in COORDINATES]
+    lines = ["| variable | dimensions | unit | meaning | must be |", "|---|---|---|---|---|"]
+    lines.append(f"| `time` | time | s | time | {TIME.words} |")
+    lines += [f"| `{one.name}` | {one.dim} |  | {one.meaning} |  |" for one in COORDINATES]
     for one in VARIABLES.values():
         meaning = one.meaning
         if one.flags:
             meaning += ": " + ", ".join(f"{value} {word}" for value, word in one.flags)
-        lines.append(f"| `{one.name}` | {', '.join(one.dims)} | {one.units} | {meaning} |")
+        rule = one.rule.words
+        lines.append(f"| `{one.name}` | {', '.join(one.dims)} | {one.units} | {meaning} | {rule} |")
     return "\n".join(lines).replace("|power|", "\\|power\\|") + "\n"
 
 

@@ -20,12 +20,10 @@ from antenna_pin.analysis._run import RunLike, data_of
 from antenna_pin.analysis.blocks import blocks
 from antenna_pin.arguments import takes
 from antenna_pin.trajectory import is_lean
+from antenna_pin.trajectory.columns import ROUND_OFF
 
 __all__ = ["ROUND_OFF", "ROUND_OFF_WORDS", "is_round_off", "round_off_scales"]
 
-#: Share of a run's scale below which a number is zero [-]: 1e-16 of round-off, grown 1e6 times over a run,
-#: and still far below what the error of a step is asked to be.
-ROUND_OFF = 1e-10
 ROUND_OFF_WORDS = f"≈ 0: zero to round-off, less than {ROUND_OFF:g} of the run's largest in its unit"
 
 # Each unit and that of the same quantity about an axis, which the length of the mechanism is between.

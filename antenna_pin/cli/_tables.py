@@ -60,6 +60,8 @@ _ENTRIES = {
     "peak_elastic_energy": ("peak energy in the spring", "J"),
     "elastic_loss": ("energy lost in the damper", "J"),
 }
+# What stands where an entry has no number, but for a dash.
+_WITHOUT = {"energy balance error, relative [-]": "no work to compare with"}
 # Entries that tables leave out: what they say is said in a sentence.
 _SAID = ("title", "message", "redundant", "singular")
 # Groups of a summary whose name says nothing that their entries do not say.
@@ -88,11 +90,16 @@ def print_summaries(
         text: Returns a number of a row as it stands there.
     """
     told = text or (lambda value, name: text_of(value))
+
+    def cell(column: Mapping[str, Any], row: str) -> str:
+        lacks = row in column and column[row] is None
+        return _WITHOUT[row] if lacks and row in _WITHOUT else told(column.get(row), row)
+
     columns = [dict(_rows(summary)) for _, summary in summaries]
     titles = dict.fromkeys(str(summary.get("title", "")) for _, summary in summaries)
     rows = []
     for row in dict.fromkeys(name for column in columns for name in column):
-        rows.append([row, *(told(column.get(row), row) for column in columns)])
+        rows.append([row, *(cell(column, row) for column in columns)])
     head = ["", *(label for label, _ in summaries)]
     _print(Table(title="; ".join(filter(None, titles)), head=head, rows=rows, sparse=True), pipe=_PAGE)
 

@@ -184,7 +184,7 @@ def _followed(
     if quantities:  # what is wrong with a name is said before a long way is gone
         from antenna_pin.analysis import quantity
 
-        glance = flow.seen(start, 1e-6 * span, 1)
+        glance = flow.glance(start, span)
         for name in quantities:
             quantity(glance, name)
     if begin is not None:

@@ -138,7 +138,8 @@ def observed(
             workspace.program[:] = programs[first]
             _sample_kernels.observe(first, last, False, *given)
     if workspace.constraints is None:
-        accelerations, closure = _accelerations(model, states, forces), np.zeros((n, 0, 2, 3))
+        free = system.mechanism.base == "free"
+        accelerations, closure = _accelerations(model, states, forces, free), np.zeros((n, 0, 2, 3))
         coupling, residual = np.zeros((n, 0)), np.zeros((n, 4))
     else:
         accelerations, closure, coupling, residual = _held(
@@ -195,9 +196,14 @@ def _held(
     return accelerations, wrenches, joints[:, len(names) :], residuals
 
 
-def _accelerations(model: Any, states: Array, forces: Array) -> Array:
+def _accelerations(model: Any, states: Array, forces: Array, free_base: bool) -> Array:
     """Turn generalized forces into the accelerations of a tree under them, in place, (n, nv)."""
     q, v = states[:, : model.nq], states[:, model.nq : model.nq + model.nv]
+    if free_base:
+        # Pinocchio's call for many samples works about the world's origin, and loses the square of how far
+        # the mechanism is from there; where its base is makes no difference.
+        q = q.copy()
+        q[:, :3] = 0.0
     # A call for many samples is half of the time, of so many that they stay in the processor's cache; a
     # Pinocchio without OpenMP does not have it.
     if hasattr(pin, "abaInParallel"):

@@ -31,7 +31,9 @@ class Propagated(NamedTuple):
 
     @property
     def off(self) -> float:
-        """By how much the two differ, over their size [-]."""
+        """By how much the two differ, over their size; zero where nothing is carried [-]."""
+        if not self.matrix.size:
+            return 0.0
         return float(np.linalg.norm(self.matrix - self.other) / np.linalg.norm(self.matrix))
 
 

@@ -112,6 +112,10 @@ class Flow:
         run = Run(self.system, self.system.state(q, v, angles), 1.0, self._sampled(1.0), self._events)
         return run.present()
 
+    def check_long_enough(self, place: str, name: str, span: float, time: float) -> None:
+        """Refuse a span [s] that its steps cannot make from a time [s] on."""
+        self._settings.check_long_enough(place, name, span, time)
+
     def _sampled(self, span: float) -> RunSettings:
         return dataclasses.replace(
             self._settings, accuracy=None, output_rate=0.5 / span, output_times=(), output_form="lean"
@@ -155,6 +159,10 @@ class Flow:
         if not run.completed:
             raise FlowError(f"a run of {span:g} s from t = {start.time:g} s: {run.message}")
         return run
+
+    def glance(self, start: State, span: float) -> Trajectory:
+        """Return a run from a state that is next to none beside a span [s]: wrong names show."""
+        return self.seen(start, max(1e-6 * span, self._settings.shortest_at(start.time)), 1)
 
     def rates(self, state: State) -> tuple[Array, Array]:
         """Return velocity and acceleration in a state, (nv,) each."""

@@ -102,13 +102,12 @@ def _exponents(growth: Array, lengths: Array, interval: float, start: State, end
     return Exponents(values, errors, interval, growth, lengths, start, end)
 
 
-def _check(interval: float, count: int, transient: float) -> None:
-    for name, value, least in (("interval", interval, 0.0), ("transient", transient, -1e-300)):
-        if not (math.isfinite(value) and value > least):
-            rule = "positive and finite [s]" if name == "interval" else "zero or more [s]"
-            raise InvalidParameterError("Lyapunov exponents", name, rule, value)
+def _check(flow: Flow, start: State, interval: float, count: int, transient: float) -> None:
+    if not 0.0 <= transient < math.inf:
+        raise InvalidParameterError("Lyapunov exponents", "transient", "zero or more [s]", transient)
+    flow.check_long_enough("Lyapunov exponents", "interval", interval, start.time + transient)
     check_count("Lyapunov exponents", "count", count)
-    if interval > 0.0 and transient / interval > MOST:
+    if transient / interval > MOST:
         rule = f"at most {MOST} intervals, {MOST * interval:g} s"
         raise InvalidParameterError("Lyapunov exponents", "transient", rule, transient)
 
@@ -191,7 +190,7 @@ def largest_exponent(
     Raises:
         FlowError: A run did not come to its end.
     """
-    _check(interval, count, transient)
+    _check(flow, start, interval, count, transient)
     first = here = flow.after(start, transient) if transient else start
     turning, done = max(1, count // 10), 0
     ahead = _Ahead(flow, here, interval, count + turning, progress)
@@ -259,7 +258,7 @@ def lyapunov_spectrum(
     Raises:
         FlowError: A run did not come to its end.
     """
-    _check(interval, count, transient)
+    _check(flow, start, interval, count, transient)
     first = here = flow.after(start, transient) if transient else start
     ahead = _Ahead(flow, here, interval, count, progress)
     chart = Chart(flow.system, here)

@@ -29,6 +29,8 @@ _HALVINGS = 6
 # Size of a row of derivatives that nothing acts on; distance of the ends of a period that is none, over the
 # tolerance of runs, and at least.
 _HELD, _NEAR, _NEAREST = 1e-6, 10.0, 1e-9
+# How often that distance a motion goes in a period of which anything can be told.
+_TELLS = 10.0
 
 
 class NoOrbitError(AntennaPinError, RuntimeError):
@@ -170,9 +172,9 @@ def periodic_orbit(
         FlowError: A run did not come to its end.
     """
     tolerance = near_enough(flow) if tolerance is None else tolerance
-    for name, value in (("period", period), ("tolerance", tolerance)):
-        if not (math.isfinite(value) and value > 0.0):
-            raise InvalidParameterError("periodic orbit", name, "positive and finite", value)
+    if not (math.isfinite(tolerance) and tolerance > 0.0):
+        raise InvalidParameterError("periodic orbit", "tolerance", "positive and finite", tolerance)
+    flow.check_long_enough("periodic orbit", "period", period, guess.time)
     if iterations < 1:
         raise InvalidParameterError("periodic orbit", "iterations", "1 or more", iterations)
     start, span, best = guess, period, math.inf
@@ -193,7 +195,19 @@ def periodic_orbit(
             f"{best:.3g} error scales apart; begin nearer to it, after a longer transient, or with a "
             "multiple of the period"
         )
+    _check_moves(flow, start, span, tolerance)
     return orbit_at(flow, start, span, best, k, free_period)
+
+
+def _check_moves(flow: Flow, start: State, span: float, tolerance: float) -> None:
+    """Refuse a period in which no motion goes farther than its ends may be apart; rest has any period."""
+    speed = float(np.linalg.norm(Chart(flow.system, start).directions(*flow.rates(start))))
+    if speed > tolerance and speed * span < _TELLS * tolerance:
+        raise NoOrbitError(
+            f"periodic orbit: a period of {span:g} s is too short to tell: the motion goes "
+            f"{speed * span:.3g} error scales in it, and its ends count as one within {tolerance:.3g}; give "
+            "a longer period"
+        )
 
 
 def orbit_at(flow: Flow, start: State, period: float, residual: float, count: int, free: bool) -> Orbit:

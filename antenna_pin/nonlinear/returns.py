@@ -100,6 +100,9 @@ class Returns:
         self._settings = dataclasses.replace(
             settings, output_rate=_NO_RATE, output_times=(), output_form="full"
         )
+        if not math.isnan(self.period):
+            begin = 0.0 if start is None else start.reached
+            self._settings.check_long_enough("section", "period", self.period, begin)
         own = events_of(scenario)
         self._event = "section"
         while any(event.name == self._event for event in own):
@@ -115,7 +118,7 @@ class Returns:
         glance = dataclasses.replace(self._settings, max_wall_time=None, output_form="full")
         shown = simulate(
             self.system,
-            duration=_GLANCE * scenario.duration,
+            duration=max(_GLANCE * scenario.duration, glance.shortest_at(0.0)),
             settings=glance,
             events=self._events,
             **self._first,

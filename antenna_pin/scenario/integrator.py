@@ -44,8 +44,10 @@ class IntegratorSpec(MadeSpec):
 
 
 @takes()
-def settings_key(parameter: str) -> tuple[str, str]:
-    """Return the keys of a scenario by which a parameter of the settings is set."""
+def settings_key(parameter: str) -> tuple[str, ...]:
+    """Return the keys of a scenario by which a parameter of the settings, or of their run, is set."""
+    if parameter == "duration":
+        return (parameter,)
     output = parameter.removeprefix("output_")
     return ("integrator", parameter) if output == parameter else ("output", output)
 

@@ -173,8 +173,7 @@ class Run:
             keep.end(self)
         self.left = dataclasses.replace(self.state, reached=self.stepper.t)
         self.contacts.close()
-        if self.samples.last < self.stepper.t:
-            self.samples.add(self.stepper.t, self.here.copy())
+        self.samples.finish(self.stepper.t, self.here.copy())
         if self.singular is not None:
             self.message += self.singular.words()
         self.message += self.oversight.words(self.outcome)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -18,13 +18,20 @@ from antenna_pin.simulation.held import constraint_attributes
 from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.parts import Parts
 from antenna_pin.simulation.seen import Seen
+from antenna_pin.simulation.sources import SERIES, TOTALS, episodes_of, sizes_of
 from antenna_pin.trajectory import ENDED_WELL, Outcome
-from antenna_pin.trajectory.columns import first_not_finite
+from antenna_pin.trajectory.columns import ROUND_OFF, first_not_finite
 from antenna_pin.trajectory.labelled import labelled
+from antenna_pin.trajectory.schema import VARIABLES
 
 __all__ = ["Recording", "dataset"]
 
 Values = Mapping[str, Any]
+
+# Series of energies and works, which work is large or small beside.
+_ENERGIES = {one.name for one in VARIABLES.values() if one.units == "J" and "time" in one.dims} - {
+    "energy_error"
+}
 
 
 def dataset(run: Run, title: str, case: str, versions: dict[str, str], *, lean: bool = False) -> xr.Dataset:
@@ -73,6 +80,7 @@ class Recording:
         self._totals: dict[str, Any] = {}
         self._peaks: dict[str, Any] = {}
         self._audit: dict[str, Any] = {}
+        self._largest_energy = 0.0
 
     def blocks(self) -> Iterator[tuple[int, Values]]:
         """Yield the number of a block's first sample, and the series there by name, ``time`` among them."""
@@ -82,11 +90,12 @@ class Recording:
             found = observed(system, chunk.times, chunk.states, chunk.memories, chunk.programs)
             seen = Seen(self.run, *chunk, found, None if self._last is None else self._last.end)
             values: dict[str, Any] = {"time": seen.times}
-            for source in _SERIES:
-                values |= source(seen)
-            self._judge(seen, values)
-            self._labels = self._labels or _labels(seen)
-            self._sum_up(seen, values)
+            with np.errstate(invalid="ignore", over="ignore"):  # what is not finite is told by the outcome
+                for source in SERIES:
+                    values |= source(seen)
+                self._judge(seen, values)
+                self._labels = self._labels or _labels(seen)
+                self._sum_up(seen, values)
             self._last = seen
             yield first, values
             first += len(seen.times)
@@ -109,10 +118,12 @@ class Recording:
 
     def _sum_up(self, seen: Seen, values: Values) -> None:
         """Take what is said of the whole run from a block."""
-        self._totals = {name: values[of][-1] for name, of in _TOTALS.items()}
-        for name, sizes in _sizes(seen, values).items():
+        self._totals = {name: values[of][-1] for name, of in TOTALS.items()}
+        for name, sizes in sizes_of(seen, values).items():
             most = sizes.max(axis=0)
             self._peaks[name] = np.maximum(self._peaks.get(name, most), most)
+        sizes = [np.abs(part).max(initial=0.0) for name, part in values.items() if name in _ENERGIES]
+        self._largest_energy = max(self._largest_energy, *map(float, sizes))
         if not self._audit:
             self._audit = {name: seen.found.audit[name][0] for name in ("linear", "angular")}
         for name in ("linear", "angular"):
@@ -141,7 +152,7 @@ class Recording:
             **mechanism_attributes(self.run.system),
             **constraint_attributes(self.run, first.state, last.state, self._peaks["peak_residual"]),
         }
-        values = {**series, **self._totals, **self._peaks, **_episodes(self.run)}
+        values = {**series, **self._totals, **self._peaks, **episodes_of(self.run)}
         labels = self._labels | ({} if lean else {"time": series["time"]})
         free = self.run.system.mechanism.base == "free"
         return labelled(values, labels, attributes, free_base=free, lean=lean)
@@ -151,7 +162,9 @@ class Recording:
         result: dict[str, Any] = {"energy_error": float(self._peaks["peak_energy_error"])}
         gross = float(self._totals["total_gross_work"].sum())
         result["gross_work"] = gross
-        result["energy_error_relative"] = result["energy_error"] / gross if gross > 0.0 else None
+        # Work that is zero to round-off is none to compare with.
+        done = gross > ROUND_OFF * self._largest_energy
+        result["energy_error_relative"] = result["energy_error"] / gross if done else None
         conserved = self.run.system.keeps_momentum
         for name in ("linear", "angular"):
             scale, drift = (float(self._audit[f"{name}_{kind}"]) for kind in ("scale", "drift"))
@@ -199,142 +212,3 @@ def _labels(seen: Seen) -> dict[str, Any]:
     if seen.run.events:
         labels["event"] = [one.name for one in seen.run.actions.happened]
     return labels
-
-
-# --- the sources of the schema: all variables of each ---
-
-
-def _state(seen: Seen) -> Values:
-    q, v = seen.q, seen.v
-    return {
-        "q": q,
-        "v": v,
-        "base_position": q[:, :3],
-        "base_attitude": q[:, 3:7],
-        "base_velocity": v[:, :3],
-        "base_angular_velocity": v[:, 3:6],
-    }
-
-
-def _derivative(seen: Seen) -> Values:
-    effort = seen.found.effort
-    stretch = seen.found.stretch
-    tracking = effort[:, [drive.tracks for drive in seen.system.drives.values()]]
-    return {
-        "a": seen.found.acceleration,
-        "drive_torque": effort["effort"],
-        "control_reference": tracking["reference"],
-        "control_error": tracking["error"],
-        "spring_length": stretch["length"],
-        "spring_tension": stretch["tension"],
-        "spring_force": stretch["force"],
-        "closure_force": seen.found.closure[:, :, 0],
-        "closure_moment": seen.found.closure[:, :, 1],
-        "coupling_torque": seen.found.coupling,
-    }
-
-
-def _contact(seen: Seen) -> Values:
-    contacts, pose = seen.found.contact, seen.found.pose
-    axis = pose["axis"]
-    return {
-        **{name: contacts[name] for name in contacts.dtype.names or ()},
-        "touching": seen.memories["touching"].astype(np.int8),
-        "journal_position": pose["centre"],
-        "journal_attitude": seen.attitudes,
-        "journal_tilt": np.arctan2(np.hypot(axis[..., 0], axis[..., 1]), axis[..., 2]),
-        "joint_force": pose["force"],
-        "joint_torque": pose["moment"],
-        "radial_scenario": seen.found.scenario[:, :, 0],
-        "axial_scenario": seen.found.scenario[:, :, 1],
-    }
-
-
-def _ledger(seen: Seen) -> Values:
-    return {**seen.ledger, "energy_error": seen.energy_error}
-
-
-def _audit(seen: Seen) -> Values:
-    audit = seen.found.audit
-    return {
-        "kinetic_energy": audit["kinetic"],
-        "contact_energy": audit["contacts"],
-        "spring_energy": seen.spring_energy,
-        "elastic_energy": seen.elastic.energy,
-        "gravity_energy": audit["gravity"],
-        "linear_momentum": audit["linear"],
-        "angular_momentum": audit["angular"],
-        "momentum_scale": audit["linear_scale"],
-        "angular_momentum_scale": audit["angular_scale"],
-    }
-
-
-def _motion(seen: Seen) -> Values:
-    turning = seen.joints[1]
-    sliding = seen.slides[1]
-    return {
-        "motion_angle": turning[:, :, 0].T,
-        "motion_rate": turning[:, :, 1].T,
-        "motion_acceleration": turning[:, :, 2].T,
-        "slide_position": sliding[:, :, 0].T,
-        "slide_rate": sliding[:, :, 1].T,
-        "slide_acceleration": sliding[:, :, 2].T,
-        "deflection": seen.elastic.motion[:, :, 0],
-        "deflection_rate": seen.elastic.motion[:, :, 1],
-        "deflection_acceleration": seen.elastic.motion[:, :, 2],
-    }
-
-
-_TOTALS = {
-    "final_angle": "motion_angle",
-    "final_rate": "motion_rate",
-    "final_position": "slide_position",
-    "final_slide_rate": "slide_rate",
-    "total_work": "drive_work",
-    "total_gross_work": "drive_gross_work",
-    "total_normal_loss": "dissipation_normal",
-    "total_friction_loss": "dissipation_friction",
-    "total_damper_loss": "dissipation_damper",
-    "total_elastic_loss": "dissipation_elastic",
-}
-
-
-def _sizes(seen: Seen, values: Values) -> Values:
-    """Return, of all that is said with its largest size in a run, the sizes at samples."""
-    motions = [isinstance(drive, Motion) for drive in seen.system.drives.values()]
-    closure = np.linalg.norm(seen.found.closure, axis=3)
-    return {
-        "peak_effort": np.abs(values["drive_torque"][:, motions]),
-        "peak_closure_force": closure[:, :, 0],
-        "peak_closure_moment": closure[:, :, 1],
-        "peak_coupling_torque": np.abs(seen.found.coupling),
-        "peak_acceleration": np.abs(values["motion_acceleration"]),
-        "peak_slide_acceleration": np.abs(values["slide_acceleration"]),
-        "peak_deflection": np.abs(values["deflection"]),
-        "peak_elastic_energy": values["elastic_energy"],
-        "peak_spin": seen.elastic.spin,
-        "peak_energy_error": np.abs(values["energy_error"]),
-        "peak_residual": seen.found.residual,
-    }
-
-
-def _episodes(run: Run) -> Values:
-    names = {
-        "onset": "onset_time",
-        "release": "release_time",
-        **{
-            name: name
-            for name in ("approach_speed", "peak_force", "peak_time", "peak_depth", "impulse", "dissipated")
-        },
-        "effective_mass": "effective_mass",
-    }
-    episodes = run.episodes
-    return {
-        **{name: episodes[of].copy() for of, name in names.items()},
-        "episode_contact": episodes["contact"].copy(),
-        "event_time": np.array([one.time for one in run.actions.happened], dtype=float),
-        "event_energy": np.array([one.energy for one in run.actions.happened], dtype=float),
-    }
-
-
-_SERIES: tuple[Callable[[Seen], Values], ...] = (_state, _derivative, _contact, _ledger, _audit, _motion)

@@ -198,6 +198,13 @@ class Samples:
             self._times[place] = t
         self._put(place, y, self._memory)
 
+    def finish(self, t: float, y: Array) -> None:
+        """Append the last one, if it is not there: of a run that ended before it records the only one."""
+        if not self._count and self._before is None:
+            self.begin = min(self.begin, t)
+        if self.last < t:
+            self.add(t, y)
+
     def during(self, stepper: Stepper) -> None:
         """Append the states at the output times within a trial step that is to be accepted."""
         t, h = stepper.t, stepper.h

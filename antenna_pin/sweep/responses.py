@@ -6,6 +6,7 @@ import copy
 import dataclasses
 import importlib
 import inspect
+import math
 import types
 from collections.abc import Callable, Mapping
 from functools import lru_cache
@@ -15,10 +16,11 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 import numpy as np
 from pydantic import BeforeValidator, model_validator
 
-from antenna_pin.errors import ScenarioError
+from antenna_pin.answers import check_takes, number_in
+from antenna_pin.arguments import unknown_type
+from antenna_pin.errors import InvalidParameterError, ScenarioError
 from antenna_pin.scenario.spec import PositiveTime, Quantity, Spec, refuse, refuse_name
 from antenna_pin.sweep.measures import MEASURES
-from antenna_pin.units import shown
 
 if TYPE_CHECKING:
     from antenna_pin.trajectory import Trajectory
@@ -174,7 +176,19 @@ def _function(names: Mapping[str, Any], function: str, place: str, name: str) ->
             f"{', '.join(known) or 'none'}"
         )
     made: Callable[..., Any] = found
+    try:
+        check_takes(f"responses.{name}", function, made, "run", *asked_besides(made))
+    except InvalidParameterError as error:
+        raise ScenarioError(str(error)) from None
     return made
+
+
+def asked_besides(function: Callable[..., Any]) -> tuple[str, ...]:
+    """Return what a function of a run is asked besides it: the run's seed, if it takes one."""
+    try:
+        return tuple(one for one in ("seed",) if one in inspect.signature(function).parameters)
+    except (TypeError, ValueError):  # some of those in C do not say
+        return ()
 
 
 def evaluate(
@@ -204,7 +218,7 @@ def evaluate(
     assert response.function is not None
     place, _, function = response.function.rpartition(":")
     called = _made(source, place, function, name) if source else _imported(place, function, name)
-    more = {"seed": seed} if "seed" in inspect.signature(called).parameters else {}
+    more = dict.fromkeys(asked_besides(called), seed)
     try:
         value = called(_for_reading(run), **more)
     except SystemExit as error:  # it would end the process that makes the runs
@@ -216,10 +230,10 @@ def evaluate(
             f"{response.function} must leave the run as it is, for other responses are of it too; let it "
             "change a copy, run.data.copy(deep=True)"
         ) from None
-    try:
-        return float(value)
-    except (TypeError, ValueError, OverflowError):
-        raise ScenarioError(f"{response.function} must return a number, got {shown(value)}") from None
+    number = number_in(value)
+    if number is None or math.isinf(number):
+        raise ScenarioError(f"{response.function} must return a number, got {unknown_type(value)}")
+    return number
 
 
 def _for_reading(run: Trajectory) -> Trajectory:

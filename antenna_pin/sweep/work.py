@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+import math
 import platform
 import tempfile
 import time
@@ -151,8 +152,10 @@ def _do(work: Work, job: Job) -> Done:
             try:
                 if response.compares and reference is None and work.reference:
                     reference = _reference(work.reference, json.dumps(job.follows, sort_keys=True))
-                value = evaluate(name, response, work.sources.get(name, ""), run, reference, job.seed)
-                entry["values"][name] = float(value)
+                value = float(evaluate(name, response, work.sources.get(name, ""), run, reference, job.seed))
+                entry["values"][name] = value
+                if not math.isfinite(value):
+                    message += f"; response {name}: it is {value} of this run, no number"
             except Exception as error:
                 entry["values"][name] = float("nan")
                 words = (

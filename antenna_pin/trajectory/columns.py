@@ -14,9 +14,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["ANY", "Breach", "Coordinate", "Rule", "Variable", "first_not_finite"]
+__all__ = ["ANY", "ROUND_OFF", "Breach", "Coordinate", "Rule", "Variable", "first_not_finite"]
 
 Numbers = NDArray[Any]
+
+#: Share of a run's largest number in a unit below which a number of it is zero [-]: 1e-16 of round-off, grown
+#: 1e6 times over a run, and still far below what the error of a step is asked to be.
+ROUND_OFF = 1e-10
 
 _UNIT = 1e-6  # that the length of a direction or a quaternion may be off by
 
@@ -32,6 +36,7 @@ class Rule:
         unit: Those along the last dimension are of length 1: a quaternion.
         rising: None is less than the one before it, along the first dimension.
         lacks: NaN stands where there is no number.
+        infinite: Infinity is one of them.
         beside: A column without which it is zero: where that one is zero.
         summed: Integrals of a run, or sums of its large numbers: bounds hold to their errors.
         passive: Energy that contacts lose: bounds hold for those of which that is known.
@@ -43,6 +48,7 @@ class Rule:
     unit: bool = False
     rising: bool = False
     lacks: bool = False
+    infinite: bool = False
     beside: str = ""
     summed: bool = False
     passive: bool = False
@@ -50,7 +56,8 @@ class Rule:
     @property
     def words(self) -> str:
         """What they must be, as it reads after "must be"."""
-        said = ["finite, or NaN where there is none" if self.lacks else "finite"]
+        said = ["a number" if self.infinite else "finite"]
+        said += ["or NaN where there is none"] * self.lacks
         if self.only:
             said.append(f"one of {', '.join(f'{one:g}' for one in self.only)}")
         if self.least != -math.inf:
@@ -82,9 +89,11 @@ class Rule:
         if not values.size:
             return None
         rows = len(values)
-        first = first_not_finite(values, lacks=self.lacks) if finite else rows
+        first = first_not_finite(values, lacks=self.lacks, infinite=self.infinite) if finite else rows
         if first < rows:
-            return self._at(values, first, ~np.isfinite(values[first]))
+            return self._at(
+                values, first, ~(np.isfinite(values[first]) | (self.lacks & np.isnan(values[first])))
+            )
         with np.errstate(invalid="ignore"):
             wrong = self._wrong(values, before, other, 0.0)
             if self.summed and wrong.any():
@@ -133,16 +142,17 @@ class Breach(NamedTuple):
     value: str
 
 
-def first_not_finite(values: Numbers, *, lacks: bool = False) -> int:
-    """Return the first row of numbers that are not all finite; that behind the last if all are.
+def first_not_finite(values: Numbers, *, lacks: bool = False, infinite: bool = False) -> int:
+    """Return the first row of numbers that are not all finite; the number of rows if all are.
 
     Args:
         values: Of any shape, floats or whole numbers.
-        lacks: Whether NaN is none of them.
+        lacks: Whether NaN may stand among them.
+        infinite: Whether infinity may.
     """
     if values.dtype.kind != "f":
         return len(values)
-    good = ~np.isinf(values) if lacks else np.isfinite(values)
+    good = np.isfinite(values) | (lacks & np.isnan(values)) | (infinite & np.isinf(values))
     if good.all():
         return len(values)
     return int(np.argmin(good.reshape(len(values), -1).all(axis=1)))

@@ -21,6 +21,7 @@ from antenna_pin.files import has_whole_seal, replacing
 from antenna_pin.trajectory.file import write
 from antenna_pin.trajectory.hdf5 import load_dataset, open_hdf5
 from antenna_pin.trajectory.result import library_versions
+from antenna_pin.trajectory.table_columns import problem_of_table
 
 if TYPE_CHECKING:
     from antenna_pin.scenario import Scenario
@@ -133,5 +134,10 @@ def open_table(path: str | os.PathLike[str], kind: TableKind) -> xr.Dataset:
         raise FileFormatError(
             f"{file}: must be as antenna-pin wrote it, got another checksum, or none: it was damaged, or "
             "edited in place; take another copy of it, or make it again"
+        )
+    problem = problem_of_table(table, kind)
+    if problem is not None:
+        raise FileFormatError(
+            f"{file}: must be {KINDS[kind]} as antenna-pin writes it, got {problem}; make it again"
         )
     return table

@@ -6,7 +6,18 @@ import numpy as np
 import pytest
 from impact_oscillator import Impacts
 
-from antenna_pin.nonlinear import Flow, NoOrbitError, periodic_orbit
+from antenna_pin import load_scenario
+from antenna_pin.errors import AntennaPinError, InvalidParameterError
+from antenna_pin.nonlinear import (
+    Flow,
+    NoOrbitError,
+    Stroboscope,
+    flow_of,
+    largest_exponent,
+    lyapunov_spectrum,
+    periodic_orbit,
+    poincare,
+)
 from antenna_pin.simulation import Angle, Event, Jump
 
 
@@ -27,6 +38,40 @@ def test_a_driven_damped_oscillator(oscillator):
     assert found == pytest.approx(exact, abs=1e-11)
     assert orbit.stable and orbit.doubt < 1e-8 and orbit.iterations <= 2
     assert orbit.exponents == pytest.approx([-0.5 * c / m] * 2, rel=1e-9)
+
+
+@pytest.mark.parametrize("span", [1e-300, 1e-14, 0.0, -1.0, math.nan, math.inf])
+def test_a_span_is_one_that_steps_can_make(oscillator, span):
+    flow = Flow(oscillator(1.0, 1.0))
+    start = flow.first(np.ones(1), np.zeros(1))
+    with pytest.raises(
+        InvalidParameterError, match="period must be finite and 1e-13 s or more, from t = 0 s on"
+    ):
+        periodic_orbit(flow, start, span)
+    for exponents in (largest_exponent, lyapunov_spectrum):
+        with pytest.raises(InvalidParameterError, match="interval must be finite and 1e-13 s or more"):
+            exponents(flow, start, span, 3)
+    if 0.0 < span < math.inf:
+        scenario = load_scenario("slider_crank", case="ideal")
+        with pytest.raises(InvalidParameterError, match="period must be finite and 1e-13 s or more"):
+            poincare(scenario, Stroboscope(period=span), ["motion_angle[crank]"])
+        with pytest.raises(AntennaPinError, match="duration must be finite and 1e-13 s or more"):
+            scenario.with_overrides({"duration": span})
+
+
+def test_a_period_in_which_next_to_nothing_moves_tells_nothing(oscillator):
+    """Its ends are alike for any motion. At rest any period is one."""
+    flow = Flow(oscillator(1.0, 1.0))
+    with pytest.raises(
+        NoOrbitError, match="1e-10 s is too short to tell: the motion goes 1e-10 error scales"
+    ):
+        periodic_orbit(flow, flow.first(np.ones(1), np.zeros(1)), 1e-10)
+    assert periodic_orbit(flow, flow.first(np.zeros(1), np.zeros(1)), 0.1).residual == 0.0
+
+
+def test_what_is_driven_in_all_its_freedoms_has_an_orbit_without_multipliers():
+    flow, start = flow_of(load_scenario("slider_crank", case="ideal"))
+    assert periodic_orbit(flow, start, 2.0 * math.pi / 500.0).multipliers.size == 0
 
 
 def test_an_impact_oscillator(oscillator):

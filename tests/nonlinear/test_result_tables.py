@@ -26,6 +26,7 @@ from antenna_pin.nonlinear import (
 )
 from antenna_pin.state import State
 from antenna_pin.trajectory import FORMATS, library_versions
+from antenna_pin.trajectory.table_columns import TABLES, problem_of_table
 
 # A mass of 1 kg on 40 N/m and 1 N s/m, driven by 3 N at 0.8 Hz: all of it in closed form.
 K, C, FORCE, FREQUENCY = 40.0, 1.0, 3.0, 0.8
@@ -129,6 +130,36 @@ def test_a_file_of_something_else_is_refused_in_one_line(driven, tmp_path):
     with pytest.raises(FileFormatError, match="another checksum") as error:
         open_exponents(path)
     assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize("kind", ["orbit", "exponents"])
+def test_every_column_of_a_table_is_held_to_its_rule(driven, tmp_path, kind):
+    """Edited by hand and sealed anew."""
+    flow, start = flow_of(driven)
+    if kind == "orbit":
+        table = orbit_table(periodic_orbit(flow, start, 1.0 / FREQUENCY), flow.system, driven)
+    else:
+        table = exponents_table(largest_exponent(flow, start, 1.0 / FREQUENCY, 3), driven)
+    assert problem_of_table(table, kind) is None
+    for column in TABLES[kind]:
+        changed = table.copy(deep=True)
+        values = changed[column.name].values
+        if column.words is None:
+            wrong = -1.0 if column.rule.least == 0.0 else math.nan
+            changed[column.name] = (column.dims, np.full(values.shape, wrong))
+        elif column.words:
+            changed[column.name] = (column.dims, np.full(values.shape, "perhaps", dtype=object))
+        else:
+            changed = changed.drop_vars(column.name)
+        said = problem_of_table(changed, kind)
+        assert said is not None and repr(column.name) in said, (column.name, said)
+        assert problem_of_table(table.drop_vars(column.name), kind) == f"no variable {column.name!r}"
+    name, opened = ("residual", open_orbit) if kind == "orbit" else ("length", open_exponents)
+    save_table(table.assign({name: -table[name] - 1.0}), tmp_path / "sealed.nc")
+    with pytest.raises(
+        FileFormatError, match=f"in '{name}'.* which must be finite, 0 or more; make it again"
+    ):
+        opened(tmp_path / "sealed.nc")
 
 
 def test_every_kind_has_one_format():

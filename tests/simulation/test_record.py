@@ -4,8 +4,18 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from antenna_pin import ErrorScales, RunSettings, System, Urdf, build_mechanism, simulate
+from antenna_pin import (
+    ErrorScales,
+    Outcome,
+    RunSettings,
+    System,
+    Trajectory,
+    Urdf,
+    build_mechanism,
+    simulate,
+)
 from antenna_pin.contact import Hertz
+from antenna_pin.elements import ConstantDrive
 from antenna_pin.geometry import RevoluteClearance
 from antenna_pin.joints import ClearanceJoint
 from antenna_pin.simulation.scales import scale_vector
@@ -75,3 +85,46 @@ def test_a_journal_s_tilt_is_measured_where_it_closes_the_gap():
     # Products of the numbers given, but for round-off.
     assert position == pytest.approx([0.25 * PLAY] * 3 + [0.25 * PLAY / half] * 2 + [0.7], rel=1e-14, abs=0.0)
     assert velocity == pytest.approx([0.02] * 3 + [0.02 / half] * 2 + [0.3], rel=1e-14, abs=0.0)
+
+
+FLOATING = """<robot name="floating"><link name="base"><inertial><mass value="2"/>
+<inertia ixx="0.3" iyy="0.4" izz="0.5" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<joint name="j" type="revolute"><parent link="base"/><child link="tip"/><axis xyz="0 0 1"/>
+<limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
+<link name="tip"><inertial><origin xyz="0.5 0 0"/><mass value="1"/>
+<inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link></robot>"""
+
+
+@pytest.mark.parametrize("far", [1e4, 1e9, 1e17])
+def test_accelerations_do_not_hang_on_where_the_base_is(far):
+    mechanism = build_mechanism(Urdf.from_text(FLOATING, "floating.urdf"), base="free")
+    system = System(mechanism, drives={"m": ConstantDrive(joint="j", value=0.7)})
+    q, v = system.neutral(), np.zeros(system.model.nv)
+    v[3:] = 0.1, -0.2, 0.3, 0.4
+    near, away = (
+        simulate(system, duration=0.01, q=np.concatenate([[x, 0.0, 0.0], q[3:]]), v=v) for x in (0.0, far)
+    )
+    assert away.completed and np.isfinite(away.data.a).all()
+    # The base's own steps are rounded to its position, and its attitude is not.
+    assert away.data.a.values == pytest.approx(near.data.a.values, rel=1e-9, abs=1e-12)
+
+
+def test_what_is_recorded_and_is_not_finite_is_the_end_of_no_completed_run(tmp_path):
+    """The state is, and its momentum's sum is beyond all floats."""
+    mechanism = build_mechanism(Urdf.from_text(FLOATING, "floating.urdf"), base="free")
+    system = System(mechanism)
+    v = np.zeros(system.model.nv)
+    v[0] = 1e200
+    run = simulate(system, duration=1e-3, v=v)
+    assert run.outcome is Outcome.NOT_FINITE and "kinetic_energy is not finite" in run.message
+    assert not Trajectory.load(run.save(tmp_path / "run.nc")).completed
+
+
+def test_work_that_is_round_off_is_none_to_compare_with():
+    mechanism = build_mechanism(Urdf.from_text(FLOATING, "floating.urdf"), base="free")
+    v = np.zeros(7)
+    v[6] = 0.4
+    for torque, none in ((1e-14, True), (0.7, False)):
+        system = System(mechanism, drives={"m": ConstantDrive(joint="j", value=torque)})
+        kept = simulate(system, duration=0.01, v=v).summary()["conservation"]
+        assert 0.0 < kept["gross_work"] and (kept["energy_error_relative"] is None) == none

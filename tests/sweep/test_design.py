@@ -211,6 +211,13 @@ def test_refused_before_anything_runs(write, tmp_path, what):
         ('a = { function = "own.py:text" }', "own.py:text must return a number, got 'three'"),
         ('a = { function = "own.py:ends" }', "own.py:ends must return a number, got the exit 3"),
         ('a = { function = "own.py:huge" }', "own.py:huge must return a number, got 1000"),
+        ('a = { function = "own.py:flag" }', "own.py:flag must return a number, got true"),
+        ('a = { function = "own.py:turned" }', "own.py:turned must return a number, got 1j (complex)"),
+        ('a = { function = "own.py:row" }', "own.py:row must return a number, got array([1.]) (ndarray)"),
+        (
+            'a = { function = "own.py:lonely" }',
+            "responses.a: lonely must be a function of 1 argument (run), got",
+        ),
         ('a = { function = "math:nothing" }', "math must have a function 'nothing'"),
         ('a = { function = "own.py:wrong" }', "own.py:wrong raises AttributeError"),
         (
@@ -223,6 +230,8 @@ def test_refused_responses(write, tmp_path, response, said):
     (tmp_path / "own.py").write_text(
         "def wrong(run):\n    return run.nothing\n\n\ndef text(run):\n    return 'three'\n\n\n"
         "def ends(run):\n    raise SystemExit(3)\n\n\ndef huge(run):\n    return 10**400\n"
+        "def flag(run):\n    return True\n\n\ndef turned(run):\n    return 1j\n\n\n"
+        "def row(run):\n    return run.data['q'].values[0, :1] ** 0\n\n\ndef lonely():\n    return 1.0\n"
         "def changes(run):\n    run.data['q'][:] = 0.0\n    return 0.0\n"
     )
     text = (
@@ -295,3 +304,16 @@ def test_shipped_studies_can_be_built():
         prepared = prepare(load_study(name))
         ends = (0, prepared.design.count - 1)
         assert check_jobs(prepared.work, [prepared.job(run) for run in ends]) == []
+
+
+def test_a_response_that_is_no_number_of_a_run_is_said_of_it(write, tmp_path):
+    (tmp_path / "own.py").write_text(
+        "def late(run):\n    return float(run.data.peak_force[0]) * float('nan')\n"
+    )
+    text = (
+        'scenario = "impact_pair"\nset.duration = "2 ms"\n{more}{parameters}\n[responses]\n'
+        'own = {{ function = "own.py:late" }}\n'
+    )
+    table = run_study(write(PLAY + 'values = ["0.1 mm"]', text=text), tmp_path / "trial.study")
+    assert np.isnan(table["own"].values).all()
+    assert "response own: it is nan of this run, no number" in str(table["message"].values.ravel()[0])

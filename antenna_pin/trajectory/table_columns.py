@@ -1,0 +1,157 @@
+"""What the datasets beside runs hold: the columns of each kind, and what their numbers may be.
+
+The numbers of quantities that were asked for stand in columns of their names, which an attribute lists.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+
+from antenna_pin.trajectory.columns import ANY, Rule
+from antenna_pin.trajectory.outcome import Outcome
+from antenna_pin.units import shown
+
+__all__ = ["TABLES", "Column", "problem_of_table"]
+
+
+@dataclass(frozen=True, slots=True)
+class Column:
+    """One column of a table.
+
+    Attributes:
+        name: Of it; "" for one of each quantity.
+        dims: Its dimensions, in order.
+        rule: What its numbers may be.
+        words: What its texts may be, if it is one of text; any if that is empty.
+        optional: Whether a table may do without it.
+    """
+
+    name: str
+    dims: tuple[str, ...]
+    rule: Rule = ANY
+    words: tuple[str, ...] | None = None
+    optional: bool = False
+
+
+_SIZE, _TIMES = Rule(least=0.0), Rule(rising=True)
+_LACKS, _WHETHER = Rule(lacks=True), Rule(only=(0.0, 1.0))
+_OPEN = Rule(lacks=True, infinite=True)
+_SIZE_OR_NONE = Rule(least=0.0, lacks=True)
+_OUTCOMES = ("", *(one.name for one in Outcome))
+
+
+def _orbits(*over: str) -> tuple[Column, ...]:
+    several = _OPEN if over else Rule(infinite=True)
+    parts = _LACKS if over else ANY
+    return (
+        *(
+            Column(name, over, _SIZE)
+            for name in ("period", "residual", "doubt", "neutral", "onsets", "events")
+        ),
+        Column("stability", over, words=("stable", "unstable", "neutral")),
+        Column("start", over),
+        Column("state", over, words=()),
+        Column("q", (*over, "configuration")),
+        Column("v", (*over, "coordinate")),
+        Column("multiplier_real", (*over, "multiplier"), parts),
+        Column("multiplier_imaginary", (*over, "multiplier"), parts),
+        Column("exponent", (*over, "multiplier"), several),  # minus infinity where nothing is left
+    )
+
+
+_AT_VALUE = ("branch", "value")
+
+#: The columns of each kind of table.
+TABLES: Mapping[str, tuple[Column, ...]] = {
+    "portrait": (Column("time", ("sample",), _TIMES), Column("", ("sample",), _LACKS)),
+    "section": (
+        Column("time", ("point",), _TIMES),
+        Column("", ("point",), _LACKS),
+        Column("settled", (), _WHETHER),
+        Column("transient", (), _SIZE),
+        Column("drift", (), _SIZE_OR_NONE),
+    ),
+    "bifurcation": (
+        Column("value", ("value",)),
+        Column("time", (*_AT_VALUE, "point"), _LACKS),
+        Column("", (*_AT_VALUE, "point"), _LACKS),
+        Column("settled", _AT_VALUE, _WHETHER),
+        Column("drift", _AT_VALUE, _SIZE_OR_NONE),
+        Column("points", _AT_VALUE, _SIZE),
+        Column("transient", _AT_VALUE, _SIZE),
+        Column("period", _AT_VALUE, _SIZE_OR_NONE),
+        Column("outcome", _AT_VALUE, words=_OUTCOMES),
+        Column("message", _AT_VALUE, words=()),
+    ),
+    "orbit": (*_orbits(), Column("tangent", ("to", "from"))),
+    "branch": (
+        *_orbits("point"),
+        Column("value", ("point",)),
+        Column("kind", ("bifurcation",), words=("fold", "branch-point", "flip", "neimark-sacker", "grazing")),
+        Column("at", ("bifurcation",)),
+        Column("at_doubt", ("bifurcation",), _SIZE),
+        Column("after", ("bifurcation",), _SIZE),
+        Column("amplitude", ("quantity", "point"), _LACKS, optional=True),
+    ),
+    "exponents": (
+        Column("value", ("exponent",)),
+        Column("error", ("exponent",), Rule(least=0.0, infinite=True)),
+        Column("time", ("interval",), _TIMES),
+        Column("length", ("interval",), _SIZE),
+        Column("growth", ("interval", "exponent")),
+        Column("running", ("interval", "exponent")),
+    ),
+}
+
+
+def problem_of_table(table: xr.Dataset, kind: str) -> str | None:
+    """Return what of a table is not as its kind's is, in words; None if all is."""
+    return next(_problems(table, kind), None)
+
+
+def _problems(table: xr.Dataset, kind: str) -> Iterator[str]:
+    for column in TABLES[kind]:
+        if column.name:
+            yield from _in_column(table, column.name, column)
+            continue
+        try:
+            names = json.loads(table.attrs["quantities"])
+        except (KeyError, TypeError, ValueError, RecursionError):
+            names = None
+        if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
+            yield "no list of names in the attribute 'quantities'"
+            return
+        for name in names:
+            yield from _in_column(table, name, column)
+
+
+def _in_column(table: xr.Dataset, name: str, column: Column) -> Iterator[str]:
+    if name not in table.variables:
+        if not column.optional:
+            yield f"no variable {name!r}"
+        return
+    found = table[name]
+    if found.dims != column.dims:
+        yield f"{name!r} along {shown(found.dims)}, not {shown(column.dims)}"
+        return
+    values = np.atleast_1d(found.values)
+    if column.words is not None:
+        texts = {str(one) for one in values.ravel()}
+        wrong = sorted(texts - set(column.words)) if column.words else []
+        if wrong or values.dtype.kind not in "OUT":
+            yield f"{shown(wrong[0] if wrong else values.ravel()[0])} in {name!r}, which must be text" + (
+                f", one of {', '.join(column.words)}" if column.words else ""
+            )
+        return
+    if values.dtype.kind not in "fiub":
+        yield f"no numbers in {name!r}"
+        return
+    breach = column.rule.breach(values)
+    if breach is not None:
+        at = f" at {found.dims[0]} {breach.row}" if found.dims else ""
+        yield f"{breach.value} in {name!r}{at}, which must be {column.rule.words}"
