@@ -16,6 +16,7 @@ from antenna_pin.errors import InvalidParameterError, MechanismError, UnknownNam
 from antenna_pin.mechanism._edits import plane_names
 from antenna_pin.mechanism._inertia import RigidGroup, check_inertia, rigid_groups
 from antenna_pin.mechanism._regular import check_regular, idle_joint, said_of_idle
+from antenna_pin.mechanism._size import check_size
 from antenna_pin.mechanism.frames import Matrix3, Vector3, frame_aligning_z
 from antenna_pin.mechanism.urdf import Urdf
 
@@ -169,6 +170,7 @@ def build_mechanism(urdf: Urdf, base: Base = "free", gravity: Sequence[float] = 
         ) from error
     if model.nv == 0:
         raise MechanismError(f"{urdf.where}: nothing moves: the base is fixed and so is every joint")
+    check_size(urdf.where, model.nv)
     _check_mass(model, urdf)
     moved = _moved(urdf, groups)
     check_regular(model, urdf.where, moved, _ROOT_JOINT)
