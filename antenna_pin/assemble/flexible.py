@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from antenna_pin.assemble.places import check_known, where
 from antenna_pin.errors import ScenarioError
 from antenna_pin.flexible import ElasticPart, split
-from antenna_pin.mechanism import Urdf
+from antenna_pin.mechanism import Urdf, check_size
 from antenna_pin.scenario import Scenario
 
 __all__ = ["by_name", "with_flexible_links"]
@@ -20,10 +20,14 @@ def with_flexible_links(scenario: Scenario, urdf: Urdf) -> tuple[Urdf, tuple[Ela
         AntennaPinError: A link or shape that there is not, or one that a part asks too much of.
     """
     found: list[ElasticPart] = []
+    freedoms = len(urdf.robot.joints)
     for name, spec in scenario.flexible.items():
         links = {link.name for link in urdf.robot.links}
         check_known(scenario, [spec.link], "link", links, "flexible", name, "link")
-        made = split(spec.build(), name, urdf.mass_properties(spec.link), where(scenario, "flexible", name))
+        kind, place = spec.build(), where(scenario, "flexible", name)
+        freedoms += len(kind.frequencies)
+        check_size(place, freedoms, "take the modes of lowest frequency, or those of largest effective mass")
+        made = split(kind, name, urdf.mass_properties(spec.link), place)
         urdf = urdf.with_parts(spec.link, made)
         found += made.parts
     return urdf, tuple(found)

@@ -8,6 +8,7 @@ Exit codes: 0 done; 2 refused, with one line on the error stream that says why; 
 
 from __future__ import annotations
 
+import contextlib
 import io
 import os
 import sys
@@ -36,8 +37,15 @@ from antenna_pin.cli import (
     sweep,
     urdf,
 )
-from antenna_pin.cli._common import StandardOutput, one_line_errors, told_interruption, told_unwritable
+from antenna_pin.cli._common import (
+    StandardOutput,
+    complain,
+    one_line_errors,
+    told_interruption,
+    told_unwritable,
+)
 from antenna_pin.cli._numbers import with_plain_numbers
+from antenna_pin.cli._progress import said_at_work
 from antenna_pin.cli._usage import OneLineGroup
 from antenna_pin.interruption import ending_by_signals
 
@@ -58,8 +66,11 @@ def main() -> None:
     """Run the command line, which SIGTERM and SIGHUP end as Ctrl-C does."""
     ending_by_signals()
     _have_streams()
+    quiet = not {"-q", "--quiet"}.isdisjoint(sys.argv)
+    command = next((word for word in sys.argv[1:] if not word.startswith("-")), "it")
     try:
-        app()
+        with contextlib.nullcontext() if quiet else said_at_work(command, complain):
+            app()
     except KeyboardInterrupt as error:  # while the commands are made
         sys.exit(told_interruption(error))
     except OSError as error:  # of a page of help

@@ -7,8 +7,12 @@ import io
 import itertools
 import math
 import sys
+import threading
+import time
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, TextIO, cast
+
+from antenna_pin.readable import lasting
 
 if TYPE_CHECKING:
     from rich.progress import Progress as Bar
@@ -64,11 +68,54 @@ def _bar(*texts: str, counted: bool = False) -> Bar:
 @contextlib.contextmanager
 def _ended(bar: Bar) -> Iterator[None]:
     """Take a bar away at the end, if it was ever shown."""
+    _bars.append(bar)
     try:
         yield
     finally:
+        _bars.remove(bar)
         if bar.live.is_started:
             bar.stop()
+
+
+#: Bars that are there, the innermost last.
+_bars: list[Bar] = []
+
+_FIRST = 10.0  # [s] after which a command says that it is at work; then after twice as long each time
+
+
+@contextlib.contextmanager
+def said_at_work(command: str, say: Callable[[str], None]) -> Iterator[None]:
+    """Have a command that takes long say so now and then, where no bar on a terminal shows it.
+
+    Args:
+        command: Its name.
+        say: How.
+    """
+    done, began = threading.Event(), time.monotonic()
+
+    def beat() -> None:
+        wait = _FIRST
+        while not done.wait(began + wait - time.monotonic()):
+            bar = _bars[-1] if _bars else None
+            if bar is None or not (bar.console.is_terminal and bar.live.is_started):
+                say(f"note: {command} is at work, for {lasting(wait)} so far{_how_far(bar)}")
+            wait *= 2.0
+
+    thread = threading.Thread(target=beat, daemon=True)
+    thread.start()
+    try:
+        yield
+    finally:
+        done.set()
+
+
+def _how_far(bar: Bar | None) -> str:
+    """Return in words how far what a bar tells of has come; empty if it does not know."""
+    tasks = [task for task in bar.tasks if task.visible and task.total] if bar is not None else []
+    if not tasks:
+        return ""
+    share = 100.0 * tasks[-1].completed / (tasks[-1].total or 1.0)
+    return f": {tasks[-1].description}, {share:.3g} % done"
 
 
 @contextlib.contextmanager

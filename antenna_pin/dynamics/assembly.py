@@ -21,6 +21,7 @@ from antenna_pin.constraints import (
     worst_row,
 )
 from antenna_pin.dynamics.coordinates import reach_of
+from antenna_pin.dynamics.open_loops import said_of_open
 from antenna_pin.dynamics.system import System
 from antenna_pin.dynamics.workspace import Workspace
 from antenna_pin.elements import Motion
@@ -238,10 +239,7 @@ def check_closed(system: System, y: Array) -> None:
     length = constraints.plan.length
     open_by = max(found.gap / length, found.turn, found.speed / length, found.spin)
     if not open_by <= _GIVEN:
-        raise MechanismError(
-            f"initial state: its loops are open: {number(found.gap)} m, {number(found.turn)} rad, "
-            f"{number(found.speed)} m/s, {number(found.spin)} rad/s; close it by antenna_pin.assembled"
-        )
+        raise MechanismError(f"initial state: {said_of_open(system, found, length)}")
     workspace.hold(0.0, y)
 
 

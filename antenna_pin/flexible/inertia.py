@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["MassProperties", "least_share", "share_taken"]
+__all__ = ["MassProperties", "least_share", "share_taken", "shares_taken"]
 
 Array = NDArray[np.float64]
 
@@ -90,7 +90,12 @@ def share_taken(whole: MassProperties, part: MassProperties) -> float:
     It is the largest eigenvalue of the part's pseudo-inertia in the metric of the whole's: 0.3 of the mass
     at the mass centre is 0.3, further out it is more.
     """
-    return float(np.linalg.eigvalsh(_measured(whole, part.moments))[-1])
+    return float(shares_taken(whole, part.moments[None])[0])
+
+
+def shares_taken(whole: MassProperties, moments: Array) -> Array:
+    """Return the same of parts by their pseudo-inertias, (n, 4, 4), as (n,)."""
+    return np.asarray(np.linalg.eigvalsh(_measured(whole, moments))[..., -1])
 
 
 def least_share(whole: MassProperties, left: Array) -> float:
@@ -104,7 +109,7 @@ def least_share(whole: MassProperties, left: Array) -> float:
 
 
 def _measured(whole: MassProperties, moments: Array) -> Array:
-    """Return a pseudo-inertia in the metric of a body's, about its mass centre and principal axes."""
+    """Return pseudo-inertias, (..., 4, 4), in a body's metric, about its mass centre and principal axes."""
     values, axes = np.linalg.eigh(whole.spread)
     values = np.maximum(values, _FLAT * values.sum())
     # x = scale^-1 axes^T (r - c) for the first three, in which the whole is the unit matrix times its mass.

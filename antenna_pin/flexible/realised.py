@@ -27,7 +27,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.flexible.inertia import MassProperties, inertia_of, share_taken
+from antenna_pin.flexible.inertia import MassProperties, inertia_of, share_taken, shares_taken
 from antenna_pin.flexible.part import ElasticPart
 
 __all__ = ["balanced_rotor", "hinged", "realised", "sliding_mass"]
@@ -150,15 +150,20 @@ def realised(
     # No further than the radius of gyration from the link's mass centre, nearer than where it acts.
     high = away + size * reach
     low = min(max(abs(pitch), away - size * reach, _LEAST_LEVER * high), high)
-    candidates = [_where_it_acts(name, link, translation, rotation, across, pitch, omega, ratio)]
-    for lever in np.linspace(low, min(max(low, away), high), _LEVERS):
-        extra = lever * size / reach + (lever / reach) ** 2
-        for factor in _FACTORS:
-            for flat in _FLATS:
-                candidates.append(
-                    hinged(name, link, translation, rotation, lever, factor * extra, omega, ratio, flat)
-                )
-    return min(candidates, key=lambda part: share_taken(link, part.body))
+    here = _where_it_acts(name, link, translation, rotation, across, pitch, omega, ratio)
+    levers, factors, flats = (
+        grid.ravel()
+        for grid in np.meshgrid(
+            np.linspace(low, min(max(low, away), high), _LEVERS), _FACTORS, _FLATS, indexing="ij"
+        )
+    )
+    extras = factors * (levers * size / reach + (levers / reach) ** 2)
+    shares = shares_taken(link, _hinged_moments(link, translation, rotation, levers, extras, flats))
+    best = int(np.argmin(shares))
+    if share_taken(link, here.body) <= shares[best]:
+        return here
+    chosen = (float(levers[best]), float(extras[best]))
+    return hinged(name, link, translation, rotation, *chosen, omega, ratio, float(flats[best]))
 
 
 def _where_it_acts(
@@ -206,29 +211,12 @@ def hinged(
         ratio: Damping ratio with the hub held [-].
         flat: Which share of J_uu is of mass spread along t, the rest being across it [-].
     """
+    axes, centres, masses, roots, spreads = _hinges(
+        link, translation, rotation, *(np.array([one]) for one in (lever, extra, flat))
+    )
+    axis, centre, mass, root, spread = axes[0], centres[0], float(masses[0]), float(roots[0]), spreads[0]
     size = float(np.linalg.norm(translation))
     along = translation / size
-    about_centre = rotation - np.cross(link.centre, translation)
-    across = about_centre - (along @ about_centre) * along
-    away = float(np.linalg.norm(across))
-    if away > 1e-9 * lever:
-        axis = across / away
-    else:
-        axis = np.cross(along, np.eye(3)[int(np.argmin(np.abs(along)))])
-        axis /= np.linalg.norm(axis)
-    # r_b across t is w u: from the link's centre, where it is `across`, by t x (across - w u) / t^2.
-    centre = link.centre + np.cross(along, across - lever * axis) / size
-    mass = size**2 + extra
-    root = lever * mass / extra  # sqrt(D)
-    spin, product = lever * root, float(along @ rotation) * root
-    normal = np.cross(axis, along)
-    thick = flat * spin  # second moments along t and n add up to J_uu
-    spread = (
-        thick * np.outer(along, along)
-        + (spin - thick) * np.outer(normal, normal)
-        - product * (np.outer(axis, along) + np.outer(along, axis))
-        + (product**2 / thick + _OWN * spin) * np.outer(axis, axis)
-    )
     moment = root**2
     return ElasticPart(
         name=name,
@@ -239,3 +227,58 @@ def hinged(
         stiffness=moment * omega**2,
         damping=2.0 * ratio * omega * moment,
     )
+
+
+def _hinges(
+    link: MassProperties, translation: Array, rotation: Array, levers: Array, extras: Array, flats: Array
+) -> tuple[Array, Array, Array, Array, Array]:
+    """Return for n hinges their axes, (n, 3), and of their bodies centres, masses, sqrt(D), second moments.
+
+    Args:
+        link: The whole link, whose mass centre the bodies are put towards.
+        translation: (3,) participation factors, as for :func:`hinged`.
+        rotation: (3,) likewise.
+        levers: w, (n,).
+        extras: x, (n,).
+        flats: (n,).
+    """
+    size = float(np.linalg.norm(translation))
+    along = translation / size
+    about_centre = rotation - np.cross(link.centre, translation)
+    across = about_centre - (along @ about_centre) * along
+    away = float(np.linalg.norm(across))
+    other = np.cross(along, np.eye(3)[int(np.argmin(np.abs(along)))])
+    aside = across / away if away > 0.0 else other
+    far = away > 1e-9 * levers
+    axes = np.where(far[:, None], aside, other / np.linalg.norm(other))
+    # r_b across t is w u: from the link's centre, where it is `across`, by t x (across - w u) / t^2.
+    centres = link.centre + np.cross(along, across - levers[:, None] * axes) / size
+    masses = size**2 + extras
+    roots = levers * masses / extras  # sqrt(D)
+    spins, products = levers * roots, float(along @ rotation) * roots
+    normals = np.cross(axes, along)
+    thick = flats * spins  # second moments along t and n add up to J_uu
+    askew = axes[:, :, None] * along
+
+    def by(numbers: Array, squares: Array) -> Array:
+        return np.asarray(numbers[:, None, None] * squares)
+
+    spreads = (
+        by(thick, np.outer(along, along)[None])
+        + by(spins - thick, normals[:, :, None] * normals[:, None])
+        - by(products, askew + askew.transpose(0, 2, 1))
+        + by(products**2 / thick + _OWN * spins, axes[:, :, None] * axes[:, None])
+    )
+    return axes, centres, masses, roots, spreads
+
+
+def _hinged_moments(
+    link: MassProperties, translation: Array, rotation: Array, levers: Array, extras: Array, flats: Array
+) -> Array:
+    """Return the pseudo-inertias of the bodies of :func:`_hinges`, (n, 4, 4)."""
+    _, centres, masses, _, spreads = _hinges(link, translation, rotation, levers, extras, flats)
+    found = np.empty((len(masses), 4, 4))
+    found[:, :3, :3] = spreads + masses[:, None, None] * centres[:, :, None] * centres[:, None]
+    found[:, :3, 3] = found[:, 3, :3] = masses[:, None] * centres
+    found[:, 3, 3] = masses
+    return found

@@ -122,7 +122,7 @@ def _slack(stiffness: Array, damping: Array, rigid: Array) -> Array:
     if rigid.shape[1]:
         both = both @ (np.eye(k) - rigid @ rigid.T)
         both = np.vstack([both, rigid.T])
-    _, values, right = np.linalg.svd(both)
+    _, values, right = np.linalg.svd(both, full_matrices=len(both) < k)
     free = int(np.count_nonzero(values <= _SLACK)) + k - len(values)
     return np.asarray(right[k - free :].T) if free else np.zeros((k, 0))
 

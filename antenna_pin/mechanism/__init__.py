@@ -6,6 +6,7 @@ from antenna_pin._lazy import loaded_when_used
 from antenna_pin.changes import JOINT_VARIANTS, JointChange, JointVariant, LinkChange, ShapeChange
 
 if TYPE_CHECKING:
+    from antenna_pin.mechanism._size import check_size
     from antenna_pin.mechanism.dynamics import ROOM, TreeDynamics
     from antenna_pin.mechanism.frames import frame_aligning_z, quaternions, roll_pitch_yaw
     from antenna_pin.mechanism.kinematics import link_motion, link_poses, link_twists
@@ -36,6 +37,7 @@ __all__ = [
     "WrittenUrdf",
     "body_tree",
     "build_mechanism",
+    "check_size",
     "frame_aligning_z",
     "link_motion",
     "link_poses",
@@ -48,6 +50,7 @@ __all__ = [
 loaded_when_used(
     __name__,
     {
+        "_size": "check_size",
         "dynamics": "ROOM TreeDynamics",
         "frames": "frame_aligning_z quaternions roll_pitch_yaw",
         "kinematics": "link_motion link_poses link_twists",

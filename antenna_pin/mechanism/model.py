@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 
 from antenna_pin.arguments import takes
 from antenna_pin.brief import brief
-from antenna_pin.capacity import check_fits
 from antenna_pin.errors import InvalidParameterError, MechanismError, UnknownNameError
 from antenna_pin.mechanism._edits import plane_names
 from antenna_pin.mechanism._inertia import RigidGroup, check_inertia, rigid_groups
 from antenna_pin.mechanism._regular import check_regular, idle_joint, said_of_idle
+from antenna_pin.mechanism._size import check_size
 from antenna_pin.mechanism.frames import Matrix3, Vector3, frame_aligning_z
 from antenna_pin.mechanism.urdf import Urdf
 
@@ -35,10 +35,6 @@ WORLD = "world"
 
 # What Pinocchio calls the joint of a free base.
 _ROOT_JOINT = "root_joint"
-
-# What a run needs over the cube of the degrees of freedom [bytes]: Pinocchio's Data has four tensors of that
-# size (second derivatives, which nobody asks for), and there are up to three of it at a time.
-_PINOCCHIO = 3 * 4 * 8
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -180,12 +176,7 @@ def build_mechanism(urdf: Urdf, base: Base = "free", gravity: Sequence[float] = 
     _check_world(model, urdf)
     if model.nv == 0:
         raise MechanismError(f"{urdf.where}: nothing moves: the base is fixed and so is every joint")
-    check_fits(
-        urdf.where,
-        f"{model.nv} degrees of freedom",
-        _PINOCCHIO * model.nv**3,
-        "leave joints out or lock some, as Pinocchio's buffers grow with the cube of that number",
-    )
+    check_size(urdf.where, model.nv)
     _check_mass(model, urdf)
     moved = _moved(urdf, groups)
     check_regular(model, urdf.where, moved, _ROOT_JOINT)

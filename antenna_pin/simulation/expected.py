@@ -13,7 +13,7 @@ from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.scales import scale_vector
 from antenna_pin.simulation.trials import Made
 
-__all__ = ["Expected", "rough"]
+__all__ = ["Expected", "rough", "turning"]
 
 Array = NDArray[np.float64]
 
@@ -22,6 +22,7 @@ _LONG = 60.0  # [s] of wall time that a run may still take without a word
 _OTHER = 4.0  # times longer, or shorter, than was told: it is told again
 # Steps' share of their tolerance that round-off may have before it is what holds them.
 _NOISE = 0.1
+_TURN = 0.05  # [rad] that a joint turns in a step, and it is this that steps follow
 _LAST_DIGIT = float(np.finfo(float).eps)
 _TRIES = 4
 
@@ -134,4 +135,27 @@ def rough(run: Workspace, settings: RunSettings, t: float, y: Array, step: float
         f"{number(float(apart[worst]), 2)} where time and state change by their last digits; largest is the "
         f"velocity {system.names_v[fastest]} = {number(float(speeds[fastest]), 3)}: let the start be slower, "
         "or make laws and drives smooth"
+    )
+
+
+def turning(run: Workspace, y: Array, step: float) -> str:
+    """Return in words that steps follow a joint that turns fast; empty if none does.
+
+    Args:
+        run: What the run works on.
+        y: State [q, v, x].
+        step: Size of the run's steps [s].
+    """
+    nq, system = run.model.nq, run.system
+    rates = {
+        name: float(np.abs(y[nq : nq + run.model.nv][slot.v]).max())
+        for name, slot in system.mechanism.joints.items()
+        if slot.kind in ("continuous", "revolute")
+    }
+    fastest = max(rates, key=rates.__getitem__, default="")
+    if not fastest or not rates[fastest] * step > _TURN:
+        return ""
+    return (
+        f"joint {fastest!r} turns at {number(rates[fastest], 3)} rad/s, and steps follow its turns, "
+        f"{number(2.0 * math.pi / (rates[fastest] * step), 2)} for each"
     )

@@ -15,7 +15,7 @@ from antenna_pin.integrate import Stepper
 from antenna_pin.interruption import FunctionInterrupted
 from antenna_pin.simulation.control import StepControl
 from antenna_pin.simulation.events import Event
-from antenna_pin.simulation.expected import Expected, rough
+from antenna_pin.simulation.expected import Expected, rough, turning
 from antenna_pin.simulation.questions import called_functions
 from antenna_pin.simulation.repeatable import Repeatable
 from antenna_pin.simulation.stiffness import Stiffness
@@ -114,6 +114,8 @@ class Oversight:
         pace, settings = self._expected, self._control.settings
         if not self.advice and self._control.method.adaptive:
             self._slow = rough(self._workspace, settings, t, y, pace.step)
+            if not self._slow:
+                self._slow = turning(self._workspace, y, pace.step)
             if not self._slow and pace.rejected > _MANY:
                 self._slow = (
                     f"{100.0 * pace.rejected:.0f} % of its steps are rejected, as by a force that jumps: "

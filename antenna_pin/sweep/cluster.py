@@ -19,6 +19,7 @@ from typing import Any, TypeVar
 
 from antenna_pin.errors import AntennaPinError, InvalidParameterError, MissingToolError
 from antenna_pin.sweep.here import Lost
+from antenna_pin.sweep.processes import ends_of_processes, said_of_start
 from antenna_pin.sweep.reach import (
     ANSWERS_WITHIN,
     ClusterLostError,
@@ -106,11 +107,12 @@ class Cluster:
             return
         if self._scheduler is not None:
             check_scheduler(self._scheduler, self._security)
+        ended: list[int] = []
         try:
             if self._scheduler is None:
                 # What workers put aside is read back by pickle: in a folder of their own, no shared one.
                 self._folder = tempfile.TemporaryDirectory(prefix="antenna_pin.", ignore_cleanup_errors=True)
-                with importlib.import_module("dask").config.set(_QUIET):
+                with importlib.import_module("dask").config.set(_QUIET), ends_of_processes() as ended:
                     self._local = self._distributed.LocalCluster(
                         host="127.0.0.1",
                         protocol="tls://",
@@ -129,8 +131,7 @@ class Cluster:
             self.close()
             if self._scheduler is None:
                 raise ClusterLostError(
-                    f"processes of this machine: must start, got: {words_of(error)}; a script that starts "
-                    "them does so under if __name__ == '__main__': only, as they read it too"
+                    f"processes of this machine: must start, but {said_of_start(ended, words_of(error))}"
                 ) from None
             raise ClusterLostError(
                 f"scheduler {self._scheduler}: must have workers within {_PATIENCE:g} s, got: "

@@ -12,6 +12,8 @@ from modal_equations import frequencies, linear_frequencies, spatial
 from antenna_pin import load_scenario
 from antenna_pin.assemble import build_system, urdf_variant
 from antenna_pin.flexible import EffectiveMode, MassProperties, Petals, petal_body, realised
+from antenna_pin.flexible.inertia import share_taken
+from antenna_pin.flexible.realised import hinged
 
 
 def rigid(name: str = "reflector") -> MassProperties:
@@ -182,3 +184,21 @@ def test_a_petal_is_a_sector_of_the_shell():
     expected = np.triu(expected) + np.triu(expected, 1).T
     found = petal_body(0.75, f, inner, outer, half).moments
     assert np.abs(found - expected).max() < 1e-7 * 0.75
+
+
+def test_the_body_chosen_takes_least_of_all_that_are_looked_at(random_link: Any):
+    """They are looked at all at once: some of them, made one by one, take no less."""
+    rng = np.random.default_rng(5)
+    for _ in range(10):
+        link = random_link(rng)
+        t, r = rng.normal(size=3), rng.normal(size=3)
+        best = share_taken(link, realised("m", link, t, r, 1.0, 0.0, least=True).body)
+        about = r - np.cross(link.centre, t)
+        size, away = np.linalg.norm(t), np.linalg.norm(about - (about @ t) * t / (t @ t))
+        reach = size * link.gyration
+        low = min(max(abs(t @ r) / size, away - reach, 1e-3 * (away + reach)), away + reach)
+        for lever in (low, min(max(low, away), away + reach)):
+            extra = lever * size / link.gyration + (lever / link.gyration) ** 2
+            for factor, flat in ((0.125, 0.1), (1.0, 0.5), (8.0, 0.9)):
+                other = hinged("m", link, t, r, lever, factor * extra, 1.0, 0.0, flat)
+                assert best <= share_taken(link, other.body) * (1.0 + 1e-12)

@@ -210,3 +210,12 @@ def test_a_loop_that_is_pulled_beyond_its_reach_ends_the_run(run):
     assert found.message.startswith("at t = 0.01249") or found.message.startswith("at t = 0.0125")
     assert "closure 'pin': the loops cannot be closed from here on" in found.message
     assert float(found.data.time[-1]) < 0.0125 + 1e-9
+
+
+def test_a_motion_too_fast_for_its_loops_is_named():
+    """Of 1e12 rad/s round-off is 1e-4 rad/s: no loop is closed to a millionth."""
+    crank = load_scenario("slider_crank", case="ideal", overrides={"drives.crank.rate": "1e13 rpm"})
+    with pytest.raises(
+        AntennaPinError, match=r"motion 'crank' is too fast: it moves joint 'crank' by 1.*rad/s at t = 0"
+    ):
+        simulate(crank, duration=1e-12)

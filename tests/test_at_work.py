@@ -1,0 +1,31 @@
+"""A command that takes long says so where no bar shows it: at once after a while, then ever more rarely."""
+
+import time
+
+import pytest
+
+from antenna_pin.cli import _progress
+from antenna_pin.simulation.progress import Progress
+
+
+@pytest.mark.parametrize("bar", [False, True])
+def test_a_command_that_takes_long_says_so(monkeypatch, capsys, bar):
+    """After 0.1, 0.2, 0.4 s of 0.7 s; with how far it is, if that is known; and not when it is done."""
+    monkeypatch.setattr(_progress, "_FIRST", 0.1)
+    said = []
+    with _progress.said_at_work("report", said.append), _progress.progress_bar("panel", bar) as report:
+        if report is not None:
+            report(Progress(0.25, 1.0, 1e-3, 10, 1.0))
+        time.sleep(0.7)
+    count = len(said)
+    time.sleep(0.2)
+    assert 1 <= count == len(said) <= 3
+    how_far = ": panel, 25 % done" if bar else ""
+    assert said[0] == f"note: report is at work, for 0.1 s so far{how_far}"
+
+
+def test_a_command_that_is_quick_says_nothing():
+    said = []
+    with _progress.said_at_work("report", said.append):
+        pass
+    assert said == []
