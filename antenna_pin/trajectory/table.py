@@ -20,7 +20,6 @@ from antenna_pin.files import has_whole_seal, replacing
 from antenna_pin.trajectory.file import write
 from antenna_pin.trajectory.hdf5 import load_dataset, open_hdf5
 from antenna_pin.trajectory.result import library_versions
-from antenna_pin.trajectory.table_schema import lacking
 
 if TYPE_CHECKING:
     from antenna_pin.scenario import Scenario
@@ -132,9 +131,5 @@ def open_table(path: str | os.PathLike[str], kind: TableKind) -> xr.Dataset:
         raise FileFormatError(
             f"{file}: must be as antenna-pin wrote it, got another checksum, or none: it was damaged, or "
             "edited in place; take another copy of it, or make it again"
-        )
-    if problem := lacking(table, kind):
-        raise FileFormatError(
-            f"{file}: must be {KINDS[kind]} as antenna-pin writes it, got {problem}; make it again"
         )
     return table

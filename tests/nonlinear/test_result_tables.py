@@ -133,21 +133,3 @@ def test_a_file_of_something_else_is_refused_in_one_line(driven, tmp_path):
 
 def test_every_kind_has_one_format():
     assert len(set(FORMATS.values())) == len(FORMATS)
-
-
-def test_a_dataset_that_lacks_what_its_kind_holds_is_refused(driven, tmp_path):
-    """Whatever it is: sealed as ours are, so that somebody has made it."""
-    period = 1.0 / FREQUENCY
-    flow, start = flow_of(driven)
-    table = orbit_table(periodic_orbit(flow, flow.after(start, 20 * period), period), flow.system, driven)
-    for change, said in (
-        (lambda of: of.drop_vars("tangent"), "no variable 'tangent'"),
-        (lambda of: of.assign(period=("lap", [period])), "a variable 'period' along lap"),
-        (lambda of: of.assign(state=1.0), "a variable 'state' that is not of text"),
-        (lambda of: of.isel(multiplier=slice(0)), "nothing along 'multiplier'"),
-        (lambda of: of.assign_attrs(iterations="many"), "an attribute 'iterations' that is no finite number"),
-        (lambda of: of.assign_attrs(scenario=3), "an attribute 'scenario' that is no text"),
-    ):
-        save_table(change(table), tmp_path / "orbit.nc")
-        with pytest.raises(FileFormatError, match=f"must be a periodic solution as .* got {said}"):
-            open_orbit(tmp_path / "orbit.nc")
