@@ -13,7 +13,6 @@ from typing import Any
 from lxml import etree
 
 from antenna_pin.mechanism._source import tag_of
-from antenna_pin.units import LARGEST
 
 __all__ = ["MOMENTS", "SHAPES", "Findings", "clean", "for_pinocchio", "numbers_in"]
 
@@ -41,6 +40,9 @@ _READ = {
 # Joints that turn or slide about an axis of their own, and those with bounds.
 WITH_AXIS = ("continuous", "prismatic", "revolute")
 _BOUNDED = ("prismatic", "revolute")
+
+# Numbers beyond that cannot be squared.
+LARGEST = 1e150
 
 # Bounds in place of none, for a reader that takes none for 0.
 _FAR = {"lower": "-1e9", "upper": "1e9", "effort": "1e9", "velocity": "1e9"}

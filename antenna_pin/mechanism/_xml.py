@@ -16,9 +16,8 @@ from typing import Any
 from lxml import etree
 
 from antenna_pin.errors import MechanismError, nearest
-from antenna_pin.mechanism._plain import MOMENTS, numbers_in
+from antenna_pin.mechanism._plain import LARGEST, MOMENTS, numbers_in
 from antenna_pin.mechanism._source import is_xacro, root_of, tag_of
-from antenna_pin.units import LARGEST
 
 JOINT_TYPES = ("continuous", "fixed", "floating", "planar", "prismatic", "revolute")
 
