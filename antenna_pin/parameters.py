@@ -25,7 +25,7 @@ from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 from antenna_pin.arguments import fits, rule_of, takes, unknown_type
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.units import LARGEST, QuantityError, quantity
+from antenna_pin.units import QuantityError, quantity
 
 __all__ = [
     "RULES",
@@ -50,7 +50,6 @@ RULES: Mapping[str, Callable[[float], bool]] = MappingProxyType(
 )
 """What a finite number must be, as it reads after "must be"."""
 
-_BOUNDED = f"at most {LARGEST:g} in size"
 _FINITE = {"": "finite", "positive": "positive and finite", "zero or more": "zero or more, and finite"}
 
 
@@ -203,14 +202,14 @@ def _declared(cls: type[Any]) -> tuple[_Declared, ...]:
 
 
 def holds(value: object, rule: str) -> bool:
-    """Return whether a value is a finite number, at most ``LARGEST`` in size, that obeys one of ``RULES``."""
+    """Return whether a value is a finite number that obeys one of ``RULES``."""
     if isinstance(value, bool | str):
         return False
     try:
         number = float(value)  # type: ignore[arg-type]
     except (TypeError, ValueError, OverflowError):
         return False
-    return abs(number) <= LARGEST and RULES[rule](number)
+    return math.isfinite(number) and RULES[rule](number)
 
 
 def _in_si(owner: object, name: str, value: Any, declared: Mapping[Any, Any]) -> Any:
@@ -234,12 +233,8 @@ def _in_si(owner: object, name: str, value: Any, declared: Mapping[Any, Any]) ->
 
 def _number(owner: object, name: str, value: object, rule: str) -> None:
     if not holds(value, rule):
-        said = _BOUNDED if _is_beyond(value) else _FINITE.get(rule, rule)
+        said = _FINITE.get(rule, rule)
         raise InvalidParameterError(owner, name, said, value)
-
-
-def _is_beyond(value: object) -> bool:
-    return isinstance(value, int | float) and LARGEST < abs(value) < math.inf
 
 
 def _numbers(owner: object, name: str, value: object, sizes: tuple[int, ...], rule: str) -> tuple[float, ...]:
@@ -250,6 +245,5 @@ def _numbers(owner: object, name: str, value: object, sizes: tuple[int, ...], ru
     except TypeError:
         raise InvalidParameterError(owner, name, said, value) from None
     if (sizes != (0,) and len(entries) not in sizes) or not all(holds(entry, rule) for entry in entries):
-        said = f"{said}, {_BOUNDED}" if any(map(_is_beyond, entries)) else said
         raise InvalidParameterError(owner, name, said, value)
     return tuple(float(entry) for entry in entries)
