@@ -26,7 +26,7 @@ from typing import Any, Literal, get_args, get_origin, get_type_hints
 from antenna_pin.arguments import fits, is_number, rule_of, takes, unknown_type
 from antenna_pin.directions import A_DIRECTION, direction
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.units import LARGEST, QuantityError, quantity
+from antenna_pin.units import QuantityError, quantity
 
 __all__ = [
     "FARTHEST",
@@ -61,8 +61,8 @@ RULES: Mapping[str, Callable[[float], bool]] = MappingProxyType(
 )
 """What a finite number must be, as it reads after "must be"."""
 
-#: Size below which a positive number is refused, as one above ``LARGEST`` is: k = m w^2 must be a number too.
-LEAST = 1e-100
+#: Sizes beyond which a number is refused, lest what is made of it (k = m w^2) be no number any more.
+LARGEST, LEAST = 1e100, 1e-100
 
 #: Size beyond which a double does not tell places and angles apart to a millionth [m], [rad].
 FARTHEST = 2.0**33

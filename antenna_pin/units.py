@@ -20,7 +20,7 @@ from typing import Any
 from antenna_pin.errors import ScenarioError
 from antenna_pin.numerals import DECIMAL
 
-__all__ = ["LARGEST", "QuantityError", "any_quantity", "describe_unit", "matching_unit", "quantity", "shown"]
+__all__ = ["QuantityError", "any_quantity", "describe_unit", "matching_unit", "quantity", "shown"]
 
 # Unit, and what a quantity of it is called; the first that fits names a quantity seen.
 _KINDS = {
@@ -52,9 +52,6 @@ _PURE = ("1", "-", "")
 _QUANTITY = re.compile(rf"({DECIMAL})\s*(.*)", re.DOTALL)
 _NOT_FINITE = re.compile(r"[+-]?(?:nan|inf|infinity)\b.*", re.IGNORECASE | re.DOTALL)
 _UNIT_CHARACTERS = re.compile(r"[\w\s*/^().+\-°·]*|%")
-#: No number of mechanics is larger, and the products of three that are not are still finite.
-LARGEST = 1e100
-
 _LONGEST = 100  # letters of a quantity
 _LONGEST_INTEGER = 8192  # bits; Python refuses to print much longer ones
 # An exponent is one number, or a fraction; a power of a power could grow for ever.
@@ -200,14 +197,8 @@ def _quantity(value: object, units: tuple[str, ...]) -> float:
         number = float(value)
     except OverflowError:
         raise _Refused(" (not finite)") from None
-    return _bounded(number, units)
-
-
-def _bounded(number: float, units: tuple[str, ...]) -> float:
     if not math.isfinite(number):
         raise _Refused(" (not finite)")
-    if abs(number) > LARGEST and units[0] not in _PURE:  # of directions only the ratios count
-        raise _Refused(f" (above {LARGEST:g} in size)")
     return number
 
 
@@ -227,7 +218,10 @@ def _from_text(text: str, units: tuple[str, ...]) -> float:
         if name == "":
             raise _Refused(f" (no unit); write '{digits} {units[0]}'")
         raise _Refused(f" ({_name_of(name, seen)})")
-    return _bounded(_scaled(digits, seen.factor), units)
+    number = _scaled(digits, seen.factor)
+    if not math.isfinite(number):
+        raise _Refused(" (not finite)")
+    return number
 
 
 def _scaled(digits: str, factor: float) -> float:

@@ -181,7 +181,7 @@ class Bench:
                 return "the older result is gone"
             if found.code == 0 and self.older[trial.name] and not after:
                 return f"nothing written: {found.said!r}"
-        if found.code == 2 and "instead" in found.said and not any(map(is_whole, self._elsewhere(place))):
+        if "the result is in " in found.said and not any(map(is_whole, self._elsewhere(place))):
             return f"the result that should be elsewhere is not whole: {found.said!r}"
         if found.code != -signal.SIGKILL and (left := self._left(place)):
             return f"left behind: {left}"

@@ -123,12 +123,7 @@ FAR, LARGE = (8e9, 1e10, r"at most 8.6e\+09 {} in size, up to"), (1e99, 1e101, r
         (lambda x: InitialJointSpec(angle=x), "angle must be", FAR, "rad"),
         (lambda x: InitialJointSpec(position=-x), "position must be", FAR, "rad"),
         (lambda x: PlaceSpec(link="a", point=(0, 0, x)), r"point\[2\] must be", FAR, "m"),
-        (
-            lambda x: InitialJointSpec(rate=x),
-            r"rate must be an angular rate .*above 1e\+100",
-            (*LARGE[:2], ""),
-            "",
-        ),
+        (lambda x: InitialJointSpec(rate=x), "rate must be", LARGE, ""),
         (lambda x: LinkChange(mass=x), "mass must be", LARGE, ""),
         (lambda x: SineDrive(joint="a", amplitude=x, frequency=1.0), "amplitude must be", LARGE, ""),
         (lambda x: SineDrive(joint="a", amplitude=1.0, frequency=x), "frequency must be", LARGE, ""),

@@ -39,6 +39,25 @@ def test_a_random_scenario_keeps_its_ledgers(script, number):
     assert (row.momentum <= script.MOMENTUM) if conserved else np.isnan(row.momentum)
 
 
+def test_both_engines_come_to_the_same(script):
+    row = script.run_number(SEED, FEW[1], engines=True)
+    assert row.failures == []
+    assert row.engines <= script.AGREE
+
+
+def test_engines_that_part_are_listed(script, monkeypatch):
+    simulate = script.simulate
+
+    def astray(scenario, **named):
+        run = simulate(scenario, **named)
+        run.data["q"].values[:] += 1e-3 * (scenario.integrator.engine == "compiled")
+        return run
+
+    monkeypatch.setattr(script, "simulate", astray)
+    failures = script.run_number(SEED, FEW[1], engines=True).failures
+    assert any("engines are" in text for text in failures), failures
+
+
 def test_the_handful_is_a_mixture(script, draw):
     seen = [script.classes_of(draw(SEED, number)) for number in FEW]
     for kind, least in (("base", 2), ("joint", 3), ("load", 2), ("backend", 2), ("law", 6), ("friction", 4)):

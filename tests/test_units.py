@@ -13,11 +13,11 @@ from hypothesis import strategies as st
 
 from antenna_pin import units
 from antenna_pin.errors import ScenarioError
-from antenna_pin.units import LARGEST, QuantityError, describe_unit, matching_unit, quantity, shown
+from antenna_pin.units import QuantityError, describe_unit, matching_unit, quantity, shown
 
 PLACE = "my.toml: clearance.hinge.radial_clearance"
 
-FINITE = st.floats(-LARGEST, LARGEST)
+FINITE = st.floats(allow_nan=False, allow_infinity=False)
 
 
 @pytest.mark.parametrize(
@@ -86,8 +86,6 @@ def test_quantity_is_read_in_si(value, unit, expected):
         ("inf", "1", "must be a pure number, got 'inf' (not finite)"),
         ("1e400 m", "m", "must be a length [m], got '1e400 m' (not finite)"),
         ("1e308 km", "m", "must be a length [m], got '1e308 km' (not finite)"),
-        ("1e98 km", "m", "must be a length [m], got '1e98 km' (above 1e+100 in size)"),
-        (-1e200, "m", "must be a length [m], got -1e+200 (above 1e+100 in size)"),
         ("60 rpm", "Hz", "must be a frequency [Hz], got '60 rpm' (angular rate)"),
         ("1 rad/s", "Hz", "must be a frequency [Hz], got '1 rad/s' (angular rate)"),
         ("1 kHz", "rad/s", "must be an angular rate [rad/s], got '1 kHz' (frequency)"),
@@ -138,7 +136,7 @@ def test_decimal_prefixes_are_rounded_once(number, unit):
     assert quantity(f"{number} {name}", "m", PLACE) == float(number * Decimal(10) ** power)
 
 
-@given(number=st.floats(-1e95, 1e95), factor=st.sampled_from([("inch", "0.0254"), ("h", "3600")]))
+@given(number=st.floats(-1e200, 1e200), factor=st.sampled_from([("inch", "0.0254"), ("h", "3600")]))
 def test_units_convert_by_their_definition(number, factor):
     name, si = factor
     wanted = "m" if name == "inch" else "s"

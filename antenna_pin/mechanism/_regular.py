@@ -62,7 +62,8 @@ def idle_joint(model: Any, q: Array) -> Idle | None:
         scale = np.where(turns, about, whole.mass)
         if not np.all(scale > 0.0):
             return Idle(i, bool(turns[int(np.argmin(scale))]))
-        values, ways = np.linalg.eigh(block / np.sqrt(np.outer(scale, scale)))
+        root = np.sqrt(scale)  # first: the square of next to nothing is nothing
+        values, ways = np.linalg.eigh(block / np.outer(root, root))
         if not values[0] > _NO_INERTIA:
             return Idle(i, bool(turns[int(np.argmax(np.abs(ways[:, 0])))]))
         before = matrix[:start, own]

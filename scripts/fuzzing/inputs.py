@@ -163,8 +163,8 @@ def quietly(words: Sequence[str], folder: Path) -> None:
 
 
 def _may_leave(words: Sequence[str]) -> bool:
-    """Whether a command keeps what was finished before it was refused: runs, one after the other."""
-    return words[0] in ("sweep", "figures", "bifurcation")
+    """Whether a command keeps what was done before it was refused: runs, or what is said of files."""
+    return words[0] in ("sweep", "figures", "bifurcation") or "--check" in words
 
 
 def _called(act: Callable[[], Any]) -> str | None:

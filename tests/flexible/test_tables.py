@@ -155,9 +155,7 @@ def test_more_modes_than_memory_holds_are_refused_before_any_work(tmp_path: Path
     (tmp_path / "modes.csv").write_text(CSV + "20,0.01,0.1,0,0,0,0,0\n" * 4)
     table = {"kind": "modal-data", "file": str(tmp_path / "modes.csv"), "link": "body"}
     scenario = load_scenario("bai2020", case="case1", overrides={"flexible.wing": table})
-    with pytest.raises(
-        TooLargeError, match=r"flexible\.wing: 6 degrees of freedom would need .*take the modes"
-    ):
+    with pytest.raises(TooLargeError, match=r"flexible\.wing: 6 degrees of freedom .*take the modes"):
         build_system(scenario)
     with pytest.raises(TooLargeError, match=r": 8 degrees of freedom would need .*leave joints out"):
         build_system(load_scenario("bai2020", case="case1"))

@@ -374,3 +374,10 @@ def test_a_pose_in_which_a_joint_idles_is_refused_where_others_are_not():
     simulate(system, duration=0.01, q=[1.0, 0.0, np.cos(1.0), np.sin(1.0)])
     with pytest.raises(MechanismError, match="initial pose: in this pose joint 'one' can turn link 'cross'"):
         simulate(system, duration=0.01, q=[1.0, 0.0, 0.0, 1.0])
+
+
+def test_next_to_no_mass_is_judged_by_its_size():
+    """The square of 4e-166 kg is nothing, which no number may be divided by."""
+    moments = (0.5, 0.4, 0.8)
+    urdf = robot(link("a", 1.0, moments), link("b", 4e-166, moments), joint("j", "a", "b", "floating"))
+    assert build_mechanism(urdf, "fixed").model.nv == 6
