@@ -170,7 +170,7 @@ class _Yes:
         (Sequence[float], ([1, 2.0], (), np.zeros(3)), ("12", {1: 2}, [1, "a"], 3), "a sequence of numbers"),
         (tuple[float, float], ((1, 2), [1.0, 2.0]), ((1,), (1, "a"), 3, "ab"), "2 of numbers"),
         (Mapping[str, float], ({"a": 1}, {}), ([], {"a": "b"}, {1: 1.0}), "a mapping of names to numbers"),
-        (ArrayLike, ([1, 2], 3.0, np.eye(2), []), ("a", {}, None, ["a"], object(), 1j), "an array of numbers"),
+        (ArrayLike, ([1, 2], 3.0, np.eye(2), []), ("a", {}, None, ["a"], Thing(), 1j), "an array of numbers"),
         (NDArray[np.complex128], (np.ones(2) * 1j,), ("a", None), "an array of numbers"),
         (Iterable[int], ({1: "a"}, [1]), ({"a": 1}, ["a"], 3), "a sequence of whole numbers"),
         (Callable[[float], float], (abs, Thing), (3, "a", None), "a function"),
@@ -203,7 +203,10 @@ def test_a_decorated_function_stays_what_it_was():
 
 
 #: Rooms whose functions people call with values of their own; the others' are called by these.
-CALLED = "analysis antenna_pin assemble linear mechanism nonlinear plot record report scenario simulation studies sweep"
+CALLED = (
+    "analysis antenna_pin assemble linear mechanism nonlinear plot record report "
+    "scenario simulation studies sweep"
+)
 
 
 def _is_checked(function):
