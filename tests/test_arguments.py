@@ -208,6 +208,9 @@ CALLED = (
     "scenario simulation studies sweep"
 )
 
+#: Without a check, for `antenna-pin list` is not to wait for NumPy: they take a name and refuse others by it.
+UNCHECKED = ("scenario_cases", "scenario_summary")
+
 
 def _is_checked(function):
     while hasattr(function, "__wrapped__"):
@@ -223,7 +226,7 @@ def test_every_public_function_says_what_it_takes(room):
     module = importlib.import_module("antenna_pin" if room == "antenna_pin" else f"antenna_pin.{room}")
     for name in module.__all__:
         function = getattr(module, name)
-        if inspect.isfunction(function) and inspect.signature(function).parameters:
+        if inspect.isfunction(function) and inspect.signature(function).parameters and name not in UNCHECKED:
             assert _is_checked(function), name
 
 
@@ -232,7 +235,11 @@ def _functions():
         module = importlib.import_module("antenna_pin" if room == "antenna_pin" else f"antenna_pin.{room}")
         for name in module.__all__:
             function = getattr(module, name)
-            if inspect.isfunction(function) and inspect.signature(function).parameters:
+            if (
+                name not in UNCHECKED
+                and inspect.isfunction(function)
+                and inspect.signature(function).parameters
+            ):
                 yield pytest.param(function, id=f"{room}.{name}")
 
 
