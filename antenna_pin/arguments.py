@@ -139,7 +139,8 @@ def fits(value: Any, hint: Any) -> bool:
         return _is_array(value, "c" if hint != ArrayLike and "complex" in str(hint) else "")
     origin, inner = get_origin(hint), get_args(hint)
     if origin in _UNIONS:
-        return any(fits(value, one) for one in inner)
+        arrays, others = _without_arrays(inner)
+        return (arrays and _is_array(value, "")) or any(fits(value, one) for one in others)
     if origin is Literal:
         return any(type(one) is type(value) for one in inner)  # which of them is the function's own to say
     if origin is typing.Annotated:
@@ -187,6 +188,15 @@ def _fits_parts(value: Any, origin: Any, inner: tuple[Any, ...]) -> bool:
         return False
     again = isinstance(value, Collection) and len(inner) == 1
     return not again or all(fits(one, inner[0]) for one in value)
+
+
+@functools.cache
+def _without_arrays(kinds: tuple[Any, ...]) -> tuple[bool, list[Any]]:
+    """Return whether ``ArrayLike`` is one of a union's kinds, where its parts stand, and the others."""
+    parts = get_args(ArrayLike)
+    if not set(map(str, parts)) <= set(map(str, kinds)):
+        return False, list(kinds)
+    return True, [kind for kind in kinds if str(kind) not in set(map(str, parts))]
 
 
 def is_number(value: Any) -> bool:
@@ -249,7 +259,10 @@ def rule_of(hint: Any) -> str:
         return "an array of numbers"
     origin, inner = get_origin(hint), get_args(hint)
     if origin in _UNIONS:
-        *first, last = dict.fromkeys(rule_of(one) for one in inner if one not in (None, type(None)))
+        arrays, others = _without_arrays(inner)
+        said = ["an array of numbers"] * arrays
+        said += [rule_of(one) for one in others if one not in (None, type(None))]
+        *first, last = dict.fromkeys(said)
         return f"{', '.join(first)} or {last}" if first else last
     if origin is Literal:
         *first, last = (shown(one) for one in inner)

@@ -170,7 +170,7 @@ class _Yes:
         (Sequence[float], ([1, 2.0], (), np.zeros(3)), ("12", {1: 2}, [1, "a"], 3), "a sequence of numbers"),
         (tuple[float, float], ((1, 2), [1.0, 2.0]), ((1,), (1, "a"), 3, "ab"), "2 of numbers"),
         (Mapping[str, float], ({"a": 1}, {}), ([], {"a": "b"}, {1: 1.0}), "a mapping of names to numbers"),
-        (ArrayLike, ([1, 2], 3.0, np.eye(2), []), ("a", {}, None, ["a"], object()), "an array of numbers"),
+        (ArrayLike, ([1, 2], 3.0, np.eye(2), []), ("a", {}, None, ["a"], Thing(), 1j), "an array of numbers"),
         (NDArray[np.complex128], (np.ones(2) * 1j,), ("a", None), "an array of numbers"),
         (Iterable[int], ({1: "a"}, [1]), ({"a": 1}, ["a"], 3), "a sequence of whole numbers"),
         (Callable[[float], float], (abs, Thing), (3, "a", None), "a function"),
@@ -204,9 +204,12 @@ def test_a_decorated_function_stays_what_it_was():
 
 #: Rooms whose functions people call with values of their own; the others' are called by these.
 CALLED = (
-    "analysis antenna_pin assemble linear mechanism nonlinear plot record report scenario simulation studies "
-    "sweep"
+    "analysis antenna_pin assemble linear mechanism nonlinear plot record report "
+    "scenario simulation studies sweep"
 )
+
+#: Without a check, for `antenna-pin list` is not to wait for NumPy: they take a name and refuse others by it.
+UNCHECKED = ("scenario_cases", "scenario_summary")
 
 
 def _is_checked(function):
@@ -223,7 +226,7 @@ def test_every_public_function_says_what_it_takes(room):
     module = importlib.import_module("antenna_pin" if room == "antenna_pin" else f"antenna_pin.{room}")
     for name in module.__all__:
         function = getattr(module, name)
-        if inspect.isfunction(function) and inspect.signature(function).parameters:
+        if inspect.isfunction(function) and inspect.signature(function).parameters and name not in UNCHECKED:
             assert _is_checked(function), name
 
 
@@ -232,7 +235,11 @@ def _functions():
         module = importlib.import_module("antenna_pin" if room == "antenna_pin" else f"antenna_pin.{room}")
         for name in module.__all__:
             function = getattr(module, name)
-            if inspect.isfunction(function) and inspect.signature(function).parameters:
+            if (
+                name not in UNCHECKED
+                and inspect.isfunction(function)
+                and inspect.signature(function).parameters
+            ):
                 yield pytest.param(function, id=f"{room}.{name}")
 
 

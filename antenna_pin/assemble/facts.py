@@ -8,6 +8,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from antenna_pin.arguments import takes
 from antenna_pin.assemble.build import build_system
 from antenna_pin.assemble.closures import axes_turned
 from antenna_pin.assemble.initial import guess_of, initial_angles, initial_state
@@ -23,6 +24,7 @@ __all__ = ["scenario_facts"]
 _TOLD = np.radians(10.0)
 
 
+@takes()
 def scenario_facts(scenario: Scenario) -> dict[str, Any]:
     """Return what a case is: ``base``, ``joints``, ``closures``, ``couplings``, ``drives``, ``constraints``.
 

@@ -54,6 +54,7 @@ def initial_state(scenario: Scenario, system: System) -> tuple[Array, Array]:
     return y[:nq], y[nq : nq + system.model.nv]
 
 
+@takes()
 def initial_angles(scenario: Scenario, system: System) -> dict[str, float]:
     """Return the initial angles of the joints that turn without end, with their whole turns [rad]."""
     known = _known_places(scenario, system)

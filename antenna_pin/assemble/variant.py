@@ -22,6 +22,7 @@ def types_as_written(scenario: Scenario) -> dict[str, str]:
     return {name: joint.type for name, joint in as_written(scenario).joints.items()}
 
 
+@takes()
 def as_written(scenario: Scenario) -> WrittenUrdf:
     """Return the URDF of a scenario as its file is, its mechanics not judged: changes can mend it."""
     return WrittenUrdf(

@@ -13,7 +13,6 @@ import os
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,9 +24,7 @@ from antenna_pin.interruption import interruptible
 from antenna_pin.record._browser import find_browser
 from antenna_pin.record._camera import Camera, check_size, open_camera
 from antenna_pin.record._movie import check_writers, palette_of, write_gif, write_mp4
-
-if TYPE_CHECKING:
-    from antenna_pin.record.recording import Recording
+from antenna_pin.record.recording import Recording
 
 __all__ = ["Filmed", "check_film", "film_times", "save_frames", "save_picture", "save_video"]
 

@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from antenna_pin.arguments import takes
 from antenna_pin.errors import ScenarioError, UnknownNameError, printable
 from antenna_pin.scenario.toml_text import NotTomlError, read_toml_text
 
@@ -67,7 +66,6 @@ def list_scenarios() -> list[ScenarioSummary]:
     return [scenario_summary(path.parent.name) for path in sorted(models_path().glob(f"*/{FILE_NAME}"))]
 
 
-@takes()
 def scenario_summary(name_or_path: str | os.PathLike[str]) -> ScenarioSummary:
     """Return name, title and cases of a scenario, shipped or at a path; what is no table is left out.
 
@@ -88,7 +86,6 @@ def _one_line(text: object) -> str:
     return printable(" ".join(text.split())) if isinstance(text, str) else ""
 
 
-@takes()
 def scenario_cases(name_or_path: str | os.PathLike[str]) -> tuple[CaseSummary, ...]:
     """Return the cases of a scenario, shipped or at a path, in the file's order; none if it has no cases."""
     return scenario_summary(name_or_path).cases
