@@ -22,7 +22,7 @@ from typing import Any
 
 from antenna_pin.errors import OutputError
 
-__all__ = ["PatientFile", "check_writable", "decoded", "has_whole_seal", "replacing", "seal"]
+__all__ = ["PatientFile", "absence", "check_writable", "decoded", "has_whole_seal", "replacing", "seal"]
 
 _PREFIX, _SUFFIX = ".antenna-pin-", ".partial"
 # A file system's block: one that is full takes a name, but not this.
@@ -50,6 +50,12 @@ def decoded(data: bytes) -> str:
             if "<" in text:  # bytes of UTF-8 taken for UTF-16 are Chinese
                 return text
     return data.decode("latin-1" if b"<" in data else "utf-8")
+
+
+def absence(path: str | os.PathLike[str], what: str = "file") -> str:
+    """Return why a path is no file to be read, as it reads after its name: no such thing, or a device."""
+    there = os.path.exists(path) and not os.path.isdir(path) and not os.path.isfile(path)
+    return "must be a regular file, got a device or a pipe" if there else f"no such {what}"
 
 
 def check_writable(path: str | os.PathLike[str]) -> Path:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, TypeAlias, cast
+from typing import Any, Protocol, TypeAlias, cast
 
 import numpy as np
 import xarray as xr
@@ -14,9 +14,19 @@ from numpy.typing import NDArray
 from antenna_pin.analysis import between_samples
 from antenna_pin.errors import FileFormatError, InvalidParameterError
 from antenna_pin.plot._style import COLOURS, IDEAL, MANY, Array
-from antenna_pin.trajectory import Trajectory, contacts_of, names_along, series
+from antenna_pin.trajectory import contacts_of, names_along, series
 
-Run: TypeAlias = Trajectory | tuple[str, xr.Dataset | Trajectory]
+
+class Recorded(Protocol):
+    """A run, or what has the data of one as a run has them."""
+
+    @property
+    def data(self) -> xr.Dataset:
+        """The samples."""
+        ...
+
+
+Run: TypeAlias = Recorded | tuple[str, xr.Dataset | Recorded]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

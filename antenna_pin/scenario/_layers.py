@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 from pydantic import ValidationError
 
 from antenna_pin.errors import ScenarioError, nearest
-from antenna_pin.files import decoded
+from antenna_pin.files import absence, decoded
 from antenna_pin.flexible.table import BadModalTableError, read_modal_table
 from antenna_pin.scenario._base import Spec, unknown_key
 from antenna_pin.scenario._explained import Location, Place, dotted, explained
@@ -206,7 +206,7 @@ def _read_file(
     """Return the text of a file that the scenario names."""
     path = folder / os.path.expanduser(name)
     if path.exists() and not path.is_dir() and not path.is_file():
-        raise source.error(f"must be a regular file, got {shown(name)}, a device or a pipe", *location)
+        raise source.error(f"{absence(path)}: {shown(name)}", *location)
     if not path.is_file():
         around = path.parent
         names = [other.name for other in around.glob(f"*{path.suffix}")] if around.is_dir() else []

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from antenna_pin.errors import ScenarioError, UnknownNameError, printable
+from antenna_pin.files import absence
 from antenna_pin.scenario.toml_text import NotTomlError, read_toml_text
 
 __all__ = [
@@ -108,7 +109,9 @@ def find_scenario(name_or_path: str | os.PathLike[str]) -> ScenarioFile:
         return ScenarioFile(path, text, path.resolve().parent.name if path.name == FILE_NAME else path.stem)
     if path.name == text and path.suffix != ".toml":
         raise UnknownNameError("load_scenario", "shipped scenario, file or folder", text, shipped)
-    raise ScenarioError(f"{text}: no such file or folder; shipped scenarios: {', '.join(sorted(shipped))}")
+    raise ScenarioError(
+        f"{text}: {absence(path, 'file or folder')}; shipped scenarios: {', '.join(sorted(shipped))}"
+    )
 
 
 def read_toml(path: Path, label: str) -> dict[str, Any]:

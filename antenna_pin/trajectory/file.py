@@ -17,7 +17,7 @@ import numpy as np
 import xarray as xr
 
 from antenna_pin.errors import FileFormatError
-from antenna_pin.files import PatientFile, has_whole_seal, seal
+from antenna_pin.files import PatientFile, absence, has_whole_seal, seal
 from antenna_pin.interruption import held_back
 from antenna_pin.trajectory.hdf5 import open_hdf5
 from antenna_pin.trajectory.on_disk import Stored, StoredFile
@@ -192,7 +192,7 @@ def read(source: Path) -> xr.Dataset:
         FileFormatError: It is not there, damaged, or not of this version of the format.
     """
     if not source.is_file():
-        raise FileFormatError(f"{source}: no such file; `antenna-pin run` writes one")
+        raise FileFormatError(f"{source}: {absence(source)}; `antenna-pin run` writes one")
     try:
         whole = has_whole_seal(source)
         if whole is False:

@@ -17,7 +17,7 @@ import xarray as xr
 
 from antenna_pin.arguments import takes
 from antenna_pin.errors import FileFormatError
-from antenna_pin.files import has_whole_seal, replacing
+from antenna_pin.files import absence, has_whole_seal, replacing
 from antenna_pin.trajectory.file import write
 from antenna_pin.trajectory.hdf5 import load_dataset, open_hdf5
 from antenna_pin.trajectory.result import library_versions
@@ -118,7 +118,7 @@ def open_table(path: str | os.PathLike[str], kind: TableKind) -> xr.Dataset:
     """
     file = Path(path)
     if not file.is_file():
-        raise FileFormatError(f"{file}: no such file; it must be {KINDS[kind]} that antenna-pin wrote")
+        raise FileFormatError(f"{file}: {absence(file)}; it must be {KINDS[kind]} that antenna-pin wrote")
     try:
         whole = has_whole_seal(file)
         table = load_dataset(file)
