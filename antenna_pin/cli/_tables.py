@@ -61,7 +61,7 @@ _ENTRIES = {
     "elastic_loss": ("energy lost in the damper", "J"),
 }
 # What stands where an entry has no number, but for a dash.
-_WITHOUT = {"energy balance error, relative [-]": "no work to compare with"}
+_WITHOUT = {"energy balance error, relative [-]": "no work"}
 # Entries that tables leave out: what they say is said in a sentence.
 _SAID = ("title", "message", "redundant", "singular")
 # Groups of a summary whose name says nothing that their entries do not say.

@@ -43,9 +43,11 @@ def problems_of_numbers(data: xr.Dataset) -> Iterator[str]:
     for name, rule in columns:
         if name not in data.variables:
             continue
-        columns_that_count = _kept(data, name) if rule.passive else slice(None)
         finite = ended_well or name in _ALWAYS
-        yield from _in_column(data, name, rule, finite, columns_that_count)
+        problems = list(_in_column(data, name, rule, finite, slice(None)))
+        if problems and rule.passive:  # which contacts it binds is looked up where that matters
+            problems = list(_in_column(data, name, rule, finite, _kept(data, name)))
+        yield from problems
     if not is_lean(data):
         for place, part in _directions(data):
             yield from _in_column(data, "q", _DIRECTION, True, part, f"{place!r} of 'q'")

@@ -161,7 +161,7 @@ def test_ctrl_c_ends_cleanly_and_keeps_what_was_computed():
 def test_a_state_that_stops_being_finite_ends_the_run_and_says_where():
     drive = CallableDrive(joint="axle", torque=lambda t, angle, rate: 1.0 if t < 0.5 else math.nan)
     run = simulate(wheel(drives={"d": drive}), duration=1.0, settings=TIGHT)
-    assert run.outcome is Outcome.NOT_FINITE
+    assert run.outcome is Outcome.FUNCTION_FAILED
     assert "at t = 0.5" in run.message or "at t = 0.49" in run.message
     assert np.isfinite(run.data["q"].values).all()
 
