@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 
 import numpy as np
@@ -28,8 +27,10 @@ __all__ = ["QuietTrials", "stepper_of"]
 
 Array = NDArray[np.float64]
 
-_BUDGET = 1024  # trial steps from one look at the clock, at Ctrl-C and at limits to the next, at most
-_STRETCH = 0.1  # [s] of wall time that they may take
+# Trial steps from one look at the clock, at Ctrl-C and at limits to the next, of up to so many freedoms; of
+# more they are fewer as the square. The clock must not decide: where a stretch ends, the last digits of
+# loops may be others.
+_BUDGET, _FREEDOMS = 1024, 24
 _CAPACITY = 256  # samples
 
 
@@ -72,7 +73,8 @@ class QuietTrials(Trials):
         super().__init__(stepper, control)
         self._compiled = stepper
         self._singular = singular
-        self._most = 1  # trial steps that go into a stretch, by what the last one took
+        freedoms = max(stepper.manifold.nv, _FREEDOMS)
+        self._most = max(1, _BUDGET * _FREEDOMS**2 // freedoms**2)
         self._samples, self._episodes, self._watch = samples, episodes, watch
         size, contacts = stepper.manifold.size, len(episodes)
         ends = 0 if singular is None else _BUDGET
@@ -149,11 +151,8 @@ class QuietTrials(Trials):
         control.sizes.make_room()
         self._watched.renew()
         loop = self._loop._replace(breaks=control.pace.breaks, book=episodes.book, sizes=control.sizes.table)
-        began = time.perf_counter()
         reason = _kernels.go_on(loop)
-        took, found = time.perf_counter() - began, stretch[0]
-        tried = int(found["accepted"] + found["rejected"] + found["relocated"])
-        self._most = int(min(_BUDGET, 2 * self._most, max(1.0, tried * _STRETCH / max(took, 1e-9))))
+        found = stretch[0]
         stepper.t = float(found["t"])
         stepper.evaluations += int(found["evaluations"])
         stepper.has_dense = reason == _kernels.TRIAL_STANDS

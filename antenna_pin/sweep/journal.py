@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 from antenna_pin.errors import OutputError
 from antenna_pin.files import is_there, replacing
 
-__all__ = ["Journal", "ReadJournal", "read_journal"]
+__all__ = ["Journal", "ReadJournal", "read_journal", "deleted"]
 
 _DIGEST = 24
 _SYNC_EVERY = 1.0  # [s]
@@ -75,6 +75,14 @@ def read_journal(path: Path, key: bytes) -> ReadJournal:
     return ReadJournal(entries, damaged, torn)
 
 
+def deleted(path: Path) -> OutputError:
+    """Return what is to be raised where a journal has been deleted."""
+    return OutputError(
+        f"{path}: must stay while the study runs, got deleted or replaced, and its finished runs with it; "
+        "give the same command again, with --out elsewhere if something clears it"
+    )
+
+
 class Journal:
     """A journal that is written to; one process at a time has it.
 
@@ -121,10 +129,7 @@ class Journal:
             OutputError: It has been.
         """
         if not is_there(self.path, self._file):
-            raise OutputError(
-                f"{self.path}: must stay while the study runs, got deleted or replaced, and its finished "
-                "runs with it; give the same command again, with --out elsewhere if something clears it"
-            )
+            raise deleted(self.path)
 
     def add(self, entry: dict[str, Any]) -> None:
         """Write the line of a finished run.

@@ -22,7 +22,7 @@ from antenna_pin.arguments import takes
 from antenna_pin.errors import FileFormatError, OutputError
 from antenna_pin.files import check_writable, has_whole_seal, replacing, seal
 from antenna_pin.sweep.design import Design
-from antenna_pin.sweep.journal import Journal, ReadJournal, read_journal
+from antenna_pin.sweep.journal import Journal, ReadJournal, deleted, read_journal
 from antenna_pin.sweep.study import Study
 from antenna_pin.sweep.table import FORMAT, add_entries, table_of
 from antenna_pin.sweep.work import Work
@@ -132,8 +132,11 @@ class Store:
         """Make the folder, or go on in it, with a dataset that others may open.
 
         Raises:
-            OutputError: It cannot be written, or another process has it.
+            OutputError: It cannot be written, or another process has it; or it has been deleted since it was
+                read.
         """
+        if self.entries and not (self.path / _JOURNAL).is_file():
+            raise deleted(self.path / _JOURNAL)
         try:
             self.path.mkdir(exist_ok=True)
         except OSError as error:

@@ -10,7 +10,7 @@ import pytest
 from antenna_pin import Outcome, RunSettings, System, Urdf, build_mechanism, load_scenario, simulate
 from antenna_pin.elements import CallableDrive, ConstantDrive
 from antenna_pin.errors import LongRunWarning
-from antenna_pin.simulation import expected, progress
+from antenna_pin.simulation import expected, progress, quiet
 from antenna_pin.simulation.trials import Made
 
 WHEEL = """<robot name="wheel"><link name="hub"><inertial><mass value="2"/>
@@ -35,6 +35,7 @@ def slow_clock(monkeypatch):
 @pytest.mark.parametrize("engine", ["pinocchio", "compiled"])
 def test_a_long_run_is_told_of_once_and_is_the_same_run(monkeypatch, engine):
     """500 steps, of a second each where there is one look at the clock for each: after 6 there are 494 s."""
+    monkeypatch.setattr(quiet, "_BUDGET", 16)
     system, settings = (
         wheel(motor=ConstantDrive(joint="axle", value=0.1)),
         RunSettings(engine=engine, **FIXED),

@@ -122,6 +122,23 @@ def test_a_store_that_is_deleted_is_missed_at_the_next_run(write, tmp_path, fake
     assert len(run_study(write(), folder, executor=fake()).force.values.ravel()) == 12
 
 
+def test_a_store_that_is_deleted_while_the_missing_runs_are_checked_is_missed_before_any(
+    write, tmp_path, fake
+):
+    """Its finished runs have been read by then: a journal begun anew would not have them."""
+    folder, seen = tmp_path / "gone.study", []
+    with pytest.raises(KeyboardInterrupt):
+        run_study(write(), folder, executor=fake(stop=5))
+
+    def delete(standing):
+        seen.append(standing.stage)
+        shutil.rmtree(folder, ignore_errors=True)
+
+    with pytest.raises(OutputError, match="journal: must stay while the study runs, got deleted or replaced"):
+        run_study(write(), folder, executor=fake(), progress=delete)
+    assert set(seen) == {"check"} and not folder.exists()
+
+
 def test_one_driver_at_a_time(write, tmp_path, fake):
     from antenna_pin.sweep.journal import Journal
 
