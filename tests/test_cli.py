@@ -249,6 +249,29 @@ def test_an_unreadable_file_is_one_line(cli, tmp_path, monkeypatch):
     assert refused(cli("info", "locked.nc")) == "antenna-pin: locked.nc: Permission denied"
 
 
+@pytest.mark.parametrize(
+    ("short", "told"),
+    [
+        (MemoryError(), True),
+        (ImportError("libzmq.so.5: failed to map segment from shared object"), True),
+        (ImportError("libzmq.so.5: cannot open shared object file: Cannot allocate memory"), True),
+        (ImportError("no module of that name"), False),
+    ],
+)
+def test_memory_that_has_run_out_is_one_line(cli, monkeypatch, short, told):
+    """For numbers, or for a library that is loaded; another library that does not load is a fault of ours."""
+
+    def load(_path, **_options):
+        raise short
+
+    monkeypatch.setattr(Trajectory, "load", load)
+    if told:
+        assert refused(cli("info", "some.nc")).startswith("antenna-pin: the memory has run out; ask for less")
+    else:
+        with pytest.raises(ImportError):
+            cli("info", "some.nc")
+
+
 def test_a_run_that_ends_early_is_saved_and_says_why(cli, tmp_path, monkeypatch):
     whole = antenna_pin.simulation.simulate
 

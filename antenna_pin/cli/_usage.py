@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import functools
+import os
 import shlex
 from collections.abc import Iterator
 from typing import Any
@@ -11,7 +13,7 @@ from typing import Any
 import typer
 from typer.core import TyperGroup
 
-from antenna_pin.cli._common import complain, told_interruption
+from antenna_pin.cli._common import REFUSED, complain, told_interruption
 
 _WORDS = "antenna_pin.words"
 
@@ -44,11 +46,22 @@ def _told_in_one_line() -> Iterator[None]:
         yield
     except KeyboardInterrupt as error:  # while words are read
         raise typer.Exit(told_interruption(error)) from None
+    except (MemoryError, ImportError) as error:
+        if not _is_of_memory(error):
+            raise
+        complain("the memory has run out; ask for less: a shorter run, a lower rate of samples, fewer files")
+        raise typer.Exit(REFUSED) from None
     except Exception as error:
         # Typer brings a Click of its own, or not; NoArgsIsHelpError shows the help, which is many lines.
         if hasattr(error, "format_message") and type(error).__name__ != "NoArgsIsHelpError":
             error.show = functools.partial(_tell, error)  # type: ignore[attr-defined]
         raise
+
+
+def _is_of_memory(error: BaseException) -> bool:
+    """Whether memory is short: for numbers, or for a library that is loaded."""
+    short = ("failed to map segment", os.strerror(errno.ENOMEM))
+    return isinstance(error, MemoryError) or any(words in str(error) for words in short)
 
 
 def _tell(error: Any, file: Any = None) -> None:

@@ -194,7 +194,7 @@ def _shapes(hint: Any, field: FieldInfo | None, key: str, doc: str) -> Iterator[
     elif hint is bool:
         yield Flag()
     elif hint is int:
-        yield Whole(1, 2**31)
+        yield Whole(0, 10**100)
     elif hint is float:
         yield Number(("1",))
     elif hint is str:

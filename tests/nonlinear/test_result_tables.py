@@ -67,6 +67,14 @@ def test_an_orbit_comes_back_from_its_file(driven, tmp_path):
     assert json.loads(kept.attrs["versions"]) == library_versions()
 
 
+def test_a_dataset_whose_scenario_is_no_text_is_refused(driven, tmp_path):
+    found = largest_exponent(*flow_of(driven), 1.0 / FREQUENCY, count=4)
+    table = exponents_table(found, driven).assign_attrs(scenario=[1.0, 2.0])
+    save_table(table, tmp_path / "exponents.nc")
+    with pytest.raises(FileFormatError, match="got an attribute 'scenario' that is no text"):
+        open_exponents(tmp_path / "exponents.nc")
+
+
 def test_a_branch_comes_back_from_its_file_with_amplitudes(driven, tmp_path):
     """Over the force the steady state of a linear oscillator is as large as its closed form."""
     key = "drives.motor.amplitude"
