@@ -18,7 +18,6 @@ from antenna_pin.numerals import decimal_in
 
 __all__ = [
     "FORMAT",
-    "LARGEST",
     "MOMENTS",
     "SHAPES",
     "check_names",
@@ -39,7 +38,6 @@ SHAPES: dict[str, dict[str, int]] = {
 MOMENTS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 
 # Numbers beyond that cannot be squared.
-LARGEST = 1e150
 
 
 class Defined(NamedTuple):
