@@ -37,8 +37,6 @@ SHAPES: dict[str, dict[str, int]] = {
 
 MOMENTS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 
-# Numbers beyond that cannot be squared.
-
 
 class Defined(NamedTuple):
     """What an element may hold."""

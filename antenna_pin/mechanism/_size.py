@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from antenna_pin.arguments import takes
 from antenna_pin.capacity import check_fits
 
 __all__ = ["check_size"]
@@ -11,6 +12,7 @@ __all__ = ["check_size"]
 _PINOCCHIO = 3 * 4 * 8
 
 
+@takes()
 def check_size(where: str, freedoms: int, way_out: str = "leave joints out or lock some") -> None:
     """Refuse a mechanism that would not fit into memory.
 

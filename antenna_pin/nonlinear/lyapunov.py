@@ -103,10 +103,10 @@ def _exponents(growth: Array, lengths: Array, interval: float, start: State, end
 
 
 def _check(flow: Flow, start: State, interval: float, count: int, transient: float) -> None:
+    check_count("Lyapunov exponents", "count", count)
     if not 0.0 <= transient < math.inf:
         raise InvalidParameterError("Lyapunov exponents", "transient", "zero or more [s]", transient)
     flow.check_long_enough("Lyapunov exponents", "interval", interval, start.time + transient)
-    check_count("Lyapunov exponents", "count", count)
     if transient / interval > MOST:
         rule = f"at most {MOST} intervals, {MOST * interval:g} s"
         raise InvalidParameterError("Lyapunov exponents", "transient", rule, transient)

@@ -149,13 +149,15 @@ def test_an_impossible_mode_is_named_by_line_and_column(tmp_path: Path, old: str
 
 
 def test_more_modes_than_memory_holds_are_refused_before_any_work(tmp_path: Path, monkeypatch):
-    """With room for 5 freedoms: a table of 5 modes beside the joint that is there."""
+    """With room for 5 freedoms: six modes beside three joints."""
     monkeypatch.setattr(capacity, "free_memory", lambda: 96 * 5.01**3 / 0.9)
     monkeypatch.setattr("antenna_pin.flexible.modal_data.realised", None)
-    (tmp_path / "modes.csv").write_text(CSV + "20,0.01,0.1,0,0,0,0,0\n" * 4)
+    (tmp_path / "modes.csv").write_text(
+        CSV + "".join(f"{hertz},0.01,0.1,0,0,0,0,0\n" for hertz in range(20, 24))
+    )
     table = {"kind": "modal-data", "file": str(tmp_path / "modes.csv"), "link": "body"}
     scenario = load_scenario("bai2020", case="case1", overrides={"flexible.wing": table})
-    with pytest.raises(TooLargeError, match=r"flexible\.wing: 6 degrees of freedom .*take the modes"):
+    with pytest.raises(TooLargeError, match=r"flexible\.wing: 9 degrees of freedom .*take the modes"):
         build_system(scenario)
     with pytest.raises(TooLargeError, match=r": 8 degrees of freedom would need .*leave joints out"):
         build_system(load_scenario("bai2020", case="case1"))

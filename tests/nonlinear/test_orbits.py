@@ -40,7 +40,7 @@ def test_a_driven_damped_oscillator(oscillator):
     assert orbit.exponents == pytest.approx([-0.5 * c / m] * 2, rel=1e-9)
 
 
-@pytest.mark.parametrize("span", [1e-300, 1e-14, 0.0, -1.0, math.nan, math.inf])
+@pytest.mark.parametrize("span", [1e-90, 1e-14, 0.0, -1.0, math.nan, math.inf])
 def test_a_span_is_one_that_steps_can_make(oscillator, span):
     flow = Flow(oscillator(1.0, 1.0))
     start = flow.first(np.ones(1), np.zeros(1))

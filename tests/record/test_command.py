@@ -76,8 +76,8 @@ def test_pages_by_the_command(files, tmp_path):
         (("--speed", "fast"), "--speed: speed must be a number or a fraction such as 1/100, got 'fast'"),
         (("--boresight", "1,x"), "--boresight: direction must be three numbers such as 1,0,0, got '1,x'"),
         (("--max-size", "0.1"), "max_megabytes must be above"),
-        (("--max-size", "nan"), "record: --max-size must be positive, got nan"),
-        (("--key-rate", "nan"), "record: --key-rate must be positive, got nan"),
+        (("--max-size", "nan"), "Invalid value for '--max-size': 'nan' is not a valid float"),
+        (("--key-rate", "nan"), "Invalid value for '--key-rate': 'nan' is not a valid float"),
         (("--view", "joint", "--magnify", "-1"), "magnify must be a positive number"),
         (
             ("--magnify", "200"),

@@ -262,7 +262,7 @@ def test_names_that_do_not_exist(clearance_run):
         record(clearance_run, body="reflectr")
     with pytest.raises(UnknownNameError, match="joint with clearance 'azimuth' is unknown"):
         record(clearance_run, view="joint", joint="azimuth")
-    with pytest.raises(InvalidParameterError, match="boresight must be three numbers"):
+    with pytest.raises(InvalidParameterError, match="boresight must be three finite numbers, not all zero"):
         record(clearance_run, body="reflector", boresight=(0, 0, 0))
     with pytest.raises(InvalidParameterError, match="view must be"):
         record(clearance_run, view="side")
