@@ -175,7 +175,7 @@ def _fits_parts(value: Any, origin: Any, inner: tuple[Any, ...]) -> bool:
     if isinstance(value, Mapping):
         return origin in (Iterable, Collection) and all(fits(one, inner[0]) for one in value)
     if isinstance(value, np.ndarray):
-        return value.ndim > 0 and (not inner or fits(value.flat[0], inner[0]) if value.size else True)
+        return value.ndim > 0 and (not inner or len(value) == 0 or fits(value[0], inner[0]))
     if origin is tuple:
         if not isinstance(value, list | tuple):
             return False

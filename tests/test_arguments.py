@@ -204,7 +204,7 @@ def test_a_decorated_function_stays_what_it_was():
 
 #: Rooms whose functions people call with values of their own; the others' are called by these.
 CALLED = (
-    "analysis antenna_pin assemble linear mechanism nonlinear plot record report "
+    "analysis antenna_pin assemble contact linear mechanism nonlinear plot record report "
     "scenario simulation studies sweep"
 )
 

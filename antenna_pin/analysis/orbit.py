@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
+from antenna_pin.arguments import takes
 from antenna_pin.directions import unit
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.scenario import OrbitSpec
@@ -23,6 +24,7 @@ EARTH_RADIUS = 6378137.0
 Vector3 = tuple[float, float, float]
 
 
+@takes()
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Orbit:
     r"""A circular orbit, and the world's axes in it.

@@ -175,6 +175,7 @@ MATERIAL_PAIRS: tuple[MaterialPair, ...] = (
 )
 
 
+@takes()
 def material_pairs(first: str, second: str) -> tuple[MaterialPair, ...]:
     """Return what is known of two materials, by name in either order; empty if nothing is."""
     return tuple(pair for pair in MATERIAL_PAIRS if {pair.first, pair.second} == {first, second})

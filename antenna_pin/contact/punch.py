@@ -16,6 +16,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from antenna_pin.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["annular_punch_factor"]
@@ -23,6 +24,7 @@ __all__ = ["annular_punch_factor"]
 _NODES = 64
 
 
+@takes()
 def annular_punch_factor(ratio: float) -> float:
     r"""Return :math:`\kappa` of :math:`P = \kappa\, 2 E^* R_o \delta`, for a rigid flat ring [-].
 

@@ -13,6 +13,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any
 
+from antenna_pin.arguments import takes
 from antenna_pin.contact import (
     bristle,
     conformal,
@@ -114,16 +115,19 @@ FRICTION_LAWS: Mapping[str, type[Any]] = MappingProxyType(
 )
 
 
+@takes()
 def law_parameters(law: type[Any]) -> dict[str, Parameter]:
     """Return the parameters of a law or dissipation class by name, with unit, default and meaning."""
     return parameters_of(law)
 
 
+@takes()
 def is_elastic(law: str) -> bool:
     """Return whether a normal law, by name, is an elastic one, beside which a dissipation can be named."""
     return issubclass(NORMAL_LAWS[law], ElasticLaw)
 
 
+@takes()
 def normal_parameters(law: str, dissipation: str | None = None) -> dict[str, Parameter]:
     """Return the parameters of a normal law by name, with those of the dissipation named beside it.
 
@@ -135,6 +139,7 @@ def normal_parameters(law: str, dissipation: str | None = None) -> dict[str, Par
     return own if dissipation is None else own | law_parameters(DISSIPATIONS[dissipation])
 
 
+@takes()
 def make_normal_law(
     law: str, parameters: Mapping[str, float], dissipation: str | None = None
 ) -> CompiledNormalLaw:

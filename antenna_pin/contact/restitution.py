@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 
+from antenna_pin.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["delivered_restitution", "exact_hysteresis", "stored_share"]
@@ -36,6 +37,7 @@ def stored_share(hysteresis: float) -> float:
     return 1.0 / chi - math.log1p(chi) / chi**2
 
 
+@takes()
 def delivered_restitution(hysteresis: float, *, approach_only: bool = False) -> float:
     r"""Return the restitution that a free impact delivers, from the factor :math:`\chi` [-].
 
@@ -66,6 +68,7 @@ def delivered_restitution(hysteresis: float, *, approach_only: bool = False) -> 
     return -math.expm1(-s) / chi
 
 
+@takes()
 def exact_hysteresis(restitution: float) -> float:
     r"""Return the factor :math:`\chi` that delivers a restitution exactly [-].
 

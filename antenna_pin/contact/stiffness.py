@@ -12,17 +12,20 @@ from __future__ import annotations
 
 import math
 
+from antenna_pin.arguments import takes
 from antenna_pin.contact.materials import Material
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["effective_modulus", "hertz_stiffness", "internal_hertz_stiffness"]
 
 
+@takes()
 def effective_modulus(first: Material, second: Material) -> float:
     """Return the plane-strain contact modulus E* of two materials [Pa]."""
     return 1.0 / ((1.0 - first.poisson**2) / first.young + (1.0 - second.poisson**2) / second.young)
 
 
+@takes()
 def hertz_stiffness(
     bearing_radius: float, journal_radius: float, bearing: Material, journal: Material
 ) -> float:
@@ -37,6 +40,7 @@ def hertz_stiffness(
     return internal_hertz_stiffness(bearing_radius, journal_radius, effective_modulus(bearing, journal))
 
 
+@takes()
 def internal_hertz_stiffness(bearing_radius: float, journal_radius: float, modulus: float) -> float:
     """Return K of ``K depth^1.5`` for a journal inside a bore [N/m^1.5].
 

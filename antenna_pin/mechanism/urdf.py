@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from antenna_pin.arguments import takes
 from antenna_pin.brief import brief
 from antenna_pin.changes import JointChange, JointVariant, LinkChange
 from antenna_pin.directions import unit
@@ -38,6 +39,7 @@ from antenna_pin.mechanism.packages import mesh_file
 __all__ = ["Urdf"]
 
 
+@takes()
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class Urdf:
     """A URDF that was checked to be a mechanism: one tree of bodies that can exist.

@@ -23,6 +23,7 @@ _SAME = 1e-12
 _DIRECTIONS: dict[str, Literal[-1, 0, 1]] = {"rising": 1, "falling": -1, "both": 0}
 
 
+@takes()
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Stroboscope:
     """A motion is looked at once a period, at the times ``(phase + k) period``.

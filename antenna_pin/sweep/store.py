@@ -253,7 +253,7 @@ def has_seal(path: Path) -> bool | None:
     """Whether a file is as it was sealed; False if it is there without a seal, None if it is not there."""
     try:
         return has_whole_seal(path) is True
-    except FileNotFoundError:
+    except (FileNotFoundError, ValueError):  # of a name that no file can have
         return None
     except OSError:
         return False

@@ -67,6 +67,7 @@ frequency = {0.5 / math.pi!r}
 """
 
 
+@pytest.mark.slow  # the spring above shows the same by its own numbers
 def test_chaos_of_a_driven_pendulum_of_a_scenario(rig):
     """phi'' + 0.1 phi' + sin phi = 2.5 sin t: 0.160 of arXiv:physics/0303077, and Mathematica's 0.1606.
 
