@@ -12,7 +12,7 @@ from antenna_pin.differences import WEIGHTS, roughness
 from antenna_pin.dynamics import System, Workspace
 from antenna_pin.engine import CompiledImplicitStepper, CompiledStepper, Slopes
 from antenna_pin.integrate import method_named
-from antenna_pin.nonlinear.frames import Frame, Lift, Rates, Units, frame_at
+from antenna_pin.nonlinear.frames import Frame, Lift, Rates, Units, frame_at, parts_of
 from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.quiet import stepper_of
 from antenna_pin.simulation.scales import scale_vector
@@ -28,18 +28,15 @@ Function = Callable[[float, Array], Array]
 # contact's depth, down to a millionth of what they are else: a force that begins like depth^1.5 is smooth on
 # no other scale.
 _STEP, _IN_PLAY, _IN_LOOPS, _SHARE, _FINEST = 1e-4, 1e-6, 1e-5, 0.02, 1e-6
-# Of what rows of constraints do, over the most: what does less is what round-off has left of redundant ones.
-_FAINT = 1e-10
+_FAINT = 1e-10  # of what rows of constraints do, over the most: less is what round-off has left
 # Difference of the two orders over the largest derivative from which on a kink is straddled: then with steps
 # that are so much finer, as often at most. And round-off of rates, over these.
 _STRADDLES, _FINER, _OFTEN, _NOISY = 1e-8, 8.0, 8, 10.0
 _ROUND_OFF = 4.0 * float(np.finfo(float).eps)
 # Where rates are looked at for their round-off, in parts of a step.
 _MINUTE, _BESIDE = 1e-3, range(-6, 7)
-# Part of their size to which steps are cut by a contact's depth where kinks are looked for no more.
-_SHALLOW = 0.1
-# Over a step of differences, that with which a kink is located: to the square of it.
-_LOCATING = 0.01
+_SHALLOW = 0.1  # part of their size to which a depth cuts steps where kinks are looked for no more
+_LOCATING = 0.01  # over a step of differences, that with which a kink is located: to the square of it
 
 
 class Field:
@@ -69,16 +66,14 @@ class Field:
             self._slopes = Slopes(self._stepper, self.bristles, WEIGHTS)
         self._y = np.zeros(system.manifold.size)
         self._memory = self.workspace.memory.copy()
-        nv, contacts = system.model.nv, len(system.contact_names)
-        ends = np.cumsum([nv, nv, len(self.bristles), contacts, contacts, 1])
-        #: Parts of a displacement: way, rate, bristles, approach speeds, masses, time.
-        self.parts = tuple(slice(end - n, end) for end, n in zip(ends, np.diff(ends, prepend=0), strict=True))
-        #: Size of a displacement.
-        self.displacement = int(ends[-1])
+        #: Parts of a displacement, and its size.
+        self.parts = parts_of(system)
+        self.displacement = self.parts[-1].stop
         self._coarse = self._coarseness()
         self._measured = any(joint.backend != "closed-form" for joint in system.clearances)
         self.round_off = 0.0
-        self._rows = np.concatenate([np.arange(nv), nv + self.bristles])
+        self._lifted: tuple[Frame, Lift] | None = None
+        self._rows = np.concatenate([np.arange(system.model.nv), system.model.nv + self.bristles])
         self._weights = 1.0 / np.concatenate([self.units.rate, self.units.bristle])[:, None]
 
     def rates(self, time: float, y: Array) -> Array:
@@ -219,7 +214,8 @@ class Field:
     def _noise(self, y: Array, ways: Array, steps: Array) -> float:
         """Return the round-off of derivatives along a displacement; without bounds in a shallow contact."""
         # Steps that a kink has made finer are not those of a shallow contact.
-        shallow = self._shallow(y, ways, self._steps(y, ways, True))[0]
+        touch = self.workspace.memory["touching"].any()
+        shallow = touch and self._shallow(y, ways, self._steps(y, ways, True))[0]
         return math.inf if shallow else self.round_off / float(steps[0])
 
     def across_kinks(self, time: float, y: Array, way: Array) -> tuple[Array, float]:
@@ -278,6 +274,8 @@ class Field:
         Closures and motions hold in displaced states, to first order: across the axes a displacement is what
         they want it to be.
         """
+        if self._lifted is not None and self._lifted[0] is frame:
+            return self._lifted[1]
         units, (way, rate, bristles, *remembered, _) = self.units, self.parts
         n, nb, nm = frame.ways, len(self.bristles), len(frame.remembered)
         up, down = (
@@ -291,10 +289,12 @@ class Field:
         for k, (contact, column) in enumerate(frame.remembered, 2 * n + nb):
             at = remembered[column - 1].start + contact
             up[at, k] = down[k, at] = 1.0
-        constraints = self.workspace.constraints
-        if constraints is not None:
+        lift = Lift(up, down)
+        if self.workspace.constraints is None:
+            self._lifted = frame, lift  # the same in every state
+        else:
             self._hold(up, frame, time, y)
-        return Lift(up, down)
+        return lift
 
     def _hold(self, up: Array, frame: Frame, time: float, y: Array) -> None:
         """Let closures and motions hold in displacements, in place."""

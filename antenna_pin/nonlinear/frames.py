@@ -16,7 +16,7 @@ from antenna_pin.integrate import KINDS
 from antenna_pin.settings import ErrorScales
 from antenna_pin.simulation.scales import scale_vector
 
-__all__ = ["MEMORIES", "Frame", "Lift", "Rates", "Units", "frame_at", "own_state", "way_between"]
+__all__ = ["MEMORIES", "Frame", "Lift", "Rates", "Units", "frame_at", "own_state", "parts_of", "way_between"]
 
 Array = NDArray[np.float64]
 
@@ -93,6 +93,14 @@ class Rates(NamedTuple):
     fourth: Array
     along: Array
     noise: float
+
+
+def parts_of(system: System) -> tuple[slice, ...]:
+    """Return the parts of a displacement: way, rate, bristles, approach speeds, masses, time."""
+    nv, contacts = system.model.nv, len(system.contact_names)
+    sizes = [nv, nv, len(system.bristle_x), contacts, contacts, 1]
+    ends = np.cumsum(sizes).tolist()
+    return tuple(slice(end - size, end) for end, size in zip(ends, sizes, strict=True))
 
 
 def own_state(frame: Frame, size: int, lasting: Collection[int]) -> NDArray[np.bool_]:

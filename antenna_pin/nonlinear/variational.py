@@ -44,6 +44,8 @@ Array = NDArray[np.float64]
 _GOOD, _HALVINGS, _SEARCHES = 1e2, 30, 8
 # Power of what is integrated over that time goes with next to where a contact begins or ends.
 _GRADE = 4
+# In how many steps the round-off of rates is looked at once, where nothing changes.
+_LOOKS = 8
 # How often round-off may be what a piece's derivatives are off by.
 _NOISY = 30.0
 
@@ -121,6 +123,7 @@ class Carrier:
         self._coming: dict[int, Onset] = {}
         self._changed = False
         self._broken = False
+        self._made = 0
         self._left_over = 0.0
         self._way: tuple[Frame, Array, Array] | None = None
         self._propagator = Propagator(0)
@@ -184,7 +187,9 @@ class Carrier:
         dense.attempt(size)
         dense.prepare_dense()
         self._again.begin(self._time, self._y)
-        self.field.look_at(self._time, self._y, self._along()[0])
+        if self._changed or self._made % _LOOKS == 0:
+            self.field.look_at(self._time, self._y, self._along()[0])
+        self._made += 1
         begin, begins, broken = 0.0, self._changed, self._changed or self._broken
         for theta, c in sorted((self._counts_from(c), c) for c in self._coming):
             if theta > 1.0:
