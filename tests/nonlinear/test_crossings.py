@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+from antenna_pin import RunSettings
 from antenna_pin.nonlinear import Flow, continued
 
 WEIGHT = 9.0  # m g l of 1 kg at 1 m
@@ -15,7 +16,8 @@ def upright(pendulum):
     """A pendulum that stands on its hinge, held by a spring, over the stiffness: k phi = m g l sin(phi)."""
 
     def family(stiffness):
-        return Flow(pendulum(-WEIGHT, damping=3.0, stiffness=stiffness)), 0.5
+        system = pendulum(-WEIGHT, damping=3.0, stiffness=stiffness)
+        return Flow(system, RunSettings(rtol=1e-12, engine="compiled")), 0.5
 
     return family
 
