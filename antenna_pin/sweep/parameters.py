@@ -229,6 +229,8 @@ class ParameterSpec(Spec):
         if name not in known:
             refuse_name("distribution of scipy.stats", name, known, "distribution", "name")
         numbers, unit = numbers_of(table, "distribution", pure=_shapes(getattr(stats, name)))
+        if not numbers.get("scale", 1.0) > 0.0:
+            refuse(f"must be positive, got {shown(table['scale'])}", "distribution", "scale")
         try:
             distribution = getattr(stats, name)(**numbers)
             middle = float(distribution.ppf(0.5))

@@ -97,12 +97,17 @@ def test_ctrl_c_in_a_function_keeps_what_there_is():
 
 
 def test_a_shorter_step_may_not_come_to_where_there_is_no_answer():
-    """The arm turns back before: only trial steps ask beyond."""
-    drive = CallableDrive(
-        joint="j", torque=lambda t, angle, rate: -50.0 * math.sqrt(1.0 - (angle / 0.1) ** 2)
-    )
+    """The arm turns back at 2.1 ms: only trial steps ask beyond 2.5 ms."""
+    beyond = []
+
+    def torque(t, angle, rate):
+        beyond.append(t > 2.5e-3)
+        return math.nan if t > 2.5e-3 else -50.0
+
+    drive = CallableDrive(joint="j", torque=torque)
     run = turned(drive, events=[Event(name="back", when=lambda m: m.rate("j"), action=Stop())])
     assert run.outcome is Outcome.STOPPED, run.message
+    assert any(beyond)
 
 
 @numba.njit

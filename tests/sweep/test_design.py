@@ -154,6 +154,10 @@ REFUSED = {
         PLAY + 'distribution = { name = "norm", mean = 1 }',
         "parameters.play.distribution must be of parameters that norm takes (loc, scale)",
     ),
+    "no width": (
+        PLAY + 'distribution = { name = "norm", loc = "1 mm", scale = "0 mm" }',
+        "parameters.play.distribution.scale must be positive, got '0 mm'",
+    ),
     "shapes of it": (
         PLAY + 'distribution = { name = "beta", a = -1, b = 2 }',
         "parameters.play.distribution must be of parameters that beta allows, got a = -1, b = 2",
