@@ -15,8 +15,6 @@ from antenna_pin.parameters import beyond
 
 __all__ = ["make_unit", "numbers", "spaces"]
 
-_FINITE = {1: "finite"}
-
 _SPACES = {
     "JointModelFreeFlyer": "rigid",
     "JointModelSpherical": "rotation",
@@ -59,12 +57,10 @@ def numbers(given: ArrayLike, count: int, name: str, unit: str) -> NDArray[np.fl
         found = np.array(given, dtype=float)
     except (TypeError, ValueError):
         found = np.zeros(0)
-    rule = (
-        ""
-        if found.shape == (count,) and np.isfinite(found).all()
-        else _FINITE.get(count, f"{count} finite numbers")
-    )
-    rule = rule or beyond(found.tolist(), unit)
+    if found.shape == (count,) and np.isfinite(found).all():
+        rule = beyond(found.tolist(), unit)
+    else:
+        rule = "finite" if count == 1 else f"{count} finite numbers"
     if rule:
         raise InvalidParameterError("System", name, rule, said=unknown_type(given))
     return found

@@ -133,9 +133,9 @@ class StepAnew:
     """
 
     def __init__(self, field: Field, settings: RunSettings, scales: Array, source: Workspace) -> None:
-        """Allocate once."""
-        self._field, self._workspace, self._source = field, Workspace(field.system), source
-        self._stepper: Stepper = stepper_of(self._workspace, method_named(settings.method), scales, settings)
+        """Allocate nothing: most runs come to no kink."""
+        self._field, self._settings, self._scales, self._source = field, settings, scales, source
+        self._made: tuple[Workspace, Stepper] | None = None
         self._begun = False
 
     def begin(self, time: float, y: Array) -> None:
@@ -145,15 +145,19 @@ class StepAnew:
 
     def to(self, time: float) -> Array:
         """Return the state at a time within the step, to which it is cut [s]."""
-        stepper, source = self._stepper, self._source
+        workspace, stepper = self._made = self._made or self._make()
         if not self._begun:
-            self._workspace.memory[:], self._workspace.program[:] = source.memory, source.program
+            workspace.memory[:], workspace.program[:] = self._source.memory, self._source.program
             stepper.restart(*self._start)
             self._begun = True
         if time > stepper.t:
             stepper.attempt(time - stepper.t)
             stepper.restart(time, stepper.y.copy())
         return np.array(stepper.start)
+
+    def _make(self) -> tuple[Workspace, Stepper]:
+        workspace, method = Workspace(self._field.system), method_named(self._settings.method)
+        return workspace, stepper_of(workspace, method, self._scales, self._settings)
 
     def off(self, time: float, y: Array) -> Array:
         """Return by how much a state at a time is off, as a displacement; none where nothing was cut."""
