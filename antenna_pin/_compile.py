@@ -28,8 +28,8 @@ def stamped_files() -> tuple[Path, ...]:
     """Return the files to whose contents compiled code is tied: all kernels, their constants and records."""
     folder = Path(__file__).parent
     names = (
-        "*/_*kernels.py",
-        "*/_records.py",
+        "*/*kernels.py",
+        "contact/records.py",
         "records.py",
         "_called.py",
         "_lanes.py",

@@ -88,7 +88,7 @@ class Tree:
         text = path.read_text(encoding="utf-8")
         if not self.intact(mutant.tests, mutant.compiled):
             return "broken"
-        kernels = path.name.endswith("_kernels.py")
+        kernels = path.name.endswith("kernels.py")
         name = "mutant" if kernels else "intact"
         path.write_text(text.replace(mutant.old, mutant.new), encoding="utf-8")
         try:

@@ -45,3 +45,40 @@ def test_no_files_import_one_another():
 def test_a_circle_is_found_however_long():
     imports = {"a": {"b"}, "b": {"c"}, "c": {"a", "d"}, "d": set(), "e": {"a"}}
     assert circles(imports) == {("a", "b", "c")}
+
+
+def rooms_of_others(imports):
+    """Return the pairs of a module and what it imports of another room under a private name."""
+    return {
+        (name, other)
+        for name, others in imports.items()
+        for other in others
+        if other.count(".") > 1
+        and other.rsplit(".", 1)[-1].startswith("_")
+        and name.split(".")[1] != other.split(".")[1]
+    }
+
+
+def test_a_rooms_private_modules_are_its_own():
+    graph = grimp.build_graph("antenna_pin", cache_dir=None)
+    assert not rooms_of_others(
+        {name: graph.find_modules_directly_imported_by(name) for name in graph.modules - {"antenna_pin"}}
+    )
+
+
+def test_compiled_code_knows_numpy_numba_and_records():
+    """So that it can be compiled, read and called without what only sets it up: a URDF, a schema, a table."""
+    graph = grimp.build_graph("antenna_pin", include_external_packages=True, cache_dir=None)
+    below = {
+        "antenna_pin._compile",
+        "antenna_pin._called",
+        "antenna_pin._lanes",
+        "antenna_pin.records",
+        "antenna_pin.contact.records",
+        "antenna_pin.elements.registry",  # from which the chain of kinds is made
+        "numba",
+        "numpy",
+    }
+    kernels = {name for name in graph.modules if name.endswith("kernels")}
+    known = {(name, other) for name in kernels for other in graph.find_modules_directly_imported_by(name)}
+    assert not {(name, other) for name, other in known if other not in below | kernels}

@@ -8,8 +8,8 @@ from antenna_pin import AntennaPinError, Urdf, build_mechanism, load_scenario, s
 from antenna_pin.assemble import build_system, initial_state, urdf_variant
 from antenna_pin.contact import MATERIALS, hertz_stiffness
 from antenna_pin.dynamics import JointMotion
-from antenna_pin.joints._layout_kernels import joint_at
-from antenna_pin.joints._pose_kernels import place_journal, wrapped_angle
+from antenna_pin.joints.layout_kernels import joint_at
+from antenna_pin.joints.pose_kernels import place_journal, wrapped_angle
 from antenna_pin.records import POSE
 
 

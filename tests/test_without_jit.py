@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from antenna_pin.constraints import CLOSURES
-from antenna_pin.contact._records import dissipation_record
+from antenna_pin.contact.records import dissipation_record
 from antenna_pin.elements import PointSpring
 from antenna_pin.elements.registry import ELEMENTS
 from antenna_pin.records import layout

@@ -14,7 +14,7 @@ from scipy.optimize import brentq
 
 from antenna_pin.analysis.tilts import UPRIGHT, TiltRange
 from antenna_pin.geometry import AxialScenario, RadialScenario, RevoluteClearance
-from antenna_pin.geometry._revolute_kernels import nearest_on_ellipse
+from antenna_pin.geometry.revolute_kernels import nearest_on_ellipse
 
 __all__ = ["AssembledJoint", "JournalPose"]
 

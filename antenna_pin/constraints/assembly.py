@@ -8,7 +8,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from antenna_pin.constraints._factor_kernels import DEPENDENT, NOTHING
+from antenna_pin.constraints.factor_kernels import DEPENDENT, NOTHING
 from antenna_pin.constraints.search import CLOSED, Unclosed, row_names, worst
 from antenna_pin.constraints.solver import Constraints
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin._lanes import LANES
-from antenna_pin.constraints import _layout_kernels as _layout
+from antenna_pin.constraints import layout_kernels as _layout
 from antenna_pin.constraints.closure import Anchor, Closure
 from antenna_pin.constraints.coupling import Coupling
 from antenna_pin.errors import MechanismError, UnknownNameError
@@ -47,7 +47,7 @@ class Plan:
     """Constraints in numbers.
 
     Attributes:
-        words: As the kernels take them (:mod:`antenna_pin.constraints._layout_kernels`).
+        words: As the kernels take them (:mod:`antenna_pin.constraints.layout_kernels`).
         size: Of a work array.
         closures: Their names, in their order.
         rows: Of each closure, by name: what its rows hold (``along x``, ...), in their order.

@@ -9,10 +9,10 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from antenna_pin.constraints import _factor_kernels, _force_kernels, _rows_kernels, _solve_kernels
-from antenna_pin.constraints import _layout_kernels as _layout
-from antenna_pin.constraints._solve_kernels import CLOSED, NEAR, OPEN, ROUNDS
+from antenna_pin.constraints import factor_kernels, force_kernels, rows_kernels, solve_kernels
+from antenna_pin.constraints import layout_kernels as _layout
 from antenna_pin.constraints.plan import Plan
+from antenna_pin.constraints.solve_kernels import CLOSED, NEAR, OPEN, ROUNDS
 
 __all__ = ["Constraints"]
 
@@ -102,7 +102,7 @@ class Constraints:
         nq = self.model.nq
         q, v = y[:nq], y[nq : nq + self.nv]
         model, data, plan, work = self.model, self.data, self.plan.words, self.work
-        crba, bias, accelerate = pin.crba, pin.nonLinearEffects, _solve_kernels.accelerate
+        crba, bias, accelerate = pin.crba, pin.nonLinearEffects, solve_kernels.accelerate
 
         def solve(t: float) -> None:
             mass = crba(model, data, q)
@@ -131,7 +131,7 @@ class Constraints:
         """
         nq, model, data = self.model.nq, self.model, self.data
         q, v = y[:nq], y[nq : nq + self.nv]
-        _force_kernels.observe_held(
+        force_kernels.observe_held(
             t,
             y,
             program,
@@ -149,19 +149,19 @@ class Constraints:
 
     def residuals(self, t: float, y: Array, program: Array) -> Found:
         """Write the rows of a state; return what is found, with the largest residuals."""
-        _rows_kernels.write_rows(t, y, program, self.plan.words, self.work)
+        rows_kernels.write_rows(t, y, program, self.plan.words, self.work)
         return self.found
 
     def factorize(self, q: Array) -> None:
         """Factorize the rows that were written last."""
-        _factor_kernels.factorize(self.plan.words, self.work, pin.crba(self.model, self.data, q))
+        factor_kernels.factorize(self.plan.words, self.work, pin.crba(self.model, self.data, q))
 
     def step(self, *, of_speed: bool) -> Array:
         """Return the generalized step that takes the residuals away, least in kinetic energy, (nv,).
 
         The rows must be factorized. The array is the same each time.
         """
-        _solve_kernels.correction(self.plan.words, self.work, of_speed, self._step)
+        solve_kernels.correction(self.plan.words, self.work, of_speed, self._step)
         return self._step
 
     def closed_at(self, t: float, y: Array, program: Array) -> bool:

@@ -31,7 +31,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from antenna_pin.contact import _friction_kernels as _kernels
+from antenna_pin.contact import friction_kernels as kernels
 from antenna_pin.contact.friction import (
     CompiledFrictionLaw,
     check_at_least,
@@ -61,7 +61,7 @@ class BristleLaw(CompiledFrictionLaw):
             speed: Slip speed [m/s], zero or more; at zero it is what is needed to break away.
             normal_force: Without influence [N].
         """
-        return float(_kernels.steady_coefficient(self.code(), speed))
+        return float(kernels.steady_coefficient(self.code(), speed))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -83,7 +83,7 @@ class Dahl(BristleLaw):
         Dahl (1968), Aerospace Corp. report TOR-158; vector form here. Recalled, not checked.
     """
 
-    kind: ClassVar[float] = _kernels.DAHL
+    kind: ClassVar[float] = kernels.DAHL
 
     coefficient_of_friction: float = field(metadata={"unit": "1", "doc": "mu, positive"})
     bristle_stiffness: float = field(metadata=_STIFFNESS)
@@ -98,7 +98,7 @@ class Dahl(BristleLaw):
     @property
     def state_scales(self) -> tuple[float, ...]:
         """Largest deflection [m], for each of its components."""
-        return (self.coefficient_of_friction / self.bristle_stiffness,) * _kernels.DEFLECTION_SIZE
+        return (self.coefficient_of_friction / self.bristle_stiffness,) * kernels.DEFLECTION_SIZE
 
     @property
     def exponent(self) -> float:
@@ -131,7 +131,7 @@ class LuGre(BristleLaw):
         Recalled, not checked against the paper.
     """
 
-    kind: ClassVar[float] = _kernels.LUGRE
+    kind: ClassVar[float] = kernels.LUGRE
 
     static: float = field(metadata=_STATIC)
     dynamic: float = field(metadata=_DYNAMIC)
@@ -150,7 +150,7 @@ class LuGre(BristleLaw):
     @property
     def state_scales(self) -> tuple[float, ...]:
         """Largest deflection [m], for each of its components."""
-        return (self.static / self.bristle_stiffness,) * _kernels.DEFLECTION_SIZE
+        return (self.static / self.bristle_stiffness,) * kernels.DEFLECTION_SIZE
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -185,7 +185,7 @@ class GonthierBristle(BristleLaw):
         against the paper.
     """
 
-    kind: ClassVar[float] = _kernels.GONTHIER
+    kind: ClassVar[float] = kernels.GONTHIER
 
     static: float = field(metadata=_STATIC)
     dynamic: float = field(metadata=_DYNAMIC)
@@ -210,7 +210,7 @@ class GonthierBristle(BristleLaw):
     @property
     def state_scales(self) -> tuple[float, ...]:
         """Largest deflection [m], for each of its components, and 1 for the dwell state [-]."""
-        return ((self.static / self.bristle_stiffness,) * _kernels.DEFLECTION_SIZE) + (1.0,)
+        return ((self.static / self.bristle_stiffness,) * kernels.DEFLECTION_SIZE) + (1.0,)
 
     @property
     def rounding_speed(self) -> float:

@@ -20,7 +20,7 @@ import math
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
-from antenna_pin.contact import _damping_kernels as _kernels
+from antenna_pin.contact import damping_kernels as kernels
 from antenna_pin.contact.normal import RESTITUTION, Dissipation, ElasticLaw
 from antenna_pin.errors import InvalidParameterError
 
@@ -99,7 +99,7 @@ class KelvinVoigtDamping(Dissipation):
 
     def code(self, elastic: ElasticLaw) -> tuple[float, dict[str, float]]:
         """Return its kind and D."""
-        return _kernels.VISCOUS, {"damping": self.damping}
+        return kernels.VISCOUS, {"damping": self.damping}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -133,7 +133,7 @@ class KuwabaraKonoDamping(Dissipation):
 
     def code(self, elastic: ElasticLaw) -> tuple[float, dict[str, float]]:
         """Return its kind and c."""
-        return _kernels.ROOT_DEPTH, {"damping": self.damping}
+        return kernels.ROOT_DEPTH, {"damping": self.damping}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -180,7 +180,7 @@ class TsujiDamping(Dissipation):
         """Return its kind, alpha and the mass."""
         exponent = getattr(elastic, "exponent", 1.5)
         alpha = math.sqrt(2.0 * (exponent + 1.0)) * damping_ratio(self.restitution)
-        return _kernels.SECANT, {"damping": alpha, "mass": self.effective_mass or 0.0}
+        return kernels.SECANT, {"damping": alpha, "mass": self.effective_mass or 0.0}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -232,7 +232,7 @@ class JankowskiDamping(Dissipation):
 
     def code(self, elastic: ElasticLaw) -> tuple[float, dict[str, float]]:
         """Return its kind, 2 xi and the mass."""
-        return _kernels.SECANT_LOADING, {
+        return kernels.SECANT_LOADING, {
             "damping": 2.0 * self.damping_ratio,
             "mass": self.effective_mass or 0.0,
         }
@@ -273,4 +273,4 @@ class AdamsDamping(Dissipation):
 
     def code(self, elastic: ElasticLaw) -> tuple[float, dict[str, float]]:
         """Return its kind, D and d."""
-        return _kernels.STEP, {"damping": self.damping, "full_damping_depth": self.full_damping_depth}
+        return kernels.STEP, {"damping": self.damping, "full_damping_depth": self.full_damping_depth}

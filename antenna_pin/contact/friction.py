@@ -18,10 +18,10 @@ from numpy.typing import NDArray
 from antenna_pin._compile import record
 from antenna_pin.answers import check_takes
 from antenna_pin.arguments import takes
-from antenna_pin.contact import _friction_kernels as _kernels
-from antenna_pin.contact._called_kernels import CALLED_FRICTION
+from antenna_pin.contact import friction_kernels as kernels
 from antenna_pin.contact._law import Law
-from antenna_pin.contact._records import FRICTION_LAW, FRICTION_SIZE, coded
+from antenna_pin.contact.called_kernels import CALLED_FRICTION
+from antenna_pin.contact.records import FRICTION_LAW, FRICTION_SIZE, coded
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.given_functions import address_of, callable_of, is_compiled
 
@@ -71,7 +71,7 @@ class CompiledFrictionLaw(Law):
 
     def code(self) -> NDArray[np.float64]:
         """Return the law as flat numbers, shape (12,), for the fused kernels."""
-        layout = _kernels.FRICTION_RECORDS[self.kind]
+        layout = kernels.FRICTION_RECORDS[self.kind]
         code = np.zeros(FRICTION_SIZE)
         record(code, FRICTION_LAW).kind = self.kind
         coded(code, layout, {name: getattr(self, name) for name in layout.names or ()})
@@ -85,7 +85,7 @@ class CompiledFrictionLaw(Law):
             normal_force: What presses the surfaces together [N]; for laws whose friction is not proportional
                 to it.
         """
-        return float(_kernels.friction_ratio(self.code(), speed, normal_force) * speed)
+        return float(kernels.friction_ratio(self.code(), speed, normal_force) * speed)
 
 
 # A law that has not fallen by half at this speed from what it reaches further on jumps at rest [m/s].
@@ -138,7 +138,7 @@ def check_at_least(law: object, name: str, other: str) -> None:
 class NoFriction(CompiledFrictionLaw):
     """No friction at all."""
 
-    kind: ClassVar[float] = _kernels.FRICTIONLESS
+    kind: ClassVar[float] = kernels.FRICTIONLESS
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -159,7 +159,7 @@ class Ambrosio(CompiledFrictionLaw):
         Ambrosio (2003), in Virtual Nonlinear Multibody Systems, 57-81; Chen and Cui (2021), equation (19).
     """
 
-    kind: ClassVar[float] = _kernels.AMBROSIO
+    kind: ClassVar[float] = kernels.AMBROSIO
 
     coefficient_of_friction: float = field(metadata={"unit": "1", "doc": "mu, from upper_speed on"})
     lower_speed: float = field(default=1e-4, metadata={"unit": "m/s", "doc": "v_0, no friction below"})
@@ -187,7 +187,7 @@ class Tanh(CompiledFrictionLaw):
         transition_speed: v_t [m/s].
     """
 
-    kind: ClassVar[float] = _kernels.TANH
+    kind: ClassVar[float] = kernels.TANH
 
     coefficient_of_friction: float = field(metadata=_COEFFICIENT)
     transition_speed: float = field(metadata={"unit": "m/s", "doc": "v_t, where mu is 76 % of its limit"})
@@ -215,7 +215,7 @@ class Coulomb(CompiledFrictionLaw):
         The law is Coulomb's (1785); this regularisation is a usual one.
     """
 
-    kind: ClassVar[float] = _kernels.COULOMB
+    kind: ClassVar[float] = kernels.COULOMB
 
     coefficient_of_friction: float = field(metadata=_COEFFICIENT)
     regularisation_speed: float = field(
@@ -244,7 +244,7 @@ class LinearFriction(CompiledFrictionLaw):
         As the multibody code Exudyn regularises Coulomb friction.
     """
 
-    kind: ClassVar[float] = _kernels.LINEAR
+    kind: ClassVar[float] = kernels.LINEAR
 
     coefficient_of_friction: float = field(metadata=_COEFFICIENT)
     regularisation_speed: float = field(metadata={"unit": "m/s", "doc": "v_r, full friction from there on"})
@@ -273,7 +273,7 @@ class Threlfall(CompiledFrictionLaw):
         Threlfall (1978), Mech. Mach. Theory 13, 475-483. Recalled, not checked against the paper.
     """
 
-    kind: ClassVar[float] = _kernels.THRELFALL
+    kind: ClassVar[float] = kernels.THRELFALL
 
     coefficient_of_friction: float = field(metadata={"unit": "1", "doc": "mu, of which 95 % are reached"})
     transition_speed: float = field(metadata={"unit": "m/s", "doc": "v_0, constant from there on"})
@@ -318,5 +318,5 @@ class CustomFriction:
         code = np.zeros(FRICTION_SIZE)
         record(code, FRICTION_LAW).kind = CALLED_FRICTION
         address = address_of(type(self).__name__, "coefficient", self.coefficient, 1)
-        coded(code, _kernels.FRICTION_RECORDS[CALLED_FRICTION], {"address": address})
+        coded(code, kernels.FRICTION_RECORDS[CALLED_FRICTION], {"address": address})
         return code

@@ -28,7 +28,7 @@ import math
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
-from antenna_pin.contact import _damping_kernels as _kernels
+from antenna_pin.contact import damping_kernels as kernels
 from antenna_pin.contact.normal import RESTITUTION, Dissipation, ElasticLaw
 from antenna_pin.contact.restitution import exact_hysteresis
 from antenna_pin.errors import InvalidParameterError
@@ -87,7 +87,7 @@ class HysteresisDamping(Dissipation):
 
     def code(self, elastic: ElasticLaw) -> tuple[float, dict[str, float]]:
         """Return its kind and chi."""
-        kind = _kernels.HYSTERETIC_LOADING if self.approach_only else _kernels.HYSTERETIC
+        kind = kernels.HYSTERETIC_LOADING if self.approach_only else kernels.HYSTERETIC
         return kind, {"hysteresis": self.hysteresis}
 
 

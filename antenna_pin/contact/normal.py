@@ -24,12 +24,12 @@ from numpy.typing import NDArray
 from antenna_pin._compile import record
 from antenna_pin.answers import check_takes
 from antenna_pin.arguments import takes
-from antenna_pin.contact import _kernels
-from antenna_pin.contact._called_kernels import CALLED, CALLED_WHOLE
-from antenna_pin.contact._damping_kernels import CONSERVATIVE
+from antenna_pin.contact import kernels
 from antenna_pin.contact._law import Law
-from antenna_pin.contact._power_kernels import POWER
-from antenna_pin.contact._records import NORMAL_LAW, NORMAL_SIZE, coded
+from antenna_pin.contact.called_kernels import CALLED, CALLED_WHOLE
+from antenna_pin.contact.damping_kernels import CONSERVATIVE
+from antenna_pin.contact.power_kernels import POWER
+from antenna_pin.contact.records import NORMAL_LAW, NORMAL_SIZE, coded
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.given_functions import address_of, is_compiled
 
@@ -113,22 +113,22 @@ class CompiledNormalLaw(Law):
                 to the contact and here is none.
         """
         code = _code_within(self, depth)
-        if _kernels.takes_mass_of_contact(code):
+        if kernels.takes_mass_of_contact(code):
             raise InvalidParameterError(
                 self, "effective_mass", "given for a force apart from a joint, whose contacts have one"
             )
         if depth <= 0.0:
             return 0.0
-        return float(_kernels.normal_force(code, depth, rate, approach_speed, 0.0))
+        return float(kernels.normal_force(code, depth, rate, approach_speed, 0.0))
 
     def elastic_force(self, depth: float) -> float:
         """Return the part of the force that derives from a potential [N], up to ``depth_limit``."""
         code = _code_within(self, depth)
-        return float(_kernels.elastic_force(code, depth)) if depth > 0.0 else 0.0
+        return float(kernels.elastic_force(code, depth)) if depth > 0.0 else 0.0
 
     def elastic_energy(self, depth: float) -> float:
         """Return the energy stored [J]: the integral of the elastic force from 0, up to ``depth_limit``."""
-        return float(_kernels.elastic_energy(_code_within(self, depth), depth))
+        return float(kernels.elastic_energy(_code_within(self, depth), depth))
 
 
 @lru_cache(maxsize=256)
@@ -209,13 +209,13 @@ def elastic_code(kind: float, **parameters: float) -> NDArray[np.float64]:
     """Return an elastic law without dissipation as flat numbers, shape (16,).
 
     Args:
-        kind: One of ``_kernels.ELASTIC_RECORDS``.
+        kind: One of ``kernels.ELASTIC_RECORDS``.
         parameters: By the names of its record.
     """
     code = np.zeros(NORMAL_SIZE)
     record(code, NORMAL_LAW).elastic = kind
     record(code, NORMAL_LAW).dissipation = CONSERVATIVE
-    coded(code, _kernels.ELASTIC_RECORDS[kind], parameters)
+    coded(code, kernels.ELASTIC_RECORDS[kind], parameters)
     return code
 
 
@@ -248,7 +248,7 @@ class DampedContact(CompiledNormalLaw):
         code = self.elastic.code()
         kind, parameters = self.dissipation.code(self.elastic)
         record(code, NORMAL_LAW).dissipation = kind
-        coded(code, _kernels.DISSIPATION_RECORDS[kind], parameters)
+        coded(code, kernels.DISSIPATION_RECORDS[kind], parameters)
         return code
 
 
@@ -340,5 +340,5 @@ class CustomNormal:
         )
         record(code, NORMAL_LAW).dissipation = CALLED_WHOLE
         whole = address_of(place, "force", self.force, 3)
-        coded(code, _kernels.DISSIPATION_RECORDS[CALLED_WHOLE], {"whole": whole, "end": self.depth_limit})
+        coded(code, kernels.DISSIPATION_RECORDS[CALLED_WHOLE], {"whole": whole, "end": self.depth_limit})
         return code

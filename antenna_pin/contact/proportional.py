@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, field
 from typing import Any
 
-from antenna_pin.contact import _damping_kernels as _kernels
+from antenna_pin.contact import damping_kernels as kernels
 from antenna_pin.contact.normal import Dissipation, ElasticLaw
 from antenna_pin.errors import InvalidParameterError
 
@@ -45,4 +45,4 @@ class MarhefkaOrinDamping(Dissipation):
 
     def code(self, elastic: ElasticLaw) -> tuple[float, dict[str, float]]:
         """Return its kind and chi over the approach speed."""
-        return _kernels.PROPORTIONAL, {"hysteresis_over_speed": 1.5 * self.slope}
+        return kernels.PROPORTIONAL, {"hysteresis_over_speed": 1.5 * self.slope}

@@ -10,7 +10,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from antenna_pin.contact import _friction_kernels as _kernels
+from antenna_pin.contact import friction_kernels as kernels
 from antenna_pin.contact.friction import (
     CompiledFrictionLaw,
     check_at_least,
@@ -48,7 +48,7 @@ class VelocityBased(CompiledFrictionLaw):
         Bai and Zhao (2020), Int. J. Aerospace Eng., 8846177, equations (13), (14), Table 2.
     """
 
-    kind: ClassVar[float] = _kernels.VELOCITY_BASED
+    kind: ClassVar[float] = kernels.VELOCITY_BASED
 
     static: float = field(metadata={"unit": "1", "doc": "mu_s, at static_speed"})
     dynamic: float = field(metadata={"unit": "1", "doc": "mu_d, from dynamic_speed on"})
@@ -87,7 +87,7 @@ class Stribeck(CompiledFrictionLaw):
         Tribol. Int. 40, 580-587, regularise it.
     """
 
-    kind: ClassVar[float] = _kernels.STRIBECK
+    kind: ClassVar[float] = kernels.STRIBECK
 
     static: float = field(metadata={"unit": "1", "doc": "mu_s, at least dynamic"})
     dynamic: float = field(metadata={"unit": "1", "doc": "mu_d"})
@@ -135,7 +135,7 @@ class BengisuAkay(CompiledFrictionLaw):
         Bengisu and Akay (1994), J. Sound Vib. 171(4), 557-570. Recalled, not checked against the paper.
     """
 
-    kind: ClassVar[float] = _kernels.BENGISU_AKAY
+    kind: ClassVar[float] = kernels.BENGISU_AKAY
 
     static: float = field(metadata={"unit": "1", "doc": "mu_s, at static_speed; at least dynamic"})
     dynamic: float = field(metadata={"unit": "1", "doc": "mu_d, at high speed"})
@@ -173,7 +173,7 @@ class BrownMcPhee(CompiledFrictionLaw):
         have it.
     """
 
-    kind: ClassVar[float] = _kernels.BROWN_MCPHEE
+    kind: ClassVar[float] = kernels.BROWN_MCPHEE
 
     static: float = field(metadata={"unit": "1", "doc": "mu_s, at the peak; at least dynamic"})
     dynamic: float = field(metadata={"unit": "1", "doc": "mu_d, at high speed"})

@@ -7,7 +7,7 @@ import dataclasses
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.dynamics import _kernels
+from antenna_pin.dynamics import kernels
 from antenna_pin.dynamics.system import System
 from antenna_pin.elements import ForceElement
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
@@ -69,13 +69,13 @@ class Adjustments:
             if value not in (True, False):
                 raise InvalidParameterError("Set", place, "true or false", value)
             self.elements[element] = dataclasses.replace(source, on=bool(value))  # type: ignore[call-arg]
-            head = self._program[block : block + _kernels.PARAMETERS].view(_kernels.ELEMENT)
+            head = self._program[block : block + kernels.PARAMETERS].view(kernels.ELEMENT)
             head["on"] = float(value)
         elif key in keys:
             changed = dataclasses.replace(source, **{key: float(value)})
             self.elements[element] = changed
             words = changed.words_of_kernel()
-            first = block + _kernels.PARAMETERS
+            first = block + kernels.PARAMETERS
             self._program[first : first + len(words)] = words
         else:
             raise UnknownNameError("Set", f"number of {element}", key, keys)

@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.answers import AskedFunction
-from antenna_pin.dynamics import _kernels
+from antenna_pin.dynamics import kernels
 from antenna_pin.dynamics.held import held_slot
 from antenna_pin.elements import Element, Motion
 from antenna_pin.errors import MechanismError
 from antenna_pin.joints import ClearanceJoint
-from antenna_pin.joints import _layout_kernels as _layout
+from antenna_pin.joints import layout_kernels as _layout
 from antenna_pin.mechanism import JointSlot, Mechanism, frame_aligning_z
 
 __all__ = ["Blocks", "InPython", "check_motion", "clearance_block", "held_block", "slides"]
@@ -63,9 +63,9 @@ class Blocks:
 
     def __init__(self, x: int) -> None:
         """Begin with the head."""
-        self.all: list[Array] = [np.zeros(_kernels.HEADER)]
+        self.all: list[Array] = [np.zeros(kernels.HEADER)]
         self.x = x
-        self.size = int(_kernels.HEADER)
+        self.size = int(kernels.HEADER)
 
     def add(self, block: Array, integrals: int) -> int:
         """Put a block at the end; return where in the program it stands.

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.dynamics import _kernels
+from antenna_pin.dynamics import kernels
 from antenna_pin.dynamics.system import System
 from antenna_pin.elements import JointSpring
 from antenna_pin.mechanism import link_twists
@@ -66,13 +66,13 @@ def deflections(
 
 def _springs(system: System, name: str, programs: Sequence[Array]) -> tuple[Array, Array]:
     """Return stiffness and rest of a part's spring at each sample, which events may have changed."""
-    own = system.spring_blocks[name] + int(_kernels.PARAMETERS)
+    own = system.spring_blocks[name] + int(kernels.PARAMETERS)
     layout = JointSpring.compiled().LAYOUT
     found, last, row = [], None, (0.0, 0.0)
     for program in programs:
         if program is not last:
             last = program
-            on = program[own - int(_kernels.PARAMETERS) : own].view(_kernels.ELEMENT)["on"][0]
+            on = program[own - int(kernels.PARAMETERS) : own].view(kernels.ELEMENT)["on"][0]
             spring = program[own : own + layout.itemsize // 8].view(layout)[0]
             row = (float(on * spring["stiffness"]), float(spring["rest_angle"]))
         found.append(row)

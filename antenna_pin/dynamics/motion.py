@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.dynamics import _kernels
+from antenna_pin.dynamics import kernels
 from antenna_pin.dynamics.system import System
 from antenna_pin.elements import ConstantDrive
 
@@ -42,5 +42,5 @@ class JointMotion:
 
     def __call__(self, y: Array) -> tuple[float, float]:
         """Return angle [rad] (position [m] of a sliding joint) and rate of a state [q, v, x]."""
-        angle, rate, _, _ = _kernels.joint_motion(self._program, self._block, y, self._nq)
+        angle, rate, _, _ = kernels.joint_motion(self._program, self._block, y, self._nq)
         return float(angle), float(rate)

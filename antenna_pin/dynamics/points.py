@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.constraints import Anchor, on_body
-from antenna_pin.dynamics import _kernels
-from antenna_pin.dynamics import _point_kernels as _points
+from antenna_pin.dynamics import kernels
+from antenna_pin.dynamics import point_kernels as _points
 from antenna_pin.elements import PointSpring
 from antenna_pin.errors import MechanismError
 from antenna_pin.mechanism import Mechanism
@@ -43,9 +43,9 @@ def point_spring_block(mechanism: Mechanism, place: str, spring: PointSpring, x:
             "would do nothing; name links between which a joint moves"
         )
     block = np.zeros(int(_points.BLOCK_WORDS))
-    head = block[: _kernels.PARAMETERS].view(_kernels.ELEMENT)
+    head = block[: kernels.PARAMETERS].view(kernels.ELEMENT)
     head["kind"], head["length"], head["x"] = spring.compiled().KIND, len(block), x
     head["on"] = spring.acts
-    block[_kernels.PARAMETERS : _points.SIDES] = spring.words_of_kernel()
+    block[kernels.PARAMETERS : _points.SIDES] = spring.words_of_kernel()
     block[_points.SIDES :] = sides.view(np.float64)
     return block

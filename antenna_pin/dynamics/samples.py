@@ -12,7 +12,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from antenna_pin.dynamics import _audit_kernels, _point_kernels, _sample_kernels
+from antenna_pin.dynamics import audit_kernels, point_kernels, sample_kernels
 from antenna_pin.dynamics.audit import energy_of_python_laws
 from antenna_pin.dynamics.system import System
 from antenna_pin.dynamics.workspace import Workspace
@@ -88,12 +88,12 @@ def observed(
     contacts, joints = len(system.contact_names), len(system.clearances)
     tree = body_tree(system.mechanism)
     forces = np.zeros((n, model.nv))
-    contact = np.zeros((n, contacts), dtype=_sample_kernels.SEEN)
+    contact = np.zeros((n, contacts), dtype=sample_kernels.SEEN)
     pose = np.zeros((n, joints), POSE)
     scenario = np.zeros((n, joints, 2), dtype=np.int8)
-    effort = np.zeros((n, len(system.drives)), _sample_kernels.EFFORT)
-    audits = np.zeros(n, _audit_kernels.AUDIT)
-    stretch = np.zeros((n, len(system.point_springs)), _point_kernels.STRETCH)
+    effort = np.zeros((n, len(system.drives)), sample_kernels.EFFORT)
+    audits = np.zeros(n, audit_kernels.AUDIT)
+    stretch = np.zeros((n, len(system.point_springs)), point_kernels.STRETCH)
     rates = np.zeros(model.nv + system.manifold.nx)
     given = (
         np.ascontiguousarray(times, dtype=float),
@@ -125,7 +125,7 @@ def observed(
             try:
                 workspace.measure(states[i])
                 workspace.apply_elements(times[i], states[i], rates)
-                _sample_kernels.observe(i, i + 1, True, *given)
+                sample_kernels.observe(i, i + 1, True, *given)
                 audits["contacts"][i] += energy_of_python_laws(workspace)
             except FunctionError as error:
                 failures[i] = error
@@ -136,7 +136,7 @@ def observed(
         changes = [0, *compress(range(1, n), changed), n]
         for first, last in pairwise(changes):
             workspace.program[:] = programs[first]
-            _sample_kernels.observe(first, last, False, *given)
+            sample_kernels.observe(first, last, False, *given)
     if workspace.constraints is None:
         free = system.mechanism.base == "free"
         accelerations, closure = _accelerations(model, states, forces, free), np.zeros((n, 0, 2, 3))
@@ -242,12 +242,12 @@ def joint_motion(system: System, states: Array, accelerations: Array) -> tuple[l
         motion = np.zeros((len(states), 3))
         block = system.clearance_blocks.get(slot.name, -1)
         if block >= 0 and slot.name in system.turn_x:
-            _sample_kernels.clearance_motion(system.program, block, states, accelerations, motion)
+            sample_kernels.clearance_motion(system.program, block, states, accelerations, motion)
         elif block < 0 and slot.kind in ("revolute", "continuous"):
             motion[:, 0] = states[:, slot.q.start]
             if slot.kind == "continuous":
                 turned = nq + nv + system.turn_x[slot.name]
-                _sample_kernels.turned_angles(states, slot.q.start, turned, motion[:, 0])
+                sample_kernels.turned_angles(states, slot.q.start, turned, motion[:, 0])
             motion[:, 1] = states[:, nq + slot.v.start]
             motion[:, 2] = accelerations[:, slot.v.start]
         else:

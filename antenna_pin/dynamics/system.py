@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.arguments import takes
 from antenna_pin.constraints import Closure, Coupling, DrivenJoint, Plan, make_plan
-from antenna_pin.dynamics import _kernels
+from antenna_pin.dynamics import kernels
 from antenna_pin.dynamics.blocks import Blocks, InPython, check_motion, clearance_block, held_block, slides
 from antenna_pin.dynamics.configuration import make_unit, numbers, spaces
 from antenna_pin.dynamics.coordinates import coordinate_names
@@ -24,7 +24,7 @@ from antenna_pin.errors import InvalidParameterError, MechanismError, UnknownNam
 from antenna_pin.flexible import ElasticPart
 from antenna_pin.integrate import Manifold
 from antenna_pin.joints import ClearanceJoint
-from antenna_pin.joints import _layout_kernels as _layout
+from antenna_pin.joints import layout_kernels as _layout
 from antenna_pin.mechanism import WORLD, Mechanism
 from antenna_pin.records import PROGRAM, place_of
 
@@ -127,17 +127,17 @@ class System:
             self.projection_x = np.array([blocks.x])
             blocks.x += 1
         self.program = np.concatenate(blocks.all)
-        head = self.program[: _kernels.HEADER].view(PROGRAM)
+        head = self.program[: kernels.HEADER].view(PROGRAM)
         head["nq"], head["nv"] = self.model.nq, self.model.nv
         head["contacts"], head["rows"], head["points"] = len(self.contact_names), self.rows, points
         slots = {name: self.mechanism.joint(name) for name in self.turn_x}
-        #: The turned angles as :func:`_kernels.turn_on` takes them, ``TURN``.
+        #: The turned angles as :func:`kernels.turn_on` takes them, ``TURN``.
         self.turns = np.array(
             [
                 (x, self.clearance_blocks.get(name, -1), slots[name].q.start, slots[name].v.start)
                 for name, x in self.turn_x.items()
             ],
-            dtype=_kernels.TURN,
+            dtype=kernels.TURN,
         )
         self.manifold = Manifold(spaces(self.model), blocks.x)
 
@@ -207,7 +207,7 @@ class System:
                 x = blocks.x
                 block = self.element_block(f"{family} {name!r}", element, x)
                 places[name] = at = blocks.add(block, len(element.integrals))
-                own = at + int(_kernels.PARAMETERS)
+                own = at + int(kernels.PARAMETERS)
                 if element.in_python:
                     asked = element.asked(f"{family} {name!r}", self.slides(element.joint))
                     self.callables.append(InPython(at, slice(own, at + len(block)), element, asked))
@@ -231,9 +231,9 @@ class System:
             block = point_spring_block(self.mechanism, f"spring {name!r}", spring, blocks.x)
             self.spring_blocks[name] = blocks.add(block, len(spring.integrals))
         program = np.concatenate(blocks.all)
-        heads = [program[self.spring_blocks[name] :][: _kernels.PARAMETERS] for name in self.springs]
+        heads = [program[self.spring_blocks[name] :][: kernels.PARAMETERS] for name in self.springs]
         #: Where in x the losses of springs are, in their order.
-        self.damper_x = np.array([int(head.view(_kernels.ELEMENT)["x"][0]) for head in heads], dtype=int)
+        self.damper_x = np.array([int(head.view(kernels.ELEMENT)["x"][0]) for head in heads], dtype=int)
         return begin
 
     def slides(self, joint: str) -> bool:
@@ -252,11 +252,11 @@ class System:
         clearance = self.clearance_blocks.get(element.joint, -1)
         without_axis = any(j.geometry.motion is None for j in self.clearances if j.name == element.joint)
         if clearance >= 0 and not without_axis:
-            joint_kind = _kernels.PLAY
+            joint_kind = kernels.PLAY
         elif slot.kind in ("revolute", "prismatic"):
-            joint_kind = _kernels.ONE_DOF
+            joint_kind = kernels.ONE_DOF
         elif slot.kind == "continuous":
-            joint_kind = _kernels.CIRCLE
+            joint_kind = kernels.CIRCLE
         else:
             kind_seen = "spherical" if without_axis else slot.kind
             raise MechanismError(
@@ -265,12 +265,12 @@ class System:
             )
         element.check_joint(place, self.slides(element.joint))
         words = element.words_of_kernel()
-        block = np.concatenate([np.zeros(_kernels.PARAMETERS), words])
-        head = block[: _kernels.PARAMETERS].view(_kernels.ELEMENT)
+        block = np.concatenate([np.zeros(kernels.PARAMETERS), words])
+        head = block[: kernels.PARAMETERS].view(kernels.ELEMENT)
         head["kind"], head["length"] = element.compiled().KIND, len(block)
         head["joint"], head["play"], head["turn"] = joint_kind, clearance, self.turn_x.get(element.joint, -1)
         head["q"], head["v"], head["x"] = slot.q.start, slot.v.start, x
-        head["about"] = _kernels.ABOUTS.index(element.about)
+        head["about"] = kernels.ABOUTS.index(element.about)
         head["senses"], head["on"] = element.senses, element.acts
         return block
 
@@ -329,7 +329,7 @@ class System:
 
         To be called where a step is accepted: no joint may have turned by half a turn since then.
         """
-        return float(_kernels.turn_on(self.program, self.turns, y))
+        return float(kernels.turn_on(self.program, self.turns, y))
 
     def neutral(self) -> Array:
         """Return the configuration with joints at zero, or as couplings want, and journals centred, (nq,)."""

@@ -11,15 +11,15 @@ import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.constraints import Constraints
-from antenna_pin.dynamics import _kernels, _point_kernels, _trial_kernels
-from antenna_pin.dynamics._audit_kernels import AUDIT, audit_state
+from antenna_pin.dynamics import kernels, point_kernels, trial_kernels
+from antenna_pin.dynamics.audit_kernels import AUDIT, audit_state
 from antenna_pin.dynamics.system import System
 from antenna_pin.joints import PythonPath
-from antenna_pin.joints._kernels import unit_normal_force
-from antenna_pin.joints._layout_kernels import JOINT, JOINT_WORDS
-from antenna_pin.joints._pose_kernels import place_journal
+from antenna_pin.joints.kernels import unit_normal_force
+from antenna_pin.joints.layout_kernels import JOINT, JOINT_WORDS
+from antenna_pin.joints.pose_kernels import place_journal
 from antenna_pin.mechanism import PLACE, body_tree
-from antenna_pin.mechanism._tree_kernels import place_bodies
+from antenna_pin.mechanism.tree_kernels import place_bodies
 from antenna_pin.records import CONTACT, MEMORY, POSE, memory_records, words_of
 
 __all__ = ["Workspace"]
@@ -81,7 +81,7 @@ class Workspace:
         self.measured = [path for path in self.paths if path.measured]
         #: Whether each drive in Python is on at present.
         self._on = [
-            self.program[block : block + _kernels.PARAMETERS].view(_kernels.ELEMENT)["on"]
+            self.program[block : block + kernels.PARAMETERS].view(kernels.ELEMENT)["on"]
             for block, *_ in system.callables
         ]
         #: The bodies, and room for where they are, if springs between points ask for that.
@@ -123,7 +123,7 @@ class Workspace:
         for on, one in zip(self._on, self.system.callables, strict=True):
             if on[0] == 0.0:
                 continue
-            angle, rate, _, _ = _kernels.joint_motion(self.program, one.block, y, self.model.nq)
+            angle, rate, _, _ = kernels.joint_motion(self.program, one.block, y, self.model.nq)
             self.program[one.words] = one.given(t, angle, rate)
 
     def locate(self, y: Array, table: NDArray[Any]) -> None:
@@ -131,7 +131,7 @@ class Workspace:
 
         That is the closed form where there is one, coal's gaps being those; else it is the backend.
         """
-        _trial_kernels.contacts_in(y, self.program, self._pose, table)
+        trial_kernels.contacts_in(y, self.program, self._pose, table)
         for path in self.measured:
             path.locate(y, table)
 
@@ -141,7 +141,7 @@ class Workspace:
         The derivative itself updates the touching contacts only. Coal's gaps are asked for where it is the
         backend.
         """
-        _trial_kernels.contacts_in(y, self.program, self._pose, self.table)
+        trial_kernels.contacts_in(y, self.program, self._pose, self.table)
         for path in self.paths:
             path.prepare(y, everything=True)
 
@@ -150,9 +150,9 @@ class Workspace:
         for path in self.paths:
             path.prepare(y)
         self.prepare_motions(t, y)
-        _kernels.evaluate(t, y, self.program, self._work, rates)
+        kernels.evaluate(t, y, self.program, self._work, rates)
         if self._bodies is not None:
-            _point_kernels.add_forces(y, self.program, *self._bodies, self.tau, rates)
+            point_kernels.add_forces(y, self.program, *self._bodies, self.tau, rates)
 
     def bind(self, y: Array, rates: Array) -> Callable[[float], None]:
         """Return the derivative of a state held in an array, as a function of time alone.
@@ -167,7 +167,7 @@ class Workspace:
         nq, nv = self.model.nq, self.model.nv
         q, v, out = y[:nq], y[nq : nq + nv], rates[:nv]
         program, work, tau = self.program, self._work, self.tau
-        evaluate, model, data, aba = _kernels.evaluate, self.model, self.data, pin.aba
+        evaluate, model, data, aba = kernels.evaluate, self.model, self.data, pin.aba
         solve = None if self.constraints is None else self.constraints.bind(y, program, tau, rates)
         if self.paths or self.system.callables or self._bodies is not None:
             elements = self.apply_elements
@@ -237,17 +237,17 @@ class Workspace:
         places, audits, table = self._room
         self.locate(y, table)
         audit_state(y, self.model.nq, self._tree, np.array(self.model.gravity.linear), places, audits)
-        contacts, springs = _kernels.stored_energy(y, self.program, self.memory, table)
-        springs += _point_kernels.stored(self.program, places)
+        contacts, springs = kernels.stored_energy(y, self.program, self.memory, table)
+        springs += point_kernels.stored(self.program, places)
         return float(audits[0].kinetic + audits[0].gravity) + contacts + springs
 
     def lengths(self, y: Array) -> Array:
         """Return the lengths of the springs between points, (springs,) [m]; 0 where points coincide."""
-        stretches = np.zeros(len(self.system.point_springs), _point_kernels.STRETCH)
+        stretches = np.zeros(len(self.system.point_springs), point_kernels.STRETCH)
         if self._bodies is not None:
             tree, places = self._bodies
             place_bodies(y, self.model.nq, tree, places)
-            _point_kernels.look_at(self.program, places, stretches)
+            point_kernels.look_at(self.program, places, stretches)
         return np.asarray(stretches["length"])
 
     def first_memory(self, y: Array) -> NDArray[Any]:

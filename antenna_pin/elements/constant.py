@@ -20,7 +20,7 @@ class ConstantDrive(Drive):
         value: [N*m] ([N]).
     """
 
-    kernels: ClassVar[str] = "_constant_kernels"
+    kernels: ClassVar[str] = "constant_kernels"
 
     value: float = parameter("N*m", sliding="N")
 

@@ -26,7 +26,7 @@ class CallableDrive(Drive):
             ``numba.cfunc``.
     """
 
-    kernels: ClassVar[str] = "_given_kernels"
+    kernels: ClassVar[str] = "given_kernels"
 
     torque: Callable[[float, float, float], float]
 

@@ -59,7 +59,7 @@ class PrescribedMotion(Motion):
             [rad] ([m]).
     """
 
-    kernels: ClassVar[str] = "_motion_kernels"
+    kernels: ClassVar[str] = "motion_kernels"
     columns: ClassVar[tuple[str, str]] = ("time", "positions")
 
     position: float = parameter("rad", sliding="m", default=0.0)
@@ -136,7 +136,7 @@ class DistanceMotion(Motion):
         phase: varphi, of each component at t = 0, (3,) [rad].
     """
 
-    kernels: ClassVar[str] = "_distance_kernels"
+    kernels: ClassVar[str] = "distance_kernels"
 
     offset: Numbers3 = parameter("m", sizes=(3,))
     mean: Numbers3 = parameter("m", sizes=(3,), default=(0.0, 0.0, 0.0))
@@ -189,7 +189,7 @@ class CallableMotion(Motion):
         acceleration: Its exact second derivative [rad/s^2] ([m/s^2]).
     """
 
-    kernels: ClassVar[str] = "_given_motion_kernels"
+    kernels: ClassVar[str] = "given_motion_kernels"
 
     position: Callable[[float], float]
     velocity: Callable[[float], float]

@@ -41,7 +41,7 @@ class PDController(Drive):
         reference: Of the table, one for each time, joined by monotone cubics of continuous slope [rad] ([m]).
     """
 
-    kernels: ClassVar[str] = "_pd_kernels"
+    kernels: ClassVar[str] = "pd_kernels"
     columns: ClassVar[tuple[str, str]] = ("time", "reference")
     senses: ClassVar[bool] = True
     tracks: ClassVar[bool] = True

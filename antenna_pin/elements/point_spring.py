@@ -39,7 +39,7 @@ class PointSpring(ForceElement):
         on: Whether it acts from the start on; an event may switch it.
     """
 
-    kernels: ClassVar[str] = "_point_spring_kernels"
+    kernels: ClassVar[str] = "point_spring_kernels"
     integrals: ClassVar[tuple[Integral, ...]] = (LOSS,)
 
     first: Point

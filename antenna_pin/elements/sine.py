@@ -23,7 +23,7 @@ class SineDrive(Drive):
         phase: [rad].
     """
 
-    kernels: ClassVar[str] = "_sine_kernels"
+    kernels: ClassVar[str] = "sine_kernels"
 
     amplitude: float = parameter("N*m", sliding="N")
     frequency: float = parameter("Hz", rule="positive")

@@ -33,7 +33,7 @@ class JointSpring(Element):
         on: Whether it acts from the start on; an event may switch it.
     """
 
-    kernels: ClassVar[str] = "_spring_kernels"
+    kernels: ClassVar[str] = "spring_kernels"
     senses: ClassVar[bool] = True
     integrals: ClassVar[tuple[Integral, ...]] = (LOSS,)
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.dynamics import System, Workspace
-from antenna_pin.engine._step_kernels import Numbers, Tableau, attempt, derivative, prepare_dense
+from antenna_pin.engine.step_kernels import Numbers, Tableau, attempt, derivative, prepare_dense
 from antenna_pin.errors import MechanismError
 from antenna_pin.integrate import Method, Stepper
 from antenna_pin.mechanism import PLACE, TreeDynamics

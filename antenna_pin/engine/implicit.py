@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.dynamics import Workspace
-from antenna_pin.engine._hold_kernels import MOVED
-from antenna_pin.engine._implicit_kernels import attempt_implicit
-from antenna_pin.engine._step_kernels import derivative
 from antenna_pin.engine.compiled import Compiled
+from antenna_pin.engine.hold_kernels import MOVED
+from antenna_pin.engine.implicit_kernels import attempt_implicit
+from antenna_pin.engine.step_kernels import derivative
 from antenna_pin.integrate import ImplicitStepper, Method
 
 __all__ = ["CompiledImplicitStepper"]

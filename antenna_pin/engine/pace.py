@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.engine import _pace_kernels as _kernels
+from antenna_pin.engine import pace_kernels as kernels
 
 __all__ = ["Pace", "Sizes"]
 
@@ -42,7 +42,7 @@ class Pace:
         end: float,
     ) -> None:
         """Begin without instants."""
-        self.numbers = np.zeros(1, _kernels.PACE)
+        self.numbers = np.zeros(1, kernels.PACE)
         self.breaks = np.zeros(0)
         given: dict[str, Any] = {"adaptive": adaptive, "power": power, "step": step, "least": least}
         given |= {"end": end, "integral": control[0], "proportional": control[1]}
@@ -58,20 +58,20 @@ class Pace:
 
     def cut(self, t: float, h: float) -> tuple[float, bool]:
         """Return a step's size from t [s], cut to what it may be, and whether the run's end has cut it."""
-        size, by_end = _kernels.cut(self.numbers, self.breaks, t, h)
+        size, by_end = kernels.cut(self.numbers, self.breaks, t, h)
         return float(size), bool(by_end)
 
     def following(self, wished: float, tried: float, error: float, rejected: bool) -> float:
         """Return the step to try after one that passed [s]."""
-        return float(_kernels.following(self.numbers, wished, tried, error, rejected))
+        return float(kernels.following(self.numbers, wished, tried, error, rejected))
 
     def shortened(self, tried: float, error: float) -> float:
         """Return the step to try after one with too large an error [s]."""
-        return float(_kernels.shortened(self.numbers, tried, error))
+        return float(kernels.shortened(self.numbers, tried, error))
 
     def hopeless(self, h: float) -> bool:
         """Whether a step shortened to h [s] is not to be tried."""
-        return bool(_kernels.hopeless(self.numbers, h))
+        return bool(kernels.hopeless(self.numbers, h))
 
 
 class Sizes:
@@ -87,7 +87,7 @@ class Sizes:
     def __init__(self, memory: NDArray[Any]) -> None:
         """Begin without patterns."""
         self._memory = memory
-        self.table = _kernels.Sizes(
+        self.table = kernels.Sizes(
             patterns=np.zeros((_ROOM, len(memory)), dtype=np.uint8),
             sizes=np.zeros(_ROOM),
             count=np.zeros(1, dtype=np.int64),
@@ -106,11 +106,11 @@ class Sizes:
     def note(self, h: float) -> None:
         """Note the step that goes well in the present pattern [s]."""
         self.make_room()
-        _kernels.note_size(self.table, self._memory, h)
+        kernels.note_size(self.table, self._memory, h)
 
     def after_change(self, h: float) -> float:
         """Return the step to try in a pattern that has just begun [s], after one of h [s] in another."""
-        return float(_kernels.size_after_change(self.table, self._memory, h))
+        return float(kernels.size_after_change(self.table, self._memory, h))
 
     def value(self) -> tuple[tuple[str, float], ...]:
         """Return all of them: which contacts touch, as ones and zeros, and the size [s]."""

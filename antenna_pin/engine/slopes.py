@@ -7,10 +7,10 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.constraints._layout_kernels import plan_of
-from antenna_pin.engine._slope_kernels import Room, write_slopes, write_speed_slopes
+from antenna_pin.constraints.layout_kernels import plan_of
 from antenna_pin.engine.compiled import CompiledStepper
 from antenna_pin.engine.implicit import CompiledImplicitStepper
+from antenna_pin.engine.slope_kernels import Room, write_slopes, write_speed_slopes
 from antenna_pin.records import MEMORY
 
 __all__ = ["Slopes"]
@@ -49,7 +49,7 @@ class Slopes:
         Args:
             time: [s].
             y: State.
-            ways: Displacements as :mod:`antenna_pin.engine._slope_kernels` lays them out, (displacement, k).
+            ways: Displacements as :mod:`antenna_pin.engine.slope_kernels` lays them out, (displacement, k).
             steps: Of the differences, over a displacement, (k,).
         """
         return self._written(write_slopes, self._rates, time, y, ways, steps)

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.directions import direction
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.geometry import _kernels
+from antenna_pin.geometry import kernels
 from antenna_pin.records import CONTACT, POSE
 
 __all__ = ["ClearanceGeometry", "ContactPlace", "ContactPoint", "Distances", "Motion"]
@@ -208,7 +208,7 @@ def asked(backend: Distances, contacts: int, pose: NDArray[Any]) -> tuple[Contac
 
 def fill_table(candidates: NDArray[np.float64], pose: NDArray[Any], table: NDArray[Any]) -> None:
     """Fill gap, normal and point of all rows of a table from the flat records of their candidates."""
-    _kernels.fill(candidates, pose, table)
+    kernels.fill(candidates, pose, table)
 
 
 def flat(layout: np.dtype[Any], *rows: tuple[Any, ...]) -> NDArray[np.float64]:

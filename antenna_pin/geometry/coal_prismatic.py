@@ -9,7 +9,7 @@ import coal
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.geometry._corner_kernels import CORNER
+from antenna_pin.geometry.corner_kernels import CORNER
 
 __all__ = ["CoalPrismatic"]
 

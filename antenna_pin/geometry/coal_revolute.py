@@ -18,8 +18,8 @@ import coal
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.geometry import _coal_kernels as _kernels
-from antenna_pin.geometry._patch_kernels import APART, sector_contacts, strip_contacts
+from antenna_pin.geometry import coal_kernels as kernels
+from antenna_pin.geometry.patch_kernels import APART, sector_contacts, strip_contacts
 
 __all__ = ["CoalRevolute"]
 
@@ -65,13 +65,13 @@ class CoalRevolute:
         self._at_point = coal.Transform3s()
         self._at_bearing = coal.Transform3s()
         # All that the kernels read and write, and parts of it by name.
-        self._work = np.zeros(_kernels.WORDS)
-        self._work[_kernels.SHAPE_AT : _kernels.FRAME_AT] = dimensions.view(np.float64)
-        frame = self._work[_kernels.FRAME_AT : _kernels.ENDS_AT].view(_kernels.FRAME)
+        self._work = np.zeros(kernels.WORDS)
+        self._work[kernels.SHAPE_AT : kernels.FRAME_AT] = dimensions.view(np.float64)
+        frame = self._work[kernels.FRAME_AT : kernels.ENDS_AT].view(kernels.FRAME)
         self._rotation: NDArray[np.float64] = frame["rotation"][0]
         self._origin: NDArray[np.float64] = frame["origin"][0]
-        self._ends = self._work[_kernels.ENDS_AT : _kernels.ANSWERS_AT].view(_kernels.END)
-        answers = self._work[_kernels.ANSWERS_AT :].view(_kernels.FLANGE_ANSWER)
+        self._ends = self._work[kernels.ENDS_AT : kernels.ANSWERS_AT].view(kernels.END)
+        answers = self._work[kernels.ANSWERS_AT :].view(kernels.FLANGE_ANSWER)
         self._gaps = answers["gap"]
         self._normals = tuple(answers["normal"])
         self._points = tuple(answers["point"])
@@ -85,7 +85,7 @@ class CoalRevolute:
             wanted = _ALL
         elif not any(wanted):
             return
-        upper, lower = _kernels.coal_place(self._work, pose)
+        upper, lower = kernels.coal_place(self._work, pose)
         if upper and wanted[0]:
             self._search(0)
         if lower and wanted[1]:
@@ -95,7 +95,7 @@ class CoalRevolute:
                 self._query_large_flanges(wanted)
             else:
                 self._query_small_flanges(wanted)
-        _kernels.coal_collect(self._work, pose, table, row)
+        kernels.coal_collect(self._work, pose, table, row)
 
     def _searching(self) -> Callable[[int], None]:
         """Return what finds the deepest point of an end circle, from where END k is.
@@ -104,7 +104,7 @@ class CoalRevolute:
         """
         work, asked, identity = self._work, tuple(self._ends["in_journal"]), self._identity
         at_point, result, request, radial = self._at_point, self._result, self._request, self._radial
-        turn = _kernels.coal_turn
+        turn = kernels.coal_turn
 
         def search(k: int) -> None:
             point = asked[k]
@@ -142,13 +142,13 @@ class CoalRevolute:
             first: Row of the first strip.
         """
         shape = self._shape
-        _kernels.coal_place(self._work, pose)
+        kernels.coal_place(self._work, pose)
         strip_contacts(shape[0], strips, pose[0], table, row, first)
         for k in range(strips):
             if table["gap"][first + k] == APART:
                 continue
             side = (2.0 * k + 1.0) / strips - 1.0
-            if not _kernels.coal_start(self._work, 0, side, pose):
+            if not kernels.coal_start(self._work, 0, side, pose):
                 continue
             self._search(0)
             table["gap"][first + k] = self._ends["gap"][0]

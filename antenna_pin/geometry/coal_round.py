@@ -12,8 +12,8 @@ import coal
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.geometry import _kernels
-from antenna_pin.geometry._round_kernels import ROUND
+from antenna_pin.geometry import kernels
+from antenna_pin.geometry.round_kernels import ROUND
 
 __all__ = ["CoalPlanar", "CoalSpherical"]
 
@@ -45,7 +45,7 @@ class _CoalRound:
     ) -> None:
         """Fill the one row (see :class:`antenna_pin.geometry.Distances`)."""
         rows = table[row : row + 1]
-        _kernels.fill(self._candidate, pose, rows)
+        kernels.fill(self._candidate, pose, rows)
         self._at_point.setTranslation(rows["point"][0])
         self._at_solid.setTranslation(pose["centre"][0])
         self._result.clear()
@@ -64,7 +64,7 @@ class CoalPlanar(_CoalRound):
     def __init__(self, bearing_radius: float, journal_radius: float) -> None:
         """Make the journal long: its end faces must not count."""
         cylinder = coal.Cylinder(journal_radius, 10.0 * bearing_radius)
-        super().__init__(_kernels.CIRCLE, bearing_radius, journal_radius, cylinder)
+        super().__init__(kernels.CIRCLE, bearing_radius, journal_radius, cylinder)
 
 
 class CoalSpherical(_CoalRound):
@@ -77,4 +77,4 @@ class CoalSpherical(_CoalRound):
 
     def __init__(self, bearing_radius: float, journal_radius: float) -> None:
         """Make the ball."""
-        super().__init__(_kernels.BALL, bearing_radius, journal_radius, coal.Sphere(journal_radius))
+        super().__init__(kernels.BALL, bearing_radius, journal_radius, coal.Sphere(journal_radius))

@@ -10,8 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.arguments import takes
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.geometry import _kernels
-from antenna_pin.geometry._round_kernels import ROUND
+from antenna_pin.geometry import kernels
 from antenna_pin.geometry.base import (
     ContactPlace,
     Motion,
@@ -20,6 +19,7 @@ from antenna_pin.geometry.base import (
     require_lengths,
 )
 from antenna_pin.geometry.coal_round import CoalPlanar
+from antenna_pin.geometry.round_kernels import ROUND
 
 __all__ = ["PlanarClearance"]
 
@@ -57,7 +57,7 @@ class PlanarClearance(RoundShape):
 
     def candidates(self, axes: ArrayLike) -> NDArray[np.float64]:
         """Return the record of the candidate contact as flat numbers, (1, CANDIDATE)."""
-        return flat(ROUND, (_kernels.CIRCLE, self.bearing_radius, self.journal_radius, (0.0,) * 6))
+        return flat(ROUND, (kernels.CIRCLE, self.bearing_radius, self.journal_radius, (0.0,) * 6))
 
     def coal(self, axes: ArrayLike) -> CoalPlanar:
         """Return what asks coal for the same distance."""

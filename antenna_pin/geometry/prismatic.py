@@ -12,8 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.arguments import takes
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.geometry import _kernels
-from antenna_pin.geometry._corner_kernels import CORNER
+from antenna_pin.geometry import kernels
 from antenna_pin.geometry.base import (
     ContactPlace,
     Motion,
@@ -22,6 +21,7 @@ from antenna_pin.geometry.base import (
     require_lengths,
 )
 from antenna_pin.geometry.coal_prismatic import CoalPrismatic
+from antenna_pin.geometry.corner_kernels import CORNER
 
 __all__ = ["PrismaticClearance"]
 
@@ -122,7 +122,7 @@ class PrismaticClearance(Shape):
         return flat(
             CORNER,
             *(
-                (_kernels.CORNER_ON_WALL, in_child @ turn @ corner, turn @ wall, distance, self.corner_radius)
+                (kernels.CORNER_ON_WALL, in_child @ turn @ corner, turn @ wall, distance, self.corner_radius)
                 for _, corner, wall, distance in self._corners()
             ),
         )

@@ -10,8 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.arguments import takes
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.geometry import _kernels
-from antenna_pin.geometry._revolute_kernels import REVOLUTE, scenario_in
+from antenna_pin.geometry import kernels
 from antenna_pin.geometry.base import (
     ContactPlace,
     Motion,
@@ -21,6 +20,7 @@ from antenna_pin.geometry.base import (
     require_lengths,
 )
 from antenna_pin.geometry.coal_revolute import CoalRevolute
+from antenna_pin.geometry.revolute_kernels import REVOLUTE, scenario_in
 from antenna_pin.geometry.scenarios import AxialScenario, RadialScenario
 from antenna_pin.records import CONTACT
 
@@ -123,12 +123,12 @@ class RevoluteClearance(RoundShape):
     def candidates(self, axes: ArrayLike) -> NDArray[np.float64]:
         """Return the records of the candidate contacts as flat numbers, (4, CANDIDATE)."""
         return flat(
-            REVOLUTE, *(self._record(p, s) for p in (_kernels.BORE, _kernels.FLANGE) for s in (1.0, -1.0))
+            REVOLUTE, *(self._record(p, s) for p in (kernels.BORE, kernels.FLANGE) for s in (1.0, -1.0))
         )
 
     def dimensions(self) -> NDArray[Any]:
         """Return the dimensions as the kernels' record, (1,)."""
-        return np.array([self._record(_kernels.BORE, 1.0)], dtype=REVOLUTE)
+        return np.array([self._record(kernels.BORE, 1.0)], dtype=REVOLUTE)
 
     def _record(self, primitive: int, side: float) -> tuple[float, ...]:
         return (

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.integrate import _newton_kernels as _newton
-from antenna_pin.integrate import _radau_kernels as _kernels
+from antenna_pin.integrate import newton_kernels as _newton
+from antenna_pin.integrate import radau_kernels as kernels
 from antenna_pin.integrate.methods import Method
 from antenna_pin.integrate.stepper import Problem, Stepper
 
@@ -102,16 +102,16 @@ class ImplicitStepper(Stepper):
         newton, stages = self.newton, self.method.stages
         layout, work, scales, rtol = self.manifold.layout, self.work, self.scales, self.rtol
         progress = newton.progress[0]
-        progress.phase = _kernels.BEGIN
+        progress.phase = kernels.BEGIN
         self.h, self.has_dense = h, False
         while True:
-            asked = _kernels.go_on(self.t, h, stages, layout, work, scales, rtol, newton)
-            if asked != _kernels.ASK:
+            asked = kernels.go_on(self.t, h, stages, layout, work, scales, rtol, newton)
+            if asked != kernels.ASK:
                 break
             self._derivative(float(progress.t))
             self.evaluations += 1
-        if asked == _kernels.FAILED:
-            return _kernels.NOT_SOLVED
+        if asked == kernels.FAILED:
+            return kernels.NOT_SOLVED
         self._has_moved = False
         if self._project is not None:
             self._moved[:] = self.y

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.integrate import _manifold_kernels as _kernels
+from antenna_pin.integrate import manifold_kernels as kernels
 
 __all__ = ["KINDS", "Manifold"]
 
@@ -18,17 +18,17 @@ Array = NDArray[np.float64]
 
 #: Configuration spaces of joints: kind -> (code, numbers in q, numbers in v).
 KINDS = {
-    "vector": (_kernels.VECTOR, 1, 1),
-    "circle": (_kernels.CIRCLE, 2, 1),
-    "plane": (_kernels.PLANE, 4, 3),
-    "rotation": (_kernels.ROTATION, 4, 3),
-    "rigid": (_kernels.RIGID, 7, 6),
+    "vector": (kernels.VECTOR, 1, 1),
+    "circle": (kernels.CIRCLE, 2, 1),
+    "plane": (kernels.PLANE, 4, 3),
+    "rotation": (kernels.ROTATION, 4, 3),
+    "rigid": (kernels.RIGID, 7, 6),
 }
 
 
 def _laid_out(nq: int, nv: int, nx: int, factors: NDArray[Any]) -> NDArray[np.int64]:
     """Return a space as flat numbers."""
-    head = np.array([(nq, nv, nx, len(factors))], dtype=_kernels.SPACE)
+    head = np.array([(nq, nv, nx, len(factors))], dtype=kernels.SPACE)
     return np.concatenate([head.view(np.int64), factors.view(np.int64)])
 
 
@@ -65,13 +65,13 @@ class Manifold:
             factors.append((code, i, j, nv))
             i += nq
             j += nv
-        layout = _laid_out(i, j, self.nx, np.array(factors, dtype=_kernels.FACTOR))
+        layout = _laid_out(i, j, self.nx, np.array(factors, dtype=kernels.FACTOR))
         for name, value in (("nq", i), ("nv", j), ("size", i + j + self.nx), ("layout", layout)):
             object.__setattr__(self, name, value)
 
     def part(self, factors: Sequence[int], *, plain: bool) -> NDArray[np.int64]:
         """Return the layout of some factors only, with or without the plain numbers."""
-        every = self.layout[_kernels.SPACE_WORDS :].view(_kernels.FACTOR)
+        every = self.layout[kernels.SPACE_WORDS :].view(kernels.FACTOR)
         return _laid_out(self.nq, self.nv, self.nx if plain else 0, every[list(factors)])
 
     def compose(self, q: ArrayLike, u: ArrayLike) -> Array:
@@ -84,7 +84,7 @@ class Manifold:
         """
         rows = np.zeros((3, self.size))
         rows[0, : self.nq], rows[1, : self.nv] = q, u
-        _kernels.retract(self.layout, rows, 0, rows, 1, rows, 2)
+        kernels.retract(self.layout, rows, 0, rows, 1, rows, 2)
         return rows[2, : self.nq].copy()
 
     def chart_rate(self, q: ArrayLike, u: ArrayLike, v: ArrayLike) -> Array:
@@ -92,7 +92,7 @@ class Manifold:
         rows = np.zeros((3, self.size))
         rows[0, : self.nq], rows[0, self.nq : self.nq + self.nv] = self.compose(q, u), v
         rows[1, : self.nv] = u
-        _kernels.chart_rate(self.layout, rows, 1, rows, 0, rows, 2)
+        kernels.chart_rate(self.layout, rows, 1, rows, 0, rows, 2)
         return rows[2, : self.nv].copy()
 
     def bracket(self, v: ArrayLike, ways: ArrayLike) -> Array:

@@ -9,7 +9,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.integrate import _kernels
+from antenna_pin.integrate import kernels
 from antenna_pin.integrate.manifold import Manifold
 from antenna_pin.integrate.methods import Method
 
@@ -61,10 +61,10 @@ class Stepper:
         self.rtol = rtol
         size = self.manifold.size
         stages = method.stages
-        self.work = np.zeros((stages + _kernels.EXTRA_ROWS, size))
-        self.y = self.work[stages + _kernels.STATE]
-        self._rates = self.work[stages + _kernels.RATES, : self.manifold.nv + self.manifold.nx]
-        self.start_row = stages + _kernels.START
+        self.work = np.zeros((stages + kernels.EXTRA_ROWS, size))
+        self.y = self.work[stages + kernels.STATE]
+        self._rates = self.work[stages + kernels.RATES, : self.manifold.nv + self.manifold.nx]
+        self.start_row = stages + kernels.START
         self.start = self.work[self.start_row]
         self._derivative = _bound(problem, self.y, self._rates)
         self.dense = np.zeros((method.polynomials.shape[1], size))
@@ -87,7 +87,7 @@ class Stepper:
         self._derivative(t)
         self.evaluations += 1
         self.has_dense = False
-        _kernels.begin(self.method.stages, self.manifold.layout, self.work)
+        kernels.begin(self.method.stages, self.manifold.layout, self.work)
 
     def refresh(self) -> None:
         """Evaluate the derivative at the present state again, after the problem itself has changed."""
@@ -104,7 +104,7 @@ class Stepper:
         """Try a step of size h [s]; return its scaled error: 1 is the tolerance, 0 if the step is fixed."""
         method = self.method
         layout, work, weights = self.manifold.layout, self.work, method.weights
-        derivative, stage = self._derivative, _kernels.stage
+        derivative, stage = self._derivative, kernels.stage
         t, nodes, last = self.t, self._nodes, method.last
         stage(1, h, weights, layout, work, False)
         for i in range(1, last):
@@ -117,7 +117,7 @@ class Stepper:
         self.evaluations += last
         self.h = h
         self.has_dense = False
-        error: float = _kernels.finish(last, h, method.errors, layout, work, self.scales, self.rtol)
+        error: float = kernels.finish(last, h, method.errors, layout, work, self.scales, self.rtol)
         return error if method.adaptive or not math.isfinite(error) else 0.0
 
     def prepare_dense(self) -> None:
@@ -127,26 +127,26 @@ class Stepper:
         method = self.method
         layout = self.manifold.layout
         if method.stages > method.last + 1:
-            end = self.work[method.stages + _kernels.STATE :].copy()
+            end = self.work[method.stages + kernels.STATE :].copy()
             for i in range(method.last + 1, method.stages):
-                _kernels.stage(i, self.h, method.weights, layout, self.work, i > method.last + 1)
+                kernels.stage(i, self.h, method.weights, layout, self.work, i > method.last + 1)
                 self._derivative(self.t + self._nodes[i] * self.h)
             self.evaluations += method.stages - method.last - 1
-            _kernels.store(method.stages - 1, method.stages, layout, self.work)
-            self.work[method.stages + _kernels.STATE :] = end
+            kernels.store(method.stages - 1, method.stages, layout, self.work)
+            self.work[method.stages + kernels.STATE :] = end
         n = 2 * self.manifold.nv + self.manifold.nx
-        _kernels.dense_coefficients(self.h, method.polynomials, n, self.work, self.dense)
+        kernels.dense_coefficients(self.h, method.polynomials, n, self.work, self.dense)
         if self._has_moved:
-            _kernels.bend(layout, self._moved, self.y, self.dense)
+            kernels.bend(layout, self._moved, self.y, self.dense)
         self.has_dense = True
 
     def interpolate(self, theta: float, out: Array) -> None:
         """Write the state at the fraction theta of the last trial step into out (see ``prepare_dense``)."""
-        _kernels.dense_state(theta, self.manifold.layout, self.dense, self.work, self.start_row, self.out)
+        kernels.dense_state(theta, self.manifold.layout, self.dense, self.work, self.start_row, self.out)
         out[:] = self.out[0]
 
     def accept(self) -> None:
         """Make the trial step the state."""
         self.t += self.h
         self.has_dense = False
-        _kernels.begin(self.method.stages, self.manifold.layout, self.work)
+        kernels.begin(self.method.stages, self.manifold.layout, self.work)

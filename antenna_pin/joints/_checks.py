@@ -7,10 +7,10 @@ from typing import Any
 
 from antenna_pin._compile import record
 from antenna_pin.answers import check_takes
-from antenna_pin.contact._kernels import DISSIPATION_RECORDS, ELASTIC_RECORDS
-from antenna_pin.contact._records import NORMAL_LAW
 from antenna_pin.contact.friction import check_at_rest
+from antenna_pin.contact.kernels import DISSIPATION_RECORDS, ELASTIC_RECORDS
 from antenna_pin.contact.normal import CompiledNormalLaw, normal_questions
+from antenna_pin.contact.records import NORMAL_LAW
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.geometry import ClearanceGeometry, RevoluteClearance
 

@@ -15,16 +15,16 @@ from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.arguments import takes
 from antenna_pin.contact import CompiledNormalLaw, FrictionLaw, NoFriction, NormalLaw
-from antenna_pin.contact._kernels import NORMAL_SIZE, takes_mass_of_contact
+from antenna_pin.contact.kernels import NORMAL_SIZE, takes_mass_of_contact
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.geometry import ClearanceGeometry, Distances, RevoluteClearance
-from antenna_pin.geometry._patch_kernels import NODE
 from antenna_pin.geometry.own_backend import OwnBackend
-from antenna_pin.joints import _kernels
-from antenna_pin.joints import _layout_kernels as _layout
+from antenna_pin.geometry.patch_kernels import NODE
+from antenna_pin.joints import kernels
+from antenna_pin.joints import layout_kernels as _layout
 from antenna_pin.joints._checks import check_asked, check_friction, check_load
-from antenna_pin.joints._patch_kernels import patch_energy
 from antenna_pin.joints.contacts import JointContacts
+from antenna_pin.joints.patch_kernels import patch_energy
 from antenna_pin.joints.python_path import LawInRun, PythonPath, has_code, range_of
 from antenna_pin.records import CONTACT, MEMORY, POSE
 
@@ -204,7 +204,7 @@ class ClearanceJoint:
         start_x: int,
         turn: int = 0,
     ) -> Array:
-        """Return the joint as flat numbers for the fused kernel (:mod:`antenna_pin.joints._layout_kernels`).
+        """Return the joint as flat numbers for the fused kernel (:mod:`antenna_pin.joints.layout_kernels`).
 
         Args:
             axes: Columns are the axes of bearing and journal frame in the joint's frames, (3, 3).
@@ -276,7 +276,7 @@ class ClearanceJoint:
         y = np.concatenate([configuration, np.zeros(nv + self.contacts * self.stride)])
         block = self.block(np.eye(3), (0.0, 0.0, 1.0), 0, 0, 0, 0)
         table = np.zeros(self.contacts + self.place_strips(block, self.contacts), CONTACT)
-        _kernels.geometry_alone(block, 0, y, configuration.size, table, np.zeros(1, POSE))
+        kernels.geometry_alone(block, 0, y, configuration.size, table, np.zeros(1, POSE))
         energy = 0.0
         for k, law in enumerate(zip(self.normal_laws, self.law_names, strict=True)):
             if self.load == "distributed":
@@ -320,7 +320,7 @@ class ClearanceJoint:
         table = np.zeros(n + self.place_strips(block, n), CONTACT)
         memory = np.zeros(n, MEMORY)
         pose = np.zeros(1, POSE)
-        _kernels.geometry_alone(block, 0, y, nq, table, pose)
+        kernels.geometry_alone(block, 0, y, nq, table, pose)
         memory["touching"] = table["gap"][:n] <= 0.0 if touching is None else np.asarray(touching)
         speed = self.approach_speed_floor if approach_speed is None else np.asarray(approach_speed)
         memory["approach_speed"] = np.maximum(speed, self.approach_speed_floor)
@@ -335,7 +335,7 @@ class ClearanceJoint:
         path = self.python_path(block, memory, table, nq)
         if path is not None:
             path.prepare(y, everything=True)
-        _kernels.alone(block, 0, y, nq, nv, memory, table, pose, tau, rates)
+        kernels.alone(block, 0, y, nq, nv, memory, table, pose, tau, rates)
         return JointContacts(
             gap=table["gap"][:n].copy(),
             normal=table["normal"][:n].copy(),

@@ -11,16 +11,16 @@ from numpy.typing import NDArray
 
 from antenna_pin.answers import AskedFunction, told_numbers
 from antenna_pin.contact import FrictionLaw, NormalLaw
-from antenna_pin.contact._friction_kernels import friction_force
-from antenna_pin.contact._kernels import elastic_energy, elastic_force, normal_force
+from antenna_pin.contact.friction_kernels import friction_force
+from antenna_pin.contact.kernels import elastic_energy, elastic_force, normal_force
 from antenna_pin.contact.normal import normal_questions
 from antenna_pin.geometry import Distances
-from antenna_pin.geometry._patch_kernels import NODE
 from antenna_pin.geometry.coal_revolute import CoalRevolute
+from antenna_pin.geometry.patch_kernels import NODE
 from antenna_pin.given_functions import callable_of
-from antenna_pin.joints import _kernels
-from antenna_pin.joints._layout_kernels import JOINT, JOINT_WORDS, nodes_at, patches_at
-from antenna_pin.joints._pose_kernels import place_journal
+from antenna_pin.joints import kernels
+from antenna_pin.joints.layout_kernels import JOINT, JOINT_WORDS, nodes_at, patches_at
+from antenna_pin.joints.pose_kernels import place_journal
 from antenna_pin.records import POSE
 
 __all__ = ["LawInRun", "PythonPath", "coefficient_of", "functions_of_law", "has_code", "range_of"]
@@ -144,7 +144,7 @@ class PythonPath:
         assert self._distances is not None
         place_journal(self._block, 0, y, self._nq, self._pose)
         self._distances.query(self._pose, table, self.row)
-        _kernels.rates_alone(self._block, 0, table, self._pose)
+        kernels.rates_alone(self._block, 0, table, self._pose)
 
     def prepare(self, y: Array, everything: bool = False) -> None:
         """Fill the joint's rows of the table as far as its mode says they are given.
@@ -157,7 +157,7 @@ class PythonPath:
         row, table = self.row, self._table
         distances = self._distances
         if distances is None:
-            _kernels.geometry_alone(self._block, 0, y, self._nq, table, self._pose)
+            kernels.geometry_alone(self._block, 0, y, self._nq, table, self._pose)
         else:
             place_journal(self._block, 0, y, self._nq, self._pose)
             if self._distributed and isinstance(distances, CoalRevolute):
@@ -169,7 +169,7 @@ class PythonPath:
             else:
                 distances.query(self._pose, table, row, None if everything else self._touching.tolist())
         if not self.compiled or (everything and self.measured):
-            _kernels.rates_alone(self._block, 0, table, self._pose)
+            kernels.rates_alone(self._block, 0, table, self._pose)
         if not self.compiled:
             self._apply_laws()
 

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from antenna_pin.differences import STEPS, gradient
 from antenna_pin.dynamics import Adjustments, System, Workspace
-from antenna_pin.dynamics import _kernels as _program
-from antenna_pin.joints._kernels import unit_normal_force
-from antenna_pin.joints._pose_kernels import place_journal
+from antenna_pin.dynamics import kernels as _program
+from antenna_pin.joints.kernels import unit_normal_force
+from antenna_pin.joints.pose_kernels import place_journal
 from antenna_pin.records import CONTACT, POSE
 
 __all__ = ["Forces", "ForceDerivatives", "Loads"]

@@ -12,7 +12,7 @@ from antenna_pin.differences import gradient
 from antenna_pin.dynamics import System, Workspace
 from antenna_pin.errors import MechanismError
 from antenna_pin.joints import ClearanceJoint
-from antenna_pin.joints._pose_kernels import place_journal
+from antenna_pin.joints.pose_kernels import place_journal
 from antenna_pin.linear.forces import Forces
 from antenna_pin.readable import number
 from antenna_pin.records import CONTACT, POSE

@@ -9,12 +9,12 @@ import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.errors import MechanismError
-from antenna_pin.mechanism._dynamics_kernels import aba
-from antenna_pin.mechanism._mass_kernels import mass_and_bias
-from antenna_pin.mechanism._room_kernels import ROOM
-from antenna_pin.mechanism._tree_kernels import PLACE, bias_accelerations, place_bodies
+from antenna_pin.mechanism.dynamics_kernels import aba
+from antenna_pin.mechanism.mass_kernels import mass_and_bias
 from antenna_pin.mechanism.model import Mechanism
+from antenna_pin.mechanism.room_kernels import ROOM
 from antenna_pin.mechanism.tree import body_tree
+from antenna_pin.mechanism.tree_kernels import PLACE, bias_accelerations, place_bodies
 
 __all__ = ["ROOM", "TreeDynamics"]
 

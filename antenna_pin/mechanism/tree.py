@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.arguments import takes
-from antenna_pin.mechanism import _tree_kernels as _bodies
-from antenna_pin.mechanism._tree_kernels import BODY, PLACE
+from antenna_pin.mechanism import tree_kernels as _bodies
 from antenna_pin.mechanism.model import Mechanism
+from antenna_pin.mechanism.tree_kernels import BODY, PLACE
 
 __all__ = ["BODY", "PLACE", "body_tree"]
 

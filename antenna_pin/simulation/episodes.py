@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.dynamics import Workspace, _peak_kernels
+from antenna_pin.dynamics import Workspace, peak_kernels
 from antenna_pin.engine import CompiledImplicitStepper, CompiledStepper
-from antenna_pin.engine import _episode_kernels as _kernels
+from antenna_pin.engine import episode_kernels as kernels
 from antenna_pin.integrate import Stepper
-from antenna_pin.joints._layout_kernels import BRISTLES
+from antenna_pin.joints.layout_kernels import BRISTLES
 from antenna_pin.records import MEMORY, memory_numbers, memory_records
 from antenna_pin.simulation.samples import Samples
 from antenna_pin.state import OpenContact, State
@@ -49,9 +49,9 @@ class Episodes:
         self.samples = samples
         self.begin = begin
         contacts = len(system.contact_names)
-        self.peaks = np.zeros(contacts, _peak_kernels.PEAK)
+        self.peaks = np.zeros(contacts, peak_kernels.PEAK)
         first = system.model.nq + system.model.nv
-        places = np.zeros(contacts, _kernels.PLACES)
+        places = np.zeros(contacts, kernels.PLACES)
         places["impulse"] = first + system.impulse_x
         places["lost_normal"] = first + system.lost_normal_x
         places["lost_friction"] = first + system.lost_friction_x
@@ -60,7 +60,7 @@ class Episodes:
         places["floor"] = system.approach_speed_floors
         plays = [j.geometry.radial_clearance for j in system.clearances for _ in j.contact_names]
         places["tolerance"] = _TOLERANCE * np.array(plays)
-        self.book = _kernels.Book(
+        self.book = kernels.Book(
             memory=workspace.memory,
             peaks=self.peaks,
             open=np.full(contacts, -1),
@@ -68,7 +68,7 @@ class Episodes:
             states=np.zeros((contacts, system.manifold.size)),
             memories=np.zeros((contacts, contacts), MEMORY),
             places=places,
-            episodes=np.zeros(_ROOM, _kernels.EPISODE),
+            episodes=np.zeros(_ROOM, kernels.EPISODE),
             count=np.zeros(1, dtype=np.int64),
         )
 
@@ -87,7 +87,7 @@ class Episodes:
         """Let there be room for an episode more."""
         if int(self.book.count[0]) < len(self.book.episodes):
             return
-        grown = np.zeros(2 * len(self.book.episodes), _kernels.EPISODE)
+        grown = np.zeros(2 * len(self.book.episodes), kernels.EPISODE)
         grown[: len(self.book.episodes)] = self.book.episodes
         self.book = self.book._replace(episodes=grown)
 
@@ -101,23 +101,23 @@ class Episodes:
     def touch(self, c: int, rate: float) -> None:
         """Begin a contact."""
         self.make_room()
-        _kernels.touch(self.book, c, self.stepper.t, rate, self._effective_mass(c), self.stepper.start)
+        kernels.touch(self.book, c, self.stepper.t, rate, self._effective_mass(c), self.stepper.start)
 
     def _effective_mass(self, c: int) -> float:
         y = self.stepper.start[: self.system.manifold.size]
         if isinstance(self.stepper, CompiledStepper | CompiledImplicitStepper):
-            return float(_kernels.effective_mass(c, y, self.stepper.numbers))
+            return float(kernels.effective_mass(c, y, self.stepper.numbers))
         return self.workspace.effective_mass(y, c)
 
     def release(self, c: int) -> None:
         """End a contact."""
-        _kernels.release(self.book, c, self.stepper.t, self.stepper.start)
+        kernels.release(self.book, c, self.stepper.t, self.stepper.start)
         self._sample(c)
 
     def close(self) -> None:
         """Complete the record of the contacts that still touch at the end of a run."""
         for c in range(len(self)):
-            _kernels.complete(self.book, c, self.stepper.start)
+            kernels.complete(self.book, c, self.stepper.start)
             self._sample(c)
 
     def _sample(self, c: int) -> None:
@@ -131,7 +131,7 @@ class Episodes:
         """Keep the state at the largest force so far of each touching contact, to sample it at the end."""
         stepper = self.stepper
         layout, out = stepper.manifold.layout, stepper.out
-        _kernels.keep_peaks(
+        kernels.keep_peaks(
             stepper.t, stepper.h, layout, stepper.dense, stepper.work, stepper.start_row, out, self.book
         )
 
@@ -185,7 +185,7 @@ class Episodes:
         for name in _KEPT:
             getattr(self.book, name)[:] = numbers[name]
         count = len(numbers["episodes"])
-        grown = np.zeros(max(2 * count, _ROOM), _kernels.EPISODE)
+        grown = np.zeros(max(2 * count, _ROOM), kernels.EPISODE)
         grown[:count] = numbers["episodes"]
         self.book.count[0] = count
         self.book = self.book._replace(episodes=grown)

@@ -13,14 +13,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from antenna_pin.dynamics import Workspace, _peak_kernels
+from antenna_pin.dynamics import Workspace, peak_kernels
 from antenna_pin.integrate import Stepper
 
 __all__ = ["NOTHING", "Found", "Measured", "passage"]
 
 Function = Callable[[float], float]
 
-POINTS = tuple(k / _peak_kernels.NODES for k in range(_peak_kernels.NODES + 1))
+POINTS = tuple(k / peak_kernels.NODES for k in range(peak_kernels.NODES + 1))
 
 
 class Found(NamedTuple):

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.dynamics import JointMotion, System, Workspace, _kernels
+from antenna_pin.dynamics import JointMotion, System, Workspace, kernels
 from antenna_pin.errors import UnknownNameError
 from antenna_pin.records import memory_numbers
 
@@ -52,7 +52,7 @@ class Moment:
 
     def kink(self, block: int) -> float:
         """Return how far the effort of an element, by its place in the program, is past its kink."""
-        return float(_kernels.element_kink(self._workspace.program, block, self.time, self._y, self._nq))
+        return float(kernels.element_kink(self._workspace.program, block, self.time, self._y, self._nq))
 
     @property
     def q(self) -> Array:

@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 from antenna_pin.answers import AskedFunction
 from antenna_pin.contact import CustomFriction, CustomNormal
 from antenna_pin.contact.normal import normal_questions
-from antenna_pin.dynamics import Workspace, _kernels
+from antenna_pin.dynamics import Workspace, kernels
 from antenna_pin.elements import Element
 from antenna_pin.geometry.own_backend import OwnBackend
-from antenna_pin.joints._pose_kernels import place_journal
+from antenna_pin.joints.pose_kernels import place_journal
 from antenna_pin.joints.python_path import coefficient_of, functions_of_law, has_code, range_of
 from antenna_pin.records import CONTACT, POSE
 from antenna_pin.simulation.events import Event, told_moment
@@ -189,12 +189,12 @@ def _of_elements(workspace: Workspace) -> Iterator[Asked]:
 def _motion_of(workspace: Workspace, block: int, count: int) -> Callable[[float, Array], Any]:
     """Return what gives time, angle and rate of an element's joint, the first so many; None if it is off."""
     program, nq = workspace.program, workspace.model.nq
-    on = program[block : block + _kernels.PARAMETERS].view(_kernels.ELEMENT)["on"]
+    on = program[block : block + kernels.PARAMETERS].view(kernels.ELEMENT)["on"]
 
     def asked(t: float, y: Array) -> tuple[float, ...] | None:
         if on[0] == 0.0:
             return None
-        angle, rate, _, _ = _kernels.joint_motion(program, block, y, nq)
+        angle, rate, _, _ = kernels.joint_motion(program, block, y, nq)
         return (t, float(angle), float(rate))[:count]
 
     return asked

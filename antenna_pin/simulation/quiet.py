@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from antenna_pin.dynamics import Workspace
 from antenna_pin.engine import Compiled, CompiledImplicitStepper, CompiledStepper
-from antenna_pin.engine import _loop_kernels as _kernels
-from antenna_pin.engine import _stretch_kernels as _stretch
+from antenna_pin.engine import loop_kernels as kernels
+from antenna_pin.engine import stretch_kernels as _stretch
 from antenna_pin.integrate import Method, Stepper, made_stepper
 from antenna_pin.records import MEMORY
 from antenna_pin.settings import RunSettings
@@ -128,9 +128,9 @@ class QuietTrials(Trials):
         reason, made, h = self._go_on(h)
         if made and self._watch:
             self._watch.renew()
-        if reason == _kernels.TRIAL_STANDS:
+        if reason == kernels.TRIAL_STANDS:
             return Trial(True, h)
-        if reason == _kernels.STEP_DUE:
+        if reason == kernels.STEP_DUE:
             return super().first(h, cut)
         return Trial(False, h, tried=False)
 
@@ -151,11 +151,11 @@ class QuietTrials(Trials):
         control.sizes.make_room()
         self._watched.renew()
         loop = self._loop._replace(breaks=control.pace.breaks, book=episodes.book, sizes=control.sizes.table)
-        reason = _kernels.go_on(loop)
+        reason = kernels.go_on(loop)
         found = stretch[0]
         stepper.t = float(found["t"])
         stepper.evaluations += int(found["evaluations"])
-        stepper.has_dense = reason == _kernels.TRIAL_STANDS
+        stepper.has_dense = reason == kernels.TRIAL_STANDS
         if stepper.has_dense:
             stepper.h = float(found["tried"])
         buffers, count = loop.buffers, int(found["samples"])

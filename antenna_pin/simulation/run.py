@@ -21,7 +21,7 @@ from antenna_pin.engine import check_compiled
 from antenna_pin.errors import InvalidParameterError, ScenarioError
 from antenna_pin.geometry import RevoluteClearance
 from antenna_pin.interruption import interruptible
-from antenna_pin.joints._pose_kernels import place_journal
+from antenna_pin.joints.pose_kernels import place_journal
 from antenna_pin.parameters import holds
 from antenna_pin.records import CONTACT, POSE
 from antenna_pin.scenario import Scenario, settings_key

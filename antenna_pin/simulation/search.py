@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
-from antenna_pin.dynamics import Workspace, _inspect_kernels, _peak_kernels, _trial_kernels
+from antenna_pin.dynamics import Workspace, inspect_kernels, peak_kernels, trial_kernels
 from antenna_pin.integrate import Stepper
 from antenna_pin.joints import LawInRun
 from antenna_pin.records import POSE
@@ -45,13 +45,13 @@ class ContactSearch:
         self.gap_difference = 0.0
         self.table = np.zeros_like(workspace.table)
         self._pose = np.zeros(1, POSE)
-        self.nodes = np.zeros((_inspect_kernels.NODE_SIZE, _peak_kernels.NODES + 1, contacts))
+        self.nodes = np.zeros((inspect_kernels.NODE_SIZE, peak_kernels.NODES + 1, contacts))
         self.limits = np.array([limit for j in system.clearances for limit in j.depth_limits])
         self.reasons = [reason for j in system.clearances for reason in j.limit_reasons]
         self.tolerances = episodes.book.places["tolerance"].tolist()
         self.uses_coal = any(j.backend == "coal" for j in system.clearances)
         factors = [system.mechanism.joint(j.name).joint_id - 1 for j in system.clearances]
-        self.trial = _trial_kernels.Trial(
+        self.trial = trial_kernels.Trial(
             layout=manifold.part(factors, plain=system.bristle_x.size > 0),
             dense=stepper.dense,
             work=stepper.work,
@@ -88,7 +88,7 @@ class ContactSearch:
         stepper = self.stepper
         measured = self._measured.first(until, self.ignore, self.limits)
         found = Found(
-            *_inspect_kernels.inspect_step(
+            *inspect_kernels.inspect_step(
                 stepper.t,
                 stepper.h,
                 measured.theta,
@@ -107,8 +107,8 @@ class ContactSearch:
     def track(self) -> None:
         """Bring the contacts' record up to the end of a trial step in which none changes."""
         stepper = self.stepper
-        _inspect_kernels.fill_nodes(self.nodes, self.trial, False)
-        _peak_kernels.track_peaks(stepper.t, stepper.h, self.nodes, self.episodes.peaks, self.trial)
+        inspect_kernels.fill_nodes(self.nodes, self.trial, False)
+        peak_kernels.track_peaks(stepper.t, stepper.h, self.nodes, self.episodes.peaks, self.trial)
         self._track_in_python()
 
     def _track_in_python(self) -> None:
@@ -125,7 +125,7 @@ class ContactSearch:
                 if self.trial.measured[c]:
                     self._measured.at(theta, c)
                 else:
-                    _trial_kernels.contacts_at(theta, self.trial, c)
+                    trial_kernels.contacts_at(theta, self.trial, c)
                 depth = -float(self.table[c].gap)
                 return -law.forces(depth, self.table[c].rate, *onset)[1] if depth > 0.0 else 0.0
 
@@ -135,7 +135,7 @@ class ContactSearch:
             if -value > 0.95 * peaks[c].force:
                 found = minimize_scalar(
                     lack,
-                    bounds=(POINTS[max(best - 1, 0)], POINTS[min(best + 1, _peak_kernels.NODES)]),
+                    bounds=(POINTS[max(best - 1, 0)], POINTS[min(best + 1, peak_kernels.NODES)]),
                     method="bounded",
                     options={"xatol": 1e-6},
                 )

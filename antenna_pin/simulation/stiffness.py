@@ -15,7 +15,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from antenna_pin.dynamics import System, Workspace, _kernels
+from antenna_pin.dynamics import System, Workspace, kernels
 from antenna_pin.elements import Motion
 from antenna_pin.integrate import Method
 from antenna_pin.readable import readable
@@ -202,6 +202,6 @@ def _effort(system: System, place: _Place, block: int, y: Array) -> float:
     nq = int(place.program[: words_of(PROGRAM)].view(PROGRAM)["nq"][0])
     given = next((one for one in system.callables if one.block == block), None)
     if given is not None:
-        angle, rate, _, _ = _kernels.joint_motion(place.program, block, y, nq)
+        angle, rate, _, _ = kernels.joint_motion(place.program, block, y, nq)
         return float(given.given(place.t, angle, rate)[0])
-    return float(_kernels.element_state(place.program, block, place.t, y, nq)[0])
+    return float(kernels.element_state(place.program, block, place.t, y, nq)[0])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from antenna_pin.dynamics import motion_block
-from antenna_pin.engine import _watch_kernels as _kernels
+from antenna_pin.engine import watch_kernels as kernels
 from antenna_pin.simulation.events import Angle, Event, Force, Gap, Rate, Time
 from antenna_pin.simulation.kinks import Passing
 from antenna_pin.simulation.watch import Watch
@@ -33,22 +33,22 @@ class Watched:
         system = watch.moment.system
         self._watch = watch
         self._places = [k for k, event in enumerate(watch.events) if not isinstance(event.when, Time)]
-        functions = np.zeros(len(self._places), _kernels.WATCHED)
+        functions = np.zeros(len(self._places), kernels.WATCHED)
         blocks = [system.program]
         for row, k in zip(functions, self._places, strict=True):
             event = watch.events[k]
             when = event.when
             row["parts"] = event.nodes
             if isinstance(when, Passing):
-                row["what"], row["where"] = _kernels.KINK, when.block
+                row["what"], row["where"] = kernels.KINK, when.block
             elif isinstance(when, Angle | Rate):
-                row["what"] = _kernels.ANGLE if isinstance(when, Angle) else _kernels.RATE
+                row["what"] = kernels.ANGLE if isinstance(when, Angle) else kernels.RATE
                 row["where"], row["value"] = sum(map(len, blocks)), when.value
                 blocks.append(motion_block(system, when.joint))
             elif isinstance(when, Gap | Force):
-                row["what"] = _kernels.GAP if isinstance(when, Gap) else _kernels.FORCE
+                row["what"] = kernels.GAP if isinstance(when, Gap) else kernels.FORCE
                 row["where"], row["value"] = watch.moment.contact_number(when.contact), when.value
-        self.numbers = _kernels.Watched(
+        self.numbers = kernels.Watched(
             functions=functions,
             program=np.concatenate(blocks),
             rates=np.zeros(system.model.nv + system.manifold.nx),

@@ -14,7 +14,7 @@ import numpy as np
 
 from antenna_pin.arguments import takes
 from antenna_pin.contact import CompiledNormalLaw, NormalLaw
-from antenna_pin.contact._kernels import normal_force
+from antenna_pin.contact.kernels import normal_force
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["Impact", "check_impact", "depth_of_energy", "impact_of_pair", "impact_on_wall"]

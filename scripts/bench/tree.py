@@ -19,9 +19,9 @@ from bench_tools import CLOSED_FORM, Array, Report, interleaved, scenario
 
 from antenna_pin import build_system
 from antenna_pin.mechanism import PLACE, Mechanism, TreeDynamics, Urdf, build_mechanism
-from antenna_pin.mechanism._dynamics_kernels import aba
-from antenna_pin.mechanism._mass_kernels import mass_and_bias
-from antenna_pin.mechanism._tree_kernels import bias_accelerations, place_bodies
+from antenna_pin.mechanism.dynamics_kernels import aba
+from antenna_pin.mechanism.mass_kernels import mass_and_bias
+from antenna_pin.mechanism.tree_kernels import bias_accelerations, place_bodies
 
 LOOP = 3000  # bodies that a compiled loop goes over: short enough not to be interrupted
 CHAINS = (2, 4, 8, 16, 32, 64)

@@ -10,7 +10,7 @@ import pytest
 from numba import njit
 
 from antenna_pin.geometry import RevoluteClearance
-from antenna_pin.geometry._revolute_kernels import scenario_in
+from antenna_pin.geometry.revolute_kernels import scenario_in
 from antenna_pin.records import CONTACT, POSE
 
 

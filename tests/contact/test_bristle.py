@@ -8,7 +8,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from antenna_pin.contact import Dahl, GonthierBristle, LuGre
-from antenna_pin.contact import _friction_kernels as _kernels
+from antenna_pin.contact import friction_kernels as kernels
 
 LUGRE = LuGre(static=0.3, dynamic=0.2, stribeck_speed=1e-3, bristle_stiffness=1e5, bristle_damping=30.0)
 GONTHIER = GonthierBristle(
@@ -21,7 +21,7 @@ def evaluate(law, slip, state, normal=Z, load=1.0):
     """Friction force and rates of the state."""
     state = np.asarray(state, dtype=float)
     rates = np.full(law.states, math.nan)
-    force = _kernels.bristle_force(
+    force = kernels.bristle_force(
         law.code(), 0, load, *map(float, slip), *map(float, normal), state, 0, rates, 0
     )
     return np.array(force), rates

@@ -20,8 +20,8 @@ from antenna_pin.contact import (
     KuwabaraKonoDamping,
     Tsuji,
     TsujiDamping,
-    _kernels,
     exact_hysteresis,
+    kernels,
 )
 from antenna_pin.contact.damping import damping_ratio
 from antenna_pin.studies import (
@@ -97,10 +97,10 @@ def test_a_law_without_a_mass_takes_that_of_the_contact(cls, mass):
     free = cls(stiffness=1e9, restitution=0.6)
     given = cls(stiffness=1e9, restitution=0.6, effective_mass=mass)
     for rate in (-0.05, 0.0, 0.1):
-        force = _kernels.normal_force(free.code(), 2e-6, rate, 0.1, mass)
+        force = kernels.normal_force(free.code(), 2e-6, rate, 0.1, mass)
         assert force == given.force(2e-6, rate, 0.1)
         # A mass of the law's own goes before that of the contact.
-        assert _kernels.normal_force(given.code(), 2e-6, rate, 0.1, 3.0 * mass) == force
+        assert kernels.normal_force(given.code(), 2e-6, rate, 0.1, 3.0 * mass) == force
     assert agree(free, mass, 0.1, 1e-7) == agree(given, mass, 0.1, 1e-7)
 
 

@@ -24,7 +24,7 @@ from antenna_pin.contact import (
     Threlfall,
     VelocityBased,
 )
-from antenna_pin.contact import _friction_kernels as _kernels
+from antenna_pin.contact import friction_kernels as kernels
 from antenna_pin.geometry import PlanarClearance
 from antenna_pin.joints import ClearanceJoint
 
@@ -54,7 +54,7 @@ def viscous(law, speed):
 
 
 def force_of(law, normal_force, slip):
-    return np.array(_kernels.friction_force(law.code(), normal_force, *map(float, slip)))
+    return np.array(kernels.friction_force(law.code(), normal_force, *map(float, slip)))
 
 
 def slope(law, speed, step):

@@ -19,10 +19,10 @@ from antenna_pin.contact import (
     KelvinVoigt,
     LiuPinJoint,
     Persson,
-    _friction_kernels,
-    _kernels,
+    friction_kernels,
+    kernels,
 )
-from antenna_pin.contact._called_kernels import (
+from antenna_pin.contact.called_kernels import (
     CALLED,
     CALLED_FRICTION,
     CALLED_FRICTION_LAW,
@@ -30,8 +30,8 @@ from antenna_pin.contact._called_kernels import (
     CALLED_WHOLE,
     CALLED_WHOLE_LAW,
 )
-from antenna_pin.contact._records import FRICTION_LAW, NORMAL_LAW, dissipation_record
 from antenna_pin.contact.normal import elastic_code
+from antenna_pin.contact.records import FRICTION_LAW, NORMAL_LAW, dissipation_record
 from antenna_pin.given_functions import address_of
 
 from .conftest import DIMENSIONS, combinations, instances
@@ -53,7 +53,7 @@ def python(kernel):
 def interpreted():
     """All contact kernels as plain Python, also where they call one another."""
     with pytest.MonkeyPatch.context() as patch:
-        for module in [sys.modules[name] for name in sys.modules if name.endswith("_kernels")]:
+        for module in [sys.modules[name] for name in sys.modules if name.endswith("kernels")]:
             for name, function in list(vars(module).items()):
                 if hasattr(function, "py_func"):
                     patch.setattr(module, name, function.py_func)
@@ -79,13 +79,13 @@ def test_normal_kernels_equal_their_python(contact):
     """Any law, with and without dissipation, on both sides of the surface; a code fills its slot."""
     law, depth, rate, approach = contact
     code = law.code()
-    assert code.shape == (_kernels.NORMAL_SIZE,)
+    assert code.shape == (kernels.NORMAL_SIZE,)
 
     def evaluate():
         return [
-            float(_kernels.elastic_force(code, depth)),
-            float(_kernels.elastic_energy(code, depth)),
-            float(_kernels.normal_force(code, depth, rate, approach, 0.7)),
+            float(kernels.elastic_force(code, depth)),
+            float(kernels.elastic_energy(code, depth)),
+            float(kernels.normal_force(code, depth, rate, approach, 0.7)),
         ]
 
     one = evaluate()
@@ -104,32 +104,32 @@ def test_every_kind_that_is_declared_is_known_to_the_kernels_and_no_other():
     three = address_of("law", "three", numba.njit(lambda a, b, c: 1.0), 3)
 
     def normal(elastic, dissipation):
-        code = np.ones(_kernels.NORMAL_SIZE)
+        code = np.ones(kernels.NORMAL_SIZE)
         record(code, NORMAL_LAW).elastic, record(code, NORMAL_LAW).dissipation = elastic, dissipation
         if elastic == CALLED:
             record(code, CALLED_LAW).address = one
         if dissipation == CALLED_WHOLE:
             record(code, CALLED_WHOLE_LAW).whole = three
-        return _kernels.normal_force(code, 0.01, 0.1, 1.0, 1.0)
+        return kernels.normal_force(code, 0.01, 0.1, 1.0, 1.0)
 
     def friction(kind):
-        code, rates = np.ones(_friction_kernels.FRICTION_SIZE), np.zeros(4)
+        code, rates = np.ones(friction_kernels.FRICTION_SIZE), np.zeros(4)
         record(code, FRICTION_LAW).kind = kind
         if kind == CALLED_FRICTION:
             record(code, CALLED_FRICTION_LAW).address = one
-        if kind < _friction_kernels.BRISTLE:
-            return _friction_kernels.friction_ratio(code, 0.1, 1.0)
+        if kind < friction_kernels.BRISTLE:
+            return friction_kernels.friction_ratio(code, 0.1, 1.0)
         state = np.full(4, 0.1)
-        return _friction_kernels.bristle_force(
-            code, 0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, state, 0, rates, 0
-        )[0]
+        return friction_kernels.bristle_force(code, 0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, state, 0, rates, 0)[
+            0
+        ]
 
     # One past all of them is none.
-    for kind in (*_kernels.ELASTIC_RECORDS, 7.0):
+    for kind in (*kernels.ELASTIC_RECORDS, 7.0):
         assert math.isnan(normal(kind, 0.0)) == (kind == 7.0), kind
-    for kind in (*_kernels.DISSIPATION_RECORDS, 9.0):
+    for kind in (*kernels.DISSIPATION_RECORDS, 9.0):
         assert math.isnan(normal(1.0, kind)) == (kind == 9.0), kind
-    for kind in (*_friction_kernels.FRICTION_RECORDS, 10.0, 103.0):
+    for kind in (*friction_kernels.FRICTION_RECORDS, 10.0, 103.0):
         assert math.isnan(friction(kind)) == (kind in (10.0, 103.0)), kind
 
 
@@ -149,14 +149,14 @@ def test_a_law_is_written_by_the_names_of_its_record():
 
 def test_friction_kernels_equal_their_python(friction_law):
     code, rng = friction_law.code(), np.random.default_rng(2)
-    assert code.shape == (_friction_kernels.FRICTION_SIZE,)
+    assert code.shape == (friction_kernels.FRICTION_SIZE,)
     for _ in range(100):
         slip = (rng.normal(size=3) * 10.0 ** rng.uniform(-6, 1)).tolist()
         speed = math.sqrt(sum(s * s for s in slip))
-        kernel = _friction_kernels.friction_ratio
+        kernel = friction_kernels.friction_ratio
         # The ramp's (speed - v_0) cancels near its lower end; it does so alike in both.
         assert kernel(code, speed, 3.0) == pytest.approx(python(kernel)(code, speed, 3.0), rel=1e-14, abs=0.0)
-        kernel = _friction_kernels.friction_force
+        kernel = friction_kernels.friction_force
         assert kernel(code, 12.0, *slip) == pytest.approx(
             python(kernel)(code, 12.0, *slip), rel=1e-12, abs=0.0
         )
@@ -164,8 +164,8 @@ def test_friction_kernels_equal_their_python(friction_law):
 
 def test_bristle_kernels_equal_their_python(bristle_law):
     code, rng = bristle_law.code(), np.random.default_rng(3)
-    assert code.shape == (_friction_kernels.FRICTION_SIZE,)
-    kernel = _friction_kernels.bristle_force
+    assert code.shape == (friction_kernels.FRICTION_SIZE,)
+    kernel = friction_kernels.bristle_force
     scales = np.array(bristle_law.state_scales)
     for _ in range(100):
         normal = rng.normal(size=3)
@@ -186,14 +186,14 @@ def test_integer_powers_continue_analytically_below_zero_depth(exponent):
     """So that a trial step across the end of a contact keeps the integrator's order."""
     for depth in (-1e-3, -1e-6, 1e-6, 1e-3):
         expected = depth ** int(exponent)
-        assert _kernels.power(depth, exponent) == pytest.approx(expected, rel=1e-15, abs=0.0)  # round-off
+        assert kernels.power(depth, exponent) == pytest.approx(expected, rel=1e-15, abs=0.0)  # round-off
 
 
 @pytest.mark.parametrize("exponent", [10 / 9, 1.5, 2.5])
 def test_other_powers_vanish_below_zero_depth(exponent):
-    assert _kernels.power(-1e-6, exponent) == 0.0
-    assert _kernels.power(0.0, exponent) == 0.0
-    assert _kernels.power(1e-6, exponent) == pytest.approx(1e-6**exponent, rel=1e-15, abs=0.0)  # round-off
+    assert kernels.power(-1e-6, exponent) == 0.0
+    assert kernels.power(0.0, exponent) == 0.0
+    assert kernels.power(1e-6, exponent) == pytest.approx(1e-6**exponent, rel=1e-15, abs=0.0)  # round-off
 
 
 @pytest.mark.parametrize(
@@ -202,29 +202,29 @@ def test_other_powers_vanish_below_zero_depth(exponent):
 def test_nearly_linear_laws_continue_as_odd_functions(law):
     code = law.code()
     for depth in (1e-12, 1e-7, 3e-5):
-        assert _kernels.elastic_force(code, -depth) == -_kernels.elastic_force(code, depth)
-    assert _kernels.elastic_force(code, 0.0) == 0.0
+        assert kernels.elastic_force(code, -depth) == -kernels.elastic_force(code, depth)
+    assert kernels.elastic_force(code, 0.0) == 0.0
 
 
 def test_persson_continues_analytically():
     """A parabola through three points around zero is met to the third order."""
     code, h = Persson(**DIMENSIONS).code(), 1e-8
-    values = [_kernels.elastic_force(code, k * h) for k in (-2, -1, 0, 1)]
+    values = [kernels.elastic_force(code, k * h) for k in (-2, -1, 0, 1)]
     third = values[3] - 3.0 * values[2] + 3.0 * values[1] - values[0]
     assert abs(third) < 1e-6 * values[3]  # (h / dR)^2
-    assert math.isfinite(_kernels.elastic_force(code, -1.0))
+    assert math.isfinite(kernels.elastic_force(code, -1.0))
 
 
 def test_a_damper_does_not_pull_below_zero_depth_either():
     """Its force has ended before the contact does: there is nothing to continue."""
     law = KelvinVoigt(stiffness=1e6, damping=100.0)
-    assert _kernels.normal_force(law.code(), -1e-6, -0.1, 0.1, 1.0) == 0.0
+    assert kernels.normal_force(law.code(), -1e-6, -0.1, 0.1, 1.0) == 0.0
 
 
 def test_the_continuation_stays_below_the_surface_of_a_law():
     """The class, unlike the kernel, speaks of free flight: no force there."""
     law = Hertz(stiffness=1e9, exponent=1.0)
-    assert _kernels.normal_force(law.code(), -1e-6, 0.0, 1.0, 1.0) == pytest.approx(
+    assert kernels.normal_force(law.code(), -1e-6, 0.0, 1.0, 1.0) == pytest.approx(
         -1e3, rel=1e-15, abs=0.0
     )  # round-off
     assert law.force(-1e-6, 0.0, 1.0) == 0.0

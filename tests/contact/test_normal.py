@@ -23,26 +23,26 @@ from antenna_pin.contact import (
     NormalLaw,
     Pereira,
     Persson,
-    _damping_kernels,
-    _kernels,
+    damping_kernels,
+    kernels,
 )
-from antenna_pin.contact._records import NORMAL_LAW
+from antenna_pin.contact.records import NORMAL_LAW
 
 from .conftest import DIMENSIONS
 
 DEPTHS = np.geomspace(1e-9, 5e-5, 25)
 
 # At the onset, where there is no depth yet, these push with D v_0: their named discontinuity.
-DISCONTINUOUS = {_damping_kernels.VISCOUS}
-MASS_LAWS = {_damping_kernels.SECANT, _damping_kernels.SECANT_LOADING}
+DISCONTINUOUS = {damping_kernels.VISCOUS}
+MASS_LAWS = {damping_kernels.SECANT, damping_kernels.SECANT_LOADING}
 
 
 def is_discontinuous(law):
     """A damper over the square root of the secant stiffness is as constant as that is."""
     code = law.code()
     kinds = record(code, NORMAL_LAW)
-    linear = kinds.elastic in (_kernels.LOGARITHMIC, _kernels.PERSSON, _kernels.PIN_JOINT)
-    linear |= kinds.elastic == _kernels.POWER and record(code, _kernels.POWER_LAW).exponent == 1.0
+    linear = kinds.elastic in (kernels.LOGARITHMIC, kernels.PERSSON, kernels.PIN_JOINT)
+    linear |= kinds.elastic == kernels.POWER and record(code, kernels.POWER_LAW).exponent == 1.0
     return kinds.dissipation in DISCONTINUOUS or (kinds.dissipation in MASS_LAWS and linear)
 
 
@@ -152,10 +152,10 @@ def test_energy_is_the_integral_of_the_elastic_force(elastic_law):
 def test_energy_in_the_kernel_goes_on_as_the_force_does_beyond_the_range(law):
     """There the force is held; a trial step may get there."""
     code, limit = law.code(), law.depth_limit
-    more = _kernels.elastic_energy(code, 1.5 * limit) - _kernels.elastic_energy(code, limit)
-    assert more == pytest.approx(0.5 * limit * _kernels.elastic_force(code, limit), rel=1e-12, abs=0.0)
-    assert _kernels.elastic_force(code, 1.5 * limit) == pytest.approx(
-        _kernels.elastic_force(code, limit), rel=1e-7
+    more = kernels.elastic_energy(code, 1.5 * limit) - kernels.elastic_energy(code, limit)
+    assert more == pytest.approx(0.5 * limit * kernels.elastic_force(code, limit), rel=1e-12, abs=0.0)
+    assert kernels.elastic_force(code, 1.5 * limit) == pytest.approx(
+        kernels.elastic_force(code, limit), rel=1e-7
     )
 
 
@@ -177,7 +177,7 @@ def test_a_law_refuses_a_depth_beyond_its_range(any_normal_law):
                 call()
         with pytest.raises(ValueError, match=message):
             law.elastic_energy(beyond)
-    assert _kernels.elastic_force(any_normal_law.code(), beyond) > 0.0
+    assert kernels.elastic_force(any_normal_law.code(), beyond) > 0.0
 
 
 def test_energy_grows_by_the_force(elastic_law):

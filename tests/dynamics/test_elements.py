@@ -8,7 +8,7 @@ import pinocchio as pin
 import pytest
 
 from antenna_pin.contact import Hertz
-from antenna_pin.dynamics import System, Workspace, _kernels, acceleration, audit
+from antenna_pin.dynamics import System, Workspace, acceleration, audit, kernels
 from antenna_pin.elements import CallableDrive, ConstantDrive, JointSpring, PDController, SineDrive
 from antenna_pin.errors import InvalidParameterError, MechanismError, UnknownNameError
 from antenna_pin.geometry import PlanarClearance, RevoluteClearance
@@ -227,7 +227,7 @@ def test_a_controller_does_what_the_same_in_python_does(kind, joint, axis):
 
 def motion(system, y):
     """Motion angle and its rate of the joint that the one spring sits on."""
-    return _kernels.joint_motion(system.program, system.spring_blocks["coil"], y, system.model.nq)[:2]
+    return kernels.joint_motion(system.program, system.spring_blocks["coil"], y, system.model.nq)[:2]
 
 
 @pytest.mark.parametrize("angle", [-3.1, -1.0, 0.0, 0.4, 2.0, 3.1])

@@ -18,7 +18,7 @@ from antenna_pin.elements import (
     PrescribedMotion,
     SineDrive,
     TableDrive,
-    _kernels,
+    kernels,
 )
 from antenna_pin.scenario import DRIVE_SPECS
 
@@ -76,16 +76,16 @@ def test_an_element_has_its_own_kernels_and_words(kind):
     element, words, expected = EXAMPLES[kind]
     assert element.words(slides=False).replace("\N{NO-BREAK SPACE}", " ") == words
     kernels = element.compiled()
-    torque = _kernels.effort(kernels.KIND, element.words_of_kernel(), 0, 0.0, 0.1, 0.2)
+    torque = kernels.effort(kernels.KIND, element.words_of_kernel(), 0, 0.0, 0.1, 0.2)
     assert torque == pytest.approx(expected, rel=1e-15, abs=1e-15)  # round-off
     assert [one for one in ELEMENTS if one.compiled().KIND == kernels.KIND] == [kind]
     rates = np.full(len(element.integrals) + 1, np.nan)
-    _kernels.write_rates(kernels.KIND, element.words_of_kernel(), 0, 0.2, 0.2 * torque, rates, 0)
+    kernels.write_rates(kernels.KIND, element.words_of_kernel(), 0, 0.2, 0.2 * torque, rates, 0)
     assert np.isnan(rates).tolist() == [False] * len(element.integrals) + [True]
 
 
 def test_a_kind_that_there_is_not_gives_no_number():
-    assert math.isnan(_kernels.effort(99, np.zeros(20), 0, 0.0, 0.0, 0.0))
+    assert math.isnan(kernels.effort(99, np.zeros(20), 0, 0.0, 0.0, 0.0))
 
 
 def test_a_scenario_knows_every_drive():

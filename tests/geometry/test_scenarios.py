@@ -6,7 +6,7 @@ import math
 import pytest
 
 from antenna_pin.geometry import AxialScenario, RadialScenario
-from antenna_pin.geometry import _revolute_kernels as kernels
+from antenna_pin.geometry import revolute_kernels as kernels
 
 R, A = RadialScenario, AxialScenario
 PRESS = 1e-6  # [m], deeper than any scenario is sensitive to

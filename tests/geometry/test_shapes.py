@@ -14,7 +14,7 @@ from antenna_pin.geometry import (
     RevoluteClearance,
     pose_of,
 )
-from antenna_pin.geometry._revolute_kernels import bore_contact, flange_contact, nearest_on_ellipse
+from antenna_pin.geometry.revolute_kernels import bore_contact, flange_contact, nearest_on_ellipse
 from antenna_pin.records import CONTACT
 
 from .conftest import Coal

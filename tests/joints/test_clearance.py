@@ -19,7 +19,7 @@ from antenna_pin.contact import (
     Tsuji,
     VelocityBased,
 )
-from antenna_pin.contact._kernels import normal_force
+from antenna_pin.contact.kernels import normal_force
 from antenna_pin.contact.normal import ElasticLaw
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.geometry import PlanarClearance, RevoluteClearance

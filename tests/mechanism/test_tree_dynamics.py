@@ -16,9 +16,9 @@ from antenna_pin.mechanism import (
     build_mechanism,
     dynamics,
 )
-from antenna_pin.mechanism._dynamics_kernels import aba
-from antenna_pin.mechanism._mass_kernels import mass_and_bias
-from antenna_pin.mechanism._tree_kernels import bias_accelerations, place_bodies
+from antenna_pin.mechanism.dynamics_kernels import aba
+from antenna_pin.mechanism.mass_kernels import mass_and_bias
+from antenna_pin.mechanism.tree_kernels import bias_accelerations, place_bodies
 
 GRAVITY = (0.7, -1.3, -9.6)
 KINDS = ("revolute", "continuous", "prismatic", "floating", "planar")

@@ -24,7 +24,7 @@ from antenna_pin.elements import JointSpring, PDController, SineDrive
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.geometry import PlanarClearance, PrismaticClearance, RevoluteClearance, SphericalClearance
 from antenna_pin.joints import ClearanceJoint
-from antenna_pin.joints._pose_kernels import place_journal
+from antenna_pin.joints.pose_kernels import place_journal
 from antenna_pin.mechanism import frame_aligning_z
 from antenna_pin.record import record
 from antenna_pin.records import POSE, words_of

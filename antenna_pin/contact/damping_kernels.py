@@ -1,0 +1,94 @@
+"""Arithmetic of the dissipations, of :mod:`antenna_pin.contact.hysteresis` and ``damping``, compiled."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from antenna_pin._compile import inlined, kernel, record
+from antenna_pin.contact.called_kernels import CALLED_WHOLE, CALLED_WHOLE_LAW, called_whole
+from antenna_pin.contact.records import NORMAL_LAW, dissipation_record
+
+CONSERVATIVE = 0.0
+HYSTERETIC = 1.0
+PROPORTIONAL = 2.0
+VISCOUS = 3.0
+ROOT_DEPTH = 4.0
+SECANT = 5.0
+SECANT_LOADING = 6.0
+STEP = 7.0
+HYSTERETIC_LOADING = 8.0  # in the approach only
+
+HYSTERETIC_LAW = dissipation_record("hysteresis")  # chi
+PROPORTIONAL_LAW = dissipation_record("hysteresis_over_speed")  # chi over the approach speed
+DAMPER_LAW = dissipation_record("damping")  # D, or c of c sqrt(depth)
+SECANT_LAW = dissipation_record("damping", "mass")  # alpha or 2 xi, m; a mass of 0 stands for the contact's
+STEP_LAW = dissipation_record("damping", "full_damping_depth")  # D, d
+
+DISSIPATION_RECORDS = {
+    CONSERVATIVE: dissipation_record(),
+    HYSTERETIC: HYSTERETIC_LAW,
+    PROPORTIONAL: PROPORTIONAL_LAW,
+    VISCOUS: DAMPER_LAW,
+    ROOT_DEPTH: DAMPER_LAW,
+    SECANT: SECANT_LAW,
+    SECANT_LOADING: SECANT_LAW,
+    STEP: STEP_LAW,
+    HYSTERETIC_LOADING: HYSTERETIC_LAW,
+    CALLED_WHOLE: CALLED_WHOLE_LAW,
+}
+
+
+@kernel
+def _additive_force(law: Any, kind: float, elastic: float, depth: float, rate: float, mass: float) -> float:
+    """Elastic force and a damping that is no multiple of it [N], cut off at zero."""
+    damping = 0.0
+    if kind == VISCOUS:
+        damping = record(law, DAMPER_LAW).damping
+    elif kind == ROOT_DEPTH:
+        damping = record(law, DAMPER_LAW).damping * math.sqrt(max(depth, 0.0))
+    elif kind == SECANT or (kind == SECANT_LOADING and rate > 0.0):
+        secant = record(law, SECANT_LAW)
+        m = secant.mass if secant.mass > 0.0 else mass
+        damping = secant.damping * math.sqrt(m * max(elastic / depth, 0.0)) if depth != 0.0 else 0.0
+    elif kind == STEP:
+        step = record(law, STEP_LAW)
+        x = min(max(depth / step.full_damping_depth, 0.0), 1.0)
+        damping = step.damping * x * x * (3.0 - 2.0 * x)
+    elif kind != SECANT_LOADING:
+        return math.nan  # no such kind
+    return max(elastic + damping * rate, 0.0)
+
+
+@inlined
+def damped_force(
+    law: Any, elastic: float, depth: float, rate: float, approach_speed: float, mass: float
+) -> float:
+    """Normal force on the journal [N], from its elastic part; never adhesive at positive depth.
+
+    ``mass`` [kg], that of the contact, is for laws that depend on one and have none of their own.
+    """
+    kind = record(law, NORMAL_LAW).dissipation
+    if kind == HYSTERETIC:
+        force = elastic * (1.0 + float(record(law, HYSTERETIC_LAW).hysteresis * rate / approach_speed))
+    elif kind == CONSERVATIVE:
+        force = elastic
+    elif kind == PROPORTIONAL:
+        force = elastic * (1.0 + record(law, PROPORTIONAL_LAW).hysteresis_over_speed * rate)
+    elif kind == HYSTERETIC_LOADING:
+        closing = max(rate, 0.0)
+        force = elastic * (1.0 + float(record(law, HYSTERETIC_LAW).hysteresis * closing / approach_speed))
+    else:
+        if kind == CALLED_WHOLE:
+            return called_whole(record(law, CALLED_WHOLE_LAW), depth, rate, approach_speed)
+        return _additive_force(law, kind, elastic, depth, rate, mass)
+    if depth > 0.0 and force < 0.0:
+        return 0.0
+    return force
+
+
+@kernel
+def takes_mass_of_contact(law: Any) -> bool:
+    """Whether the force depends on a mass that the law does not have itself."""
+    kind = record(law, NORMAL_LAW).dissipation
+    return bool((kind == SECANT or kind == SECANT_LOADING) and record(law, SECANT_LAW).mass == 0.0)

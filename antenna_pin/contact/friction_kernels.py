@@ -1,0 +1,318 @@
+"""Arithmetic of the friction laws on flat parameters, compiled.
+
+A friction law travels as ``FRICTION_SIZE`` floats, which :mod:`antenna_pin.contact.records` gives names: its
+kind, then its parameters by the names of its class. Laws of the slip speed give a coefficient; those from
+``BRISTLE`` on carry a state per contact, which the integrator advances: a deflection in metres, three numbers
+in bearing axes, and what else the law remembers behind it. The two have functions of their own, so that the
+laws that run most pay nothing for the others. A kind that is unknown here gives NaN.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from antenna_pin._compile import inlined, kernel, record
+from antenna_pin.contact.called_kernels import CALLED_FRICTION, CALLED_FRICTION_LAW, called_ratio
+from antenna_pin.contact.records import FRICTION_LAW, FRICTION_SIZE, friction_record
+
+__all__ = [
+    "FRICTION_RECORDS",
+    "FRICTION_SIZE",
+    "bristle_force",
+    "friction_force",
+    "friction_ratio",
+    "steady_coefficient",
+]
+
+DEFLECTION_SIZE = 3
+DWELL = DEFLECTION_SIZE  # where in a state its dwell stands
+
+FRICTIONLESS = 0.0
+VELOCITY_BASED = 1.0
+AMBROSIO = 2.0
+TANH = 3.0
+COULOMB = 4.0
+STRIBECK = 5.0
+THRELFALL = 6.0
+BENGISU_AKAY = 7.0
+LINEAR = 8.0
+BROWN_MCPHEE = 9.0
+BRISTLE = 100.0  # those from here on carry a state
+DAHL = 100.0
+LUGRE = 101.0
+GONTHIER = 102.0
+
+_BRISTLES = ("dynamic", "static", "stribeck_speed", "bristle_stiffness", "bristle_damping", "viscous")
+
+VELOCITY_BASED_LAW = friction_record("static", "dynamic", "static_speed", "dynamic_speed")
+AMBROSIO_LAW = friction_record("coefficient_of_friction", "lower_speed", "upper_speed")
+TANH_LAW = friction_record("coefficient_of_friction", "transition_speed")
+COULOMB_LAW = friction_record("coefficient_of_friction", "regularisation_speed")
+STRIBECK_LAW = friction_record(
+    "dynamic", "static", "stribeck_speed", "exponent", "viscous", "transition_speed"
+)
+THRELFALL_LAW = friction_record("coefficient_of_friction", "transition_speed")
+BENGISU_AKAY_LAW = friction_record("dynamic", "static", "static_speed", "decay")
+LINEAR_LAW = friction_record("coefficient_of_friction", "regularisation_speed")
+BROWN_MCPHEE_LAW = friction_record("static", "dynamic", "transition_speed", "viscous", "transition_force")
+DAHL_LAW = friction_record("coefficient_of_friction", "bristle_stiffness", "exponent")
+LUGRE_LAW = friction_record(*_BRISTLES)
+GONTHIER_LAW = friction_record(*_BRISTLES, "dwell_time", "rounding_speed")  # begins as LUGRE_LAW does
+
+FRICTION_RECORDS = {
+    FRICTIONLESS: friction_record(),
+    VELOCITY_BASED: VELOCITY_BASED_LAW,
+    AMBROSIO: AMBROSIO_LAW,
+    TANH: TANH_LAW,
+    COULOMB: COULOMB_LAW,
+    STRIBECK: STRIBECK_LAW,
+    THRELFALL: THRELFALL_LAW,
+    BENGISU_AKAY: BENGISU_AKAY_LAW,
+    LINEAR: LINEAR_LAW,
+    BROWN_MCPHEE: BROWN_MCPHEE_LAW,
+    CALLED_FRICTION: CALLED_FRICTION_LAW,
+    DAHL: DAHL_LAW,
+    LUGRE: LUGRE_LAW,
+    GONTHIER: GONTHIER_LAW,
+}
+
+
+@kernel
+def tanh_ratio(y: float) -> float:
+    """``tanh(y) / y`` for y >= 0, by its series near zero."""
+    return 1.0 - y * y / 3.0 if y < 1e-4 else math.tanh(y) / y
+
+
+@kernel
+def _threlfall_ratio(law: Any, speed: float) -> float:
+    mu, v_0 = law.coefficient_of_friction, law.transition_speed
+    if speed == 0.0:
+        return float(3.0 * mu / v_0)
+    return float(-mu * math.expm1(-3.0 * min(speed / v_0, 1.0)) / speed)
+
+
+@kernel
+def _bengisu_akay_ratio(law: Any, speed: float) -> float:
+    mu_c, mu_s, v_0 = law.dynamic, law.static, law.static_speed
+    if speed < v_0:
+        return float(mu_s * (2.0 * v_0 - speed) / (v_0 * v_0))
+    return float((mu_c + (mu_s - mu_c) * math.exp(-law.decay * (speed - v_0))) / speed)
+
+
+@kernel
+def _stribeck_ratio(law: Any, speed: float) -> float:
+    level = law.dynamic + (law.static - law.dynamic) * math.exp(
+        -((speed / law.stribeck_speed) ** law.exponent)
+    )
+    return float(level * tanh_ratio(speed / law.transition_speed) / law.transition_speed + law.viscous)
+
+
+@kernel
+def _brown_mcphee_ratio(law: Any, speed: float, force: float) -> float:
+    y = speed / law.transition_speed
+    valley = 0.25 * y * y + 0.75
+    dry = 4.0 * law.dynamic * tanh_ratio(4.0 * y) + (law.static - law.dynamic) / (valley * valley)
+    # The last term is mu_v tanh(4 F / F_nt) / F.
+    whole = law.transition_force
+    wet = law.viscous * tanh_ratio(4.0 * abs(force) / whole) * 4.0 / whole
+    return float(dry / law.transition_speed + wet)
+
+
+@kernel
+def _other_friction_ratio(law: Any, kind: float, speed: float, force: float) -> float:
+    """Friction coefficient over slip speed [s/m] of the rarer laws."""
+    if kind == COULOMB:
+        rounded = record(law, COULOMB_LAW)
+        return float(rounded.coefficient_of_friction / math.hypot(speed, rounded.regularisation_speed))
+    if kind == STRIBECK:
+        return _stribeck_ratio(record(law, STRIBECK_LAW), speed)
+    if kind == THRELFALL:
+        return _threlfall_ratio(record(law, THRELFALL_LAW), speed)
+    if kind == BENGISU_AKAY:
+        return _bengisu_akay_ratio(record(law, BENGISU_AKAY_LAW), speed)
+    if kind == LINEAR:
+        ramp = record(law, LINEAR_LAW)
+        return float(ramp.coefficient_of_friction / max(speed, ramp.regularisation_speed))
+    if kind == BROWN_MCPHEE:
+        return _brown_mcphee_ratio(record(law, BROWN_MCPHEE_LAW), speed, force)
+    if kind == CALLED_FRICTION:
+        return called_ratio(record(law, CALLED_FRICTION_LAW), speed)
+    # A law with bristles has its friction from bristle_force; others there are none.
+    return 0.0 if kind >= BRISTLE else math.nan
+
+
+@inlined
+def friction_ratio(law: Any, speed: float, force: float) -> float:
+    """Friction coefficient over slip speed, ``mu(|v|) / |v|`` [s/m]; finite at rest for regular laws.
+
+    Only a law whose friction is not proportional to the normal force [N] looks at it.
+    """
+    kind = record(law, FRICTION_LAW).kind
+    if kind == VELOCITY_BASED:
+        # Corrected law (14) of Bai and Zhao 2020: cubic STEP 0 -> mu_s at v_s -> mu_d at v_d.
+        adams = record(law, VELOCITY_BASED_LAW)
+        mu_s, mu_d, v_s, v_d = adams.static, adams.dynamic, adams.static_speed, adams.dynamic_speed
+        if speed < v_s:
+            y = speed / v_s
+            return float(0.5 * mu_s * (3.0 - y * y) / v_s)
+        if speed < v_d:
+            x = (v_d - speed) / (v_d - v_s)
+            return float((mu_d + (mu_s - mu_d) * x * x * (3.0 - 2.0 * x)) / speed)
+        return float(mu_d / speed)
+    if kind == FRICTIONLESS:
+        return 0.0
+    if kind == AMBROSIO:
+        ramp = record(law, AMBROSIO_LAW)
+        mu, v_0, v_1 = ramp.coefficient_of_friction, ramp.lower_speed, ramp.upper_speed
+        if speed <= v_0:
+            return 0.0
+        if speed < v_1:
+            return float(mu * (speed - v_0) / (v_1 - v_0) / speed)
+        return float(mu / speed)
+    if kind == TANH:
+        smooth = record(law, TANH_LAW)
+        level, v_t = smooth.coefficient_of_friction, smooth.transition_speed
+        z = speed / v_t
+        if z < 1e-4:
+            return float(level * (1.0 - z * z / 3.0) / v_t)
+        return float(level * math.tanh(z) / speed)
+    return _other_friction_ratio(law, kind, speed, force)
+
+
+@kernel
+def stribeck_level(mu_c: float, mu_s: float, v_s: float, speed: float) -> float:
+    """``mu_c + (mu_s - mu_c) exp(-(|v| / v_s)^2)`` [-]."""
+    y = speed / v_s
+    return mu_c + (mu_s - mu_c) * math.exp(-y * y)
+
+
+@kernel
+def steady_coefficient(law: Any, speed: float) -> float:
+    """Friction coefficient of a bristle law in steady sliding [-]."""
+    kind = record(law, FRICTION_LAW).kind
+    if kind == DAHL:
+        return float(record(law, DAHL_LAW).coefficient_of_friction)
+    bent = record(law, LUGRE_LAW)
+    level = stribeck_level(bent.dynamic, bent.static, bent.stribeck_speed, speed)
+    if kind == LUGRE:
+        return float(level + bent.viscous * speed)
+    # Gonthier: sigma_0 z = mu_c dir(v) + sigma_1 s v / (1 - s) at most mu_max, with the dwell state s_dw = s.
+    s = math.exp(-((speed / bent.stribeck_speed) ** 2))
+    u = min(speed / record(law, GONTHIER_LAW).rounding_speed, 1.0)
+    bristle = bent.dynamic * u * (1.5 - 0.5 * u * u)
+    if s < 1.0:
+        bristle = min(bristle + bent.bristle_damping * s * speed / (1.0 - s), level)
+    else:
+        bristle = level
+    return float(bristle + bent.viscous * speed)
+
+
+@kernel
+def _dahl(
+    mu: float,
+    sigma_0: float,
+    exponent: float,
+    speed: float,
+    vx: float,
+    vy: float,
+    vz: float,
+    zx: float,
+    zy: float,
+    zz: float,
+) -> tuple[float, float, float]:
+    """Rate of the deflection of Dahl's law: ``|v| w |w|^(i - 1)``, ``w = v / |v| - sigma_0 z / mu``."""
+    grip = 1.0
+    if exponent != 1.0 and speed > 0.0:
+        wx = vx / speed - sigma_0 * zx / mu
+        wy = vy / speed - sigma_0 * zy / mu
+        wz = vz / speed - sigma_0 * zz / mu
+        grip = math.sqrt(wx * wx + wy * wy + wz * wz) ** (exponent - 1.0)
+    fade = sigma_0 * speed / mu
+    return grip * (vx - fade * zx), grip * (vy - fade * zy), grip * (vz - fade * zz)
+
+
+@kernel
+def _gonthier(
+    mu_d: float, v_s: float, sigma_0: float, sigma_1: float, v_e: float, speed: float
+) -> tuple[float, float, float]:
+    """Stick s and the factors of v and -z in the rate of the deflection of Gonthier's law.
+
+    The bristle sticks (rate v) as far as s says, and slides (bristle force mu_d) as far as 1 - s.
+    """
+    s = math.exp(-((speed / v_s) ** 2))
+    u = speed / v_e
+    direction = (1.5 - 0.5 * u * u) / v_e if u < 1.0 else 1.0 / speed  # dir(v) = direction v
+    return s, s + (1.0 - s) * mu_d * direction / sigma_1, (1.0 - s) * sigma_0 / sigma_1
+
+
+@kernel
+def bristle_force(
+    law: Any,
+    at: int,
+    force: float,
+    vx: float,
+    vy: float,
+    vz: float,
+    nx: float,
+    ny: float,
+    nz: float,
+    state: Any,
+    start: int,
+    rates: Any,
+    rate_start: int,
+) -> tuple[float, float, float]:
+    """Friction on the journal [N] of a law with bristles at ``law[at]``; writes the rates of its state."""
+    speed = math.sqrt(vx * vx + vy * vy + vz * vz)
+    own = law[at : at + FRICTION_SIZE]
+    kind = record(own, FRICTION_LAW).kind
+    zx, zy, zz = state[start], state[start + 1], state[start + 2]
+    # What has turned out of the tangent plane, as the contact moved round the bore, carries no force; the law
+    # lets it fade like the rest.
+    normal = zx * nx + zy * ny + zz * nz
+    tx, ty, tz = zx - normal * nx, zy - normal * ny, zz - normal * nz
+    if kind == DAHL:
+        dahl = record(own, DAHL_LAW)
+        mu, stiffness = dahl.coefficient_of_friction, dahl.bristle_stiffness
+        rx, ry, rz = _dahl(mu, stiffness, dahl.exponent, speed, vx, vy, vz, zx, zy, zz)
+        rates[rate_start] = rx
+        rates[rate_start + 1] = ry
+        rates[rate_start + 2] = rz
+        factor = -force * stiffness
+        return factor * tx, factor * ty, factor * tz
+    bent = record(own, LUGRE_LAW)
+    mu_d, mu_s, v_s = bent.dynamic, bent.static, bent.stribeck_speed
+    sigma_0, sigma_1, sigma_2 = bent.bristle_stiffness, bent.bristle_damping, bent.viscous
+    follow, fade = 1.0, math.nan  # the deflection's rate is follow v - fade z; of no other kind
+    limit = math.inf
+    if kind == LUGRE:
+        fade = sigma_0 * speed / stribeck_level(mu_d, mu_s, v_s, speed)
+    elif kind == GONTHIER:
+        dwelling = record(own, GONTHIER_LAW)
+        s, follow, fade = _gonthier(mu_d, v_s, sigma_0, sigma_1, dwelling.rounding_speed, speed)
+        dwell = state[start + DWELL]
+        rates[rate_start + DWELL] = (s - dwell) / (dwelling.dwell_time if s >= dwell else sigma_1 / sigma_0)
+        limit = mu_d + (mu_s - mu_d) * dwell
+    rates[rate_start] = follow * vx - fade * zx
+    rates[rate_start + 1] = follow * vy - fade * zy
+    rates[rate_start + 2] = follow * vz - fade * zz
+    stiff = sigma_0 - sigma_1 * fade
+    damp = sigma_1 * follow
+    bx, by, bz = stiff * tx + damp * vx, stiff * ty + damp * vy, stiff * tz + damp * vz
+    size = math.sqrt(bx * bx + by * by + bz * bz)
+    cut = limit / size if size > limit else 1.0
+    return (
+        -force * (cut * bx + sigma_2 * vx),
+        -force * (cut * by + sigma_2 * vy),
+        -force * (cut * bz + sigma_2 * vz),
+    )
+
+
+@inlined
+def friction_force(
+    law: Any, force: float, slip_x: float, slip_y: float, slip_z: float
+) -> tuple[float, float, float]:
+    """Friction on the journal [N] of a law of the slip speed, for a normal force [N] and a slip [m/s]."""
+    speed = math.sqrt(slip_x * slip_x + slip_y * slip_y + slip_z * slip_z)
+    factor = -force * friction_ratio(law, speed, force)
+    return factor * slip_x, factor * slip_y, factor * slip_z

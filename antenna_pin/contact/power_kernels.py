@@ -1,0 +1,31 @@
+"""The power of the depth, compiled."""
+
+from __future__ import annotations
+
+import math
+
+from antenna_pin._compile import inlined
+from antenna_pin.contact.records import elastic_record
+
+POWER = 1.0
+POWER_LAW = elastic_record("stiffness", "exponent")  # K, n
+
+
+@inlined
+def power(depth: float, exponent: float) -> float:
+    """``depth**exponent``, continued to negative depth where the exponent is an integer, else zero there.
+
+    The continuation lets an integrator step smoothly across the end of a contact before that end is
+    located; no accepted state lies beyond it.
+    """
+    if depth > 0.0:
+        if exponent == 1.5:
+            return depth * math.sqrt(depth)
+        if exponent == 1.0:
+            return depth
+        return float(depth**exponent)
+    whole = math.floor(exponent)
+    if whole != exponent:
+        return 0.0
+    size = float((-depth) ** exponent)
+    return size if whole % 2.0 == 0.0 else -size

@@ -1,0 +1,144 @@
+"""What happens to the contacts inside an accepted trial step, from its dense output, compiled.
+
+At ``NODES`` + 1 equally spaced points of the step each contact's gap, depth rate and force are computed. From
+them follow the first change of contact (with the gaps that dipped and came back between two points), and the
+largest force and depth of each touching contact, refined to the maxima of the dense output.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from antenna_pin._compile import kernel
+from antenna_pin.dynamics.peak_kernels import NODES, track_peaks
+from antenna_pin.dynamics.trial_kernels import (
+    ALL,
+    DEPTH_RATE,
+    GAP,
+    NORMAL_FORCE,
+    contacts_at,
+    contacts_of,
+    rise_of_tangents,
+    root_of,
+    value_at,
+)
+from antenna_pin.integrate.kernels import START, STATE
+
+NODE_SIZE = 3
+
+
+@kernel
+def _crossing(c: int, sign: float, level: float, h: float, nodes: Any, trial: Any) -> float:
+    """First fraction at which the gap of contact c passes a level, or 2. sign = 1: upwards, -1: downwards.
+
+    f = sign * (gap - level) is negative (or zero, at the start) before; f' has the sign of -sign * depth
+    rate.
+    """
+    for k in range(NODES):
+        a = k / NODES
+        b = (k + 1) / NODES
+        ga = nodes[GAP, k, c] - level
+        gb = nodes[GAP, k + 1, c] - level
+        ra = nodes[DEPTH_RATE, k, c]
+        rb = nodes[DEPTH_RATE, k + 1, c]
+        fa = sign * ga
+        fb = sign * gb
+        da = -sign * ra
+        db = -sign * rb
+        if fb > 0.0:
+            if fa < 0.0:
+                return root_of(GAP, c, a, b, ga, gb, level, trial)
+            # At the start, on the surface to round-off: does it dip to the right side first?
+            if da < 0.0 < db:
+                m = root_of(DEPTH_RATE, c, a, b, ra, rb, 0.0, trial)
+                gap = value_at(GAP, m, c, trial) - level
+                if sign * gap < 0.0:
+                    return root_of(GAP, c, m, b, gap, gb, level, trial)
+            return a
+        if da > 0.0 > db:
+            # It may rise above zero in between; below the crossing of its end tangents it cannot be.
+            if fa >= 0.0:
+                return a
+            w = h * (b - a)
+            # Twice the rise of the tangents: room for a changing curvature.
+            if fa + 2.0 * rise_of_tangents(fa, fb, da, db, w) <= 0.0:
+                continue
+            m = root_of(DEPTH_RATE, c, a, b, ra, rb, 0.0, trial)
+            gap = value_at(GAP, m, c, trial) - level
+            if sign * gap > 0.0:
+                return root_of(GAP, c, a, m, ga, gap, level, trial)
+    return 2.0
+
+
+@kernel
+def fill_nodes(nodes: Any, trial: Any, from_last: bool) -> None:
+    """Write gap, depth rate and force of each contact at the points of the step.
+
+    ``nodes`` is (NODE_SIZE, NODES + 1, contacts). Its ends are the states themselves, not those of the dense
+    output: so a step may take over (``from_last``) what the last one has found at its end, if nothing has
+    changed since.
+    """
+    table = trial.table
+    for k in range(NODES + 1):
+        if k == 0 and from_last:
+            for c in range(trial.memory.shape[0]):
+                nodes[GAP, 0, c] = nodes[GAP, NODES, c]
+                nodes[DEPTH_RATE, 0, c] = nodes[DEPTH_RATE, NODES, c]
+                nodes[NORMAL_FORCE, 0, c] = nodes[NORMAL_FORCE, NODES, c]
+            continue
+        if k == 0:
+            contacts_of(trial.start, trial)
+        elif k == NODES:
+            contacts_of(trial.start + STATE - START, trial)
+        else:
+            contacts_at(k / NODES, trial, ALL)
+        for c in range(trial.memory.shape[0]):
+            nodes[GAP, k, c] = table[c].gap
+            nodes[DEPTH_RATE, k, c] = table[c].rate
+            nodes[NORMAL_FORCE, k, c] = table[c].force
+
+
+@kernel
+def inspect_step(
+    t: float,
+    h: float,
+    until: float,
+    nodes: Any,
+    ignore: Any,
+    limits: Any,
+    peaks: Any,
+    trial: Any,
+    from_last: bool,
+) -> tuple[int, float, bool]:
+    """Return what happens first within the step: which contact, at what fraction, and whether it is too deep.
+
+    If it is not too deep, past its limit, it changes: touches or parts. Where nothing happens before the
+    fraction ``until`` that is -1 and ``until``; with an ``until`` of 2 such a step will be accepted as it is:
+    then the peaks are tracked too.
+
+    A contact marked 2 in ``ignore`` has changed twice at the start already: a third change there is not
+    believed. ``from_last``: see :func:`fill_nodes`.
+    """
+    fill_nodes(nodes, trial, from_last)
+    memory = trial.memory
+    first = -1
+    when = until
+    deep = False
+    for c in range(memory.shape[0]):
+        if trial.measured[c]:
+            continue
+        touching = memory[c].touching != 0.0
+        theta = _crossing(c, 1.0 if touching else -1.0, 0.0, h, nodes, trial)
+        if theta < when and not (ignore[c] == 2 and theta == 0.0):
+            first = c
+            when = theta
+            deep = False
+        if touching:
+            theta = _crossing(c, -1.0, -limits[c], h, nodes, trial)
+            if theta < when:
+                first = c
+                when = theta
+                deep = True
+    if first < 0 and until > 1.0:
+        track_peaks(t, h, nodes, peaks, trial)
+    return first, when, deep

@@ -1,0 +1,264 @@
+"""Force elements of a system as one flat program, compiled.
+
+``program`` is a list of blocks that starts behind its head (:data:`antenna_pin.records.PROGRAM`). A block
+begins with what it is and how long (:data:`antenna_pin.records.BLOCK`): a clearance joint
+(:mod:`antenna_pin.joints.layout_kernels`), or an element at a joint, of one of the kinds of
+:mod:`antenna_pin.elements`: ``ELEMENT``, then the record of its kind. Behind all of these stand the springs
+between points (:mod:`antenna_pin.dynamics.point_kernels`), which ask where bodies are and have a pass of
+their own.
+
+A configuration knows an angle only but for whole turns. Joints that turn without end (continuous ones and
+those with play) have their *turned angle*, with all its turns, in x: the angle at the last accepted state, to
+which every angle of the step from there is the nearest
+(:func:`antenna_pin.mechanism.tree_kernels.unwrapped`).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from antenna_pin._compile import inlined, kernel, record
+from antenna_pin.elements import kernels as elements
+from antenna_pin.joints.kernels import clearance_joint, joint_energy
+from antenna_pin.joints.layout_kernels import CLEARANCE, FORCES_GIVEN, joint_at
+from antenna_pin.joints.pose_kernels import (
+    along_bearing,
+    axis_of_parent,
+    journal_centre,
+    motion_angle,
+    wrapped_angle,
+)
+from antenna_pin.mechanism.tree_kernels import unwrapped
+from antenna_pin.records import BLOCK, CONTACT, MEMORY, POSE, PROGRAM, layout, words_of
+
+# Typed: of a plain constant Numba makes a type of its own, and compiles all that is called with it once more.
+HEADER: Any = np.int64(words_of(PROGRAM))
+BLOCK_WORDS = words_of(BLOCK)
+POSE_WORDS = words_of(POSE)
+MEMORY_WORDS = words_of(MEMORY)
+CONTACT_WORDS = words_of(CONTACT)
+
+# What an element finds at its joint.
+ONE_DOF = 0
+CIRCLE = 1  # a continuous joint: (cos, sin)
+PLAY = 2
+
+# What an element acts about at a joint with play, by its number.
+ABOUTS = ("bearing", "journal", "motion")
+ABOUT_JOURNAL = 1
+ABOUT_MOTION = 2
+
+#: Head of an element: what its joint is, starts of the joint's slices of q and v and of its own in x, block
+#: of the joint with play or -1, what it acts about (its place in ``ABOUTS``), place of the turned angle in x
+#: or -1, whether it depends on the joint's motion, whether it is on (0 or 1).
+ELEMENT = layout(
+    ("kind", "i8"),
+    ("length", "i8"),
+    ("joint", "i8"),
+    ("q", "i8"),
+    ("v", "i8"),
+    ("x", "i8"),
+    ("play", "i8"),
+    ("about", "i8"),
+    ("turn", "i8"),
+    ("senses", "i8"),
+    ("on", "f8"),
+)
+PARAMETERS = words_of(ELEMENT)
+
+#: A turned angle: its place in x, block of its joint with play or -1, starts of the joint's parts of q and v.
+TURN = layout(("x", "i8"), ("play", "i8"), ("q", "i8"), ("v", "i8"))
+
+
+@inlined
+def head_of(program: Any) -> Any:
+    """Return a program's head."""
+    return record(program[:HEADER], PROGRAM)
+
+
+@inlined
+def block_at(program: Any, b: int) -> Any:
+    """Return what the block at program[b:] is and how long."""
+    return record(program[b : b + BLOCK_WORDS], BLOCK)
+
+
+@inlined
+def element_at(program: Any, b: int) -> Any:
+    """Return the head of the element at program[b:]."""
+    return record(program[b : b + PARAMETERS], ELEMENT)
+
+
+@kernel
+def joint_motion(p: Any, b: int, y: Any, nq: int) -> tuple[float, float, float, float]:
+    """Angle (or way) and its rate of the joint of an element block, and gx, gy of :func:`motion_angle`."""
+    e = element_at(p, b)
+    k = nq + e.v
+    if e.joint == ONE_DOF:
+        return y[e.q], y[k], 0.0, 0.0
+    x0 = nq + head_of(p).nv
+    if e.joint == CIRCLE:
+        return unwrapped(math.atan2(y[e.q + 1], y[e.q]), y[x0 + e.turn]), y[k], 0.0, 0.0
+    j = joint_at(p, e.play)
+    if j.slides != 0:
+        way, gx, gy, gz, hx, hy, hz = along_bearing(j, y)
+        rate = gx * y[k] + gy * y[k + 1] + gz * y[k + 2] + hx * y[k + 3] + hy * y[k + 4] + hz * y[k + 5]
+        return way, rate, 0.0, 0.0
+    angle, gx, gy = motion_angle(j, y, x0)
+    if j.planar != 0:
+        return angle, y[k + 2], 0.0, 0.0
+    wx = j.axes[0, 0] * y[k + 3] + j.axes[1, 0] * y[k + 4] + j.axes[2, 0] * y[k + 5]
+    wy = j.axes[0, 1] * y[k + 3] + j.axes[1, 1] * y[k + 4] + j.axes[2, 1] * y[k + 5]
+    wz = j.axes[0, 2] * y[k + 3] + j.axes[1, 2] * y[k + 4] + j.axes[2, 2] * y[k + 5]
+    return angle, gx * wx + gy * wy + wz, gx, gy
+
+
+@kernel
+def element_state(p: Any, b: int, t: float, y: Any, nq: int) -> tuple[float, float, float]:
+    """Torque [N m] (force [N] at a prismatic joint) of the element block at b, and what it follows.
+
+    The reference and its error are not-a-number where the element follows none.
+    """
+    angle, rate, _, _ = joint_motion(p, b, y, nq)
+    e = element_at(p, b)
+    wanted, _ = elements.reference(e.kind, p, b + PARAMETERS, t)
+    effort = e.on * elements.effort(e.kind, p, b + PARAMETERS, t, angle, rate)
+    return effort, wanted, wanted - angle
+
+
+@kernel
+def element_kink(p: Any, b: int, t: float, y: Any, nq: int) -> float:
+    """Where the element block at b has kinks: a function that passes zero at them."""
+    angle, rate, _, _ = joint_motion(p, b, y, nq)
+    return float(elements.kink(element_at(p, b).kind, p, b + PARAMETERS, t, angle, rate))
+
+
+@inlined
+def _element(p: Any, b: int, t: float, y: Any, nq: int, nv: int, tau: Any, rates: Any) -> None:
+    """Add an element's generalized force.
+
+    At a clearance joint it is a couple about the bearing's or the journal's axis, or what derives from the
+    motion angle; at one that slides a force along the axis, at the journal's centre.
+    """
+    e = element_at(p, b)
+    angle, rate, gx, gy = 0.0, 0.0, 0.0, 0.0
+    if e.senses != 0:
+        angle, rate, gx, gy = joint_motion(p, b, y, nq)
+    effort = e.on * elements.effort(e.kind, p, b + PARAMETERS, t, angle, rate)
+    if e.play < 0:
+        tau[e.v] += effort
+        power = effort * y[nq + e.v]
+    else:
+        j = joint_at(p, e.play)
+        if j.planar != 0:
+            tau[e.v + 2] += effort
+            power = effort * y[nq + e.v + 2]
+        else:
+            power = effort * _push(j, e, effort, gx, gy, y, nq, tau)
+    elements.write_rates(e.kind, p, b + PARAMETERS, e.on * rate, power, rates, nv + e.x)
+
+
+@kernel
+def _push(j: Any, e: Any, effort: float, gx: float, gy: float, y: Any, nq: int, tau: Any) -> float:
+    """Add an effort at a free joint with play to tau; return the rate of that along which it acts."""
+    nx, ny, nz = j.axes[0, 2], j.axes[1, 2], j.axes[2, 2]
+    if e.about == ABOUT_MOTION and j.slides == 0:
+        nx += gx * j.axes[0, 0] + gy * j.axes[0, 1]
+        ny += gx * j.axes[1, 0] + gy * j.axes[1, 1]
+        nz += gx * j.axes[2, 0] + gy * j.axes[2, 1]
+    elif (e.about == ABOUT_JOURNAL) == (j.on_child != 0):
+        nx, ny, nz = axis_of_parent(j, y)
+    k = e.v + 3
+    rate = 0.0
+    if j.slides != 0:
+        cx, cy, cz = journal_centre(j, y)
+        mx, my, mz = cy * nz - cz * ny, cz * nx - cx * nz, cx * ny - cy * nx
+        tau[k] += effort * mx
+        tau[k + 1] += effort * my
+        tau[k + 2] += effort * mz
+        rate = mx * y[nq + k] + my * y[nq + k + 1] + mz * y[nq + k + 2]
+        k = e.v
+    tau[k] += effort * nx
+    tau[k + 1] += effort * ny
+    tau[k + 2] += effort * nz
+    return float(rate + nx * y[nq + k] + ny * y[nq + k + 1] + nz * y[nq + k + 2])
+
+
+@kernel
+def evaluate(t: float, y: Any, program: Any, work: Any, rates: Any) -> None:
+    """Write the generalized force of all elements into work, and the rates of x behind rates[nv].
+
+    ``work`` is [generalized force (nv), POSE, MEMORY (contacts), CONTACT (rows)] in one array, because each
+    argument costs a part of what is computed.
+    """
+    head = head_of(program)
+    nq, nv = head.nq, head.nv
+    tau = work[:nv]
+    first = nv + POSE_WORDS
+    pose = record(work[nv:first], POSE)
+    second = first + MEMORY_WORDS * head.contacts
+    memory = work[first:second].view(MEMORY)
+    table = work[second : second + head.rows * CONTACT_WORDS].view(CONTACT)
+    for k in range(nv):
+        tau[k] = 0.0
+    b = HEADER
+    end = head.points
+    while b < end:
+        block = block_at(program, b)
+        if block.kind == CLEARANCE:
+            clearance_joint(program, b, y, nq, nv, memory, table, pose, tau, rates)
+        else:
+            _element(program, b, t, y, nq, nv, tau, rates)
+        b += block.length
+
+
+@kernel
+def stored_energy(y: Any, program: Any, memory: Any, table: Any) -> tuple[float, float]:
+    """Energy stored in touching contacts (compiled laws; gaps from the table) and in joint springs [J]."""
+    head = head_of(program)
+    nq = head.nq
+    contacts = 0.0
+    springs = 0.0
+    b = HEADER
+    while b < head.points:
+        block = block_at(program, b)
+        if block.kind == CLEARANCE:
+            if joint_at(program, b).mode < FORCES_GIVEN:
+                contacts += joint_energy(program, b, memory, table)
+        else:
+            e = element_at(program, b)
+            if e.senses != 0:
+                angle, _, _, _ = joint_motion(program, b, y, nq)
+                springs += e.on * elements.stored(e.kind, program, b + PARAMETERS, angle)
+        b += block.length
+    return contacts, springs
+
+
+@kernel
+def turn_on(program: Any, turns: Any, y: Any) -> float:
+    """Bring the turned angles in a state's x up to its configuration; return the fastest rate [rad/s].
+
+    ``turns`` has a record ``TURN`` per angle.
+    """
+    head = head_of(program)
+    x0 = head.nq + head.nv
+    fastest = 0.0
+    for k in range(turns.shape[0]):
+        turn = turns[k]
+        at = x0 + turn.x
+        i = head.nq + turn.v
+        if turn.play < 0:
+            angle = math.atan2(y[turn.q + 1], y[turn.q])
+            rate = abs(y[i])
+        else:
+            j = joint_at(program, turn.play)
+            angle, _, _ = wrapped_angle(j, y)
+            if j.planar != 0:
+                rate = abs(y[i + 2])
+            else:
+                rate = math.sqrt(y[i + 3] * y[i + 3] + y[i + 4] * y[i + 4] + y[i + 5] * y[i + 5])
+        y[at] = unwrapped(angle, y[at])
+        fastest = max(fastest, rate)
+    return fastest

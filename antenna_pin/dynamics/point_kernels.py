@@ -1,0 +1,175 @@
+"""Springs and dampers between points, compiled: their forces, energy and losses, from where the bodies are.
+
+Their blocks stand at the end of a program, from ``points`` of its head on: ``ELEMENT``, of which kind,
+length, x and on count, the record of :mod:`antenna_pin.elements.point_spring_kernels`, and a ``SIDE`` for
+each end.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from antenna_pin._compile import inlined, kernel, record
+from antenna_pin.dynamics.kernels import PARAMETERS, element_at, head_of
+from antenna_pin.elements import point_spring_kernels as springs
+from antenna_pin.mechanism.tree_kernels import (
+    CIRCLE,
+    FIXED_AXIS,
+    PLANE,
+    RIGID,
+    ROTATION,
+    SLIDE,
+    place_bodies,
+)
+from antenna_pin.records import layout, words_of
+
+#: An end: index of its body (-1: the world), and its place in the body's frame [m].
+SIDE = layout(("body", "i8"), ("point", "f8", (3,)))
+SIDE_WORDS = words_of(SIDE)
+SIDES = PARAMETERS + springs.SIZE
+BLOCK_WORDS = SIDES + 2 * SIDE_WORDS
+
+#: A spring at a sample: its length [m], the force that draws its points together [N], and the force on the
+#: second one's link, in world axes [N].
+STRETCH = layout(("length", "f8"), ("tension", "f8"), ("force", "f8", (3,)))
+
+# Distance of points that coincide, of their distances from the world's origin: round-off.
+COINCIDE = 1e-15
+
+
+@inlined
+def _side(program: Any, b: int, k: int) -> Any:
+    at = b + SIDES + k * SIDE_WORDS
+    return record(program[at : at + SIDE_WORDS], SIDE)
+
+
+@inlined
+def _place(side: Any, places: Any) -> tuple[float, float, float, float, float, float]:
+    """Return where an end is and its velocity, in the world."""
+    p = side.point
+    if side.body < 0:
+        return p[0], p[1], p[2], 0.0, 0.0, 0.0
+    own = places[side.body]
+    r, v, w = own.rotation, own.velocity, own.spin
+    x = r[0, 0] * p[0] + r[0, 1] * p[1] + r[0, 2] * p[2]
+    y = r[1, 0] * p[0] + r[1, 1] * p[1] + r[1, 2] * p[2]
+    z = r[2, 0] * p[0] + r[2, 1] * p[1] + r[2, 2] * p[2]
+    return (
+        own.origin[0] + x,
+        own.origin[1] + y,
+        own.origin[2] + z,
+        v[0] + w[1] * z - w[2] * y,
+        v[1] + w[2] * x - w[0] * z,
+        v[2] + w[0] * y - w[1] * x,
+    )
+
+
+@inlined
+def line(program: Any, b: int, places: Any) -> tuple[float, float, float, float, float]:
+    """Return length, its rate, and direction from the first to the second end of the spring at b.
+
+    Where the ends coincide the direction is that in which they move apart; zero if they do not.
+    """
+    ax, ay, az, ux, uy, uz = _place(_side(program, b, 0), places)
+    bx, by, bz, vx, vy, vz = _place(_side(program, b, 1), places)
+    x, y, z = bx - ax, by - ay, bz - az
+    vx, vy, vz = vx - ux, vy - uy, vz - uz
+    length = math.sqrt(x * x + y * y + z * z)
+    size = length
+    if length <= COINCIDE * (abs(ax) + abs(ay) + abs(az) + abs(bx) + abs(by) + abs(bz)):
+        x, y, z = vx, vy, vz
+        length, size = 0.0, math.sqrt(x * x + y * y + z * z)
+        if size == 0.0:
+            return length, 0.0, 0.0, 0.0, 0.0
+    x, y, z = x / size, y / size, z / size
+    return length, vx * x + vy * y + vz * z, x, y, z
+
+
+@kernel
+def add_forces(y: Any, program: Any, tree: Any, places: Any, tau: Any, rates: Any) -> None:
+    """Add the generalized forces of all springs between points, and write the rates of their losses.
+
+    Args:
+        y: State [q, v, x].
+        program: Of all force elements.
+        tree: Bodies, parents first.
+        places: To write to, PLACE, (bodies + 1,): where the bodies are.
+        tau: Generalized force, (nv,), added to.
+        rates: To write to, behind rates[nv].
+    """
+    head = head_of(program)
+    place_bodies(y, head.nq, tree, places)
+    b = head.points
+    while b < program.shape[0]:
+        e = element_at(program, b)
+        length, rate, x, y_, z = line(program, b, places)
+        force = e.on * springs.tension(program, b + PARAMETERS, length, rate)
+        rates[head.nv + e.x] = e.on * springs.loss(program, b + PARAMETERS, rate)
+        first, second = _side(program, b, 0), _side(program, b, 1)
+        ax, ay, az, _, _, _ = _place(first, places)
+        i, j = first.body, second.body
+        # Down to the body that both stand on: forces along one line do nothing to what lies below. For the
+        # same reason one point of the line serves both.
+        while i != j:
+            if i > j:
+                _push(tree[i], places[i], force * x, force * y_, force * z, ax, ay, az, tau)
+                i = tree[i].parent
+            else:
+                _push(tree[j], places[j], -force * x, -force * y_, -force * z, ax, ay, az, tau)
+                j = tree[j].parent
+        b += e.length
+
+
+@kernel
+def _push(
+    body: Any, own: Any, fx: float, fy: float, fz: float, px: float, py: float, pz: float, tau: Any
+) -> None:
+    """Add what a force at a point of the world does at the joint of a body."""
+    r, kind, v = own.rotation, body.kind, body.v
+    x, y, z = px - own.origin[0], py - own.origin[1], pz - own.origin[2]
+    mx, my, mz = y * fz - z * fy, z * fx - x * fz, x * fy - y * fx
+    if kind == FIXED_AXIS or kind == CIRCLE or kind == SLIDE:
+        if kind == SLIDE:
+            mx, my, mz = fx, fy, fz
+        for k in range(3):
+            tau[v] += body.axis[k] * (r[0, k] * mx + r[1, k] * my + r[2, k] * mz)
+        return
+    if kind != ROTATION:
+        ways = 3 if kind == RIGID else 2
+        for k in range(ways):
+            tau[v + k] += r[0, k] * fx + r[1, k] * fy + r[2, k] * fz
+        v += ways
+    for k in range(2 if kind == PLANE else 0, 3):
+        tau[v] += r[0, k] * mx + r[1, k] * my + r[2, k] * mz
+        v += 1
+
+
+@kernel
+def stored(program: Any, places: Any) -> float:
+    """Energy stored in all springs between points [J], with the bodies where ``places`` says."""
+    total = 0.0
+    b = head_of(program).points
+    while b < program.shape[0]:
+        e = element_at(program, b)
+        length, _, _, _, _ = line(program, b, places)
+        total += e.on * springs.stored(program, b + PARAMETERS, length)
+        b += e.length
+    return total
+
+
+@kernel
+def look_at(program: Any, places: Any, stretches: Any) -> None:
+    """Write what there is to see of all springs between points: ``STRETCH`` of each, (springs,)."""
+    k = 0
+    b = head_of(program).points
+    while b < program.shape[0]:
+        e, seen = element_at(program, b), stretches[k]
+        length, rate, x, y, z = line(program, b, places)
+        seen.length = length
+        seen.tension = e.on * springs.tension(program, b + PARAMETERS, length, rate)
+        seen.force[0] = -seen.tension * x
+        seen.force[1] = -seen.tension * y
+        seen.force[2] = -seen.tension * z
+        b += e.length
+        k += 1

@@ -1,0 +1,243 @@
+"""All that the samples of a run imply but its accelerations, compiled: one pass over the states."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from antenna_pin._compile import inlined, kernel
+from antenna_pin.dynamics import point_kernels as _points
+from antenna_pin.dynamics.audit_kernels import audit_state
+from antenna_pin.dynamics.kernels import (
+    HEADER,
+    block_at,
+    element_state,
+    evaluate,
+    head_of,
+    stored_energy,
+)
+from antenna_pin.geometry.kernels import BORE
+from antenna_pin.geometry.revolute_kernels import contact_scenario, revolute_contacts
+from antenna_pin.joints.kernels import apart_geometry, wrench_on_journal
+from antenna_pin.joints.layout_kernels import ALL_COMPILED, CLEARANCE, joint_at, primitive_of, revolute_of
+from antenna_pin.joints.pose_kernels import journal_state, motion_angle
+from antenna_pin.mechanism.tree_kernels import unwrapped
+from antenna_pin.records import MEMORY, POSE, layout, words_of
+
+POSE_WORDS = words_of(POSE)
+MEMORY_WORDS = words_of(MEMORY)
+
+# A contact at a sample, by the names of the result's variables.
+SEEN = layout(
+    ("gap", np.float64),
+    ("depth", np.float64),
+    ("depth_rate", np.float64),
+    ("slip_speed", np.float64),
+    ("normal_force", np.float64),
+    ("friction_force", np.float64),
+    ("contact_force", np.float64, (3,)),
+    ("contact_point", np.float64, (3,)),
+)
+# A drive at a sample: its effort [N m] or [N], the reference that it follows, and how far it is from it.
+EFFORT = layout(("effort", np.float64), ("reference", np.float64), ("error", np.float64))
+
+
+@inlined
+def _apart_in(y: Any, program: Any, memory: Any, pose: Any, table: Any) -> None:
+    """Fill gap, normal and point of the contacts that do not touch: the evaluation fills all the rest."""
+    nq = head_of(program).nq
+    b = HEADER
+    while b < program.shape[0] and block_at(program, b).kind == CLEARANCE:
+        j = joint_at(program, b)
+        journal_state(j, y, nq, pose)
+        apart_geometry(program, b, pose, memory, table)
+        b += j.length
+
+
+@inlined
+def _look_at(row: Any, seen: Any) -> None:
+    """Write what a row of a contact table tells of its contact."""
+    force = max(row.force, 0.0)
+    slip = 0.0
+    friction = 0.0
+    for k in range(3):
+        slip += row.slip[k] ** 2
+        friction += row.friction[k] ** 2
+        seen.contact_force[k] = force * row.normal[k] + row.friction[k]
+        seen.contact_point[k] = row.point[k]
+    seen.gap = row.gap
+    seen.depth = max(-row.gap, 0.0)
+    seen.depth_rate = row.rate
+    seen.slip_speed = math.sqrt(slip)
+    seen.normal_force = force
+    seen.friction_force = math.sqrt(friction)
+
+
+@kernel
+def _scenario(p: Any, b: int, pose: Any, table: Any, scratch: Any, out: Any) -> None:
+    """Write how a joint touches: of bore and flanges their scenarios, of another whether it presses."""
+    j = joint_at(p, b)
+    out[0] = 0
+    out[1] = 0
+    if primitive_of(p, b, 0) == BORE:
+        shape = revolute_of(p, b, 0)
+        if j.mode == ALL_COMPILED and j.distributed == 0:
+            # The rows of the contacts are those of the closed form.
+            out[0], out[1] = contact_scenario(shape, pose, table, j.row, scratch[4])
+            return
+        revolute_contacts(shape, pose, scratch)
+        out[0], out[1] = contact_scenario(shape, pose, scratch, 0, scratch[4])
+        return
+    for r in range(j.row, j.row + j.contacts):
+        if table[r].gap < 0.0:
+            out[0] = 1
+
+
+@kernel
+def observe(
+    first: int,
+    last: int,
+    given: bool,
+    times: Any,
+    states: Any,
+    memories: Any,
+    program: Any,
+    work: Any,
+    table: Any,
+    rates: Any,
+    blocks: Any,
+    drives: Any,
+    tree: Any,
+    gravity: Any,
+    room: Any,
+    scratch: Any,
+    forces: Any,
+    contacts: Any,
+    poses: Any,
+    scenarios: Any,
+    efforts: Any,
+    audits: Any,
+    stretches: Any,
+) -> None:
+    """Evaluate the force elements at samples first to last and write what follows from them.
+
+    Args:
+        first: First sample.
+        last: One behind the last.
+        given: Whether forces and contact table of the one sample stand in ``work`` already.
+        times: (n,) [s].
+        states: (n, state).
+        memories: Of the contacts, MEMORY, (n, contacts).
+        program: The force elements.
+        work: Of :func:`antenna_pin.dynamics.kernels.evaluate`; its contact table is ``table``.
+        table: Contact table, CONTACT, (rows,).
+        rates: To write to.
+        blocks: Places of the joints with play in the program.
+        drives: Places of the drives.
+        tree: Bodies (``BODY``).
+        gravity: (3,) [m/s^2].
+        room: To write to, PLACE, (bodies + 1,).
+        scratch: A contact table to write to, CONTACT, (5,).
+        forces: Generalized forces, (n, nv).
+        contacts: ``SEEN`` of each, (n, contacts).
+        poses: Of the journals with the wrenches on them, POSE, (n, joints).
+        scenarios: Of contact, radial and axial, (n, joints, 2).
+        efforts: Of the drives, ``EFFORT``, (n, drives).
+        audits: Energies and momenta, AUDIT, (n,).
+        stretches: Of the springs between points, ``STRETCH``, (n, springs).
+    """
+    head = head_of(program)
+    nq, nv = head.nq, head.nv
+    start = nv + POSE_WORDS
+    pose = work[nv:start].view(POSE)
+    memory = work[start : start + MEMORY_WORDS * memories.shape[1]].view(MEMORY)
+    for i in range(first, last):
+        y = states[i]
+        if not given:
+            for c in range(memory.shape[0]):
+                memory[c] = memories[i, c]
+            _apart_in(y, program, memory, pose[0], table)
+            evaluate(times[i], y, program, work, rates)
+            if stretches.shape[1] > 0:
+                _points.add_forces(y, program, tree, room, work, rates)
+        for k in range(nv):
+            forces[i, k] = work[k]
+        for c in range(memory.shape[0]):
+            _look_at(table[c], contacts[i, c])
+        for k in range(drives.shape[0]):
+            drive = efforts[i, k]
+            drive.effort, drive.reference, drive.error = element_state(program, drives[k], times[i], y, nq)
+        for k in range(blocks.shape[0]):
+            b = blocks[k]
+            own = poses[i, k : k + 1]
+            journal_state(joint_at(program, b), y, nq, own[0])
+            wrench_on_journal(program, b, own, table)
+            _scenario(program, b, own[0], table, scratch, scenarios[i, k])
+        audit_state(y, nq, tree, gravity, room, audits[i : i + 1])
+        audits[i].contacts, audits[i].springs = stored_energy(y, program, memory, table)
+        if stretches.shape[1] > 0:
+            audits[i].springs += _points.stored(program, room)
+            _points.look_at(program, room, stretches[i])
+
+
+@kernel
+def turned_angles(states: Any, at: int, near: int, out: Any) -> None:
+    """Write the angle of a continuous joint, with its whole turns, at every sample.
+
+    Its cosine stands at ``at`` in a state, its turned angle at ``near``.
+    """
+    for i in range(states.shape[0]):
+        out[i] = unwrapped(math.atan2(states[i, at + 1], states[i, at]), states[i, near])
+
+
+@kernel
+def clearance_motion(program: Any, b: int, states: Any, accelerations: Any, out: Any) -> None:
+    """Write motion angle, its rate and its acceleration of the joint block at b, (n, 3)."""
+    head = head_of(program)
+    nq, nv = head.nq, head.nv
+    j = joint_at(program, b)
+    k = j.v
+    for i in range(states.shape[0]):
+        y = states[i]
+        angle, gx, gy = motion_angle(j, y, nq + nv)
+        out[i, 0] = angle
+        if j.planar != 0:
+            out[i, 1] = y[nq + k + 2]
+            out[i, 2] = accelerations[i, k + 2]
+            continue
+        w, alpha = y[nq + k + 3 : nq + k + 6], accelerations[i, k + 3 : k + 6]
+        wx = j.axes[0, 0] * w[0] + j.axes[1, 0] * w[1] + j.axes[2, 0] * w[2]
+        wy = j.axes[0, 1] * w[0] + j.axes[1, 1] * w[1] + j.axes[2, 1] * w[2]
+        wz = j.axes[0, 2] * w[0] + j.axes[1, 2] * w[1] + j.axes[2, 2] * w[2]
+        ax = j.axes[0, 0] * alpha[0] + j.axes[1, 0] * alpha[1] + j.axes[2, 0] * alpha[2]
+        ay = j.axes[0, 1] * alpha[0] + j.axes[1, 1] * alpha[1] + j.axes[2, 1] * alpha[2]
+        az = j.axes[0, 2] * alpha[0] + j.axes[1, 2] * alpha[1] + j.axes[2, 2] * alpha[2]
+        out[i, 1] = gx * wx + gy * wy + wz
+        dgx, dgy = tilt_rate(j, y, wx, wy, wz)
+        out[i, 2] = gx * ax + gy * ay + az + dgx * wx + dgy * wy
+
+
+@kernel
+def tilt_rate(j: Any, y: Any, wx: float, wy: float, wz: float) -> tuple[float, float]:
+    """Return the rates of gx and gy of the motion angle for the angular velocity in journal axes [1/s]."""
+    i = j.q + 3
+    x = j.axes[0, 0] * y[i] + j.axes[1, 0] * y[i + 1] + j.axes[2, 0] * y[i + 2]
+    q = j.axes[0, 1] * y[i] + j.axes[1, 1] * y[i + 1] + j.axes[2, 1] * y[i + 2]
+    z = j.axes[0, 2] * y[i] + j.axes[1, 2] * y[i + 1] + j.axes[2, 2] * y[i + 2]
+    s = y[i + 3]
+    # Quaternion kinematics in body axes.
+    ds = -0.5 * (x * wx + q * wy + z * wz)
+    dx = 0.5 * (s * wx + q * wz - z * wy)
+    dq = 0.5 * (s * wy + z * wx - x * wz)
+    dz = 0.5 * (s * wz + x * wy - q * wx)
+    square = z * z + s * s
+    if square == 0.0:
+        return 0.0, 0.0
+    change = 2.0 * (z * dz + s * ds) / square
+    gx, gy = (z * x - s * q) / square, (s * x + z * q) / square
+    return (
+        (dz * x + z * dx - ds * q - s * dq) / square - gx * change,
+        (ds * x + s * dx + dz * q + z * dq) / square - gy * change,
+    )

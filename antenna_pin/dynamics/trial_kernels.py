@@ -1,0 +1,162 @@
+"""A contact's gap, depth rate and force anywhere in a trial step, from its dense output, compiled."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from antenna_pin._compile import inlined, kernel
+from antenna_pin.dynamics.kernels import HEADER, block_at, head_of
+from antenna_pin.integrate.kernels import dense_joint, dense_plain
+from antenna_pin.integrate.manifold_kernels import factor_of
+from antenna_pin.joints.kernels import contact_forces, contact_geometry, contact_rates
+from antenna_pin.joints.layout_kernels import CLEARANCE, FORCES_GIVEN, joint_at
+from antenna_pin.joints.pose_kernels import journal_state
+
+# What is known of a contact at a point of a step.
+# (Typed, or all that is called with one is compiled for each.)
+GAP: Any = np.int64(0)
+DEPTH_RATE: Any = np.int64(1)
+NORMAL_FORCE: Any = np.int64(2)
+ALL: Any = np.int64(-1)
+
+
+class Trial(NamedTuple):
+    """A trial step as it is looked at: its dense output, and where the looking writes.
+
+    Attributes:
+        layout: Of the joints with play, a part of the manifold's.
+        dense: Coefficients of the dense output.
+        work: The stepper's rows.
+        start: Which of them is the state that the step starts from.
+        program: The system's.
+        memory: Contact memory during the step, MEMORY, (contacts,).
+        out: A state, as far as the layout goes, and scratch, (2, size).
+        pose: Of one journal, POSE, (1,).
+        table: Contact table, CONTACT, written.
+        rates: Written, and of no use.
+        measured: Which contacts are not looked at, for no closed form knows their gaps, (contacts,).
+    """
+
+    layout: Any
+    dense: Any
+    work: Any
+    start: int
+    program: Any
+    memory: Any
+    out: Any
+    pose: Any
+    table: Any
+    rates: Any
+    measured: Any
+
+
+@inlined
+def _look(b: int, y: Any, nq: int, nv: int, trial: Any) -> None:
+    """Fill the contact table for the joint whose block stands at b and the state y, forces included."""
+    program, pose, table = trial.program, trial.pose, trial.table
+    j = joint_at(program, b)
+    journal_state(j, y, nq, pose[0])
+    contact_geometry(program, b, pose[0], table)
+    contact_rates(program, b, pose[0], table)
+    if j.mode < FORCES_GIVEN:
+        contact_forces(program, b, y, nq + nv, trial.memory, table, trial.rates, nv)
+
+
+@kernel
+def contacts_at(theta: float, trial: Any, contact: int) -> None:
+    """Fill the contact table at the fraction theta of a step, in closed form, with compiled laws' forces.
+
+    Of a contact's joint, or of all if its number is negative.
+    """
+    program, layout = trial.program, trial.layout
+    head = head_of(program)
+    nq, nv = head.nq, head.nv
+    dense_plain(theta, layout, trial.dense, trial.work, trial.start, trial.out)
+    b = HEADER
+    number = 0  # of the joint with play: the layout lists them in the order of their blocks
+    while b < program.shape[0] and block_at(program, b).kind == CLEARANCE:
+        j = joint_at(program, b)
+        if contact < 0 or j.row <= contact < j.row + j.contacts:
+            factor = factor_of(layout, number)
+            dense_joint(theta, factor, nq, nv, trial.dense, trial.work, trial.start, trial.out)
+            _look(b, trial.out[0], nq, nv, trial)
+        number += 1
+        b += j.length
+
+
+@kernel
+def contacts_of(row: int, trial: Any) -> None:
+    """Fill the contact table for the state in one of the stepper's rows."""
+    program = trial.program
+    head = head_of(program)
+    b = HEADER
+    while b < program.shape[0] and block_at(program, b).kind == CLEARANCE:
+        _look(b, trial.work[row], head.nq, head.nv, trial)
+        b += joint_at(program, b).length
+
+
+@kernel
+def contacts_in(y: Any, program: Any, pose: Any, table: Any) -> None:
+    """Fill gap, normal, point, depth rate and slip of all contacts in a state, in closed form."""
+    nq = head_of(program).nq
+    b = HEADER
+    while b < program.shape[0] and block_at(program, b).kind == CLEARANCE:
+        j = joint_at(program, b)
+        journal_state(j, y, nq, pose[0])
+        contact_geometry(program, b, pose[0], table)
+        contact_rates(program, b, pose[0], table)
+        b += j.length
+
+
+@kernel
+def value_at(column: int, theta: float, c: int, trial: Any) -> float:
+    """Gap, depth rate or normal force of contact c at theta."""
+    contacts_at(theta, trial, c)
+    row = trial.table[c]
+    if column == GAP:
+        return float(row.gap)
+    if column == DEPTH_RATE:
+        return float(row.rate)
+    return float(row.force)
+
+
+@kernel
+def root_of(
+    column: int, c: int, low: float, high: float, f_low: float, f_high: float, level: float, trial: Any
+) -> float:
+    """Where a column is at a level, between two fractions: bisection with regula falsi (Illinois).
+
+    ``f_low`` and ``f_high`` are the column less the level there, of opposite signs.
+    """
+    side = 0
+    a, b, fa, fb = low, high, f_low, f_high
+    for _ in range(100):
+        if b - a <= 1e-15 * (1.0 + b):
+            break
+        m = (a * fb - b * fa) / (fb - fa) if fb != fa else 0.5 * (a + b)
+        if not a < m < b:
+            m = 0.5 * (a + b)
+            if not a < m < b:
+                break
+        fm = value_at(column, m, c, trial) - level
+        if fm == 0.0:
+            return m
+        if (fm > 0.0) == (fb > 0.0):
+            b, fb = m, fm
+            if side == 1:
+                fa *= 0.5
+            side = 1
+        else:
+            a, fa = m, fm
+            if side == -1:
+                fb *= 0.5
+            side = -1
+    return 0.5 * (a + b)
+
+
+@inlined
+def rise_of_tangents(at_start: float, at_end: float, rate: float, end_rate: float, width: float) -> float:
+    """How far above its value at the start the tangents at its ends meet: a concave curve stays below."""
+    return rate * (at_end - at_start - end_rate * width) / (rate - end_rate)

@@ -1,0 +1,20 @@
+"""A constant torque, compiled."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from antenna_pin._compile import inlined, record
+from antenna_pin.elements.ledger_kernels import write_work
+from antenna_pin.records import layout, words_of
+
+KIND = 10
+LAYOUT = layout(("value", "f8"))
+SIZE = words_of(LAYOUT)
+write_rates = write_work
+
+
+@inlined
+def effort(words: Any, at: int, t: float, angle: float, rate: float) -> float:
+    """Torque [N m], or force [N]."""
+    return float(record(words[at : at + SIZE], LAYOUT).value)

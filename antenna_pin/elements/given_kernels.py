@@ -1,0 +1,23 @@
+"""A torque whose value Python writes before each evaluation, or a compiled function gives, compiled."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from antenna_pin._called import call_3
+from antenna_pin._compile import inlined, record
+from antenna_pin.elements.ledger_kernels import write_work
+from antenna_pin.records import layout, words_of
+
+KIND = 13
+#: The value, and where the function stands; 0 where Python writes the value.
+LAYOUT = layout(("value", "f8"), ("address", "f8"))
+SIZE = words_of(LAYOUT)
+write_rates = write_work
+
+
+@inlined
+def effort(words: Any, at: int, t: float, angle: float, rate: float) -> float:
+    """Torque [N m], or force [N]."""
+    given = record(words[at : at + SIZE], LAYOUT)
+    return float(given.value if given.address == 0.0 else call_3(given.address, t, angle, rate))

@@ -1,0 +1,56 @@
+"""A prescribed motion, compiled."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from antenna_pin._compile import inlined, record
+from antenna_pin.elements.curve_kernels import curvature, curve
+from antenna_pin.elements.ledger_kernels import write_work
+from antenna_pin.records import layout, words_of
+
+KIND = 15
+#: Behind it stand the coefficients of t^2 and higher powers, then, if it has points, the curve through them.
+LAYOUT = layout(
+    ("position", "f8"),
+    ("rate", "f8"),
+    ("amplitude", "f8"),
+    ("angular_frequency", "f8"),
+    ("phase", "f8"),
+    ("powers", "i8"),
+    ("points", "i8"),
+)
+SIZE = words_of(LAYOUT)
+# Its power is known once the forces of constraint are.
+write_rates = write_work
+
+
+@inlined
+def motion(words: Any, at: int, t: float) -> tuple[float, float, float]:
+    """Position, its rate and its acceleration at time t [s]."""
+    m = record(words[at : at + SIZE], LAYOUT)
+    turned = m.angular_frequency * t + m.phase
+    sine, cosine = m.amplitude * math.sin(turned), m.amplitude * math.cos(turned)
+    value = slope = bend = 0.0
+    for k in range(m.powers - 1, -1, -1):
+        # Horner's rule for the polynomial of t that stands behind t^2, with its first two derivatives.
+        bend = bend * t + 2.0 * slope
+        slope = slope * t + value
+        value = value * t + words[at + SIZE + k]
+    position = m.position + m.rate * t + value * t * t + sine
+    rate = m.rate + (slope * t + 2.0 * value) * t + m.angular_frequency * cosine
+    acceleration = (bend * t + 4.0 * slope) * t + 2.0 * value - m.angular_frequency**2 * sine
+    if m.points > 0:
+        start = at + SIZE + m.powers
+        along, speed = curve(words, start, m.points, t)
+        position += along
+        rate += speed
+        acceleration += curvature(words, start, m.points, t)
+    return position, rate, acceleration
+
+
+@inlined
+def effort(words: Any, at: int, t: float, angle: float, rate: float) -> float:
+    """Zero: what holds the motion is a force of constraint."""
+    return 0.0

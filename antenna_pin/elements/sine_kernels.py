@@ -1,0 +1,22 @@
+"""A torque that swings, compiled."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from antenna_pin._compile import inlined, record
+from antenna_pin.elements.ledger_kernels import write_work
+from antenna_pin.records import layout, words_of
+
+KIND = 11
+LAYOUT = layout(("amplitude", "f8"), ("angular_frequency", "f8"), ("phase", "f8"))
+SIZE = words_of(LAYOUT)
+write_rates = write_work
+
+
+@inlined
+def effort(words: Any, at: int, t: float, angle: float, rate: float) -> float:
+    """Torque [N m], or force [N]."""
+    sine = record(words[at : at + SIZE], LAYOUT)
+    return float(sine.amplitude * math.sin(sine.angular_frequency * t + sine.phase))

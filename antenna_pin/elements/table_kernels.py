@@ -1,0 +1,23 @@
+"""A torque from a table, compiled."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from antenna_pin._compile import inlined, record
+from antenna_pin.elements.curve_kernels import curve
+from antenna_pin.elements.ledger_kernels import write_work
+from antenna_pin.records import layout, words_of
+
+KIND = 12
+#: Behind it stand the points' times, and the coefficients of the cubics between them.
+LAYOUT = layout(("points", "i8"))
+SIZE = words_of(LAYOUT)
+write_rates = write_work
+
+
+@inlined
+def effort(words: Any, at: int, t: float, angle: float, rate: float) -> float:
+    """Torque [N m], or force [N]."""
+    value, _ = curve(words, at + SIZE, record(words[at : at + SIZE], LAYOUT).points, t)
+    return value

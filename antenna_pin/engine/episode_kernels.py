@@ -1,0 +1,203 @@
+"""Contacts from onset to release, compiled: what they remember while they last, and what is kept of them."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+from antenna_pin._compile import kernel
+from antenna_pin.constraints.rows_kernels import write_rows
+from antenna_pin.constraints.solve_kernels import solve
+from antenna_pin.dynamics.kernels import HEADER, block_at, head_of
+from antenna_pin.dynamics.trial_kernels import contacts_in
+from antenna_pin.engine.hold_kernels import factorize_rows
+from antenna_pin.integrate.kernels import STATE_ROW, dense_state
+from antenna_pin.joints.kernels import unit_normal_force
+from antenna_pin.joints.layout_kernels import CLEARANCE, joint_at
+from antenna_pin.joints.pose_kernels import journal_state
+from antenna_pin.mechanism.dynamics_kernels import aba
+from antenna_pin.records import layout
+
+#: One contact from onset to release: which; when it began [s], how fast [m/s], onto which mass [kg]; when it
+#: ended [s], not-a-number while it lasts; its largest force [N], when [s], its largest depth [m], its impulse
+#: [N s] and what it has dissipated [J].
+EPISODE = layout(
+    ("contact", "i8"),
+    ("onset", "f8"),
+    ("approach_speed", "f8"),
+    ("effective_mass", "f8"),
+    ("release", "f8"),
+    ("peak_force", "f8"),
+    ("peak_time", "f8"),
+    ("peak_depth", "f8"),
+    ("impulse", "f8"),
+    ("dissipated", "f8"),
+)
+
+#: Where in a state a contact's integrals stand, its first bristle and how many it has; least approach speed
+#: that it remembers [m/s]; what its gap must come to at an event [m].
+PLACES = layout(
+    ("impulse", "i8"),
+    ("lost_normal", "i8"),
+    ("lost_friction", "i8"),
+    ("bristle", "i8"),
+    ("bristles", "i8"),
+    ("floor", "f8"),
+    ("tolerance", "f8"),
+)
+
+
+class Book(NamedTuple):
+    """The contacts of a run, and what is kept of them.
+
+    Attributes:
+        memory: The contact memory, MEMORY, (contacts,).
+        peaks: Largest force, when, and depth of each that touches, PEAK, (contacts,).
+        open: Its episode's number in ``episodes``, -1 where none lasts, (contacts,).
+        moments: When each one's largest force so far was whose state is kept; not-a-number for none,
+            (contacts,) [s].
+        states: [q, v, x] there, (contacts, size).
+        memories: Contact memory there, MEMORY, (contacts, contacts).
+        places: PLACES, (contacts,).
+        episodes: EPISODE, (capacity,).
+        count: How many of them there are, (1,).
+    """
+
+    memory: Any
+    peaks: Any
+    open: Any
+    moments: Any
+    states: Any
+    memories: Any
+    places: Any
+    episodes: Any
+    count: Any
+
+
+@kernel
+def touch(book: Any, c: int, t: float, rate: float, mass: float, y: Any) -> None:
+    """Begin a contact at time t [s], at a depth rate [m/s] and an effective mass [kg]; y is its state."""
+    place, memory, peak = book.places[c], book.memory[c], book.peaks[c]
+    memory.touching = 1.0
+    memory.approach_speed = max(rate, place.floor)
+    memory.effective_mass = mass
+    peak.force = 0.0
+    peak.time = t
+    peak.depth = 0.0
+    number = book.count[0]
+    book.count[0] = number + 1
+    book.open[c] = number
+    book.moments[c] = math.nan
+    episode = book.episodes[number]
+    episode.contact = c
+    episode.onset = t
+    episode.approach_speed = memory.approach_speed
+    episode.effective_mass = mass
+    episode.release = math.nan
+    episode.peak_force = 0.0
+    episode.peak_time = math.nan
+    episode.peak_depth = 0.0
+    # What the contact has integrated before; taken off at its end.
+    episode.impulse = -y[place.impulse]
+    episode.dissipated = -(y[place.lost_normal] + y[place.lost_friction])
+    # A new contact has new bristles.
+    for k in range(place.bristle, place.bristle + place.bristles):
+        y[k] = 0.0
+
+
+@kernel
+def complete(book: Any, c: int, y: Any) -> None:
+    """Write what a contact has come to by the state y into its episode, if it has one."""
+    number = book.open[c]
+    if number < 0:
+        return
+    place, peak, episode = book.places[c], book.peaks[c], book.episodes[number]
+    episode.peak_force = peak.force
+    episode.peak_time = peak.time
+    episode.peak_depth = peak.depth
+    episode.impulse += y[place.impulse]
+    episode.dissipated += y[place.lost_normal] + y[place.lost_friction]
+
+
+@kernel
+def release(book: Any, c: int, t: float, y: Any) -> None:
+    """End a contact at time t [s] and state y; what is kept of its largest force stays, to be sampled."""
+    memory = book.memory[c]
+    memory.touching = 0.0
+    memory.approach_speed = 0.0
+    memory.effective_mass = 0.0
+    complete(book, c, y)
+    if book.open[c] >= 0:
+        book.episodes[book.open[c]].release = t
+        book.open[c] = -1
+
+
+@kernel
+def keep_peaks(
+    t: float, h: float, space: Any, dense: Any, work: Any, start: int, out: Any, book: Any
+) -> None:
+    """Keep the state at the largest force so far of each contact that lasts, of the step from t [s]."""
+    for c in range(book.memory.shape[0]):
+        if book.open[c] < 0:
+            continue
+        moment = book.peaks[c].time
+        if t < moment <= t + h and book.moments[c] != moment:
+            dense_state((moment - t) / h, space, dense, work, start, out)
+            for k in range(book.states.shape[1]):
+                book.states[c, k] = out[STATE_ROW, k]
+            for k in range(book.memory.shape[0]):
+                kept, memory = book.memories[c, k], book.memory[k]
+                kept.touching = memory.touching
+                kept.approach_speed = memory.approach_speed
+                kept.effective_mass = memory.effective_mass
+            book.moments[c] = moment
+
+
+@kernel
+def effective_mass(c: int, y: Any, numbers: Any) -> float:
+    """Return the mass that an impact along the normal of contact c sees at the state y [kg].
+
+    It is what :meth:`antenna_pin.dynamics.Workspace.effective_mass` finds, by the compiled dynamics.
+    """
+    program, rates = numbers.program, numbers.rates
+    head = head_of(program)
+    nq, nv = head.nq, head.nv
+    contacts_in(y, program, numbers.pose, numbers.table)
+    direction = numbers.step
+    for k in range(nv):
+        direction[k] = 0.0
+    b = HEADER
+    while b < program.shape[0] and block_at(program, b).kind == CLEARANCE:
+        j = joint_at(program, b)
+        if j.row <= c < j.row + j.contacts:
+            journal_state(j, y, nq, numbers.pose[0])
+            unit_normal_force(program, b, numbers.pose, numbers.table, c, direction)
+        b += j.length
+    # At rest: what is asked for is M^-1 only, and what motions and gravity do goes in the difference.
+    rest = numbers.moved
+    for k in range(y.shape[0]):
+        rest[k] = y[k]
+    for k in range(nv):
+        rest[nq + k] = 0.0
+        numbers.force[k] = 0.0
+    _accelerations(rest, numbers.force, numbers, rates[0])
+    for k in range(nv):
+        numbers.force[k] = direction[k]
+    _accelerations(rest, numbers.force, numbers, rates[1])
+    total = 0.0
+    for k in range(nv):
+        total += direction[k] * (rates[1, k] - rates[0, k])
+    return float(1.0 / total)
+
+
+@kernel
+def _accelerations(y: Any, tau: Any, numbers: Any, rates: Any) -> None:
+    """Write the accelerations at time zero and state y under a generalized force into rates[:nv]."""
+    program = numbers.program
+    head = head_of(program)
+    if numbers.plan.shape[0] == 0:
+        aba(y, head.nq, numbers.tree, numbers.gravity, tau, numbers.room, rates[: head.nv])
+        return
+    write_rows(0.0, y, program, numbers.plan, numbers.held)
+    factorize_rows(numbers)
+    solve(y, program, numbers.plan, numbers.held, tau, numbers.bias, rates)

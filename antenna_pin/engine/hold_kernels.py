@@ -1,0 +1,115 @@
+"""Closures and motions in a compiled step: its end brought onto them, and the energy of that booked.
+
+What :class:`antenna_pin.constraints.Constraints` does by the same kernels, for a state inside compiled code.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from antenna_pin._compile import inlined, kernel
+from antenna_pin.constraints.factor_kernels import factorize
+from antenna_pin.constraints.layout_kernels import PLACE_WORDS, found_in, plan_of
+from antenna_pin.constraints.rows_kernels import write_residuals, write_rows
+from antenna_pin.constraints.solve_kernels import CLOSED, NEAR, OPEN, ROUNDS, correction
+from antenna_pin.dynamics.audit_kernels import energy_of
+from antenna_pin.dynamics.kernels import stored_energy
+from antenna_pin.dynamics.point_kernels import stored
+from antenna_pin.dynamics.trial_kernels import contacts_in
+from antenna_pin.integrate.manifold_kernels import move_by_velocity
+from antenna_pin.mechanism.mass_kernels import mass_and_bias
+from antenna_pin.mechanism.tree_kernels import PLACE
+
+# What bringing a state onto the constraints came to.
+AS_IT_WAS = 0
+MOVED = 1
+LOST = 2
+
+
+@inlined
+def _in_place(plan: Any, work: Any) -> bool:
+    found = found_in(plan, work)
+    return bool(found.gap <= CLOSED * plan_of(plan).length and found.turn <= CLOSED)
+
+
+@inlined
+def _in_motion(plan: Any, work: Any) -> bool:
+    found = found_in(plan, work)
+    return bool(found.speed <= CLOSED * plan_of(plan).length and found.spin <= CLOSED)
+
+
+@inlined
+def factorize_rows(numbers: Any) -> None:
+    """Factorize rows that were just written, with the mass matrix of the same state; write ``bias`` too."""
+    plan, work = numbers.plan, numbers.held
+    places = work[: PLACE_WORDS * (plan_of(plan).bodies + 1)].view(PLACE)
+    mass_and_bias(numbers.tree, places, numbers.gravity, numbers.room, numbers.mass, numbers.bias)
+    factorize(plan, work, numbers.mass)
+
+
+@kernel
+def close(t: float, rows: Any, r: int, layout: Any, numbers: Any) -> bool:
+    """Bring the state rows[r] onto the constraints, in place; return whether it is closed."""
+    write_rows(t, rows[r], numbers.program, numbers.plan, numbers.held)
+    return _close(t, rows, r, layout, numbers)
+
+
+@kernel
+def _close(t: float, rows: Any, r: int, layout: Any, numbers: Any) -> bool:
+    """Do what :func:`close` does for a state whose rows are written."""
+    y = rows[r]
+    plan, work = numbers.plan, numbers.held
+    head, found = plan_of(plan), found_in(plan, work)
+    nq, nv, length = head.nq, head.nv, head.length
+    at_rest = _in_place(plan, work)
+    last = max(found.gap, found.turn * length)
+    near = last < NEAR * length
+    factorize_rows(numbers)
+    for _ in range(ROUNDS):
+        if at_rest:
+            break
+        correction(plan, work, False, numbers.step)
+        move_by_velocity(layout, rows, r, numbers.step)
+        if near:
+            write_residuals(t, y, numbers.program, plan, work)
+        else:
+            write_rows(t, y, numbers.program, plan, work)
+        now = max(found.gap, found.turn * length)
+        at_rest = _in_place(plan, work) or now > 0.5 * last
+        last = now
+        if not near:
+            factorize_rows(numbers)
+    correction(plan, work, True, numbers.step)
+    for k in range(nv):
+        y[nq + k] += numbers.step[k]
+    return bool(last <= OPEN * length)
+
+
+@kernel
+def _energy(y: Any, numbers: Any) -> float:
+    """Energy that a state whose rows are written stores, with the contact memory as it is [J]."""
+    program = numbers.program
+    places = numbers.held[: PLACE_WORDS * (plan_of(numbers.plan).bodies + 1)].view(PLACE)
+    contacts_in(y, program, numbers.pose, numbers.table)
+    contacts, springs = stored_energy(y, program, numbers.memory, numbers.table)
+    springs += stored(program, places)
+    return float(energy_of(numbers.tree, places, numbers.gravity) + contacts + springs)
+
+
+@kernel
+def project(t: float, rows: Any, r: int, layout: Any, numbers: Any) -> int:
+    """Bring rows[r], a step's end, onto the constraints, in place, and book the energy; return what came.
+
+    Unless it is lost, its rows are written afterwards.
+    """
+    y = rows[r]
+    plan, work = numbers.plan, numbers.held
+    write_rows(t, y, numbers.program, plan, work)
+    if _in_place(plan, work) and _in_motion(plan, work):
+        return AS_IT_WAS
+    before = _energy(y, numbers)
+    if not _close(t, rows, r, layout, numbers):
+        return LOST
+    write_rows(t, y, numbers.program, plan, work)
+    y[numbers.booked] += _energy(y, numbers) - before
+    return MOVED

@@ -1,0 +1,128 @@
+"""Derivatives of a system's rates along displacements of a state, compiled.
+
+A displacement is laid out as [way (nv), rate (nv), bristles, logarithm of approach speeds (contacts), of
+effective masses (contacts), time]; ways are in the coordinates of velocities.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+from antenna_pin._compile import inlined, kernel
+from antenna_pin.constraints.layout_kernels import plan_of
+from antenna_pin.constraints.rows_kernels import write_rows
+from antenna_pin.engine.step_kernels import derivative
+from antenna_pin.integrate.manifold_kernels import move_by_velocity, space_of
+
+
+class Room(NamedTuple):
+    """What derivatives are computed with.
+
+    Attributes:
+        weights: Of differences at 1, 2, ... steps, of each kind, (kinds, points).
+        layout: Of the manifold.
+        bristles: Their places in x, (bristles,).
+        numbers: The system; its contact memory is as it was in the end.
+        rows: Scratch, (2, size).
+        kept: Contact memory of the state itself, MEMORY, (contacts,).
+    """
+
+    weights: Any
+    layout: Any
+    bristles: Any
+    numbers: Any
+    rows: Any
+    kept: Any
+
+
+@inlined
+def _displace(y: Any, way: Any, h: float, room: Any) -> None:
+    """Write the state displaced by h times a displacement to the first row, and contact memory likewise."""
+    space, memory = space_of(room.layout), room.numbers.memory
+    nq, nv = space.nq, space.nv
+    state, step = room.rows[0], room.numbers.step
+    bristles, contacts = room.bristles.shape[0], memory.shape[0]
+    for i in range(nq + nv + space.nx):
+        state[i] = y[i]
+    for i in range(nv):
+        step[i] = h * way[i]
+    move_by_velocity(room.layout, room.rows, 0, step)
+    for i in range(nv):
+        state[nq + i] += h * way[nv + i]
+    for i in range(bristles):
+        state[nq + nv + room.bristles[i]] += h * way[2 * nv + i]
+    speeds = 2 * nv + bristles
+    for c in range(contacts):
+        memory[c].approach_speed = room.kept[c].approach_speed * math.exp(h * way[speeds + c])
+        memory[c].effective_mass = room.kept[c].effective_mass * math.exp(h * way[speeds + contacts + c])
+
+
+@inlined
+def _copy_memory(source: Any, out: Any) -> None:
+    """Copy what contacts remember and displacements change."""
+    for c in range(source.shape[0]):
+        out[c].approach_speed = source[c].approach_speed
+        out[c].effective_mass = source[c].effective_mass
+
+
+@inlined
+def _add(values: Any, side: float, point: int, step: float, room: Any, k: int, out: Any) -> None:
+    """Add what a neighbour's values are to the differences of each kind along displacement k."""
+    for kind in range(out.shape[0]):
+        weight = side * room.weights[kind, point] / step
+        for i in range(out.shape[2]):
+            out[kind, k, i] += weight * values[i]
+
+
+@kernel
+def write_slopes(t: float, y: Any, ways: Any, steps: Any, room: Any, out: Any) -> None:
+    """Write central differences of the rates along displacements.
+
+    Args:
+        t: Time [s].
+        y: State.
+        ways: Displacements, row by row, (k, displacement).
+        steps: Of the differences, over a displacement, (k,).
+        room: What to compute with.
+        out: To write to, (kinds, k, nv + nx).
+    """
+    rates, numbers = room.rows[1, : out.shape[2]], room.numbers
+    _copy_memory(numbers.memory, room.kept)
+    out[:] = 0.0
+    for k in range(ways.shape[0]):
+        for point in range(room.weights.shape[1]):
+            for side in (1.0, -1.0):
+                h = side * (point + 1.0) * steps[k]
+                _displace(y, ways[k], h, room)
+                derivative(t + h * ways[k, ways.shape[1] - 1], room.rows[0], numbers, rates, False)
+                _add(rates, side, point, steps[k], room, k, out)
+    _copy_memory(room.kept, numbers.memory)
+
+
+@kernel
+def write_speed_slopes(t: float, y: Any, ways: Any, steps: Any, room: Any, out: Any) -> None:
+    """Write central differences of how fast constraints are violated along displacements.
+
+    Args:
+        t: Time [s].
+        y: State.
+        ways: As for :func:`write_slopes`.
+        steps: Likewise.
+        room: Likewise.
+        out: To write to, (kinds, k, rows).
+    """
+    numbers = room.numbers
+    speed = plan_of(numbers.plan).speed
+    speeds = numbers.held[speed : speed + out.shape[2]]
+    _copy_memory(numbers.memory, room.kept)
+    out[:] = 0.0
+    for k in range(ways.shape[0]):
+        for point in range(room.weights.shape[1]):
+            for side in (1.0, -1.0):
+                h = side * (point + 1.0) * steps[k]
+                _displace(y, ways[k], h, room)
+                time = t + h * ways[k, ways.shape[1] - 1]
+                write_rows(time, room.rows[0], numbers.program, numbers.plan, numbers.held)
+                _add(speeds, side, point, steps[k], room, k, out)
+    _copy_memory(room.kept, numbers.memory)

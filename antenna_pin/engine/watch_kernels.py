@@ -1,0 +1,95 @@
+"""Whether anything that the loop outside looks for may happen in a step: a look from afar, compiled.
+
+What is watched passes zero where its sign at one of the points of a step is not the side that it is on, or
+where it comes nearer and goes away again. Where that is so, or where nothing can be said, the loop outside
+looks closely; so this needs to see too much rather than too little.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from antenna_pin._compile import kernel
+from antenna_pin.dynamics.kernels import element_kink, evaluate, head_of, joint_motion
+from antenna_pin.dynamics.trial_kernels import contacts_in
+from antenna_pin.integrate.kernels import STATE_ROW, dense_state
+from antenna_pin.records import layout
+
+# What is watched: a function of an element, the angle (or way) of a joint, its rate, a gap, a normal force.
+KINK = 0
+ANGLE = 1
+RATE = 2
+GAP = 3
+FORCE = 4
+
+#: What is watched; where: block of the element, of the joint in the watch's own program, or the contact; the
+#: value to be passed; the side that it is on, 0 if that is not known; the parts of a step that are looked at.
+WATCHED = layout(("what", "i8"), ("where", "i8"), ("value", "f8"), ("side", "f8"), ("parts", "i8"))
+
+
+class Watched(NamedTuple):
+    """What is watched besides contacts.
+
+    Attributes:
+        functions: WATCHED, (n,).
+        program: A program with a block for each joint that is watched.
+        rates: Scratch, (nv + nx,).
+        instants: At which the loop outside has to see to a step's end, increasing [s].
+        values: Value and rate, scratch, (2,).
+    """
+
+    functions: Any
+    program: Any
+    rates: Any
+    instants: Any
+    values: Any
+
+
+@kernel
+def _look(w: Any, t: float, y: Any, numbers: Any, watched: Any) -> None:
+    """Write how far a function is past its value at time t [s] and state y, and its rate (0: unknown)."""
+    program, out = numbers.program, watched.values
+    nq = head_of(program).nq
+    out[1] = 0.0
+    if w.what == KINK:
+        out[0] = element_kink(program, w.where, t, y, nq)
+    elif w.what == ANGLE or w.what == RATE:
+        angle, rate, _, _ = joint_motion(watched.program, w.where, y, nq)
+        out[0] = angle if w.what == ANGLE else rate
+        out[1] = rate if w.what == ANGLE else 0.0
+    elif w.what == GAP:
+        contacts_in(y, program, numbers.pose, numbers.table)
+        out[0] = numbers.table[w.where].gap
+        out[1] = -numbers.table[w.where].rate
+    else:
+        evaluate(t, y, program, numbers.work, watched.rates)
+        memory = numbers.memory[w.where]
+        out[0] = max(0.0, numbers.own[w.where].force) if memory.touching != 0.0 else 0.0
+    out[0] -= w.value
+
+
+@kernel
+def may_happen(
+    t: float, h: float, space: Any, dense: Any, work: Any, start: int, out: Any, numbers: Any, watched: Any
+) -> bool:
+    """Whether something watched may happen in the step of size h from t [s], whose dense output is there."""
+    for k in range(watched.instants.shape[0]):
+        if t < watched.instants[k] <= t + h:
+            return True
+    for k in range(watched.functions.shape[0]):
+        w = watched.functions[k]
+        if w.side == 0.0:
+            return True
+        _look(w, t, work[start], numbers, watched)
+        if not w.side * watched.values[0] > 0.0:
+            return True
+        before = w.side * watched.values[1]
+        for part in range(1, w.parts + 1):
+            theta = part / w.parts
+            dense_state(theta, space, dense, work, start, out)
+            _look(w, t + theta * h, out[STATE_ROW], numbers, watched)
+            rate = w.side * watched.values[1]
+            if not w.side * watched.values[0] > 0.0 or before < 0.0 < rate:
+                return True
+            before = rate
+    return False

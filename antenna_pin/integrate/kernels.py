@@ -1,0 +1,294 @@
+"""Arithmetic of Lie-group Runge-Kutta steps, compiled.
+
+A state ``y = [q, v, x]`` has a configuration on a manifold, a velocity in its tangent space and plain numbers
+``x`` (quadratures, bristles). Within a step it is written in a chart about the step's start,
+
+    q = q0 o exp(u),   z = [u, v, x],   z(0) = [0, v0, x0],
+
+and u' follows from v by the inverse of the exponential's derivative. So z obeys an ordinary differential
+equation in a vector space, to which any Runge-Kutta method applies with its full order, dense output included
+(the method of Runge, Kutta, Munthe-Kaas).
+
+``layout`` is the manifold's (:mod:`antenna_pin.integrate.manifold_kernels`). The rows of ``work`` are the
+stages' rates and, behind them, U, START, TOTAL, STATE and RATES (see below): one array, because each argument
+of a compiled function costs a part of what it computes.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from antenna_pin._compile import inlined, kernel
+from antenna_pin.integrate.manifold_kernels import (
+    PLANE,
+    RIGID,
+    ROTATION,
+    VECTOR,
+    chart_rate,
+    factor_of,
+    retract,
+    retract_factor,
+    space_of,
+)
+
+# Rows of the work array behind the stages' rates.
+U = 0  # chart coordinates of the state being evaluated
+START = 1  # the state at the start of the step
+TOTAL = 2  # scratch; the components' magnitudes at the end of a step
+STATE = 3  # the state being evaluated
+RATES = 4  # its derivative
+EXTRA_ROWS = 5
+# Rows of a state from dense output: the state, and scratch (typed, for the compiler).
+STATE_ROW: Any = np.int64(0)
+CHART_ROW: Any = np.int64(1)
+FIRST_STAGE: Any = np.int64(0)
+
+
+@kernel
+def begin(stages: int, layout: Any, work: Any) -> None:
+    """Make the present state the start of a step and its derivative, evaluated before, the first stage."""
+    space = space_of(layout)
+    for k in range(space.nq + space.nv + space.nx):
+        work[stages + START, k] = work[stages + STATE, k]
+    for k in range(space.nv):
+        work[stages + U, k] = 0.0
+    store(FIRST_STAGE, stages, layout, work)
+
+
+@inlined
+def store(i: int, stages: int, layout: Any, work: Any) -> None:
+    """Store the derivative just evaluated as stage i."""
+    space = space_of(layout)
+    nv = space.nv
+    chart_rate(layout, work, stages + U, work, stages + STATE, work, i)
+    for k in range(nv + space.nx):
+        work[i, nv + k] = work[stages + RATES, k]
+
+
+@kernel
+def stage(i: int, h: float, weights: Any, layout: Any, work: Any, keep: bool) -> None:
+    """Store the derivative of stage i - 1 (if ``keep``) and write the state of stage i."""
+    space = space_of(layout)
+    nq, nv, nx = space.nq, space.nv, space.nx
+    stages = weights.shape[0]
+    if keep:
+        store(i - 1, stages, layout, work)
+    n = nv + nv + nx
+    total = stages + TOTAL
+    for k in range(n):
+        work[total, k] = 0.0
+    # Two stages at a time, in the order of the stages: half of the reading and writing of the sum.
+    waiting = -1
+    first = 0.0
+    for j in range(i):
+        w = h * weights[i, j]
+        if w == 0.0:
+            continue
+        if waiting < 0:
+            waiting, first = j, w
+            continue
+        for k in range(n):
+            work[total, k] = (work[total, k] + first * work[waiting, k]) + w * work[j, k]
+        waiting = -1
+    if waiting >= 0:
+        for k in range(n):
+            work[total, k] += first * work[waiting, k]
+    for k in range(nv):
+        work[stages + U, k] = work[total, k]
+    for k in range(nv + nx):
+        work[stages + STATE, nq + k] = work[stages + START, nq + k] + work[total, nv + k]
+    retract(layout, work, stages + START, work, total, work, stages + STATE)
+
+
+@inlined
+def _length(rows: Any, r: int, k: int, n: int) -> float:
+    """Length of the n numbers of row r from k on."""
+    if n == 1:
+        return abs(float(rows[r, k]))
+    square = 0.0
+    for i in range(k, k + n):
+        square += rows[r, i] * rows[r, i]
+    return math.sqrt(square)
+
+
+@kernel
+def magnitudes(layout: Any, stages: int, work: Any) -> None:
+    """Write into TOTAL the size of each component of [u, v, x] that its error is measured against.
+
+    Of a translation in space or in a plane that is the length of the vector: an error weighs the same
+    whichever way the axes lie. Of u it is that of the step, of v and x the larger of its two ends'.
+    """
+    space = space_of(layout)
+    nq, nv, nx = space.nq, space.nv, space.nx
+    total = stages + TOTAL
+    for f in range(space.factors):
+        factor = factor_of(layout, f)
+        kind, j = factor.kind, factor.v
+        linear = 3 if kind == RIGID else 2 if kind == PLANE else 0
+        k = j
+        while k < j + factor.nv:
+            n = linear if k == j and linear > 0 else 1
+            position = _length(work, stages + U, k, n)
+            velocity = max(_length(work, stages + START, nq + k, n), _length(work, stages + STATE, nq + k, n))
+            for i in range(k, k + n):
+                work[total, i] = position
+                work[total, nv + i] = velocity
+            k += n
+    for k in range(nv + nv, nv + nv + nx):
+        i = nq - nv + k
+        work[total, k] = max(abs(work[stages + START, i]), abs(work[stages + STATE, i]))
+
+
+@kernel
+def finish(i: int, h: float, errors: Any, layout: Any, work: Any, scales: Any, rtol: float) -> float:
+    """Store the derivative of the last stage i; return the scaled error of the step (1 is the tolerance).
+
+    ``errors`` holds one row of weights, or two (Dormand-Prince 8(5,3), combined after Hairer). The error of a
+    component counts against rtol (scale + magnitude); components of infinite scale do not count. The larger
+    counts of the root mean square over u and v and that over x: integrals on which nothing depends do not
+    thin out the errors of what moves.
+    """
+    nv, nx = space_of(layout).nv, space_of(layout).nx
+    stages = errors.shape[1]
+    store(i, stages, layout, work)
+    magnitudes(layout, stages, work)
+    first: Any = np.int64(0)
+    motion = _norm(first, nv + nv, i, h, errors, stages, work, scales, rtol)
+    plain = _norm(nv + nv, nv + nv + nx, i, h, errors, stages, work, scales, rtol)
+    # Whichever is not finite is the larger.
+    return motion if motion != motion or motion >= plain else plain
+
+
+@inlined
+def _norm(
+    begin: int, end: int, i: int, h: float, errors: Any, stages: int, work: Any, scales: Any, rtol: float
+) -> float:
+    """Scaled error of the components from ``begin`` to ``end``."""
+    sum_first = 0.0
+    sum_second = 0.0
+    count = 0
+    for k in range(begin, end):
+        scale = scales[k]
+        if scale == math.inf:
+            continue
+        bound = rtol * (scale + work[stages + TOTAL, k])
+        first = 0.0
+        for j in range(i + 1):
+            first += errors[0, j] * work[j, k]
+        first /= bound
+        sum_first += first * first
+        if errors.shape[0] == 2:
+            second = 0.0
+            for j in range(i + 1):
+                second += errors[1, j] * work[j, k]
+            second /= bound
+            sum_second += second * second
+        count += 1
+    if count == 0:
+        return 0.0
+    if errors.shape[0] == 2:
+        if sum_first == 0.0 and sum_second == 0.0:
+            return 0.0
+        return abs(h) * sum_first / math.sqrt((sum_first + 0.01 * sum_second) * count)
+    return abs(h) * math.sqrt(sum_first / count)
+
+
+@kernel
+def dense_coefficients(h: float, polynomials: Any, n: int, work: Any, dense: Any) -> None:
+    """dense[p] = h sum_j polynomials[j, p] work[j]: z(theta) - z(0) = sum_p dense[p] theta^(p + 1)."""
+    for p in range(polynomials.shape[1]):
+        for k in range(n):
+            dense[p, k] = 0.0
+        for j in range(polynomials.shape[0]):
+            w = h * polynomials[j, p]
+            if w != 0.0:
+                for k in range(n):
+                    dense[p, k] += w * work[j, k]
+
+
+@kernel
+def bend(layout: Any, before: Any, after: Any, dense: Any) -> None:
+    """Bend the dense output to a step's end that was moved after the step, by so little that charts agree.
+
+    The move comes in as 3 theta^2 - 2 theta^3: the slopes at both ends stay.
+    """
+    space = space_of(layout)
+    nq, nv = space.nq, space.nv
+    for f in range(space.factors):
+        factor = factor_of(layout, f)
+        kind, i, j = factor.kind, factor.q, factor.v
+        if kind == VECTOR:
+            for k in range(factor.nv):
+                _bend(dense, j + k, after[i + k] - before[i + k])
+            continue
+        if kind == RIGID or kind == PLANE:
+            ways = 3 if kind == RIGID else 2
+            for k in range(ways):
+                _bend(dense, j + k, after[i + k] - before[i + k])
+            i += ways
+            j += ways
+        if kind == RIGID or kind == ROTATION:
+            # Twice the vector part of the quaternion that leads from one to the other.
+            ax, ay, az, aw = before[i], before[i + 1], before[i + 2], before[i + 3]
+            bx, by, bz, bw = after[i], after[i + 1], after[i + 2], after[i + 3]
+            _bend(dense, j, 2.0 * (aw * bx - ax * bw - ay * bz + az * by))
+            _bend(dense, j + 1, 2.0 * (aw * by - ay * bw - az * bx + ax * bz))
+            _bend(dense, j + 2, 2.0 * (aw * bz - az * bw - ax * by + ay * bx))
+        else:
+            _bend(dense, j, before[i] * after[i + 1] - before[i + 1] * after[i])
+    for k in range(nv + space.nx):
+        _bend(dense, nv + k, after[nq + k] - before[nq + k])
+
+
+@inlined
+def _bend(dense: Any, k: int, way: float) -> None:
+    """Bend one component."""
+    dense[1, k] += 3.0 * way
+    dense[2, k] -= 2.0 * way
+
+
+@inlined
+def _term(theta: float, degree: int, dense: Any, k: int) -> float:
+    """Component k of z(theta) - z(0), by Horner's rule."""
+    value = dense[degree - 1, k]
+    for p in range(degree - 2, -1, -1):
+        value = value * theta + dense[p, k]
+    return float(value * theta)
+
+
+@kernel
+def dense_state(theta: float, layout: Any, dense: Any, work: Any, start: int, out: Any) -> None:
+    """Write the state at the fraction theta of the step from work[start] into out[0]; out[1] is scratch."""
+    space = space_of(layout)
+    nq, nv, nx = space.nq, space.nv, space.nx
+    degree = dense.shape[0]
+    for k in range(nv):
+        out[CHART_ROW, k] = _term(theta, degree, dense, k)
+    for k in range(nv, nv + nv + nx):
+        out[STATE_ROW, nq - nv + k] = work[start, nq - nv + k] + _term(theta, degree, dense, k)
+    retract(layout, work, start, out, CHART_ROW, out, STATE_ROW)
+
+
+@inlined
+def dense_joint(
+    theta: float, factor: Any, nq: int, nv: int, dense: Any, work: Any, start: int, out: Any
+) -> None:
+    """Write only the part of a state that is one joint's."""
+    degree = dense.shape[0]
+    for k in range(factor.v, factor.v + factor.nv):
+        out[CHART_ROW, k] = _term(theta, degree, dense, k)
+        out[STATE_ROW, nq + k] = work[start, nq + k] + _term(theta, degree, dense, nv + k)
+    retract_factor(factor, work, start, out, CHART_ROW, out, STATE_ROW)
+
+
+@inlined
+def dense_plain(theta: float, layout: Any, dense: Any, work: Any, start: int, out: Any) -> None:
+    """Write only the x of a state."""
+    space = space_of(layout)
+    nq, nv = space.nq, space.nv
+    degree = dense.shape[0]
+    for k in range(nv + nv, nv + nv + space.nx):
+        out[STATE_ROW, nq - nv + k] = work[start, nq - nv + k] + _term(theta, degree, dense, k)

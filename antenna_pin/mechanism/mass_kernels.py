@@ -1,0 +1,259 @@
+"""Mass matrix of a tree of bodies, and what gravity and velocities ask of its joints, compiled.
+
+``M a + bias = tau``. The matrix is made of composite bodies: a column is the wrench that accelerates all that
+a joint moves along one of its directions, as the joints below it feel it; bias is inverse dynamics at rest of
+the velocities (Featherstone (2008), Rigid Body Dynamics Algorithms, chapters 5 and 6). Where bodies are and
+how they move is known: all is in world axes, and goes from a body to the one it is on without being turned.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from antenna_pin._compile import inlined, kernel
+from antenna_pin.mechanism.room_kernels import (
+    crossed,
+    symmetric_times,
+    turned,
+    turned_back,
+    turned_symmetric,
+)
+from antenna_pin.mechanism.tree_kernels import PLANE, RIGID, ROTATION, SLIDE
+
+
+@kernel
+def mass_and_bias(tree: Any, places: Any, gravity: Any, room: Any, mass: Any, bias: Any) -> None:
+    """Write the mass matrix and the generalized force of gravity and velocities.
+
+    Args:
+        tree: Bodies, parents first, BODY, (bodies,).
+        places: Where they are and how they move, PLACE, with what
+            :func:`antenna_pin.mechanism.tree_kernels.bias_accelerations` writes, (bodies + 1,).
+        gravity: In world axes [m/s^2], (3,).
+        room: To write to, ROOM, (bodies + 1,). Of a body: ``origin`` from that of the body it is on, its
+            joint's axis (``turn``), and mass, first moment and inertia of all it carries about its origin.
+        mass: To write to, both halves, (nv, nv).
+        bias: To write to, (nv,).
+    """
+    bodies = tree.shape[0]
+    for b in range(bodies):
+        _rest(tree[b], gravity, places, places[b], room[b])
+    nv = bias.shape[0]
+    for i in range(nv):
+        for j in range(nv):
+            mass[i, j] = 0.0
+    for b in range(bodies - 1, -1, -1):
+        body, own = tree[b], room[b]
+        _project_bias(body, places[b], own, bias)
+        if body.parent >= 0:
+            _hand_on(own, room[body.parent])
+        _columns(tree, places, room, b, mass)
+
+
+@inlined
+def _rest(body: Any, gravity: Any, places: Any, place: Any, own: Any) -> None:
+    """Write a body's inertia and the wrench at its origin that it takes while no velocity changes."""
+    r, axis, c, m, w = place.rotation, body.axis, body.centre, body.mass, place.spin
+    own.turn[0], own.turn[1], own.turn[2] = turned(r, axis[0], axis[1], axis[2])
+    for k in range(3):
+        own.origin[k] = place.origin[k]
+    if body.parent >= 0:
+        on = places[body.parent]
+        for k in range(3):
+            own.origin[k] -= on.origin[k]
+    x, y, z = turned(r, c[0], c[1], c[2])
+    d, h, inertia = own.block_d, own.block_b, own.block_a
+    # Of the inertia about the centre only one half is looked at.
+    i = body.inertia
+    d[0], d[1], d[2], d[3], d[4], d[5] = i[0, 0], i[0, 1], i[0, 2], i[1, 1], i[1, 2], i[2, 2]
+    d[0], d[1], d[2], d[3], d[4], d[5] = turned_symmetric(r, d)
+    wx, wy, wz = w[0], w[1], w[2]
+    ax, ay, az = place.bias_spin[0], place.bias_spin[1], place.bias_spin[2]
+    # Of the centre: the origin's acceleration, in which the ground rises, alpha x c + w x (w x c).
+    ux, uy, uz = crossed(wx, wy, wz, x, y, z)
+    ux, uy, uz = crossed(wx, wy, wz, ux, uy, uz)
+    vx, vy, vz = crossed(ax, ay, az, x, y, z)
+    fx = m * (place.bias[0] - gravity[0] + ux + vx)
+    fy = m * (place.bias[1] - gravity[1] + uy + vy)
+    fz = m * (place.bias[2] - gravity[2] + uz + vz)
+    ux, uy, uz = symmetric_times(d, wx, wy, wz)
+    ux, uy, uz = crossed(wx, wy, wz, ux, uy, uz)
+    vx, vy, vz = symmetric_times(d, ax, ay, az)
+    sx, sy, sz = crossed(x, y, z, fx, fy, fz)
+    own.force[0], own.force[1], own.force[2] = fx, fy, fz
+    own.moment[0], own.moment[1], own.moment[2] = ux + vx + sx, uy + vy + sy, uz + vz + sz
+    inertia[0] = m
+    h[0], h[1], h[2] = m * x, m * y, m * z
+    d[0] += h[1] * y + h[2] * z
+    d[1] -= h[0] * y
+    d[2] -= h[0] * z
+    d[3] += h[0] * x + h[2] * z
+    d[4] -= h[1] * z
+    d[5] += h[0] * x + h[1] * y
+
+
+@inlined
+def _project_bias(body: Any, place: Any, own: Any, bias: Any) -> None:
+    """Write what a joint must give of the wrench that its body needs."""
+    f, m, k, axis = own.force, own.moment, body.v, own.turn
+    if body.kind == RIGID or body.kind == ROTATION or body.kind == PLANE:
+        fx, fy, fz = turned_back(place.rotation, f[0], f[1], f[2])
+        mx, my, mz = turned_back(place.rotation, m[0], m[1], m[2])
+        if body.kind == PLANE:
+            bias[k], bias[k + 1], bias[k + 2] = fx, fy, mz
+            return
+        if body.kind == RIGID:
+            bias[k], bias[k + 1], bias[k + 2] = fx, fy, fz
+            k += 3
+        bias[k], bias[k + 1], bias[k + 2] = mx, my, mz
+    elif body.kind == SLIDE:
+        bias[k] = axis[0] * f[0] + axis[1] * f[1] + axis[2] * f[2]
+    else:
+        bias[k] = axis[0] * m[0] + axis[1] * m[1] + axis[2] * m[2]
+
+
+@inlined
+def _hand_on(own: Any, on: Any) -> None:
+    """Add wrench, mass, first moment and inertia of a body with all it carries to the one it is on."""
+    f, n, m, h, p, d, inertia = (
+        own.force,
+        own.moment,
+        own.block_a[0],
+        own.block_b,
+        own.origin,
+        on.block_d,
+        own.block_d,
+    )
+    x, y, z = p[0], p[1], p[2]
+    cx, cy, cz = crossed(x, y, z, f[0], f[1], f[2])
+    on.force[0] += f[0]
+    on.force[1] += f[1]
+    on.force[2] += f[2]
+    on.moment[0] += n[0] + cx
+    on.moment[1] += n[1] + cy
+    on.moment[2] += n[2] + cz
+    on.block_a[0] += m
+    on.block_b[0] += h[0] + m * x
+    on.block_b[1] += h[1] + m * y
+    on.block_b[2] += h[2] + m * z
+    # What D gains of p and the first moment h: (q . p) - (q p^T + p q^T) / 2, q = 2 h + m p.
+    hx, hy, hz = 2.0 * h[0] + m * x, 2.0 * h[1] + m * y, 2.0 * h[2] + m * z
+    d[0] += inertia[0] + hy * y + hz * z
+    d[1] += inertia[1] - 0.5 * (hx * y + hy * x)
+    d[2] += inertia[2] - 0.5 * (hx * z + hz * x)
+    d[3] += inertia[3] + hx * x + hz * z
+    d[4] += inertia[4] - 0.5 * (hy * z + hz * y)
+    d[5] += inertia[5] + hx * x + hy * y
+
+
+@inlined
+def _columns(tree: Any, places: Any, room: Any, b: int, mass: Any) -> None:
+    """Write what the mass matrix has of a joint: with itself, and with those that carry it."""
+    body, own, r = tree[b], room[b], places[b].rotation
+    m, h, d, k, axis = own.block_a[0], own.block_b, own.block_d, body.v, own.turn
+    kind = body.kind
+    if kind == SLIDE:
+        _way(tree, places, room, b, k, m, h, axis[0], axis[1], axis[2], mass)
+        return
+    if kind != RIGID and kind != ROTATION and kind != PLANE:
+        _turn(tree, places, room, b, k, h, d, axis[0], axis[1], axis[2], mass)
+        return
+    for n in range(0 if kind == ROTATION else 2 if kind == PLANE else 3):
+        _way(tree, places, room, b, k, m, h, r[0, n], r[1, n], r[2, n], mass)
+        k += 1
+    for n in range(2 if kind == PLANE else 0, 3):
+        _turn(tree, places, room, b, k, h, d, r[0, n], r[1, n], r[2, n], mass)
+        k += 1
+
+
+@inlined
+def _way(
+    tree: Any,
+    places: Any,
+    room: Any,
+    b: int,
+    at: int,
+    m: float,
+    h: Any,
+    x: float,
+    y: float,
+    z: float,
+    mass: Any,
+) -> None:
+    """Write the column of a displacement along (x, y, z)."""
+    mx, my, mz = crossed(h[0], h[1], h[2], x, y, z)
+    _column(tree, places, room, b, at, m * x, m * y, m * z, mx, my, mz, mass)
+
+
+@inlined
+def _turn(
+    tree: Any,
+    places: Any,
+    room: Any,
+    b: int,
+    at: int,
+    h: Any,
+    d: Any,
+    x: float,
+    y: float,
+    z: float,
+    mass: Any,
+) -> None:
+    """Write the column of a turn about (x, y, z)."""
+    fx, fy, fz = crossed(x, y, z, h[0], h[1], h[2])
+    mx, my, mz = symmetric_times(d, x, y, z)
+    _column(tree, places, room, b, at, fx, fy, fz, mx, my, mz, mass)
+
+
+@kernel
+def _column(
+    tree: Any,
+    places: Any,
+    room: Any,
+    b: int,
+    at: int,
+    fx: float,
+    fy: float,
+    fz: float,
+    mx: float,
+    my: float,
+    mz: float,
+    mass: Any,
+) -> None:
+    """Write a column and its mirror image: what a wrench on a body is to its joint and those below."""
+    while True:
+        body, own = tree[b], room[b]
+        k, kind, axis = body.v, body.kind, own.turn
+        if kind == SLIDE:
+            _mirror(mass, k, at, axis[0] * fx + axis[1] * fy + axis[2] * fz)
+        elif kind == RIGID or kind == ROTATION or kind == PLANE:
+            rotation = places[b].rotation
+            ux, uy, uz = turned_back(rotation, fx, fy, fz)
+            tx, ty, tz = turned_back(rotation, mx, my, mz)
+            if kind != ROTATION:
+                _mirror(mass, k, at, ux)
+                _mirror(mass, k + 1, at, uy)
+                k += 2
+            if kind == RIGID:
+                _mirror(mass, k, at, uz)
+                k += 1
+            if kind != PLANE:
+                _mirror(mass, k, at, tx)
+                _mirror(mass, k + 1, at, ty)
+                k += 2
+            _mirror(mass, k, at, tz)
+        else:
+            _mirror(mass, k, at, axis[0] * mx + axis[1] * my + axis[2] * mz)
+        if body.parent < 0:
+            return
+        p = own.origin
+        cx, cy, cz = crossed(p[0], p[1], p[2], fx, fy, fz)
+        mx, my, mz = mx + cx, my + cy, mz + cz
+        b = body.parent
+
+
+@inlined
+def _mirror(mass: Any, i: int, j: int, value: float) -> None:
+    """Write an entry of a symmetric matrix."""
+    mass[i, j] = value
+    mass[j, i] = value
