@@ -160,7 +160,7 @@ def curve(
 ) -> None:
     """Compare the forces of the elastic laws of one joint at the same depth."""
     from antenna_pin.contact import MATERIALS, NORMAL_LAWS, is_elastic
-    from antenna_pin.studies import differing_factor, elastic_laws_of_joint, force_table, laws_left_out
+    from antenna_pin.law_studies import differing_factor, elastic_laws_of_joint, force_table, laws_left_out
 
     target = csv_target(csv)
     suffixes = figure_formats(formats)
@@ -253,7 +253,7 @@ def restitution(
     refuse a restitution of 0 are left out there.
     """
     from antenna_pin.contact import DISSIPATIONS, law_parameters
-    from antenna_pin.studies import largest_errors, restitution_table
+    from antenna_pin.law_studies import largest_errors, restitution_table
 
     target = csv_target(csv)
     suffixes = figure_formats(formats)

@@ -22,7 +22,7 @@ from antenna_pin.cli._quantities import positive_quantity
 from antenna_pin.cli._tables import length_text, percent_text, print_rows
 
 if TYPE_CHECKING:
-    from antenna_pin.studies import ExperimentFindings, ExperimentFit
+    from antenna_pin.law_studies import ExperimentFindings, ExperimentFit
 
 _FINDINGS = """
 Reproduced: equation (6) gives ten rows of the Hertz column to the rounding of the table, with one modulus of
@@ -61,7 +61,7 @@ def experiment(
     csv: CsvOption = None,
 ) -> None:
     """Hold the laws against the pin joint that Liu et al. measured in 2013."""
-    from antenna_pin.studies import experiment_findings
+    from antenna_pin.law_studies import experiment_findings
 
     target = csv_target(csv)
     suffixes = figure_formats(formats)
@@ -82,7 +82,7 @@ def experiment(
 
 def _facts(found: ExperimentFindings) -> dict[str, Any]:
     """Return the table, as printed and reproduced, and how far every law is from it [m], [N], [-]."""
-    from antenna_pin.studies import LIU_2013
+    from antenna_pin.law_studies import LIU_2013
 
     rows = [
         dataclasses.asdict(point)
@@ -94,7 +94,7 @@ def _facts(found: ExperimentFindings) -> dict[str, Any]:
 
 def _fits(found: ExperimentFindings) -> list[dict[str, Any]]:
     """Return load and error of every law at every point."""
-    from antenna_pin.studies import LIU_2013, ranked
+    from antenna_pin.law_studies import LIU_2013, ranked
 
     return [
         {"law": fit.law, "contacts": fit.contacts, "row": row + 1, "play": point.clearance}
@@ -106,7 +106,7 @@ def _fits(found: ExperimentFindings) -> list[dict[str, Any]]:
 
 def _print(found: ExperimentFindings, radius: float, line: float) -> None:
     """Print the table, the errors of the laws, and what follows."""
-    from antenna_pin.studies import LIU_2013, LIU_2013_PLAYS, ranked
+    from antenna_pin.law_studies import LIU_2013, LIU_2013_PLAYS, ranked
 
     print_rows(
         "Table 1 of Liu et al. 2013: loads [N], as printed and reproduced",
@@ -155,7 +155,7 @@ def _print(found: ExperimentFindings, radius: float, line: float) -> None:
 
 def _remark(found: ExperimentFindings, row: int) -> str:
     """Return what is to be said of a row of the table."""
-    from antenna_pin.studies import LIU_2013
+    from antenna_pin.law_studies import LIU_2013
 
     if row in found.table.misprinted:
         return f"misprint: {1e5 * found.table.depths[row]:.3f}"
@@ -167,7 +167,7 @@ def _remark(found: ExperimentFindings, row: int) -> str:
 
 def _errors(fit: ExperimentFit) -> tuple[str, ...]:
     """Return a row of the table of errors."""
-    from antenna_pin.studies import LIU_2013, LIU_2013_PLAYS
+    from antenna_pin.law_studies import LIU_2013, LIU_2013_PLAYS
 
     sizes = (*map(fit.mean_of, LIU_2013_PLAYS), fit.mean, fit.largest)
     return (
@@ -180,7 +180,7 @@ def _errors(fit: ExperimentFit) -> tuple[str, ...]:
 
 def _paragraphs(found: ExperimentFindings) -> list[str]:
     """Return what fits and what the data cannot decide, in words."""
-    from antenna_pin.studies import LIU_2013, LIU_2013_PLAYS
+    from antenna_pin.law_studies import LIU_2013, LIU_2013_PLAYS
 
     table, corrected = found.table, found.fit("liu-2013-corrected")
     (misprint,) = table.misprinted

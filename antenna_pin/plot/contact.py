@@ -15,6 +15,7 @@ from matplotlib.ticker import NullFormatter
 from antenna_pin.arguments import takes
 from antenna_pin.contact import NormalLaw
 from antenna_pin.errors import InvalidParameterError
+from antenna_pin.law_studies import RestitutionRow, force_within
 from antenna_pin.plot._style import (
     COLOURS,
     Array,
@@ -25,7 +26,6 @@ from antenna_pin.plot._style import (
     styled,
 )
 from antenna_pin.plot.files import check_formats, folder_for_figures, save_figure
-from antenna_pin.studies import RestitutionRow, force_within
 
 DASHES: tuple[Any, ...] = ("-", (0, (4, 1.2)), (0, (1, 1)), (0, (4, 1, 1, 1)))
 _LABEL_HEIGHT = 3.0  # of one line of text beside a panel [mm]

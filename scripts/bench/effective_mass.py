@@ -18,8 +18,8 @@ from bench_tools import CLOSED_FORM, Report, scenario
 
 from antenna_pin import Trajectory, build_system, initial_state, simulate
 from antenna_pin.contact import Tsuji
+from antenna_pin.law_studies import closed_form_restitution
 from antenna_pin.mechanism import frame_aligning_z
-from antenna_pin.studies import closed_form_restitution
 
 SPAN = 0.5  # [s]
 ASKED = 0.7

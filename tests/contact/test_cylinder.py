@@ -28,7 +28,7 @@ from antenna_pin.contact import (
     is_elastic,
     kernels,
 )
-from antenna_pin.studies import differing_factor, elastic_laws_of_joint, force_table, laws_left_out
+from antenna_pin.law_studies import differing_factor, elastic_laws_of_joint, force_table, laws_left_out
 
 R_I, R_J, L = 0.010, 0.0098, 0.050
 STEEL = MATERIALS["steel"]

@@ -29,7 +29,7 @@ from antenna_pin.contact import (
 )
 from antenna_pin.contact.hysteresis import HysteresisDamping
 from antenna_pin.contact.restitution import stored_share
-from antenna_pin.studies import (
+from antenna_pin.law_studies import (
     closed_form_peak_depth,
     closed_form_restitution,
     impact_of_pair,

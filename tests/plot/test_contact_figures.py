@@ -9,6 +9,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from antenna_pin.contact import MATERIALS, LiuPinJoint
 from antenna_pin.errors import AntennaPinError, UnknownNameError
+from antenna_pin.law_studies import LIU_2013, elastic_laws_of_joint, restitution_table
 from antenna_pin.plot import (
     figure_contact_width,
     figure_experiment,
@@ -16,7 +17,6 @@ from antenna_pin.plot import (
     figure_restitution,
     save_contact_figures,
 )
-from antenna_pin.studies import LIU_2013, elastic_laws_of_joint, restitution_table
 
 LAWS = elastic_laws_of_joint(
     bearing_radius=0.01,

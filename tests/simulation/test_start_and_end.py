@@ -13,9 +13,9 @@ from antenna_pin.dynamics import CallableDrive
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.geometry import RevoluteClearance, pose_of
 from antenna_pin.geometry.base import asked
+from antenna_pin.law_studies import closed_form_restitution
 from antenna_pin.mechanism import frame_aligning_z
 from antenna_pin.simulation import control
-from antenna_pin.studies import closed_form_restitution
 
 # A slender pin in a long bore: 10 mm and 40 mm, with 50 um of play.
 SLENDER = (

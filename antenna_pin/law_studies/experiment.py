@@ -17,7 +17,7 @@ import numpy as np
 
 from antenna_pin.arguments import takes
 from antenna_pin.contact import Material
-from antenna_pin.studies.comparison import elastic_laws_of_joint, force_within
+from antenna_pin.law_studies.comparison import elastic_laws_of_joint, force_within
 
 __all__ = [
     "LIU_2013",

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from antenna_pin.arguments import takes
 from antenna_pin.contact import effective_modulus
-from antenna_pin.studies.experiment import (
+from antenna_pin.law_studies.experiment import (
     LIU_2013,
     LIU_2013_PLAYS,
     LIU_2013_STEEL,
@@ -18,7 +18,7 @@ from antenna_pin.studies.experiment import (
     printed_columns,
     ranked,
 )
-from antenna_pin.studies.reproduction import ReproducedTable, reproduce_table
+from antenna_pin.law_studies.reproduction import ReproducedTable, reproduce_table
 
 __all__ = ["ExperimentFindings", "LeastError", "experiment_findings"]
 

@@ -11,7 +11,7 @@ oscillator in disguise (:mod:`antenna_pin.contact.damping`): with :math:`g = \ze
 \zeta^2}` it separates with :math:`e^{-2g}` where it is cut off at zero, with :math:`e^{-g}` where it acts in
 the approach only.
 
-The table of restitutions sets impacts integrated with the compiled laws (:mod:`antenna_pin.studies.impacts`)
+The table of restitutions sets impacts integrated with the compiled laws (:mod:`antenna_pin.law_studies.impacts`)
 beside that.
 """
 
@@ -39,7 +39,7 @@ from antenna_pin.contact.power_kernels import POWER, POWER_LAW
 from antenna_pin.contact.records import NORMAL_LAW
 from antenna_pin.contact.restitution import stored_share
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.studies.impacts import check_impact, depth_of_energy, impact_of_pair, impact_on_wall
+from antenna_pin.law_studies.impacts import check_impact, depth_of_energy, impact_of_pair, impact_on_wall
 
 __all__ = [
     "RestitutionRow",

@@ -17,7 +17,7 @@ from antenna_pin.contact import (
     LankaraniNikravesh,
     LiuFoundation,
 )
-from antenna_pin.studies import (
+from antenna_pin.law_studies import (
     closed_form_peak_depth,
     closed_form_restitution,
     impact_of_pair,

@@ -13,7 +13,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from antenna_pin.studies.experiment import LIU_2013, LIU_2013_PLAYS, ExperimentPoint
+from antenna_pin.law_studies.experiment import LIU_2013, LIU_2013_PLAYS, ExperimentPoint
 
 __all__ = ["ReproducedTable", "reproduce_table"]
 
