@@ -164,7 +164,9 @@ def _fits_parts(value: Any, origin: Any, inner: tuple[Any, ...]) -> bool:
         return isinstance(value, type)
     if origin is os.PathLike:
         return isinstance(value, os.PathLike)
-    if origin in (Callable, Iterator):
+    if origin is Callable:
+        return callable(value) and (not inner or inner[0] is ... or _takes_so_many(value, len(inner[0])))
+    if origin is Iterator:
         return isinstance(value, origin)
     if isinstance(value, str | bytes):
         return False
@@ -188,6 +190,17 @@ def _fits_parts(value: Any, origin: Any, inner: tuple[Any, ...]) -> bool:
         return False
     again = isinstance(value, Collection) and len(inner) == 1
     return not again or all(fits(one, inner[0]) for one in value)
+
+
+def _takes_so_many(function: Any, count: int) -> bool:
+    """Return whether a function can be called with so many arguments; True if it does not say."""
+    try:
+        inspect.signature(function).bind(*[None] * count)
+    except ValueError:  # some of those in C
+        return True
+    except TypeError:
+        return False
+    return True
 
 
 @functools.cache
@@ -274,7 +287,9 @@ def rule_of(hint: Any) -> str:
     if origin is os.PathLike:
         return "a path"
     if origin is Callable:
-        return "a function"
+        if not inner or inner[0] is ...:
+            return "a function"
+        return f"a function of {len(inner[0])} argument{'s' if len(inner[0]) > 1 else ''}"
     if isinstance(origin, type) and issubclass(origin, Mapping):
         return f"a mapping of names to {_many(inner[1])}" if len(inner) == 2 else "a mapping"
     if origin is tuple and inner and inner[-1] is not ...:

@@ -77,7 +77,14 @@ def test_what_is_of_a_wrong_kind_is_refused_in_one_line(one):
             lambda: simulate(_pendulum(), events=[Time(1)]),
             "simulate: events must be a sequence of Event, got",
         ),
-        (lambda: simulate(_pendulum(), progress=3), "simulate: progress must be a function, got 3"),
+        (
+            lambda: simulate(_pendulum(), progress=3),
+            "simulate: progress must be a function of 1 argument, got 3",
+        ),
+        (
+            lambda: simulate(_pendulum(), progress=lambda: None),
+            "simulate: progress must be a function of 1 argument",
+        ),
         (lambda: simulate(_pendulum(), start={}), "simulate: start must be a State, got a table (dict)"),
         (
             lambda: simulate(_pendulum(), duration="1 kg"),
@@ -173,7 +180,7 @@ class _Yes:
         (ArrayLike, ([1, 2], 3.0, np.eye(2), []), ("a", {}, None, ["a"], Thing(), 1j), "an array of numbers"),
         (NDArray[np.complex128], (np.ones(2) * 1j,), ("a", None), "an array of numbers"),
         (Iterable[int], ({1: "a"}, [1]), ({"a": 1}, ["a"], 3), "a sequence of whole numbers"),
-        (Callable[[float], float], (abs, Thing), (3, "a", None), "a function"),
+        (Callable[[float], float], (abs, float), (3, "a", None, lambda: 0.0), "a function of 1 argument"),
         (Literal["a", "b"], ("a", "c"), (1, None, ["a"]), "'a' or 'b'"),  # which text is the owner's to say
         (_Named, (_Yes(),), (Thing(), 3), "a _Named"),
         (Stop | Set, (Stop(), Set("a.b", 1.0)), (Stop, "stop"), "a Stop or a Set"),
@@ -205,7 +212,7 @@ def test_a_decorated_function_stays_what_it_was():
 #: Rooms whose functions people call with values of their own; the others' are called by these.
 CALLED = (
     "analysis antenna_pin assemble contact linear mechanism nonlinear plot record report "
-    "scenario simulation studies sweep"
+    "scenario simulation law_studies sweep"
 )
 
 #: Without a check, for `antenna-pin list` is not to wait for NumPy: they take a name and refuse others by it.

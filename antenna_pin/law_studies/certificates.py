@@ -11,8 +11,8 @@ oscillator in disguise (:mod:`antenna_pin.contact.damping`): with :math:`g = \ze
 \zeta^2}` it separates with :math:`e^{-2g}` where it is cut off at zero, with :math:`e^{-g}` where it acts in
 the approach only.
 
-The table of restitutions sets impacts integrated with the compiled laws (:mod:`antenna_pin.law_studies.impacts`)
-beside that.
+The table of restitutions sets impacts integrated with the compiled laws
+(:mod:`antenna_pin.law_studies.impacts`) beside that.
 """
 
 from __future__ import annotations

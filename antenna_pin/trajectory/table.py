@@ -130,12 +130,6 @@ def open_table(path: str | os.PathLike[str], kind: TableKind) -> xr.Dataset:
     found = table.attrs.get("format")
     if found != FORMATS[kind]:
         raise FileFormatError(f"{file}: must be {KINDS[kind]}, of format {FORMATS[kind]!r}, got {found!r}")
-    for name in ("title", "name", "case", "scenario"):
-        if not isinstance(table.attrs.get(name), str):
-            raise FileFormatError(
-                f"{file}: must be {KINDS[kind]} as antenna-pin writes it, got an attribute {name!r} that is "
-                "no text; make it again"
-            )
     if whole is not True:
         raise FileFormatError(
             f"{file}: must be as antenna-pin wrote it, got another checksum, or none: it was damaged, or "

@@ -1,4 +1,4 @@
-"""What the datasets beside runs hold: the columns of each kind, and what their numbers may be.
+"""What the datasets beside runs hold: columns and attributes of each kind, and what their numbers may be.
 
 The numbers of quantities that were asked for stand in columns of their names, which an attribute lists.
 """
@@ -16,7 +16,7 @@ from antenna_pin.trajectory.columns import ANY, Rule
 from antenna_pin.trajectory.outcome import Outcome
 from antenna_pin.units import shown
 
-__all__ = ["TABLES", "Column", "problem_of_table"]
+__all__ = ["ATTRIBUTES", "TABLES", "Attribute", "Column", "problem_of_table"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,6 +36,48 @@ class Column:
     rule: Rule = ANY
     words: tuple[str, ...] | None = None
     optional: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Attribute:
+    """One attribute of a table.
+
+    Attributes:
+        name: Of it.
+        rule: What its number may be, if it is one.
+        words: What its text may be, if it is one; any if that is empty.
+        several: Whether it is a list of texts, as JSON.
+    """
+
+    name: str
+    rule: Rule | None = None
+    words: tuple[str, ...] = ()
+    several: bool = False
+
+    def problem(self, value: object) -> str | None:
+        """Return what of a value is not as it must be, in words; None if all is."""
+        if self.rule is not None:
+            number = np.asarray(value)
+            if number.size != 1 or number.dtype.kind not in "fiub":
+                return "which must be a number"
+            breach = self.rule.breach(np.atleast_1d(number))
+            return None if breach is None else f"which must be {self.rule.words}"
+        if not isinstance(value, str):
+            return "which must be text"
+        if self.words and value not in self.words:
+            return f"which must be one of {', '.join(self.words)}"
+        if self.several and _names(value) is None:
+            return "which must be a list of names"
+        return None
+
+
+def _names(text: object) -> list[str] | None:
+    """Return the list of texts that an attribute holds as JSON; None if it holds none."""
+    try:
+        names = json.loads(text) if isinstance(text, str) else None
+    except (ValueError, RecursionError):
+        return None
+    return names if isinstance(names, list) and all(isinstance(name, str) for name in names) else None
 
 
 _SIZE, _TIMES = Rule(least=0.0), Rule(rising=True)
@@ -108,6 +150,34 @@ TABLES: Mapping[str, tuple[Column, ...]] = {
     ),
 }
 
+_QUANTITIES = Attribute("quantities", several=True)
+_SETTLED = (Attribute("rule"), Attribute("tolerance", _SIZE))
+
+#: The attributes of each kind of table, beside those of all kinds.
+ATTRIBUTES: Mapping[str, tuple[Attribute, ...]] = {
+    "portrait": (_QUANTITIES,),
+    "section": (
+        _QUANTITIES,
+        Attribute("section"),
+        Attribute("period", _SIZE_OR_NONE),
+        *_SETTLED,
+        Attribute("outcome", words=_OUTCOMES),
+        Attribute("message"),
+        Attribute("state"),
+    ),
+    "bifurcation": (Attribute("parameter"), _QUANTITIES, Attribute("section"), *_SETTLED),
+    "orbit": (Attribute("free_period", _WHETHER), Attribute("iterations", _SIZE)),
+    "branch": (Attribute("parameter"), Attribute("message")),
+    "exponents": (
+        Attribute("verdict"),
+        Attribute("interval", _SIZE),
+        Attribute("start"),
+        Attribute("end"),
+    ),
+}
+
+_OF_ALL = tuple(Attribute(name) for name in ("title", "name", "case", "scenario", "versions"))
+
 
 def problem_of_table(table: xr.Dataset, kind: str) -> str | None:
     """Return what of a table is not as its kind's is, in words; None if all is."""
@@ -115,17 +185,18 @@ def problem_of_table(table: xr.Dataset, kind: str) -> str | None:
 
 
 def _problems(table: xr.Dataset, kind: str) -> Iterator[str]:
-    for column in TABLES[kind]:
-        if column.name:
-            yield from _in_column(table, column.name, column)
-            continue
-        try:
-            names = json.loads(table.attrs["quantities"])
-        except (KeyError, TypeError, ValueError, RecursionError):
-            names = None
-        if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
-            yield "no list of names in the attribute 'quantities'"
+    for attribute in (*_OF_ALL, *ATTRIBUTES[kind]):
+        if attribute.name not in table.attrs:
+            yield f"no attribute {attribute.name!r}"
             return
+        value = table.attrs[attribute.name]
+        value = value.item() if isinstance(value, np.generic) else value
+        problem = attribute.problem(value)
+        if problem is not None:
+            yield f"{shown(value)} in the attribute {attribute.name!r}, {problem}"
+            return
+    for column in TABLES[kind]:
+        names = [column.name] if column.name else _names(table.attrs["quantities"]) or []
         for name in names:
             yield from _in_column(table, name, column)
 

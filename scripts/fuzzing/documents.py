@@ -28,6 +28,7 @@ _SMALL, _OFTEN = ("impact_pair", "pendulum", "slider", "spherical_pendulum"), 4
 
 #: What keeps a run short, whatever a file says.
 SHORT = ("--set", "integrator.max_steps=200")
+_REPLACED = (("integrator",), ("integrator", "max_steps"))
 
 
 @dataclass(frozen=True)
@@ -165,6 +166,8 @@ def _value_change(chance: Random, base: Base, place: Place) -> Change:
     wrong = not admits(what, value) and not any(
         isinstance(shape, Named) and not shape.of for shape in what.shapes
     )
+    # What is set over a file replaces what the file says, be that right or wrong.
+    wrong = wrong and not (base.cls is Scenario and path in _REPLACED)
     long = isinstance(value, int) and value.bit_length() > 4096  # told of before its place is known
     says = () if long else tuple(name for name in path[-2:] if name.isidentifier())
     plain = all(key.replace("-", "_").isidentifier() for key in path)

@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 
 import numpy as np
 import pytest
@@ -67,11 +68,23 @@ def test_an_orbit_comes_back_from_its_file(driven, tmp_path):
     assert json.loads(kept.attrs["versions"]) == library_versions()
 
 
-def test_a_dataset_whose_scenario_is_no_text_is_refused(driven, tmp_path):
+@pytest.mark.parametrize(
+    ("name", "value", "said"),
+    [
+        ("scenario", [1.0, 2.0], "in the attribute 'scenario', which must be text"),
+        ("verdict", None, "no attribute 'verdict'"),
+        ("interval", -1.0, "-1.0 in the attribute 'interval', which must be finite, 0 or more"),
+        ("interval", "long", "'long' in the attribute 'interval', which must be a number"),
+    ],
+)
+def test_a_dataset_with_another_attribute_than_declared_is_refused(driven, tmp_path, name, value, said):
+    """As a hand may leave it that seals it anew."""
     found = largest_exponent(*flow_of(driven), 1.0 / FREQUENCY, count=4)
-    table = exponents_table(found, driven).assign_attrs(scenario=[1.0, 2.0])
+    table = exponents_table(found, driven)
+    table.attrs = {key: one for key, one in table.attrs.items() if key != name}
+    table.attrs |= {} if value is None else {name: value}
     save_table(table, tmp_path / "exponents.nc")
-    with pytest.raises(FileFormatError, match="got an attribute 'scenario' that is no text"):
+    with pytest.raises(FileFormatError, match=re.escape(said)):
         open_exponents(tmp_path / "exponents.nc")
 
 
