@@ -19,7 +19,7 @@ from antenna_pin.dynamics.coupled import couplings_of, fit_turns, put_followers
 from antenna_pin.dynamics.held import HeldKind, closures_by_name
 from antenna_pin.dynamics.parts import springs_and_parts
 from antenna_pin.dynamics.points import point_spring_block
-from antenna_pin.elements import GROSS_WORK, WORK, Element, Motion, PointSpring
+from antenna_pin.elements import GROSS_WORK, LOSS, WORK, Element, Motion, PointSpring
 from antenna_pin.errors import InvalidParameterError, MechanismError, UnknownNameError
 from antenna_pin.flexible import ElasticPart
 from antenna_pin.integrate import Manifold
@@ -197,6 +197,7 @@ class System:
         self.motions: list[DrivenJoint] = []
         self.drive_blocks: dict[str, int] = {}
         self.spring_blocks: dict[str, int] = {}
+        self._losses: dict[str, int] = {}
         at_joints = {n: s for n, s in self.springs.items() if isinstance(s, Element)}
         families: tuple[tuple[str, Mapping[str, Element], dict[str, int]], ...] = (
             ("drive", self.drives, self.drive_blocks),
@@ -206,7 +207,12 @@ class System:
             for name, element in elements.items():
                 x = blocks.x
                 block = self.element_block(f"{family} {name!r}", element, x)
-                places[name] = at = blocks.add(block, len(element.integrals))
+                kept = element.integrals
+                if family == "spring":
+                    # Each has its loss in the ledger; that of a kind which loses nothing stays zero.
+                    kept = kept if LOSS in kept else (*kept, LOSS)
+                    self._losses[name] = x + kept.index(LOSS)
+                places[name] = at = blocks.add(block, len(kept))
                 own = at + int(kernels.PARAMETERS)
                 if element.in_python:
                     asked = element.asked(f"{family} {name!r}", self.slides(element.joint))
@@ -229,11 +235,10 @@ class System:
         begin = blocks.size
         for name, spring in self.point_springs.items():
             block = point_spring_block(self.mechanism, f"spring {name!r}", spring, blocks.x)
+            self._losses[name] = blocks.x + spring.integrals.index(LOSS)
             self.spring_blocks[name] = blocks.add(block, len(spring.integrals))
-        program = np.concatenate(blocks.all)
-        heads = [program[self.spring_blocks[name] :][: kernels.PARAMETERS] for name in self.springs]
         #: Where in x the losses of springs are, in their order.
-        self.damper_x = np.array([int(head.view(kernels.ELEMENT)["x"][0]) for head in heads], dtype=int)
+        self.damper_x = np.array([self._losses[name] for name in self.springs], dtype=int)
         return begin
 
     def slides(self, joint: str) -> bool:

@@ -67,6 +67,8 @@ class ForceElement:
     # Its kernels, by the name of their module; what it integrates.
     kernels: ClassVar[str]
     integrals: ClassVar[tuple[Integral, ...]] = ()
+    # Parameters of which a scenario must give one above zero, or there would be nothing.
+    one_above_zero: ClassVar[tuple[str, ...]] = ()
 
     def __post_init__(self) -> None:
         """Check the parameters."""

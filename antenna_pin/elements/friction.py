@@ -39,6 +39,7 @@ class JointFriction(Element):
     kernels: ClassVar[str] = "friction_kernels"
     senses: ClassVar[bool] = True
     integrals: ClassVar[tuple[Integral, ...]] = (LOSS,)
+    one_above_zero: ClassVar[tuple[str, ...]] = ("friction", "damping")
 
     damping: float = parameter("N*m*s/rad", sliding="N*s/m", rule="zero or more", default=0.0)
     friction: float = parameter("N*m", sliding="N", rule="zero or more", default=0.0)

@@ -41,6 +41,7 @@ class PointSpring(ForceElement):
 
     kernels: ClassVar[str] = "point_spring_kernels"
     integrals: ClassVar[tuple[Integral, ...]] = (LOSS,)
+    one_above_zero: ClassVar[tuple[str, ...]] = ("stiffness", "damping")
 
     first: Point
     second: Point

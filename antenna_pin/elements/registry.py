@@ -32,7 +32,11 @@ DRIVES: Mapping[str, type[Element]] = MappingProxyType(
 """Drives by their ``kind`` in ``[drives.NAME]``."""
 
 SPRINGS: Mapping[str, type[ForceElement]] = MappingProxyType(
-    {"spring": JointSpring, "friction": JointFriction, "between-points": PointSpring}
+    {
+        "spring": JointSpring,
+        "friction": JointFriction,
+        "between-points": PointSpring,
+    }
 )
 """What stores and loses energy by its ``kind`` in ``[springs.NAME]``."""
 

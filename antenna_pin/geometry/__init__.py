@@ -6,6 +6,8 @@ from antenna_pin._lazy import loaded_when_used
 
 if TYPE_CHECKING:
     from antenna_pin.geometry.base import ClearanceGeometry, ContactPlace, ContactPoint, Distances, pose_of
+    from antenna_pin.geometry.look import Look
+    from antenna_pin.geometry.looks import LOOKS
     from antenna_pin.geometry.planar import PlanarClearance
     from antenna_pin.geometry.prismatic import PrismaticClearance
     from antenna_pin.geometry.revolute import RevoluteClearance
@@ -13,11 +15,13 @@ if TYPE_CHECKING:
     from antenna_pin.geometry.spherical import SphericalClearance
 
 __all__ = [
+    "LOOKS",
     "AxialScenario",
     "ClearanceGeometry",
     "ContactPlace",
     "ContactPoint",
     "Distances",
+    "Look",
     "PlanarClearance",
     "PrismaticClearance",
     "RadialScenario",
@@ -30,6 +34,8 @@ loaded_when_used(
     __name__,
     {
         "base": "ClearanceGeometry ContactPlace ContactPoint Distances pose_of",
+        "look": "Look",
+        "looks": "LOOKS",
         "planar": "PlanarClearance",
         "prismatic": "PrismaticClearance",
         "revolute": "RevoluteClearance",

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
         PlanarClearance,
         PrismaticClearance,
         SphericalClearance,
+        TouchingSpec,
     )
     from antenna_pin.scenario.closures import AnchorSpec, ClosureSpec, PlaceSpec
     from antenna_pin.scenario.couplings import CouplingSpec
@@ -57,6 +58,7 @@ _HOMES = {
     "AnySpring": "drives",
     "CaseSummary": "shipped",
     "ClearanceSpec": "clearance",
+    "TouchingSpec": "clearance",
     "ClosureSpec": "closures",
     "ContactClearance": "clearance",
     "CouplingSpec": "couplings",
@@ -108,6 +110,7 @@ _HOMES = {
 }
 
 __all__ = [
+    "TouchingSpec",
     "DRIVE_SPECS",
     "AnchorSpec",
     "AngleEvent",

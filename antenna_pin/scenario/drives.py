@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal, Self, Union
 
 from pydantic import Field, create_model, model_validator
 
-from antenna_pin.elements import DRIVES, JointFriction, JointSpring, PointSpring, TableDrive
+from antenna_pin.elements import DRIVES, SPRINGS, PointSpring, TableDrive
 from antenna_pin.scenario._base import refuse
 from antenna_pin.scenario._joint import JointTable
 from antenna_pin.scenario._made import MadeSpec, reads
@@ -15,6 +15,7 @@ from antenna_pin.scenario.closures import PlaceSpec
 
 __all__ = [
     "DRIVE_SPECS",
+    "SPRING_SPECS",
     "AnySpring",
     "DriveSpec",
     "FrictionSpec",
@@ -29,28 +30,10 @@ class _ElementSpec(JointTable, MadeSpec):
     """A table of a force element."""
 
 
-@reads(JointSpring)
-class SpringSpec(_ElementSpec):
-    """A linear spring and damper at a joint; the units are those of a turning (sliding) joint."""
-
-    kind: Literal["spring"] = "spring"
-
+class _SpringSpec(_ElementSpec):
     @model_validator(mode="after")
     def _check_something(self) -> Self:
         _ask_for_something(self)
-        return self
-
-
-@reads(JointFriction)
-class FrictionSpec(_ElementSpec):
-    """Viscous and Coulomb friction at a joint; the units are those of a turning (sliding) joint."""
-
-    kind: Literal["friction"]
-
-    @model_validator(mode="after")
-    def _check_something(self) -> Self:
-        if self.friction == self.damping == 0.0:
-            refuse("must have a friction or a damping above zero, got neither")
         return self
 
 
@@ -90,17 +73,14 @@ class PointSpringSpec(MadeSpec):
 
 
 def _ask_for_something(spring: MadeSpec) -> None:
-    if spring.stiffness == spring.damping == 0.0:
-        refuse("must have a stiffness or a damping above zero, got neither")
+    asked = spring.fills.one_above_zero
+    if asked and not any(getattr(spring, name) for name in asked):
+        refuse(f"must have a {' or a '.join(asked)} above zero, got neither")
 
 
 def kind_of_spring(table: Mapping[str, Any]) -> str:
     """Return the kind of a spring's table that names none: one with an end is between points."""
     return "spring" if {"first", "second"}.isdisjoint(table) else "between-points"
-
-
-AnySpring = SpringSpec | FrictionSpec | PointSpringSpec
-"""A spring; ``kind`` says which class it is."""
 
 
 class _TableSpec(_ElementSpec):
@@ -112,26 +92,38 @@ class _TableSpec(_ElementSpec):
         return data
 
 
-def _drive_spec(kind: str) -> type[_ElementSpec]:
-    """Return the table of a kind of drive."""
-    cls = DRIVES[kind]
-    base = _TableSpec if cls is TableDrive else _ElementSpec
-    key: Any = (Literal[kind], ...)
-    name = f"{cls.__name__}Spec"
+def _table(kind: str, cls: type[Any], base: type[_ElementSpec], default: Any = ...) -> type[_ElementSpec]:
+    """Return the table of a kind of element at a joint."""
+    key: Any = (Literal[kind], default)
+    name = f"{cls.__name__.removeprefix('Joint')}Spec"
     return reads(cls)(create_model(name, __base__=base, __doc__=cls.__doc__, __module__=__name__, kind=key))
 
 
-DRIVE_SPECS: Mapping[str, type[_ElementSpec]] = {kind: _drive_spec(kind) for kind in DRIVES}
+DRIVE_SPECS: Mapping[str, type[_ElementSpec]] = {
+    kind: _table(kind, cls, _TableSpec if cls is TableDrive else _ElementSpec) for kind, cls in DRIVES.items()
+}
 """The tables of drives by their kind."""
 
+SPRING_SPECS: Mapping[str, type[MadeSpec]] = {
+    kind: PointSpringSpec
+    if cls is PointSpring
+    else _table(kind, cls, _SpringSpec, "spring" if kind == "spring" else ...)
+    for kind, cls in SPRINGS.items()
+}
+"""The tables of what is in ``[springs]`` by their kind."""
+
 # A scenario that is pickled names its classes as this module does.
-globals().update({spec.__name__: spec for spec in DRIVE_SPECS.values()})
+globals().update({spec.__name__: spec for spec in (*DRIVE_SPECS.values(), *SPRING_SPECS.values())})
 
 if TYPE_CHECKING:
     DriveSpec = _ElementSpec
+    SpringSpec = FrictionSpec = _SpringSpec
+    AnySpring = _SpringSpec | PointSpringSpec
 else:
     DriveSpec = Union[tuple(DRIVE_SPECS.values())]  # noqa: UP007 - of values
     """A drive; ``kind`` says which class it is."""
+    AnySpring = Union[tuple(SPRING_SPECS.values())]  # noqa: UP007 - of values
+    """A spring; ``kind`` says which class it is."""
 
 
 def file_columns(table: object) -> tuple[str, str] | None:
