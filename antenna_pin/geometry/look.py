@@ -15,13 +15,15 @@ from numpy.typing import NDArray
 
 from antenna_pin.readable import GIVEN, readable
 
-__all__ = ["Across", "Look", "Picture", "Sizes", "circle", "length", "radial_words"]
+__all__ = ["Across", "Look", "Picture", "Row", "Sizes", "circle", "length", "radial_words"]
 
 Array = NDArray[np.float64]
 Sizes = Mapping[str, float]
 """The dimensions of a shape by the names that its class has for them, [m] and [rad]."""
 Picture = Literal["journal", "ball", "slider"]
 """Which close-up of :mod:`antenna_pin.record` shows it."""
+Row = Literal["radial", "axial", "transverse", "contact"]
+"""What is drawn of a joint's forces: their sizes across the axis (by two names), along it, or as a whole."""
 
 
 class Across(NamedTuple):
@@ -60,7 +62,7 @@ class Look(NamedTuple):
     dimensions: Callable[[Sizes], list[str]]
     picture: Picture
     contacts: frozenset[str]
-    rows: tuple[str, ...]
+    rows: tuple[Row, ...]
     across: Callable[[Sizes, Array, Array], Across]
     spatial: bool = False
     faces: Callable[[Sizes, str], complex] | None = None
