@@ -22,6 +22,7 @@ _SOURCE = "def twice(x):\n    return 2 * x\n"
 @pytest.fixture
 def source(tmp_path, monkeypatch):
     monkeypatch.setattr(_kernel_cache, "_told", [])
+    monkeypatch.setattr(numba.config, "CACHE_DIR", "")  # beside the source, wherever else tests keep theirs
     path = tmp_path / "kernels.py"
     path.write_text(_SOURCE)
     return path
@@ -187,8 +188,9 @@ print(caller(3), sum(caller.stats.cache_hits.values()), sum(own.stats.cache_hits
 
 
 @pytest.mark.parametrize("damaged", [False, True])
-def test_a_kernel_that_stands_alone_is_found_by_callers_that_are_loaded(source, damaged):
+def test_a_kernel_that_stands_alone_is_found_by_callers_that_are_loaded(source, damaged, monkeypatch):
     """In another process, where it is loaded before them, or compiled anew if what was kept is damaged."""
+    monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
     source.write_text(_PAIR)
 
     def answer():
