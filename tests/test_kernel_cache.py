@@ -120,7 +120,7 @@ def test_what_stands_beside_the_sources_is_read_by_those_who_cannot_write_there(
     assert not [path for path in (tmp_path / "own").rglob("*.nb?")]
 
 
-@pytest.mark.parametrize("whose", ["folder", "file", "way", "other owner"])
+@pytest.mark.parametrize("whose", ["folder", "file", "way", "sticky folder", "other owner"])
 def test_what_a_stranger_may_have_written_is_not_read(source, monkeypatch, whose):
     """A pickle runs code: it is read from where nobody else can have put it, also under NUMBA_CACHE_DIR."""
     if whose == "other owner" and os.geteuid() != 0:
@@ -133,11 +133,11 @@ def test_what_a_stranger_may_have_written_is_not_read(source, monkeypatch, whose
     (index,) = kept.rglob("*.nbi")
     again = compiled(source)
     assert (again(2), hits(again)) == (4, 1)
-    opened = {"folder": index.parent, "file": index, "way": kept.parent, "other owner": index.parent}[whose]
+    opened = {"file": index, "way": kept.parent}.get(whose, index.parent)
     if whose == "other owner":
         os.chown(opened, 12345, -1)
     else:
-        opened.chmod(0o777)
+        opened.chmod(0o1777 if whose == "sticky folder" else 0o777)
     _kernel_cache._closed.cache_clear()
     said = pytest.warns(
         KernelCacheWarning, match=r"is not safe, for .* keep others from writing there, or set"
