@@ -295,7 +295,7 @@ RING = '''
 from dataclasses import dataclass
 
 from antenna_pin.geometry import kernels
-from antenna_pin.geometry.base import ContactPlace, RoundShape, flat, require_lengths
+from antenna_pin.geometry.shape import ContactPlace, RoundShape, flat, require_lengths
 from antenna_pin.geometry.coal_round import CoalPlanar
 from antenna_pin.geometry.round_kernels import ROUND
 

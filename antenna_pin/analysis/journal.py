@@ -20,7 +20,7 @@ import xarray as xr
 from scipy.spatial.transform import Rotation
 
 from antenna_pin.analysis._run import Array, RunLike, choose, data_of, label_of, variable
-from antenna_pin.analysis.blocks import blocks
+from antenna_pin.analysis.piecewise import blocks
 from antenna_pin.arguments import takes
 from antenna_pin.errors import FileFormatError, InvalidParameterError
 from antenna_pin.geometry import LOOKS

@@ -9,8 +9,8 @@ import scipy
 import xarray as xr
 
 from antenna_pin.analysis._run import Array
-from antenna_pin.analysis.blocks import ROWS
 from antenna_pin.analysis.even import LEAST_SAMPLES, EvenSignal, Read
+from antenna_pin.analysis.piecewise import ROWS
 from antenna_pin.arguments import takes
 
 __all__ = ["long_amplitudes", "long_spectrogram", "long_spectrum"]

@@ -8,14 +8,14 @@ from typing import Any
 
 from antenna_pin.elements.constant import ConstantDrive
 from antenna_pin.elements.element import Element, ForceElement
-from antenna_pin.elements.friction import JointFriction
 from antenna_pin.elements.given import CallableDrive
-from antenna_pin.elements.motion import CallableMotion, DistanceMotion, PrescribedMotion
+from antenna_pin.elements.joint_friction import JointFriction
 from antenna_pin.elements.pd import PDController
 from antenna_pin.elements.point_spring import PointSpring
+from antenna_pin.elements.prescribed import CallableMotion, DistanceMotion, PrescribedMotion
 from antenna_pin.elements.sine import SineDrive
 from antenna_pin.elements.spring import JointSpring
-from antenna_pin.elements.table import TableDrive
+from antenna_pin.elements.tabulated import TableDrive
 
 __all__ = ["DRIVES", "ELEMENTS", "SPRINGS", "kernel_modules"]
 

@@ -11,7 +11,10 @@ from numpy.typing import ArrayLike, NDArray
 from antenna_pin.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.geometry import kernels
-from antenna_pin.geometry.base import (
+from antenna_pin.geometry.coal_revolute import CoalRevolute
+from antenna_pin.geometry.revolute_kernels import REVOLUTE, scenario_in
+from antenna_pin.geometry.scenarios import AxialScenario, RadialScenario
+from antenna_pin.geometry.shape import (
     ContactPlace,
     Motion,
     RoundShape,
@@ -19,9 +22,6 @@ from antenna_pin.geometry.base import (
     pose_of,
     require_lengths,
 )
-from antenna_pin.geometry.coal_revolute import CoalRevolute
-from antenna_pin.geometry.revolute_kernels import REVOLUTE, scenario_in
-from antenna_pin.geometry.scenarios import AxialScenario, RadialScenario
 from antenna_pin.records import CONTACT
 
 __all__ = ["AxialScenario", "RadialScenario", "RevoluteClearance"]

@@ -33,7 +33,7 @@ from antenna_pin.report import (
     words,
 )
 from antenna_pin.report._findings import Finding, Judged, Reported, origin, parted
-from antenna_pin.report._parts import Details, Embedded, Section
+from antenna_pin.report._page import Details, Embedded, Section
 from antenna_pin.report._runs import ReportedRun, reported
 
 __all__ = ["Report", "page", "report"]

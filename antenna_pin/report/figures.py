@@ -8,7 +8,7 @@ from typing import Any
 
 from antenna_pin import plot
 from antenna_pin.errors import AntennaPinError
-from antenna_pin.report._parts import Picture, Section
+from antenna_pin.report._page import Picture, Section
 from antenna_pin.report._runs import ReportedRun, ideal_of
 from antenna_pin.side_by_side import side_by_side
 

@@ -36,7 +36,7 @@ class JointFriction(Element):
         URDF's ``<dynamics>`` names damping and friction and leaves open what friction does at rest.
     """
 
-    kernels: ClassVar[str] = "friction_kernels"
+    kernels: ClassVar[str] = "joint_friction_kernels"
     senses: ClassVar[bool] = True
     integrals: ClassVar[tuple[Integral, ...]] = (LOSS,)
     one_above_zero: ClassVar[tuple[str, ...]] = ("friction", "damping")
