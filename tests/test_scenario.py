@@ -20,6 +20,7 @@ from antenna_pin import contact
 from antenna_pin.errors import AntennaPinError, InvalidParameterError, ScenarioError, UnknownNameError
 from antenna_pin.scenario import (
     DRIVE_SPECS,
+    SPRING_SPECS,
     ContactClearance,
     IdealClearance,
     InitialBaseSpec,
@@ -35,7 +36,6 @@ from antenna_pin.scenario import (
     PointingSpec,
     Scenario,
     ShapeSpec,
-    SpringSpec,
     list_scenarios,
     load_scenario,
     models_path,
@@ -1446,8 +1446,8 @@ def test_every_dissipation_of_the_registry_can_be_named():
             {"joint": "j", "kind": "sine", "amplitude": "2 kN", "frequency": 1},
             "translation",
         ),
-        (SpringSpec, {"joint": "j", "stiffness": "2 N/mm", "rest_angle": "1 mm"}, "translation"),
-        (SpringSpec, {"joint": "j", "stiffness": 1, "damping": "1 N*m*s/rad"}, "rotation"),
+        (SPRING_SPECS["spring"], {"joint": "j", "stiffness": "2 N/mm", "rest_angle": "1 mm"}, "translation"),
+        (SPRING_SPECS["spring"], {"joint": "j", "stiffness": 1, "damping": "1 N*m*s/rad"}, "rotation"),
         (DRIVE_SPECS["table"], {"joint": "j", "kind": "table", "time": [0, 1], "torque": [1, 2]}, None),
     ],
 )
@@ -1496,8 +1496,8 @@ def test_a_scenario_can_be_built_in_python(folder):
         (lambda: OutputSpec(rat=1), "OutputSpec: rat is unknown; did you mean rate?"),
         (lambda: JointSpec(axis=(0, 0)), "JointSpec: axis must be an array of 3 numbers, got [0, 0]"),
         (
-            lambda: SpringSpec(joint="j"),
-            "SpringSpec: must have a stiffness or a damping above zero, got neither",
+            lambda: SPRING_SPECS["spring"](joint="j"),
+            "JointSpringSpec: must have a stiffness or a damping above zero, got neither",
         ),
         (
             lambda: LawSpec(law="hertz", parameters={"stifness": 1}),

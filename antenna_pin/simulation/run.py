@@ -274,20 +274,12 @@ def _numbers(name: str, given: ArrayLike) -> np.ndarray:
 
 
 def check_lengths(system: System, y: np.ndarray) -> None:
-    """Refuse a start in which a compressed spring between points that coincide has no direction."""
+    """Refuse a start in which a spring between points that coincide has no direction."""
     if not system.point_springs:
         return
     workspace = Workspace(system)
     for (name, spring), length in zip(system.point_springs.items(), workspace.lengths(y), strict=True):
-        if length == 0.0 and spring.on and spring.free_length > 0.0 and spring.stiffness > 0.0:
-            raise InvalidParameterError(
-                f"spring {name!r}",
-                "length at the start",
-                "above zero, or its force has no direction; start with its points apart, or give it no free "
-                "length",
-                0.0,
-                said="0 m",
-            )
+        spring.check_length(f"spring {name!r}", length)
 
 
 def check_spans(system: System, begin: float, end: float) -> None:
