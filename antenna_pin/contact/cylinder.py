@@ -69,10 +69,6 @@ class LineLaw(ElasticLaw):
     bearing_radius: float = field(metadata=BEARING_RADIUS)
     modulus: float = field(metadata=MODULUS)
 
-    def __post_init__(self) -> None:
-        """Check the parameters."""
-        self.check(self)
-
     @classmethod
     def check(cls, law: Any) -> None:
         """Refuse what makes no such law, in itself or in a law that has the same parameters."""

@@ -161,6 +161,10 @@ class ElasticLaw(CompiledNormalLaw):
 
     line: ClassVar[bool] = False
 
+    def __post_init__(self) -> None:
+        """Check the parameters."""
+        self.check(self)
+
     @classmethod
     def check(cls, law: Any) -> None:
         """Refuse parameters that make no such elastic law, in itself or in a law that has them all."""
@@ -186,6 +190,10 @@ class Dissipation(Law):
     __slots__ = ()
 
     adds_force: ClassVar[bool] = False
+
+    def __post_init__(self) -> None:
+        """Check the parameters."""
+        self.check(self)
 
     @classmethod
     def check(cls, law: Any) -> None:
@@ -273,10 +281,6 @@ class Hertz(ElasticLaw):
 
     stiffness: float = field(metadata=STIFFNESS)
     exponent: float = field(default=1.5, metadata=EXPONENT)
-
-    def __post_init__(self) -> None:
-        """Check the parameters."""
-        self.check(self)
 
     @classmethod
     def check(cls, law: Any) -> None:
