@@ -317,6 +317,13 @@ def figure_folder(out: Path) -> Path:
     return out
 
 
+def figures_asked(out: Path | None, formats: str) -> list[str]:
+    """Return the formats of figures that may be asked for, and refuse a folder for them that is a file."""
+    if out is not None:
+        figure_folder(out)
+    return figure_formats(formats)
+
+
 def save_figures(figures: Mapping[str, Figure], out: Path, suffixes: Sequence[str]) -> None:
     """Write figures of contact laws and say where."""
     from antenna_pin.plot import save_contact_figures
