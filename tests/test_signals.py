@@ -23,7 +23,7 @@ _ENDLESS += ("--set", "integrator.max_wall_time=120 s", "--set", "output.rate=10
 
 @pytest.fixture(autouse=True, scope="module")
 def closed_terminals_are_heard():
-    """As in a terminal, also where the tests themselves run under ``nohup``, which their processes inherit."""
+    """As in a terminal, also where the tests run under ``nohup``, which their processes inherit."""
     before = signal.signal(signal.SIGHUP, signal.SIG_DFL)
     yield
     signal.signal(signal.SIGHUP, before)
