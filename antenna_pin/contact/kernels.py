@@ -64,7 +64,7 @@ ELASTIC_RECORDS = {
 }
 
 # Gauss-Legendre on [-1, 1].
-NODES, WEIGHTS = np.polynomial.legendre.leggauss(8)
+DEPTH_NODES, DEPTH_WEIGHTS = np.polynomial.legendre.leggauss(8)
 
 
 @kernel
@@ -107,9 +107,9 @@ def _quadrature(law: Any, kind: float, depth: float) -> float:
     low = 0.0
     width = 0.5
     while low < 40.0:
-        for k in range(NODES.shape[0]):
-            x = depth * math.exp(-low - 0.5 * width * (1.0 + NODES[k]))
-            total += 0.5 * width * WEIGHTS[k] * x * _other_force(law, kind, x)
+        for k in range(DEPTH_NODES.shape[0]):
+            x = depth * math.exp(-low - 0.5 * width * (1.0 + DEPTH_NODES[k]))
+            total += 0.5 * width * DEPTH_WEIGHTS[k] * x * _other_force(law, kind, x)
         low += width
         width *= 1.25
     return total

@@ -12,16 +12,8 @@ from typing import Any
 from antenna_pin._compile import inlined, kernel, record
 from antenna_pin.dynamics.kernels import PARAMETERS, element_at, head_of
 from antenna_pin.elements import kernels as elements
-from antenna_pin.mechanism.tree_kernels import (
-    CIRCLE,
-    FIXED_AXIS,
-    PLANE,
-    RIGID,
-    ROTATION,
-    SLIDE,
-    place_bodies,
-)
-from antenna_pin.records import layout, words_of
+from antenna_pin.mechanism.tree_kernels import place_bodies
+from antenna_pin.records import CIRCLE, FIXED_AXIS, PLANE, RIGID, ROTATION, SLIDE, layout, words_of
 
 #: An end: index of its body (-1: the world), and its place in the body's frame [m].
 SIDE = layout(("body", "i8"), ("point", "f8", (3,)))
@@ -110,19 +102,19 @@ def add_forces(y: Any, program: Any, tree: Any, places: Any, tau: Any, rates: An
         # same reason one point of the line serves both.
         while i != j:
             if i > j:
-                _push(tree[i], places[i], force * x, force * y_, force * z, ax, ay, az, tau)
+                _push(tree[i], places[i], (force * x, force * y_, force * z), (ax, ay, az), tau)
                 i = tree[i].parent
             else:
-                _push(tree[j], places[j], -force * x, -force * y_, -force * z, ax, ay, az, tau)
+                _push(tree[j], places[j], (-force * x, -force * y_, -force * z), (ax, ay, az), tau)
                 j = tree[j].parent
         b += e.length
 
 
 @kernel
-def _push(
-    body: Any, own: Any, fx: float, fy: float, fz: float, px: float, py: float, pz: float, tau: Any
-) -> None:
+def _push(body: Any, own: Any, force: Any, point: Any, tau: Any) -> None:
     """Add what a force at a point of the world does at the joint of a body."""
+    fx, fy, fz = force
+    px, py, pz = point
     r, kind, v = own.rotation, body.kind, body.v
     x, y, z = px - own.origin[0], py - own.origin[1], pz - own.origin[2]
     mx, my, mz = y * fz - z * fy, z * fx - x * fz, x * fy - y * fx

@@ -44,11 +44,14 @@ from antenna_pin.integrate import Manifold
 from antenna_pin.joints import ClearanceJoint
 from antenna_pin.joints import layout_kernels as _layout
 from antenna_pin.mechanism import WORLD, Mechanism
-from antenna_pin.records import PROGRAM, place_of
+from antenna_pin.records import CIRCLE, FIXED_AXIS, PROGRAM, SLIDE, place_of
 
 __all__ = ["System"]
 
 Array = NDArray[np.float64]
+
+# Joints without play that elements can act at, by their kind.
+_WITH_AXIS = {"revolute": FIXED_AXIS, "continuous": CIRCLE, "prismatic": SLIDE}
 
 
 @takes()
@@ -265,13 +268,7 @@ class System:
         slot = self.mechanism.joint(element.joint)
         clearance = self.clearance_blocks.get(element.joint, -1)
         without_axis = any(j.geometry.motion is None for j in self.clearances if j.name == element.joint)
-        if clearance >= 0 and not without_axis:
-            joint_kind = kernels.PLAY
-        elif slot.kind in ("revolute", "prismatic"):
-            joint_kind = kernels.ONE_DOF
-        elif slot.kind == "continuous":
-            joint_kind = kernels.CIRCLE
-        else:
+        if without_axis or (clearance < 0 and slot.kind not in _WITH_AXIS):
             kind_seen = "spherical" if without_axis else slot.kind
             raise MechanismError(
                 f"{place}: joint {element.joint!r} is {kind_seen} and has no axis to act about; "
@@ -282,7 +279,8 @@ class System:
         block = np.concatenate([np.zeros(kernels.PARAMETERS), words])
         head = block[: kernels.PARAMETERS].view(kernels.ELEMENT)
         head["kind"], head["length"] = kind_of(type(element)), len(block)
-        head["joint"], head["play"], head["turn"] = joint_kind, clearance, self.turn_x.get(element.joint, -1)
+        head["joint"], head["play"] = _WITH_AXIS.get(slot.kind, -1), clearance
+        head["turn"] = self.turn_x.get(element.joint, -1)
         head["q"], head["v"], head["x"] = slot.q.start, slot.v.start, x
         head["about"] = kernels.ABOUTS.index(element.about)
         head["senses"], head["on"] = element.senses, element.acts
