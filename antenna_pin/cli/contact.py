@@ -20,8 +20,14 @@ from antenna_pin.cli._common import (
     Width,
     WidthOption,
 )
-from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, exported
-from antenna_pin.cli._law_figures import figures_asked, save_figures
+from antenna_pin.cli._export import (
+    CsvOption,
+    JsonOption,
+    csv_target,
+    exported,
+    figures_asked,
+    save_figures,
+)
 from antenna_pin.cli._quantities import clearance_of, list_of, positive_quantity
 from antenna_pin.cli._tables import fixed_text, length_text, number_text, power_above, print_rows
 from antenna_pin.cli.experiment import experiment

@@ -14,8 +14,14 @@ from antenna_pin.cli._common import (
     Width,
     WidthOption,
 )
-from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, exported
-from antenna_pin.cli._law_figures import figures_asked, save_figures
+from antenna_pin.cli._export import (
+    CsvOption,
+    JsonOption,
+    csv_target,
+    exported,
+    figures_asked,
+    save_figures,
+)
 from antenna_pin.cli._quantities import positive_quantity
 from antenna_pin.cli._tables import length_text, percent_text, print_rows
 

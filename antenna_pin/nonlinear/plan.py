@@ -91,6 +91,13 @@ class DiagramPlan(RunsFile):
         """Return the values, as :func:`antenna_pin.nonlinear.bifurcation` takes them."""
         return values_of(self.values) if isinstance(self.values, str) else list(self.values)
 
+    def how(self) -> dict[str, Any]:
+        """Return what :func:`antenna_pin.nonlinear.bifurcation` takes beside a scenario and values."""
+        names = ("quantities", "branches", "count", "transient", "most", "tolerance")
+        return {"parameter": self.parameter, "section": self.where()} | {
+            name: getattr(self, name) for name in names
+        }
+
     def where(self) -> Section:
         """Return the section."""
         return section_of(self.section, self.direction, self.phase)

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from antenna_pin.arguments import takes
 from antenna_pin.assemble import build_system, initial_angles, initial_state
-from antenna_pin.dynamics import System, Workspace, check_closed, check_motions
+from antenna_pin.dynamics import System, Workspace, acting_in, check_closed, check_motions
 from antenna_pin.engine import check_compiled
 from antenna_pin.errors import InvalidParameterError, ScenarioError
 from antenna_pin.geometry import RevoluteClearance
@@ -284,7 +284,5 @@ def check_lengths(system: System, y: np.ndarray) -> None:
 
 def check_spans(system: System, begin: float, end: float) -> None:
     """Refuse a run that goes beyond the times that an element knows of."""
-    for name, drive in system.drives.items():
-        drive.check_span(f"drive {name!r}", begin, end)
-    for name, spring in system.springs.items():
-        spring.check_span(f"spring {name!r}", begin, end)
+    for one in acting_in(system):
+        one.element.check_span(one.label, begin, end)
