@@ -59,7 +59,7 @@ def test_a_leaning_pendulum_comes_upright(pendulum):
     assert branch.points[-1].orbit.start.q[1] == pytest.approx(-math.sin(leans), abs=1e-8)
 
 
-@pytest.mark.parametrize("side", [0.0, 1.0])
+@pytest.mark.parametrize("side", [pytest.param(0.0, marks=pytest.mark.slow), 1.0])
 def test_two_branches_exchange_their_stability(mapped, side):
     """x -> x + sin(p) y - y^2 with y = x - p^2: orbits at y = 0 and y = sin(p), which cross at p = 0."""
 
