@@ -11,11 +11,8 @@ from antenna_pin._compile import kernel
 from antenna_pin.contact.power_kernels import power
 from antenna_pin.contact.records import elastic_record
 
-FOUNDATION = 3.0
 FOUNDATION_LAW = elastic_record("factor", "clearance")  # (pi/2) E* L / sqrt 2, dR
-BAI_ZHAO = 4.0
 BAI_ZHAO_LAW = elastic_record("factor", "clearance", "exponent")  # (pi/8) E* L sqrt 2, dR, n
-PERSSON = 5.0
 # 2 pi E* L dR, dR, largest tan^2(eps/2), that of an infinite load
 PERSSON_LAW = elastic_record("factor", "clearance", "largest", "root")
 

@@ -26,8 +26,8 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.contact.cylinder_kernels import LOGARITHMIC
 from antenna_pin.contact.normal import ElasticLaw, elastic_code
+from antenna_pin.contact.records import LOGARITHMIC
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = [

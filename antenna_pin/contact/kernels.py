@@ -19,11 +19,8 @@ import numpy as np
 from antenna_pin._compile import inlined, kernel, record
 from antenna_pin.contact.called_kernels import CALLED, CALLED_LAW, called_energy, called_force
 from antenna_pin.contact.conformal_kernels import (
-    BAI_ZHAO,
     BAI_ZHAO_LAW,
-    FOUNDATION,
     FOUNDATION_LAW,
-    PERSSON,
     PERSSON_LAW,
     bai_zhao_energy,
     bai_zhao_force,
@@ -32,15 +29,23 @@ from antenna_pin.contact.conformal_kernels import (
     persson_force,
 )
 from antenna_pin.contact.cylinder_kernels import (
-    LOGARITHMIC,
     LOGARITHMIC_LAW,
     logarithmic_energy,
     logarithmic_force,
 )
 from antenna_pin.contact.damping_kernels import DISSIPATION_RECORDS, damped_force, takes_mass_of_contact
-from antenna_pin.contact.pin_joint_kernels import PIN_JOINT, PIN_JOINT_LAW, pin_joint_force
-from antenna_pin.contact.power_kernels import POWER, POWER_LAW, power
-from antenna_pin.contact.records import NORMAL_LAW, NORMAL_SIZE
+from antenna_pin.contact.pin_joint_kernels import PIN_JOINT_LAW, pin_joint_force
+from antenna_pin.contact.power_kernels import POWER_LAW, power
+from antenna_pin.contact.records import (
+    BAI_ZHAO,
+    FOUNDATION,
+    LOGARITHMIC,
+    NORMAL_LAW,
+    NORMAL_SIZE,
+    PERSSON,
+    PIN_JOINT,
+    POWER,
+)
 
 __all__ = [
     "DISSIPATION_RECORDS",

@@ -28,8 +28,7 @@ from antenna_pin.contact import kernels
 from antenna_pin.contact._law import Law
 from antenna_pin.contact.called_kernels import CALLED, CALLED_WHOLE
 from antenna_pin.contact.damping_kernels import CONSERVATIVE
-from antenna_pin.contact.power_kernels import POWER
-from antenna_pin.contact.records import NORMAL_LAW, NORMAL_SIZE, coded
+from antenna_pin.contact.records import NORMAL_LAW, NORMAL_SIZE, POWER, coded
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.given_functions import address_of, is_compiled
 
