@@ -7,7 +7,7 @@ from types import ModuleType
 
 import pytest
 
-PACKAGES = ("analysis", "assemble", "geometry", "mechanism")
+PACKAGES = ("analysis", "assemble", "geometry", "mechanism", "plot")
 
 
 @pytest.mark.parametrize("name", PACKAGES)

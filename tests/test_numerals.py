@@ -6,7 +6,7 @@ import pytest
 from typer.testing import CliRunner
 
 from antenna_pin.cli import app
-from antenna_pin.flexible.table import BadModalTableError, read_modal_table
+from antenna_pin.flexible.modal_text import BadModalTableError, read_modal_table
 from antenna_pin.numerals import bare, decimal_in, whole_in
 from antenna_pin.scenario.table_file import BadTableError, read_table
 from antenna_pin.units import QuantityError, quantity

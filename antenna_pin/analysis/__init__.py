@@ -8,7 +8,6 @@ if TYPE_CHECKING:
     from antenna_pin.analysis.attitude import interpolate_attitude, interpolation_error
     from antenna_pin.analysis.base import base_motion
     from antenna_pin.analysis.between import between_samples
-    from antenna_pin.analysis.blocks import LONG, beside, blocks
     from antenna_pin.analysis.blows import blow_statistics, blows
     from antenna_pin.analysis.bodies import body_poses, body_twists, joint_loads, mechanism_of
     from antenna_pin.analysis.body import body_deviation, body_motion, moved_body
@@ -62,6 +61,7 @@ if TYPE_CHECKING:
         portrait_of,
         portrait_table,
     )
+    from antenna_pin.analysis.piecewise import LONG, beside, blocks
     from antenna_pin.analysis.pointing import Antenna, Command, boresight, pointing_error, pointing_spec
     from antenna_pin.analysis.pointing_indices import INTERPRETATIONS, error_components, pointing_indices
     from antenna_pin.analysis.quantity import Quantity, QuantityName, quantities, quantity
@@ -218,7 +218,7 @@ loaded_when_used(
         "attitude": "interpolate_attitude interpolation_error",
         "base": "base_motion",
         "between": "between_samples",
-        "blocks": "LONG beside blocks",
+        "piecewise": "LONG beside blocks",
         "bodies": "body_poses body_twists joint_loads mechanism_of",
         "body": "body_deviation body_motion moved_body",
         "branch": "StabilitySpan said_of_multiplier stability_spans unexplained_changes",

@@ -8,8 +8,8 @@ from scipy.spatial.transform import Rotation
 
 from antenna_pin.analysis._run import Array
 from antenna_pin.analysis.attitude import interpolate_attitude, interpolation_error
-from antenna_pin.analysis.blocks import beside, blocks
 from antenna_pin.analysis.bodies import body_poses, body_twists
+from antenna_pin.analysis.piecewise import beside, blocks
 from antenna_pin.errors import InvalidParameterError
 
 

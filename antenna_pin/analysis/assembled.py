@@ -9,8 +9,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
 from antenna_pin.analysis.tilts import UPRIGHT, TiltRange
 from antenna_pin.geometry import AxialScenario, RadialScenario, RevoluteClearance
@@ -100,7 +100,7 @@ class AssembledJoint:
         high = self.bore_tilt(self.depth)
         if spare(high) > 0.0:
             return high
-        return float(brentq(spare, 0.0, high, xtol=1e-15, rtol=1e-14))
+        return float(scipy.optimize.brentq(spare, 0.0, high, xtol=1e-15, rtol=1e-14))
 
     def radial_tilts(self) -> dict[RadialScenario, TiltRange]:
         """Return the tilts of each scenario of the bore."""
@@ -169,7 +169,9 @@ class AssembledJoint:
         # The gap falls from the middle to -R_j on the rim, which is nowhere farther off than R_i.
         rim = self.shape.bearing_radius
         return float(
-            brentq(lambda x: self.bore_gap(tilt, x, along) + depth, 0.0, rim, xtol=1e-18, rtol=1e-15)
+            scipy.optimize.brentq(
+                lambda x: self.bore_gap(tilt, x, along) + depth, 0.0, rim, xtol=1e-18, rtol=1e-15
+            )
         )
 
     def across(self, tilt: float, radial: RadialScenario) -> tuple[float, float]:

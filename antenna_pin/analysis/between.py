@@ -17,9 +17,9 @@ it has no extremum that the samples lack, so a peak stays the peak, and nothing 
 from __future__ import annotations
 
 import numpy as np
+import scipy
 import xarray as xr
 from numpy.typing import NDArray
-from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
 from scipy.spatial.transform import Rotation
 
 from antenna_pin.analysis._run import Array, RunLike, data_of
@@ -109,10 +109,12 @@ class _Curves:
             axis=1,
         )
         self._data, self._picked, self._time = data, picked, time
-        self._place = CubicHermiteSpline(time, p, velocity)
-        self._attitude = CubicHermiteSpline(time, attitude, turning)
+        self._place = scipy.interpolate.CubicHermiteSpline(time, p, velocity)
+        self._attitude = scipy.interpolate.CubicHermiteSpline(time, attitude, turning)
         self._forces = {
-            name: PchipInterpolator(time, np.asarray(picked[name].transpose("time", ...).values, dtype=float))
+            name: scipy.interpolate.PchipInterpolator(
+                time, np.asarray(picked[name].transpose("time", ...).values, dtype=float)
+            )
             for name in _FORCES
             if name in picked and picked[name].size
         }

@@ -12,8 +12,8 @@ import xarray as xr
 from antenna_pin.analysis._motion import motion_deviation
 from antenna_pin.analysis._run import Array, RunLike, choose, data_of, label_of, sample_times, variable
 from antenna_pin.analysis.base import base_motion
-from antenna_pin.analysis.blocks import beside, blocks
 from antenna_pin.analysis.growth import Growth, growths_of
+from antenna_pin.analysis.piecewise import beside, blocks
 from antenna_pin.analysis.sampled import Mean, resampled
 from antenna_pin.arguments import takes
 from antenna_pin.errors import InvalidParameterError

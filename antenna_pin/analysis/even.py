@@ -11,12 +11,11 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike
-from scipy import signal
-from scipy.interpolate import Akima1DInterpolator
 
 from antenna_pin.analysis._run import Array
-from antenna_pin.analysis.blocks import LONG, ROWS
+from antenna_pin.analysis.piecewise import LONG, ROWS
 from antenna_pin.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 
@@ -127,7 +126,7 @@ def _thinned(t: Array, x: Array, grid: Array, step: float) -> Array:
             if t.size > LONG:
                 low = max(int(np.searchsorted(t, inside[0])) - _AROUND, 0)
                 high = int(np.searchsorted(t, inside[-1], side="right")) + _AROUND
-            curve = Akima1DInterpolator(t[low:high], x[low:high], axis=0, method="makima")
+            curve = scipy.interpolate.Akima1DInterpolator(t[low:high], x[low:high], axis=0, method="makima")
             primitive = curve.antiderivative()
         # Beyond the ends, by half a cell, it goes on straight.
         beyond = (edges - inside).reshape(-1, *[1] * (x.ndim - 1))
@@ -135,7 +134,7 @@ def _thinned(t: Array, x: Array, grid: Array, step: float) -> Array:
         return np.asarray(np.diff(primitive(inside) + more, axis=0) / fine)
 
     pad = _PAD * _OVERSAMPLING
-    taps = signal.firwin(2 * pad + 1, 0.9 / _OVERSAMPLING, window=("kaiser", 8.0))
+    taps = scipy.signal.firwin(2 * pad + 1, 0.9 / _OVERSAMPLING, window=("kaiser", 8.0))
     taps = taps.reshape(taps.size, *[1] * (x.ndim - 1))
     found = np.empty((grid.size, *x.shape[1:]))
     # Part by part: there are more cells than samples, by far.
@@ -150,7 +149,7 @@ def _thinned(t: Array, x: Array, grid: Array, step: float) -> Array:
         if high > cells:
             stop = averages(cells - pad - 1, cells)
             part = np.concatenate([part, 2 * stop[-1] - stop[-2 : -2 - (high - cells) : -1]])
-        found[begin:end] = signal.oaconvolve(part, taps, mode="valid", axes=0)[::_OVERSAMPLING]
+        found[begin:end] = scipy.signal.oaconvolve(part, taps, mode="valid", axes=0)[::_OVERSAMPLING]
     return found
 
 

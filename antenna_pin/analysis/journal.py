@@ -19,11 +19,11 @@ import numpy as np
 import xarray as xr
 from scipy.spatial.transform import Rotation
 
-from antenna_pin.analysis._journal_kinds import JOURNAL_KINDS
 from antenna_pin.analysis._run import Array, RunLike, choose, data_of, label_of, variable
-from antenna_pin.analysis.blocks import blocks
+from antenna_pin.analysis.piecewise import blocks
 from antenna_pin.arguments import takes
 from antenna_pin.errors import FileFormatError, InvalidParameterError
+from antenna_pin.geometry import LOOKS
 from antenna_pin.trajectory import contact_ends, contacts_of, names_along
 
 __all__ = ["bore_load", "clearance_shapes", "journal_motion"]
@@ -87,7 +87,7 @@ def journal_motion(run: RunLike, joint: str | None = None) -> xr.Dataset:
         for name in ("journal_position", "journal_attitude")
     )
     tilt = np.asarray(variable(data, "journal_tilt", "journal_motion").sel(clearance_joint=joint).values)
-    seen = JOURNAL_KINDS[kind].across(size, p, Rotation.from_quat(attitude).apply([0.0, 0.0, 1.0]))
+    seen = LOOKS[kind].across(size, p, Rotation.from_quat(attitude).apply([0.0, 0.0, 1.0]))
     twist = 2.0 * np.arctan2(attitude[:, 2], attitude[:, 3])
     twist -= 2.0 * np.pi * np.round(twist / (2.0 * np.pi))
     return xr.Dataset(
@@ -115,10 +115,10 @@ def journal_motion(run: RunLike, joint: str | None = None) -> xr.Dataset:
         attrs={
             "joint": joint,
             "kind": kind,
-            "spatial": JOURNAL_KINDS[kind].spatial,
+            "spatial": LOOKS[kind].spatial,
             "radial_clearance": seen.clearance,
             "outline": seen.outline,
-            "outline_name": JOURNAL_KINDS[kind].outline,
+            "outline_name": LOOKS[kind].outline,
             "axial_limit": seen.axial,
             "tilt_limit": seen.tilt,
             "twist_limit": seen.twist,
@@ -129,7 +129,7 @@ def journal_motion(run: RunLike, joint: str | None = None) -> xr.Dataset:
 def _kind(data: xr.Dataset, joint: str, place: str) -> tuple[str, dict[str, float]]:
     """Return a joint's kind, which must be one known here, and its dimensions."""
     shape = clearance_shapes(data)[joint]
-    return choose(place, "kind of joint", shape["kind"], list(JOURNAL_KINDS))[0], shape["dimensions"]
+    return choose(place, "kind of joint", shape["kind"], list(LOOKS))[0], shape["dimensions"]
 
 
 @takes()
@@ -184,7 +184,7 @@ def bore_load(run: RunLike, joint: str | None = None, sectors: int = 36) -> xr.D
 def _faces(data: xr.Dataset, joint: str, contacts: list[str]) -> Array | None:
     """Return the directions of contacts that keep theirs, (contacts,) as complex numbers; None of others."""
     kind, size = _kind(data, joint, "bore_load")
-    faces = JOURNAL_KINDS[kind].faces
+    faces = LOOKS[kind].faces
     if faces is None:
         return None
     ends = contact_ends(data)

@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from antenna_pin.analysis._run import RunLike, data_of
-from antenna_pin.analysis.blocks import blocks
+from antenna_pin.analysis.piecewise import blocks
 from antenna_pin.arguments import takes
 from antenna_pin.readable import number
 from antenna_pin.trajectory import is_lean, names_along

@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import Literal
 
 import numpy as np
+import scipy
 import xarray as xr
-from scipy import fft, signal
 
 from antenna_pin.analysis._run import Array
-from antenna_pin.analysis.blocks import ROWS
 from antenna_pin.analysis.even import LEAST_SAMPLES, EvenSignal, Read
+from antenna_pin.analysis.piecewise import ROWS
 from antenna_pin.arguments import takes
 
 __all__ = ["long_amplitudes", "long_spectrogram", "long_spectrum"]
@@ -50,7 +50,7 @@ def long_spectrum(time: Array, read: Read) -> xr.Dataset:
         # One after the other: what a transform needs besides is many times the window.
         powers = []
         for column in values.T:
-            frequency, power = signal.welch(column, even.rate, window="hann", nperseg=length)
+            frequency, power = scipy.signal.welch(column, even.rate, window="hann", nperseg=length)
             powers.append(power)
         total = total + np.stack(powers, axis=1)
         values = values[hop:]
@@ -87,7 +87,7 @@ def long_spectrogram(time: Array, read: Read) -> xr.Dataset:
         total: Array | float = 0.0
         for start in mine - first:
             part = values[start : start + length]
-            frequency, power = signal.periodogram(part, even.rate, window="hann", detrend=False, axis=0)
+            frequency, power = scipy.signal.periodogram(part, even.rate, window="hann", detrend=False, axis=0)
             total = total + power.sum(axis=1)
         maps.append(np.asarray(total) / mine.size)
         middles.append(float(even.times(first, first + 1)[0] + 0.5 * (mine[-1] - first + length) / even.rate))
@@ -114,7 +114,7 @@ def long_amplitudes(
         Magnitudes, (n // 2 + 1,); of how many points of the grid, n: the most of which transforms are cheap;
         largest size and extent of the signal.
     """
-    n = fft.prev_fast_len(even.size, real=True)
+    n = scipy.fft.prev_fast_len(even.size, real=True)
     values = np.empty(n)
     parts = [slice(first, min(first + ROWS, n)) for first in range(0, n, ROWS)]
     for part in parts:

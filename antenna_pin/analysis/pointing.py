@@ -29,9 +29,9 @@ from scipy.spatial.transform import Rotation
 
 from antenna_pin.analysis._ideal_attitude import ideal_attitude, ideal_doubt
 from antenna_pin.analysis._run import Array, RunLike, data_of, label_of
-from antenna_pin.analysis.blocks import blocks
 from antenna_pin.analysis.bodies import body_poses, mechanism_of
 from antenna_pin.analysis.orbit import Orbit
+from antenna_pin.analysis.piecewise import blocks
 from antenna_pin.arguments import takes
 from antenna_pin.directions import unit
 from antenna_pin.errors import FileFormatError, InvalidParameterError, UnknownNameError

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from antenna_pin.analysis._run import Array
-from antenna_pin.analysis.blocks import LONG, ROWS
+from antenna_pin.analysis.piecewise import LONG, ROWS
 from antenna_pin.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 

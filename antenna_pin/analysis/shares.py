@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from antenna_pin.analysis.blocks import blocks
+from antenna_pin.analysis.piecewise import blocks
 from antenna_pin.arguments import takes
 from antenna_pin.errors import FileFormatError, InvalidParameterError, UnknownNameError
 from antenna_pin.geometry import AxialScenario, RadialScenario

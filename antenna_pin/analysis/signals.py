@@ -10,9 +10,9 @@ import xarray as xr
 
 from antenna_pin.analysis._run import Array, RunLike, data_of, sample_times
 from antenna_pin.analysis.base import base_motion
-from antenna_pin.analysis.blocks import blocks
 from antenna_pin.analysis.elastic import elastic_parts_of
 from antenna_pin.analysis.even import Read
+from antenna_pin.analysis.piecewise import blocks
 from antenna_pin.arguments import takes
 from antenna_pin.trajectory import names_along
 

@@ -17,15 +17,14 @@ from __future__ import annotations
 from typing import Literal
 
 import numpy as np
+import scipy
 import xarray as xr
 from numpy.typing import ArrayLike
-from scipy import signal
-from scipy.ndimage import median_filter
 
 from antenna_pin.analysis._run import Array
-from antenna_pin.analysis.blocks import LONG
 from antenna_pin.analysis.even import LEAST_SAMPLES, EvenSignal, Read, UniformSignal, uniform
 from antenna_pin.analysis.long_spectra import long_amplitudes
+from antenna_pin.analysis.piecewise import LONG
 from antenna_pin.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 
@@ -70,7 +69,7 @@ def spectrum(
     """
     even = uniform(time, values, rate)
     length = _segment(even, segment)
-    frequency, power = signal.welch(
+    frequency, power = scipy.signal.welch(
         even.values, even.rate, window="hann", nperseg=length, noverlap=length // 2, axis=0
     )
     segments = 1 + (even.time.size - length) // (length - length // 2)
@@ -143,13 +142,13 @@ def dominant_frequencies(
             rule = "one signal, (n,)"
             raise InvalidParameterError("dominant_frequencies", "values", rule, whole.values.shape)
         n, step_rate, left_out = whole.values.size, whole.rate, 0
-        window = signal.get_window("hann", n)
-        size = np.abs(np.fft.rfft(signal.detrend(whole.values, type=detrend) * window)) / window.sum()
+        window = scipy.signal.get_window("hann", n)
+        size = np.abs(np.fft.rfft(scipy.signal.detrend(whole.values, type=detrend) * window)) / window.sum()
         largest, extent = float(np.abs(whole.values).max()), float(np.ptp(whole.values))
     round_off = _ROUND_OFF * max(largest, scale)
     around = max(9, n // 16)
     level = _running_median(size, around) + 1e-15 * largest
-    peaks, _ = signal.find_peaks(size)
+    peaks, _ = scipy.signal.find_peaks(size)
     peaks = peaks[(peaks >= 2) & (size[peaks] > 5.0 * level[peaks]) & (2.0 * size[peaks] > round_off)]
     peaks = peaks[np.argsort(-size[peaks], kind="stable")]
     peaks = peaks[size[peaks] >= _LEAST_SHARE * size[peaks].max(initial=0.0)]
@@ -218,8 +217,8 @@ def spectrogram(
     span = even.time.size / even.rate
     length = _segment(even, span / 20.0 if segment is None else segment)
     hop = max(1, length // 4)
-    transform = signal.ShortTimeFFT(
-        signal.get_window("hann", length), hop, even.rate, fft_mode="onesided2X", scale_to="psd"
+    transform = scipy.signal.ShortTimeFFT(
+        scipy.signal.get_window("hann", length), hop, even.rate, fft_mode="onesided2X", scale_to="psd"
     )
     n = even.values.size
     # Windows that lie inside the signal altogether.
@@ -265,7 +264,7 @@ def _segment(even: UniformSignal, segment: float | None) -> int:
 
 def _running_median(values: Array, width: int) -> Array:
     """Return the median of the neighbours within half a width; ends take what there is."""
-    return np.asarray(median_filter(values, size=min(width, values.size), mode="reflect"))
+    return np.asarray(scipy.ndimage.median_filter(values, size=min(width, values.size), mode="reflect"))
 
 
 def _squared(units: str) -> str:

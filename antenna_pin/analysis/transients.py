@@ -19,8 +19,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike
-from scipy.stats import t as student
 
 from antenna_pin.analysis._run import Array
 from antenna_pin.arguments import takes
@@ -148,7 +148,7 @@ def _drift(z: Array, tolerance: float) -> tuple[float, bool]:
     order = np.abs(np.sign(found[sooner] - found[later]).sum(axis=0))
     rise = np.abs(found[-1] - found[0])
     rising = (rise > tolerance) & (order >= _MONOTONE)
-    farthest = student.isf(0.5 * _RISK / moments.shape[1], _BLOCKS - 2)
+    farthest = scipy.stats.t.isf(0.5 * _RISK / moments.shape[1], _BLOCKS - 2)
     rest = moments[1:]
     off = np.abs(moments[0] - rest.mean(axis=0))
     scatter = rest.std(axis=0, ddof=1) * np.sqrt(1.0 + 1.0 / (_BLOCKS - 1))

@@ -235,7 +235,7 @@ _VERDICTS = {True: "**agrees**: ", False: "**differs**: ", None: ""}
 
 def _draw_standard(store: RunStore, index: FigureIndex, suffixes: Sequence[str], width: Width) -> None:
     """Draw the standard figures of all cases."""
-    from antenna_pin.plot import save_figures
+    from antenna_pin.plot import processes_to_draw, save_figures
 
     runs = [store.run_of(case) for case in store.cases]
 
@@ -246,7 +246,15 @@ def _draw_standard(store: RunStore, index: FigureIndex, suffixes: Sequence[str],
     labels = [str(run.data.attrs.get("case") or store.name) for run in runs]
     pairs = [(label, run.data) for label, run in zip(labels, runs, strict=True)]
     by_name: dict[str, list[Path]] = {}
-    for file in save_figures(pairs, index.folder, suffixes, width=width.value, on_left_out=left_out):
+    drawn = save_figures(
+        pairs,
+        index.folder,
+        suffixes,
+        width=width.value,
+        on_left_out=left_out,
+        processes=processes_to_draw(),
+    )
+    for file in drawn:
         by_name.setdefault(file.stem, []).append(file)
         typer.echo(file)
     for name, files in by_name.items():

@@ -180,7 +180,7 @@ def plot(
     if len(set(labels)) < len(labels):  # the same case twice: the files tell them apart
         labels = [path.stem for path, _ in runs]
 
-    from antenna_pin.plot import save_figures
+    from antenna_pin.plot import processes_to_draw, save_figures
 
     pairs = [(label, trajectory) for label, (_, trajectory) in zip(labels, runs, strict=True)]
 
@@ -188,7 +188,14 @@ def plot(
         complain(f"{name} is not drawn: {reason}")
 
     files = save_figures(
-        pairs, out, suffixes, joint=joint, names=names, width=width.value, on_left_out=left_out
+        pairs,
+        out,
+        suffixes,
+        joint=joint,
+        names=names,
+        width=width.value,
+        on_left_out=left_out,
+        processes=processes_to_draw(),
     )
     for figure in files:
         typer.echo(figure)

@@ -42,6 +42,7 @@ def report(
     words += [] if recordings else ["--no-recordings"]
     words += [] if window is None else ["--window", window]
 
+    from antenna_pin.plot import processes_to_draw
     from antenna_pin.report import report as make
     from antenna_pin.units import quantity
 
@@ -53,5 +54,6 @@ def report(
         recordings=recordings,
         window=length,
         command=shlex.join(words),
+        processes=processes_to_draw(),
     )
     typer.echo(f"saved {made.save(target)}")

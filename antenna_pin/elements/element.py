@@ -69,7 +69,7 @@ class ForceElement:
     kernels: ClassVar[str]
     integrals: ClassVar[tuple[Integral, ...]] = ()
     # Parameters of which a scenario asks that one is above zero: without, it would do nothing.
-    does: ClassVar[tuple[str, ...]] = ()
+    one_above_zero: ClassVar[tuple[str, ...]] = ()
 
     def __post_init__(self) -> None:
         """Check the parameters."""

@@ -35,7 +35,7 @@ class PointSpring(BetweenPoints):
     """
 
     kernels: ClassVar[str] = "point_spring_kernels"
-    does: ClassVar[tuple[str, ...]] = ("stiffness", "damping")
+    one_above_zero: ClassVar[tuple[str, ...]] = ("stiffness", "damping")
 
     free_length: float = parameter("m", rule="zero or more")
     stiffness: float = parameter("N/m", rule="zero or more", default=0.0)

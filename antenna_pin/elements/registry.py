@@ -7,14 +7,14 @@ from types import MappingProxyType
 
 from antenna_pin.elements.constant import ConstantDrive
 from antenna_pin.elements.element import Element, ForceElement
-from antenna_pin.elements.friction import JointFriction
 from antenna_pin.elements.given import CallableDrive
-from antenna_pin.elements.motion import CallableMotion, DistanceMotion, PrescribedMotion
+from antenna_pin.elements.joint_friction import JointFriction
 from antenna_pin.elements.pd import PDController
 from antenna_pin.elements.point_spring import PointSpring
+from antenna_pin.elements.prescribed import CallableMotion, DistanceMotion, PrescribedMotion
 from antenna_pin.elements.sine import SineDrive
 from antenna_pin.elements.spring import JointSpring
-from antenna_pin.elements.table import TableDrive
+from antenna_pin.elements.tabulated import TableDrive
 from antenna_pin.errors import UnknownNameError
 
 __all__ = ["DRIVES", "ELEMENTS", "SPRINGS", "kind_of"]
@@ -32,7 +32,11 @@ DRIVES: Mapping[str, type[Element]] = MappingProxyType(
 """Drives by their ``kind`` in ``[drives.NAME]``."""
 
 SPRINGS: Mapping[str, type[ForceElement]] = MappingProxyType(
-    {"spring": JointSpring, "friction": JointFriction, "between-points": PointSpring}
+    {
+        "spring": JointSpring,
+        "friction": JointFriction,
+        "between-points": PointSpring,
+    }
 )
 """What stores and loses energy by its ``kind`` in ``[springs.NAME]``."""
 

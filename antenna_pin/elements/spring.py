@@ -35,7 +35,7 @@ class JointSpring(Element):
     kernels: ClassVar[str] = "spring_kernels"
     senses: ClassVar[bool] = True
     integrals: ClassVar[tuple[Integral, ...]] = (LOSS,)
-    does: ClassVar[tuple[str, ...]] = ("stiffness", "damping")
+    one_above_zero: ClassVar[tuple[str, ...]] = ("stiffness", "damping")
 
     stiffness: float = parameter("N*m/rad", sliding="N/m", rule="zero or more", default=0.0)
     damping: float = parameter("N*m*s/rad", sliding="N*s/m", rule="zero or more", default=0.0)

@@ -5,19 +5,23 @@ from typing import TYPE_CHECKING
 from antenna_pin._lazy import loaded_when_used
 
 if TYPE_CHECKING:
-    from antenna_pin.geometry.base import ClearanceGeometry, ContactPlace, ContactPoint, Distances, pose_of
+    from antenna_pin.geometry.look import Look
+    from antenna_pin.geometry.looks import LOOKS
     from antenna_pin.geometry.planar import PlanarClearance
     from antenna_pin.geometry.prismatic import PrismaticClearance
     from antenna_pin.geometry.revolute import RevoluteClearance
     from antenna_pin.geometry.scenarios import AxialScenario, RadialScenario
+    from antenna_pin.geometry.shape import ClearanceGeometry, ContactPlace, ContactPoint, Distances, pose_of
     from antenna_pin.geometry.spherical import SphericalClearance
 
 __all__ = [
+    "LOOKS",
     "AxialScenario",
     "ClearanceGeometry",
     "ContactPlace",
     "ContactPoint",
     "Distances",
+    "Look",
     "PlanarClearance",
     "PrismaticClearance",
     "RadialScenario",
@@ -29,7 +33,9 @@ __all__ = [
 loaded_when_used(
     __name__,
     {
-        "base": "ClearanceGeometry ContactPlace ContactPoint Distances pose_of",
+        "shape": "ClearanceGeometry ContactPlace ContactPoint Distances pose_of",
+        "look": "Look",
+        "looks": "LOOKS",
         "planar": "PlanarClearance",
         "prismatic": "PrismaticClearance",
         "revolute": "RevoluteClearance",

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from antenna_pin.answers import refused
 from antenna_pin.errors import FunctionError
-from antenna_pin.geometry.base import Distances
+from antenna_pin.geometry.shape import Distances
 from antenna_pin.records import CONTACT
 from antenna_pin.units import shown
 

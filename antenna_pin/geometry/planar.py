@@ -11,15 +11,15 @@ from numpy.typing import ArrayLike, NDArray
 from antenna_pin.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.geometry import kernels
-from antenna_pin.geometry.base import (
+from antenna_pin.geometry.coal_round import CoalPlanar
+from antenna_pin.geometry.round_kernels import ROUND
+from antenna_pin.geometry.shape import (
     ContactPlace,
     Motion,
     RoundShape,
     flat,
     require_lengths,
 )
-from antenna_pin.geometry.coal_round import CoalPlanar
-from antenna_pin.geometry.round_kernels import ROUND
 
 __all__ = ["PlanarClearance"]
 

@@ -13,15 +13,15 @@ from numpy.typing import ArrayLike, NDArray
 from antenna_pin.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.geometry import kernels
-from antenna_pin.geometry.base import (
+from antenna_pin.geometry.coal_prismatic import CoalPrismatic
+from antenna_pin.geometry.corner_kernels import CORNER
+from antenna_pin.geometry.shape import (
     ContactPlace,
     Motion,
     Shape,
     flat,
     require_lengths,
 )
-from antenna_pin.geometry.coal_prismatic import CoalPrismatic
-from antenna_pin.geometry.corner_kernels import CORNER
 
 __all__ = ["PrismaticClearance"]
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -11,7 +12,10 @@ from numpy.typing import ArrayLike, NDArray
 from antenna_pin.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.geometry import kernels
-from antenna_pin.geometry.base import (
+from antenna_pin.geometry.coal_revolute import CoalRevolute
+from antenna_pin.geometry.revolute_kernels import REVOLUTE, scenario_in
+from antenna_pin.geometry.scenarios import AxialScenario, RadialScenario
+from antenna_pin.geometry.shape import (
     ContactPlace,
     Motion,
     RoundShape,
@@ -19,9 +23,6 @@ from antenna_pin.geometry.base import (
     pose_of,
     require_lengths,
 )
-from antenna_pin.geometry.coal_revolute import CoalRevolute
-from antenna_pin.geometry.revolute_kernels import REVOLUTE, scenario_in
-from antenna_pin.geometry.scenarios import AxialScenario, RadialScenario
 from antenna_pin.records import CONTACT
 
 __all__ = ["AxialScenario", "RadialScenario", "RevoluteClearance"]
@@ -104,6 +105,16 @@ class RevoluteClearance(RoundShape):
             bearing_outer_radius=bearing_outer_radius,
             flange_radius=flange_radius,
         )
+
+    @property
+    def patch_radius(self) -> float:
+        """Root of the mean of the squares of the radii of a flange's loaded annulus [m].
+
+        A ring there has the annulus' second moment, so a uniform modulus resists compression and tilt as over
+        the whole annulus.
+        """
+        outer = min(self.bearing_outer_radius, self.flange_radius)
+        return math.sqrt(0.5 * (outer**2 + self.bearing_radius**2))
 
     @property
     def axial_clearance(self) -> float:

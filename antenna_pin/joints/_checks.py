@@ -12,7 +12,7 @@ from antenna_pin.contact.kernels import DISSIPATION_RECORDS, ELASTIC_RECORDS
 from antenna_pin.contact.normal import CompiledNormalLaw, normal_questions
 from antenna_pin.contact.records import NORMAL_LAW
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.geometry import ClearanceGeometry, RevoluteClearance
+from antenna_pin.geometry import ClearanceGeometry
 
 __all__ = ["check_asked", "check_friction", "check_load"]
 
@@ -103,7 +103,7 @@ def check_load(
         raise InvalidParameterError(place, "load", "point or distributed", load)
     if load == "point":
         return
-    if not isinstance(geometry, RevoluteClearance):
+    if geometry.patch_radius is None:
         raise InvalidParameterError(
             place, "load", "point where the joint is not one of journal, bore and flanges", load
         )

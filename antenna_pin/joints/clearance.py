@@ -17,7 +17,7 @@ from antenna_pin.arguments import takes
 from antenna_pin.contact import CompiledNormalLaw, FrictionLaw, NoFriction, NormalLaw
 from antenna_pin.contact.kernels import NORMAL_SIZE, takes_mass_of_contact
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.geometry import ClearanceGeometry, Distances, RevoluteClearance
+from antenna_pin.geometry import ClearanceGeometry, Distances
 from antenna_pin.geometry.own_backend import OwnBackend
 from antenna_pin.geometry.patch_kernels import NODE
 from antenna_pin.joints import kernels
@@ -247,19 +247,13 @@ class ClearanceJoint:
         return block
 
     def place_strips(self, block: Array, first: int) -> int:
-        """Write into a block where its strips' rows start; return how many rows they are.
-
-        The sectors stand on the circle whose radius squared is the mean of the annulus': its ring has the
-        annulus' second moment, so a uniform modulus resists compression and tilt as over the whole annulus.
-        """
-        if self.load != "distributed" or not isinstance(self.geometry, RevoluteClearance):
+        """Write into a block where its strips' rows start; return how many rows they are."""
+        if self.load != "distributed":
             return 0
-        outer = min(self.geometry.bearing_outer_radius, self.geometry.flange_radius)
-        radius = math.sqrt(0.5 * (outer**2 + self.geometry.bearing_radius**2))
         start = _layout.candidate_at(0, 4)
         tail = block[start : start + _layout.PATCHES_WORDS].view(_layout.PATCHES)
         tail["strips"], tail["sectors"], tail["first"] = self.strips, self.sectors, first
-        tail["radius"] = radius
+        tail["radius"] = self.geometry.patch_radius
         t = math.pi * ((np.arange(self.sectors) + 0.5) / self.sectors - 0.5)
         nodes = block[_layout.nodes_at(0) :].view(NODE)
         nodes["sine"], nodes["share"] = np.sin(t), np.cos(t) / self.sectors

@@ -4,6 +4,7 @@ from antenna_pin.nonlinear.carry import carried
 from antenna_pin.nonlinear.chart import Chart, NotAlikeError, OutOfReachError
 from antenna_pin.nonlinear.continuation import Bifurcation, Branch, Family, Point, check_steps, continued
 from antenna_pin.nonlinear.diagram import Made, bifurcation
+from antenna_pin.nonlinear.diagram_table import open_diagram, open_section
 from antenna_pin.nonlinear.families import amplitudes, family_of
 from antenna_pin.nonlinear.flow import Flow, FlowError, Tangent, flow_of
 from antenna_pin.nonlinear.lyapunov import (
@@ -19,7 +20,6 @@ from antenna_pin.nonlinear.orbits import NoOrbitError, Orbit, periodic_orbit
 from antenna_pin.nonlinear.plan import DiagramPlan, list_plans, load_plan, values_of
 from antenna_pin.nonlinear.sections import poincare
 from antenna_pin.nonlinear.surfaces import Crossing, Section, Stroboscope, drive_period, section_of
-from antenna_pin.nonlinear.table import open_diagram, open_section
 from antenna_pin.trajectory import save_table
 
 __all__ = [

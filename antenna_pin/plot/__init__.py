@@ -10,49 +10,61 @@ returns a :class:`matplotlib.figure.Figure` that belongs to no window and shows 
 
 from __future__ import annotations
 
-from antenna_pin.plot._run_figure import RunFigure
-from antenna_pin.plot.attractors import Attractor, figure_attractors
-from antenna_pin.plot.audit import figure_energy, figure_momentum
-from antenna_pin.plot.base import BASE_QUANTITIES, figure_base, figure_joints
-from antenna_pin.plot.bodies import BODY_QUANTITIES, figure_body
-from antenna_pin.plot.catalogue import CATALOGUE, Allowed, allowed_figures, run_figure
-from antenna_pin.plot.closures import figure_closure_forces, figure_coupling_torques, figure_drive_efforts
-from antenna_pin.plot.contact import figure_force_curves, figure_restitution, save_contact_figures
-from antenna_pin.plot.eccentricity import figure_eccentricity
-from antenna_pin.plot.elastic import figure_deflection
-from antenna_pin.plot.experiment import figure_contact_width, figure_experiment, figures_of_experiment
-from antenna_pin.plot.exponents import figure_exponents
-from antenna_pin.plot.files import FORMATS, folder_for_figures, rendered, save_figure, save_figures
-from antenna_pin.plot.forces import figure_contact_forces
-from antenna_pin.plot.loads import figure_joint_load, figure_steady_force
-from antenna_pin.plot.motion import QUANTITIES, figure_motion
-from antenna_pin.plot.orbit import figure_bore_load, figure_orbit
-from antenna_pin.plot.papers import (
-    ATTRACTORS,
-    PAPERS,
-    AttractorFigure,
-    Diagram,
-    DiagramFigure,
-    PaperFigure,
-    paper_figures,
-)
-from antenna_pin.plot.periodic import figure_branch, figure_multipliers
-from antenna_pin.plot.phase import figure_phase
-from antenna_pin.plot.pointing import figure_pointing
-from antenna_pin.plot.response import figure_response
-from antenna_pin.plot.scenarios import figure_scenarios
-from antenna_pin.plot.sections import figure_bifurcation, figure_section
-from antenna_pin.plot.spectra import SIGNALS, figure_spectra, figure_spectrogram
-from antenna_pin.plot.study import (
-    QUANTILES,
-    StudyFigure,
-    study_distribution,
-    study_figures,
-    study_map,
-    study_response,
-    study_scatter,
-    study_sensitivities,
-)
+from typing import TYPE_CHECKING
+
+from antenna_pin._lazy import loaded_when_used
+
+if TYPE_CHECKING:
+    from antenna_pin.plot._run_figure import RunFigure
+    from antenna_pin.plot.attractors import Attractor, figure_attractors
+    from antenna_pin.plot.audit import figure_energy, figure_momentum
+    from antenna_pin.plot.base import BASE_QUANTITIES, figure_base, figure_joints
+    from antenna_pin.plot.bodies import BODY_QUANTITIES, figure_body
+    from antenna_pin.plot.catalogue import CATALOGUE, Allowed, allowed_figures, run_figure
+    from antenna_pin.plot.closures import figure_closure_forces, figure_coupling_torques, figure_drive_efforts
+    from antenna_pin.plot.contact import figure_force_curves, figure_restitution, save_contact_figures
+    from antenna_pin.plot.eccentricity import figure_eccentricity
+    from antenna_pin.plot.elastic import figure_deflection
+    from antenna_pin.plot.experiment import figure_contact_width, figure_experiment, figures_of_experiment
+    from antenna_pin.plot.exponents import figure_exponents
+    from antenna_pin.plot.files import (
+        FORMATS,
+        folder_for_figures,
+        processes_to_draw,
+        rendered,
+        save_figure,
+        save_figures,
+    )
+    from antenna_pin.plot.forces import figure_contact_forces
+    from antenna_pin.plot.loads import figure_joint_load, figure_steady_force
+    from antenna_pin.plot.motion import QUANTITIES, figure_motion
+    from antenna_pin.plot.orbit import figure_bore_load, figure_orbit
+    from antenna_pin.plot.papers import (
+        ATTRACTORS,
+        PAPERS,
+        AttractorFigure,
+        Diagram,
+        DiagramFigure,
+        PaperFigure,
+        paper_figures,
+    )
+    from antenna_pin.plot.periodic import figure_branch, figure_multipliers
+    from antenna_pin.plot.phase import figure_phase
+    from antenna_pin.plot.pointing import figure_pointing
+    from antenna_pin.plot.response import figure_response
+    from antenna_pin.plot.scenarios import figure_scenarios
+    from antenna_pin.plot.sections import figure_bifurcation, figure_section
+    from antenna_pin.plot.spectra import SIGNALS, figure_spectra, figure_spectrogram
+    from antenna_pin.plot.study import (
+        QUANTILES,
+        StudyFigure,
+        study_distribution,
+        study_figures,
+        study_map,
+        study_response,
+        study_scatter,
+        study_sensitivities,
+    )
 
 __all__ = [
     "ATTRACTORS",
@@ -109,6 +121,7 @@ __all__ = [
     "figure_steady_force",
     "folder_for_figures",
     "paper_figures",
+    "processes_to_draw",
     "run_figure",
     "save_contact_figures",
     "save_figure",
@@ -120,3 +133,38 @@ __all__ = [
     "study_scatter",
     "study_sensitivities",
 ]
+
+loaded_when_used(
+    __name__,
+    {
+        "_run_figure": "RunFigure",
+        "attractors": "Attractor figure_attractors",
+        "audit": "figure_energy figure_momentum",
+        "base": "BASE_QUANTITIES figure_base figure_joints",
+        "bodies": "BODY_QUANTITIES figure_body",
+        "catalogue": "CATALOGUE Allowed allowed_figures run_figure",
+        "closures": "figure_closure_forces figure_coupling_torques figure_drive_efforts",
+        "contact": "figure_force_curves figure_restitution save_contact_figures",
+        "eccentricity": "figure_eccentricity",
+        "elastic": "figure_deflection",
+        "experiment": "figure_contact_width figure_experiment figures_of_experiment",
+        "exponents": "figure_exponents",
+        "files": "FORMATS folder_for_figures processes_to_draw rendered save_figure save_figures",
+        "forces": "figure_contact_forces",
+        "loads": "figure_joint_load figure_steady_force",
+        "motion": "QUANTITIES figure_motion",
+        "orbit": "figure_bore_load figure_orbit",
+        "papers": ("ATTRACTORS PAPERS AttractorFigure Diagram DiagramFigure PaperFigure paper_figures"),
+        "periodic": "figure_branch figure_multipliers",
+        "phase": "figure_phase",
+        "pointing": "figure_pointing",
+        "response": "figure_response",
+        "scenarios": "figure_scenarios",
+        "sections": "figure_bifurcation figure_section",
+        "spectra": "SIGNALS figure_spectra figure_spectrogram",
+        "study": (
+            "QUANTILES StudyFigure study_distribution study_figures study_map study_response "
+            "study_scatter study_sensitivities"
+        ),
+    },
+)

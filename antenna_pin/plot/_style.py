@@ -26,6 +26,7 @@ from cycler import cycler
 from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullLocator
 
 from antenna_pin.errors import UnknownNameError
@@ -123,6 +124,25 @@ def literal(text: str) -> str:
 
 class Picture(Figure):
     """A figure that shows itself in a notebook, with or without a backend of Matplotlib's."""
+
+    # Whether it is being saved: Matplotlib then draws it twice, once without ink, to have its panels placed.
+    _saving = False
+
+    def savefig(self, *args: Any, **kwargs: Any) -> None:
+        """Save the figure, as Matplotlib does; places of panels are found without drawing what is in them."""
+        self._saving = True
+        try:
+            super().savefig(*args, **kwargs)
+        finally:
+            self._saving = False
+
+    def draw(self, renderer: Any) -> None:
+        """Draw the figure, or place its panels only."""
+        engine = self.get_layout_engine()
+        if self._saving and isinstance(engine, ConstrainedLayoutEngine):
+            engine.execute(self)  # the drawing that counts has a stand-in for it
+        else:
+            super().draw(renderer)
 
     def _repr_png_(self) -> bytes:
         buffer = io.BytesIO()

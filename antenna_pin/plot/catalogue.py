@@ -17,7 +17,7 @@ from antenna_pin.errors import UnknownNameError
 from antenna_pin.plot import (
     audit,
     base,
-    between,
+    between_runs,
     bodies,
     closures,
     eccentricity,
@@ -42,7 +42,7 @@ CATALOGUE: dict[str, RunFigure] = {
     figure.name: figure
     for figure in (
         *motion.FIGURES,
-        *between.FIGURES,
+        *between_runs.FIGURES,
         *forces.FIGURES,
         *orbit.FIGURES,
         *eccentricity.FIGURES,

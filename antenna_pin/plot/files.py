@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import gc
 import io
 import re
 from collections.abc import Callable, Collection, Iterable, Sequence
 from pathlib import Path
+from typing import Any
 
 import matplotlib
 from matplotlib.figure import Figure
@@ -17,8 +19,12 @@ from antenna_pin.files import replacing
 from antenna_pin.plot._runs import Run, labelled
 from antenna_pin.plot._style import MANY, Width, styled
 from antenna_pin.plot.catalogue import CATALOGUE, Allowed, allowed_figures
+from antenna_pin.side_by_side import cores_for, side_by_side
 
 FORMATS = ("png", "pdf", "svg")
+
+#: What a process may take that draws figures of long runs, beside the runs [bytes].
+_MEMORY = 4e8
 
 # Without dates and versions the same figure gives the same file.
 _LEFT_OUT = {"png": "Software", "pdf": "CreationDate", "svg": "Date"}
@@ -34,6 +40,7 @@ def save_figures(
     names: Collection[str] | None = None,
     width: Width = "page",
     on_left_out: Callable[[str, str], None] | None = None,
+    processes: int = 1,
 ) -> list[Path]:
     """Draw the figures of the catalogue that the runs allow, write them, and return their paths.
 
@@ -50,6 +57,8 @@ def save_figures(
         width: "column" (88 mm) or "page" (180 mm).
         on_left_out: Told the name of a figure that the data do not allow although the runs are of the kind
             for it, or that was asked for by name, and the reason; nobody is if left out.
+        processes: How many draw, at most. More than one are forked from this one
+            (:func:`antenna_pin.side_by_side.side_by_side`), which no other thread may be at work beside.
     """
     check_formats(formats)
     given = list(runs)
@@ -57,21 +66,31 @@ def save_figures(
     for each in allowed_figures(given, joint, names):
         drawings[_free_name(each, drawings)] = each
     target = folder_for_figures(folder)
-    written: list[Path] = []
     long = any(run.data.sizes.get("time", 0) > MANY for run in labelled(given))
-    tell = on_left_out or (lambda name, reason: None)
-    for name in sorted(set(names or ()) - {each.figure.name for each in drawings.values()}):
-        tell(name, f"no run has {CATALOGUE[name].needed}")
-    for name, each in drawings.items():
+
+    def drawn(each: Allowed) -> list[bytes] | str:
+        """Return the figure as files of the formats, or why there is none."""
         try:
             figure = each.draw(given, width=width)
         except AntennaPinError as error:  # a variable is missing, or all are too short
-            tell(name, str(error))
-            continue
-        written += save_figure(figure, target / name, formats)
+            return str(error)
+        found = [_as_file(figure, suffix) for suffix in formats]
         del figure
         if long:  # Matplotlib's figures refer to themselves: Python leaves many of them before it looks
             gc.collect()
+        return found
+
+    tell = on_left_out or (lambda name, reason: None)
+    for name in sorted(set(names or ()) - {each.figure.name for each in drawings.values()}):
+        tell(name, f"no run has {CATALOGUE[name].needed}")
+    written: list[Path] = []
+    with contextlib.closing(side_by_side(drawn, [*drawings.values()], processes)) as every:
+        for name, found in zip(drawings, every, strict=True):
+            if isinstance(found, str):
+                tell(name, found)
+                continue
+            for suffix, content in zip(formats, found, strict=True):
+                written.append(_write(content, target / f"{name}.{suffix}"))
     return written
 
 
@@ -83,6 +102,11 @@ def _free_name(each: Allowed, taken: Collection[str]) -> str:
     while name in taken:
         name += "_"
     return name
+
+
+def processes_to_draw() -> int:
+    """Return how many processes this machine has cores and memory for, where they draw figures."""
+    return cores_for(_MEMORY)
 
 
 def check_formats(formats: Sequence[str]) -> None:
@@ -102,7 +126,7 @@ def save_figure(figure: Figure, path: str | Path, formats: Sequence[str] = ("png
         formats: Any of "png", "pdf" and "svg".
     """
     check_formats(formats)
-    return [_save(figure, Path(f"{path}.{suffix}")) for suffix in formats]
+    return [_write(_as_file(figure, suffix), Path(f"{path}.{suffix}")) for suffix in formats]
 
 
 @takes()
@@ -116,17 +140,14 @@ def folder_for_figures(folder: str | Path) -> Path:
     return folder
 
 
-@styled
-def _save(figure: Figure, path: Path) -> Path:
-    """Write a figure beside its place and move it there, so that no half figure is ever seen."""
-    suffix = path.suffix[1:]
+def _write(content: bytes, path: Path) -> Path:
+    """Write a file beside its place and move it there, so that no half figure is ever seen."""
     with replacing(path) as partial:
-        figure.savefig(partial, format=suffix, metadata={_LEFT_OUT[suffix]: None})
+        partial.write_bytes(content)
     return path
 
 
 @takes()
-@styled
 def rendered(figure: Figure, suffix: str, dpi: float = 300.0) -> bytes:
     """Return a figure as the bytes of a file; letters of an SVG are outlines, which need no font.
 
@@ -135,9 +156,14 @@ def rendered(figure: Figure, suffix: str, dpi: float = 300.0) -> bytes:
         suffix: "png", "pdf" or "svg".
         dpi: Of "png", and of what is rasterised in the others [1/inch].
     """
-    if suffix not in FORMATS:
-        raise UnknownNameError("figure", "format", suffix, FORMATS)
+    check_formats([suffix])
+    return _as_file(figure, suffix, dpi, {"svg.fonttype": "path"})
+
+
+@styled
+def _as_file(figure: Figure, suffix: str, dpi: float | None = None, settings: Any = None) -> bytes:
+    """Return what a file of a figure holds; the resolution is the style's if left out."""
     buffer = io.BytesIO()
-    with matplotlib.rc_context({"svg.fonttype": "path"}):
+    with matplotlib.rc_context(settings):
         figure.savefig(buffer, format=suffix, dpi=dpi, metadata={_LEFT_OUT[suffix]: None})
     return buffer.getvalue()

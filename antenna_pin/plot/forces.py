@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 from antenna_pin.analysis import is_round_off, round_off_scales
 from antenna_pin.arguments import takes
+from antenna_pin.geometry import LOOKS
 from antenna_pin.plot._kinds import TOUCHING, choose_joint
 from antenna_pin.plot._run_figure import RunFigure
 from antenna_pin.plot._runs import (
@@ -36,13 +37,6 @@ from antenna_pin.plot._style import (
 from antenna_pin.plot._thinned import thinned
 from antenna_pin.trajectory import contact_ends, contact_kinds
 
-# Rows of the figure by the kinds of contact that a joint has: a ball has no axis, a slider no flange.
-_ROWS = {
-    "spherical": ("contact",),
-    "wall": ("transverse",),
-    "axial": ("radial", "axial"),
-    "radial": ("radial",),
-}
 _SAMPLED = "resultant on the journal"
 _PEAKS = "peak normal force of each contact episode"
 
@@ -138,7 +132,7 @@ def _comparable(sizes: list[float]) -> bool:
 def _kinds(runs: list[LabelledRun], joint: str) -> tuple[str, ...]:
     """Return the rows for the contacts that the joint has in any run."""
     found = {contact_kinds(run.data)[name] for run in runs for name in run.contacts_of(joint)}
-    return next((rows for kind, rows in _ROWS.items() if kind in found), ("radial",))
+    return next((look.rows for look in LOOKS.values() if look.contacts <= found), ("radial",))
 
 
 def _resultant(run: LabelledRun, joint: str, kinds: tuple[str, ...]) -> dict[str, Array]:

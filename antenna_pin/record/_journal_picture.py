@@ -21,7 +21,7 @@ class JournalPicture(JointPicture):
         journal = float(dimensions["journal_radius"])
         self.clearance = float(dimensions["bearing_radius"]) - journal
         factor = default_magnification(journal, self.clearance) if magnify is None else magnify
-        shape = self.shape = MagnifiedJournal.of(place["kind"], dimensions, factor)
+        shape = self.shape = MagnifiedJournal.of(dimensions, factor)
         self.radius = shape.bore_radius
         radial = 2 if shape.flanges else 1
         self.centres = shape.eccentricity(self.gap[:, :radial], self.point[:, :radial])

@@ -8,6 +8,7 @@ import numpy as np
 
 from antenna_pin.analysis import bearing_up, steady_up
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
+from antenna_pin.geometry import LOOKS
 from antenna_pin.record._ball_picture import BallPicture
 from antenna_pin.record._joint_picture import JointPicture
 from antenna_pin.record._journal_picture import JournalPicture
@@ -18,12 +19,11 @@ from antenna_pin.trajectory import Trajectory
 
 __all__ = ["PICTURES", "joint_view"]
 
-#: What draws each kind of clearance joint.
+#: The close-ups that kinds of clearance joints name (:class:`antenna_pin.geometry.Look`).
 PICTURES: dict[str, type[JointPicture]] = {
-    "revolute": JournalPicture,
-    "planar": JournalPicture,
-    "spherical": BallPicture,
-    "prismatic": SliderPicture,
+    "journal": JournalPicture,
+    "ball": BallPicture,
+    "slider": SliderPicture,
 }
 
 _DIRECTIONS = 300  # of gravity that a page carries, for bearings that turn
@@ -60,9 +60,10 @@ def joint_view(
     if magnify is not None and not 0.0 < magnify < 1e9:
         raise InvalidParameterError("recording", "magnify", "a positive number", magnify)
     place = places[name]
-    if place["kind"] not in PICTURES:
-        raise UnknownNameError("recording", "kind of clearance joint", place["kind"], PICTURES)
-    picture = PICTURES[place["kind"]](run.data, frames, impacts, name, place, magnify, steady_up(run, name))
+    if place["kind"] not in LOOKS:
+        raise UnknownNameError("recording", "kind of clearance joint", place["kind"], LOOKS)
+    made = PICTURES[LOOKS[place["kind"]].picture]
+    picture = made(run.data, frames, impacts, name, place, magnify, steady_up(run, name))
     seen = picture.data()
     count = len(frames.indices)
     some = np.unique(np.linspace(0, count - 1, min(_DIRECTIONS, count)).astype(int))

@@ -76,18 +76,18 @@ class MagnifiedJournal:
     flange_gap: float
 
     @classmethod
-    def of(cls, kind: str, dimensions: dict[str, Any], factor: float) -> MagnifiedJournal:
+    def of(cls, dimensions: dict[str, Any], factor: float) -> MagnifiedJournal:
         """Return the drawing of a joint.
 
         Args:
-            kind: ``revolute`` or ``planar``.
-            dimensions: Of its shape, as the run carries them [m].
+            dimensions: Of its shape, as the run carries them [m]; one without a ``bearing_length`` has no
+                flanges.
             factor: M, positive [-].
         """
         journal = float(dimensions["journal_radius"])
         play = factor * (float(dimensions["bearing_radius"]) - journal)
         bore = journal + play
-        if kind == "planar":
+        if "bearing_length" not in dimensions:
             return cls(
                 factor=factor,
                 journal_radius=journal,

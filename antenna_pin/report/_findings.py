@@ -12,7 +12,7 @@ from typing import Any, TypeAlias
 import xarray as xr
 
 from antenna_pin.errors import FileFormatError, InvalidParameterError
-from antenna_pin.report._parts import Details, Statement
+from antenna_pin.report._page import Details, Statement
 from antenna_pin.report._runs import Run
 from antenna_pin.scenario import Scenario, scenario_toml
 from antenna_pin.trajectory import (

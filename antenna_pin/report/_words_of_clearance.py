@@ -1,98 +1,36 @@
-"""Joints with clearance in words: one entry for each kind."""
+"""Joints with clearance in words; those of a kind are its own (:class:`antenna_pin.geometry.Look`)."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator
-from typing import Any, NamedTuple
+from collections.abc import Iterator
+from typing import Any
 
+from antenna_pin.geometry import LOOKS
 from antenna_pin.readable import GIVEN, readable
 from antenna_pin.report._runs import ReportedRun
-from antenna_pin.scenario import (
-    ContactClearance,
-    PlanarClearance,
-    PrismaticClearance,
-    Scenario,
-    SphericalClearance,
-)
+from antenna_pin.scenario import ClearanceSpec, Scenario, TouchingSpec
 
-__all__ = ["CLEARANCES", "words_of_carried_clearances", "words_of_clearances"]
+__all__ = ["how_held", "words_of_carried_clearances", "words_of_clearances"]
 
 
-class ClearanceWords(NamedTuple):
-    """What is said of a kind of joint."""
-
-    held: str  # what holds it together
-    dimensions: Callable[[Any], list[str]] | None = None  # its parts, from its table of the scenario
+#: What is said of a joint that a scenario's table ``[clearance]`` describes, and that has no play.
+_WITHOUT_PLAY = {"constraint": "without play, held by constraint", "ideal": "without play"}
 
 
-def _length(value: float) -> str:
-    return readable(value, "m", GIVEN)
-
-
-def _radial(spec: ContactClearance | PlanarClearance | SphericalClearance, hole: str, pin: str) -> list[str]:
-    inner = spec.bearing_radius - spec.radial_play
-    return [
-        f"radial clearance {_length(spec.radial_play)}: {hole} of radius {_length(spec.bearing_radius)}, "
-        f"{pin} of {_length(inner)}"
-    ]
-
-
-def _bore(spec: PlanarClearance) -> list[str]:
-    return _radial(spec, "bore", "journal")
-
-
-def _socket(spec: SphericalClearance) -> list[str]:
-    return _radial(spec, "socket", "ball")
-
-
-def _flanged(spec: ContactClearance) -> list[str]:
-    flanges = spec.bearing_length + 2.0 * spec.axial_play
-    return [
-        *_radial(spec, "bore", "journal"),
-        f"axial clearance {_length(spec.axial_play)} at each flange: bearing "
-        f"{_length(spec.bearing_length)} long, flanges {_length(flanges)} apart",
-        f"bearing's outer radius {_length(spec.bearing_outer_radius)}, flanges' radius "
-        f"{_length(spec.flange_radius)}",
-    ]
-
-
-def _guide(spec: PrismaticClearance) -> list[str]:
-    size: Any = spec.shape()
-    parts = [
-        f"guide {_length(size.guide_width)} wide and {_length(size.guide_height)} high, slider "
-        f"{_length(size.slider_width)} wide, {_length(size.slider_height)} high and "
-        f"{_length(size.slider_length)} long",
-        f"clearance {_length(0.5 * (size.guide_width - size.slider_width))} to each side along the width, "
-        f"{_length(0.5 * (size.guide_height - size.slider_height))} along the height",
-    ]
-    if size.corner_radius:
-        parts.append(f"slider's edges rounded by {_length(size.corner_radius)}")
-    if size.roll:
-        parts.append(f"section turned by {readable(size.roll, 'rad', GIVEN)} about the axis")
-    return parts
-
-
-#: What is said of each kind of joint that a scenario's table ``[clearance]`` names.
-CLEARANCES: dict[str, ClearanceWords] = {
-    "contact": ClearanceWords("a journal with flanges in a bore, held by contact alone", _flanged),
-    "planar": ClearanceWords("a journal in a bore, held in the plane by contact alone", _bore),
-    "spherical": ClearanceWords("a ball in a socket, held by contact alone", _socket),
-    "prismatic": ClearanceWords("a rectangular slider in a guide, held by contact alone", _guide),
-    "constraint": ClearanceWords("without play, held by constraint"),
-    "ideal": ClearanceWords("without play"),
-}
+def how_held(spec: ClearanceSpec) -> str:
+    """Return what holds a joint together."""
+    return LOOKS[spec.kind].held if isinstance(spec, TouchingSpec) else _WITHOUT_PLAY[spec.model]
 
 
 def words_of_clearances(scenario: Scenario) -> Iterator[tuple[str, str]]:
     """Yield each joint with play, with its dimensions and how its contacts are found."""
     for name, spec in scenario.clearance.items():
-        dimensions = CLEARANCES[spec.model].dimensions
-        if dimensions is None:
+        if not isinstance(spec, TouchingSpec):
             continue
-        parts = dimensions(spec)
+        parts = LOOKS[spec.kind].dimensions(spec.sizes())
         if spec.offset:
-            parts.append(f"{_length(spec.offset)} along the axis from the joint's origin")
+            parts.append(f"{readable(spec.offset, 'm', GIVEN)} along the axis from the joint's origin")
         if spec.bearing_on == "child":
             parts.append("the bearing is on the joint's child")
         gaps = "coal's distance queries" if spec.geometry == "coal" else "the closed form"

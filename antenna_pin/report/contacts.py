@@ -9,7 +9,7 @@ import xarray as xr
 
 from antenna_pin.analysis import Settling, impacts, load_statistics, round_off_scales, settling
 from antenna_pin.readable import number, readable
-from antenna_pin.report._parts import (
+from antenna_pin.report._page import (
     Details,
     Row,
     Section,

@@ -33,7 +33,7 @@ from antenna_pin.report import (
     words,
 )
 from antenna_pin.report._findings import Finding, Judged, Reported, origin, parted
-from antenna_pin.report._parts import Details, Embedded, Section
+from antenna_pin.report._page import Details, Embedded, Section
 from antenna_pin.report._runs import ReportedRun, reported
 
 __all__ = ["Report", "page", "report"]
@@ -85,6 +85,7 @@ def report(
     recordings: bool = True,
     window: float | None = None,
     command: str | None = None,
+    processes: int = 1,
 ) -> Report:
     """Return a report on runs, which it compares, and on what motions come to.
 
@@ -101,6 +102,8 @@ def report(
         window: Length of the windows of pointing indices [s]; a tenth of the shortest run if left out.
         command: The command line that makes this report, for its provenance; found from the files if left
             out.
+        processes: How many draw figures, at most. More than one are forked from this one
+            (:func:`antenna_pin.side_by_side.side_by_side`), which no other thread may be at work beside.
 
     Raises:
         InvalidParameterError: There is nothing to report on, or the window has no length.
@@ -110,7 +113,7 @@ def report(
         raise InvalidParameterError("report", "window", "positive and finite [s]", window)
     given, findings = parted(runs)
     found = reported(given) if given or not findings else []
-    parts = _of_runs(found, figures, recordings, window) if found else _Parts()
+    parts = _of_runs(found, processes if figures else 0, recordings, window) if found else _Parts()
     shown = {detail.text for part in parts.closing for detail in part.items if isinstance(detail, Details)}
     told = [_of_finding(k, one, figures, shown) for k, one in enumerate(findings, start=1)]
     files = [one.file for one in findings]
@@ -137,7 +140,8 @@ class _Parts:
     head: SharedHead | None = None
 
 
-def _of_runs(found: list[ReportedRun], figures: bool, recordings: bool, window: float | None) -> _Parts:
+def _of_runs(found: list[ReportedRun], drawing: int, recordings: bool, window: float | None) -> _Parts:
+    """Return what runs bring; ``drawing``: how many processes draw figures, 0 for no figures."""
     sections = [
         results.key_results(found),
         loops.loops(found),
@@ -158,10 +162,10 @@ def _of_runs(found: list[ReportedRun], figures: bool, recordings: bool, window: 
         sections.insert(1, shown)
         if any(isinstance(item, Embedded) for item in shown.items):
             head = shared_head()
-    if figures:
+    if drawing:
         from antenna_pin.report.figures import drawn
 
-        sections.insert(1, drawn(found))
+        sections.insert(1, drawn(found, drawing))
     closing = (
         Section(key="what", title="What was run"),
         *words.scenario_sections(found),

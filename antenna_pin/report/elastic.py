@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 import xarray as xr
 
 from antenna_pin.analysis import elastic_motion, elastic_parts_of
-from antenna_pin.report._parts import Row, Section, Table, quantities
+from antenna_pin.report._page import Row, Section, Table, quantities
 from antenna_pin.report._runs import ReportedRun, labels_of
 
 __all__ = ["elastic_parts"]

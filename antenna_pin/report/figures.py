@@ -8,8 +8,9 @@ from typing import Any
 
 from antenna_pin import plot
 from antenna_pin.errors import AntennaPinError
-from antenna_pin.report._parts import Picture, Section
+from antenna_pin.report._page import Picture, Section
 from antenna_pin.report._runs import ReportedRun, ideal_of
+from antenna_pin.side_by_side import side_by_side
 
 __all__ = ["address", "drawn"]
 
@@ -23,33 +24,41 @@ TALLEST = 215.0
 LONGEST_NAME = 20
 
 
-def drawn(runs: Sequence[ReportedRun]) -> Section:
-    """Return the figures that the runs allow; the reason for one that cannot be drawn is a note."""
+def drawn(runs: Sequence[ReportedRun], processes: int = 1) -> Section:
+    """Return the figures that the runs allow; the reason for one that cannot be drawn is a note.
+
+    Args:
+        runs: What the report is about.
+        processes: How many draw, at most, forked from this one.
+    """
     drawable = [run for run in runs if run.samples > 1]
     names = _short_names(drawable)
     ideal = ideal_of(drawable)
-    pictures, notes = [], []
-    for each in plot.allowed_figures([(run.label, run.run) for run in drawable]) if drawable else ():
-        if not each.figure.reported:
-            continue
-        caption = each.title
+
+    def pictures(each: plot.Allowed) -> list[Picture] | str:
+        """Return a figure as one picture or some, or why there is none."""
+        wanted = [run for run in drawable if run.names("contact") or not each.figure.touching]
         try:
-            wanted = [run for run in drawable if run.names("contact") or not each.figure.touching]
-            parts = list(_parts(each, wanted, names, ideal))
+            parts = [(address(figure), shown) for figure, shown in _parts(each, wanted, names, ideal)]
         except AntennaPinError as error:
-            notes.append(f"{caption}: {error}.")
-            continue
-        key = "-".join(caption.lower().split())
-        for number, (figure, shown) in enumerate(parts, start=1):
-            whole = len(parts) == 1
-            pictures.append(
-                Picture(
-                    source=address(figure),
-                    caption=caption if whole else f"{caption}: {', '.join(shown)}",
-                    key=key if whole else f"{key}-{number}",
-                )
-            )
-    return Section(key="figures", title="Figures", items=tuple(pictures), notes=tuple(notes))
+            return f"{each.title}: {error}."
+        key = "-".join(each.title.lower().split())
+        if len(parts) == 1:
+            return [Picture(source=parts[0][0], caption=each.title, key=key)]
+        return [
+            Picture(source=source, caption=f"{each.title}: {', '.join(shown)}", key=f"{key}-{number}")
+            for number, (source, shown) in enumerate(parts, start=1)
+        ]
+
+    allowed = plot.allowed_figures([(run.label, run.run) for run in drawable]) if drawable else ()
+    wanted = [each for each in allowed if each.figure.reported]
+    made = list(side_by_side(pictures, wanted, processes))
+    return Section(
+        key="figures",
+        title="Figures",
+        items=tuple(picture for found in made if not isinstance(found, str) for picture in found),
+        notes=tuple(found for found in made if isinstance(found, str)),
+    )
 
 
 def _short_names(runs: Sequence[ReportedRun]) -> dict[str, str]:

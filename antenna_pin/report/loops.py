@@ -18,7 +18,7 @@ from antenna_pin.analysis import (
     round_off_scales,
     said_of_constraints,
 )
-from antenna_pin.report._parts import Row, Section, Statement, Table, counts, quantities, said_of_zeros
+from antenna_pin.report._page import Row, Section, Statement, Table, counts, quantities, said_of_zeros
 from antenna_pin.report._runs import ReportedRun, labels_of
 
 __all__ = ["loops"]

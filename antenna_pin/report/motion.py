@@ -21,7 +21,7 @@ from antenna_pin.analysis import (
 )
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.readable import number, readable
-from antenna_pin.report._parts import Cell, Details, Row, Section, Table, quantity, words
+from antenna_pin.report._page import Cell, Details, Row, Section, Table, quantity, words
 from antenna_pin.report._runs import ReportedRun, ideal_of, labels_of
 
 __all__ = ["deviations", "frequencies"]

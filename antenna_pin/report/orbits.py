@@ -9,7 +9,7 @@ from antenna_pin.analysis import said_of_multiplier, stability_spans, unexplaine
 from antenna_pin.plot import figure_branch, figure_exponents, figure_multipliers
 from antenna_pin.readable import number, readable
 from antenna_pin.report._findings import Finding, Judged
-from antenna_pin.report._parts import Cell, Picture, Row, Section, Statement, Table
+from antenna_pin.report._page import Cell, Picture, Row, Section, Statement, Table
 from antenna_pin.report.figures import address
 
 __all__ = ["branch", "exponents", "orbit"]

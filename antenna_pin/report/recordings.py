@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.record import View, bending_magnification, record, shared_head
-from antenna_pin.report._parts import Embedded, Section
+from antenna_pin.report._page import Embedded, Section
 from antenna_pin.report._runs import ReportedRun, ideal_of
 
 __all__ = ["recordings"]

@@ -19,7 +19,7 @@ from antenna_pin.analysis import (
     said_of_spin,
 )
 from antenna_pin.readable import number, readable
-from antenna_pin.report._parts import (
+from antenna_pin.report._page import (
     Row,
     Section,
     Table,

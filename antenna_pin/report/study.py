@@ -14,7 +14,7 @@ from antenna_pin import plot
 from antenna_pin.arguments import takes
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.readable import number, prefixed, readable
-from antenna_pin.report._parts import Cell, Details, Picture, Row, Section, Statement, Table
+from antenna_pin.report._page import Cell, Details, Picture, Row, Section, Statement, Table
 from antenna_pin.report.document import Report, page
 from antenna_pin.report.figures import address
 from antenna_pin.sweep.sensitivity import sensitivities

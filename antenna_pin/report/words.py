@@ -11,10 +11,10 @@ from antenna_pin.analysis import closures_of, elastic_parts_of, mechanism_of
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.mechanism import Mechanism
 from antenna_pin.readable import GIVEN, number, printed_unit, readable
-from antenna_pin.report._parts import Section, Statement
+from antenna_pin.report._page import Section, Statement
 from antenna_pin.report._runs import ReportedRun, labels_of
 from antenna_pin.report._words_of_clearance import (
-    CLEARANCES,
+    how_held,
     words_of_carried_clearances,
     words_of_clearances,
 )
@@ -169,7 +169,7 @@ def _joints(
         kind = closures[name]["kind"] if name in closures else slot.kind  # free in the tree, and held
         text = f"carries {body} on {joint.parent}; {_KINDS[kind]} {_vector(slot.axis)}"
         if scenario is not None and name in scenario.clearance:
-            text += f"; {CLEARANCES[scenario.clearance[name].model].held}"
+            text += f"; {how_held(scenario.clearance[name])}"
         elif name in run.names("clearance_joint"):
             text += "; with play, held by contact"
         elif name in closures:

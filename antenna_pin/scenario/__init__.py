@@ -21,16 +21,17 @@ if TYPE_CHECKING:
         PlanarClearance,
         PrismaticClearance,
         SphericalClearance,
+        TouchingSpec,
     )
     from antenna_pin.scenario.closures import AnchorSpec, ClosureSpec, PlaceSpec
     from antenna_pin.scenario.couplings import CouplingSpec
     from antenna_pin.scenario.drives import (
         DRIVE_SPECS,
         SPRING_SPECS,
+        AnySpring,
         DriveSpec,
         ElementSpec,
         PointsSpec,
-        SpringSpec,
     )
     from antenna_pin.scenario.events import AngleEvent, EventSpec, ForceEvent, GapEvent, RateEvent, TimeEvent
     from antenna_pin.scenario.flexible import FlexibleSpec, ModalDataSpec, ModeSpec, ModesSpec, PetalsSpec
@@ -56,6 +57,7 @@ _HOMES = {
     "AngleEvent": "events",
     "CaseSummary": "shipped",
     "ClearanceSpec": "clearance",
+    "TouchingSpec": "clearance",
     "ClosureSpec": "closures",
     "ContactClearance": "clearance",
     "CouplingSpec": "couplings",
@@ -96,7 +98,7 @@ _HOMES = {
     "ScenarioSummary": "shipped",
     "ShapeSpec": "mechanism",
     "SphericalClearance": "clearance",
-    "SpringSpec": "drives",
+    "AnySpring": "drives",
     "TimeEvent": "events",
     "list_scenarios": "shipped",
     "load_scenario": "load",
@@ -108,6 +110,7 @@ _HOMES = {
 }
 
 __all__ = [
+    "TouchingSpec",
     "DRIVE_SPECS",
     "SPRING_SPECS",
     "AnchorSpec",
@@ -152,7 +155,7 @@ __all__ = [
     "ScenarioSummary",
     "ShapeSpec",
     "SphericalClearance",
-    "SpringSpec",
+    "AnySpring",
     "TimeEvent",
     "list_scenarios",
     "load_scenario",

@@ -12,7 +12,7 @@ from pydantic import ValidationError
 
 from antenna_pin.errors import ScenarioError, nearest
 from antenna_pin.files import absence, decoded
-from antenna_pin.flexible.table import BadModalTableError, read_modal_table
+from antenna_pin.flexible.modal_text import BadModalTableError, read_modal_table
 from antenna_pin.scenario._base import Spec, unknown_key
 from antenna_pin.scenario._explained import Location, Place, dotted, explained
 from antenna_pin.scenario.drives import file_columns

@@ -59,9 +59,11 @@ class IdealClearance(Clearance):
 class TouchingSpec(Clearance):
     """What the models share whose journal touches the bearing.
 
-    A kind of joint with play is one class below, which makes its shape, and its place in ``ClearanceSpec``.
+    A kind of joint with play is one class below, which says its sizes, and its place in ``ClearanceSpec``.
     """
 
+    # The kind of its shape, by which results and readers know it (:data:`antenna_pin.geometry.LOOKS`).
+    kind: ClassVar[str]
     # Why no law along a line can be its law, if none can; how many contacts share a line along the bearing.
     no_line: ClassVar[str] = ""
     ends: ClassVar[int] = 1
@@ -87,9 +89,16 @@ class TouchingSpec(Clearance):
         assert self.journal_radius is not None and self.bearing_radius is not None
         return self.bearing_radius - self.journal_radius
 
+    def sizes(self) -> dict[str, float]:
+        """Return the dimensions of its shape by the names that its class has for them."""
+        raise NotImplementedError
+
     def shape(self) -> ClearanceGeometry:
         """Return the joint's shape."""
-        raise NotImplementedError
+        from antenna_pin.geometry.registry import SHAPES
+
+        shape: ClearanceGeometry = SHAPES[self.kind](**self.sizes())
+        return shape
 
     @property
     def radial_law(self) -> LawSpec:
@@ -133,24 +142,25 @@ class TouchingSpec(Clearance):
 class PlanarClearance(TouchingSpec):
     """A joint with radial play that keeps its plane and its axis' direction: contact at the bore only."""
 
+    kind = "planar"
     kinds: ClassVar[tuple[Kind, ...]] = ("radial",)
     becomes = "planar"
 
     model: Literal["planar"]
     bearing_radius: PositiveLength
 
-    def shape(self) -> ClearanceGeometry:
-        """Return the joint's shape."""
-        from antenna_pin.geometry import PlanarClearance
-
-        return PlanarClearance(
-            bearing_radius=self.bearing_radius, journal_radius=self.bearing_radius - self.radial_play
-        )
+    def sizes(self) -> dict[str, float]:
+        """Return the radii."""
+        return {
+            "bearing_radius": self.bearing_radius,
+            "journal_radius": self.bearing_radius - self.radial_play,
+        }
 
 
 class SphericalClearance(TouchingSpec):
     """A ball in a socket: ``bearing_radius`` is the socket's, ``journal_radius`` the ball's."""
 
+    kind = "spherical"
     kinds: ClassVar[tuple[Kind, ...]] = ("radial",)
     no_line = "a ball in a socket"
     of_types = ("revolute", "continuous", "floating")
@@ -158,18 +168,15 @@ class SphericalClearance(TouchingSpec):
     model: Literal["spherical"]
     bearing_radius: PositiveLength
 
-    def shape(self) -> ClearanceGeometry:
-        """Return the joint's shape."""
-        from antenna_pin.geometry import SphericalClearance
-
-        return SphericalClearance(
-            socket_radius=self.bearing_radius, ball_radius=self.bearing_radius - self.radial_play
-        )
+    def sizes(self) -> dict[str, float]:
+        """Return the radii."""
+        return {"socket_radius": self.bearing_radius, "ball_radius": self.bearing_radius - self.radial_play}
 
 
 class ContactClearance(TouchingSpec):
     """A joint held together by contact alone: bore and flanges, six degrees of freedom."""
 
+    kind = "revolute"
     kinds: ClassVar[tuple[Kind, ...]] = KINDS
     ends = 2
 
@@ -187,18 +194,16 @@ class ContactClearance(TouchingSpec):
         assert self.flange_distance is not None
         return (self.flange_distance - self.bearing_length) / 2.0
 
-    def shape(self) -> ClearanceGeometry:
-        """Return the joint's shape."""
-        from antenna_pin.geometry import RevoluteClearance
-
-        return RevoluteClearance.from_clearances(
-            bearing_radius=self.bearing_radius,
-            radial_clearance=self.radial_play,
-            bearing_length=self.bearing_length,
-            axial_clearance=self.axial_play,
-            bearing_outer_radius=self.bearing_outer_radius,
-            flange_radius=self.flange_radius,
-        )
+    def sizes(self) -> dict[str, float]:
+        """Return radii and lengths of bearing and journal."""
+        return {
+            "bearing_radius": self.bearing_radius,
+            "journal_radius": self.bearing_radius - self.radial_play,
+            "bearing_length": self.bearing_length,
+            "flange_distance": self.bearing_length + 2.0 * self.axial_play,
+            "bearing_outer_radius": self.bearing_outer_radius,
+            "flange_radius": self.flange_radius,
+        }
 
     def _check_plays(self) -> None:
         check_play(self, RADIAL_PLAY)
@@ -211,6 +216,7 @@ class PrismaticClearance(TouchingSpec):
     ``normal`` is the law of each of the slider's eight corners on each of its two walls.
     """
 
+    kind = "prismatic"
     kinds: ClassVar[tuple[Kind, ...]] = ("radial",)
     no_line = "the corner of a slider"
     of_types = ("prismatic",)
@@ -221,18 +227,14 @@ class PrismaticClearance(TouchingSpec):
     guide_height: PositiveLength
     slider_length: PositiveLength
 
-    def shape(self) -> ClearanceGeometry:
-        """Return the joint's shape."""
-        from antenna_pin.geometry import PrismaticClearance
-
-        sides = {}
+    def sizes(self) -> dict[str, float]:
+        """Return the sides of guide and slider, what rounds the edges and how the section is turned."""
+        sizes = {"corner_radius": self.corner_radius or 0.0, "roll": self.roll or 0.0}
         for side in ("width", "height"):
             guide, slider = getattr(self, f"guide_{side}"), getattr(self, f"slider_{side}")
-            sides[f"guide_{side}"] = guide
-            sides[f"slider_{side}"] = guide - 2.0 * self.radial_play if slider is None else slider
-        given = {name: getattr(self, name) for name in ("corner_radius", "roll")}
-        more = {name: value for name, value in given.items() if value is not None}
-        return PrismaticClearance(slider_length=self.slider_length, **sides, **more)
+            sizes[f"guide_{side}"] = guide
+            sizes[f"slider_{side}"] = guide - 2.0 * self.radial_play if slider is None else slider
+        return {"slider_length": self.slider_length, **sizes}
 
     def hertz_stiffness(self, modulus: float, place: str) -> float:
         """Return the stiffness of a Hertz contact of a rounded corner, a ball, on a plane [N/m^1.5]."""

@@ -16,10 +16,10 @@ from antenna_pin.scenario.closures import PlaceSpec
 __all__ = [
     "DRIVE_SPECS",
     "SPRING_SPECS",
+    "AnySpring",
     "DriveSpec",
     "ElementSpec",
     "PointsSpec",
-    "SpringSpec",
     "file_columns",
     "is_between_points",
     "kind_of_spring",
@@ -40,9 +40,9 @@ class _ForceSpec(MadeSpec):
         return data
 
     @model_validator(mode="after")
-    def _check_does(self) -> Self:
+    def _check_something(self) -> Self:
         """Refuse an element that does nothing."""
-        names = self.fills.does
+        names = self.fills.one_above_zero
         if names and all(getattr(self, name) == 0.0 for name in names):
             refuse(f"must have a {' or a '.join(names)} above zero, got {'neither' if names[1:] else 'none'}")
         return self
@@ -93,7 +93,7 @@ def _specs(
         key: Any = (Literal[kind], kind if default else ...)
         between = issubclass(cls, BetweenPoints)
         bare: Any = create_model(
-            f"{cls.__name__}Spec",
+            f"{cls.__name__.removeprefix('Joint')}Spec",
             __base__=PointsSpec if between else ElementSpec,
             __doc__=cls.__doc__,
             __module__=__name__,
@@ -114,11 +114,11 @@ globals().update({spec.__name__: spec for spec in (*DRIVE_SPECS.values(), *SPRIN
 
 if TYPE_CHECKING:
     DriveSpec = ElementSpec
-    SpringSpec = ElementSpec | PointsSpec
+    AnySpring = ElementSpec | PointsSpec
 else:
     DriveSpec = Union[tuple(DRIVE_SPECS.values())]  # noqa: UP007 - of values
     """A drive; ``kind`` says which class it is."""
-    SpringSpec = Union[tuple(SPRING_SPECS.values())]  # noqa: UP007 - of values
+    AnySpring = Union[tuple(SPRING_SPECS.values())]  # noqa: UP007 - of values
     """A spring; ``kind`` says which class it is."""
 
 

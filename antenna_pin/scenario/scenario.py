@@ -19,8 +19,8 @@ from antenna_pin.scenario.couplings import CouplingSpec
 from antenna_pin.scenario.drives import (
     DRIVE_SPECS,
     SPRING_SPECS,
+    AnySpring,
     DriveSpec,
-    SpringSpec,
     is_between_points,
     kind_of_spring,
 )
@@ -91,7 +91,7 @@ class Scenario(Spec):
     closures: dict[str, ClosureSpec] = Field(default_factory=dict)
     couplings: dict[str, CouplingSpec] = Field(default_factory=dict)
     drives: dict[str, Annotated[DriveSpec, Field(discriminator="kind")]] = Field(default_factory=dict)
-    springs: dict[str, Annotated[SpringSpec, Field(discriminator="kind")]] = Field(default_factory=dict)
+    springs: dict[str, Annotated[AnySpring, Field(discriminator="kind")]] = Field(default_factory=dict)
     events: dict[str, Annotated[EventSpec, Field(discriminator="kind")]] = Field(default_factory=dict)
     initial: InitialSpec = Field(default_factory=InitialSpec)
     integrator: IntegratorSpec = Field(default_factory=IntegratorSpec)

@@ -24,7 +24,7 @@ from antenna_pin.files import check_writable, has_whole_seal, replacing, seal
 from antenna_pin.sweep.design import Design
 from antenna_pin.sweep.journal import Journal, ReadJournal, deleted, read_journal
 from antenna_pin.sweep.study import Study
-from antenna_pin.sweep.table import FORMAT, add_entries, table_of
+from antenna_pin.sweep.study_table import FORMAT, add_entries, table_of
 from antenna_pin.sweep.work import Work
 from antenna_pin.trajectory.file import write
 from antenna_pin.trajectory.hdf5 import load_dataset

@@ -8,7 +8,7 @@ import pytest
 
 from antenna_pin import AntennaPinError, Scenario, build_system, capacity, load_scenario
 from antenna_pin.errors import TooLargeError
-from antenna_pin.flexible.table import BadModalTableError, read_modal_table
+from antenna_pin.flexible.modal_text import BadModalTableError, read_modal_table
 
 CSV = """# two modes
 frequency,damping_ratio,tx,ty,tz,rx,ry,rz

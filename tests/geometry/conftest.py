@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from antenna_pin.geometry import RevoluteClearance, pose_of
-from antenna_pin.geometry.base import asked
+from antenna_pin.geometry.shape import asked
 
 ANTENNA = dict(
     bearing_radius=0.010,

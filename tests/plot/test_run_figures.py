@@ -491,7 +491,7 @@ def test_colours_are_told_apart_in_grey_where_they_stand_on_one_another(real_run
 
 
 def test_the_standard_set_of_real_runs(runs, tmp_path, monkeypatch):
-    monkeypatch.setattr("antenna_pin.plot.files._save", lambda figure, path: path)  # drawing takes the time
+    monkeypatch.setattr("antenna_pin.plot.files._as_file", lambda figure, suffix: b"")  # takes the time
     said = []
     written = save_figures(runs[::2], tmp_path, ("svg",), on_left_out=lambda *words: said.append(words))
     assert [path.stem for path in written] == STANDARD
@@ -517,8 +517,27 @@ def test_time_axes_that_no_other_continues_are_labelled(count, labelled):
     assert [k for k, each in enumerate(axes) if each.get_xlabel()] == labelled
 
 
+def test_figures_drawn_side_by_side_are_those_drawn_one_after_the_other(real_runs, tmp_path):
+    """Processes know what this one knows; files, their order and what is left out are the same."""
+    run = real_runs["case3"]
+    faulty = run.drop_vars("motion_rate")
+    names = ("motion_angle", "motion_rate", "momentum", "energy")
+    alone, beside = [], []
+    one = save_figures([("x", faulty)], tmp_path / "1", names=names, on_left_out=lambda *x: alone.append(x))
+    two = save_figures(
+        [("x", faulty)],
+        tmp_path / "2",
+        names=names,
+        on_left_out=lambda *x: beside.append(x),
+        processes=2,
+    )
+    assert [path.name for path in one] == [path.name for path in two] != []
+    assert [path.read_bytes() for path in one] == [path.read_bytes() for path in two]
+    assert alone == beside and [name for name, _ in alone] == ["motion_rate"]
+
+
 def test_every_joint_with_play_has_its_files(real_runs, tmp_path, monkeypatch):
-    monkeypatch.setattr("antenna_pin.plot.files._save", lambda figure, path: path)
+    monkeypatch.setattr("antenna_pin.plot.files._as_file", lambda figure, suffix: b"")
     ball = [("balls", real_runs["floating"])]
     joints = list(clearance_shapes(real_runs["floating"]))
     assert len(joints) == 2
@@ -559,7 +578,7 @@ def test_what_runs_are_about_is_drawn_of_each_joint_with_clearance(runs, rigs):
 
 def test_what_the_data_do_not_allow_is_left_out_with_the_reason(real_runs, tmp_path, monkeypatch):
     """A foreign tool has dropped a variable; the other figures are drawn all the same."""
-    monkeypatch.setattr("antenna_pin.plot.files._save", lambda figure, path: path)
+    monkeypatch.setattr("antenna_pin.plot.files._as_file", lambda figure, suffix: b"")
     said = []
     data = real_runs["case2-planar"].drop_vars("journal_tilt").isel(time=slice(0, 12))
     written = save_figures([("cut", data)], tmp_path, ("svg",), on_left_out=lambda *words: said.append(words))

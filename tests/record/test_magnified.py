@@ -46,7 +46,7 @@ def drawn_journal_centre(placement, z):
 @pytest.mark.parametrize("dimensions", [COVERED, SMALL_FLANGE], ids=["covering", "small flange"])
 def test_drawn_gaps_of_a_revolute_joint_are_the_real_ones_magnified(dimensions):
     geometry = RevoluteClearance(**dimensions)
-    shape = MagnifiedJournal.of("revolute", dimensions, M)
+    shape = MagnifiedJournal.of(dimensions, M)
     centre, axis = poses()
     gap, point = recorded(geometry, centre, axis)
     assert (gap < 0.0).any(axis=0).all() and (gap > 0.0).any(axis=0).all()
@@ -74,7 +74,7 @@ def test_drawn_gaps_of_a_revolute_joint_are_the_real_ones_magnified(dimensions):
 
 def test_drawn_eccentricity_and_tilt_are_those_of_the_pose_to_first_order():
     geometry = RevoluteClearance(**COVERED)
-    shape = MagnifiedJournal.of("revolute", COVERED, M)
+    shape = MagnifiedJournal.of(COVERED, M)
     centre, axis = poses()
     gap, point = recorded(geometry, centre, axis)
     centres = shape.eccentricity(gap[:, :2], point[:, :2])
@@ -86,7 +86,7 @@ def test_drawn_eccentricity_and_tilt_are_those_of_the_pose_to_first_order():
 
 
 def test_drawn_contacts_lie_on_the_drawn_edges_and_a_covering_flange_covers():
-    shape = MagnifiedJournal.of("revolute", COVERED, M)
+    shape = MagnifiedJournal.of(COVERED, M)
     centre, axis = poses()
     gap, point = recorded(RevoluteClearance(**COVERED), centre, axis)
     bore = shape.radial_points(1.0, point[:, 0])
@@ -104,7 +104,7 @@ def test_drawn_contacts_lie_on_the_drawn_edges_and_a_covering_flange_covers():
 
 def test_planar_joint():
     dimensions = {"bearing_radius": 10e-3, "journal_radius": 9.9e-3}
-    shape = MagnifiedJournal.of("planar", dimensions, M)
+    shape = MagnifiedJournal.of(dimensions, M)
     centre, axis = poses()
     centre[:, 2], axis = 0.0, np.tile([0.0, 0.0, 1.0], (len(axis), 1))
     gap, point = recorded(PlanarClearance(**dimensions), centre, axis)

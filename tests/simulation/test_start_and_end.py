@@ -13,7 +13,7 @@ from antenna_pin.contact import make_normal_law
 from antenna_pin.dynamics import CallableDrive
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.geometry import RevoluteClearance, pose_of
-from antenna_pin.geometry.base import asked
+from antenna_pin.geometry.shape import asked
 from antenna_pin.law_studies import closed_form_restitution
 from antenna_pin.mechanism import frame_aligning_z
 from antenna_pin.simulation import control

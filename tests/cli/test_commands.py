@@ -38,12 +38,11 @@ def results(tmp_path_factory):
 def drawn_quickly(monkeypatch):
     """Files of figures hold the texts of their legends: rendering is tested elsewhere, and takes the time."""
 
-    def save(figure, path):
+    def as_file(figure, suffix):
         texts = [text.get_text() for legend in figure.legends for text in legend.get_texts()]
-        path.write_text(" ".join(texts))
-        return path
+        return " ".join(texts).encode()
 
-    monkeypatch.setattr("antenna_pin.plot.files._save", save)
+    monkeypatch.setattr("antenna_pin.plot.files._as_file", as_file)
 
 
 def refused(said):

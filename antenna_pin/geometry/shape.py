@@ -94,6 +94,13 @@ class ClearanceGeometry(Protocol):
         """Lever over which the play limits the tilt [m]; None if it does not."""
 
     @property
+    def patch_radius(self) -> float | None:
+        """Radius of the circle that the sectors of a distributed flange load stand on [m].
+
+        None of a shape whose load cannot be distributed.
+        """
+
+    @property
     def planar(self) -> bool:
         """Whether the journal keeps its plane: three degrees of freedom, else six."""
 
@@ -116,6 +123,11 @@ class Shape:
     """What all shapes have beside what their protocol asks for."""
 
     __slots__ = ()
+
+    @property
+    def patch_radius(self) -> float | None:
+        """None: the load acts at points."""
+        return None
 
     def contacts(
         self: ClearanceGeometry, p_HJ: ArrayLike, attitude: ArrayLike = (0.0, 0.0, 1.0)

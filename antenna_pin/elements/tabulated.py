@@ -24,7 +24,7 @@ class TableDrive(Drive):
         torque: One for each time [N*m] ([N]).
     """
 
-    kernels: ClassVar[str] = "table_kernels"
+    kernels: ClassVar[str] = "tabulated_kernels"
     columns: ClassVar[tuple[str, str]] = ("time", "torque")
 
     file: str | None = None

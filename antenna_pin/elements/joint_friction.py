@@ -35,10 +35,10 @@ class JointFriction(Element):
         URDF's ``<dynamics>`` names damping and friction and leaves open what friction does at rest.
     """
 
-    kernels: ClassVar[str] = "friction_kernels"
+    kernels: ClassVar[str] = "joint_friction_kernels"
     senses: ClassVar[bool] = True
     integrals: ClassVar[tuple[Integral, ...]] = (LOSS,)
-    does: ClassVar[tuple[str, ...]] = ("friction", "damping")
+    one_above_zero: ClassVar[tuple[str, ...]] = ("friction", "damping")
 
     damping: float = parameter("N*m*s/rad", sliding="N*s/m", rule="zero or more", default=0.0)
     friction: float = parameter("N*m", sliding="N", rule="zero or more", default=0.0)

@@ -1,0 +1,595 @@
+"""What is wrong in a file is refused in one line: place, rule, value seen, way out."""
+
+import math
+
+import pytest
+from scenario_files import DELETED, FILE, H
+
+from antenna_pin import contact
+from antenna_pin.errors import ScenarioError, UnknownNameError
+
+
+@pytest.mark.parametrize("key", ["altitude", "period", "rate"])
+def test_an_orbit_is_given_by_the_last_word(folder, key):
+    """One of altitude, period and rate, set over the file, takes the place of the file's."""
+    for below in ({}, {"pointing.orbit": {"period": "2 h"}}, {"pointing.orbit": {"rate": 0.001}}):
+        orbit = folder.load(below, overrides={f"pointing.orbit.{key}": 3.0}).pointing.orbit
+        given = {name: getattr(orbit, name) for name in ("altitude", "period", "rate")}
+        assert given == {"altitude": None, "period": None, "rate": None} | {key: 3.0}
+
+
+LN = "law lankarani-nikravesh takes stiffness, restitution, exponent"
+WHOLE = "law lankarani-nikravesh brings its own; elastic laws are " + ", ".join(
+    name for name in contact.NORMAL_LAWS if contact.is_elastic(name)
+)
+TOP = (
+    "format, title, source, duration, mechanism, materials, clearance, flexible, closures, couplings, "
+    "drives, springs, events, initial, integrator, output, pointing"
+)
+
+REFUSALS = [
+    # top level
+    ({"clearence": {}}, "clearence is unknown; did you mean clearance?"),
+    ({"xyzzy": 1}, f"xyzzy is unknown; known here: {TOP}"),
+    ({"urdf_text": "x"}, f"urdf_text is unknown; known here: {TOP}, default_case, cases"),
+    ({"replace": True}, "replace must be true or false, and belongs in a table of a case or an override"),
+    ({"format": 2}, "format must be 1, got 2"),
+    ({"title": 3}, "title must be text, got 3"),
+    ({"duration": DELETED}, "duration is missing; give a time [s]"),
+    ({"duration": "1 m"}, "duration must be a time [s], got '1 m' (length)"),
+    ({"duration": "-1 s"}, "duration must be positive, got '-1 s'"),
+    ({"duration": 0}, "duration must be positive, got 0"),
+    ({"duration": math.nan}, "duration must be a time [s], got nan (not finite)"),
+    ({"duration": True}, "duration must be a time [s], got true"),
+    ({"output": 3}, "output must be a table, got 3"),
+    ({"output.rate": "1 ms"}, "output.rate must be a frequency [Hz], got '1 ms' (time)"),
+    ({"output.rate": 0}, "output.rate must be positive, got 0"),
+    # cases
+    ({"default_case": 3}, "default_case must be text, got 3"),
+    ({"cases": 3}, "cases must be a table, got 3"),
+    ({"cases.tight": 3}, "cases.tight must be a table, got 3"),
+    ({"cases.tight.description": 3}, "cases.tight.description must be text, got 3"),
+    ({"cases.tight.clearanc": {}}, "cases.tight.clearanc is unknown; did you mean clearance?"),
+    ({"cases.tight.name": "x"}, f"cases.tight.name is unknown; known here: {TOP}, default_case, cases"),
+    (
+        {"cases.tight.clearance.hing": {"geometry": "coal"}},
+        "cases.tight.clearance.hing.model is missing; give one of contact, planar, spherical, prismatic, "
+        "ideal, constraint (or did you mean clearance.hinge?)",
+    ),
+    (
+        {"cases.tight.clearance.hinge.replace": "yes"},
+        "cases.tight.clearance.hinge.replace must be true or false, and belongs in a table of a case "
+        "or an override",
+    ),
+    # mechanism
+    ({"mechanism": DELETED}, "mechanism is missing"),
+    ({"mechanism.urdf": DELETED}, "mechanism.urdf is missing"),
+    ({"mechanism.urdf": 3}, "mechanism.urdf must be text, got 3"),
+    (
+        {"mechanism.urdf": "bdy.urdf"},
+        "mechanism.urdf must be an existing file, got 'bdy.urdf'; did you mean body.urdf?",
+    ),
+    ({"mechanism.urd": "x"}, "mechanism.urd is unknown; did you mean urdf?"),
+    ({"mechanism.base": "floating"}, "mechanism.base must be 'free' or 'fixed', got 'floating'"),
+    ({"mechanism.gravity": [0, 0]}, "mechanism.gravity must be an array of 3 numbers [m/s**2], got [0, 0]"),
+    (
+        {"mechanism.gravity": [0, 0, "9.81 m"]},
+        "mechanism.gravity[2] must be an acceleration [m/s**2], got '9.81 m' (length)",
+    ),
+    (
+        {"mechanism.allow_impossible_inertia": "body"},
+        "mechanism.allow_impossible_inertia must be an array, got 'body'",
+    ),
+    (
+        {"mechanism.allow_impossible_inertia": [3]},
+        "mechanism.allow_impossible_inertia[0] must be text, got 3",
+    ),
+    ({"mechanism.links": [1]}, "mechanism.links must be a table, got [1]"),
+    ({"mechanism.links.body": 3}, "mechanism.links.body must be a table, got 3"),
+    ({"mechanism.links.body.mas": 1}, "mechanism.links.body.mas is unknown; did you mean mass?"),
+    ({"mechanism.links.body.mass": "-1 kg"}, "mechanism.links.body.mass must be zero or more, got '-1 kg'"),
+    (
+        {"mechanism.links.body.inertia": [1, 2]},
+        "mechanism.links.body.inertia must be an array of 3 or 6 numbers [kg*m**2], got [1, 2]",
+    ),
+    (
+        {"mechanism.links.body.shapes.rod.radius": "1 N"},
+        "mechanism.links.body.shapes.rod.radius must be a length [m], got '1 N' (force)",
+    ),
+    (
+        {"mechanism.links.body.shapes.box.size": [1, 0, 1]},
+        "mechanism.links.body.shapes.box.size must be positive, got [1.0, 0.0, 1.0]",
+    ),
+    (
+        {"mechanism.joints.azimuth.axis": [0, 0, 0]},
+        "mechanism.joints.azimuth.axis must be three finite numbers, not all zero, got [0.0, 0.0, 0.0]",
+    ),
+    (
+        {"mechanism.joints.azimuth.kind": "lockd"},
+        "mechanism.joints.azimuth.kind must be 'ideal', 'locked', 'free' or 'planar', got 'lockd'; "
+        "did you mean locked?",
+    ),
+    (
+        {"mechanism.joints.hinge.kind": "locked"},
+        "mechanism.joints.hinge.kind must be left out: clearance.hinge.model decides it, got 'locked'",
+    ),
+    # materials
+    (
+        {"materials.alloy.young": "70 MN"},
+        "materials.alloy.young must be a pressure [Pa], got '70 MN' (force)",
+    ),
+    ({"materials.alloy.young": DELETED}, "materials.alloy.young is missing; give a pressure [Pa]"),
+    ({"materials.alloy.poisson": 0.7}, "materials.alloy.poisson must be above -1 and at most 0.5, got 0.7"),
+    ({"materials.alloy.density": -1}, "materials.alloy.density must be positive, got -1"),
+    ({"materials.alloy.yong": 1}, "materials.alloy.yong is unknown; did you mean young?"),
+    # joints with play: keys, dimensions
+    ({"clearance": 3}, "clearance must be a table, got 3"),
+    ({"clearance.hinge": 3}, "clearance.hinge must be a table, got 3"),
+    ({H + "clearence": 1}, "clearance.hinge.clearence is unknown; did you mean radial_clearance?"),
+    (
+        {H + "model": DELETED},
+        "clearance.hinge.model is missing; give one of contact, planar, spherical, prismatic, ideal, "
+        "constraint",
+    ),
+    (
+        {H + "model": "contac"},
+        "clearance.hinge.model must be one of contact, planar, spherical, prismatic, ideal, constraint, "
+        "got 'contac'; did you mean contact?",
+    ),
+    (
+        {H + "model": 3},
+        "clearance.hinge.model must be one of contact, planar, spherical, prismatic, ideal, constraint, "
+        "got 3",
+    ),
+    (
+        {H + "radial_clearance": "0.2 N"},
+        "clearance.hinge.radial_clearance must be a length [m], got '0.2 N' (force)",
+    ),
+    (
+        {H + "radial_clearance": "0.2"},
+        "clearance.hinge.radial_clearance must be a length [m], got '0.2' (no unit); write '0.2 m'",
+    ),
+    ({H + "radial_clearance": "-0.2 mm"}, "clearance.hinge.radial_clearance must be positive, got '-0.2 mm'"),
+    ({H + "radial_clearance": 0}, "clearance.hinge.radial_clearance must be positive, got 0"),
+    (
+        {H + "radial_clearance": math.inf},
+        "clearance.hinge.radial_clearance must be a length [m], got inf (not finite)",
+    ),
+    (
+        {H + "radial_clearance": "20 mm"},
+        "clearance.hinge.radial_clearance must be smaller than bearing_radius = 0.01 m, got 0.02 m",
+    ),
+    (
+        {H + "radial_clearance": DELETED},
+        "clearance.hinge must have exactly one of radial_clearance and journal_radius, got neither",
+    ),
+    (
+        {H + "journal_radius": "9.8 mm"},
+        "clearance.hinge must have exactly one of radial_clearance and journal_radius, got both",
+    ),
+    (
+        {H + "radial_clearance": DELETED, H + "journal_radius": "11 mm"},
+        "clearance.hinge.journal_radius must be smaller than bearing_radius = 0.01 m, got 0.011 m",
+    ),
+    ({H + "axial_clearance": "-1 um"}, "clearance.hinge.axial_clearance must be zero or more, got '-1 um'"),
+    (
+        {H + "axial_clearance": DELETED},
+        "clearance.hinge must have exactly one of axial_clearance and flange_distance, got neither",
+    ),
+    (
+        {H + "flange_distance": "54 mm"},
+        "clearance.hinge must have exactly one of axial_clearance and flange_distance, got both",
+    ),
+    (
+        {H + "axial_clearance": DELETED, H + "flange_distance": "40 mm"},
+        "clearance.hinge.flange_distance must be at least bearing_length = 0.05 m, got 0.04 m",
+    ),
+    ({H + "bearing_radius": DELETED}, "clearance.hinge.bearing_radius is missing; give a length [m]"),
+    ({H + "bearing_radius": "0 mm"}, "clearance.hinge.bearing_radius must be positive, got '0 mm'"),
+    ({H + "bearing_length": DELETED}, "clearance.hinge.bearing_length is missing; give a length [m]"),
+    (
+        {H + "bearing_outer_radius": "10 mm"},
+        "clearance.hinge.bearing_outer_radius must be larger than bearing_radius = 0.01 m, got 0.01 m",
+    ),
+    (
+        {H + "flange_radius": "9 mm"},
+        "clearance.hinge.flange_radius must be larger than bearing_radius = 0.01 m, got 0.009 m",
+    ),
+    ({H + "offset": "1 s"}, "clearance.hinge.offset must be a length [m], got '1 s' (time)"),
+    ({H + "maximum_depth": "-1 mm"}, "clearance.hinge.maximum_depth must be positive, got '-1 mm'"),
+    ({H + "approach_speed_floor": 0}, "clearance.hinge.approach_speed_floor must be positive, got 0"),
+    (
+        {H + "geometry": "coall"},
+        "clearance.hinge.geometry must be 'coal' or 'closed-form', got 'coall'; did you mean coal?",
+    ),
+    ({H + "load": "line"}, "clearance.hinge.load must be 'point' or 'distributed', got 'line'"),
+    (
+        {H + "journal_material": DELETED},
+        "clearance.hinge.journal_material is missing; it decides the stiffness, or give normal.stiffness",
+    ),
+    ({H + "journal_material": 3}, "clearance.hinge.journal_material must be text, got 3"),
+    # laws
+    (
+        {H + "normal": DELETED, H + "axial": DELETED},
+        "clearance.hinge.normal is missing; it names the law of the contact and its parameters",
+    ),
+    ({H + "normal": DELETED}, "clearance.hinge.axial.law is missing; there is no normal law to change"),
+    ({H + "normal": 3}, "clearance.hinge.normal must be a table, got 3"),
+    ({H + "axial": 3}, "clearance.hinge.axial must be a table, got 3"),
+    (
+        {H + "normal.law": DELETED},
+        f"clearance.hinge.normal.law is missing; give one of {', '.join(contact.NORMAL_LAWS)}",
+    ),
+    (
+        {H + "normal.dissipation": "flores"},
+        f"clearance.hinge.normal.dissipation must be left out, for {WHOLE}",
+    ),
+    (
+        {H + "normal": {"law": "johnson", "dissipation": 3}, H + "axial": DELETED},
+        "clearance.hinge.normal.dissipation must be text, got 3",
+    ),
+    (
+        {H + "normal": {"law": "johnson", "dissipation": "flores"}, H + "axial": DELETED},
+        "clearance.hinge.normal.restitution is missing; law johnson with flores takes length, "
+        "journal_radius, bearing_radius, modulus, restitution",
+    ),
+    (
+        {H + "normal": {"law": "hertz", "dissipation": "flores", "restitution": 0}, H + "axial": DELETED},
+        "clearance.hinge.normal.restitution must be above 0 (no finite damping of this form stops a body "
+        "dead), got 0.0",
+    ),
+    (
+        {H + "normal": {"law": "hertz", "dissipation": "tsuji", "restitution": 1, "effective_mas": 1}},
+        "clearance.hinge.normal.effective_mas is unknown; did you mean effective_mass? law hertz with "
+        "tsuji takes stiffness, exponent, restitution, effective_mass",
+    ),
+    (
+        {H + "axial": {"dissipation": "flores"}},
+        f"clearance.hinge.axial.dissipation must be left out, for {WHOLE}",
+    ),
+    (
+        {H + "friction.dissipation": "flores"},
+        "clearance.hinge.friction.dissipation is unknown; law tanh is a friction law and has no dissipation",
+    ),
+    ({H + "normal.law": 3}, "clearance.hinge.normal.law must be text, got 3"),
+    ({H + "normal.restitution": 1.3}, "clearance.hinge.normal.restitution must be in [0, 1], got 1.3"),
+    ({H + "normal.restitution": -0.1}, "clearance.hinge.normal.restitution must be in [0, 1], got -0.1"),
+    (
+        {H + "model": "ideal", H + "normal.restitution": 1.3},
+        "clearance.hinge.normal.restitution must be in [0, 1], got 1.3",
+    ),
+    (
+        {H + "normal.restitution": "0.9 m"},
+        "clearance.hinge.normal.restitution must be a pure number, got '0.9 m' (length)",
+    ),
+    ({H + "normal.restitution": DELETED}, f"clearance.hinge.normal.restitution is missing; {LN}"),
+    (
+        {H + "normal.restitutoin": 1},
+        f"clearance.hinge.normal.restitutoin is unknown; did you mean restitution? {LN}",
+    ),
+    ({H + "normal.xyz": 1}, f"clearance.hinge.normal.xyz is unknown; {LN}"),
+    (
+        {H + "normal.stiffness": "-1e9 N/m**1.5"},
+        "clearance.hinge.normal.stiffness must be positive and finite, got -1000000000.0",
+    ),
+    (
+        {H + "normal.stiffness": "1e9 N/m"},
+        "clearance.hinge.normal.stiffness must be a stiffness [N/m**1.5], got '1e9 N/m' (stiffness)",
+    ),
+    (
+        {H + "normal.exponent": "1.5 m"},
+        "clearance.hinge.normal.exponent must be a pure number, got '1.5 m' (length)",
+    ),
+    ({H + "axial.restitution": 2}, "clearance.hinge.axial.restitution must be in [0, 1], got 2.0"),
+    (
+        {H + "axial.restitutio": 2},
+        f"clearance.hinge.axial.restitutio is unknown; did you mean restitution? {LN}",
+    ),
+    (
+        {H + "axial": {"exponent": 2}, H + "normal.stiffness": 1e9},
+        "clearance.hinge.axial.stiffness is missing; another exponent changes the unit of the one in normal",
+    ),
+    (
+        {H + "radial": {"law": "lankarani-nikravesh"}, H + "normal": {"law": "hertz"}},
+        f"clearance.hinge.radial.restitution is missing; {LN}",
+    ),
+    (
+        {H + "friction.transition_speed": DELETED},
+        "clearance.hinge.friction.transition_speed is missing; law tanh takes "
+        "coefficient_of_friction, transition_speed",
+    ),
+    (
+        {H + "friction.transition_speed": "1 m"},
+        "clearance.hinge.friction.transition_speed must be a speed [m/s], got '1 m' (length)",
+    ),
+    (
+        {H + "friction.transition_speed": 0},
+        "clearance.hinge.friction.transition_speed must be positive and finite, got 0.0",
+    ),
+    (
+        {H + "friction": {"law": "none", "mu": 1}},
+        "clearance.hinge.friction.mu is unknown; law none takes no parameters",
+    ),
+    # drives
+    ({"drives.motor": 3}, "drives.motor must be a table, got 3"),
+    (
+        {"drives.motor.kind": DELETED},
+        "drives.motor.kind is missing; give one of constant, sine, table, pd, motion, distance",
+    ),
+    (
+        {"drives.motor.kind": "constat"},
+        "drives.motor.kind must be one of constant, sine, table, pd, motion, distance, got 'constat'; "
+        "did you mean constant?",
+    ),
+    ({"drives.motor.value": DELETED}, "drives.motor.value is missing; give a torque [N*m] or a force [N]"),
+    (
+        {"drives.motor.value": "1 W"},
+        "drives.motor.value must be a torque [N*m] or a force [N], got '1 W' (power)",
+    ),
+    (
+        {"drives.motor.amplitude": 1},
+        "drives.motor.amplitude is unknown; known here: kind, joint, axis, on, value",
+    ),
+    ({"drives.motor.axis": "shaft"}, "drives.motor.axis must be 'bearing' or 'journal', got 'shaft'"),
+    ({"drives.motor.joint": 3}, "drives.motor.joint must be text, got 3"),
+    (
+        {"drives.motor.motion": "translation"},
+        "drives.motor.value must be for a sliding joint, as motion is, got '4 N*m' (turning)",
+    ),
+    (
+        {"drives.azimuth.frequency": "60 rpm"},
+        "drives.azimuth.frequency must be a frequency [Hz], got '60 rpm' (angular rate)",
+    ),
+    ({"drives.azimuth.frequency": 0}, "drives.azimuth.frequency must be positive, got 0"),
+    ({"drives.azimuth.phase": "1 m"}, "drives.azimuth.phase must be an angle [rad], got '1 m' (length)"),
+    (
+        {"drives.azimuth.file": "x"},
+        "drives.azimuth.file is unknown; known here: kind, joint, axis, on, amplitude, frequency, phase",
+    ),
+    ({"drives.slow.file": DELETED}, "drives.slow must have either file, or time and torque, got neither"),
+    ({"drives.slow.time": [0, 1]}, "drives.slow must have either file, or time and torque, got both"),
+    ({"drives.slow.file": 3}, "drives.slow.file must be text, got 3"),
+    (
+        {"drives.slow.file": "torqe.csv"},
+        "drives.slow.file must be an existing file, got 'torqe.csv'; did you mean torque.csv?",
+    ),
+    (
+        {"drives.slow.interpolation": "spline"},
+        "drives.slow.interpolation must be 'linear' or 'cubic', got 'spline'",
+    ),
+    ({"drives.t": {"kind": "table", "time": [0, 1]}}, "drives.t.torque is missing; give an array of numbers"),
+    (
+        {"drives.t": {"kind": "table", "time": [0, 1], "torque": 3}},
+        "drives.t.torque must be an array of numbers, got 3",
+    ),
+    (
+        {"drives.t": {"kind": "table", "time": [0, 1], "torque": [1]}},
+        "drives.t.torque must be as many numbers as time, 2, got 1",
+    ),
+    (
+        {"drives.t": {"kind": "table", "time": [0], "torque": [1]}},
+        "drives.t.time must be at least 2 numbers, got 1",
+    ),
+    (
+        {"drives.t": {"kind": "table", "time": [0, 0], "torque": [1, 2]}},
+        "drives.t.time[1] must be above the one before, 0.0, got 0.0",
+    ),
+    (
+        {"drives.t": {"kind": "table", "time": [0, math.nan], "torque": [1, 2]}},
+        "drives.t.time[1] must be a time [s], got nan (not finite)",
+    ),
+    # springs
+    ({"springs.azimuth.stifness": 1}, "springs.azimuth.stifness is unknown; did you mean stiffness?"),
+    ({"springs.azimuth.stiffness": -1}, "springs.azimuth.stiffness must be zero or more, got -1"),
+    (
+        {"springs.azimuth.stiffness": "1 N"},
+        "springs.azimuth.stiffness must be a torsional stiffness [N*m/rad] or a stiffness [N/m], got "
+        "'1 N' (force)",
+    ),
+    (
+        {"springs.azimuth.damping": "1 N*s/m"},
+        "springs.azimuth.damping must be for a turning joint, as stiffness is, got '1 N*s/m' (sliding)",
+    ),
+    (
+        {"springs.azimuth": {"rest_angle": 1}},
+        "springs.azimuth must have a stiffness or a damping above zero, got neither",
+    ),
+    # pointing
+    ({"pointing.boresigth": [1, 0, 0]}, "pointing.boresigth is unknown; did you mean boresight?"),
+    ({"pointing.boresight": DELETED}, "pointing.boresight is missing; give an array of 3 numbers"),
+    (
+        {"pointing.boresight": [0, 0, 0]},
+        "pointing.boresight must be three finite numbers, not all zero, got [0.0, 0.0, 0.0]",
+    ),
+    (
+        {"pointing.up": [0, 0, 1]},
+        "pointing.up must not lie along boresight = [0.0, 0.0, -2.0], got [0.0, 0.0, 1.0]",
+    ),
+    (
+        {"pointing.commanded": "ideel"},
+        "pointing.commanded must be 'ideal', 'world' or 'orbit', got 'ideel'; did you mean ideal?",
+    ),
+    (
+        {"pointing.commanded": "ideal"},
+        'pointing.direction must be left out where commanded is "ideal", got [0.0, 0.1, 1.0]',
+    ),
+    (
+        {"pointing.direction": DELETED},
+        'pointing.direction is missing; give it where commanded is "orbit"',
+    ),
+    (
+        {"pointing.direction_up": [0, -0.1, -1]},
+        "pointing.direction_up must not lie along direction = [0.0, 0.1, 1.0], got [0.0, -0.1, -1.0]",
+    ),
+    ({"pointing.orbit": DELETED}, 'pointing.orbit is missing; give it where commanded is "orbit"'),
+    (
+        {"pointing.orbit.altitude": DELETED},
+        "pointing.orbit must have one of altitude, period and rate, got none",
+    ),
+    (
+        {"pointing.orbit": {"altitude": 1, "period": "90 min"}},
+        "pointing.orbit must have one of altitude, period and rate, got altitude and period",
+    ),
+    ({"pointing.orbit.altitude": "-1 m"}, "pointing.orbit.altitude must be positive, got '-1 m'"),
+    (
+        {"pointing.orbit.nadir": [0, 0, 1]},
+        "pointing.orbit.nadir must be perpendicular to normal = [0.0, 0.0, 2.0], got [0.0, 0.0, 1.0]",
+    ),
+    # initial state
+    ({"initial.joint": {}}, "initial.joint is unknown; did you mean joints?"),
+    (
+        {"initial.joints.azimuth.position": "1 N"},
+        "initial.joints.azimuth.position must be an angle [rad] or a length [m], got '1 N' (force)",
+    ),
+    (
+        {"initial.joints.azimuth.velocity": "1 m/s"},
+        "initial.joints.azimuth.velocity must be for a turning joint, as position is, got '1 m/s' (sliding)",
+    ),
+    (
+        {"initial.joints.hinge.position": 1},
+        "initial.joints.hinge must have at most one of position and angle, got both",
+    ),
+    (
+        {"initial.joints.hinge.journal_position": [0, "1 rad", 0]},
+        "initial.joints.hinge.journal_position[1] must be a length [m], got '1 rad' (angle)",
+    ),
+    (
+        {"initial.base.attitude": [0, 0, 0, 2]},
+        "initial.base.attitude must be a unit quaternion x, y, z, w, got [0.0, 0.0, 0.0, 2.0] of length 2",
+    ),
+    (
+        {"initial.base.attitude": [0, 0, 1]},
+        "initial.base.attitude must be an array of 4 numbers, got [0, 0, 1]",
+    ),
+    ({"mechanism.base": "fixed"}, 'initial.base must be left out where mechanism.base is "fixed"'),
+    # integrator
+    (
+        {"integrator.method": "dormand-prince"},
+        "integrator.method must be 'rk4', 'bogacki-shampine-32', 'dormand-prince-54', "
+        "'dormand-prince-853' or 'radau5', "
+        "got 'dormand-prince'; did you mean dormand-prince-54?",
+    ),
+    ({"integrator.rtol": 0}, "integrator.rtol must be between 0 and 1, got 0"),
+    ({"integrator.rtol": 1e8}, "integrator.rtol must be between 0 and 1, got 100000000.0"),
+    ({"integrator.rtol": "1e-8 m"}, "integrator.rtol must be a pure number, got '1e-8 m' (length)"),
+    ({"integrator.step": "-1 s"}, "integrator.step must be positive, got '-1 s'"),
+    ({"integrator.max_step": "10 m"}, "integrator.max_step must be a time [s], got '10 m' (length)"),
+    ({"integrator.min_step": 1}, "integrator.min_step must be below max_step = 0.01 s, got 1 s"),
+    (
+        {"integrator.first_step": 1},
+        "integrator.first_step must be from min_step = 1e-14 s to max_step = 0.01 s, got 1 s",
+    ),
+    ({"integrator.scales.angel": 1}, "integrator.scales.angel is unknown; did you mean angle?"),
+    ({"integrator.scales.clearance": 0}, "integrator.scales.clearance must be positive, got 0"),
+    (
+        {"integrator.scales.clearance_velocity": "10 mm"},
+        "integrator.scales.clearance_velocity must be a speed [m/s], got '10 mm' (length)",
+    ),
+]
+
+
+@pytest.mark.parametrize(("changes", "message"), REFUSALS, ids=[message[:60] for _, message in REFUSALS])
+def test_refusals(folder, changes, message):
+    assert folder.refusal(changes) == message
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        (
+            {"default_case": "tigth"},
+            "default_case: case 'tigth' is unknown; did you mean tight? known: by-radius,",
+        ),
+        (
+            {H + "journal_material": "stel"},
+            "clearance.hinge.journal_material: material 'stel' is unknown; did you mean steel? "
+            "known: alloy, aluminium-2024-t3,",
+        ),
+        (
+            {"cases.tight.clearance.hinge.bearing_material": "aloy"},
+            "cases.tight.clearance.hinge.bearing_material: material 'aloy' is unknown; did you mean alloy?",
+        ),
+        (
+            {H + "normal.law": "lankarani"},
+            "clearance.hinge.normal.law: law 'lankarani' is unknown; did you mean "
+            "lankarani-nikravesh? known: adams-impact,",
+        ),
+        (
+            {H + "normal.law": "tanh"},
+            "clearance.hinge.normal.law: law 'tanh' is unknown; known: adams-impact,",
+        ),
+        (
+            {H + "normal": {"law": "hertz", "dissipation": "floras"}},
+            "clearance.hinge.normal.dissipation: dissipation 'floras' is unknown; did you mean flores? "
+            "known: adams-impact,",
+        ),
+        (
+            {H + "axial.law": "hertzz"},
+            "clearance.hinge.axial.law: law 'hertzz' is unknown; did you mean hertz?",
+        ),
+        (
+            {H + "friction.law": "tan"},
+            "clearance.hinge.friction.law: law 'tan' is unknown; did you mean tanh?",
+        ),
+        (
+            {H + "friction.law": "hertz"},
+            "clearance.hinge.friction.law: law 'hertz' is unknown; known: ambrosio,",
+        ),
+    ],
+)
+def test_unknown_names(folder, changes, message):
+    assert folder.refusal(changes, error=UnknownNameError).startswith(message)
+
+
+def test_an_unknown_case_names_the_known_ones(folder):
+    message = folder.refusal(case="tigth", error=UnknownNameError)
+    assert message == "case 'tigth' is unknown; did you mean tight? known: by-radius, elastic, tight"
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "line 1: the header must be time,torque, got an empty file"),
+        ("0,1\n1,2\n", "line 1: the header must be time,torque, got '0,1'"),
+        ("time;torque\n0;1\n", "line 1: the header must be time,torque, got 'time;torque'"),
+        ("time,torque\n0,1\n", "line 2: must have at least 2 rows of numbers, got 1"),
+        ("time,torque\n0,1\n1\n", "line 3: must have 2 values, got 1"),
+        ("time,torque\n0,1\n1,2,3\n", "line 3: must have 2 values, got 3"),
+        ("time,torque\n0,1\n1,x\n", "line 3: torque must be a finite number, got 'x'"),
+        ("time,torque\n0,1\n\n# note\n1,nan\n", "line 5: torque must be a finite number, got 'nan'"),
+        ("time,torque\n0,1\ninf,2\n", "line 3: time must be a finite number, got 'inf'"),
+        ("time,torque\n0,1\n1,2\n1,3\n", "line 4: time must increase strictly, got 1.0 after 1.0"),
+    ],
+)
+def test_bad_torque_tables_are_refused_with_file_and_line(folder, text, message):
+    (folder.path / "bad.csv").write_text(text)
+    assert folder.refusal({"drives.slow.file": "bad.csv"}) == f"drives.slow.file: bad.csv, {message}"
+
+
+def test_a_torque_table_may_have_comments_and_blanks(folder):
+    (folder.path / "good.csv").write_text("# from a test\n\n time , torque\r\n 0 , 1 \n1e0,-2.5\n")
+    table = folder.load({"drives.slow.file": "good.csv"}).drives["slow"]
+    assert (table.time, table.torque) == ((0.0, 1.0), (1.0, -2.5))
+
+
+@pytest.mark.parametrize("name", ["body.urdf", "torque.csv"])
+def test_files_that_are_no_text_are_refused(folder, name):
+    (folder.path / name).write_bytes(b"\xff\xff")
+    place = "mechanism.urdf" if name == "body.urdf" else "drives.slow.file"
+    assert folder.refusal() == f"{place} must be UTF-8 text, got '{name}' (byte 0)"
+
+
+def test_a_missing_file_is_looked_for_beside_the_scenario(folder):
+    message = folder.refusal({"mechanism.urdf": "sub/x.urdf"})
+    where = folder.path.resolve() / "sub"
+    assert (
+        message == f"mechanism.urdf must be an existing file, got 'sub/x.urdf'; it is looked for in {where}"
+    )
+
+
+def test_names_that_need_quotes_have_them_in_messages(folder):
+    file = FILE | {"clearance": {"my hinge": {"model": "ideal", "bearing_radius": -1}}}
+    with pytest.raises(
+        ScenarioError, match=r'^my\.toml: clearance\."my hinge"\.bearing_radius must be positive'
+    ):
+        folder.load(file=file)

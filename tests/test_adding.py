@@ -1,0 +1,406 @@
+"""What docs/architecture.md says it takes to add something is what it takes: done in a copy of the package.
+
+A thing of a known kind is one file and one line. Each is run as a user meets it, without the compiler, which
+needs none of what it would have to compile anew.
+"""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import antenna_pin
+
+ROOT = Path(antenna_pin.__file__).parent
+
+
+@pytest.fixture
+def copy(tmp_path):
+    """A copy of the package beside the shipped models, which is found before the installed one."""
+    shutil.copytree(ROOT, tmp_path / "antenna_pin", ignore=shutil.ignore_patterns("__pycache__"))
+    (tmp_path / "models").symlink_to(ROOT.parent / "models")
+    return tmp_path
+
+
+def add(copy, file, text, registry, imported, before="", entry=""):
+    """Write one file, and enter what it holds in a registry.
+
+    Args:
+        copy: Where the package is copied to.
+        file: The new one.
+        text: What it holds.
+        registry: The file in which it enters,
+        imported: the import there,
+        before: the start of the line that the entry stands before,
+        entry: and the entry.
+    """
+    package = copy / "antenna_pin"
+    assert not (package / file).exists()
+    (package / file).write_text(text, encoding="utf-8")
+    home = package / registry
+    lines = home.read_text(encoding="utf-8").splitlines()
+    if entry:
+        lines.insert(next(k for k, one in enumerate(lines) if one.strip().startswith(before)), entry)
+    lines.insert(lines.index("from __future__ import annotations") + 1, imported)
+    home.write_text("\n".join([*lines, ""]), encoding="utf-8")
+
+
+def run(copy, *words, code=None):
+    """Run the command line, or some code, of the copy."""
+    environment = os.environ | {"PYTHONPATH": str(copy), "NUMBA_DISABLE_JIT": "1", "COLUMNS": "200"}
+    command = [sys.executable, "-c", code] if code is not None else [sys.executable, "-m", "antenna_pin.cli"]
+    done = subprocess.run(
+        [*command, *words], cwd=copy, env=environment, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def swing(copy, spring):
+    """Write the scenario of a bar on a hinge without play, against a spring, let go at half a radian."""
+    (copy / "swing.toml").write_text(
+        f"""format = 1
+title = "a bar on a spring"
+duration = "0.4 s"
+[mechanism]
+urdf = "{ROOT.parent / "models/pendulum/pendulum.urdf"}"
+base = "fixed"
+[springs.hinge]
+{spring}
+[initial.joints.hinge]
+angle = "0.5 rad"
+[integrator]
+rtol = 1e-9
+""",
+        encoding="utf-8",
+    )
+
+
+# --- an element ---
+
+CUBIC = '''
+"""A spring whose torque grows with the third power of the angle."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from antenna_pin.elements.element import Element
+from antenna_pin.parameters import parameter
+from antenna_pin.readable import readable
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CubicSpring(Element):
+    """A spring without a linear part, tau = -k phi^3.
+
+    Attributes:
+        cubic: k [N*m/rad^3].
+    """
+
+    kernels: ClassVar[str] = "cubic_kernels"
+    senses: ClassVar[bool] = True
+
+    cubic: float = parameter("N*m/rad**3", sliding="N/m**3", rule="positive")
+
+    def words(self, slides):
+        return f"cubic {readable(self.cubic, self.unit('cubic', slides))}"
+'''
+CUBIC_KERNELS = '''
+"""A cubic spring, compiled."""
+
+from antenna_pin._compile import inlined, record
+from antenna_pin.records import layout, words_of
+
+LAYOUT = layout(("cubic", "f8"))
+SIZE = words_of(LAYOUT)
+
+
+@inlined
+def effort(words, at, t, angle, rate):
+    return float(-record(words[at : at + SIZE], LAYOUT).cubic * angle**3)
+
+
+@inlined
+def stored(words, at, angle):
+    return float(0.25 * record(words[at : at + SIZE], LAYOUT).cubic * angle**4)
+'''
+
+
+def test_a_second_kind_in_springs_is_an_element_of_its_own(copy):
+    """Run, told, drawn and kept: the energy it stores is in the ledger, or that would not close."""
+    kernels = copy / "antenna_pin" / "elements" / "cubic_kernels.py"
+    kernels.write_text(CUBIC_KERNELS, encoding="utf-8")
+    add(
+        copy,
+        "elements/cubic.py",
+        CUBIC,
+        "elements/registry.py",
+        "from antenna_pin.elements.cubic import CubicSpring",
+        before='"between-points":',
+        entry='"cubic": CubicSpring,',
+    )
+    swing(copy, 'kind = "cubic"\ncubic = "40 N*m/rad**3"')
+    run(copy, "run", "swing.toml", "--out", "swing.nc", "--quiet")
+    run(copy, "report", "swing.nc", "--out", "swing.html", "--no-figures", "--no-recordings")
+    assert "cubic 40" in (copy / "swing.html").read_text(encoding="utf-8")
+    told = run(
+        copy,
+        code="import json, antenna_pin.trajectory as t; d = t.Trajectory.load('swing.nc').data; "
+        "print(json.dumps([d.motion_angle.values[:, 0].tolist(), d.spring_energy.values.tolist(),"
+        " d.energy_error.values.tolist()]))",
+    )
+    angle, energy, error = map(np.array, json.loads(told))
+    assert np.ptp(angle) > 0.1
+    assert energy == pytest.approx(10.0 * angle**4, rel=1e-12)  # the recorder's own formula is the kernel's
+    assert np.abs(error).max() < 1e-7 * energy[0]  # rtol over some ten steps
+
+
+# --- a law ---
+
+STAIRS = '''
+"""Damping of a kind of one's own: a multiple of the elastic force."""
+
+from dataclasses import dataclass
+
+from antenna_pin.contact.hysteresis import HysteresisDamping
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Halved(HysteresisDamping):
+    """chi = (1 - c_r) / 2."""
+
+    @property
+    def hysteresis(self):
+        return 0.5 * (1.0 - self.restitution)
+'''
+
+
+def test_a_law_has_its_certificate_and_its_runs(copy):
+    """What it delivers follows from chi alone: chi (1 + c) = ln[(1 + chi) / (1 - chi c)]."""
+    add(
+        copy,
+        "contact/halved.py",
+        STAIRS,
+        "contact/registry.py",
+        "from antenna_pin.contact.halved import Halved",
+        before='"kelvin-voigt":',
+        entry='"halved": Halved,',
+    )
+    # One impact: they touch after 1 ms at 0.1 m/s.
+    law = "{law='hertz', dissipation='halved', stiffness='1e9 N/m**1.5', restitution=0.5}"
+    run(
+        copy, "run", "impact_pair", "--set", f"clearance.bore.normal={law}", "--duration", "2.5 ms",
+        "--geometry", "closed-form", "--out", "pair.nc", "--quiet",
+    )  # fmt: skip
+    said = json.loads(
+        run(
+            copy,
+            code="import json, antenna_pin.trajectory as t; from antenna_pin.contact import make_normal_law;"
+            "law = make_normal_law('hertz', {'stiffness': 1e9, 'restitution': 0.5}, 'halved');"
+            "d = t.Trajectory.load('pair.nc').data;"
+            "print(json.dumps([law.dissipation.hysteresis, d.v.values[[0, -1]].tolist()]))",
+        )
+    )
+    chi, (before, after) = said
+    assert chi == 0.25
+    moving = int(np.argmax(np.abs(before)))
+    c = -after[moving] / before[moving]
+    # The run's tolerance 1e-10 over one impact of some tens of steps.
+    assert chi * (1.0 + c) == pytest.approx(np.log((1.0 + chi) / (1.0 - chi * c)), rel=1e-7)
+
+
+# --- a figure, a variable of the result, an event ---
+
+BASE_ENERGY = '''
+"""Energy of the whole, drawn."""
+
+from antenna_pin.plot._run_figure import RunFigure
+from antenna_pin.plot._runs import labelled
+from antenna_pin.plot._style import new_figure, styled
+
+
+@styled
+def figure_twice(runs, *, width="page"):
+    figure = new_figure(width, 60.0)
+    axes = figure.subplots()
+    for run in labelled(runs):
+        axes.plot(run.time, run.values("twice_the_energy"), label=run.legend)
+    return figure
+
+
+FIGURES = (RunFigure(name="twice", title="Twice the energy", function=figure_twice, standard=False),)
+'''
+
+
+@pytest.mark.slow
+def test_a_figure_of_a_variable_that_is_new_and_an_event_of_ones_own(copy):
+    """The variable is a row of the schema and its value; the figure a file; the event a function."""
+    add(
+        copy,
+        "plot/twice.py",
+        BASE_ENERGY,
+        "plot/catalogue.py",
+        "from antenna_pin.plot import twice",
+        before="*audit.FIGURES,",
+        entry="*twice.FIGURES,",
+    )
+    insert(
+        copy,
+        "trajectory/schema.py",
+        'yield from _rows("state", "time configuration"',
+        '    yield from _rows("audit", "time", ("twice_the_energy", "J", "kinetic energy, twice"))',
+    )
+    insert(
+        copy,
+        "simulation/sources.py",
+        '"kinetic_energy": audit["kinetic"],',
+        '"twice_the_energy": 2.0 * audit["kinetic"],',
+    )
+    swing(copy, 'stiffness = "10 N*m/rad"')
+    code = """
+from antenna_pin import load_scenario, simulate
+from antenna_pin.simulation import Event, Stop
+
+fallen = Event(name="fallen", when=lambda moment: moment.angle("hinge") - 0.4, action=Stop())
+run = simulate(load_scenario("swing.toml"), events=[fallen])
+run.save("fall.nc")
+data = run.data
+assert (data.twice_the_energy == 2.0 * data.kinetic_energy).all()
+assert data.twice_the_energy.units == "J"
+print(run.outcome.name, float(data.motion_angle[-1, 0]))
+"""
+    outcome, angle = run(copy, code=code).split()
+    assert outcome.startswith("STOPPED")
+    assert float(angle) == pytest.approx(0.4, rel=1e-12)  # events are located to round-off in time
+    assert run(copy, "plot", "fall.nc", "--out", ".", "--figure", "twice").split() == ["twice.png"]
+    assert (copy / "twice.png").stat().st_size > 1000
+
+
+# --- a joint with play ---
+
+RING = '''
+"""A thin ring on a rod: radial play at one place, and nothing that holds it along or keeps it upright."""
+
+from dataclasses import dataclass
+
+from antenna_pin.geometry import kernels
+from antenna_pin.geometry.shape import ContactPlace, RoundShape, flat, require_lengths
+from antenna_pin.geometry.coal_round import CoalPlanar
+from antenna_pin.geometry.round_kernels import ROUND
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ring(RoundShape):
+    kind = "ring"
+    planar = False
+    motion = "turn"
+    half_length = None
+
+    bearing_radius: float
+    journal_radius: float
+
+    def __post_init__(self):
+        require_lengths(self, "bearing_radius", "journal_radius")
+
+    @property
+    def contact_places(self):
+        return (ContactPlace("hoop"),)
+
+    def candidates(self, axes):
+        return flat(ROUND, (kernels.CIRCLE, self.bearing_radius, self.journal_radius, (0.0,) * 6))
+
+    def coal(self, axes):
+        return CoalPlanar(self.bearing_radius, self.journal_radius)
+'''
+RING_LOOK = '''
+"""How a ring on a rod is looked at and told of."""
+
+from antenna_pin.geometry.look import Look, radial_words
+from antenna_pin.geometry.planar_look import LOOK as IN_A_PLANE
+
+LOOK = IN_A_PLANE._replace(
+    held="a ring on a rod, held by contact alone",
+    dimensions=lambda size: [radial_words("ring", size["bearing_radius"], "rod", size["journal_radius"])],
+    contacts=frozenset({"hoop"}),
+    rows=("radial",),
+)
+'''
+RING_SPEC = '''
+
+class RingClearance(TouchingSpec):
+    """A ring on a rod."""
+
+    kind = "ring"
+    kinds: ClassVar[tuple[Kind, ...]] = ("radial",)
+
+    model: Literal["ring"]
+    bearing_radius: PositiveLength
+
+    def sizes(self) -> dict[str, float]:
+        return {
+            "bearing_radius": self.bearing_radius,
+            "journal_radius": self.bearing_radius - self.radial_play,
+        }
+
+'''
+
+
+def insert(copy, file, before, text):
+    """Insert a line before the one that begins with something."""
+    path = copy / "antenna_pin" / file
+    lines = path.read_text(encoding="utf-8").splitlines()
+    lines.insert(next(k for k, one in enumerate(lines) if one.strip().startswith(before)), text)
+    path.write_text("\n".join([*lines, ""]), encoding="utf-8")
+
+
+@pytest.mark.slow
+def test_a_kind_of_joint_with_play_is_run_drawn_recorded_and_told_of(copy):
+    """Two files of geometry with their lines, and a class of the scenario: nothing else knows of it."""
+    (copy / "antenna_pin" / "geometry" / "ring_look.py").write_text(RING_LOOK, encoding="utf-8")
+    add(
+        copy,
+        "geometry/ring.py",
+        RING,
+        "geometry/registry.py",
+        "from antenna_pin.geometry.ring import Ring",
+        before="for shape in (",
+        entry="for shape in (Ring,)} | {shape.kind: shape",
+    )
+    insert(
+        copy, "geometry/looks.py", '"planar":', '"ring": __import__("antenna_pin").geometry.ring_look.LOOK,'
+    )
+    insert(
+        copy, "geometry/looks.py", "from antenna_pin.geometry.look ", "import antenna_pin.geometry.ring_look"
+    )
+    insert(copy, "scenario/clearance.py", "ClearanceSpec = ", RING_SPEC)
+    path = copy / "antenna_pin" / "scenario" / "clearance.py"
+    text = path.read_text(encoding="utf-8")
+    path.write_text(
+        text.replace("\nClearanceSpec = ", "\nClearanceSpec = RingClearance | "), encoding="utf-8"
+    )
+    said = run(
+        copy, "run", "impact_pair", "--set", "clearance.bore.model=ring", "--duration", "2 ms",
+        "--set", "integrator.rtol=1e-8", "--out", "ring.nc", "--quiet",
+    )  # fmt: skip
+    told = run(
+        copy,
+        code="import json, antenna_pin.trajectory as t; d = t.Trajectory.load('ring.nc').data;"
+        "print(json.dumps([d.contact.values.tolist(), float(d.attrs['gap_difference']),"
+        " d.touching.values.max().item(), d.linear_momentum.values[[0, -1]].tolist()]))",
+    )
+    contacts, apart, touched, (before, after) = json.loads(told)
+    assert contacts == ["bore.hoop"] and touched == 1
+    assert apart < 1e-15  # coal's distance of a point from a cylinder is a closed form
+    assert after == pytest.approx(before, rel=1e-11, abs=1e-14)  # internal forces, round-off
+    figures = ("--figure", "contact_forces", "--figure", "journal_orbit")
+    assert len(run(copy, "plot", "ring.nc", "--out", "f", *figures).split()) == 2
+    run(copy, "record", "ring.nc", "--view", "joint", "--out", "ring.html")
+    run(copy, "report", "ring.nc", "--out", "report.html", "--no-figures", "--no-recordings")
+    page = (copy / "report.html").read_text(encoding="utf-8")
+    assert "a ring on a rod, held by contact alone" in page and "ring of radius 10" in page
+    assert said == ""
