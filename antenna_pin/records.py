@@ -16,10 +16,17 @@ from numpy.typing import NDArray
 
 __all__ = [
     "BLOCK",
+    "CIRCLE",
     "CONTACT",
+    "FIXED_AXIS",
     "MEMORY",
+    "PLANE",
     "POSE",
     "PROGRAM",
+    "RIGID",
+    "ROTATION",
+    "SLIDE",
+    "VECTOR",
     "memory_numbers",
     "memory_records",
     "place_of",
@@ -65,6 +72,12 @@ def place_of(kind: np.dtype[Any], field: str) -> int:
     assert kind.fields is not None
     return int(kind.fields[field][1]) // 8
 
+
+# How a joint moves, and what its numbers in q are: an angle about an axis, the same as (cos, sin), a way
+# along an axis; (x, y, cos, sin), v being (linear in body axes, rate); a quaternion xyzw, v in body axes;
+# position and quaternion, v being (linear, angular) in body axes. To a configuration those of one number are
+# alike, and of the last kind: q' = v.
+FIXED_AXIS, CIRCLE, SLIDE, PLANE, ROTATION, RIGID, VECTOR = range(7)
 
 #: A candidate contact, a row of the contact table; vectors in bearing axes. Geometry fills the gap [m], the
 #: normal (bearing to journal) and the point [m] from the bearing's centre, a joint the rest: depth rate

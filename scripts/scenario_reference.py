@@ -25,6 +25,7 @@ from antenna_pin.contact import (
 from antenna_pin.parameters import attribute_docs, parameters_of
 from antenna_pin.scenario import (
     DRIVE_SPECS,
+    SPRING_SPECS,
     AnchorSpec,
     AngleEvent,
     ClearanceSpec,
@@ -32,7 +33,6 @@ from antenna_pin.scenario import (
     ContactClearance,
     CouplingSpec,
     ForceEvent,
-    FrictionSpec,
     GapEvent,
     InitialBaseSpec,
     InitialJointSpec,
@@ -50,12 +50,10 @@ from antenna_pin.scenario import (
     PetalsSpec,
     PlaceSpec,
     PointingSpec,
-    PointSpringSpec,
     RateEvent,
     ScalesSpec,
     Scenario,
     ShapeSpec,
-    SpringSpec,
     TimeEvent,
 )
 
@@ -199,6 +197,37 @@ def drive_rows() -> list[str]:
     return lines
 
 
+# Heading and note of the tables of springs, where they are more than the kind and what it is in a line.
+_SPRINGS = {
+    "spring": ("", "What stores or loses energy; here a spring and damper at a joint."),
+    "friction": (
+        " of friction",
+        "Friction at a joint, beside what its `<dynamics>` and `[mechanism.joints]` say, and which "
+        "events can change or switch.",
+    ),
+    "between-points": (
+        " between points",
+        "Draws two points together, or apart ([more](closed-loops.md#springs-between-points)).",
+    ),
+}
+
+
+def spring_sections() -> Iterator[str]:
+    """Yield a table for each kind of spring; the first says how the others are told from it."""
+    for kind, cls in SPRING_SPECS.items():
+        title, note = _SPRINGS.get(kind, (f" of kind {kind}", (cls.__doc__ or "").splitlines()[0]))
+        lines = rows(cls, without=("joint", "first", "second", "motion", "kind"))
+        if "joint" in cls.model_fields:
+            lines.insert(0, "| `joint` | text | the spring's name | Name of the joint |")
+            if kind != "spring":
+                lines.insert(0, f"| `kind` | `{kind}` | required | What it is |")
+        if kind == "spring":
+            kinds = ", ".join(f"`{one}`" for one in SPRING_SPECS)
+            default = "`between-points` with the keys `first` and `second`, else `spring`"
+            lines.insert(0, f"| `kind` | {kinds} | {default} | What it is; the others have tables below |")
+        yield section(f"[springs.NAME]{title}", lines, note)
+
+
 def flexible_rows() -> list[str]:
     """Return the rows of a flexible link: what all have, then what each kind has."""
     kinds = {"modes": ModesSpec, "petals": PetalsSpec, "modal-data": ModalDataSpec}
@@ -294,31 +323,7 @@ def scenario_table() -> str:
             " dropped.",
         ),
         section("[drives.NAME]", drive_rows()),
-        section(
-            "[springs.NAME]",
-            [
-                "| `kind` | `spring`, `friction`, `between-points` | `between-points` with the keys "
-                "`first` and `second`, else `spring` | What it is; the other two have tables below |",
-                "| `joint` | text | the spring's name | Name of the joint |",
-                *rows(SpringSpec, without=("joint", "motion", "kind")),
-            ],
-            "What stores or loses energy; here a spring and damper at a joint.",
-        ),
-        section(
-            "[springs.NAME] of friction",
-            [
-                "| `kind` | `friction` | required | What it is |",
-                "| `joint` | text | the spring's name | Name of the joint |",
-                *rows(FrictionSpec, without=("joint", "motion", "kind")),
-            ],
-            "Friction at a joint, beside what its `<dynamics>` and `[mechanism.joints]` say, and which "
-            "events can change or switch.",
-        ),
-        section(
-            "[springs.NAME] between points",
-            rows(PointSpringSpec, without=("first", "second", "kind")),
-            "Draws two points together, or apart ([more](closed-loops.md#springs-between-points)).",
-        ),
+        *spring_sections(),
         section("[springs.NAME.first], [springs.NAME.second]", rows(PlaceSpec)),
         section(
             "[events.NAME]",

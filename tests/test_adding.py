@@ -116,7 +116,6 @@ CUBIC_KERNELS = '''
 from antenna_pin._compile import inlined, record
 from antenna_pin.records import layout, words_of
 
-KIND = 77
 LAYOUT = layout(("cubic", "f8"))
 SIZE = words_of(LAYOUT)
 
@@ -124,11 +123,6 @@ SIZE = words_of(LAYOUT)
 @inlined
 def effort(words, at, t, angle, rate):
     return float(-record(words[at : at + SIZE], LAYOUT).cubic * angle**3)
-
-
-@inlined
-def write_rates(words, at, rate, power, rates, x):
-    pass
 
 
 @inlined

@@ -1,5 +1,7 @@
 """Every file is one concept: none is long, and no two need each other."""
 
+import ast
+import importlib
 import sys
 from pathlib import Path
 
@@ -83,3 +85,59 @@ def test_compiled_code_knows_numpy_numba_and_records():
     kernels = {name for name in graph.modules if name.endswith("kernels")}
     known = {(name, other) for name in kernels for other in graph.find_modules_directly_imported_by(name)}
     assert not {pair for pair in known if pair[1] not in below | kernels | sys.stdlib_module_names}
+
+
+ARGUMENTS = 7
+"""Arguments of a compiled function beyond which some of them belong together, in a record."""
+
+TOO_MANY = {
+    "constraints/solve_kernels.py: accelerate": 9,
+    "dynamics/inspect_kernels.py: inspect_step": 9,
+    "dynamics/trial_kernels.py: root_of": 8,
+    "engine/episode_kernels.py: keep_peaks": 8,
+    "engine/implicit_kernels.py: attempt_implicit": 10,
+    "engine/step_kernels.py: attempt": 8,
+    "engine/step_kernels.py: prepare_dense": 8,
+    "engine/watch_kernels.py: may_happen": 9,
+    "integrate/kernels.py: dense_joint": 8,
+    "integrate/newton_kernels.py: estimate": 8,
+    "integrate/radau_kernels.py: _set_out": 8,
+    "integrate/radau_kernels.py: go_on": 8,
+    "joints/kernels.py: alone": 10,
+    "joints/kernels.py: clearance_joint": 10,
+    "joints/kernels.py: contact_forces": 8,
+    "joints/row_kernels.py: bristles": 8,
+}
+"""Functions that still have more, and how many: a list that gets shorter only."""
+
+
+def compiled_code():
+    """Yield the path of each file of kernels, in the package, and its code."""
+    for path in sorted(PACKAGE.rglob("*kernels.py")):
+        yield path.relative_to(PACKAGE).as_posix(), ast.parse(path.read_text())
+
+
+def test_kernels_take_few_arguments():
+    """Beyond seven a call can no longer be read, and what travels together has no name."""
+    counts = {
+        f"{file}: {one.name}": len(one.args.posonlyargs + one.args.args + one.args.kwonlyargs)
+        for file, code in compiled_code()
+        for one in ast.walk(code)
+        if isinstance(one, ast.FunctionDef)
+    }
+    assert {name: count for name, count in counts.items() if count > ARGUMENTS} == TOO_MANY
+
+
+def test_a_constant_of_compiled_code_has_one_value():
+    """One name with two values is read as one: the kinds of joints were numbered in three ways."""
+    values = {}
+    for file, code in compiled_code():
+        module = importlib.import_module(f"antenna_pin.{file.removesuffix('.py').replace('/', '.')}")
+        for one in code.body:
+            targets = one.targets if isinstance(one, ast.Assign) else [getattr(one, "target", None)]
+            for target in targets:
+                value = getattr(module, getattr(target, "id", ""), None)
+                if isinstance(value, int | float | np.number):
+                    values.setdefault(target.id, set()).add(float(value))
+    # A record's size is that of its own kind of element.
+    assert {name for name, found in values.items() if len(found) > 1} == {"SIZE", "GAP"}

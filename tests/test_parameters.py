@@ -16,6 +16,7 @@ from antenna_pin.errors import InvalidParameterError, ScenarioError
 from antenna_pin.integrate.methods import METHODS
 from antenna_pin.parameters import parameters_of
 from antenna_pin.scenario import (
+    SPRING_SPECS,
     InitialBaseSpec,
     InitialJointSpec,
     IntegratorSpec,
@@ -26,7 +27,6 @@ from antenna_pin.scenario import (
     PlaceSpec,
     ScalesSpec,
     ShapeSpec,
-    SpringSpec,
 )
 from antenna_pin.scenario.spec import Spec
 from antenna_pin.units import shown
@@ -99,7 +99,7 @@ def test_true_and_false_are_themselves() -> None:
             ):
                 cls(**{**given, name: value})
     for value in (True, np.True_):
-        assert SpringSpec(joint="a", stiffness=1.0, shorter_way=value).build().shorter_way is True
+        assert SPRING_SPECS["spring"](joint="a", stiffness=1.0, shorter_way=value).build().shorter_way is True
 
 
 @pytest.mark.parametrize("value", [True, np.True_, np.array(True), np.array([1.0]), "1_0"])

@@ -76,9 +76,7 @@ def body_poses(
     Returns:
         ``position`` (time, body, axis) [m] and ``attitude`` (time, body, quaternion), xyzw.
     """
-    data = _picked(run, times)
-    mechanism = mechanism_of(run)
-    names = _names(mechanism, bodies)
+    data, mechanism, names = _asked(run, times, bodies)
     position, attitude = link_poses(mechanism, _array(data, "q"), names)
     return xr.Dataset(
         {
@@ -102,8 +100,13 @@ def body_poses(
     )
 
 
-def _names(mechanism: Mechanism, bodies: Sequence[str] | None) -> list[str]:
-    return [link.name for link in mechanism.urdf.robot.links] if bodies is None else list(bodies)
+def _asked(
+    run: Trajectory | xr.Dataset, times: ArrayLike | None, bodies: Sequence[str] | None
+) -> tuple[xr.Dataset, Mechanism, list[str]]:
+    """Return the samples that are asked for, the mechanism, and the links that are."""
+    mechanism = mechanism_of(run)
+    every = [link.name for link in mechanism.urdf.robot.links]
+    return _picked(run, times), mechanism, every if bodies is None else list(bodies)
 
 
 @takes()
@@ -120,9 +123,7 @@ def body_twists(
     Returns:
         ``velocity`` [m/s] and ``angular_velocity`` [rad/s], (time, body, axis).
     """
-    data = _picked(run, times)
-    mechanism = mechanism_of(run)
-    names = _names(mechanism, bodies)
+    data, mechanism, names = _asked(run, times, bodies)
     twists = link_twists(mechanism, _array(data, "q"), _array(data, "v"), names)
     dims = ("time", "body", "axis")
     return xr.Dataset(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from antenna_pin.assemble.places import where
 from antenna_pin.errors import ScenarioError
 from antenna_pin.mechanism import WrittenUrdf
-from antenna_pin.scenario import AnchorSpec, Scenario
+from antenna_pin.scenario import AnchorSpec, ElementSpec, Scenario
 from antenna_pin.scenario.clearance import TouchingSpec
 
 __all__ = ["check_not_closures"]
@@ -32,7 +32,8 @@ def _way_out(scenario: Scenario, urdf: WrittenUrdf, name: str) -> str:
     if not ideal:
         which = f" ({_or(loop)})" if loop else ""
         return f"nothing is left to cut: give one joint of the loop no play{which}"
-    acting = {one.joint for one in (*scenario.drives.values(), *scenario.springs.values())}
+    elements = (*scenario.drives.values(), *scenario.springs.values())
+    acting = {one.joint for one in elements if isinstance(one, ElementSpec)}
     free = [joint for joint in ideal if joint not in acting]
     if not free:
         return (

@@ -13,14 +13,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from antenna_pin.cli._common import complain
-from antenna_pin.cli._progress import study_bar
+from antenna_pin.cli._progress import diagram_bar, study_bar
 from antenna_pin.cli._run_store import same_scenario
 from antenna_pin.errors import FileFormatError
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from antenna_pin.nonlinear import Made
     from antenna_pin.plot import Attractor, AttractorFigure, Diagram, DiagramFigure
     from antenna_pin.scenario import Scenario
     from antenna_pin.trajectory import Trajectory
@@ -93,7 +92,6 @@ class AttractorStore:
         import numpy as np
 
         from antenna_pin.nonlinear import bifurcation, load_plan, open_diagram, values_of
-        from antenna_pin.sweep import Standing
         from antenna_pin.units import any_quantity
 
         plan = load_plan(wanted.name)
@@ -108,23 +106,11 @@ class AttractorStore:
                 complain(f"{wanted.name}: using {path}")
                 return found
         complain(f"{wanted.name}: running {self.values} values")
-        with study_bar(wanted.name, self.progress) as report:
-
-            def tell(now: Made) -> None:
-                if report is not None:
-                    report(Standing("run", now.done, now.count, 0))
-
+        with diagram_bar(wanted.name, self.progress) as tell:
             return bifurcation(
                 scenario,
-                plan.parameter,
-                values,
-                plan.where(),
-                plan.quantities,
-                branches=plan.branches,
-                count=plan.count,
-                transient=plan.transient,
-                most=plan.most,
-                tolerance=plan.tolerance,
+                values=values,
+                **plan.how(),
                 out=path,
                 progress=tell,
             )

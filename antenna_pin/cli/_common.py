@@ -15,7 +15,7 @@ import signal
 import sys
 import tempfile
 import warnings
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, NoReturn, ParamSpec, TypeVar
@@ -33,8 +33,6 @@ from antenna_pin.errors import (
 from antenna_pin.interruption import Ended, ended_by, held_back, is_interruption
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from antenna_pin.scenario import Scenario
     from antenna_pin.trajectory import Trajectory
 
@@ -315,14 +313,6 @@ def figure_folder(out: Path) -> Path:
     if out.exists() and not out.is_dir():
         raise OutputError(f"--out {out}: this is a file; name a folder for the figures")
     return out
-
-
-def save_figures(figures: Mapping[str, Figure], out: Path, suffixes: Sequence[str]) -> None:
-    """Write figures of contact laws and say where."""
-    from antenna_pin.plot import save_contact_figures
-
-    for path in save_contact_figures(figures, out, suffixes):
-        typer.echo(path)
 
 
 def say_limits(trajectory: Trajectory, before: str) -> None:

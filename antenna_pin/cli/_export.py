@@ -1,4 +1,4 @@
-"""Numbers for programs: one line of JSON on the output, or a CSV file, from the same plain values."""
+"""What goes out beside tables: one line of JSON, a CSV file of the same plain values, figures of laws."""
 
 from __future__ import annotations
 
@@ -7,21 +7,26 @@ import json
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from antenna_pin.cli._common import writable_file
+from antenna_pin.cli._common import figure_folder, figure_formats, writable_file
 from antenna_pin.files import replacing
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 __all__ = [
     "CsvOption",
     "JsonOption",
     "csv_target",
     "exported",
+    "figures_asked",
     "parts_of",
     "plain",
     "rows_of",
+    "save_figures",
     "say_json",
     "write_csv",
 ]
@@ -119,3 +124,18 @@ def _cell(value: Any) -> Any:
     if isinstance(value, list):
         return "; ".join(str(_cell(each)) for each in value)
     return repr(value) if isinstance(value, float) else value
+
+
+def figures_asked(out: Path | None, formats: str) -> list[str]:
+    """Return the formats of figures that may be asked for, and refuse a folder for them that is a file."""
+    if out is not None:
+        figure_folder(out)
+    return figure_formats(formats)
+
+
+def save_figures(figures: Mapping[str, Figure], out: Path, suffixes: Sequence[str]) -> None:
+    """Write figures of contact laws and say where."""
+    from antenna_pin.plot import save_contact_figures
+
+    for path in save_contact_figures(figures, out, suffixes):
+        typer.echo(path)

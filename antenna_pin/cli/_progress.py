@@ -17,6 +17,7 @@ from antenna_pin.readable import lasting
 if TYPE_CHECKING:
     from rich.progress import Progress as Bar
 
+    from antenna_pin.nonlinear import Made
     from antenna_pin.simulation import Progress
     from antenna_pin.sweep import Standing
 
@@ -249,3 +250,17 @@ def _seconds(value: float) -> str:
         if value >= size:
             return f"{value / size:.3g} {unit}"
     return f"{value:.3g} s"
+
+
+@contextlib.contextmanager
+def diagram_bar(title: str, shown: bool) -> Iterator[Callable[[Made], None]]:
+    """Yield what a bifurcation diagram reports its runs to, on the error stream."""
+    from antenna_pin.sweep import Standing
+
+    with study_bar(title, shown) as report:
+
+        def tell(now: Made) -> None:
+            if report is not None:
+                report(Standing("run", now.done, now.count, 0))
+
+        yield tell

@@ -19,7 +19,7 @@ from antenna_pin.cli._common import (
     refuse,
     say,
 )
-from antenna_pin.cli._progress import study_bar
+from antenna_pin.cli._progress import diagram_bar
 from antenna_pin.cli._saved import PlotOption, save_both, targets_of
 from antenna_pin.cli._sections import (
     COUNT,
@@ -37,7 +37,7 @@ from antenna_pin.cli._tables import print_rows
 if TYPE_CHECKING:
     import xarray as xr
 
-    from antenna_pin.nonlinear import DiagramPlan, Made
+    from antenna_pin.nonlinear import DiagramPlan
     from antenna_pin.scenario import Scenario
 
 # Values that are named of those that failed.
@@ -101,7 +101,6 @@ def bifurcation(
     targets = targets_of(out, plot)
     from antenna_pin.nonlinear import bifurcation as made
     from antenna_pin.plot import figure_bifurcation
-    from antenna_pin.sweep import Standing
 
     given = {
         "case": case,
@@ -118,23 +117,11 @@ def bifurcation(
         "tolerance": tolerance,
     }
     plan, loaded = _planned(scenario, given, settings)
-    with study_bar(plan.parameter, progress) as report:
-
-        def tell(now: Made) -> None:
-            if report is not None:
-                report(Standing("run", now.done, now.count, 0))
-
+    with diagram_bar(plan.parameter, progress) as tell:
         found = made(
             loaded,
-            plan.parameter,
-            plan.given(),
-            plan.where(),
-            plan.quantities,
-            branches=plan.branches,
-            count=plan.count,
-            transient=plan.transient,
-            most=plan.most,
-            tolerance=plan.tolerance,
+            values=plan.given(),
+            **plan.how(),
             out=targets[0],
             workers=workers,
             progress=tell,

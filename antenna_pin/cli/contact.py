@@ -9,7 +9,7 @@ from __future__ import annotations
 import dataclasses
 import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Container
 from typing import Annotated, Any
 
 import typer
@@ -19,11 +19,15 @@ from antenna_pin.cli._common import (
     FigureOutOption,
     Width,
     WidthOption,
-    figure_folder,
-    figure_formats,
+)
+from antenna_pin.cli._export import (
+    CsvOption,
+    JsonOption,
+    csv_target,
+    exported,
+    figures_asked,
     save_figures,
 )
-from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, exported
 from antenna_pin.cli._quantities import clearance_of, list_of, positive_quantity
 from antenna_pin.cli._tables import fixed_text, length_text, number_text, power_above, print_rows
 from antenna_pin.cli.experiment import experiment
@@ -138,6 +142,31 @@ def _first_line(law: type[Any]) -> str:
     return re.sub(r":\w+:`[~.]?(?:\w+\.)*(\w+)`", r"\1", " ".join(line.replace("``", "").split()))
 
 
+def _chosen(
+    command: str,
+    asked: list[str],
+    fitting: list[str],
+    words: tuple[str, str, str],
+    all_there_are: Container[str],
+) -> list[str]:
+    """Return the laws asked for, each once, or refuse one that does not fit or that there is not.
+
+    Args:
+        command: Of the shell, for the message.
+        asked: Names.
+        fitting: Those that may be asked for.
+        words: What they are, what a law is, what one must be.
+        all_there_are: Names of the laws that do not fit, too.
+    """
+    what, parameter, rule = words
+    for name in asked:
+        if name not in fitting:
+            if name in all_there_are:
+                raise InvalidParameterError(command, parameter, rule, name)
+            raise UnknownNameError(command, what, name, fitting)
+    return list(dict.fromkeys(asked))
+
+
 # --- curve ---
 
 
@@ -163,26 +192,15 @@ def curve(
     from antenna_pin.law_studies import differing_factor, elastic_laws_of_joint, force_table, laws_left_out
 
     target = csv_target(csv)
-    suffixes = figure_formats(formats)
+    suffixes = figures_asked(out, formats)
     radius = positive_quantity(bearing_radius, "m", "--bearing-radius")
     clearance = clearance_of(radial_clearance, radius, "contact curve")
     if material not in MATERIALS:
         raise UnknownNameError("contact curve", "material", material, MATERIALS)
     points = list_of(depths, "m", "--depths")
-    if out is not None:
-        figure_folder(out)
     elastic = [name for name in NORMAL_LAWS if is_elastic(name)]
-    wanted = list(dict.fromkeys(laws or elastic))
-    for name in wanted:
-        if name in NORMAL_LAWS and name not in elastic:
-            raise InvalidParameterError(
-                "contact curve",
-                "law",
-                f"an elastic one of {', '.join(elastic)}; this one has a dissipation",
-                name,
-            )
-        if name not in elastic:
-            raise UnknownNameError("contact curve", "elastic law", name, elastic)
+    rule = f"an elastic one of {', '.join(elastic)}; this one has a dissipation"
+    wanted = _chosen("contact curve", laws or elastic, elastic, ("elastic law", "law", rule), NORMAL_LAWS)
     joint: dict[str, Any] = {
         "bearing_radius": radius,
         "journal_radius": radius - clearance,
@@ -256,29 +274,18 @@ def restitution(
     from antenna_pin.law_studies import largest_errors, restitution_table
 
     target = csv_target(csv)
-    suffixes = figure_formats(formats)
+    suffixes = figures_asked(out, formats)
     values = list_of(asked, "1", "--asked", positive=False)
     for value in values:
         if not 0.0 <= value <= 1.0:
             raise InvalidParameterError("contact restitution", "--asked", "in [0, 1]", value)
     taking = [name for name, law in DISSIPATIONS.items() if "restitution" in law_parameters(law)]
-    chosen = list(dict.fromkeys(dissipations or taking))
-    for name in chosen:
-        if name in DISSIPATIONS and name not in taking:
-            raise InvalidParameterError(
-                "contact restitution",
-                "dissipation",
-                f"one that takes a restitution: {', '.join(taking)}",
-                name,
-            )
-        if name not in taking:
-            raise UnknownNameError("contact restitution", "dissipation", name, taking)
+    words = ("dissipation", "dissipation", f"one that takes a restitution: {', '.join(taking)}")
+    chosen = _chosen("contact restitution", dissipations or taking, taking, words, DISSIPATIONS)
     impact = {
         "mass": positive_quantity(mass, "kg", "--mass"),
         "speed": positive_quantity(speed, "m/s", "--speed"),
     }
-    if out is not None:
-        figure_folder(out)
     rows = restitution_table(chosen, values, simulate=simulate, **impact)
     found = [dataclasses.asdict(row) for row in rows]
     if not exported({"restitution": found}, found, as_json, target):

@@ -13,11 +13,15 @@ from antenna_pin.cli._common import (
     FigureOutOption,
     Width,
     WidthOption,
-    figure_folder,
-    figure_formats,
+)
+from antenna_pin.cli._export import (
+    CsvOption,
+    JsonOption,
+    csv_target,
+    exported,
+    figures_asked,
     save_figures,
 )
-from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, exported
 from antenna_pin.cli._quantities import positive_quantity
 from antenna_pin.cli._tables import length_text, percent_text, print_rows
 
@@ -64,11 +68,9 @@ def experiment(
     from antenna_pin.law_studies import experiment_findings
 
     target = csv_target(csv)
-    suffixes = figure_formats(formats)
+    suffixes = figures_asked(out, formats)
     radius = positive_quantity(journal_radius, "m", "--journal-radius")
     line = positive_quantity(length, "m", "--length")
-    if out is not None:
-        figure_folder(out)
     found = experiment_findings(journal_radius=radius, length=line)
     if not exported(_facts(found), _fits(found), as_json, target):
         _print(found, radius, line)

@@ -9,7 +9,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from antenna_pin.constraints.factor_kernels import DEPENDENT, NOTHING
-from antenna_pin.constraints.search import CLOSED, Unclosed, row_names, worst
+from antenna_pin.constraints.search import ASSEMBLED, Unclosed, row_names, worst
 from antenna_pin.constraints.solver import Constraints
 
 __all__ = [
@@ -61,7 +61,7 @@ def find_velocity(constraints: Constraints, y: Array, program: Array, free: Arra
     fastest = max(
         1.0, float(np.abs(lack).max()), float(np.abs(y[nq : nq + nv]).max()) * constraints.plan.length
     )
-    return None if float(np.abs(rest).max()) <= CLOSED * fastest else worst(constraints, rest)
+    return None if float(np.abs(rest).max()) <= ASSEMBLED * fastest else worst(constraints, rest)
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,7 +6,7 @@ from typing import Any
 
 from antenna_pin._compile import inlined, kernel
 from antenna_pin.constraints.layout_kernels import body_at, place_at, plan_of
-from antenna_pin.mechanism.tree_kernels import CIRCLE, FIXED_AXIS, PLANE, RIGID, SLIDE
+from antenna_pin.records import CIRCLE, FIXED_AXIS, PLANE, RIGID, SLIDE
 
 
 @kernel
@@ -18,30 +18,20 @@ def closure_columns(plan: Any, work: Any, closure: Any) -> None:
     frame = (r[0, 0], r[1, 0], r[2, 0], r[0, 1], r[1, 1], r[2, 1], r[0, 2], r[1, 2], r[2, 2])
     held = (along[0], along[1], along[2], about[0], about[1], about[2], closure.square)
     origin = (b.origin[0], b.origin[1], b.origin[2])
-    square = (a.slide[0], a.slide[1], a.slide[2])
+    holds = frame, held, (a.slide[0], a.slide[1], a.slide[2])
     first, second = closure.first, closure.second
     # Down to the body that both stand on: what lies below moves both alike.
     while first != second:
         if first > second:
-            _columns(plan, work, closure.row, first, -1.0, frame, held, origin, square)
+            _columns(plan, work, closure.row, first, -1.0, origin, holds)
             first = body_at(plan, first).parent
         else:
-            _columns(plan, work, closure.row, second, 1.0, frame, held, origin, square)
+            _columns(plan, work, closure.row, second, 1.0, origin, holds)
             second = body_at(plan, second).parent
 
 
 @inlined
-def _columns(
-    plan: Any,
-    work: Any,
-    row: int,
-    b: int,
-    sign: float,
-    frame: Any,
-    held: Any,
-    origin: Any,
-    square: Any,
-) -> None:
+def _columns(plan: Any, work: Any, row: int, b: int, sign: float, origin: Any, holds: Any) -> None:
     """Write the columns of a closure's rows that belong to the joint of a body.
 
     Args:
@@ -50,11 +40,11 @@ def _columns(
         row: First of the closure's.
         b: The body.
         sign: 1 if it carries the second side, -1 if the first.
-        frame: The axes along and about which the closure holds, one after another.
-        held: Which ways and turns it holds, and whether two axes at right angles.
-        origin: Of its second frame.
-        square: About what these axes turn.
+        origin: Of the closure's second frame.
+        holds: The axes along and about which the closure holds, one after another; which ways and turns it
+            holds, and whether two axes at right angles; about what these axes turn.
     """
+    frame, held, _ = holds
     head = plan_of(plan)
     body, own = body_at(plan, b), place_at(work, b)
     r, kind, width, length = own.rotation, body.kind, head.width, head.length
@@ -68,14 +58,14 @@ def _columns(
         if kind == SLIDE:
             _way_column(work, at, x, y, z, frame, held)
         else:
-            _turn_column(work, at, length, x, y, z, d, frame, held, square)
+            _turn_column(work, at, length, (x, y, z), d, holds)
         return
     for k in range(3 if kind == RIGID else 2 if kind == PLANE else 0):
         _way_column(work, at, sign * r[0, k], sign * r[1, k], sign * r[2, k], frame, held)
         at += width
     for k in range(2 if kind == PLANE else 0, 3):
         x, y, z = sign * r[0, k], sign * r[1, k], sign * r[2, k]
-        _turn_column(work, at, length, x, y, z, d, frame, held, square)
+        _turn_column(work, at, length, (x, y, z), d, holds)
         at += width
 
 
@@ -93,19 +83,10 @@ def _way_column(work: Any, at: int, x: float, y: float, z: float, frame: Any, he
 
 
 @inlined
-def _turn_column(
-    work: Any,
-    at: int,
-    length: float,
-    x: float,
-    y: float,
-    z: float,
-    d: Any,
-    frame: Any,
-    held: Any,
-    square: Any,
-) -> None:
-    """Write one column of a closure's rows, at ``work[at:]``: of a turn about (x, y, z), d away."""
+def _turn_column(work: Any, at: int, length: float, axis: Any, d: Any, holds: Any) -> None:
+    """Write one column of a closure's rows, at ``work[at:]``: of a turn about an axis, d away."""
+    x, y, z = axis
+    frame, held, square = holds
     _way_column(work, at, y * d[2] - z * d[1], z * d[0] - x * d[2], x * d[1] - y * d[0], frame, held)
     at += held[0] + held[1] + held[2]
     if held[3] != 0:

@@ -100,7 +100,7 @@ def factorize(plan: Any, work: Any, mass: Any) -> None:
             length *= _clean(plan, work, p, length, own, triangle)
         work[head.inverses + p] = 1.0 / length
         count = _gather(nv, own, numbers, at)
-        _take_out(p, nv, width, count, numbers, at, left, triangle, squares)
+        _take_out(p, nv, width, (count, numbers, at), left, triangle, squares)
 
 
 @inlined
@@ -215,18 +215,12 @@ def _clean(plan: Any, work: Any, p: int, length: float, own: Any, triangle: Any)
 
 
 @inlined
-def _take_out(
-    p: int,
-    nv: int,
-    width: int,
-    count: int,
-    numbers: Any,
-    at: Any,
-    left: Any,
-    triangle: Any,
-    squares: Any,
-) -> None:
-    """Take the direction p out of all rows behind it; write its row of R and the squares that are left."""
+def _take_out(p: int, nv: int, width: int, direction: Any, left: Any, triangle: Any, squares: Any) -> None:
+    """Take the direction p out of all rows behind it; write its row of R and the squares that are left.
+
+    ``direction`` is how many of its numbers are not zero, these, and where they stand.
+    """
+    count, numbers, at = direction
     behind, row = p + 1, p * width
     begin, even = behind - behind % LANES, count - count % 2
     for c in range(0, begin, LANES):

@@ -14,7 +14,6 @@ from antenna_pin.constraints.layout_kernels import (
     plan_of,
 )
 from antenna_pin.constraints.root_kernels import solve_back, solve_forth, write_root
-from antenna_pin.constraints.solve_kernels import accelerate
 
 
 @kernel
@@ -149,28 +148,17 @@ def joint_forces(plan: Any, forces: Any, out: Any) -> None:
 
 
 @kernel
-def observe_held(
-    t: float,
-    y: Any,
-    program: Any,
-    plan: Any,
-    work: Any,
-    effort: Any,
-    mass: Any,
-    bias: Any,
-    room: Any,
-    forces: Any,
-    rates: Any,
-    closures: Any,
-    joints: Any,
-) -> None:
-    """Write accelerations of a state under constraints, and what holds its closures, motions and couplings.
+def write_holding(plan: Any, work: Any, room: Any, forces: Any, closures: Any, joints: Any) -> None:
+    """Write what holds closures, motions and couplings in the state that was solved last.
 
-    The first eight arguments are those of :func:`antenna_pin.constraints.solve_kernels.accelerate`; all
-    behind them is written to: room and multipliers of :func:`least_forces`, [accelerations, rates of x],
-    (nv + nx,), wrenches, (closures, 2, 3), and what holds motions and couplings, (motions + couplings,).
+    Args:
+        plan: Of the constraints.
+        work: Of the last solution.
+        room: To write to, as for :func:`least_forces`.
+        forces: To write to: multipliers, (rows,).
+        closures: To write to, as :func:`wrenches` does, (closures, 2, 3).
+        joints: To write to, as :func:`joint_forces` does, (motions + couplings,).
     """
-    accelerate(t, y, program, plan, work, effort, mass, bias, rates)
     least_forces(plan, work, room, forces)
     wrenches(plan, work, forces, closures)
     joint_forces(plan, forces, joints)

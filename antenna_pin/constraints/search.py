@@ -24,13 +24,13 @@ from numpy.typing import NDArray
 
 from antenna_pin.constraints.solver import Constraints
 
-__all__ = ["CLOSED", "Unclosed", "find_configuration", "row_names", "worst", "worst_row"]
+__all__ = ["ASSEMBLED", "Unclosed", "find_configuration", "row_names", "worst", "worst_row"]
 
 Array = NDArray[np.float64]
 Retract = Callable[[Array, Array], None]
 
 #: Residual of an assembled state, of ways over the mechanism's length, or of turns.
-CLOSED = 1e-12
+ASSEMBLED = 1e-12
 # The most of one step, and how many; of a way that is followed, the least part at once and the most that a
 # part may move [rad, or lengths of the mechanism]: in 0.2 rad a cosine changes by 2 %, so that Newton's next
 # guess is on the same branch.
@@ -185,7 +185,7 @@ def _out_of_reach(search: _Search, guess: Array) -> bool:
         gap = search.gap(y)
         moved = np.abs(search.constraints.jacobian @ search.free).max(axis=1, initial=0.0)
         length = search.constraints.plan.length
-        open_here &= (np.abs(gap) > np.sqrt(CLOSED) * length) & (moved <= np.sqrt(CLOSED) * length)
+        open_here &= (np.abs(gap) > np.sqrt(ASSEMBLED) * length) & (moved <= np.sqrt(ASSEMBLED) * length)
     return bool(open_here.any())
 
 
@@ -263,7 +263,7 @@ def _newton(search: _Search, y: Array, lack: Array | float = 0.0, *, few: bool =
             break
         y[:], gap = trial, found
         before, size = size, float(np.abs(gap).max())
-        if size <= CLOSED * length and size > 0.3 * before:
+        if size <= ASSEMBLED * length and size > 0.3 * before:
             break
     gap = search.gap(y) - lack
-    return None if float(np.abs(gap).max()) <= CLOSED * length else worst(search.constraints, gap)
+    return None if float(np.abs(gap).max()) <= ASSEMBLED * length else worst(search.constraints, gap)

@@ -129,23 +129,12 @@ class Constraints:
             joints: To write to: the forces [N] and torques [N m] that hold the motions, then those of the
                 couplings on their followers, (motions + couplings,).
         """
+        plan, work = self.plan.words, self.work
         nq, model, data = self.model.nq, self.model, self.data
         q, v = y[:nq], y[nq : nq + self.nv]
-        force_kernels.observe_held(
-            t,
-            y,
-            program,
-            self.plan.words,
-            self.work,
-            effort,
-            pin.crba(model, data, q),
-            pin.nonLinearEffects(model, data, q, v),
-            self._room,
-            self._least,
-            rates,
-            closures,
-            joints,
-        )
+        mass, bias = pin.crba(model, data, q), pin.nonLinearEffects(model, data, q, v)
+        solve_kernels.accelerate(t, y, program, plan, work, effort, mass, bias, rates)
+        force_kernels.write_holding(plan, work, self._room, self._least, closures, joints)
 
     def residuals(self, t: float, y: Array, program: Array) -> Found:
         """Write the rows of a state; return what is found, with the largest residuals."""

@@ -19,10 +19,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.contact.conformal_kernels import BAI_ZHAO, FOUNDATION, PERSSON
 from antenna_pin.contact.cylinder import LineLaw
 from antenna_pin.contact.normal import elastic_code
-from antenna_pin.contact.power_kernels import POWER
+from antenna_pin.contact.records import BAI_ZHAO, FOUNDATION, PERSSON, POWER
 from antenna_pin.errors import InvalidParameterError
 
 BAI_ZHAO_EXPONENT = {"unit": "1", "doc": "n of K_n depth^n, 1 or 1.5"}

@@ -11,16 +11,13 @@ from antenna_pin._compile import kernel
 from antenna_pin.contact.power_kernels import power
 from antenna_pin.contact.records import elastic_record
 
-FOUNDATION = 3.0
 FOUNDATION_LAW = elastic_record("factor", "clearance")  # (pi/2) E* L / sqrt 2, dR
-BAI_ZHAO = 4.0
 BAI_ZHAO_LAW = elastic_record("factor", "clearance", "exponent")  # (pi/8) E* L sqrt 2, dR, n
-PERSSON = 5.0
 # 2 pi E* L dR, dR, largest tan^2(eps/2), that of an infinite load
 PERSSON_LAW = elastic_record("factor", "clearance", "largest", "root")
 
 # Gauss-Legendre on [-1, 1].
-NODES, WEIGHTS = np.polynomial.legendre.leggauss(24)
+LOAD_NODES, LOAD_WEIGHTS = np.polynomial.legendre.leggauss(24)
 
 
 @kernel
@@ -87,10 +84,10 @@ def persson_energy(law: Any, depth: float) -> float:
     if end > 0.25:
         residue = -root * (1.0 + root) / ((1.0 - root) ** 2 * (1.0 / (1.0 + root) + 4.0 * root))
     total = residue * math.log1p(-end / root)
-    for k in range(NODES.shape[0]):
-        s = 0.5 * end * (1.0 + NODES[k])
+    for k in range(LOAD_NODES.shape[0]):
+        s = 0.5 * end * (1.0 + LOAD_NODES[k])
         load = s * (1.0 + s) / (2.0 - math.log1p(s) - 2.0 * s * s)
-        total += 0.5 * end * WEIGHTS[k] * (load / (1.0 - s) ** 2 - residue / (s - root))
+        total += 0.5 * end * LOAD_WEIGHTS[k] * (load / (1.0 - s) ** 2 - residue / (s - root))
     # Beyond the range the force stays as it is there.
     beyond = depth - 2.0 * law.clearance * end / (1.0 - end) if end == law.largest else 0.0
     held = end * (1.0 + end) / (2.0 - math.log1p(end) - 2.0 * end * end)

@@ -26,8 +26,8 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.contact.cylinder_kernels import LOGARITHMIC
 from antenna_pin.contact.normal import ElasticLaw, elastic_code
+from antenna_pin.contact.records import LOGARITHMIC
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = [
@@ -68,10 +68,6 @@ class LineLaw(ElasticLaw):
     journal_radius: float = field(metadata=JOURNAL_RADIUS)
     bearing_radius: float = field(metadata=BEARING_RADIUS)
     modulus: float = field(metadata=MODULUS)
-
-    def __post_init__(self) -> None:
-        """Check the parameters."""
-        self.check(self)
 
     @classmethod
     def check(cls, law: Any) -> None:

@@ -8,7 +8,6 @@ from typing import Any
 from antenna_pin._compile import kernel
 from antenna_pin.contact.records import elastic_record
 
-LOGARITHMIC = 2.0
 # F_0, d_0: d = d_0 s ln(1/s), F = F_0 s
 LOGARITHMIC_LAW = elastic_record("force_scale", "depth_scale")
 

@@ -23,6 +23,7 @@ from typing import Any, ClassVar
 from antenna_pin.contact import damping_kernels as kernels
 from antenna_pin.contact.normal import RESTITUTION, Dissipation, ElasticLaw
 from antenna_pin.errors import InvalidParameterError
+from antenna_pin.parameters import parameters_of
 
 __all__ = [
     "AdamsDamping",
@@ -55,22 +56,50 @@ def damping_ratio(restitution: float) -> float:
     return loss / math.hypot(math.pi, loss)
 
 
-def _check_damping(law: Any, rule: str) -> None:
-    if not 0.0 <= law.damping < math.inf:
-        raise InvalidParameterError(law, "damping", f"zero or more, and finite [{rule}]")
+class _Damper(Dissipation):
+    """Base of the dampers that are given by their damping, a field of each with its own unit."""
 
+    __slots__ = ()
 
-def _check_impact(law: Any) -> None:
-    if not 0.0 < law.restitution <= 1.0:
-        raise InvalidParameterError(
-            law, "restitution", "in (0, 1] (no finite damping of this form stops a body dead)"
-        )
-    if law.effective_mass is not None and not 0.0 < law.effective_mass < math.inf:
-        raise InvalidParameterError(law, "effective_mass", "positive and finite [kg]")
+    adds_force: ClassVar[bool] = True
+
+    damping: float
+
+    @classmethod
+    def check(cls, law: Any) -> None:
+        """Refuse a negative damping."""
+        if not 0.0 <= law.damping < math.inf:
+            unit = parameters_of(type(law))["damping"].unit.replace("**", "^").replace("*", " ")
+            raise InvalidParameterError(law, "damping", f"zero or more, and finite [{unit}]")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class KelvinVoigtDamping(Dissipation):
+class _OfRestitution(Dissipation):
+    """Base of the dampers that are given by the restitution of a mass.
+
+    Attributes:
+        restitution: In (0, 1] [-].
+        effective_mass: Of the contact [kg].
+    """
+
+    adds_force: ClassVar[bool] = True
+
+    restitution: float = field(metadata=RESTITUTION)
+    effective_mass: float | None = field(default=None, metadata=EFFECTIVE_MASS)
+
+    @classmethod
+    def check(cls, law: Any) -> None:
+        """Refuse a restitution or a mass for which there is no damping."""
+        if not 0.0 < law.restitution <= 1.0:
+            raise InvalidParameterError(
+                law, "restitution", "in (0, 1] (no finite damping of this form stops a body dead)"
+            )
+        if law.effective_mass is not None and not 0.0 < law.effective_mass < math.inf:
+            raise InvalidParameterError(law, "effective_mass", "positive and finite [kg]")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class KelvinVoigtDamping(_Damper):
     r"""A linear damper: :math:`f = \max(0, f_e + D \dot\delta)`.
 
     The force jumps to :math:`D v_0` at the onset, where there is no depth yet: the law's one discontinuity.
@@ -84,18 +113,7 @@ class KelvinVoigtDamping(Dissipation):
         potential; that is not this law.
     """
 
-    adds_force: ClassVar[bool] = True
-
     damping: float = field(metadata=DAMPING)
-
-    def __post_init__(self) -> None:
-        """Check the damping."""
-        self.check(self)
-
-    @classmethod
-    def check(cls, law: Any) -> None:
-        """Refuse a negative damping."""
-        _check_damping(law, "N s/m")
 
     def code(self, elastic: ElasticLaw) -> tuple[float, dict[str, float]]:
         """Return its kind and D."""
@@ -103,7 +121,7 @@ class KelvinVoigtDamping(Dissipation):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class KuwabaraKonoDamping(Dissipation):
+class KuwabaraKonoDamping(_Damper):
     r"""Viscoelastic spheres: :math:`f = \max(0, f_e + c \sqrt\delta\, \dot\delta)`.
 
     Viscosity in the material makes :math:`c = \tfrac32 A K` for spheres with the elastic law
@@ -118,18 +136,7 @@ class KuwabaraKonoDamping(Dissipation):
         the scaling with the speed is checked in the tests.
     """
 
-    adds_force: ClassVar[bool] = True
-
     damping: float = field(metadata=ROOT_DAMPING)
-
-    def __post_init__(self) -> None:
-        """Check the damping."""
-        self.check(self)
-
-    @classmethod
-    def check(cls, law: Any) -> None:
-        """Refuse a negative damping."""
-        _check_damping(law, "N s/m^1.5")
 
     def code(self, elastic: ElasticLaw) -> tuple[float, dict[str, float]]:
         """Return its kind and c."""
@@ -137,7 +144,7 @@ class KuwabaraKonoDamping(Dissipation):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class TsujiDamping(Dissipation):
+class TsujiDamping(_OfRestitution):
     r"""Damping that makes the restitution of a Hertz contact the same at every speed.
 
     .. math:: f = \max\left(0,\; K \delta^{3/2} + \alpha \sqrt{m K}\, \delta^{1/4} \dot\delta\right), \qquad
@@ -162,20 +169,6 @@ class TsujiDamping(Dissipation):
         form, Antypov and Elliott (2011), EPL 94, 50004, is derived here (see the module).
     """
 
-    adds_force: ClassVar[bool] = True
-
-    restitution: float = field(metadata=RESTITUTION)
-    effective_mass: float | None = field(default=None, metadata=EFFECTIVE_MASS)
-
-    def __post_init__(self) -> None:
-        """Check the parameters."""
-        self.check(self)
-
-    @classmethod
-    def check(cls, law: Any) -> None:
-        """Refuse a restitution or a mass for which there is no damping."""
-        _check_impact(law)
-
     def code(self, elastic: ElasticLaw) -> tuple[float, dict[str, float]]:
         """Return its kind, alpha and the mass."""
         exponent = getattr(elastic, "exponent", 1.5)
@@ -184,7 +177,7 @@ class TsujiDamping(Dissipation):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class JankowskiDamping(Dissipation):
+class JankowskiDamping(_OfRestitution):
     r"""Damping in the approach only; the way back is elastic.
 
     .. math:: f = \begin{cases}
@@ -210,20 +203,6 @@ class JankowskiDamping(Dissipation):
         checked against the papers; xi has the slope at c_r = 1 that the exact relation asks for.
     """
 
-    adds_force: ClassVar[bool] = True
-
-    restitution: float = field(metadata=RESTITUTION)
-    effective_mass: float | None = field(default=None, metadata=EFFECTIVE_MASS)
-
-    def __post_init__(self) -> None:
-        """Check the parameters."""
-        self.check(self)
-
-    @classmethod
-    def check(cls, law: Any) -> None:
-        """Refuse a restitution or a mass for which there is no damping."""
-        _check_impact(law)
-
     @property
     def damping_ratio(self) -> float:
         """Xi [-]."""
@@ -239,7 +218,7 @@ class JankowskiDamping(Dissipation):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class AdamsDamping(Dissipation):
+class AdamsDamping(_Damper):
     r"""The damper of ADAMS' IMPACT function, which grows in with the depth.
 
     .. math:: f = \max[0,\; f_e + D\, \mathrm{STEP}(\delta; 0, 0, d, 1)\, \dot\delta], \qquad
@@ -255,19 +234,13 @@ class AdamsDamping(Dissipation):
         MSC Adams, function IMPACT.
     """
 
-    adds_force: ClassVar[bool] = True
-
     damping: float = field(metadata=DAMPING)
     full_damping_depth: float = field(metadata=FULL_DAMPING_DEPTH)
-
-    def __post_init__(self) -> None:
-        """Check the parameters."""
-        self.check(self)
 
     @classmethod
     def check(cls, law: Any) -> None:
         """Refuse a negative damping, and a depth of full damping that is none."""
-        _check_damping(law, "N s/m")
+        _Damper.check(law)
         if not 0.0 < law.full_damping_depth < math.inf:
             raise InvalidParameterError(law, "full_damping_depth", "positive and finite [m]")
 

@@ -210,18 +210,11 @@ def steady_coefficient(law: Any, speed: float) -> float:
 
 @kernel
 def _dahl(
-    mu: float,
-    sigma_0: float,
-    exponent: float,
-    speed: float,
-    vx: float,
-    vy: float,
-    vz: float,
-    zx: float,
-    zy: float,
-    zz: float,
+    mu: float, sigma_0: float, exponent: float, speed: float, v: Any, z: Any
 ) -> tuple[float, float, float]:
     """Rate of the deflection of Dahl's law: ``|v| w |w|^(i - 1)``, ``w = v / |v| - sigma_0 z / mu``."""
+    vx, vy, vz = v
+    zx, zy, zz = z
     grip = 1.0
     if exponent != 1.0 and speed > 0.0:
         wx = vx / speed - sigma_0 * zx / mu
@@ -248,39 +241,37 @@ def _gonthier(
 
 @kernel
 def bristle_force(
-    law: Any,
-    at: int,
-    force: float,
-    vx: float,
-    vy: float,
-    vz: float,
-    nx: float,
-    ny: float,
-    nz: float,
-    state: Any,
-    start: int,
-    rates: Any,
-    rate_start: int,
+    law: Any, force: float, slip: Any, normal: Any, state: Any, rates: Any
 ) -> tuple[float, float, float]:
-    """Friction on the journal [N] of a law with bristles at ``law[at]``; writes the rates of its state."""
+    """Friction on the journal [N] of a law with bristles; writes the rates of its state.
+
+    Args:
+        law: The law, (FRICTION_SIZE,).
+        force: Normal force [N].
+        slip: Velocity of the journal's material point over the bearing's, (3,) [m/s].
+        normal: Of the contact, unit, (3,).
+        state: What the law remembers; its deflection comes first.
+        rates: To write to, of that.
+    """
+    vx, vy, vz = slip
+    nx, ny, nz = normal
     speed = math.sqrt(vx * vx + vy * vy + vz * vz)
-    own = law[at : at + FRICTION_SIZE]
-    kind = record(own, FRICTION_LAW).kind
-    zx, zy, zz = state[start], state[start + 1], state[start + 2]
+    kind = record(law, FRICTION_LAW).kind
+    zx, zy, zz = state[0], state[1], state[2]
     # What has turned out of the tangent plane, as the contact moved round the bore, carries no force; the law
     # lets it fade like the rest.
-    normal = zx * nx + zy * ny + zz * nz
-    tx, ty, tz = zx - normal * nx, zy - normal * ny, zz - normal * nz
+    out = zx * nx + zy * ny + zz * nz
+    tx, ty, tz = zx - out * nx, zy - out * ny, zz - out * nz
     if kind == DAHL:
-        dahl = record(own, DAHL_LAW)
+        dahl = record(law, DAHL_LAW)
         mu, stiffness = dahl.coefficient_of_friction, dahl.bristle_stiffness
-        rx, ry, rz = _dahl(mu, stiffness, dahl.exponent, speed, vx, vy, vz, zx, zy, zz)
-        rates[rate_start] = rx
-        rates[rate_start + 1] = ry
-        rates[rate_start + 2] = rz
+        rx, ry, rz = _dahl(mu, stiffness, dahl.exponent, speed, slip, (zx, zy, zz))
+        rates[0] = rx
+        rates[1] = ry
+        rates[2] = rz
         factor = -force * stiffness
         return factor * tx, factor * ty, factor * tz
-    bent = record(own, LUGRE_LAW)
+    bent = record(law, LUGRE_LAW)
     mu_d, mu_s, v_s = bent.dynamic, bent.static, bent.stribeck_speed
     sigma_0, sigma_1, sigma_2 = bent.bristle_stiffness, bent.bristle_damping, bent.viscous
     follow, fade = 1.0, math.nan  # the deflection's rate is follow v - fade z; of no other kind
@@ -288,14 +279,14 @@ def bristle_force(
     if kind == LUGRE:
         fade = sigma_0 * speed / stribeck_level(mu_d, mu_s, v_s, speed)
     elif kind == GONTHIER:
-        dwelling = record(own, GONTHIER_LAW)
+        dwelling = record(law, GONTHIER_LAW)
         s, follow, fade = _gonthier(mu_d, v_s, sigma_0, sigma_1, dwelling.rounding_speed, speed)
-        dwell = state[start + DWELL]
-        rates[rate_start + DWELL] = (s - dwell) / (dwelling.dwell_time if s >= dwell else sigma_1 / sigma_0)
+        dwell = state[DWELL]
+        rates[DWELL] = (s - dwell) / (dwelling.dwell_time if s >= dwell else sigma_1 / sigma_0)
         limit = mu_d + (mu_s - mu_d) * dwell
-    rates[rate_start] = follow * vx - fade * zx
-    rates[rate_start + 1] = follow * vy - fade * zy
-    rates[rate_start + 2] = follow * vz - fade * zz
+    rates[0] = follow * vx - fade * zx
+    rates[1] = follow * vy - fade * zy
+    rates[2] = follow * vz - fade * zz
     stiff = sigma_0 - sigma_1 * fade
     damp = sigma_1 * follow
     bx, by, bz = stiff * tx + damp * vx, stiff * ty + damp * vy, stiff * tz + damp * vz

@@ -66,10 +66,6 @@ class HysteresisDamping(Dissipation):
 
     restitution: float = field(metadata=RESTITUTION)
 
-    def __post_init__(self) -> None:
-        """Check the restitution."""
-        self.check(self)
-
     @classmethod
     def check(cls, law: Any) -> None:
         """Refuse a restitution for which there is no factor."""

@@ -19,11 +19,8 @@ import numpy as np
 from antenna_pin._compile import inlined, kernel, record
 from antenna_pin.contact.called_kernels import CALLED, CALLED_LAW, called_energy, called_force
 from antenna_pin.contact.conformal_kernels import (
-    BAI_ZHAO,
     BAI_ZHAO_LAW,
-    FOUNDATION,
     FOUNDATION_LAW,
-    PERSSON,
     PERSSON_LAW,
     bai_zhao_energy,
     bai_zhao_force,
@@ -32,15 +29,23 @@ from antenna_pin.contact.conformal_kernels import (
     persson_force,
 )
 from antenna_pin.contact.cylinder_kernels import (
-    LOGARITHMIC,
     LOGARITHMIC_LAW,
     logarithmic_energy,
     logarithmic_force,
 )
 from antenna_pin.contact.damping_kernels import DISSIPATION_RECORDS, damped_force, takes_mass_of_contact
-from antenna_pin.contact.pin_joint_kernels import PIN_JOINT, PIN_JOINT_LAW, pin_joint_force
-from antenna_pin.contact.power_kernels import POWER, POWER_LAW, power
-from antenna_pin.contact.records import NORMAL_LAW, NORMAL_SIZE
+from antenna_pin.contact.pin_joint_kernels import PIN_JOINT_LAW, pin_joint_force
+from antenna_pin.contact.power_kernels import POWER_LAW, power
+from antenna_pin.contact.records import (
+    BAI_ZHAO,
+    FOUNDATION,
+    LOGARITHMIC,
+    NORMAL_LAW,
+    NORMAL_SIZE,
+    PERSSON,
+    PIN_JOINT,
+    POWER,
+)
 
 __all__ = [
     "DISSIPATION_RECORDS",
@@ -64,7 +69,7 @@ ELASTIC_RECORDS = {
 }
 
 # Gauss-Legendre on [-1, 1].
-NODES, WEIGHTS = np.polynomial.legendre.leggauss(8)
+DEPTH_NODES, DEPTH_WEIGHTS = np.polynomial.legendre.leggauss(8)
 
 
 @kernel
@@ -107,9 +112,9 @@ def _quadrature(law: Any, kind: float, depth: float) -> float:
     low = 0.0
     width = 0.5
     while low < 40.0:
-        for k in range(NODES.shape[0]):
-            x = depth * math.exp(-low - 0.5 * width * (1.0 + NODES[k]))
-            total += 0.5 * width * WEIGHTS[k] * x * _other_force(law, kind, x)
+        for k in range(DEPTH_NODES.shape[0]):
+            x = depth * math.exp(-low - 0.5 * width * (1.0 + DEPTH_NODES[k]))
+            total += 0.5 * width * DEPTH_WEIGHTS[k] * x * _other_force(law, kind, x)
         low += width
         width *= 1.25
     return total

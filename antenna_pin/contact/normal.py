@@ -28,8 +28,7 @@ from antenna_pin.contact import kernels
 from antenna_pin.contact._law import Law
 from antenna_pin.contact.called_kernels import CALLED, CALLED_WHOLE
 from antenna_pin.contact.damping_kernels import CONSERVATIVE
-from antenna_pin.contact.power_kernels import POWER
-from antenna_pin.contact.records import NORMAL_LAW, NORMAL_SIZE, coded
+from antenna_pin.contact.records import NORMAL_LAW, NORMAL_SIZE, POWER, coded
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.given_functions import address_of, is_compiled
 
@@ -161,6 +160,10 @@ class ElasticLaw(CompiledNormalLaw):
 
     line: ClassVar[bool] = False
 
+    def __post_init__(self) -> None:
+        """Check the parameters."""
+        self.check(self)
+
     @classmethod
     def check(cls, law: Any) -> None:
         """Refuse parameters that make no such elastic law, in itself or in a law that has them all."""
@@ -186,6 +189,10 @@ class Dissipation(Law):
     __slots__ = ()
 
     adds_force: ClassVar[bool] = False
+
+    def __post_init__(self) -> None:
+        """Check the parameters."""
+        self.check(self)
 
     @classmethod
     def check(cls, law: Any) -> None:
@@ -273,10 +280,6 @@ class Hertz(ElasticLaw):
 
     stiffness: float = field(metadata=STIFFNESS)
     exponent: float = field(default=1.5, metadata=EXPONENT)
-
-    def __post_init__(self) -> None:
-        """Check the parameters."""
-        self.check(self)
 
     @classmethod
     def check(cls, law: Any) -> None:

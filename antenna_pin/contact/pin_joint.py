@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 
 from antenna_pin.contact.cylinder import LineLaw
 from antenna_pin.contact.normal import check_depth, elastic_code
-from antenna_pin.contact.pin_joint_kernels import PIN_JOINT
-from antenna_pin.contact.power_kernels import POWER
+from antenna_pin.contact.records import PIN_JOINT, POWER
 
 __all__ = ["LiuConformal", "LiuHertz", "LiuPinJoint", "LiuPinJointCorrected"]
 

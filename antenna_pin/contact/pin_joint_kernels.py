@@ -8,7 +8,6 @@ from typing import Any
 from antenna_pin._compile import kernel
 from antenna_pin.contact.records import elastic_record
 
-PIN_JOINT = 6.0
 # (pi/2) E* L, R_j, R_i, dR, the share of the depth that shapes the contact
 PIN_JOINT_LAW = elastic_record("factor", "journal_radius", "bearing_radius", "clearance", "share")
 

@@ -7,7 +7,6 @@ import math
 from antenna_pin._compile import inlined
 from antenna_pin.contact.records import elastic_record
 
-POWER = 1.0
 POWER_LAW = elastic_record("stiffness", "exponent")  # K, n
 
 

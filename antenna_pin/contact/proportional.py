@@ -33,10 +33,6 @@ class MarhefkaOrinDamping(Dissipation):
 
     slope: float = field(metadata=SLOPE)
 
-    def __post_init__(self) -> None:
-        """Check the slope."""
-        self.check(self)
-
     @classmethod
     def check(cls, law: Any) -> None:
         """Refuse a negative slope."""

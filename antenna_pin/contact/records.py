@@ -24,6 +24,10 @@ _ELASTIC_ROOM = 8
 _DISSIPATION_ROOM = 6
 _KINDS = ("elastic", "dissipation")
 
+# Kinds of elastic laws, as ``elastic`` of a normal law has them; functions of a user's have theirs in
+# :mod:`antenna_pin.contact.called_kernels`.
+POWER, LOGARITHMIC, FOUNDATION, BAI_ZHAO, PERSSON, PIN_JOINT = 1.0, 2.0, 3.0, 4.0, 5.0, 6.0
+
 NORMAL_SIZE = len(_KINDS) + _ELASTIC_ROOM + _DISSIPATION_ROOM
 FRICTION_SIZE = 12
 

@@ -1,5 +1,6 @@
 """Free-floating equations of motion, joints held by constraint, force elements, audits."""
 
+from antenna_pin.dynamics.acting import acting_in
 from antenna_pin.dynamics.adjust import Adjustments
 from antenna_pin.dynamics.assembly import (
     BASE,
@@ -49,6 +50,7 @@ __all__ = [
     "TableDrive",
     "Workspace",
     "acceleration",
+    "acting_in",
     "assemble",
     "assembled",
     "audit",

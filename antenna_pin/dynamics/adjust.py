@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.dynamics import kernels
+from antenna_pin.dynamics.acting import acting_in
 from antenna_pin.dynamics.system import System
 from antenna_pin.elements import ForceElement
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
@@ -39,10 +40,8 @@ class Adjustments:
         """Begin with the system's own numbers."""
         self._program = program
         self.values: dict[str, float] = {}
-        self.elements: dict[str, ForceElement] = {f"drives.{name}": d for name, d in system.drives.items()}
-        self.elements |= {f"springs.{name}": one for name, one in system.springs.items()}
-        self._blocks = {f"drives.{name}": block for name, block in system.drive_blocks.items()}
-        self._blocks |= {f"springs.{name}": block for name, block in system.spring_blocks.items()}
+        self.elements: dict[str, ForceElement] = {one.place: one.element for one in acting_in(system)}
+        self._blocks = {one.place: one.block for one in acting_in(system)}
 
     def set(self, place: str, value: float) -> None:
         """Change one number.

@@ -11,13 +11,22 @@ from numpy.typing import NDArray
 from antenna_pin.answers import AskedFunction
 from antenna_pin.dynamics import kernels
 from antenna_pin.dynamics.held import held_slot
-from antenna_pin.elements import Element, Motion
-from antenna_pin.errors import MechanismError
+from antenna_pin.elements import GROSS_WORK, LOSS, WORK, Element, ForceElement, Integral, Motion
+from antenna_pin.errors import InvalidParameterError, MechanismError
 from antenna_pin.joints import ClearanceJoint
 from antenna_pin.joints import layout_kernels as _layout
 from antenna_pin.mechanism import JointSlot, Mechanism, frame_aligning_z
 
-__all__ = ["Blocks", "InPython", "check_motion", "clearance_block", "held_block", "slides"]
+__all__ = [
+    "Blocks",
+    "InPython",
+    "check_booked",
+    "check_motion",
+    "clearance_block",
+    "held_block",
+    "places_in_x",
+    "slides",
+]
 
 Array = NDArray[np.float64]
 
@@ -79,6 +88,39 @@ class Blocks:
         self.size += len(block)
         self.x += integrals
         return at
+
+
+def check_booked(family: str, name: str, element: ForceElement) -> None:
+    """Refuse an element that integrates what the ledger of its family has no place for.
+
+    Args:
+        family: ``drive`` or ``spring``.
+        name: Of the element.
+        element: The element.
+    """
+    others = (LOSS,) if family == "drive" else (WORK, GROSS_WORK)
+    if strange := [one.name for one in element.integrals if one in others]:
+        rule = "work and gross work of a drive, the loss of a spring, or what is no energy"
+        raise InvalidParameterError(f"{family} {name!r}", "integrals", rule, strange)
+
+
+def places_in_x(
+    program: Array, elements: Mapping[str, ForceElement], blocks: Mapping[str, int], integral: Integral
+) -> NDArray[np.int_]:
+    """Return where in x each of some elements integrates something, -1 for one that does not.
+
+    Args:
+        program: All blocks.
+        elements: By name.
+        blocks: Their places in the program, by name.
+        integral: What is integrated.
+    """
+    found = []
+    for name, element in elements.items():
+        head = program[blocks[name] :][: kernels.PARAMETERS].view(kernels.ELEMENT)
+        own = element.integrals
+        found.append(int(head["x"][0]) + own.index(integral) if integral in own else -1)
+    return np.array(found, dtype=int)
 
 
 def clearance_block(mechanism: Mechanism, joint: ClearanceJoint, row: int, x: int, turn: int) -> Array:

@@ -32,7 +32,7 @@ from antenna_pin.joints.pose_kernels import (
     wrapped_angle,
 )
 from antenna_pin.mechanism.tree_kernels import unwrapped
-from antenna_pin.records import BLOCK, CONTACT, MEMORY, POSE, PROGRAM, layout, words_of
+from antenna_pin.records import BLOCK, CIRCLE, CONTACT, MEMORY, POSE, PROGRAM, layout, words_of
 
 # Typed: of a plain constant Numba makes a type of its own, and compiles all that is called with it once more.
 HEADER: Any = np.int64(words_of(PROGRAM))
@@ -41,19 +41,15 @@ POSE_WORDS = words_of(POSE)
 MEMORY_WORDS = words_of(MEMORY)
 CONTACT_WORDS = words_of(CONTACT)
 
-# What an element finds at its joint.
-ONE_DOF = 0
-CIRCLE = 1  # a continuous joint: (cos, sin)
-PLAY = 2
-
 # What an element acts about at a joint with play, by its number.
 ABOUTS = ("bearing", "journal", "motion")
 ABOUT_JOURNAL = 1
 ABOUT_MOTION = 2
 
-#: Head of an element: what its joint is, starts of the joint's slices of q and v and of its own in x, block
-#: of the joint with play or -1, what it acts about (its place in ``ABOUTS``), place of the turned angle in x
-#: or -1, whether it depends on the joint's motion, whether it is on (0 or 1).
+#: Head of an element: how its joint moves if it has no play (``FIXED_AXIS``, ... of ``records``), starts of
+#: the joint's slices of q and v and of its own in x, block of the joint with play or -1, what it acts about
+#: (its place in ``ABOUTS``), place of the turned angle in x or -1, whether it depends on the joint's motion,
+#: whether it is on (0 or 1).
 ELEMENT = layout(
     ("kind", "i8"),
     ("length", "i8"),
@@ -96,10 +92,10 @@ def joint_motion(p: Any, b: int, y: Any, nq: int) -> tuple[float, float, float, 
     """Angle (or way) and its rate of the joint of an element block, and gx, gy of :func:`motion_angle`."""
     e = element_at(p, b)
     k = nq + e.v
-    if e.joint == ONE_DOF:
+    if e.play < 0 and e.joint != CIRCLE:
         return y[e.q], y[k], 0.0, 0.0
     x0 = nq + head_of(p).nv
-    if e.joint == CIRCLE:
+    if e.play < 0:
         return unwrapped(math.atan2(y[e.q + 1], y[e.q]), y[x0 + e.turn]), y[k], 0.0, 0.0
     j = joint_at(p, e.play)
     if j.slides != 0:
@@ -136,13 +132,13 @@ def element_kink(p: Any, b: int, t: float, y: Any, nq: int) -> float:
 
 
 @inlined
-def _element(p: Any, b: int, t: float, y: Any, nq: int, nv: int, tau: Any, rates: Any) -> None:
+def _element(p: Any, b: int, t: float, y: Any, head: Any, tau: Any, rates: Any) -> None:
     """Add an element's generalized force.
 
     At a clearance joint it is a couple about the bearing's or the journal's axis, or what derives from the
     motion angle; at one that slides a force along the axis, at the journal's centre.
     """
-    e = element_at(p, b)
+    e, nq = element_at(p, b), head.nq
     angle, rate, gx, gy = 0.0, 0.0, 0.0, 0.0
     if e.senses != 0:
         angle, rate, gx, gy = joint_motion(p, b, y, nq)
@@ -156,13 +152,17 @@ def _element(p: Any, b: int, t: float, y: Any, nq: int, nv: int, tau: Any, rates
             tau[e.v + 2] += effort
             power = effort * y[nq + e.v + 2]
         else:
-            power = effort * _push(j, e, effort, gx, gy, y, nq, tau)
-    elements.write_rates(e.kind, p, b + PARAMETERS, e.on * rate, power, rates, nv + e.x)
+            power = effort * _push(j, e, effort, (gx, gy), y, nq, tau)
+    elements.write_rates(e.kind, p, b + PARAMETERS, e.on * rate, power, rates, head.nv + e.x)
 
 
 @kernel
-def _push(j: Any, e: Any, effort: float, gx: float, gy: float, y: Any, nq: int, tau: Any) -> float:
-    """Add an effort at a free joint with play to tau; return the rate of that along which it acts."""
+def _push(j: Any, e: Any, effort: float, slope: Any, y: Any, nq: int, tau: Any) -> float:
+    """Add an effort at a free joint with play to tau; return the rate of that along which it acts.
+
+    ``slope`` is (gx, gy) of the motion angle.
+    """
+    gx, gy = slope
     nx, ny, nz = j.axes[0, 2], j.axes[1, 2], j.axes[2, 2]
     if e.about == ABOUT_MOTION and j.slides == 0:
         nx += gx * j.axes[0, 0] + gy * j.axes[0, 1]
@@ -210,7 +210,7 @@ def evaluate(t: float, y: Any, program: Any, work: Any, rates: Any) -> None:
         if block.kind == CLEARANCE:
             clearance_joint(program, b, y, nq, nv, memory, table, pose, tau, rates)
         else:
-            _element(program, b, t, y, nq, nv, tau, rates)
+            _element(program, b, t, y, head, tau, rates)
         b += block.length
 
 

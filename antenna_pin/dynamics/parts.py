@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from antenna_pin.elements import Element, JointSpring, PointSpring
+from antenna_pin.elements import ForceElement, JointSpring
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.flexible import ElasticPart
 
@@ -12,8 +12,8 @@ __all__ = ["springs_and_parts"]
 
 
 def springs_and_parts(
-    springs: Mapping[str, Element | PointSpring], elastic: Mapping[str, ElasticPart]
-) -> dict[str, Element | PointSpring]:
+    springs: Mapping[str, ForceElement], elastic: Mapping[str, ElasticPart]
+) -> dict[str, ForceElement]:
     """Return springs and, behind them, those of elastic parts, by name.
 
     Raises:

@@ -1,8 +1,7 @@
 """Springs and dampers between points, compiled: their forces, energy and losses, from where the bodies are.
 
 Their blocks stand at the end of a program, from ``points`` of its head on: ``ELEMENT``, of which kind,
-length, x and on count, the record of :mod:`antenna_pin.elements.point_spring_kernels`, and a ``SIDE`` for
-each end.
+length, x and on count, the record of its kind, and a ``SIDE`` for each end.
 """
 
 from __future__ import annotations
@@ -12,23 +11,13 @@ from typing import Any
 
 from antenna_pin._compile import inlined, kernel, record
 from antenna_pin.dynamics.kernels import PARAMETERS, element_at, head_of
-from antenna_pin.elements import point_spring_kernels as springs
-from antenna_pin.mechanism.tree_kernels import (
-    CIRCLE,
-    FIXED_AXIS,
-    PLANE,
-    RIGID,
-    ROTATION,
-    SLIDE,
-    place_bodies,
-)
-from antenna_pin.records import layout, words_of
+from antenna_pin.elements import kernels as elements
+from antenna_pin.mechanism.tree_kernels import place_bodies
+from antenna_pin.records import CIRCLE, FIXED_AXIS, PLANE, RIGID, ROTATION, SLIDE, layout, words_of
 
 #: An end: index of its body (-1: the world), and its place in the body's frame [m].
 SIDE = layout(("body", "i8"), ("point", "f8", (3,)))
 SIDE_WORDS = words_of(SIDE)
-SIDES = PARAMETERS + springs.SIZE
-BLOCK_WORDS = SIDES + 2 * SIDE_WORDS
 
 #: A spring at a sample: its length [m], the force that draws its points together [N], and the force on the
 #: second one's link, in world axes [N].
@@ -40,7 +29,7 @@ COINCIDE = 1e-15
 
 @inlined
 def _side(program: Any, b: int, k: int) -> Any:
-    at = b + SIDES + k * SIDE_WORDS
+    at = b + element_at(program, b).length - (2 - k) * SIDE_WORDS
     return record(program[at : at + SIDE_WORDS], SIDE)
 
 
@@ -104,8 +93,8 @@ def add_forces(y: Any, program: Any, tree: Any, places: Any, tau: Any, rates: An
     while b < program.shape[0]:
         e = element_at(program, b)
         length, rate, x, y_, z = line(program, b, places)
-        force = e.on * springs.tension(program, b + PARAMETERS, length, rate)
-        rates[head.nv + e.x] = e.on * springs.loss(program, b + PARAMETERS, rate)
+        force = e.on * elements.tension(e.kind, program, b + PARAMETERS, length, rate)
+        rates[head.nv + e.x] = e.on * elements.loss(e.kind, program, b + PARAMETERS, rate)
         first, second = _side(program, b, 0), _side(program, b, 1)
         ax, ay, az, _, _, _ = _place(first, places)
         i, j = first.body, second.body
@@ -113,19 +102,19 @@ def add_forces(y: Any, program: Any, tree: Any, places: Any, tau: Any, rates: An
         # same reason one point of the line serves both.
         while i != j:
             if i > j:
-                _push(tree[i], places[i], force * x, force * y_, force * z, ax, ay, az, tau)
+                _push(tree[i], places[i], (force * x, force * y_, force * z), (ax, ay, az), tau)
                 i = tree[i].parent
             else:
-                _push(tree[j], places[j], -force * x, -force * y_, -force * z, ax, ay, az, tau)
+                _push(tree[j], places[j], (-force * x, -force * y_, -force * z), (ax, ay, az), tau)
                 j = tree[j].parent
         b += e.length
 
 
 @kernel
-def _push(
-    body: Any, own: Any, fx: float, fy: float, fz: float, px: float, py: float, pz: float, tau: Any
-) -> None:
+def _push(body: Any, own: Any, force: Any, point: Any, tau: Any) -> None:
     """Add what a force at a point of the world does at the joint of a body."""
+    fx, fy, fz = force
+    px, py, pz = point
     r, kind, v = own.rotation, body.kind, body.v
     x, y, z = px - own.origin[0], py - own.origin[1], pz - own.origin[2]
     mx, my, mz = y * fz - z * fy, z * fx - x * fz, x * fy - y * fx
@@ -153,7 +142,7 @@ def stored(program: Any, places: Any) -> float:
     while b < program.shape[0]:
         e = element_at(program, b)
         length, _, _, _, _ = line(program, b, places)
-        total += e.on * springs.stored(program, b + PARAMETERS, length)
+        total += e.on * elements.stored(e.kind, program, b + PARAMETERS, length)
         b += e.length
     return total
 
@@ -167,7 +156,7 @@ def look_at(program: Any, places: Any, stretches: Any) -> None:
         e, seen = element_at(program, b), stretches[k]
         length, rate, x, y, z = line(program, b, places)
         seen.length = length
-        seen.tension = e.on * springs.tension(program, b + PARAMETERS, length, rate)
+        seen.tension = e.on * elements.tension(e.kind, program, b + PARAMETERS, length, rate)
         seen.force[0] = -seen.tension * x
         seen.force[1] = -seen.tension * y
         seen.force[2] = -seen.tension * z

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from antenna_pin.constraints import Anchor, on_body
 from antenna_pin.dynamics import kernels
 from antenna_pin.dynamics import point_kernels as _points
-from antenna_pin.elements import PointSpring
+from antenna_pin.elements import BetweenPoints, kind_of
 from antenna_pin.errors import MechanismError
 from antenna_pin.mechanism import Mechanism
 
@@ -17,7 +17,7 @@ __all__ = ["point_spring_block"]
 Array = NDArray[np.float64]
 
 
-def point_spring_block(mechanism: Mechanism, place: str, spring: PointSpring, x: int) -> Array:
+def point_spring_block(mechanism: Mechanism, place: str, spring: BetweenPoints, x: int) -> Array:
     """Return the block of a spring between points.
 
     Args:
@@ -42,10 +42,9 @@ def point_spring_block(mechanism: Mechanism, place: str, spring: PointSpring, x:
             f"{place}: its links {spring.first[0]!r} and {spring.second[0]!r} are one body, {said}, and it "
             "would do nothing; name links between which a joint moves"
         )
-    block = np.zeros(int(_points.BLOCK_WORDS))
+    words = spring.words_of_kernel()
+    block = np.concatenate([np.zeros(kernels.PARAMETERS), words, sides.view(np.float64)])
     head = block[: kernels.PARAMETERS].view(kernels.ELEMENT)
-    head["kind"], head["length"], head["x"] = spring.compiled().KIND, len(block), x
+    head["kind"], head["length"], head["x"] = kind_of(type(spring)), len(block), x
     head["on"] = spring.acts
-    block[kernels.PARAMETERS : _points.SIDES] = spring.words_of_kernel()
-    block[_points.SIDES :] = sides.view(np.float64)
     return block

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -12,6 +12,8 @@ from antenna_pin.dynamics import point_kernels as _points
 from antenna_pin.dynamics.audit_kernels import audit_state
 from antenna_pin.dynamics.kernels import (
     HEADER,
+    MEMORY_WORDS,
+    POSE_WORDS,
     block_at,
     element_state,
     evaluate,
@@ -24,10 +26,7 @@ from antenna_pin.joints.kernels import apart_geometry, wrench_on_journal
 from antenna_pin.joints.layout_kernels import ALL_COMPILED, CLEARANCE, joint_at, primitive_of, revolute_of
 from antenna_pin.joints.pose_kernels import journal_state, motion_angle
 from antenna_pin.mechanism.tree_kernels import unwrapped
-from antenna_pin.records import MEMORY, POSE, layout, words_of
-
-POSE_WORDS = words_of(POSE)
-MEMORY_WORDS = words_of(MEMORY)
+from antenna_pin.records import MEMORY, POSE, layout
 
 # A contact at a sample, by the names of the result's variables.
 SEEN = layout(
@@ -95,41 +94,24 @@ def _scenario(p: Any, b: int, pose: Any, table: Any, scratch: Any, out: Any) -> 
             out[0] = 1
 
 
-@kernel
-def observe(
-    first: int,
-    last: int,
-    given: bool,
-    times: Any,
-    states: Any,
-    memories: Any,
-    program: Any,
-    work: Any,
-    table: Any,
-    rates: Any,
-    blocks: Any,
-    drives: Any,
-    tree: Any,
-    gravity: Any,
-    room: Any,
-    scratch: Any,
-    forces: Any,
-    contacts: Any,
-    poses: Any,
-    scenarios: Any,
-    efforts: Any,
-    audits: Any,
-    stretches: Any,
-) -> None:
-    """Evaluate the force elements at samples first to last and write what follows from them.
+class Samples(NamedTuple):
+    """The samples that are looked at.
 
-    Args:
-        first: First sample.
-        last: One behind the last.
-        given: Whether forces and contact table of the one sample stand in ``work`` already.
+    Attributes:
         times: (n,) [s].
         states: (n, state).
         memories: Of the contacts, MEMORY, (n, contacts).
+    """
+
+    times: Any
+    states: Any
+    memories: Any
+
+
+class Whole(NamedTuple):
+    """A system, and room for its evaluation.
+
+    Attributes:
         program: The force elements.
         work: Of :func:`antenna_pin.dynamics.kernels.evaluate`; its contact table is ``table``.
         table: Contact table, CONTACT, (rows,).
@@ -138,8 +120,26 @@ def observe(
         drives: Places of the drives.
         tree: Bodies (``BODY``).
         gravity: (3,) [m/s^2].
-        room: To write to, PLACE, (bodies + 1,).
+        places: To write to, PLACE, (bodies + 1,).
         scratch: A contact table to write to, CONTACT, (5,).
+    """
+
+    program: Any
+    work: Any
+    table: Any
+    rates: Any
+    blocks: Any
+    drives: Any
+    tree: Any
+    gravity: Any
+    places: Any
+    scratch: Any
+
+
+class Sights(NamedTuple):
+    """What is seen at each of n samples.
+
+    Attributes:
         forces: Generalized forces, (n, nv).
         contacts: ``SEEN`` of each, (n, contacts).
         poses: Of the journals with the wrenches on them, POSE, (n, joints).
@@ -148,38 +148,62 @@ def observe(
         audits: Energies and momenta, AUDIT, (n,).
         stretches: Of the springs between points, ``STRETCH``, (n, springs).
     """
+
+    forces: Any
+    contacts: Any
+    poses: Any
+    scenarios: Any
+    efforts: Any
+    audits: Any
+    stretches: Any
+
+
+@kernel
+def observe(first: int, last: int, given: bool, samples: Any, whole: Any, sights: Any) -> None:
+    """Evaluate the force elements at samples first to last and write what follows from them.
+
+    Args:
+        first: First sample.
+        last: One behind the last.
+        given: Whether forces and contact table of the one sample stand in ``whole.work`` already.
+        samples: ``Samples``.
+        whole: ``Whole``.
+        sights: ``Sights``, to write to.
+    """
+    program, work, table, places = whole.program, whole.work, whole.table, whole.places
     head = head_of(program)
     nq, nv = head.nq, head.nv
     start = nv + POSE_WORDS
     pose = work[nv:start].view(POSE)
-    memory = work[start : start + MEMORY_WORDS * memories.shape[1]].view(MEMORY)
+    memory = work[start : start + MEMORY_WORDS * samples.memories.shape[1]].view(MEMORY)
+    springs = sights.stretches.shape[1] > 0
     for i in range(first, last):
-        y = states[i]
+        t, y = samples.times[i], samples.states[i]
         if not given:
             for c in range(memory.shape[0]):
-                memory[c] = memories[i, c]
+                memory[c] = samples.memories[i, c]
             _apart_in(y, program, memory, pose[0], table)
-            evaluate(times[i], y, program, work, rates)
-            if stretches.shape[1] > 0:
-                _points.add_forces(y, program, tree, room, work, rates)
+            evaluate(t, y, program, work, whole.rates)
+            if springs:
+                _points.add_forces(y, program, whole.tree, places, work, whole.rates)
         for k in range(nv):
-            forces[i, k] = work[k]
+            sights.forces[i, k] = work[k]
         for c in range(memory.shape[0]):
-            _look_at(table[c], contacts[i, c])
-        for k in range(drives.shape[0]):
-            drive = efforts[i, k]
-            drive.effort, drive.reference, drive.error = element_state(program, drives[k], times[i], y, nq)
-        for k in range(blocks.shape[0]):
-            b = blocks[k]
-            own = poses[i, k : k + 1]
+            _look_at(table[c], sights.contacts[i, c])
+        for k in range(whole.drives.shape[0]):
+            drive = sights.efforts[i, k]
+            drive.effort, drive.reference, drive.error = element_state(program, whole.drives[k], t, y, nq)
+        for k in range(whole.blocks.shape[0]):
+            b, own = whole.blocks[k], sights.poses[i, k : k + 1]
             journal_state(joint_at(program, b), y, nq, own[0])
             wrench_on_journal(program, b, own, table)
-            _scenario(program, b, own[0], table, scratch, scenarios[i, k])
-        audit_state(y, nq, tree, gravity, room, audits[i : i + 1])
-        audits[i].contacts, audits[i].springs = stored_energy(y, program, memory, table)
-        if stretches.shape[1] > 0:
-            audits[i].springs += _points.stored(program, room)
-            _points.look_at(program, room, stretches[i])
+            _scenario(program, b, own[0], table, whole.scratch, sights.scenarios[i, k])
+        audit = sights.audits[i : i + 1]
+        audit_state(y, nq, whole.tree, whole.gravity, places, audit)
+        audit[0].contacts, audit[0].springs = stored_energy(y, program, memory, table)
+        if springs:
+            audit[0].springs += _points.stored(program, places)
+            _points.look_at(program, places, sights.stretches[i])
 
 
 @kernel

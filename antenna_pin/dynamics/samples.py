@@ -85,38 +85,9 @@ def observed(
         programs: Force elements at each: the same array from one to the next where nothing was changed.
     """
     n, model, workspace = len(times), system.model, Workspace(system)
-    contacts, joints = len(system.contact_names), len(system.clearances)
-    tree = body_tree(system.mechanism)
-    forces = np.zeros((n, model.nv))
-    contact = np.zeros((n, contacts), dtype=sample_kernels.SEEN)
-    pose = np.zeros((n, joints), POSE)
-    scenario = np.zeros((n, joints, 2), dtype=np.int8)
-    effort = np.zeros((n, len(system.drives)), sample_kernels.EFFORT)
-    audits = np.zeros(n, audit_kernels.AUDIT)
-    stretch = np.zeros((n, len(system.point_springs)), point_kernels.STRETCH)
-    rates = np.zeros(model.nv + system.manifold.nx)
-    given = (
-        np.ascontiguousarray(times, dtype=float),
-        states,
-        memories,
-        workspace.program,
-        workspace.work,
-        workspace.table,
-        rates,
-        np.array([system.clearance_blocks[joint.name] for joint in system.clearances], dtype=np.int64),
-        np.array(list(system.drive_blocks.values()), dtype=np.int64),
-        tree,
-        np.array(model.gravity.linear),
-        np.zeros(len(tree) + 1, PLACE),
-        np.zeros(5, CONTACT),
-        forces,
-        contact,
-        pose,
-        scenario,
-        effort,
-        audits,
-        stretch,
-    )
+    whole = _whole(system, workspace)
+    samples = sample_kernels.Samples(np.ascontiguousarray(times, dtype=float), states, memories)
+    sights = _unseen(system, n)
     failures: dict[int, FunctionError] = {}
     if workspace.paths or system.callables:
         for i in range(n):
@@ -124,39 +95,72 @@ def observed(
             workspace.memory[:] = memories[i]
             try:
                 workspace.measure(states[i])
-                workspace.apply_elements(times[i], states[i], rates)
-                sample_kernels.observe(i, i + 1, True, *given)
-                audits["contacts"][i] += energy_of_python_laws(workspace)
+                workspace.apply_elements(times[i], states[i], whole.rates)
+                sample_kernels.observe(i, i + 1, True, samples, whole, sights)
+                sights.audits["contacts"][i] += energy_of_python_laws(workspace)
             except FunctionError as error:
                 failures[i] = error
-                for part in (forces, contact, pose, effort, audits, stretch):
-                    part[i : i + 1].view(np.float64)[:] = np.nan
+                for part in sights:
+                    if part is not sights.scenarios:
+                        part[i : i + 1].view(np.float64)[:] = np.nan
     else:
         changed = map(operator.is_not, programs[1:], programs)
         changes = [0, *compress(range(1, n), changed), n]
         for first, last in pairwise(changes):
             workspace.program[:] = programs[first]
-            sample_kernels.observe(first, last, False, *given)
+            sample_kernels.observe(first, last, False, samples, whole, sights)
     if workspace.constraints is None:
         free = system.mechanism.base == "free"
-        accelerations, closure = _accelerations(model, states, forces, free), np.zeros((n, 0, 2, 3))
+        accelerations, closure = _accelerations(model, states, sights.forces, free), np.zeros((n, 0, 2, 3))
         coupling, residual = np.zeros((n, 0)), np.zeros((n, 4))
     else:
         accelerations, closure, coupling, residual = _held(
-            workspace, times, states, forces, programs, effort, failures
+            workspace, times, states, sights.forces, programs, sights.efforts, failures
         )
     return Observed(
         acceleration=accelerations,
-        contact=contact,
-        pose=pose,
-        scenario=scenario,
-        effort=effort,
-        audit=audits,
-        stretch=stretch,
+        contact=sights.contacts,
+        pose=sights.poses,
+        scenario=sights.scenarios,
+        effort=sights.efforts,
+        audit=sights.audits,
+        stretch=sights.stretches,
         closure=closure,
         coupling=coupling,
         residual=residual,
         failures=failures,
+    )
+
+
+def _whole(system: System, workspace: Workspace) -> sample_kernels.Whole:
+    """Return a system as it is looked at."""
+    tree = body_tree(system.mechanism)
+    blocks = [system.clearance_blocks[joint.name] for joint in system.clearances]
+    return sample_kernels.Whole(
+        program=workspace.program,
+        work=workspace.work,
+        table=workspace.table,
+        rates=np.zeros(system.model.nv + system.manifold.nx),
+        blocks=np.array(blocks, dtype=np.int64),
+        drives=np.array(list(system.drive_blocks.values()), dtype=np.int64),
+        tree=tree,
+        gravity=np.array(system.model.gravity.linear),
+        places=np.zeros(len(tree) + 1, PLACE),
+        scratch=np.zeros(5, CONTACT),
+    )
+
+
+def _unseen(system: System, n: int) -> sample_kernels.Sights:
+    """Return room for what is seen at n samples."""
+    joints = len(system.clearances)
+    return sample_kernels.Sights(
+        forces=np.zeros((n, system.model.nv)),
+        contacts=np.zeros((n, len(system.contact_names)), sample_kernels.SEEN),
+        poses=np.zeros((n, joints), POSE),
+        scenarios=np.zeros((n, joints, 2), np.int8),
+        efforts=np.zeros((n, len(system.drives)), sample_kernels.EFFORT),
+        audits=np.zeros(n, audit_kernels.AUDIT),
+        stretches=np.zeros((n, len(system.point_springs)), point_kernels.STRETCH),
     )
 
 

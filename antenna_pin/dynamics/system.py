@@ -12,25 +12,46 @@ from numpy.typing import ArrayLike, NDArray
 from antenna_pin.arguments import takes
 from antenna_pin.constraints import Closure, Coupling, DrivenJoint, Plan, make_plan
 from antenna_pin.dynamics import kernels
-from antenna_pin.dynamics.blocks import Blocks, InPython, check_motion, clearance_block, held_block, slides
+from antenna_pin.dynamics.blocks import (
+    Blocks,
+    InPython,
+    check_booked,
+    check_motion,
+    clearance_block,
+    held_block,
+    places_in_x,
+    slides,
+)
 from antenna_pin.dynamics.configuration import make_unit, numbers, spaces
 from antenna_pin.dynamics.coordinates import coordinate_names
 from antenna_pin.dynamics.coupled import couplings_of, fit_turns, put_followers
 from antenna_pin.dynamics.held import HeldKind, closures_by_name
 from antenna_pin.dynamics.parts import springs_and_parts
 from antenna_pin.dynamics.points import point_spring_block
-from antenna_pin.elements import GROSS_WORK, LOSS, WORK, Element, Motion, PointSpring
+from antenna_pin.elements import (
+    GROSS_WORK,
+    LOSS,
+    WORK,
+    BetweenPoints,
+    Element,
+    ForceElement,
+    Motion,
+    kind_of,
+)
 from antenna_pin.errors import InvalidParameterError, MechanismError, UnknownNameError
 from antenna_pin.flexible import ElasticPart
 from antenna_pin.integrate import Manifold
 from antenna_pin.joints import ClearanceJoint
 from antenna_pin.joints import layout_kernels as _layout
 from antenna_pin.mechanism import WORLD, Mechanism
-from antenna_pin.records import PROGRAM, place_of
+from antenna_pin.records import CIRCLE, FIXED_AXIS, PROGRAM, SLIDE, place_of
 
 __all__ = ["System"]
 
 Array = NDArray[np.float64]
+
+# Joints without play that elements can act at, by their kind.
+_WITH_AXIS = {"revolute": FIXED_AXIS, "continuous": CIRCLE, "prismatic": SLIDE}
 
 
 @takes()
@@ -68,7 +89,7 @@ class System:
         *,
         clearances: Sequence[ClearanceJoint] = (),
         drives: Mapping[str, Element] | None = None,
-        springs: Mapping[str, Element | PointSpring] | None = None,
+        springs: Mapping[str, ForceElement] | None = None,
         held: Mapping[str, HeldKind] | None = None,
         closures: Mapping[str, Closure] | None = None,
         couplings: Mapping[str, Coupling] | None = None,
@@ -83,7 +104,7 @@ class System:
         self.elastic = dict(elastic or {})
         self.springs = springs_and_parts(springs or {}, self.elastic)
         #: Those between points.
-        self.point_springs = {n: s for n, s in self.springs.items() if isinstance(s, PointSpring)}
+        self.point_springs = {n: s for n, s in self.springs.items() if isinstance(s, BetweenPoints)}
         self.held = dict(held or {})
         #: All closures by name, those of joints held by constraint first.
         self.closures = closures_by_name(mechanism, self.held, closures or {})
@@ -127,6 +148,11 @@ class System:
             self.projection_x = np.array([blocks.x])
             blocks.x += 1
         self.program = np.concatenate(blocks.all)
+        #: Where in x the works of drives and the losses of springs are, in their order; -1: of that one none.
+        self.work_x, self.gross_work_x = (
+            places_in_x(self.program, self.drives, self.drive_blocks, one) for one in (WORK, GROSS_WORK)
+        )
+        self.damper_x = places_in_x(self.program, self.springs, self.spring_blocks, LOSS)
         head = self.program[: kernels.HEADER].view(PROGRAM)
         head["nq"], head["nv"] = self.model.nq, self.model.nv
         head["contacts"], head["rows"], head["points"] = len(self.contact_names), self.rows, points
@@ -189,15 +215,12 @@ class System:
 
     def _place_elements(self, blocks: Blocks) -> None:
         """Lay out drives and springs at joints."""
-        #: Places in x of what elements integrate, by its name; in the order of the elements.
-        integrals: dict[str, list[int]] = {}
         #: Elements in Python.
         self.callables: list[InPython] = []
         #: Joints whose motion is prescribed.
         self.motions: list[DrivenJoint] = []
         self.drive_blocks: dict[str, int] = {}
         self.spring_blocks: dict[str, int] = {}
-        self._losses: dict[str, int] = {}
         at_joints = {n: s for n, s in self.springs.items() if isinstance(s, Element)}
         families: tuple[tuple[str, Mapping[str, Element], dict[str, int]], ...] = (
             ("drive", self.drives, self.drive_blocks),
@@ -205,40 +228,29 @@ class System:
         )
         for family, elements, places in families:
             for name, element in elements.items():
+                check_booked(family, name, element)
                 x = blocks.x
                 block = self.element_block(f"{family} {name!r}", element, x)
-                kept = element.integrals
-                if family == "spring":
-                    # Each has its loss in the ledger; that of a kind which loses nothing stays zero.
-                    kept = kept if LOSS in kept else (*kept, LOSS)
-                    self._losses[name] = x + kept.index(LOSS)
-                places[name] = at = blocks.add(block, len(kept))
+                places[name] = at = blocks.add(block, len(element.integrals))
                 own = at + int(kernels.PARAMETERS)
                 if element.in_python:
                     asked = element.asked(f"{family} {name!r}", self.slides(element.joint))
                     self.callables.append(InPython(at, slice(own, at + len(block)), element, asked))
                 if isinstance(element, Motion):
                     check_motion(f"{family} {name!r}", self.mechanism, self.drives, name, element)
-                    kind = element.compiled().KIND
+                    kind = kind_of(type(element))
                     turn = self.turn_x.get(element.joint, -1)
                     self.motions.append(
                         DrivenJoint(name=name, joint=element.joint, turn=turn, kind=kind, words=own, x=x)
                     )
-                for k, integral in enumerate(element.integrals):
-                    integrals.setdefault(integral.name, []).append(x + k)
-        self.work_x, self.gross_work_x = (
-            np.array(integrals.get(one.name, []), dtype=int) for one in (WORK, GROSS_WORK)
-        )
 
     def _place_point_springs(self, blocks: Blocks) -> int:
         """Lay out springs between points, behind all else; return where in the program they begin."""
         begin = blocks.size
         for name, spring in self.point_springs.items():
+            check_booked("spring", name, spring)
             block = point_spring_block(self.mechanism, f"spring {name!r}", spring, blocks.x)
-            self._losses[name] = blocks.x + spring.integrals.index(LOSS)
             self.spring_blocks[name] = blocks.add(block, len(spring.integrals))
-        #: Where in x the losses of springs are, in their order.
-        self.damper_x = np.array([self._losses[name] for name in self.springs], dtype=int)
         return begin
 
     def slides(self, joint: str) -> bool:
@@ -256,13 +268,7 @@ class System:
         slot = self.mechanism.joint(element.joint)
         clearance = self.clearance_blocks.get(element.joint, -1)
         without_axis = any(j.geometry.motion is None for j in self.clearances if j.name == element.joint)
-        if clearance >= 0 and not without_axis:
-            joint_kind = kernels.PLAY
-        elif slot.kind in ("revolute", "prismatic"):
-            joint_kind = kernels.ONE_DOF
-        elif slot.kind == "continuous":
-            joint_kind = kernels.CIRCLE
-        else:
+        if without_axis or (clearance < 0 and slot.kind not in _WITH_AXIS):
             kind_seen = "spherical" if without_axis else slot.kind
             raise MechanismError(
                 f"{place}: joint {element.joint!r} is {kind_seen} and has no axis to act about; "
@@ -272,8 +278,9 @@ class System:
         words = element.words_of_kernel()
         block = np.concatenate([np.zeros(kernels.PARAMETERS), words])
         head = block[: kernels.PARAMETERS].view(kernels.ELEMENT)
-        head["kind"], head["length"] = element.compiled().KIND, len(block)
-        head["joint"], head["play"], head["turn"] = joint_kind, clearance, self.turn_x.get(element.joint, -1)
+        head["kind"], head["length"] = kind_of(type(element)), len(block)
+        head["joint"], head["play"] = _WITH_AXIS.get(slot.kind, -1), clearance
+        head["turn"] = self.turn_x.get(element.joint, -1)
         head["q"], head["v"], head["x"] = slot.q.start, slot.v.start, x
         head["about"] = kernels.ABOUTS.index(element.about)
         head["senses"], head["on"] = element.senses, element.acts

@@ -1,13 +1,14 @@
 """Force elements: drives, a controller, springs and dampers at joints, springs between points."""
 
+from antenna_pin.elements.between_points import BetweenPoints, Point
 from antenna_pin.elements.constant import ConstantDrive
 from antenna_pin.elements.element import GROSS_WORK, LOSS, WORK, About, Drive, Element, ForceElement, Integral
 from antenna_pin.elements.given import CallableDrive
 from antenna_pin.elements.joint_friction import JointFriction
 from antenna_pin.elements.pd import PDController
-from antenna_pin.elements.point_spring import Point, PointSpring
+from antenna_pin.elements.point_spring import PointSpring
 from antenna_pin.elements.prescribed import CallableMotion, DistanceMotion, Motion, PrescribedMotion
-from antenna_pin.elements.registry import DRIVES, ELEMENTS, SPRINGS
+from antenna_pin.elements.registry import DRIVES, ELEMENTS, SPRINGS, kind_of
 from antenna_pin.elements.sine import SineDrive
 from antenna_pin.elements.spring import JointSpring
 from antenna_pin.elements.tabulated import TableDrive
@@ -20,6 +21,7 @@ __all__ = [
     "SPRINGS",
     "WORK",
     "About",
+    "BetweenPoints",
     "CallableDrive",
     "CallableMotion",
     "ConstantDrive",
@@ -37,4 +39,5 @@ __all__ = [
     "PrescribedMotion",
     "SineDrive",
     "TableDrive",
+    "kind_of",
 ]

@@ -8,7 +8,6 @@ from antenna_pin._compile import inlined, record
 from antenna_pin.elements.ledger_kernels import write_work
 from antenna_pin.records import layout, words_of
 
-KIND = 10
 LAYOUT = layout(("value", "f8"))
 SIZE = words_of(LAYOUT)
 write_rates = write_work

@@ -6,18 +6,15 @@ import math
 import warnings
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import Any, Literal
+from typing import Literal
 
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.parameters import LARGEST, LEAST
-from antenna_pin.readable import GIVEN, number, readable
 
 __all__ = [
     "Interpolation",
-    "check_course",
     "check_covers",
     "check_table",
-    "course_words",
     "cubics",
     "points_and_middles",
 ]
@@ -49,50 +46,6 @@ def check_table(owner: object, values: str) -> None:
             raise InvalidParameterError(
                 owner, f"{values}[{i}]", rule, said=f"{given[i]!r}, a slope of {slope:g}"
             )
-
-
-def check_course(owner: Any, values: str) -> None:
-    """Refuse a course over time, the sum of a swing and a table, of which something is missing.
-
-    Args:
-        owner: Whose fields ``amplitude``, ``frequency`` and ``time`` are parts of it.
-        values: Field of the table's values.
-    """
-    if owner.amplitude != 0.0 and owner.frequency is None:
-        raise InvalidParameterError(owner, "frequency", "given beside an amplitude", said="none")
-    if owner.frequency is not None and owner.amplitude == 0.0:
-        raise InvalidParameterError(owner, "amplitude", "given beside a frequency", said="none")
-    if (owner.time is None) != (getattr(owner, values) is None):
-        missing, there = (values, "time") if getattr(owner, values) is None else ("time", values)
-        raise InvalidParameterError(owner, missing, f"given beside {there}", said="none")
-    if owner.time is not None:
-        check_table(owner, values)
-
-
-def course_words(owner: Any, constant: str, powers: Sequence[str], slides: bool) -> list[str]:
-    """Return the parts of a course over time in words.
-
-    Args:
-        owner: As for :func:`check_course`; it has ``rate``, ``phase``, ``file`` and ``unit``, too.
-        constant: Field of the constant part.
-        powers: Words of further parts, behind the one that grows with time.
-        slides: Whether the joint slides.
-    """
-
-    def said(name: str) -> str:
-        return readable(getattr(owner, name), owner.unit(name, slides), GIVEN)
-
-    parts = [said(constant)] if getattr(owner, constant) else []
-    if owner.rate:
-        parts.append(f"{said('rate')} · t")
-    parts += powers
-    if owner.frequency is not None:
-        phase = f" + {said('phase')}" if owner.phase else ""
-        parts.append(f"{said('amplitude')} × sin(2π · {number(owner.frequency, GIVEN)} Hz · t{phase})")
-    if owner.time is not None:
-        where = "" if owner.file is None else f" of {owner.file}"
-        parts.append(f"a table{where} of {len(owner.time)} points")
-    return parts
 
 
 def check_covers(time: Sequence[float], place: str, begin: float, end: float) -> None:

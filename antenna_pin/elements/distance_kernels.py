@@ -10,9 +10,8 @@ from antenna_pin.elements.ledger_kernels import write_work
 from antenna_pin.elements.motion_kernels import effort
 from antenna_pin.records import layout, words_of
 
-__all__ = ["KIND", "LAYOUT", "effort", "motion", "write_rates"]
+__all__ = ["LAYOUT", "effort", "motion", "write_rates"]
 
-KIND = 16
 LAYOUT = layout(
     ("centre", "f8", (3,)),
     ("speed", "f8", (3,)),

@@ -5,7 +5,7 @@ An element acts at one joint: it sees time, the joint's angle and rate, and give
 It is a frozen dataclass whose fields declare themselves (:mod:`antenna_pin.parameters`), beside kernels in a
 file of their own, which the class names in ``kernels``:
 
-- ``KIND``, a number of its own, and ``LAYOUT``, the record of its numbers;
+- ``LAYOUT``, the record of its numbers;
 - ``effort(words, at, t, angle, rate)``: its torque [N m], or force [N] at a joint that slides, from the
   record at ``words[at:]``;
 - ``write_rates(words, at, rate, power, rates, x)``: the rates of what it integrates (``integrals``), to be
@@ -21,7 +21,7 @@ It enters by one line of :mod:`antenna_pin.elements.registry`; everything else f
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
@@ -29,6 +29,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 from antenna_pin.answers import AskedFunction, check_takes, told_numbers
 from antenna_pin.arguments import takes
 from antenna_pin.parameters import check, parameters_of
+from antenna_pin.readable import GIVEN, readable
 
 if TYPE_CHECKING:
     import numpy as np
@@ -67,12 +68,22 @@ class ForceElement:
     # Its kernels, by the name of their module; what it integrates.
     kernels: ClassVar[str]
     integrals: ClassVar[tuple[Integral, ...]] = ()
-    # Parameters of which a scenario must give one above zero, or there would be nothing.
+    # Parameters of which a scenario asks that one is above zero: without, it would do nothing.
     one_above_zero: ClassVar[tuple[str, ...]] = ()
 
     def __post_init__(self) -> None:
         """Check the parameters."""
         check(self)
+
+    @property
+    def acts_at(self) -> str | None:
+        """The joint that it acts at; None if it acts elsewhere."""
+        return None
+
+    @property
+    def about(self) -> About:
+        """What it acts about at a joint with play."""
+        return "motion"
 
     @property
     def acts(self) -> bool:
@@ -129,6 +140,19 @@ class ForceElement:
         """Return what it is in words, numbers with units; of a joint that slides or turns."""
         raise NotImplementedError
 
+    def said(self, name: str, slides: bool) -> str:
+        """Return one of its parameters with its unit, of a joint that slides or turns."""
+        return readable(getattr(self, name), self.unit(name, slides), GIVEN)
+
+    def said_of(self, words: Mapping[str, str], slides: bool) -> list[str]:
+        """Return those of its parameters that are not zero, each behind its word.
+
+        Args:
+            words: Words by parameter, in order.
+            slides: Whether the joint slides.
+        """
+        return [f"{word} {self.said(name, slides)}" for name, word in words.items() if getattr(self, name)]
+
     def unit(self, name: str, slides: bool) -> str:
         """Return the unit of one of its parameters as :mod:`antenna_pin.readable` takes it."""
         found = parameters_of(type(self))[name]
@@ -152,9 +176,9 @@ class Element(ForceElement):
     joint: str
 
     @property
-    def about(self) -> About:
-        """What it acts about at a joint with play."""
-        return "motion"
+    def acts_at(self) -> str | None:
+        """The joint that it acts at."""
+        return self.joint
 
     @property
     def functions(self) -> tuple[tuple[str, Callable[..., float], int], ...]:

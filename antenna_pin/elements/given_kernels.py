@@ -9,7 +9,6 @@ from antenna_pin._compile import inlined, record
 from antenna_pin.elements.ledger_kernels import write_work
 from antenna_pin.records import layout, words_of
 
-KIND = 13
 #: The value, and where the function stands; 0 where Python writes the value.
 LAYOUT = layout(("value", "f8"), ("address", "f8"))
 SIZE = words_of(LAYOUT)

@@ -7,7 +7,6 @@ from typing import ClassVar
 
 from antenna_pin.elements.element import LOSS, Element, Integral
 from antenna_pin.parameters import parameter
-from antenna_pin.readable import GIVEN, readable
 
 __all__ = ["JointFriction"]
 
@@ -48,13 +47,7 @@ class JointFriction(Element):
 
     def words(self, slides: bool) -> str:
         """Return what it is in words."""
-        said = {"damping": "damping", "friction": "friction"}
-        found = [
-            f"{word} {readable(getattr(self, name), self.unit(name, slides), GIVEN)}"
-            for name, word in said.items()
-            if getattr(self, name)
-        ]
+        found = self.said_of({"damping": "damping", "friction": "friction"}, slides)
         if self.friction:
-            speed = readable(self.regularisation_speed, self.unit("regularisation_speed", slides), GIVEN)
-            found.append(f"rounded off below {speed}")
+            found.append(f"rounded off below {self.said('regularisation_speed', slides)}")
         return ", ".join(found)

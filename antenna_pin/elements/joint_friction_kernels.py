@@ -8,7 +8,6 @@ from typing import Any
 from antenna_pin._compile import inlined, record
 from antenna_pin.records import layout, words_of
 
-KIND = 22
 LAYOUT = layout(("damping", "f8"), ("friction", "f8"), ("regularisation_speed", "f8"))
 SIZE = words_of(LAYOUT)
 

@@ -11,9 +11,9 @@ from collections.abc import Callable
 from typing import Any
 
 from antenna_pin._compile import composed
-from antenna_pin.elements.registry import kernel_modules
+from antenna_pin.elements.registry import ELEMENTS, kind_of
 
-_MODULES = kernel_modules()
+_KINDS = [(kind_of(element), element.compiled()) for element in ELEMENTS]
 
 
 def _chain(name: str, last: Callable[..., Any]) -> Any:
@@ -22,10 +22,10 @@ def _chain(name: str, last: Callable[..., Any]) -> Any:
     Kinds without one, and numbers that are no kind's, go on to ``last``.
     """
     chain = composed(last)
-    for module in reversed(_MODULES):
+    for kind, module in reversed(_KINDS):
         own = getattr(module, name, None)
         if own is not None:
-            chain = _branch(module.KIND, own, chain)
+            chain = _branch(kind, own, chain)
     return chain
 
 
@@ -64,3 +64,6 @@ stored = _chain("stored", _nothing)
 kink = _chain("kink", _no_kind)
 reference = _chain("reference", _no_reference)
 motion = _chain("motion", _no_motion)
+# Of those between points.
+tension = _chain("tension", _no_kind)
+loss = _chain("loss", _no_kind)

@@ -10,7 +10,6 @@ from antenna_pin.elements.curve_kernels import curvature, curve
 from antenna_pin.elements.ledger_kernels import write_work
 from antenna_pin.records import layout, words_of
 
-KIND = 15
 #: Behind it stand the coefficients of t^2 and higher powers, then, if it has points, the curve through them.
 LAYOUT = layout(
     ("position", "f8"),

@@ -6,17 +6,17 @@ import math
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from antenna_pin.elements.curve import check_course, check_covers, course_words, cubics, points_and_middles
+from antenna_pin.elements.course import Course
+from antenna_pin.elements.curve import Interpolation
 from antenna_pin.elements.element import Drive
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.parameters import check, parameter
-from antenna_pin.readable import GIVEN, readable
 
 __all__ = ["PDController"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class PDController(Drive):
+class PDController(Course, Drive):
     r"""A controller of angle and rate, or of way and speed at a sliding joint: it follows a reference.
 
     .. math:: \tau = k_p (\phi_r - \phi) + k_d (\dot\phi_r - \dot\phi), \quad |\tau| \le \tau_{max}
@@ -42,7 +42,9 @@ class PDController(Drive):
     """
 
     kernels: ClassVar[str] = "pd_kernels"
+    constant: ClassVar[str] = "angle"
     columns: ClassVar[tuple[str, str]] = ("time", "reference")
+    joined: ClassVar[Interpolation] = "cubic"
     senses: ClassVar[bool] = True
     tracks: ClassVar[bool] = True
 
@@ -63,54 +65,20 @@ class PDController(Drive):
         check(self)
         if self.kp == self.kd == 0.0:
             raise InvalidParameterError(self, "kp", "above zero, or kd", said="neither")
-        check_course(self, "reference")
+        self.check_course()
 
     @property
     def has_kinks(self) -> bool:
         """Whether the torque has a limit."""
         return self.limit is not None
 
-    @property
-    def instants(self) -> tuple[float, ...]:
-        """Points of the reference's table, where its acceleration jumps, and the middles between them [s]."""
-        return () if self.time is None else points_and_middles(self.time)
-
-    @property
-    def longest_step(self) -> float:
-        """An eighth of the reference's period [s]."""
-        return math.inf if self.frequency is None else 0.125 / self.frequency
-
     def values(self) -> dict[str, Any]:
         """Return its numbers, by the names that its record has for them."""
-        return {
-            "kp": self.kp,
-            "kd": self.kd,
-            "limit": math.inf if self.limit is None else self.limit,
-            "angle": self.angle,
-            "rate": self.rate,
-            "amplitude": self.amplitude,
-            "angular_frequency": 2.0 * math.pi * (self.frequency or 0.0),
-            "phase": self.phase,
-            "points": 0 if self.time is None else len(self.time),
-        }
-
-    def tail(self) -> tuple[float, ...]:
-        """Return the curve through the points of the reference's table."""
-        if self.time is None or self.reference is None:
-            return ()
-        return cubics(self.time, self.reference, "cubic")
-
-    def check_span(self, place: str, begin: float, end: float) -> None:
-        """Refuse a run that the reference's table does not cover."""
-        if self.time is not None:
-            check_covers(self.time, place, begin, end)
+        limit = math.inf if self.limit is None else self.limit
+        return {"kp": self.kp, "kd": self.kd, "limit": limit, **Course.values(self)}
 
     def words(self, slides: bool) -> str:
         """Return what it is in words."""
-
-        def said(name: str) -> str:
-            return readable(getattr(self, name), self.unit(name, slides), GIVEN)
-
-        parts = course_words(self, "angle", [], slides)
-        text = f"controller, kp {said('kp')}, kd {said('kd')}, reference {' + '.join(parts) or '0'}"
-        return text if self.limit is None else f"{text}, at most {said('limit')}"
+        kp, kd = (self.said(name, slides) for name in ("kp", "kd"))
+        text = f"controller, kp {kp}, kd {kd}, reference {self.course_words(slides) or '0'}"
+        return text if self.limit is None else f"{text}, at most {self.said('limit', slides)}"

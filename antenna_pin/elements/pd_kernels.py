@@ -10,7 +10,6 @@ from antenna_pin.elements.curve_kernels import curve
 from antenna_pin.elements.ledger_kernels import write_work
 from antenna_pin.records import layout, words_of
 
-KIND = 14
 #: Behind it stands, if it has points, the curve through the reference's table.
 LAYOUT = layout(
     ("kp", "f8"),

@@ -7,7 +7,6 @@ from typing import Any
 from antenna_pin._compile import inlined, record
 from antenna_pin.records import layout, words_of
 
-KIND = 21
 LAYOUT = layout(("stiffness", "f8"), ("damping", "f8"), ("free_length", "f8"))
 SIZE = words_of(LAYOUT)
 

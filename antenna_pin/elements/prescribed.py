@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Literal
 
-from antenna_pin.elements.curve import check_course, check_covers, course_words, cubics, points_and_middles
+from antenna_pin.elements.course import Course, Swing
 from antenna_pin.elements.element import GROSS_WORK, WORK, Element, Integral
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.parameters import check, parameter
@@ -38,7 +37,7 @@ class Motion(Element):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class PrescribedMotion(Motion):
+class PrescribedMotion(Course, Motion):
     r"""A joint's position as a function of time, to which the joint is held; the sum of what is given.
 
     .. math::
@@ -60,7 +59,9 @@ class PrescribedMotion(Motion):
     """
 
     kernels: ClassVar[str] = "motion_kernels"
+    constant: ClassVar[str] = "position"
     columns: ClassVar[tuple[str, str]] = ("time", "positions")
+    joined: ClassVar[Literal["smooth"]] = "smooth"
 
     position: float = parameter("rad", sliding="m", default=0.0)
     rate: float = parameter("rad/s", sliding="m/s", default=0.0)
@@ -75,50 +76,24 @@ class PrescribedMotion(Motion):
     def __post_init__(self) -> None:
         """Check the parts."""
         check(self)
-        check_course(self, "positions")
-
-    @property
-    def instants(self) -> tuple[float, ...]:
-        """Points of the table, where the motion's jerk jumps, and the middles between them [s]."""
-        return () if self.time is None else points_and_middles(self.time)
-
-    @property
-    def longest_step(self) -> float:
-        """An eighth of the period [s]."""
-        return math.inf if self.frequency is None else 0.125 / self.frequency
+        self.check_course()
 
     def values(self) -> dict[str, Any]:
         """Return its numbers, by the names that its record has for them."""
-        return {
-            "position": self.position,
-            "rate": self.rate,
-            "amplitude": self.amplitude,
-            "angular_frequency": 2.0 * math.pi * (self.frequency or 0.0),
-            "phase": self.phase,
-            "powers": len(self.coefficients),
-            "points": 0 if self.time is None else len(self.time),
-        }
+        return {"powers": len(self.coefficients), **Course.values(self)}
 
     def tail(self) -> tuple[float, ...]:
         """Return the polynomial's coefficients, and the curve through the points of the table."""
-        if self.time is None or self.positions is None:
-            return self.coefficients
-        return (*self.coefficients, *cubics(self.time, self.positions, "smooth"))
-
-    def check_span(self, place: str, begin: float, end: float) -> None:
-        """Refuse a run that the table does not cover."""
-        if self.time is not None:
-            check_covers(self.time, place, begin, end)
+        return (*self.coefficients, *Course.tail(self))
 
     def words(self, slides: bool) -> str:
         """Return what it is in words."""
         powers = [f"{number(c, GIVEN)} · t^{k}" for k, c in enumerate(self.coefficients, start=2) if c]
-        parts = course_words(self, "position", powers, slides)
-        return f"motion {' + '.join(parts) or 'held at 0'}"
+        return f"motion {self.course_words(slides, powers) or 'held at 0'}"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class DistanceMotion(Motion):
+class DistanceMotion(Swing, Motion):
     r"""A sliding joint held to the distance between a fixed point and one that moves along a path.
 
     That is the length of a leg from a base joint to a joint of a platform that moves without turning:
@@ -148,13 +123,7 @@ class DistanceMotion(Motion):
     def __post_init__(self) -> None:
         """Check the parts."""
         check(self)
-        if any(self.amplitude) and self.frequency is None:
-            raise InvalidParameterError(self, "frequency", "given beside an amplitude", said="none")
-
-    @property
-    def longest_step(self) -> float:
-        """An eighth of the path's period [s]."""
-        return math.inf if self.frequency is None else 0.125 / self.frequency
+        self.check_frequency(any(self.amplitude))
 
     def check_joint(self, place: str, slides: bool) -> None:
         """Refuse a joint that turns."""
@@ -168,7 +137,7 @@ class DistanceMotion(Motion):
             "speed": self.velocity,
             "amplitude": self.amplitude,
             "phase": self.phase,
-            "angular_frequency": 2.0 * math.pi * (self.frequency or 0.0),
+            "angular_frequency": self.angular_frequency,
         }
 
     def words(self, slides: bool) -> str:

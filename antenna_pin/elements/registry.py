@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from types import MappingProxyType
-from typing import Any
 
 from antenna_pin.elements.constant import ConstantDrive
 from antenna_pin.elements.element import Element, ForceElement
@@ -16,8 +15,9 @@ from antenna_pin.elements.prescribed import CallableMotion, DistanceMotion, Pres
 from antenna_pin.elements.sine import SineDrive
 from antenna_pin.elements.spring import JointSpring
 from antenna_pin.elements.tabulated import TableDrive
+from antenna_pin.errors import UnknownNameError
 
-__all__ = ["DRIVES", "ELEMENTS", "SPRINGS", "kernel_modules"]
+__all__ = ["DRIVES", "ELEMENTS", "SPRINGS", "kind_of"]
 
 DRIVES: Mapping[str, type[Element]] = MappingProxyType(
     {
@@ -40,15 +40,20 @@ SPRINGS: Mapping[str, type[ForceElement]] = MappingProxyType(
 )
 """What stores and loses energy by its ``kind`` in ``[springs.NAME]``."""
 
-ELEMENTS: tuple[type[Element], ...] = (
+ELEMENTS: tuple[type[ForceElement], ...] = (
     *DRIVES.values(),
     CallableDrive,
     CallableMotion,
-    *(cls for cls in SPRINGS.values() if issubclass(cls, Element)),
+    *SPRINGS.values(),
 )
 """All elements there are; Python has some that a scenario has not."""
 
+# Blocks of a program with lower numbers are joints.
+_FIRST_KIND = 10
 
-def kernel_modules() -> list[Any]:
-    """Return the modules of their kernels."""
-    return [element.compiled() for element in ELEMENTS]
+
+def kind_of(element: type[ForceElement]) -> int:
+    """Return the number of a kind of element in programs and kernels."""
+    if element not in ELEMENTS:
+        raise UnknownNameError("System", "kind of element", element.__name__, [e.__name__ for e in ELEMENTS])
+    return _FIRST_KIND + ELEMENTS.index(element)

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
+from antenna_pin.elements.course import Swing
 from antenna_pin.elements.element import Drive
 from antenna_pin.parameters import parameter
-from antenna_pin.readable import GIVEN, number, readable
+from antenna_pin.readable import GIVEN, number
 
 __all__ = ["SineDrive"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class SineDrive(Drive):
+class SineDrive(Swing, Drive):
     """The torque, or force at a sliding joint, ``amplitude * sin(2 pi frequency t + phase)``.
 
     Attributes:
@@ -29,18 +29,8 @@ class SineDrive(Drive):
     frequency: float = parameter("Hz", rule="positive")
     phase: float = parameter("rad", default=0.0)
 
-    def values(self) -> dict[str, Any]:
-        """Return its numbers, by the names that its record has for them."""
-        omega = 2.0 * math.pi * self.frequency
-        return {"amplitude": self.amplitude, "angular_frequency": omega, "phase": self.phase}
-
-    @property
-    def longest_step(self) -> float:
-        """An eighth of the period [s]."""
-        return 0.125 / self.frequency
-
     def words(self, slides: bool) -> str:
         """Return what it is in words."""
-        phase = f" + {readable(self.phase, 'rad', GIVEN)}" if self.phase else ""
-        amplitude = readable(self.amplitude, self.unit("amplitude", slides), GIVEN)
-        return f"{amplitude} × sin(2π · {number(self.frequency, GIVEN)} Hz · t{phase})"
+        phase = f" + {self.said('phase', slides)}" if self.phase else ""
+        frequency = number(self.frequency, GIVEN)
+        return f"{self.said('amplitude', slides)} × sin(2π · {frequency} Hz · t{phase})"

@@ -9,7 +9,6 @@ from antenna_pin._compile import inlined, record
 from antenna_pin.elements.ledger_kernels import write_work
 from antenna_pin.records import layout, words_of
 
-KIND = 11
 LAYOUT = layout(("amplitude", "f8"), ("angular_frequency", "f8"), ("phase", "f8"))
 SIZE = words_of(LAYOUT)
 write_rates = write_work

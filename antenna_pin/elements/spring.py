@@ -8,7 +8,6 @@ from typing import Any, ClassVar
 from antenna_pin.elements.element import LOSS, Element, Integral
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.parameters import parameter
-from antenna_pin.readable import GIVEN, readable
 
 __all__ = ["JointSpring"]
 
@@ -61,8 +60,4 @@ class JointSpring(Element):
     def words(self, slides: bool) -> str:
         """Return what it is in words."""
         said = {"stiffness": "stiffness", "damping": "damping", "rest_angle": "at rest at"}
-        return ", ".join(
-            f"{word} {readable(getattr(self, name), self.unit(name, slides), GIVEN)}"
-            for name, word in said.items()
-            if getattr(self, name)
-        )
+        return ", ".join(self.said_of(said, slides))

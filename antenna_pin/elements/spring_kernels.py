@@ -8,7 +8,6 @@ from typing import Any
 from antenna_pin._compile import inlined, record
 from antenna_pin.records import layout, words_of
 
-KIND = 20
 LAYOUT = layout(("stiffness", "f8"), ("damping", "f8"), ("rest_angle", "f8"), ("shorter_way", "i8"))
 SIZE = words_of(LAYOUT)
 

@@ -9,7 +9,6 @@ from antenna_pin.elements.curve_kernels import curve
 from antenna_pin.elements.ledger_kernels import write_work
 from antenna_pin.records import layout, words_of
 
-KIND = 12
 #: Behind it stand the points' times, and the coefficients of the cubics between them.
 LAYOUT = layout(("points", "i8"))
 SIZE = words_of(LAYOUT)

@@ -4,6 +4,7 @@ What stays and what moves are together the link: mass, mass centre and inertia a
 """
 
 from antenna_pin.flexible.inertia import MassProperties, least_share, share_taken
+from antenna_pin.flexible.kind import FlexibleKind
 from antenna_pin.flexible.modal_data import ModalData
 from antenna_pin.flexible.modes import EffectiveMode, EffectiveModes
 from antenna_pin.flexible.part import (
@@ -17,7 +18,7 @@ from antenna_pin.flexible.part import (
 )
 from antenna_pin.flexible.petals import Petals, petal_body
 from antenna_pin.flexible.realised import realised
-from antenna_pin.flexible.split import FlexibleKind, SplitLink, split
+from antenna_pin.flexible.split import SplitLink, split
 
 __all__ = [
     "BoxShape",

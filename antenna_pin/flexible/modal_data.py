@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.flexible.inertia import MassProperties, least_share
-from antenna_pin.flexible.part import Drawn, ElasticPart, SphereShape
+from antenna_pin.flexible.kind import FlexibleKind
+from antenna_pin.flexible.part import ElasticPart, SphereShape
 from antenna_pin.flexible.realised import realised
 from antenna_pin.parameters import SWINGS, check, parameter
 from antenna_pin.units import shown
@@ -28,7 +29,7 @@ _BALL = 0.08
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ModalData:
+class ModalData(FlexibleKind):
     r"""An appendage of a link by its modes with the root held, scaled to unit modal mass.
 
     With the root's acceleration a, of its point and of turning, (6,), the force and moment F on the root,
@@ -81,16 +82,6 @@ class ModalData:
     def frequencies(self) -> dict[str, float]:
         """Natural frequencies with the root held, by mode [Hz]."""
         return {f"mode{k + 1}": frequency for k, frequency in enumerate(self.frequency)}
-
-    @property
-    def removes(self) -> tuple[str, ...]:
-        """Names of the link's shapes that are not drawn any more."""
-        return ()
-
-    @property
-    def hub_drawn(self) -> tuple[Drawn, ...]:
-        """What is drawn of the hub, beside the link's own shapes."""
-        return ()
 
     def about_link(self) -> Array:
         """Return the participation factors about the origin of the link's frame, in its axes, (n, 6)."""

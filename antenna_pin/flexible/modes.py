@@ -11,7 +11,8 @@ import numpy as np
 from antenna_pin.directions import A_DIRECTION, unit
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.flexible.inertia import MassProperties
-from antenna_pin.flexible.part import Drawn, ElasticPart, SphereShape, Takes
+from antenna_pin.flexible.kind import FlexibleKind
+from antenna_pin.flexible.part import ElasticPart, SphereShape, Takes
 from antenna_pin.flexible.realised import balanced_rotor, sliding_mass
 from antenna_pin.parameters import SWINGS, check, parameter
 
@@ -89,7 +90,7 @@ class EffectiveMode:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class EffectiveModes:
+class EffectiveModes(FlexibleKind):
     """A link with effective-mass modes, side by side on its hub.
 
     Attributes:
@@ -108,20 +109,6 @@ class EffectiveModes:
     def frequencies(self) -> dict[str, float]:
         """Natural frequencies with the hub held, by mode [Hz]."""
         return {name: mode.natural_frequency for name, mode in self.modes.items()}
-
-    @property
-    def removes(self) -> tuple[str, ...]:
-        """Names of the link's shapes that are not drawn any more."""
-        return ()
-
-    @property
-    def hub_drawn(self) -> tuple[Drawn, ...]:
-        """What is drawn of the hub, beside the link's own shapes."""
-        return ()
-
-    def told_of(self, part: int, link: MassProperties) -> str:
-        """Return nothing: a part's name says where its numbers stand."""
-        return ""
 
     def parts(self, name: str, link: MassProperties) -> list[ElasticPart]:
         """Return the bodies on joints that the modes are.

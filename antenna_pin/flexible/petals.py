@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from antenna_pin.directions import A_DIRECTION, unit
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.flexible.inertia import MassProperties
+from antenna_pin.flexible.kind import FlexibleKind
 from antenna_pin.flexible.part import (
     BoxShape,
     CylinderShape,
@@ -63,7 +64,7 @@ def petal_body(
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Petals:
+class Petals(FlexibleKind):
     r"""A dish of petals, hinged at a hub against root springs; at rest they are a paraboloid.
 
     Each petal is a sector of a thin, even shell and turns about the tangent of the hub's rim at its root; to
@@ -166,10 +167,6 @@ class Petals:
         disc[2, 3] = 0.5 * self.root[2]
         thickness = max(self.root[2], _THICKNESS * self.rim_radius)
         return (CylinderShape(self.hub_radius, thickness, self.placement @ disc),)
-
-    def told_of(self, part: int, link: MassProperties) -> str:
-        """Return nothing: a part's name says where its numbers stand."""
-        return ""
 
     def parts(self, name: str, link: MassProperties) -> list[ElasticPart]:
         """Return the petals.

@@ -2,57 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 
 from antenna_pin.errors import MechanismError
 from antenna_pin.flexible.inertia import MassProperties, least_share, share_taken
+from antenna_pin.flexible.kind import FlexibleKind
 from antenna_pin.flexible.part import Drawn, ElasticPart
 
-__all__ = ["FlexibleKind", "SplitLink", "split"]
+__all__ = ["SplitLink", "split"]
 
 # A hub that has less than this of some moment of its link is one on paper only: round-off decides about it.
 _LEAST = 1e-9
-
-
-class FlexibleKind(Protocol):
-    """A way to make a link flexible."""
-
-    @property
-    def frequencies(self) -> Mapping[str, float]:
-        """Natural frequencies with the hub held, by part, without the link's name [Hz]."""
-        ...
-
-    @property
-    def removes(self) -> tuple[str, ...]:
-        """Names of the link's shapes that are not drawn any more."""
-        ...
-
-    @property
-    def hub_drawn(self) -> tuple[Drawn, ...]:
-        """What is drawn of the hub, beside the link's own shapes."""
-        ...
-
-    def told_of(self, part: int, link: MassProperties) -> str:
-        """Return what a refusal is to say of a part's numbers: where they stand, and which is too large.
-
-        Args:
-            part: Its place in :meth:`parts`.
-            link: The whole link.
-        """
-        ...
-
-    def parts(self, name: str, link: MassProperties) -> list[ElasticPart]:
-        """Return the elastic parts of a link.
-
-        Args:
-            name: Of the flexible link; the parts' names begin with it.
-            link: The whole link.
-        """
-        ...
 
 
 @dataclass(frozen=True, slots=True, eq=False)

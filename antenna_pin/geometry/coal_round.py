@@ -64,7 +64,7 @@ class CoalPlanar(_CoalRound):
     def __init__(self, bearing_radius: float, journal_radius: float) -> None:
         """Make the journal long: its end faces must not count."""
         cylinder = coal.Cylinder(journal_radius, 10.0 * bearing_radius)
-        super().__init__(kernels.CIRCLE, bearing_radius, journal_radius, cylinder)
+        super().__init__(kernels.CIRCLE_IN_CIRCLE, bearing_radius, journal_radius, cylinder)
 
 
 class CoalSpherical(_CoalRound):

@@ -20,7 +20,7 @@ CANDIDATE = words_of(REVOLUTE)
 
 BORE = 1
 FLANGE = 2
-CIRCLE = 3
+CIRCLE_IN_CIRCLE = 3
 BALL = 4
 CORNER_ON_WALL = 5
 
@@ -35,7 +35,7 @@ def candidate_contact(words: Any, at: int, pose: Any, out: Any) -> None:
         bore_contact(revolute, revolute.side, pose, out)
     elif primitive == FLANGE:
         flange_contact(revolute, revolute.side, pose, out)
-    elif primitive == CIRCLE:
+    elif primitive == CIRCLE_IN_CIRCLE:
         circle_contact(record(shape, ROUND), pose, out)
     elif primitive == BALL:
         ball_contact(record(shape, ROUND), pose, out)

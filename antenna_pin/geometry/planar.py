@@ -57,7 +57,7 @@ class PlanarClearance(RoundShape):
 
     def candidates(self, axes: ArrayLike) -> NDArray[np.float64]:
         """Return the record of the candidate contact as flat numbers, (1, CANDIDATE)."""
-        return flat(ROUND, (kernels.CIRCLE, self.bearing_radius, self.journal_radius, (0.0,) * 6))
+        return flat(ROUND, (kernels.CIRCLE_IN_CIRCLE, self.bearing_radius, self.journal_radius, (0.0,) * 6))
 
     def coal(self, axes: ArrayLike) -> CoalPlanar:
         """Return what asks coal for the same distance."""

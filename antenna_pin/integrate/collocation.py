@@ -86,6 +86,6 @@ class Propagator:
         stages, weights = _METHODS[method]
         s, n = len(weights), len(self._out)
         room = self._whole[: s * n, : s * n], self._pivots[: s * n], self._rates[:, : s * n]
-        if not propagate(stages, weights, length, matrices[:s], *room, self._out):
+        if not propagate(stages, weights, length, matrices[:s], room, self._out):
             return np.full((n, n), np.nan)
         return self._out.copy()

@@ -9,9 +9,7 @@ from antenna_pin.integrate.linear_kernels import decompose, solve
 
 
 @kernel
-def propagate(
-    stages: Any, weights: Any, size: float, matrices: Any, whole: Any, pivots: Any, rates: Any, out: Any
-) -> bool:
+def propagate(stages: Any, weights: Any, size: float, matrices: Any, room: Any, out: Any) -> bool:
     """Write what ``W' = A W`` makes of the identity over a step; return whether there is such.
 
     Args:
@@ -19,11 +17,11 @@ def propagate(
         weights: Of the step, (s,).
         size: Of the step.
         matrices: A at the nodes, (s, n, n).
-        whole: Scratch, (s n, s n).
-        pivots: Scratch, (s n,).
-        rates: To write to: ``W'`` at the nodes by columns of the identity, (n, s n).
+        room: To write to, one after another: scratch, (s n, s n) and (s n,), and ``W'`` at the nodes by
+            columns of the identity, (n, s n).
         out: To write to, (n, n).
     """
+    whole, pivots, rates = room
     s, n = matrices.shape[0], matrices.shape[1]
     for i in range(s):
         for j in range(s):

@@ -23,16 +23,13 @@ import numpy as np
 
 from antenna_pin._compile import inlined, kernel
 from antenna_pin.integrate.manifold_kernels import (
-    PLANE,
-    RIGID,
-    ROTATION,
-    VECTOR,
     chart_rate,
     factor_of,
     retract,
     retract_factor,
     space_of,
 )
+from antenna_pin.records import PLANE, RIGID, ROTATION, VECTOR
 
 # Rows of the work array behind the stages' rates.
 U = 0  # chart coordinates of the state being evaluated
@@ -156,17 +153,17 @@ def finish(i: int, h: float, errors: Any, layout: Any, work: Any, scales: Any, r
     store(i, stages, layout, work)
     magnitudes(layout, stages, work)
     first: Any = np.int64(0)
-    motion = _norm(first, nv + nv, i, h, errors, stages, work, scales, rtol)
-    plain = _norm(nv + nv, nv + nv + nx, i, h, errors, stages, work, scales, rtol)
+    motion = _norm((first, nv + nv), i, h, errors, work, scales, rtol)
+    plain = _norm((nv + nv, nv + nv + nx), i, h, errors, work, scales, rtol)
     # Whichever is not finite is the larger.
     return motion if motion != motion or motion >= plain else plain
 
 
 @inlined
-def _norm(
-    begin: int, end: int, i: int, h: float, errors: Any, stages: int, work: Any, scales: Any, rtol: float
-) -> float:
-    """Scaled error of the components from ``begin`` to ``end``."""
+def _norm(part: Any, i: int, h: float, errors: Any, work: Any, scales: Any, rtol: float) -> float:
+    """Scaled error of a part of the components, from the first number to the second."""
+    begin, end = part
+    stages = errors.shape[1]
     sum_first = 0.0
     sum_second = 0.0
     count = 0

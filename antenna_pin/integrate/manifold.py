@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.integrate import manifold_kernels as kernels
+from antenna_pin.records import CIRCLE, PLANE, RIGID, ROTATION, VECTOR
 
 __all__ = ["KINDS", "Manifold"]
 
@@ -18,11 +19,11 @@ Array = NDArray[np.float64]
 
 #: Configuration spaces of joints: kind -> (code, numbers in q, numbers in v).
 KINDS = {
-    "vector": (kernels.VECTOR, 1, 1),
-    "circle": (kernels.CIRCLE, 2, 1),
-    "plane": (kernels.PLANE, 4, 3),
-    "rotation": (kernels.ROTATION, 4, 3),
-    "rigid": (kernels.RIGID, 7, 6),
+    "vector": (VECTOR, 1, 1),
+    "circle": (CIRCLE, 2, 1),
+    "plane": (PLANE, 4, 3),
+    "rotation": (ROTATION, 4, 3),
+    "rigid": (RIGID, 7, 6),
 }
 
 

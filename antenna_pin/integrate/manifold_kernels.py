@@ -14,17 +14,12 @@ from typing import Any
 
 from antenna_pin import records
 from antenna_pin._compile import inlined, kernel, record
-
-VECTOR = 0  # q' = v
-CIRCLE = 1  # (cos, sin)
-PLANE = 2  # (x, y, cos, sin), v = (linear in body axes, rate)
-ROTATION = 3  # quaternion xyzw, v in body axes
-RIGID = 4  # position, quaternion xyzw; v = (linear, angular) in body axes
-
+from antenna_pin.records import PLANE, RIGID, ROTATION, VECTOR
 
 # Sizes of q, v and x, and how many factors the configurations have; as many ``FACTOR`` follow.
 SPACE = records.layout(("nq", "i8"), ("nv", "i8"), ("nx", "i8"), ("factors", "i8"))
-# A factor: what it is, where it starts in q and in v, its numbers in v.
+# A factor: how its joint moves (``VECTOR``, ``CIRCLE``, ... of ``records``), where it starts in q and in v,
+# its numbers in v.
 FACTOR = records.layout(("kind", "i8"), ("q", "i8"), ("v", "i8"), ("nv", "i8"))
 SPACE_WORDS = records.words_of(SPACE)
 FACTOR_WORDS = records.words_of(FACTOR)
@@ -44,8 +39,9 @@ def factor_of(layout: Any, number: int) -> Any:
 
 
 @inlined
-def _turn(q0: Any, r0: int, i: int, ux: float, uy: float, uz: float, q: Any, r: int) -> None:
+def _turn(q0: Any, r0: int, i: int, way: Any, q: Any, r: int) -> None:
     """Write q0 * exp(u / 2) for the quaternions at column i of rows r0 and r, made unit again."""
+    ux, uy, uz = way
     square = ux * ux + uy * uy + uz * uz
     if square < 1e-4:
         # sin(t/2)/t and cos(t/2) to round-off for t < 0.01.
@@ -79,9 +75,9 @@ def retract_factor(factor: Any, q0: Any, r0: int, u: Any, ru: int, q: Any, r: in
         q[r, i] = q0[r0, i] + u[ru, j]
         q[r, i + 1] = q0[r0, i + 1] + u[ru, j + 1]
         q[r, i + 2] = q0[r0, i + 2] + u[ru, j + 2]
-        _turn(q0, r0, i + 3, u[ru, j + 3], u[ru, j + 4], u[ru, j + 5], q, r)
+        _turn(q0, r0, i + 3, (u[ru, j + 3], u[ru, j + 4], u[ru, j + 5]), q, r)
     elif kind == ROTATION:
-        _turn(q0, r0, i, u[ru, j], u[ru, j + 1], u[ru, j + 2], q, r)
+        _turn(q0, r0, i, (u[ru, j], u[ru, j + 1], u[ru, j + 2]), q, r)
     else:
         if kind == PLANE:
             q[r, i] = q0[r0, i] + u[ru, j]
@@ -127,9 +123,9 @@ def move_by_velocity(layout: Any, rows: Any, r: int, step: Any) -> None:
             rows[r, i] += step[j] + w * tx + y * tz - z * ty
             rows[r, i + 1] += step[j + 1] + w * ty + z * tx - x * tz
             rows[r, i + 2] += step[j + 2] + w * tz + x * ty - y * tx
-            _turn(rows, r, i + 3, step[j + 3], step[j + 4], step[j + 5], rows, r)
+            _turn(rows, r, i + 3, (step[j + 3], step[j + 4], step[j + 5]), rows, r)
         elif kind == ROTATION:
-            _turn(rows, r, i, step[j], step[j + 1], step[j + 2], rows, r)
+            _turn(rows, r, i, (step[j], step[j + 1], step[j + 2]), rows, r)
         else:
             angle = step[j]
             if kind == PLANE:
@@ -147,11 +143,13 @@ def move_by_velocity(layout: Any, rows: Any, r: int, step: Any) -> None:
 
 
 @inlined
-def _unwind(x: float, y: float, z: float, wx: float, wy: float, wz: float, out: Any, r: int, j: int) -> None:
-    """Write the rate of the rotation vector (x, y, z) for a body angular velocity w.
+def _unwind(vector: Any, spin: Any, out: Any, r: int, j: int) -> None:
+    """Write the rate of a rotation vector for a body angular velocity.
 
-    It is w times the inverse right Jacobian of SO(3).
+    It is the velocity times the inverse right Jacobian of SO(3).
     """
+    x, y, z = vector
+    wx, wy, wz = spin
     cx = y * wz - z * wy
     cy = z * wx - x * wz
     cz = x * wy - y * wx
@@ -190,19 +188,11 @@ def chart_rate(layout: Any, u: Any, ru: int, y: Any, ry: int, out: Any, r: int) 
             out[r, j] = vx + w * tx + b1 * tz - c * ty
             out[r, j + 1] = vy + w * ty + c * tx - a * tz
             out[r, j + 2] = vz + w * tz + a * ty - b1 * tx
-            _unwind(
-                u[ru, j + 3],
-                u[ru, j + 4],
-                u[ru, j + 5],
-                y[ry, k + 3],
-                y[ry, k + 4],
-                y[ry, k + 5],
-                out,
-                r,
-                j + 3,
-            )
+            vector = (u[ru, j + 3], u[ru, j + 4], u[ru, j + 5])
+            _unwind(vector, (y[ry, k + 3], y[ry, k + 4], y[ry, k + 5]), out, r, j + 3)
         elif kind == ROTATION:
-            _unwind(u[ru, j], u[ru, j + 1], u[ru, j + 2], y[ry, k], y[ry, k + 1], y[ry, k + 2], out, r, j)
+            vector = (u[ru, j], u[ru, j + 1], u[ru, j + 2])
+            _unwind(vector, (y[ry, k], y[ry, k + 1], y[ry, k + 2]), out, r, j)
         elif kind == PLANE:
             c = y[ry, i + 2]
             s = y[ry, i + 3]

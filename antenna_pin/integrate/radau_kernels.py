@@ -47,7 +47,7 @@ COLUMN = 1
 STAGE = 2
 FILTER = 3
 
-ROUNDS = 10  # Newton steps in a row
+NEWTON_STEPS = 10  # in a row
 #: A scaled error that stands for a step which cannot be solved: the next is half as long.
 NOT_SOLVED = 10.0
 
@@ -143,7 +143,7 @@ def go_on(
         write_state(radau.f, FIRST, stages, layout, work)
         return _ask(FILTER, t, radau)
     # The second step also makes up for what the first one did not know: how the derivative depends on time.
-    if p.rounds >= ROUNDS or (p.rounds > 2 and not rate < 1.0) or not math.isfinite(p.step):
+    if p.rounds >= NEWTON_STEPS or (p.rounds > 2 and not rate < 1.0) or not math.isfinite(p.step):
         return FAILED
     return _next_round(t, h, stages, layout, work, radau)
 

@@ -216,7 +216,7 @@ class ClearanceJoint:
             turn: Where its turned angle stands in x; without meaning for a joint that does not turn.
         """
         distributed = self.load == "distributed"
-        size = _layout.JOINT_WORDS + self.contacts * _layout.CONTACT_WORDS
+        size = _layout.JOINT_WORDS + self.contacts * _layout.CANDIDATE_WORDS
         if distributed:
             size += _layout.PATCHES_WORDS + 2 * self.sectors
         block = np.zeros(size)
@@ -243,7 +243,7 @@ class ClearanceJoint:
                 normal: Any = law
                 friction: Any = self.friction
                 block[laws : laws + NORMAL_SIZE] = normal.code()
-                block[laws + NORMAL_SIZE : start + _layout.CONTACT_WORDS] = friction.code()
+                block[laws + NORMAL_SIZE : start + _layout.CANDIDATE_WORDS] = friction.code()
         return block
 
     def place_strips(self, block: Array, first: int) -> int:

@@ -162,17 +162,8 @@ def contact_wrench(p: Any, b: int, pose: Any, table: Any, tau: Any, rates: Any, 
             add_wrench(pose, out)
     if distributed:
         patch_wrench(p, b, pose, table)
-    onto_joint(
-        j,
-        pose,
-        pose.force[0],
-        pose.force[1],
-        pose.force[2],
-        pose.moment[0],
-        pose.moment[1],
-        pose.moment[2],
-        tau,
-    )
+    force, moment = pose.force, pose.moment
+    onto_joint(j, pose, (force[0], force[1], force[2]), (moment[0], moment[1], moment[2]), tau)
 
 
 @kernel
@@ -183,8 +174,8 @@ def unit_normal_force(p: Any, b: int, poses: Any, table: Any, r: int, tau: Any) 
     rx = out.point[0] - pose.centre[0]
     ry = out.point[1] - pose.centre[1]
     rz = out.point[2] - pose.centre[2]
-    mx, my, mz = ry * nz - rz * ny, rz * nx - rx * nz, rx * ny - ry * nx
-    onto_joint(joint_at(p, b), pose, nx, ny, nz, mx, my, mz, tau)
+    moment = (ry * nz - rz * ny, rz * nx - rx * nz, rx * ny - ry * nx)
+    onto_joint(joint_at(p, b), pose, (nx, ny, nz), moment, tau)
 
 
 @kernel

@@ -49,7 +49,7 @@ JOINT = layout(
 JOINT_WORDS = words_of(JOINT)
 
 #: A contact's part of a block: candidate, normal law, friction law.
-CONTACT_WORDS = CANDIDATE + NORMAL_SIZE + FRICTION_SIZE
+CANDIDATE_WORDS = CANDIDATE + NORMAL_SIZE + FRICTION_SIZE
 
 #: Under distributed load: strips, sectors, row of the first strip, radius of the sectors' circle [m]; the
 #: sectors' nodes follow (:data:`antenna_pin.geometry.patch_kernels.NODE`).
@@ -70,7 +70,7 @@ def joint_at(p: Any, b: int) -> Any:
 @inlined
 def candidate_at(b: int, k: int) -> int:
     """Return where the candidate of contact k stands."""
-    return b + JOINT_WORDS + k * CONTACT_WORDS
+    return b + JOINT_WORDS + k * CANDIDATE_WORDS
 
 
 @inlined

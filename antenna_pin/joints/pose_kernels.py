@@ -118,13 +118,13 @@ def place_journal(program: Any, block: int, y: Any, nq: int, pose: Any) -> None:
 
 
 @inlined
-def onto_joint(
-    j: Any, pose: Any, fx: float, fy: float, fz: float, mx: float, my: float, mz: float, tau: Any
-) -> None:
+def onto_joint(j: Any, pose: Any, force: Any, moment: Any, tau: Any) -> None:
     """Add force and torque on the journal about its centre, in bearing axes, to tau, in the child's own."""
     if j.on_child != 0:
-        onto_bearing(j, pose, fx, fy, fz, mx, my, mz, tau)
+        onto_bearing(j, pose, force, moment, tau)
         return
+    fx, fy, fz = force
+    mx, my, mz = moment
     k = j.v
     if j.planar != 0:
         tau[k] += pose.rotation[0, 0] * fx + pose.rotation[1, 0] * fy
@@ -150,10 +150,10 @@ def onto_joint(
 
 
 @kernel
-def onto_bearing(
-    j: Any, pose: Any, fx: float, fy: float, fz: float, mx: float, my: float, mz: float, tau: Any
-) -> None:
+def onto_bearing(j: Any, pose: Any, force: Any, moment: Any, tau: Any) -> None:
     """:func:`onto_joint` of a joint whose bearing is on its child, which has the reaction."""
+    fx, fy, fz = force
+    mx, my, mz = moment
     k = j.v
     rx, ry, rz = pose.centre[0], pose.centre[1], pose.centre[2]
     if j.planar != 0:

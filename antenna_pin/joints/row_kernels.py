@@ -8,6 +8,7 @@ from typing import Any
 from antenna_pin._compile import inlined, kernel
 from antenna_pin.contact.friction_kernels import bristle_force, friction_force
 from antenna_pin.contact.kernels import damped_force, elastic_force
+from antenna_pin.contact.records import FRICTION_SIZE
 from antenna_pin.joints.layout_kernels import BRISTLES, friction_at, joint_at
 
 
@@ -116,20 +117,10 @@ def bristles(p: Any, b: int, y: Any, x0: int, memory: Any, table: Any, rates: An
                 rates[r0 + own + i] = 0.0
             continue
         out = table[r]
+        law = friction_at(b, k)
+        slip, normal = (out.slip[0], out.slip[1], out.slip[2]), (out.normal[0], out.normal[1], out.normal[2])
         fx, fy, fz = bristle_force(
-            p,
-            friction_at(b, k),
-            out.force,
-            out.slip[0],
-            out.slip[1],
-            out.slip[2],
-            out.normal[0],
-            out.normal[1],
-            out.normal[2],
-            y,
-            x0 + own,
-            rates,
-            r0 + own,
+            p[law : law + FRICTION_SIZE], out.force, slip, normal, y[x0 + own :], rates[r0 + own :]
         )
         out.friction[0] = fx
         out.friction[1] = fy

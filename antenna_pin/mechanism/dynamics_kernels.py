@@ -26,7 +26,7 @@ from antenna_pin.mechanism.take_out_kernels import (
     take_out_plane,
     take_out_rotation,
 )
-from antenna_pin.mechanism.tree_kernels import PLANE, RIGID, ROTATION, SLIDE
+from antenna_pin.records import PLANE, RIGID, ROTATION, SLIDE
 
 
 @kernel
@@ -56,9 +56,8 @@ def aba(y: Any, nq: int, tree: Any, gravity: Any, tau: Any, room: Any, accelerat
             let_go(body, own, tau)
             if body.parent >= 0:
                 k = body.v
-                hand_on(
-                    own, room[body.parent], tau[k], tau[k + 1], tau[k + 2], tau[k + 3], tau[k + 4], tau[k + 5]
-                )
+                force, moment = (tau[k], tau[k + 1], tau[k + 2]), (tau[k + 3], tau[k + 4], tau[k + 5])
+                hand_on(own, room[body.parent], force, moment)
             continue
         sum_inertia(body, own)
         if body.kind == ROTATION:
@@ -87,16 +86,17 @@ def _hand_on_inertia(own: Any, on: Any) -> None:
     )
     ax, ay, az = symmetric_times(a, c[0], c[1], c[2])
     mx, my, mz = symmetric_times(d, s[0], s[1], s[2])
-    hand_on(
-        own,
-        on,
+    force = (
         f[0] + ax + b[0] * s[0] + b[1] * s[1] + b[2] * s[2],
         f[1] + ay + b[3] * s[0] + b[4] * s[1] + b[5] * s[2],
         f[2] + az + b[6] * s[0] + b[7] * s[1] + b[8] * s[2],
+    )
+    moment = (
         m[0] + mx + b[0] * c[0] + b[3] * c[1] + b[6] * c[2],
         m[1] + my + b[1] * c[0] + b[4] * c[1] + b[7] * c[2],
         m[2] + mz + b[2] * c[0] + b[5] * c[1] + b[8] * c[2],
     )
+    hand_on(own, on, force, moment)
     r, x, y, z = own.rotation, own.origin[0], own.origin[1], own.origin[2]
     xx, xy, xz, yy, yz, zz = turned_symmetric(r, a)
     p0, p1, p2, p3, p4, p5, p6, p7, p8 = turned_matrix(r, b)

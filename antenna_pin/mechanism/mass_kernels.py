@@ -18,7 +18,7 @@ from antenna_pin.mechanism.room_kernels import (
     turned_back,
     turned_symmetric,
 )
-from antenna_pin.mechanism.tree_kernels import PLANE, RIGID, ROTATION, SLIDE
+from antenna_pin.records import PLANE, RIGID, ROTATION, SLIDE
 
 
 @kernel
@@ -150,77 +150,44 @@ def _hand_on(own: Any, on: Any) -> None:
 def _columns(tree: Any, places: Any, room: Any, b: int, mass: Any) -> None:
     """Write what the mass matrix has of a joint: with itself, and with those that carry it."""
     body, own, r = tree[b], room[b], places[b].rotation
-    m, h, d, k, axis = own.block_a[0], own.block_b, own.block_d, body.v, own.turn
-    kind = body.kind
+    m, h, d, k, turn = own.block_a[0], own.block_b, own.block_d, body.v, own.turn
+    kind, bodies, axis = body.kind, (tree, places, room), (turn[0], turn[1], turn[2])
     if kind == SLIDE:
-        _way(tree, places, room, b, k, m, h, axis[0], axis[1], axis[2], mass)
+        _way(bodies, b, k, m, h, axis, mass)
         return
     if kind != RIGID and kind != ROTATION and kind != PLANE:
-        _turn(tree, places, room, b, k, h, d, axis[0], axis[1], axis[2], mass)
+        _turn(bodies, b, k, h, d, axis, mass)
         return
     for n in range(0 if kind == ROTATION else 2 if kind == PLANE else 3):
-        _way(tree, places, room, b, k, m, h, r[0, n], r[1, n], r[2, n], mass)
+        _way(bodies, b, k, m, h, (r[0, n], r[1, n], r[2, n]), mass)
         k += 1
     for n in range(2 if kind == PLANE else 0, 3):
-        _turn(tree, places, room, b, k, h, d, r[0, n], r[1, n], r[2, n], mass)
+        _turn(bodies, b, k, h, d, (r[0, n], r[1, n], r[2, n]), mass)
         k += 1
 
 
 @inlined
-def _way(
-    tree: Any,
-    places: Any,
-    room: Any,
-    b: int,
-    at: int,
-    m: float,
-    h: Any,
-    x: float,
-    y: float,
-    z: float,
-    mass: Any,
-) -> None:
-    """Write the column of a displacement along (x, y, z)."""
-    mx, my, mz = crossed(h[0], h[1], h[2], x, y, z)
-    _column(tree, places, room, b, at, m * x, m * y, m * z, mx, my, mz, mass)
+def _way(bodies: Any, b: int, at: int, m: float, h: Any, axis: Any, mass: Any) -> None:
+    """Write the column of a displacement along an axis."""
+    x, y, z = axis
+    moment = crossed(h[0], h[1], h[2], x, y, z)
+    _column(bodies, b, at, (m * x, m * y, m * z), moment, mass)
 
 
 @inlined
-def _turn(
-    tree: Any,
-    places: Any,
-    room: Any,
-    b: int,
-    at: int,
-    h: Any,
-    d: Any,
-    x: float,
-    y: float,
-    z: float,
-    mass: Any,
-) -> None:
-    """Write the column of a turn about (x, y, z)."""
-    fx, fy, fz = crossed(x, y, z, h[0], h[1], h[2])
-    mx, my, mz = symmetric_times(d, x, y, z)
-    _column(tree, places, room, b, at, fx, fy, fz, mx, my, mz, mass)
+def _turn(bodies: Any, b: int, at: int, h: Any, d: Any, axis: Any, mass: Any) -> None:
+    """Write the column of a turn about an axis."""
+    x, y, z = axis
+    force = crossed(x, y, z, h[0], h[1], h[2])
+    _column(bodies, b, at, force, symmetric_times(d, x, y, z), mass)
 
 
 @kernel
-def _column(
-    tree: Any,
-    places: Any,
-    room: Any,
-    b: int,
-    at: int,
-    fx: float,
-    fy: float,
-    fz: float,
-    mx: float,
-    my: float,
-    mz: float,
-    mass: Any,
-) -> None:
+def _column(bodies: Any, b: int, at: int, force: Any, moment: Any, mass: Any) -> None:
     """Write a column and its mirror image: what a wrench on a body is to its joint and those below."""
+    tree, places, room = bodies
+    fx, fy, fz = force
+    mx, my, mz = moment
     while True:
         body, own = tree[b], room[b]
         k, kind, axis = body.v, body.kind, own.turn

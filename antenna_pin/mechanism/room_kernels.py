@@ -157,10 +157,10 @@ def carried_acceleration(
 
 
 @inlined
-def hand_on(own: Any, on: Any, fx: float, fy: float, fz: float, mx: float, my: float, mz: float) -> None:
+def hand_on(own: Any, on: Any, force: Any, moment: Any) -> None:
     """Add a wrench at a body's origin, in its axes, to that of the body it is on."""
-    fx, fy, fz = turned(own.rotation, fx, fy, fz)
-    mx, my, mz = turned(own.rotation, mx, my, mz)
+    fx, fy, fz = turned(own.rotation, force[0], force[1], force[2])
+    mx, my, mz = turned(own.rotation, moment[0], moment[1], moment[2])
     cx, cy, cz = crossed(own.origin[0], own.origin[1], own.origin[2], fx, fy, fz)
     on.force[0] += fx
     on.force[1] += fy

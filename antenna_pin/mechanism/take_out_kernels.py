@@ -10,7 +10,7 @@ from typing import Any
 
 from antenna_pin._compile import inlined
 from antenna_pin.mechanism.room_kernels import crossed, inertia_at_origin, symmetric_times
-from antenna_pin.mechanism.tree_kernels import SLIDE
+from antenna_pin.records import SLIDE
 
 
 @inlined

@@ -11,16 +11,17 @@ from antenna_pin.arguments import takes
 from antenna_pin.mechanism import tree_kernels as _bodies
 from antenna_pin.mechanism.model import Mechanism
 from antenna_pin.mechanism.tree_kernels import BODY, PLACE
+from antenna_pin.records import CIRCLE, FIXED_AXIS, PLANE, RIGID, ROTATION, SLIDE
 
 __all__ = ["BODY", "PLACE", "body_tree"]
 
 _KINDS = {
-    "revolute": _bodies.FIXED_AXIS,
-    "continuous": _bodies.CIRCLE,
-    "prismatic": _bodies.SLIDE,
-    "floating": _bodies.RIGID,
-    "spherical": _bodies.ROTATION,
-    "planar": _bodies.PLANE,
+    "revolute": FIXED_AXIS,
+    "continuous": CIRCLE,
+    "prismatic": SLIDE,
+    "floating": RIGID,
+    "spherical": ROTATION,
+    "planar": PLANE,
 }
 
 
@@ -31,7 +32,7 @@ def body_tree(mechanism: Mechanism) -> NDArray[Any]:
     kinds = {slot.joint_id: (_KINDS[slot.kind], slot.axis) for slot in mechanism.joints.values()}
     free = mechanism.base == "free"
     if free:
-        kinds[1] = (_bodies.RIGID, np.zeros(3))
+        kinds[1] = (RIGID, np.zeros(3))
     tree = np.zeros(model.njoints - 1, dtype=_bodies.BODY)
     for i, body in enumerate(tree, start=1):
         placement, inertia = model.jointPlacements[i], model.inertias[i]

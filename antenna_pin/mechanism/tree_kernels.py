@@ -11,11 +11,12 @@ from typing import Any
 import numpy as np
 
 from antenna_pin._compile import inlined, kernel
-from antenna_pin.records import layout
+from antenna_pin.records import CIRCLE, FIXED_AXIS, RIGID, ROTATION, SLIDE, layout
 
-# A moving body and the joint that moves it: index of the body that it is on (-1: the world), kind, starts in
-# q and v, whether it counts in the scales of momentum; the joint's axis, its frame in the parent's;
-# mass [kg], centre of mass [m] and inertia about it [kg m^2] in the joint's frame.
+# A moving body and the joint that moves it: index of the body that it is on (-1: the world), how the joint
+# moves (``FIXED_AXIS``, ``CIRCLE``, ... of ``records``), starts in q and v, whether the body counts in the
+# scales of momentum; the joint's axis, its frame in the parent's; mass [kg], centre of mass [m] and inertia
+# about it [kg m^2] in the joint's frame.
 BODY = layout(
     ("parent", np.int64),
     ("kind", np.int64),
@@ -29,12 +30,6 @@ BODY = layout(
     ("centre", np.float64, (3,)),
     ("inertia", np.float64, (3, 3)),
 )
-FIXED_AXIS = 0  # an angle about an axis
-CIRCLE = 1  # the same, known by cosine and sine
-SLIDE = 2
-RIGID = 3
-ROTATION = 4
-PLANE = 5
 
 # Where a body is in the world, or by its joint: rotation and origin [m], velocity of the origin [m/s] and
 # angular velocity [rad/s]; what its joint adds to these two, in world axes; acceleration of the origin and

@@ -3,30 +3,24 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
-from pydantic import BeforeValidator, Field, ValidationError
+from pydantic import BeforeValidator
 
 from antenna_pin.arguments import takes
 from antenna_pin.capacity import check_count
-from antenna_pin.errors import InvalidParameterError, ScenarioError, UnknownNameError
+from antenna_pin.errors import InvalidParameterError
 from antenna_pin.nonlinear.branches import Branch
 from antenna_pin.nonlinear.surfaces import Section, section_of
 from antenna_pin.numerals import bare, whole_in
-from antenna_pin.scenario import Scenario, load_scenario, models_path
-from antenna_pin.scenario.merge import merge, read_overrides
-from antenna_pin.scenario.shipped import read_toml
-from antenna_pin.scenario.spec import Count, Place, Spec, dotted, explained
-from antenna_pin.sweep.study import nested
+from antenna_pin.scenario.runs_file import RunsFile
+from antenna_pin.scenario.spec import Count
 from antenna_pin.units import any_quantity
 
 __all__ = ["DiagramPlan", "is_plan", "list_plans", "load_plan", "values_of"]
-
-#: How the name of such a file ends.
-SUFFIX = ".diagram.toml"
 
 
 @takes()
@@ -57,15 +51,10 @@ def values_of(text: str) -> list[float | str]:
     return [f"{number!r}{suffix}" if suffix else number for number in numbers]
 
 
-class DiagramPlan(Spec):
+class DiagramPlan(RunsFile):
     """A bifurcation diagram that can be asked for by a file.
 
     Attributes:
-        format: Version of the format of such files.
-        title: In a few words.
-        scenario: Name of a shipped scenario, or path of a scenario file, from this file's folder.
-        case: Of the scenario; its default one if left out.
-        set: What is set over scenario and case: dotted keys, or tables.
         parameter: Key of the scenario, with dots.
         values: Of it, in order: a list, or text as ``FIRST:LAST:COUNT``.
         section: Where the motion is looked at, as ``antenna-pin bifurcation --section`` has it.
@@ -81,11 +70,9 @@ class DiagramPlan(Spec):
         folder: Of the file.
     """
 
-    format: Literal[1] = 1
-    title: str = ""
-    scenario: str
-    case: str | None = None
-    set: dict[str, Any] = Field(default_factory=dict)
+    suffix: ClassVar[str] = ".diagram.toml"
+    word: ClassVar[str] = "diagram"
+
     parameter: str
     values: str | list[float | str]
     section: str = "period"
@@ -100,18 +87,16 @@ class DiagramPlan(Spec):
     name: str = "diagram"
     folder: Path = Path()
 
-    carried: ClassVar[frozenset[str]] = frozenset({"name", "folder"})
-
-    def base(self, settings: Sequence[str] = ()) -> Scenario:
-        """Return the scenario that the parameter is laid over, with more settings over it."""
-        beside = self.folder / os.path.expanduser(self.scenario)
-        shipped = (models_path() / self.scenario).is_dir() or not beside.exists()
-        scenario = load_scenario(self.scenario if shipped else beside, self.case, nested(self.set))
-        return scenario.with_overrides(settings) if settings else scenario
-
     def given(self) -> list[float | str]:
         """Return the values, as :func:`antenna_pin.nonlinear.bifurcation` takes them."""
         return values_of(self.values) if isinstance(self.values, str) else list(self.values)
+
+    def how(self) -> dict[str, Any]:
+        """Return what :func:`antenna_pin.nonlinear.bifurcation` takes beside a scenario and values."""
+        names = ("quantities", "branches", "count", "transient", "most", "tolerance")
+        return {"parameter": self.parameter, "section": self.where()} | {
+            name: getattr(self, name) for name in names
+        }
 
     def where(self) -> Section:
         """Return the section."""
@@ -120,10 +105,7 @@ class DiagramPlan(Spec):
 
 def list_plans() -> list[str]:
     """Return the names of the shipped diagrams, as ``chen2021/friction``."""
-    root = models_path()
-    return sorted(
-        path.relative_to(root).as_posix().removesuffix(SUFFIX) for path in root.glob(f"*/*{SUFFIX}")
-    )
+    return DiagramPlan.shipped()
 
 
 @takes()
@@ -138,23 +120,9 @@ def load_plan(path: str | os.PathLike[str], settings: Mapping[str, Any] | None =
         ScenarioError: With one line that gives file, place, rule, the value seen and a way out.
         UnknownNameError: There is no such diagram.
     """
-    found, label = Path(os.path.expanduser(os.fspath(path))), str(path)
-    if not found.is_file():
-        shipped = models_path() / f"{label}{SUFFIX}"
-        if not shipped.is_file():
-            raise UnknownNameError("load_plan", "diagram file or shipped diagram", label, list_plans())
-        found = shipped
-    data = read_toml(found, label)
-    for key in DiagramPlan.carried & data.keys():
-        raise ScenarioError(f"{label}: {key} is unknown: a diagram's name and folder are those of its file")
-    layer, _ = read_overrides(settings or {})
-    name = found.name.removesuffix(SUFFIX).removesuffix(".toml")
-    try:
-        return DiagramPlan.validated(merge(data, layer) | {"name": name, "folder": found.parent.resolve()})
-    except ValidationError as error:
-        raise explained(error, lambda location: Place(f"{label}: {dotted(location)}".strip())) from None
+    return DiagramPlan.loaded("load_plan", path, settings or {})
 
 
 def is_plan(name: str) -> bool:
     """Whether a name is that of a diagram's file or of a shipped diagram, not of a scenario."""
-    return name.endswith(SUFFIX) or name in list_plans()
+    return name.endswith(DiagramPlan.suffix) or name in list_plans()

@@ -38,16 +38,11 @@ def figure_closure_forces(
         ideal: The run to compare with; the first run without any contact if left out.
         width: "column" (88 mm) or "page" (180 mm).
     """
-    every, reference = with_reference(runs, ideal)
-    drawn = _drawn(CLOSED, every, reference)
-
-    def columns(run: LabelledRun) -> list[Array]:
-        picks = [_size(name, what) for name in names_along(run.data, "closure") for what in _OF_CLOSURES]
-        return [found for found in (pick(run) for pick in picks) if found is not None]
-
-    drawn, reference = thinned_beside(drawn, reference, columns)
+    every, drawn, reference, names = _along(
+        CLOSED, "closure", lambda name: [_size(name, what) for what in _OF_CLOSURES], runs, ideal
+    )
     panels: list[Panel] = []
-    for name in dict.fromkeys(name for run in drawn for name in names_along(run.data, "closure")):
+    for name in names:
         kind = next(closures_of(run.data)[name]["kind"] for run in drawn if name in closures_of(run.data))
         for what, unit in _OF_CLOSURES.items():
             panel = _panel(f"{name} ({kind}), {what}", what, unit, drawn, reference, _size(name, what))
@@ -81,16 +76,9 @@ def figure_coupling_torques(
         ideal: The run to compare with; the first run without any contact if left out.
         width: "column" (88 mm) or "page" (180 mm).
     """
-    every, reference = with_reference(runs, ideal)
-    drawn = _drawn(COUPLED, every, reference)
-
-    def columns(run: LabelledRun) -> list[Array]:
-        picks = [_torque(name)(run) for name in names_along(run.data, "coupling")]
-        return [found for found in picks if found is not None]
-
-    drawn, reference = thinned_beside(drawn, reference, columns)
+    every, drawn, reference, names = _along(COUPLED, "coupling", lambda name: [_torque(name)], runs, ideal)
     panels: list[Panel] = []
-    for name in dict.fromkeys(name for run in drawn for name in names_along(run.data, "coupling")):
+    for name in names:
         one = next(couplings_of(run.data)[name] for run in drawn if name in couplings_of(run.data))
         what, unit = ("force", "N") if one["slides"] else ("torque", "N m")
         title = f"{name}, {what} on {one['follower']}"
@@ -114,16 +102,11 @@ def figure_drive_efforts(
         ideal: The run to compare with; the first run without any contact if left out.
         width: "column" (88 mm) or "page" (180 mm).
     """
-    every, reference = with_reference(runs, ideal)
-    drawn = _drawn(PRESCRIBED, every, reference)
-
-    def columns(run: LabelledRun) -> list[Array]:
-        picks = [of(name) for name in names_along(run.data, "drive") for of in (_effort, _power)]
-        return [found for found in (pick(run) for pick in picks) if found is not None]
-
-    drawn, reference = thinned_beside(drawn, reference, columns)
+    every, drawn, reference, names = _along(
+        PRESCRIBED, "drive", lambda name: [_effort(name), _power(name)], runs, ideal
+    )
     panels: list[Panel] = []
-    for name in dict.fromkeys(name for run in drawn for name in names_along(run.data, "drive")):
+    for name in names:
         unit = next(effort_unit(run.data, name) for run in drawn if name in names_along(run.data, "drive"))
         motion = any(drives_of(run.data).get(name, {}).get("motion") for run in drawn)
         what = "force" if unit == "N" else "torque"
@@ -136,12 +119,37 @@ def figure_drive_efforts(
     return figure
 
 
-def _drawn(kind: RunKind, every: Sequence[LabelledRun], reference: LabelledRun | None) -> list[LabelledRun]:
-    """Return the runs of a kind, the one to compare with last, so that it lies on top."""
+def _along(
+    kind: RunKind,
+    dimension: str,
+    picks: Callable[[str], Sequence[_Pick]],
+    runs: Iterable[Run] | Run,
+    ideal: Run | None,
+) -> tuple[list[LabelledRun], list[LabelledRun], LabelledRun | None, list[str]]:
+    """Return all runs, those to be drawn, the one to compare with, and the names along a dimension in them.
+
+    The one to compare with is drawn last, so that it lies on top; all are thinned to what can be seen.
+
+    Args:
+        kind: Of the runs to be drawn.
+        dimension: Of the result.
+        picks: What is drawn of a name.
+        runs: As a figure is given them.
+        ideal: As a figure is given it.
+    """
+    every, reference = with_reference(runs, ideal)
     drawn = [run for run in long_enough(every) if kind.holds(run)]
     if not drawn:
         raise none_with(kind, every)
-    return sorted(drawn, key=lambda run: run is reference)
+    drawn.sort(key=lambda run: run is reference)
+
+    def columns(run: LabelledRun) -> list[Array]:
+        found = (pick(run) for name in names_along(run.data, dimension) for pick in picks(name))
+        return [one for one in found if one is not None]
+
+    drawn, reference = thinned_beside(drawn, reference, columns)
+    names = list(dict.fromkeys(name for run in drawn for name in names_along(run.data, dimension)))
+    return every, drawn, reference, names
 
 
 def _panel(
@@ -160,36 +168,28 @@ def _panel(
     return Panel(title, label, unit, curves, apart=True)
 
 
+def _picked(dimension: str, name: str, values: _Pick) -> _Pick:
+    """Return what gives values of a name in a run that has it."""
+    return lambda run: values(run) if name in names_along(run.data, dimension) else None
+
+
 def _size(name: str, what: str) -> _Pick:
-    def pick(run: LabelledRun) -> Array | None:
-        if name not in names_along(run.data, "closure"):
-            return None
+    def size(run: LabelledRun) -> Array:
         return np.asarray(np.linalg.norm(run.values(f"closure_{what}", closure=name), axis=1))
 
-    return pick
+    return _picked("closure", name, size)
 
 
 def _torque(name: str) -> _Pick:
-    def pick(run: LabelledRun) -> Array | None:
-        if name not in names_along(run.data, "coupling"):
-            return None
-        return run.values("coupling_torque", coupling=name)
-
-    return pick
+    return _picked("coupling", name, lambda run: run.values("coupling_torque", coupling=name))
 
 
 def _effort(name: str) -> _Pick:
-    def pick(run: LabelledRun) -> Array | None:
-        return run.values("drive_torque", drive=name) if name in names_along(run.data, "drive") else None
-
-    return pick
+    return _picked("drive", name, lambda run: run.values("drive_torque", drive=name))
 
 
 def _power(name: str) -> _Pick:
-    def pick(run: LabelledRun) -> Array | None:
-        return drive_power(run.data, name) if name in names_along(run.data, "drive") else None
-
-    return pick
+    return _picked("drive", name, lambda run: drive_power(run.data, name))
 
 
 FIGURES = (

@@ -6,9 +6,9 @@ import json
 from collections.abc import Iterator
 
 from antenna_pin.analysis import drives_of
-from antenna_pin.elements import Element, ForceElement, JointFriction
+from antenna_pin.elements import ForceElement, JointFriction
 from antenna_pin.report._runs import ReportedRun
-from antenna_pin.scenario import PointSpringSpec, Scenario
+from antenna_pin.scenario import Scenario
 
 __all__ = ["names_of_elements", "words_of_elements", "words_of_friction"]
 
@@ -17,14 +17,11 @@ def words_of_elements(scenario: Scenario) -> Iterator[tuple[str, str]]:
     """Yield each drive and each spring of a scenario, with what it does."""
     for family, specs in (("drive", scenario.drives), ("spring", scenario.springs)):
         for name, spec in specs.items():
-            if isinstance(spec, PointSpringSpec):
-                yield f"{family} {name}", spec.build().words() + _off(spec.build())
-                continue
-            element: Element = spec.build()
-            text = element.words(spec.motion == "translation")
-            if element.joint != name:
-                text += f", at {element.joint}"
-            clearance = scenario.clearance.get(element.joint)
+            element: ForceElement = spec.build()
+            text = element.words(getattr(spec, "motion", None) == "translation")
+            if element.acts_at not in (None, name):
+                text += f", at {element.acts_at}"
+            clearance = scenario.clearance.get(element.acts_at or "")
             if element.about != "motion" and clearance is not None and clearance.model != "ideal":
                 text += f", about the {element.about}'s axis"
             yield f"{family} {name}", text + _off(element)

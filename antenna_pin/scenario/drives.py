@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal, Self, Union
 
 from pydantic import Field, create_model, model_validator
 
-from antenna_pin.elements import DRIVES, SPRINGS, PointSpring, TableDrive
+from antenna_pin.elements import DRIVES, SPRINGS, BetweenPoints, ForceElement
 from antenna_pin.scenario._base import refuse
 from antenna_pin.scenario._joint import JointTable
 from antenna_pin.scenario._made import MadeSpec, reads
@@ -18,43 +18,56 @@ __all__ = [
     "SPRING_SPECS",
     "AnySpring",
     "DriveSpec",
-    "FrictionSpec",
-    "PointSpringSpec",
-    "SpringSpec",
+    "ElementSpec",
+    "PointsSpec",
     "file_columns",
+    "is_between_points",
     "kind_of_spring",
 ]
 
 
-class _ElementSpec(JointTable, MadeSpec):
+class _ForceSpec(MadeSpec):
     """A table of a force element."""
 
+    @model_validator(mode="before")
+    @classmethod
+    def _check_given(cls, data: Any) -> Any:
+        """Refuse a table with neither the numbers that it needs nor a file of them."""
+        columns = getattr(cls.fills, "columns", ())
+        needed = [name for name in columns if cls.model_fields[name].is_required()]
+        if needed and isinstance(data, Mapping) and not data.keys() & {"file", *needed}:
+            refuse(f"must have either file, or {' and '.join(needed)}, got neither")
+        return data
 
-class _SpringSpec(_ElementSpec):
     @model_validator(mode="after")
     def _check_something(self) -> Self:
-        _ask_for_something(self)
+        """Refuse an element that does nothing."""
+        names = self.fills.one_above_zero
+        if names and all(getattr(self, name) == 0.0 for name in names):
+            refuse(f"must have a {' or a '.join(names)} above zero, got {'neither' if names[1:] else 'none'}")
         return self
 
 
-@reads(PointSpring, without=("first", "second"))
-class PointSpringSpec(MadeSpec):
-    """A linear spring and damper between points of two links, or of a link and the world.
+class ElementSpec(JointTable, _ForceSpec):
+    """A table of a force element at a joint."""
+
+
+class PointsSpec(_ForceSpec):
+    """A table of a force element between points of two links, or of a link and the world.
 
     Attributes:
         first: One end.
         second: The other, on another link.
     """
 
-    kind: Literal["between-points"] = "between-points"
     first: PlaceSpec = Field(...)
     second: PlaceSpec = Field(...)
 
     def build(self, **more: Any) -> Any:
-        """Return the spring; ends that are frames have to be given.
+        """Return the element; ends that are frames have to be given.
 
         Args:
-            **more: ``first`` and ``second`` as a spring takes them, where the URDF has told.
+            **more: ``first`` and ``second`` as the element takes them, where the URDF has told.
         """
         said = {
             name: (side.link or side.frame, side.point or (0.0, 0.0, 0.0))
@@ -63,8 +76,7 @@ class PointSpringSpec(MadeSpec):
         return super().build(**said | more)
 
     @model_validator(mode="after")
-    def _check_something(self) -> Self:
-        _ask_for_something(self)
+    def _check_sides(self) -> Self:
         for key in ("link", "frame"):
             name = getattr(self.first, key)
             if name is not None and name == getattr(self.second, key):
@@ -72,10 +84,42 @@ class PointSpringSpec(MadeSpec):
         return self
 
 
-def _ask_for_something(spring: MadeSpec) -> None:
-    asked = spring.fills.one_above_zero
-    if asked and not any(getattr(spring, name) for name in asked):
-        refuse(f"must have a {' or a '.join(asked)} above zero, got neither")
+def _specs(
+    kinds: Mapping[str, type[ForceElement]], default: bool
+) -> dict[str, type[ElementSpec] | type[PointsSpec]]:
+    """Return the tables of some kinds of elements by kind; with their kind as a default, or without."""
+    found: dict[str, type[ElementSpec] | type[PointsSpec]] = {}
+    for kind, cls in kinds.items():
+        key: Any = (Literal[kind], kind if default else ...)
+        between = issubclass(cls, BetweenPoints)
+        bare: Any = create_model(
+            f"{cls.__name__.removeprefix('Joint')}Spec",
+            __base__=PointsSpec if between else ElementSpec,
+            __doc__=cls.__doc__,
+            __module__=__name__,
+            kind=key,
+        )
+        found[kind] = reads(cls, without=("first", "second") if between else ())(bare)
+    return found
+
+
+DRIVE_SPECS = _specs(DRIVES, default=False)
+"""The tables of drives by their kind."""
+
+SPRING_SPECS = _specs(SPRINGS, default=True)
+"""The tables of springs by their kind."""
+
+# A scenario that is pickled names its classes as this module does.
+globals().update({spec.__name__: spec for spec in (*DRIVE_SPECS.values(), *SPRING_SPECS.values())})
+
+if TYPE_CHECKING:
+    DriveSpec = ElementSpec
+    AnySpring = ElementSpec | PointsSpec
+else:
+    DriveSpec = Union[tuple(DRIVE_SPECS.values())]  # noqa: UP007 - of values
+    """A drive; ``kind`` says which class it is."""
+    AnySpring = Union[tuple(SPRING_SPECS.values())]  # noqa: UP007 - of values
+    """A spring; ``kind`` says which class it is."""
 
 
 def kind_of_spring(table: Mapping[str, Any]) -> str:
@@ -83,47 +127,9 @@ def kind_of_spring(table: Mapping[str, Any]) -> str:
     return "spring" if {"first", "second"}.isdisjoint(table) else "between-points"
 
 
-class _TableSpec(_ElementSpec):
-    @model_validator(mode="before")
-    @classmethod
-    def _check_given(cls, data: Any) -> Any:
-        if isinstance(data, Mapping) and not data.keys() & {"file", *TableDrive.columns}:
-            refuse("must have either file, or time and torque, got neither")
-        return data
-
-
-def _table(kind: str, cls: type[Any], base: type[_ElementSpec], default: Any = ...) -> type[_ElementSpec]:
-    """Return the table of a kind of element at a joint."""
-    key: Any = (Literal[kind], default)
-    name = f"{cls.__name__.removeprefix('Joint')}Spec"
-    return reads(cls)(create_model(name, __base__=base, __doc__=cls.__doc__, __module__=__name__, kind=key))
-
-
-DRIVE_SPECS: Mapping[str, type[_ElementSpec]] = {
-    kind: _table(kind, cls, _TableSpec if cls is TableDrive else _ElementSpec) for kind, cls in DRIVES.items()
-}
-"""The tables of drives by their kind."""
-
-SPRING_SPECS: Mapping[str, type[MadeSpec]] = {
-    kind: PointSpringSpec
-    if cls is PointSpring
-    else _table(kind, cls, _SpringSpec, "spring" if kind == "spring" else ...)
-    for kind, cls in SPRINGS.items()
-}
-"""The tables of what is in ``[springs]`` by their kind."""
-
-# A scenario that is pickled names its classes as this module does.
-globals().update({spec.__name__: spec for spec in (*DRIVE_SPECS.values(), *SPRING_SPECS.values())})
-
-if TYPE_CHECKING:
-    DriveSpec = _ElementSpec
-    SpringSpec = FrictionSpec = _SpringSpec
-    AnySpring = _SpringSpec | PointSpringSpec
-else:
-    DriveSpec = Union[tuple(DRIVE_SPECS.values())]  # noqa: UP007 - of values
-    """A drive; ``kind`` says which class it is."""
-    AnySpring = Union[tuple(SPRING_SPECS.values())]  # noqa: UP007 - of values
-    """A spring; ``kind`` says which class it is."""
+def is_between_points(kind: object) -> bool:
+    """Whether springs of a kind are between points rather than at a joint."""
+    return isinstance(kind, str) and issubclass(SPRING_SPECS.get(kind, ElementSpec), PointsSpec)
 
 
 def file_columns(table: object) -> tuple[str, str] | None:

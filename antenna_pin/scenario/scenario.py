@@ -16,7 +16,14 @@ from antenna_pin.scenario._layers import Source, built, check_drives, read_layer
 from antenna_pin.scenario.clearance import ClearanceSpec
 from antenna_pin.scenario.closures import ClosureSpec
 from antenna_pin.scenario.couplings import CouplingSpec
-from antenna_pin.scenario.drives import DRIVE_SPECS, AnySpring, DriveSpec, kind_of_spring
+from antenna_pin.scenario.drives import (
+    DRIVE_SPECS,
+    SPRING_SPECS,
+    AnySpring,
+    DriveSpec,
+    is_between_points,
+    kind_of_spring,
+)
 from antenna_pin.scenario.events import EventSpec, number_to_set
 from antenna_pin.scenario.flexible import FlexibleSpec, ModesSpec
 from antenna_pin.scenario.initial import InitialBaseSpec, InitialSpec
@@ -182,7 +189,7 @@ class Scenario(Spec):
         _check_choice(done, "flexible", "kind", get_args(get_args(FlexibleSpec)[0]))
         _check_choice(done, "clearance", "model", get_args(ClearanceSpec))
         _check_choice(done, "drives", "kind", tuple(DRIVE_SPECS.values()))
-        _check_choice(done, "springs", "kind", get_args(AnySpring))
+        _check_choice(done, "springs", "kind", tuple(SPRING_SPECS.values()))
         _check_choice(done, "events", "kind", get_args(EventSpec))
         return done
 
@@ -238,7 +245,7 @@ def _at_its_joint(place: str, name: str, table: object) -> object:
         return table
     if place == "springs":
         table = {"kind": kind_of_spring(table), **table}
-        if table["kind"] == "between-points":
+        if is_between_points(table["kind"]):
             if "joint" in table:
                 refuse(
                     "must be left out beside first and second; a spring is at a joint or between points",

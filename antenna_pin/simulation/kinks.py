@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from antenna_pin.dynamics import System
+from antenna_pin.dynamics import System, acting_in
 from antenna_pin.simulation.events import Event, Kink
 from antenna_pin.simulation.moment import Moment
 
@@ -28,13 +28,8 @@ class Passing:
 
 def kinks_of(system: System) -> tuple[Event, ...]:
     """Return the events at which steps end for the sake of elements whose effort has kinks."""
-    families = (
-        ("drive", system.drives, system.drive_blocks),
-        ("spring", system.springs, system.spring_blocks),
-    )
     return tuple(
-        Event(name=f"{family} {name!r} has a kink", when=Passing(blocks[name]), action=Kink())
-        for family, elements, blocks in families
-        for name, element in elements.items()
-        if element.has_kinks
+        Event(name=f"{one.label} has a kink", when=Passing(one.block), action=Kink())
+        for one in acting_in(system)
+        if one.element.has_kinks
     )

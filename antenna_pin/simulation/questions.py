@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from antenna_pin.answers import AskedFunction
 from antenna_pin.contact import CustomFriction, CustomNormal
 from antenna_pin.contact.normal import normal_questions
-from antenna_pin.dynamics import Workspace, kernels
+from antenna_pin.dynamics import Workspace, acting_in, kernels
 from antenna_pin.elements import Element
 from antenna_pin.geometry.own_backend import OwnBackend
 from antenna_pin.joints.pose_kernels import place_journal
@@ -172,18 +172,13 @@ def asked_functions(workspace: Workspace, events: Sequence[Event]) -> tuple[Aske
 
 def _of_elements(workspace: Workspace) -> Iterator[Asked]:
     system = workspace.system
-    families = (
-        ("drive", system.drives, system.drive_blocks),
-        ("spring", system.springs, system.spring_blocks),
-    )
-    for family, elements, blocks in families:
-        for name, element in elements.items():
-            if not isinstance(element, Element):
-                continue
-            asked = element.asked(f"{family} {name!r}", system.slides(element.joint))
-            for function, (_, own, count) in zip(asked, element.functions, strict=True):
-                called = Called(function, own, count, blocks[name])
-                yield _Numbers(function, _motion_of(workspace, blocks[name], count), called)
+    for one in acting_in(system):
+        if not isinstance(one.element, Element):
+            continue
+        asked = one.element.asked(one.label, system.slides(one.element.joint))
+        for function, (_, own, count) in zip(asked, one.element.functions, strict=True):
+            called = Called(function, own, count, one.block)
+            yield _Numbers(function, _motion_of(workspace, one.block, count), called)
 
 
 def _motion_of(workspace: Workspace, block: int, count: int) -> Callable[[float, Array], Any]:

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from antenna_pin.arguments import takes
 from antenna_pin.assemble import build_system, initial_angles, initial_state
-from antenna_pin.dynamics import System, Workspace, check_closed, check_motions
+from antenna_pin.dynamics import System, Workspace, acting_in, check_closed, check_motions
 from antenna_pin.engine import check_compiled
 from antenna_pin.errors import InvalidParameterError, ScenarioError
 from antenna_pin.geometry import RevoluteClearance
@@ -274,25 +274,15 @@ def _numbers(name: str, given: ArrayLike) -> np.ndarray:
 
 
 def check_lengths(system: System, y: np.ndarray) -> None:
-    """Refuse a start in which a compressed spring between points that coincide has no direction."""
+    """Refuse a start in which a spring between points that coincide has no direction."""
     if not system.point_springs:
         return
     workspace = Workspace(system)
     for (name, spring), length in zip(system.point_springs.items(), workspace.lengths(y), strict=True):
-        if length == 0.0 and spring.on and spring.free_length > 0.0 and spring.stiffness > 0.0:
-            raise InvalidParameterError(
-                f"spring {name!r}",
-                "length at the start",
-                "above zero, or its force has no direction; start with its points apart, or give it no free "
-                "length",
-                0.0,
-                said="0 m",
-            )
+        spring.check_length(f"spring {name!r}", length)
 
 
 def check_spans(system: System, begin: float, end: float) -> None:
     """Refuse a run that goes beyond the times that an element knows of."""
-    for name, drive in system.drives.items():
-        drive.check_span(f"drive {name!r}", begin, end)
-    for name, spring in system.springs.items():
-        spring.check_span(f"spring {name!r}", begin, end)
+    for one in acting_in(system):
+        one.element.check_span(one.label, begin, end)

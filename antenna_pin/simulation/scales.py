@@ -55,14 +55,13 @@ def scale_vector(system: System, scales: ErrorScales) -> NDArray[np.float64]:
                 about, scales.angular_velocity, scales.clearance_velocity / half
             )
     x = np.full(system.manifold.nx, math.inf)
-    energies = (system.lost_normal_x, system.lost_friction_x, system.work_x, system.damper_x)
+    booked = (system.lost_normal_x, system.lost_friction_x, system.work_x, system.damper_x)
+    energies = np.concatenate([places[places >= 0] for places in booked])
     moving = list(model.inertias)[2 if system.mechanism.base == "free" else 1 :]
     slow = scales.clearance_velocity if system.clearances else scales.velocity
-    x[np.concatenate(energies)] = sum(i.mass for i in moving) * slow**2
+    x[energies] = sum(i.mass for i in moving) * slow**2
     if not any(i.mass for i in moving):  # rotors that have an inertia alone
-        x[np.concatenate(energies)] = (
-            sum(float(np.trace(i.inertia)) for i in moving) * scales.angular_velocity**2
-        )
+        x[energies] = sum(float(np.trace(i.inertia)) for i in moving) * scales.angular_velocity**2
     x[system.bristle_x] = [
         scale
         for joint in system.clearances

@@ -124,12 +124,13 @@ class Seen:
     def ledger(self) -> dict[str, Array]:
         """What the elements have integrated since the first sample: a run that goes on has its own ledger."""
         behind = self.system.model.nq + self.system.model.nv
-        x, first = self.states[:, behind:], self.start.first[behind:]
+        grown = self.states[:, behind:] - self.start.first[behind:]
+        grown = np.column_stack([grown, np.zeros(len(grown))])  # the last for those that integrate nothing
         places = {name: getattr(self.system, place) for name, place in _LEDGER.items()}
         others = len(self.system.springs) - len(self.system.elastic)  # those of parts stand behind them
         places["dissipation_damper"] = places["dissipation_damper"][:others]
         places["dissipation_elastic"] = places["dissipation_elastic"][others:]
-        return {name: x[:, columns] - first[columns] for name, columns in places.items()}
+        return {name: grown[:, columns] for name, columns in places.items()}
 
     @cached_property
     def joints(self) -> tuple[list[str], Array]:

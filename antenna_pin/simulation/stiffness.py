@@ -15,7 +15,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from antenna_pin.dynamics import System, Workspace, kernels
+from antenna_pin.dynamics import System, Workspace, acting_in, kernels
 from antenna_pin.elements import Motion
 from antenna_pin.integrate import Method
 from antenna_pin.readable import readable
@@ -181,17 +181,12 @@ class Stiffness:
         moved = place.y.copy()
         moved[:nq] = system.manifold.compose(place.y[:nq], way / rate)
         moved[nq : nq + len(way)] += way
-        families = (
-            ("drive", system.drives, system.drive_blocks),
-            ("spring", system.springs, system.spring_blocks),
-        )
         found = {
-            f"{family} {name!r}": abs(
-                _effort(system, place, blocks[name], moved) - _effort(system, place, blocks[name], place.y)
+            one.label: abs(
+                _effort(system, place, one.block, moved) - _effort(system, place, one.block, place.y)
             )
-            for family, elements, blocks in families
-            for name, element in elements.items()
-            if getattr(element, "joint", None) == joint and not isinstance(element, Motion)
+            for one in acting_in(system)
+            if one.element.acts_at == joint and not isinstance(one.element, Motion)
         }
         most = max(found, key=found.__getitem__, default="")
         return most if most and found[most] > 0.0 else ""

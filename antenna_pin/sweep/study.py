@@ -7,22 +7,18 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, Self
 
-from pydantic import BeforeValidator, Field, ValidationError, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from antenna_pin.arguments import takes
 from antenna_pin.brief import brief
-from antenna_pin.errors import ScenarioError, UnknownNameError
-from antenna_pin.scenario import Scenario, load_scenario, models_path
-from antenna_pin.scenario.merge import merge, read_overrides
-from antenna_pin.scenario.shipped import read_toml
-from antenna_pin.scenario.spec import Count, Place, Spec, dotted, explained, refuse, refuse_name
+from antenna_pin.scenario import Scenario
+from antenna_pin.scenario.merge import merge
+from antenna_pin.scenario.runs_file import RunsFile, nested
+from antenna_pin.scenario.spec import Count, Spec, refuse, refuse_name
 from antenna_pin.sweep.parameters import ParameterSpec
 from antenna_pin.sweep.responses import ResponseSpec
 
 __all__ = ["ReferenceSpec", "SamplingSpec", "Study", "list_studies", "load_study"]
-
-#: How a study file's name ends.
-SUFFIX = ".study.toml"
 
 #: Names that the dataset of a study has for itself.
 RESERVED = (
@@ -84,15 +80,10 @@ class ReferenceSpec(Spec):
     follows: tuple[str, ...] = ()
 
 
-class Study(Spec):
+class Study(RunsFile):
     """A parameter study.
 
     Attributes:
-        format: Version of the format of study files.
-        title: In a few words.
-        scenario: Name of a shipped scenario, or path of a scenario file, from the study file's folder.
-        case: Of the scenario; its default one if left out.
-        set: What is set over scenario and case for all runs: dotted keys, or tables.
         seed: Of the samples and of the runs' own seeds [-].
         parameters: What is varied, by name.
         sampling: How parameters with distributions are sampled.
@@ -105,11 +96,9 @@ class Study(Spec):
 
     __repr__ = __str__ = brief
 
-    format: Literal[1] = 1
-    title: str = ""
-    scenario: str
-    case: str | None = None
-    set: dict[str, Any] = Field(default_factory=dict)
+    suffix: ClassVar[str] = ".study.toml"
+    word: ClassVar[str] = "study"
+
     seed: Annotated[int, BeforeValidator(Count(0, 2**62).read)] = 0
     parameters: dict[str, ParameterSpec]
     sampling: SamplingSpec | None = None
@@ -118,8 +107,6 @@ class Study(Spec):
     results: Literal["none", "failed", "all"] = "none"
     name: str = "study"
     folder: Path = Path()
-
-    carried: ClassVar[frozenset[str]] = frozenset({"name", "folder"})
 
     @model_validator(mode="before")
     @classmethod
@@ -190,21 +177,12 @@ class Study(Spec):
         if self.sampling is not None and not sampled:
             refuse("must be left out: no parameter has a distribution", "sampling")
 
-    def base(self) -> Scenario:
-        """Return the scenario that the parameters are laid over."""
-        return load_scenario(self._where(), self.case, self.set)
-
     def reference_base(self) -> Scenario | None:
         """Return the scenario of the reference, of the runs' duration, before what it follows."""
         if self.reference is None:
             return None
         lasts = {"duration": self.base().duration}
-        return load_scenario(self._where(), self.reference.case, merge(lasts, nested(self.reference.set)))
-
-    def _where(self) -> str | Path:
-        beside = self.folder / os.path.expanduser(self.scenario)
-        shipped = models_path() / self.scenario
-        return self.scenario if shipped.is_dir() or not beside.exists() else beside
+        return self.scenario_with(self.reference.case, merge(lasts, nested(self.reference.set)))
 
 
 def _within(key: str, table: str) -> bool:
@@ -214,10 +192,7 @@ def _within(key: str, table: str) -> bool:
 
 def list_studies() -> list[str]:
     """Return the names of the shipped studies, as ``bai2020/clearances``."""
-    root = models_path()
-    return sorted(
-        path.relative_to(root).as_posix().removesuffix(SUFFIX) for path in root.glob(f"*/*{SUFFIX}")
-    )
+    return Study.shipped()
 
 
 @takes()
@@ -232,31 +207,4 @@ def load_study(path: str | os.PathLike[str], settings: Mapping[str, Any] | Seque
         ScenarioError: With one line that gives file, place, rule, the value seen and a way out.
         UnknownNameError: There is no such study.
     """
-    found, label = Path(os.path.expanduser(os.fspath(path))), str(path)
-    if not found.is_file():
-        shipped = models_path() / f"{label}{SUFFIX}"
-        if not shipped.is_file():
-            raise UnknownNameError("load_study", "study file or shipped study", label, list_studies())
-        found = shipped
-    data = read_toml(found, label)
-    for key in Study.carried & data.keys():
-        raise ScenarioError(f"{label}: {key} is unknown: a study's name and folder are those of its file")
-    layer, _ = read_overrides(settings)
-    # Keys of the scenario stand with dots in [set], and with dots they stay: as tables they are the same.
-    for table in (data, layer):
-        if isinstance(table.get("set"), Mapping):
-            table["set"] = nested(table["set"])
-    name = found.name.removesuffix(SUFFIX).removesuffix(".toml")
-    try:
-        return Study.validated(merge(data, layer) | {"name": name, "folder": found.parent.resolve()})
-    except ValidationError as error:
-        raise explained(error, lambda location: Place(f"{label}: {dotted(location)}".strip())) from None
-
-
-def nested(table: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a table in which quoted keys with dots, as ``"integrator.engine"``, are tables in each other."""
-    plain: dict[str, Any] = {}
-    for key, value in table.items():
-        layer, _ = read_overrides({key: value})
-        plain = merge(plain, layer)
-    return plain
+    return Study.loaded("load_study", path, settings)

@@ -64,66 +64,79 @@ TIME = _ORDERED
 
 
 def _rows(
-    source: str, dims: str, *rows: tuple[str, str, str] | tuple[str, str, str, Rule], **more: Any
-) -> Iterator[Variable]:
-    """Yield variables of one source along the same dimensions: name, units, meaning of each, and its rule."""
-    for name, units, meaning, *rule in rows:
-        yield Variable(name, tuple(dims.split()), units, meaning, source, rule[0] if rule else ANY, **more)
+    of: str, *rows: tuple[str, str, str] | tuple[str, str, str, Rule], **more: Any
+) -> tuple[Variable, ...]:
+    """Return variables of one source along the same dimensions: names, units, meanings and rules.
 
-
-def _table() -> Iterator[Variable]:
-    yield from _rows("state", "time configuration", ("q", "m, rad or 1", "configuration, Pinocchio's order"))
-    yield from _rows("state", "time coordinate", ("v", "m/s or rad/s", "generalized velocity, body axes"))
-    yield from _rows(
-        "derivative", "time coordinate", ("a", "m/s^2 or rad/s^2", "generalized acceleration, body axes")
+    Args:
+        of: The source, and behind a colon the dimensions.
+        *rows: One for each.
+        **more: What else holds for all.
+    """
+    source, dims = of.split(": ")
+    return tuple(
+        Variable(name, tuple(dims.split()), units, meaning, source, rule[0] if rule else ANY, **more)
+        for name, units, meaning, *rule in rows
     )
-    yield from _rows(
-        "state",
-        "time axis",
+
+
+def _scenario_rows(name: str, kinds: type[RadialScenario | AxialScenario]) -> tuple[Variable, ...]:
+    """Return the variable of a contact scenario, whose numbers stand for its kinds."""
+    flags = tuple((int(kind.value), kind.name.lower()) for kind in kinds)
+    rule = Rule(only=tuple(float(value) for value, _ in flags))
+    row = (f"{name}_scenario", "1", f"contact scenario, {name}", rule)
+    return _rows("contact: time clearance_joint", row, flags=flags)
+
+
+_APART = "bodies without the base"
+_COUPLED = "torque of the coupling on its follower (a force [N] if it slides)"
+
+# State, accelerations and loads at the samples.
+_STATES: tuple[Variable, ...] = (
+    *_rows("state: time configuration", ("q", "m, rad or 1", "configuration, Pinocchio's order")),
+    *_rows("state: time coordinate", ("v", "m/s or rad/s", "generalized velocity, body axes")),
+    *_rows("derivative: time coordinate", ("a", "m/s^2 or rad/s^2", "generalized acceleration, body axes")),
+    *_rows(
+        "state: time axis",
         ("base_position", "m", "base in the world"),
         ("base_velocity", "m/s", "base, in its own axes"),
         ("base_angular_velocity", "rad/s", "base, in its own axes"),
         free_base=True,
-    )
-    yield from _rows(
-        "state",
-        "time quaternion",
+    ),
+    *_rows(
+        "state: time quaternion",
         ("base_attitude", "1", "base in the world, quaternion", _UNIT),
         free_base=True,
-    )
-    yield from _rows(
-        "derivative",
-        "time drive",
+    ),
+    *_rows(
+        "derivative: time drive",
         ("drive_torque", "N m", "torque of the drive (a force [N] if it slides)"),
-    )
-    yield from _rows(
-        "derivative",
-        "time controller",
+    ),
+    *_rows(
+        "derivative: time controller",
         ("control_reference", "rad", "angle that the controller follows (a way [m] if it slides)"),
         ("control_error", "rad", "reference less the joint's angle (way [m])"),
-    )
-    yield from _rows(
-        "derivative",
-        "time point_spring",
+    ),
+    *_rows(
+        "derivative: time point_spring",
         ("spring_length", "m", "distance of the spring's points", _SIZE),
         ("spring_tension", "N", "force of spring and damper that draws the points together"),
-    )
-    yield from _rows(
-        "derivative",
-        "time point_spring axis",
+    ),
+    *_rows(
+        "derivative: time point_spring axis",
         ("spring_force", "N", "force of the spring on its second link, world axes"),
-    )
-    yield from _rows(
-        "derivative",
-        "time closure axis",
+    ),
+    *_rows(
+        "derivative: time closure axis",
         ("closure_force", "N", "force of the closure on its second link, axes of its first side"),
         ("closure_moment", "N m", "its moment about the second side's point"),
-    )
-    torque = "torque of the coupling on its follower (a force [N] if it slides)"
-    yield from _rows("derivative", "time coupling", ("coupling_torque", "N m", torque))
-    yield from _rows(
-        "contact",
-        "time contact",
+    ),
+    *_rows("derivative: time coupling", ("coupling_torque", "N m", _COUPLED)),
+)
+# Contacts, and the journals that they are at.
+_CONTACTS: tuple[Variable, ...] = (
+    *_rows(
+        "contact: time contact",
         ("gap", "m", "distance of the surfaces, negative in contact"),
         ("depth", "m", "penetration depth", _SIZE),
         ("depth_rate", "m/s", "rate of penetration, positive closing"),
@@ -131,165 +144,156 @@ def _table() -> Iterator[Variable]:
         ("normal_force", "N", "normal force on the journal", _PRESSED),
         ("friction_force", "N", "friction on the journal", _PRESSED),
         ("touching", "1", "whether the contact touches", Rule(only=(0.0, 1.0))),
-    )
-    yield from _rows(
-        "contact",
-        "time contact axis",
+    ),
+    *_rows(
+        "contact: time contact axis",
         ("contact_force", "N", "force on the journal, bearing axes", Rule(beside="touching")),
         ("contact_point", "m", "candidate contact, from the bearing's centre"),
-    )
-    yield from _rows(
-        "contact",
-        "time clearance_joint axis",
+    ),
+    *_rows(
+        "contact: time clearance_joint axis",
         ("journal_position", "m", "journal's centre in the bearing"),
         ("joint_force", "N", "contact force on the journal"),
         ("joint_torque", "N m", "contact torque about the journal's centre"),
-    )
-    yield from _rows(
-        "contact",
-        "time clearance_joint quaternion",
+    ),
+    *_rows(
+        "contact: time clearance_joint quaternion",
         ("journal_attitude", "1", "journal in the bearing, quaternion", _UNIT),
-    )
-    by_joint = ("contact", "time clearance_joint")
-    yield from _rows(
-        *by_joint,
+    ),
+    *_rows(
+        "contact: time clearance_joint",
         (
             "journal_tilt",
             "rad",
             "angle between the axes of journal and bearing",
             Rule(least=0.0, most=math.pi),
         ),
-    )
-    for name, kinds in (("radial", RadialScenario), ("axial", AxialScenario)):
-        flags = tuple((int(kind.value), kind.name.lower()) for kind in kinds)
-        rule = Rule(only=tuple(float(value) for value, _ in flags))
-        row = (f"{name}_scenario", "1", f"contact scenario, {name}", rule)
-        yield from _rows(*by_joint, row, flags=flags)
-    yield from _rows(
-        "audit",
-        "time",
+    ),
+    *_scenario_rows("radial", RadialScenario),
+    *_scenario_rows("axial", AxialScenario),
+)
+# Energies, what is put in and lost, momenta.
+_ENERGIES: tuple[Variable, ...] = (
+    *_rows(
+        "audit: time",
         ("kinetic_energy", "J", "kinetic energy", _TOTAL),
         ("contact_energy", "J", "energy stored in contacts"),
         ("spring_energy", "J", "energy stored in springs, at joints and between points", _TOTAL),
         ("gravity_energy", "J", "potential energy of gravity"),
-    )
-    part = "time elastic_part"
-    yield from _rows("audit", part, ("elastic_energy", "J", "energy stored in the part's spring", _TOTAL))
-    yield from _rows("ledger", part, ("dissipation_elastic", "J", "energy lost in the part's damper", _TOTAL))
-    yield from _rows(
-        "motion",
-        part,
+    ),
+    *_rows("audit: time elastic_part", ("elastic_energy", "J", "energy stored in the part's spring", _TOTAL)),
+    *_rows(
+        "ledger: time elastic_part",
+        ("dissipation_elastic", "J", "energy lost in the part's damper", _TOTAL),
+    ),
+    *_rows(
+        "motion: time elastic_part",
         ("deflection", "rad", "of the part from rest (a way [m] if it slides)"),
         ("deflection_rate", "rad/s", "its rate (m/s)"),
         ("deflection_acceleration", "rad/s^2", "its acceleration (m/s^2)"),
-    )
-    yield from _rows(
-        "ledger",
-        "time drive",
+    ),
+    *_rows(
+        "ledger: time drive",
         ("drive_work", "J", "work of the drive since the start"),
         ("drive_gross_work", "J", "integral of |power| of the drive", _TOTAL),
-    )
-    yield from _rows(
-        "ledger",
-        "time contact",
+    ),
+    *_rows(
+        "ledger: time contact",
         ("dissipation_normal", "J", "energy lost to normal contact", _LOST),
         ("dissipation_friction", "J", "energy lost to friction", _LOST),
         ("normal_impulse", "N s", "integral of normal force", _TOTAL),
-    )
-    yield from _rows(
-        "ledger",
-        "time spring",
+    ),
+    *_rows(
+        "ledger: time spring",
         ("dissipation_damper", "J", "energy lost in the damper, or to a joint's own friction", _TOTAL),
-    )
-    yield from _rows("ledger", "time", ("energy_error", "J", "stored - start - work of drives + losses"))
-    yield from _rows(
-        "audit",
-        "time axis",
+    ),
+    *_rows("ledger: time", ("energy_error", "J", "stored - start - work of drives + losses")),
+    *_rows(
+        "audit: time axis",
         ("linear_momentum", "kg m/s", "of the whole, world axes"),
         ("angular_momentum", "kg m^2/s", "of the whole about its mass centre, world axes"),
-    )
-    apart = "bodies without the base"
-    yield from _rows(
-        "audit",
-        "time",
-        ("momentum_scale", "kg m/s", f"summed magnitudes, {apart}", _SIZE),
-        ("angular_momentum_scale", "kg m^2/s", f"summed magnitudes about the mass centre, {apart}", _SIZE),
-    )
-    yield from _rows(
-        "motion",
-        "time joint",
+    ),
+    *_rows(
+        "audit: time",
+        ("momentum_scale", "kg m/s", f"summed magnitudes, {_APART}", _SIZE),
+        (
+            "angular_momentum_scale",
+            "kg m^2/s",
+            f"summed magnitudes about the mass centre, {_APART}",
+            _SIZE,
+        ),
+    ),
+)
+# Joints with one axis.
+_MOTIONS: tuple[Variable, ...] = (
+    *_rows(
+        "motion: time joint",
         ("motion_angle", "rad", "rotation about the joint's axis"),
         ("motion_rate", "rad/s", "its rate"),
         ("motion_acceleration", "rad/s^2", "its acceleration"),
-    )
-    yield from _rows(
-        "motion",
-        "time sliding_joint",
+    ),
+    *_rows(
+        "motion: time sliding_joint",
         ("slide_position", "m", "way along the joint's axis"),
         ("slide_rate", "m/s", "its rate"),
         ("slide_acceleration", "m/s^2", "its acceleration"),
-    )
-    yield from _rows(
-        "summary",
-        "joint",
+    ),
+)
+# Of the whole run: sums, ends and peaks.
+_SUMMARIES: tuple[Variable, ...] = (
+    *_rows(
+        "summary: joint",
         ("final_angle", "rad", "motion angle at the end"),
         ("final_rate", "rad/s", "its rate at the end"),
         ("peak_acceleration", "rad/s^2", "largest size of its acceleration at a sample", _SIZE),
-    )
-    yield from _rows(
-        "summary",
-        "sliding_joint",
+    ),
+    *_rows(
+        "summary: sliding_joint",
         ("final_position", "m", "way along the joint's axis at the end"),
         ("final_slide_rate", "m/s", "its rate at the end"),
         ("peak_slide_acceleration", "m/s^2", "largest size of its acceleration at a sample", _SIZE),
-    )
-    yield from _rows(
-        "summary",
-        "drive",
+    ),
+    *_rows(
+        "summary: drive",
         ("total_work", "J", "work of the drive from start to end"),
         ("total_gross_work", "J", "integral of |power| of the drive from start to end", _TOTAL),
-    )
-    yield from _rows(
-        "summary",
-        "contact",
+    ),
+    *_rows(
+        "summary: contact",
         ("total_normal_loss", "J", "energy lost to normal contact from start to end", _LOST),
         ("total_friction_loss", "J", "energy lost to friction from start to end", _LOST),
-    )
-    yield from _rows(
-        "summary",
-        "motion",
+    ),
+    *_rows(
+        "summary: motion",
         (
             "peak_effort",
             "N m",
             "largest size at a sample of the torque that holds the motion (a force [N])",
             _SIZE,
         ),
-    )
-    yield from _rows(
-        "summary",
-        "closure",
+    ),
+    *_rows(
+        "summary: closure",
         ("peak_closure_force", "N", "largest force of the closure at a sample", _SIZE),
         ("peak_closure_moment", "N m", "largest moment of the closure at a sample", _SIZE),
-    )
-    yield from _rows(
-        "summary", "coupling", ("peak_coupling_torque", "N m", f"largest size of the {torque}", _SIZE)
-    )
-    yield from _rows(
-        "summary",
-        "spring",
+    ),
+    *_rows("summary: coupling", ("peak_coupling_torque", "N m", f"largest size of the {_COUPLED}", _SIZE)),
+    *_rows(
+        "summary: spring",
         ("total_damper_loss", "J", "energy lost in the damper, or to a joint's own friction, in all", _TOTAL),
-    )
-    yield from _rows(
-        "summary",
-        "elastic_part",
+    ),
+    *_rows(
+        "summary: elastic_part",
         ("peak_deflection", "rad", "largest size of the part's deflection at a sample (a way [m])", _SIZE),
         ("peak_elastic_energy", "J", "largest energy in the part's spring at a sample", _SIZE),
         ("total_elastic_loss", "J", "energy lost in the part's damper in all", _TOTAL),
         ("peak_spin", "rad/s", "largest angular speed of the part's hub at a sample", _SIZE),
-    )
-    yield from _rows(
-        "episodes",
-        "episode",
+    ),
+)
+# Of the whole run: contacts from onset to release, events.
+_HAPPENINGS: tuple[Variable, ...] = (
+    *_rows(
+        "episodes: episode",
         ("onset_time", "s", "start of the contact", _ORDERED),
         ("release_time", "s", "end of the contact; NaN: still touching", Rule(lacks=True)),
         ("approach_speed", "m/s", "depth rate at onset, floored", _SIZE),
@@ -300,17 +304,20 @@ def _table() -> Iterator[Variable]:
         ("dissipated", "J", "energy lost, normal and friction", _LOST),
         ("effective_mass", "kg", "(n^T M^-1 n)^-1 at onset, along the normal", _SIZE),
         ("episode_contact", "1", "index of the contact"),
-    )
-    yield from _rows(
-        "episodes",
-        "event",
+    ),
+    *_rows(
+        "episodes: event",
         ("event_time", "s", "when the event happened", _ORDERED),
         ("event_energy", "J", "energy that the event's action brought in"),
-    )
-
+    ),
+)
 
 #: Every variable of a result, by name.
-VARIABLES: dict[str, Variable] = {variable.name: variable for variable in _table()}
+VARIABLES: dict[str, Variable] = {
+    variable.name: variable
+    for part in (_STATES, _CONTACTS, _ENERGIES, _MOTIONS, _SUMMARIES, _HAPPENINGS)
+    for variable in part
+}
 
 
 def variables_of(dimensions: Collection[str], free_base: bool | None = None) -> Iterator[Variable]:

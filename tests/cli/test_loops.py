@@ -147,6 +147,10 @@ def test_play_at_a_closure_is_refused_with_the_joints_that_could_close_the_loop(
     assert said == f"{place}cut the loop at crank_pin or ground_pin {so_that}"
     said = refused(cli("run", folder / "driven", "--case", "play", "--set", play))
     assert said == f"{place}cut the loop at ground_pin {so_that}"
+    # One between points acts at no joint.
+    ends = "first={link='world', point=[0, 0, 0]}, second={link='coupler', point=[0, 0, 0]}"
+    rope = f"springs.rope={{{ends}, stiffness=1, free_length=0.1}}"
+    assert refused(cli("run", folder / "driven", "--case", "play", "--set", play, "--set", rope)) == said
     other = play.replace("rocker_pin", "ground_pin")
     said = refused(cli("info", folder / "driven", "--case", "play", "--set", play, "--set", other))
     assert said == (

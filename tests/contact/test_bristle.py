@@ -21,9 +21,8 @@ def evaluate(law, slip, state, normal=Z, load=1.0):
     """Friction force and rates of the state."""
     state = np.asarray(state, dtype=float)
     rates = np.full(law.states, math.nan)
-    force = kernels.bristle_force(
-        law.code(), 0, load, *map(float, slip), *map(float, normal), state, 0, rates, 0
-    )
+    way, across = tuple(map(float, slip)), tuple(map(float, normal))
+    force = kernels.bristle_force(law.code(), load, way, across, state, rates)
     return np.array(force), rates
 
 

@@ -120,9 +120,8 @@ def test_every_kind_that_is_declared_is_known_to_the_kernels_and_no_other():
         if kind < friction_kernels.BRISTLE:
             return friction_kernels.friction_ratio(code, 0.1, 1.0)
         state = np.full(4, 0.1)
-        return friction_kernels.bristle_force(code, 0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, state, 0, rates, 0)[
-            0
-        ]
+        slip, normal = (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)
+        return friction_kernels.bristle_force(code, 1.0, slip, normal, state, rates)[0]
 
     # One past all of them is none.
     for kind in (*kernels.ELASTIC_RECORDS, 7.0):
@@ -175,7 +174,7 @@ def test_bristle_kernels_equal_their_python(bristle_law):
         out = []
         for function in (kernel, python(kernel)):
             rates = np.zeros(scales.size)
-            force = function(code, 0, 12.0, *slip.tolist(), *normal.tolist(), state, 0, rates, 0)
+            force = function(code, 12.0, tuple(slip.tolist()), tuple(normal.tolist()), state, rates)
             out.append([*force, *rates])
         size = np.abs(out[0]).max()
         assert out[0] == pytest.approx(out[1], rel=1e-12, abs=1e-13 * size)

@@ -26,7 +26,7 @@ from antenna_pin.contact import (
     damping_kernels,
     kernels,
 )
-from antenna_pin.contact.records import NORMAL_LAW
+from antenna_pin.contact.records import LOGARITHMIC, NORMAL_LAW, PERSSON, PIN_JOINT, POWER
 
 from .conftest import DIMENSIONS
 
@@ -41,8 +41,8 @@ def is_discontinuous(law):
     """A damper over the square root of the secant stiffness is as constant as that is."""
     code = law.code()
     kinds = record(code, NORMAL_LAW)
-    linear = kinds.elastic in (kernels.LOGARITHMIC, kernels.PERSSON, kernels.PIN_JOINT)
-    linear |= kinds.elastic == kernels.POWER and record(code, kernels.POWER_LAW).exponent == 1.0
+    linear = kinds.elastic in (LOGARITHMIC, PERSSON, PIN_JOINT)
+    linear |= kinds.elastic == POWER and record(code, kernels.POWER_LAW).exponent == 1.0
     return kinds.dissipation in DISCONTINUOUS or (kinds.dissipation in MASS_LAWS and linear)
 
 

@@ -8,29 +8,20 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.interpolate import PchipInterpolator
+from wheel import INERTIA, wheel_urdf
 
-from antenna_pin import RunSettings, System, Urdf, build_mechanism, load_scenario, simulate
+from antenna_pin import RunSettings, System, build_mechanism, load_scenario, simulate
 from antenna_pin.elements import PDController
 from antenna_pin.scenario import DRIVE_SPECS
 
 PANEL = Path(__file__).parents[2] / "scripts" / "examples" / "panel"
 
-INERTIA = 0.5
-WHEEL = f"""
-<robot name="wheel">
-  <link name="ground"/>
-  <link name="wheel"><inertial><mass value="{INERTIA}"/>
-    <inertia ixx="0.3" iyy="0.3" izz="{INERTIA}" ixy="0" ixz="0" iyz="0"/></inertial></link>
-  <joint name="axle" type="{{kind}}"><parent link="ground"/><child link="wheel"/><axis xyz="0 0 1"/>
-    <limit lower="-99" upper="99" effort="9" velocity="9"/></joint>
-</robot>
-"""
 TIGHT = RunSettings(rtol=1e-12, output_rate=100.0)
 
 
 def follow(kind="continuous", start=(0.0, 0.0), duration=2.0, settings=TIGHT, **given):
     """Run a wheel, or a sled of the same inertia, that is made to follow a reference."""
-    mechanism = build_mechanism(Urdf.from_text(WHEEL.format(kind=kind), "wheel.urdf"), base="fixed")
+    mechanism = build_mechanism(wheel_urdf(kind, mass=INERTIA), base="fixed")
     system = System(mechanism, drives={"motor": PDController(joint="axle", **given)})
     q = [math.cos(start[0]), math.sin(start[0])] if kind == "continuous" else [start[0]]
     return simulate(system, duration=duration, q=q, v=[start[1]], settings=settings).data

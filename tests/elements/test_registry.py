@@ -1,4 +1,4 @@
-"""What every element that is registered has: kernels of a number of its own, words, keys in a scenario."""
+"""What every element that is registered has: a number and kernels of its own, words, keys in a scenario."""
 
 import math
 
@@ -8,6 +8,7 @@ import pytest
 from antenna_pin.elements import (
     DRIVES,
     ELEMENTS,
+    SPRINGS,
     CallableDrive,
     CallableMotion,
     ConstantDrive,
@@ -15,12 +16,14 @@ from antenna_pin.elements import (
     JointFriction,
     JointSpring,
     PDController,
+    PointSpring,
     PrescribedMotion,
     SineDrive,
     TableDrive,
     kernels,
+    kind_of,
 )
-from antenna_pin.scenario import DRIVE_SPECS
+from antenna_pin.scenario import DRIVE_SPECS, SPRING_SPECS
 
 EXAMPLES = {
     ConstantDrive: (ConstantDrive(joint="a", value=2.5), "constant 2.5 N m", 2.5),
@@ -70,17 +73,30 @@ EXAMPLES = {
 }
 
 
-@pytest.mark.parametrize("kind", ELEMENTS, ids=lambda kind: kind.__name__)
+BETWEEN = PointSpring(
+    first=("world", (0.0, 0.0, 0.0)),
+    second=("arm", (1.0, 0.0, 0.0)),
+    free_length=0.5,
+    stiffness=8.0,
+    damping=0.5,
+)
+
+
+def test_every_element_has_an_example():
+    assert {*EXAMPLES, type(BETWEEN)} == set(ELEMENTS)
+    assert len({kind_of(element) for element in ELEMENTS}) == len(ELEMENTS)
+
+
+@pytest.mark.parametrize("kind", EXAMPLES, ids=lambda kind: kind.__name__)
 def test_an_element_has_its_own_kernels_and_words(kind):
     """At time 0, angle 0.1 rad and rate 0.2 rad/s."""
     element, words, expected = EXAMPLES[kind]
     assert element.words(slides=False).replace("\N{NO-BREAK SPACE}", " ") == words
-    own = element.compiled()
-    torque = kernels.effort(own.KIND, element.words_of_kernel(), 0, 0.0, 0.1, 0.2)
+    number, own = kind_of(kind), element.words_of_kernel()
+    torque = kernels.effort(number, own, 0, 0.0, 0.1, 0.2)
     assert torque == pytest.approx(expected, rel=1e-15, abs=1e-15)  # round-off
-    assert [one for one in ELEMENTS if one.compiled().KIND == own.KIND] == [kind]
     rates = np.full(len(element.integrals) + 1, np.nan)
-    kernels.write_rates(own.KIND, element.words_of_kernel(), 0, 0.2, 0.2 * torque, rates, 0)
+    kernels.write_rates(number, own, 0, 0.2, 0.2 * torque, rates, 0)
     assert np.isnan(rates).tolist() == [False] * len(element.integrals) + [True]
 
 
@@ -88,5 +104,19 @@ def test_a_kind_that_there_is_not_gives_no_number():
     assert math.isnan(kernels.effort(99, np.zeros(20), 0, 0.0, 0.0, 0.0))
 
 
-def test_a_scenario_knows_every_drive():
+def test_an_element_between_points_has_its_own_kernels_and_words():
+    """Its points 0.6 m apart, moving apart at 0.2 m/s: k (l - l0) + c l', c l'^2, k (l - l0)^2 / 2."""
+    words = "from world to arm, free length 0.5 m, stiffness 8 N/m, damping 0.5 N s/m"
+    assert BETWEEN.words().replace("\N{NO-BREAK SPACE}", " ") == words
+    number, own = kind_of(PointSpring), BETWEEN.words_of_kernel()
+    found = (
+        kernels.tension(number, own, 0, 0.6, 0.2),
+        kernels.loss(number, own, 0, 0.2),
+        kernels.stored(number, own, 0, 0.6),
+    )
+    assert found == pytest.approx((0.9, 0.02, 0.04), rel=1e-14)  # round-off of 0.6 - 0.5
+
+
+def test_a_scenario_knows_every_element():
     assert {kind: spec.fills for kind, spec in DRIVE_SPECS.items()} == dict(DRIVES)
+    assert {kind: spec.fills for kind, spec in SPRING_SPECS.items()} == dict(SPRINGS)

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from wheel import INERTIA, wheel_text
 
 from antenna_pin import RunSettings, build_system, load_scenario, modes, simulate
 from antenna_pin.dynamics import SineDrive
@@ -11,15 +12,7 @@ from antenna_pin.elements import SPRINGS, JointFriction, JointSpring, PointSprin
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.scenario import Scenario
 
-INERTIA, STIFFNESS = 0.5, 2.0
-WHEEL = f"""<robot name="wheel">
-  <link name="ground"><inertial><mass value="1"/>
-    <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
-  <link name="wheel"><inertial><mass value="{INERTIA}"/>
-    <inertia ixx="0.3" iyy="0.3" izz="{INERTIA}" ixy="0" ixz="0" iyz="0"/></inertial></link>
-  <joint name="axle" type="revolute"><parent link="ground"/><child link="wheel"/><axis xyz="0 0 1"/>
-    <limit lower="-9" upper="9" effort="9" velocity="9"/></joint>
-</robot>"""
+STIFFNESS = 2.0
 SCENARIO = """format = 1
 duration = "1 s"
 default_case = "all"
@@ -36,7 +29,7 @@ rtol = 1e-12
 
 @pytest.fixture
 def wheel(tmp_path):
-    (tmp_path / "wheel.urdf").write_text(WHEEL)
+    (tmp_path / "wheel.urdf").write_text(wheel_text("revolute"))
     (tmp_path / "scenario.toml").write_text(SCENARIO)
 
     def made(*overrides):

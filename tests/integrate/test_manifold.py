@@ -9,6 +9,7 @@ import pytest
 
 from antenna_pin.integrate import Manifold
 from antenna_pin.integrate.manifold import KINDS
+from antenna_pin.records import RIGID, ROTATION, VECTOR
 
 MODELS = {
     "vector": pin.JointModelPX,
@@ -179,8 +180,9 @@ def test_factors_do_not_mix():
 
 def test_part_names_some_factors():
     manifold = Manifold(("rigid", "vector", "rotation"), 3)
-    assert manifold.part([2], plain=False).tolist() == [12, 10, 0, 1, 3, 8, 7, 3]
-    assert manifold.part([0, 1], plain=True).tolist() == [12, 10, 3, 2, 4, 0, 0, 6, 0, 7, 6, 1]
+    assert manifold.part([2], plain=False).tolist() == [12, 10, 0, 1, ROTATION, 8, 7, 3]
+    factors = [RIGID, 0, 0, 6, VECTOR, 7, 6, 1]
+    assert manifold.part([0, 1], plain=True).tolist() == [12, 10, 3, 2, *factors]
     assert manifold.part([0, 1, 2], plain=True).tolist() == manifold.layout.tolist()
 
 

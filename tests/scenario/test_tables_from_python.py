@@ -10,6 +10,7 @@ from antenna_pin import contact
 from antenna_pin.errors import InvalidParameterError, ScenarioError, UnknownNameError
 from antenna_pin.scenario import (
     DRIVE_SPECS,
+    SPRING_SPECS,
     ContactClearance,
     InitialBaseSpec,
     IntegratorSpec,
@@ -19,7 +20,6 @@ from antenna_pin.scenario import (
     MechanismSpec,
     OutputSpec,
     Scenario,
-    SpringSpec,
 )
 
 # --- drives, springs, initial state ---
@@ -36,8 +36,8 @@ from antenna_pin.scenario import (
             {"joint": "j", "kind": "sine", "amplitude": "2 kN", "frequency": 1},
             "translation",
         ),
-        (SpringSpec, {"joint": "j", "stiffness": "2 N/mm", "rest_angle": "1 mm"}, "translation"),
-        (SpringSpec, {"joint": "j", "stiffness": 1, "damping": "1 N*m*s/rad"}, "rotation"),
+        (SPRING_SPECS["spring"], {"joint": "j", "stiffness": "2 N/mm", "rest_angle": "1 mm"}, "translation"),
+        (SPRING_SPECS["spring"], {"joint": "j", "stiffness": 1, "damping": "1 N*m*s/rad"}, "rotation"),
         (DRIVE_SPECS["table"], {"joint": "j", "kind": "table", "time": [0, 1], "torque": [1, 2]}, None),
     ],
 )
@@ -86,7 +86,7 @@ def test_a_scenario_can_be_built_in_python(folder):
         (lambda: OutputSpec(rat=1), "OutputSpec: rat is unknown; did you mean rate?"),
         (lambda: JointSpec(axis=(0, 0)), "JointSpec: axis must be an array of 3 numbers, got [0, 0]"),
         (
-            lambda: SpringSpec(joint="j"),
+            lambda: SPRING_SPECS["spring"](joint="j"),
             "SpringSpec: must have a stiffness or a damping above zero, got neither",
         ),
         (

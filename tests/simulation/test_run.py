@@ -6,6 +6,7 @@ import signal
 
 import numpy as np
 import pytest
+from wheel import INERTIA, wheel_urdf
 
 from antenna_pin import (
     AntennaPinError,
@@ -13,7 +14,6 @@ from antenna_pin import (
     Outcome,
     RunSettings,
     System,
-    Urdf,
     build_mechanism,
     load_scenario,
     simulate,
@@ -21,22 +21,9 @@ from antenna_pin import (
 from antenna_pin.assemble import build_system
 from antenna_pin.dynamics import CallableDrive, ConstantDrive, JointSpring, SineDrive, TableDrive
 
-WHEEL = """
-<robot name="wheel">
-  <link name="ground"/>
-  <link name="wheel"><inertial><mass value="1"/>
-    <inertia ixx="0.3" iyy="0.3" izz="0.5" ixy="0" ixz="0" iyz="0"/></inertial></link>
-  <joint name="axle" type="{kind}"><parent link="ground"/><child link="wheel"/><axis xyz="0 0 1"/>
-    {limit}</joint>
-</robot>
-"""
-INERTIA = 0.5
-
 
 def wheel(kind="continuous", **elements):
-    limit = '<limit lower="-9" upper="9" effort="9" velocity="9"/>' if kind == "revolute" else ""
-    urdf = Urdf.from_text(WHEEL.format(kind=kind, limit=limit), "wheel.urdf")
-    return System(build_mechanism(urdf, base="fixed"), **elements)
+    return System(build_mechanism(wheel_urdf(kind), base="fixed"), **elements)
 
 
 TIGHT = RunSettings(rtol=1e-12, output_rate=200.0)
@@ -227,9 +214,7 @@ def test_a_start_given_beside_a_scenario_is_said():
 
 def test_a_sliding_joint_is_recorded():
     """A constant force moves a mass by F t^2 / 2 m."""
-    text = WHEEL.format(kind="prismatic", limit='<limit lower="-9" upper="9" effort="9" velocity="9"/>')
-    mechanism = build_mechanism(Urdf.from_text(text, "sled.urdf"), base="fixed")
-    run = simulate(System(mechanism, drives={"push": ConstantDrive(joint="axle", value=3.0)}), duration=0.5)
+    run = simulate(wheel("prismatic", drives={"push": ConstantDrive(joint="axle", value=3.0)}), duration=0.5)
     slide = run.data.sel(sliding_joint="axle")
     time = run.data["time"].values
     # Polynomials of degree two are integrated exactly, but for round-off of metres.

@@ -5,8 +5,9 @@ import math
 import numpy as np
 import pinocchio as pin
 import pytest
+from wheel import wheel_urdf
 
-from antenna_pin import Outcome, RunSettings, System, Urdf, build_mechanism, load_scenario, simulate
+from antenna_pin import Outcome, RunSettings, System, build_mechanism, load_scenario, simulate
 from antenna_pin.assemble import build_system, initial_state
 from antenna_pin.contact import make_normal_law
 from antenna_pin.dynamics import CallableDrive
@@ -135,8 +136,7 @@ def test_a_quaternion_unit_but_for_round_off_is_made_so():
 
 
 def test_cosine_and_sine_of_an_angle_are_checked_too():
-    urdf = Urdf.from_text(WHEEL, "wheel.urdf")
-    system = System(build_mechanism(urdf, base="fixed"))
+    system = System(build_mechanism(wheel_urdf(), base="fixed"))
     with pytest.raises(
         InvalidParameterError, match=r"q\[0:2\]: cosine and sine of joint 'axle' must be of length"
     ):
@@ -147,20 +147,10 @@ def test_cosine_and_sine_of_an_angle_are_checked_too():
 
 # --- a run that makes no way --------------------------------------------------------------------------------
 
-WHEEL = """
-<robot name="wheel">
-  <link name="ground"/>
-  <link name="wheel"><inertial><mass value="1"/>
-    <inertia ixx="0.3" iyy="0.3" izz="0.5" ixy="0" ixz="0" iyz="0"/></inertial></link>
-  <joint name="axle" type="continuous"><parent link="ground"/><child link="wheel"/><axis xyz="0 0 1"/></joint>
-</robot>
-"""
-
 
 def wheel(torque):
-    urdf = Urdf.from_text(WHEEL, "wheel.urdf")
     return System(
-        build_mechanism(urdf, base="fixed"), drives={"d": CallableDrive(joint="axle", torque=torque)}
+        build_mechanism(wheel_urdf(), base="fixed"), drives={"d": CallableDrive(joint="axle", torque=torque)}
     )
 
 

@@ -4,8 +4,9 @@ import math
 
 import numpy as np
 import pytest
+from wheel import wheel_urdf
 
-from antenna_pin import RunSettings, System, Urdf, build_mechanism, load_scenario, simulate
+from antenna_pin import RunSettings, System, build_mechanism, load_scenario, simulate
 from antenna_pin.analysis import deviation
 from antenna_pin.assemble import build_system, initial_angles, initial_state
 from antenna_pin.contact import Hertz
@@ -14,16 +15,6 @@ from antenna_pin.errors import AntennaPinError
 from antenna_pin.geometry import PlanarClearance, RevoluteClearance
 from antenna_pin.joints import ClearanceJoint
 
-WHEEL = """
-<robot name="wheel">
-  <link name="ground"/>
-  <link name="wheel"><inertial><mass value="1"/>
-    <inertia ixx="0.3" iyy="0.3" izz="0.5" ixy="0" ixz="0" iyz="0"/></inertial></link>
-  <joint name="axle" type="{kind}"><parent link="ground"/><child link="wheel"/><axis xyz="0 0 1"/>
-    <limit lower="-90" upper="90" effort="9" velocity="9"/></joint>
-</robot>
-"""
-INERTIA = 0.5
 KINDS = ("revolute", "continuous", "constraint", "planar", "contact")
 TIGHT = RunSettings(rtol=1e-12, output_rate=200.0)
 
@@ -32,7 +23,7 @@ def wheel(kind, **elements):
     """A balanced wheel on a joint of each kind; in those with play it touches nothing."""
     written = kind if kind == "revolute" else "continuous"
     variant = {"constraint": "free", "contact": "free", "planar": "planar"}.get(kind, "ideal")
-    urdf = Urdf.from_text(WHEEL.format(kind=written), "wheel.urdf").variant(joints={"axle": variant})
+    urdf = wheel_urdf(written).variant(joints={"axle": variant})
     law, clearances = Hertz(stiffness=1e9), ()
     if kind == "planar":
         geometry = PlanarClearance(bearing_radius=0.01, journal_radius=0.0099)

@@ -1,0 +1,123 @@
+"""What follows a course over time: a part that swings, and its sum with others, of which one is a table."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any, ClassVar, Literal
+
+from antenna_pin.elements.curve import Interpolation, check_covers, check_table, cubics, points_and_middles
+from antenna_pin.elements.element import ForceElement
+from antenna_pin.errors import InvalidParameterError
+from antenna_pin.readable import GIVEN, number
+
+__all__ = ["Course", "Swing"]
+
+
+class Swing(ForceElement):
+    """Base of the elements of which something swings."""
+
+    # The fields are those of the classes that declare them, with their units and meanings.
+    __slots__ = ()
+
+    frequency: float | None
+
+    @property
+    def longest_step(self) -> float:
+        """An eighth of the period [s]."""
+        return math.inf if self.frequency is None else 0.125 / self.frequency
+
+    @property
+    def angular_frequency(self) -> float:
+        """Of what swings, 0 where nothing does [rad/s]."""
+        return 2.0 * math.pi * (self.frequency or 0.0)
+
+    def check_frequency(self, swings: bool) -> None:
+        """Refuse an amplitude without a frequency.
+
+        Args:
+            swings: Whether the amplitude is other than zero.
+        """
+        if swings and self.frequency is None:
+            raise InvalidParameterError(self, "frequency", "given beside an amplitude", said="none")
+
+
+class Course(Swing):
+    r"""Base of the elements that follow a course over time.
+
+    .. math:: \phi_0 + \omega t + A \sin(2 \pi f t + \varphi) + \text{table}(t)
+    """
+
+    __slots__ = ()
+
+    rate: float
+    amplitude: float
+    phase: float
+    file: str | None
+    time: tuple[float, ...] | None
+
+    # Field of the constant part; the columns of a file with the table, time and values; how its points are
+    # joined.
+    constant: ClassVar[str]
+    columns: ClassVar[tuple[str, str]]
+    joined: ClassVar[Interpolation | Literal["smooth"]]
+
+    @property
+    def instants(self) -> tuple[float, ...]:
+        """Points of the table, where a derivative jumps, and the middles between them [s]."""
+        return () if self.time is None else points_and_middles(self.time)
+
+    def check_course(self) -> None:
+        """Refuse a course of which something is missing."""
+        self.check_frequency(self.amplitude != 0.0)
+        if self.frequency is not None and self.amplitude == 0.0:
+            raise InvalidParameterError(self, "amplitude", "given beside a frequency", said="none")
+        given = {name: getattr(self, name) for name in reversed(self.columns)}
+        missing = [name for name, numbers in given.items() if numbers is None]
+        if len(missing) == 1:
+            (there,) = given.keys() - missing
+            raise InvalidParameterError(self, missing[0], f"given beside {there}", said="none")
+        if not missing:
+            check_table(self, self.columns[1])
+
+    def check_span(self, place: str, begin: float, end: float) -> None:
+        """Refuse a run that the table does not cover."""
+        if self.time is not None:
+            check_covers(self.time, place, begin, end)
+
+    def values(self) -> dict[str, Any]:
+        """Return the numbers of the course, by the names that records have for them."""
+        return {
+            self.constant: getattr(self, self.constant),
+            "rate": self.rate,
+            "amplitude": self.amplitude,
+            "angular_frequency": self.angular_frequency,
+            "phase": self.phase,
+            "points": 0 if self.time is None else len(self.time),
+        }
+
+    def tail(self) -> tuple[float, ...]:
+        """Return the curve through the points of the table."""
+        if self.time is None:
+            return ()
+        return cubics(self.time, getattr(self, self.columns[1]), self.joined)
+
+    def course_words(self, slides: bool, powers: Sequence[str] = ()) -> str:
+        """Return the parts of the course in words.
+
+        Args:
+            slides: Whether the joint slides.
+            powers: Words of further parts, behind the one that grows with time.
+        """
+        parts = [self.said(self.constant, slides)] if getattr(self, self.constant) else []
+        if self.rate:
+            parts.append(f"{self.said('rate', slides)} · t")
+        parts += powers
+        if self.frequency is not None:
+            phase = f" + {self.said('phase', slides)}" if self.phase else ""
+            frequency = number(self.frequency, GIVEN)
+            parts.append(f"{self.said('amplitude', slides)} × sin(2π · {frequency} Hz · t{phase})")
+        if self.time is not None:
+            where = "" if self.file is None else f" of {self.file}"
+            parts.append(f"a table{where} of {len(self.time)} points")
+        return " + ".join(parts)
