@@ -42,8 +42,7 @@ def stamped_files() -> tuple[Path, ...]:
 def _stamp() -> str:
     """Return a digest of all kernel files and of Numba's version."""
     digest = hashlib.sha256(f"{numba.__version__} {FORMAT}".encode())
-    digest.update(Path(__file__).read_bytes())
-    for path in stamped_files():
+    for path in (Path(__file__), *stamped_files()):
         digest.update(path.read_bytes())
     return digest.hexdigest()
 
@@ -61,7 +60,7 @@ def kernel(function: _Function) -> _Function:
 
 
 def released(function: _Function) -> _Function:
-    """Compile as a kernel a function that lets other threads of Python run while it does."""
+    """Compile as a kernel a function that lets other threads run while it does."""
     return _compiled(function, forceinline=False, nogil=True)
 
 
