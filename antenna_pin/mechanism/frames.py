@@ -120,9 +120,9 @@ def quaternions(rotations: npt.ArrayLike) -> npt.NDArray[np.float64]:
 def quaternion(rotations: npt.ArrayLike) -> npt.NDArray[np.float64]:
     r"""Return rotation matrices as quaternions xyzw of length 1.
 
-    Of the four, the largest component is found first, from what the others cannot cancel in: with the trace t,
+    The largest of the four is found first, since nothing cancels in it: with the trace t,
     :math:`4 q_i^2 = 1 - t + 2 R_{ii}` and :math:`4 w^2 = 1 + t`; the others follow from sums and differences
-    of entries, times it (Shepperd). The sign is that in which the largest is positive.
+    of entries, which are 4 times their products with it (Shepperd). The largest is positive.
 
     Args:
         rotations: (..., 3, 3) [-], orthogonal to round-off.

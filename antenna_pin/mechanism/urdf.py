@@ -64,7 +64,7 @@ class Urdf:
         folder: Where relative mesh file names start; None if that is unknown.
         package_path: Where packages of ``package://`` are looked for first.
         allow_impossible_inertia: Links whose body's inertia may break the triangle rule.
-        robot: What counts of it in numbers, to be read only. Looks of its links are read when they are asked for.
+        robot: What counts of it in numbers, to be read only; how its links look is read when asked for.
         simulated: What of it Pinocchio's parser is given: bodies and joints.
         unbounded: Revolute and prismatic joints without bounds, because they have no ``<limit>`` or because
             it leaves none.
