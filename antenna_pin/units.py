@@ -16,6 +16,7 @@ from functools import lru_cache
 from numbers import Real
 from typing import Any
 
+from antenna_pin._lazy import take_back
 from antenna_pin.common_units import LARGEST_POWER, Unit, common_unit
 from antenna_pin.errors import ScenarioError
 from antenna_pin.numerals import DECIMAL
@@ -274,6 +275,7 @@ def _parsed(name: str) -> Unit | None:
 
 @lru_cache(maxsize=1)
 def _registry() -> Any:
+    take_back("pint")  # the command goes without it
     import pint
 
     return pint.UnitRegistry()
