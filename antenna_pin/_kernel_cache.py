@@ -27,6 +27,7 @@ from llvmlite.binding import add_symbol
 
 from antenna_pin._machine_code import called, kept_of
 from antenna_pin._ownership import open_to, stranger_of
+from antenna_pin._turns import Turn
 
 try:
     from numba.core.base import OverloadSelector
@@ -53,8 +54,18 @@ def keep(dispatcher: Any, stamp: str) -> None:
     none, a :class:`KernelCacheWarning` says so once, when something has been compiled.
     """
     function = getattr(dispatcher, "py_func", None)
-    if function is not None:  # as it is under NUMBA_DISABLE_JIT=1
-        dispatcher._cache = _Later(function, stamp)
+    if function is None:  # NUMBA_DISABLE_JIT=1
+        return
+    cache = dispatcher._cache = _Later(function, stamp)
+    compile_or_load = dispatcher.compile
+
+    def compiled(signature: Any) -> Any:
+        try:
+            return compile_or_load(signature)
+        finally:
+            cache.turn.end()
+
+    dispatcher.compile = compiled
 
 
 class _Later:
@@ -62,11 +73,12 @@ class _Later:
 
     def __init__(self, function: Any, stamp: str) -> None:
         self._given = function, stamp
+        self.turn = Turn(f"{function.__module__}:{function.__qualname__}")
 
     @functools.cached_property
     def _found(self) -> Any:
         try:
-            return _KernelCache(*self._given)
+            return _KernelCache(*self._given, self.turn)
         except RuntimeError:
             return _NoCache("neither the sources' folder nor the user's cache can be written")
         except (OSError, AttributeError, TypeError) as error:
@@ -231,8 +243,9 @@ class _SealedFiles(IndexDataCacheFile):  # type: ignore[misc]
 class _KernelCache(FunctionCache):  # type: ignore[misc]
     """What is kept of one function."""
 
-    def __init__(self, function: Any, stamp: str) -> None:
+    def __init__(self, function: Any, stamp: str, turn: Turn) -> None:
         super().__init__(function)
+        self._turn = turn
         base, source = self._impl.filename_base, function.__code__.co_filename
         owner = os.stat(source).st_uid  # who is trusted with the sources is with what they are compiled to
         self._cache_file = _SealedFiles(self._cache_path, base, stamp, owner)
@@ -243,12 +256,20 @@ class _KernelCache(FunctionCache):  # type: ignore[misc]
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """Return what is kept of a function for arguments of certain types, None if nothing is."""
         key = self._index_key(sig, target_context.codegen())
+        kept = self._kept(key)
+        if kept is None and self._turn.begin(self._cache_path):  # after another process, which has made it
+            kept = self._kept(key)
+        if kept is not None:
+            return self._loaded(kept, target_context)
+        _to_be_compiled()
+        target_context.refresh()
+        return None
+
+    def _kept(self, key: Any) -> Any:
         for files in (self._cache_file, self._beside):
             kept = None if files is None else files.load(key)
             if kept is not None:
-                return self._loaded(kept, target_context)
-        _to_be_compiled()
-        target_context.refresh()
+                return kept
         return None
 
     def _loaded(self, kept: Any, target_context: Any) -> Any:
