@@ -257,8 +257,9 @@ class _KernelCache(FunctionCache):  # type: ignore[misc]
         """Return what is kept of a function for arguments of certain types, None if nothing is."""
         key = self._index_key(sig, target_context.codegen())
         kept = self._kept(key)
-        if kept is None and self._turn.begin(self._cache_path):  # after another process, which has made it
-            kept = self._kept(key)
+        if kept is None:
+            self._turn.begin(self._cache_path)
+            kept = self._kept(key)  # another process may have made it by now
         if kept is not None:
             return self._loaded(kept, target_context)
         _to_be_compiled()

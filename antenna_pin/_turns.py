@@ -26,11 +26,10 @@ class Turn:
         self._byte = int.from_bytes(hashlib.sha256(kernel.encode()).digest()[:6], "little")
         self._file: int | None = None
 
-    def begin(self, folder: str) -> bool:
-        """Take the turn to compile the kernel into a folder; return whether another process had it."""
-        if self._file is not None:  # as of one that compiles a kernel for other arguments
-            return False
-        waited = False
+    def begin(self, folder: str) -> None:
+        """Take the turn to compile the kernel into a folder, after whoever has it."""
+        if self._file is not None:
+            return
         end = time.monotonic() + _LONGEST
         with contextlib.suppress(OSError):
             file = _file_in(folder)
@@ -39,12 +38,10 @@ class Turn:
                     _move(file, self._byte)
                     os.lockf(file, os.F_TLOCK, 1)
                 except BlockingIOError:
-                    waited = True
                     time.sleep(_LOOK)
                 else:
                     self._file = file
                     break
-        return waited
 
     def end(self) -> None:
         """Let others have it."""
