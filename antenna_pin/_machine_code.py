@@ -77,7 +77,8 @@ def kept_of(needs: set[Any], reduced: tuple[Any, ...]) -> Kept | None:
     (_, form, code), description, environment, signature, objectmode, _, _, reload_init, others = reduced
     if form != "object" or objectmode or reload_init:
         return None
-    return Kept(needs, *code, description, (environment, *others), signature)
+    machine_code, bitcode = code
+    return Kept(needs, machine_code, bitcode, description, (environment, *others), signature)
 
 
 def called(context: Any, kept: Kept) -> Any:

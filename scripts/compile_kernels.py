@@ -2,8 +2,8 @@
 """Compile the kernels once, on all cores, so that no run and no test waits for them.
 
 They are kept beside the sources. What is compiled is what these runs call: all that shipped scenarios, laws
-and elements do (``tests/test_compiled_once.py``). Of processes that come to the same kernel one makes it and the
-others wait; so each begins with runs that have little in common with those of the others.
+and elements do (``tests/test_compiled_once.py``). Of processes that come to the same kernel one makes it and
+the others wait; so each begins with runs that have little in common with those of the others.
 """
 
 from __future__ import annotations
@@ -29,6 +29,8 @@ JOBS: tuple[Job, ...] = (
     ("bai2020", "case3", (CLOSED.format("elevation"), COMPILED)),
     ("slider_crank", "planar", (CLOSED.format("pin"),)),
     ("bai2020", "case2-planar", ()),
+    ("bai2020", "case3", (CLOSED.format("elevation"), "integrator.method=radau5")),
+    ("bai2020", "case3", (CLOSED.format("elevation"), "integrator.method=radau5", COMPILED)),
 )
 DURATION = 0.02  # [s]
 

@@ -101,11 +101,11 @@ ALIASES = (
 @functools.lru_cache(maxsize=256)
 def _parts_of(law: WholeLaw) -> DampedContact:
     """Return a law as its two parts, which are asked for at every turn and do not change."""
-    elastic, dissipation = (
-        cls(**{item.name: getattr(law, item.name) for item in dataclasses.fields(cls)})  # type: ignore[arg-type]
-        for cls in (law.elastic, law.dissipation)
-    )
-    return DampedContact(elastic=elastic, dissipation=dissipation)
+
+    def part(cls: Any) -> Any:
+        return cls(**{item.name: getattr(law, item.name) for item in dataclasses.fields(cls)})
+
+    return DampedContact(elastic=part(law.elastic), dissipation=part(law.dissipation))
 
 
 class WholeLaw(CompiledNormalLaw):

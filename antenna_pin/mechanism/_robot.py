@@ -6,9 +6,9 @@ Loading yourdfpy, and trimesh with it, takes longer than all else that leads to 
 from __future__ import annotations
 
 import io
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -69,7 +69,7 @@ class Link:
 
     name: str
     inertial: Inertial | None
-    _looks: _Looks
+    _looks: _Looks = field(repr=False)
 
     @property
     def visuals(self) -> list[Any]:
@@ -92,8 +92,7 @@ class Limit:
     velocity: float | None
 
 
-@dataclass(frozen=True, slots=True)
-class Mimic:
+class Mimic(NamedTuple):
     """What a joint follows: ``joint``, times ``multiplier``, plus ``offset`` [rad or m]."""
 
     joint: str
@@ -133,7 +132,7 @@ class Robot:
     name: str
     links: tuple[Link, ...]
     joints: tuple[Joint, ...]
-    _looks: _Looks
+    _looks: _Looks = field(repr=False)
 
     @property
     def materials(self) -> list[Any]:

@@ -117,6 +117,7 @@ def quaternions(rotations: npt.ArrayLike) -> npt.NDArray[np.float64]:
     return found
 
 
+@takes()
 def quaternion(rotations: npt.ArrayLike) -> npt.NDArray[np.float64]:
     r"""Return rotation matrices as quaternions xyzw of length 1.
 
@@ -156,6 +157,7 @@ def quaternion(rotations: npt.ArrayLike) -> npt.NDArray[np.float64]:
     return found.reshape(*matrices.shape[:-2], 4)
 
 
+@takes()
 def rotation(quaternions: npt.ArrayLike) -> npt.NDArray[np.float64]:
     """Return quaternions xyzw of length 1, (..., 4), as rotation matrices (..., 3, 3) [-]."""
     x, y, z, w = np.moveaxis(np.asarray(quaternions, dtype=np.float64), -1, 0)

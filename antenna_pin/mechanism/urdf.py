@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -37,6 +37,8 @@ from antenna_pin.mechanism.frames import Vector3
 from antenna_pin.mechanism.packages import mesh_file
 
 __all__ = ["Urdf"]
+
+_Named = TypeVar("_Named", Link, Joint)
 
 
 @takes()
@@ -209,24 +211,18 @@ class Urdf:
         Fields of :class:`antenna_pin.constraints.Coupling`, in SI units. One of a fixed joint is no matter.
         """
         return {
-            joint.name: {
-                "leader": joint.mimic.joint,
-                "multiplier": joint.mimic.multiplier,
-                "offset": joint.mimic.offset,
-            }
+            joint.name: dict(zip(("leader", "multiplier", "offset"), joint.mimic, strict=True))
             for joint in self.robot.joints
             if joint.mimic is not None and joint.type != "fixed"
         }
 
     def link(self, name: str) -> Link:
         """Return a link, to be read only."""
-        found: Link = self._named("link", self.robot.links, name)
-        return found
+        return self._named("link", self.robot.links, name)
 
     def joint(self, name: str) -> Joint:
         """Return a joint, to be read only."""
-        found: Joint = self._named("joint", self.robot.joints, name)
-        return found
+        return self._named("joint", self.robot.joints, name)
 
     def axis(self, joint: str) -> Vector3:
         """Return the unit axis (3,) of a joint in its own frame [-]; URDF's x where the file says nothing."""
@@ -344,7 +340,7 @@ class Urdf:
             _edits.relocate_meshes(robot, lambda filename: _meshes.name_from(folder, start, filename))
         return _source.write(robot), copies
 
-    def _named(self, kind: str, elements: Iterable[Any], name: str) -> Any:
+    def _named(self, kind: str, elements: Iterable[_Named], name: str) -> _Named:
         for element in elements:
             if element.name == name:
                 return element
