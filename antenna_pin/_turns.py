@@ -27,9 +27,14 @@ class Turn:
         self._byte = int.from_bytes(hashlib.sha256(kernel.encode()).digest()[:4], "little")
         self._file: int | None = None
 
+    @property
+    def taken(self) -> bool:
+        """Whether this process has it."""
+        return self._file is not None
+
     def begin(self, folder: str) -> None:
         """Take the turn to compile the kernel into a folder, after whoever has it."""
-        if self._file is not None:
+        if self.taken:
             return
         end = time.monotonic() + _LONGEST
         with contextlib.suppress(OSError):

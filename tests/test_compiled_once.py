@@ -85,6 +85,16 @@ def test_no_random_mechanism_compiles_anything(compiled, monkeypatch, number):
     assert compiled == []
 
 
+@pytest.mark.parametrize("kernel", range(20))
+def test_a_turn_is_taken_whatever_the_kernel_is_called(tmp_path, kernel):
+    """No byte is too far out to be held, in a file of any system's."""
+    turn = Turn(f"antenna_pin.kernels:{kernel}")
+    turn.begin(str(tmp_path))
+    assert turn.taken
+    turn.end()
+    assert not turn.taken
+
+
 _TAKES = """\
 import sys, time
 from antenna_pin._turns import Turn
