@@ -42,8 +42,7 @@ def stamped_files() -> tuple[Path, ...]:
 def _stamp() -> str:
     """Return a digest of all kernel files and of Numba's version."""
     digest = hashlib.sha256(f"{numba.__version__} {FORMAT}".encode())
-    digest.update(Path(__file__).read_bytes())
-    for path in stamped_files():
+    for path in (Path(__file__), *stamped_files()):
         digest.update(path.read_bytes())
     return digest.hexdigest()
 
@@ -61,7 +60,7 @@ def kernel(function: _Function) -> _Function:
 
 
 def released(function: _Function) -> _Function:
-    """Compile as a kernel a function that lets other threads of Python run while it does."""
+    """Compile as a kernel a function that lets other threads run while it does."""
     return _compiled(function, forceinline=False, nogil=True)
 
 
@@ -80,8 +79,26 @@ def composed(function: _Function) -> _Function:
 
 def _compiled(function: _Function, **options: bool) -> _Function:
     compiled = _njit(function, **options)
+    _take_constants_as_numbers(compiled)
     keep(compiled, _stamp())
     return compiled  # type: ignore[no-any-return]
+
+
+def _take_constants_as_numbers(compiled: Any) -> None:
+    """Let a function that a kernel calls with a plain constant be the one that is called with a number.
+
+    Numba makes of a constant a type of its own: the function, and all that it calls, would be compiled once
+    more for each.
+    """
+    if getattr(compiled, "py_func", None) is None:  # NUMBA_DISABLE_JIT=1
+        return
+    template = compiled.get_call_template
+
+    def of_numbers(arguments: Any, named: Any) -> Any:
+        plain = {name: numba.types.unliteral(one) for name, one in named.items()}
+        return template(tuple(map(numba.types.unliteral, arguments)), plain)
+
+    compiled.get_call_template = of_numbers
 
 
 def _njit(function: Callable[..., Any], **options: bool) -> Any:

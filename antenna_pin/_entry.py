@@ -4,7 +4,6 @@ Python would print a traceback from wherever an import has come. Only the comman
 """
 
 import signal
-import sys
 
 __all__ = ["main"]
 
@@ -15,8 +14,9 @@ if _asked:
 
 def main() -> None:
     """Run the command line."""
-    # xarray and pint load Dask where it is installed, for a second; nothing here uses it. As if it were not.
-    sys.modules.setdefault("dask", None)  # type: ignore[arg-type]
+    from antenna_pin._lazy import go_without
+
+    go_without("dask", "pint")  # which xarray loads, for a second, to see whether it is given their arrays
     from antenna_pin.cli import main as run
 
     if _asked:

@@ -25,7 +25,9 @@ from typing import Any
 
 from llvmlite.binding import add_symbol
 
+from antenna_pin._machine_code import called, kept_of
 from antenna_pin._ownership import open_to, stranger_of
+from antenna_pin._turns import Turn
 
 try:
     from numba.core.base import OverloadSelector
@@ -36,7 +38,7 @@ except ImportError:  # none of it is promised by Numba
 
 __all__ = ["FORMAT", "KernelCacheWarning", "keep", "stand_alone", "told_of_compiling"]
 
-FORMAT = 2  # of what is kept
+FORMAT = 3  # of what is kept
 
 _DIGEST = hashlib.sha256().digest_size
 
@@ -54,12 +56,36 @@ def keep(dispatcher: Any, stamp: str) -> None:
     function = getattr(dispatcher, "py_func", None)
     if function is None:  # NUMBA_DISABLE_JIT=1
         return
-    try:
-        dispatcher._cache = _KernelCache(function, stamp)
-    except RuntimeError:
-        dispatcher._cache = _NoCache("neither the sources' folder nor the user's cache can be written")
-    except (OSError, AttributeError, TypeError) as error:
-        dispatcher._cache = _NoCache(str(error))
+    cache = dispatcher._cache = _Later(function, stamp)
+    compile_or_load = dispatcher.compile
+
+    def compiled(signature: Any) -> Any:
+        try:
+            return compile_or_load(signature)
+        finally:
+            cache.turn.end()
+
+    dispatcher.compile = compiled
+
+
+class _Later:
+    """What is kept of a function, looked for when it is first called: of many a process calls none."""
+
+    def __init__(self, function: Any, stamp: str) -> None:
+        self._given = function, stamp
+        self.turn = Turn(f"{function.__module__}:{function.__qualname__}")
+
+    @functools.cached_property
+    def _found(self) -> Any:
+        try:
+            return _KernelCache(*self._given, self.turn)
+        except RuntimeError:
+            return _NoCache("neither the sources' folder nor the user's cache can be written")
+        except (OSError, AttributeError, TypeError) as error:
+            return _NoCache(str(error))
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._found, name)
 
 
 _listeners: list[Callable[[], None]] = []
@@ -114,9 +140,9 @@ def _publish(name: str, context: Any, result: Any) -> None:
     arguments = tuple(result.signature.args)
     symbol = f"{name}:{hashlib.sha256(str(arguments).encode()).hexdigest()}"
     add_symbol(symbol, result.library.get_pointer_to_function(result.fndesc.llvm_func_name))
-    called = copy.copy(result.fndesc)
-    called.mangled_name = symbol
-    call = user_function(called, ())
+    alias = copy.copy(result.fndesc)
+    alias.mangled_name = symbol
+    call = user_function(alias, ())
 
     def noted(context: Any, *rest: Any, **more: Any) -> Any:
         _needs_of(context.active_code_library).add((name, arguments))
@@ -217,8 +243,9 @@ class _SealedFiles(IndexDataCacheFile):  # type: ignore[misc]
 class _KernelCache(FunctionCache):  # type: ignore[misc]
     """What is kept of one function."""
 
-    def __init__(self, function: Any, stamp: str) -> None:
+    def __init__(self, function: Any, stamp: str, turn: Turn) -> None:
         super().__init__(function)
+        self._turn = turn
         base, source = self._impl.filename_base, function.__code__.co_filename
         owner = os.stat(source).st_uid  # who is trusted with the sources is with what they are compiled to
         self._cache_file = _SealedFiles(self._cache_path, base, stamp, owner)
@@ -226,29 +253,41 @@ class _KernelCache(FunctionCache):  # type: ignore[misc]
         beside = InTreeCacheLocator(function, source).get_cache_path()
         self._beside = None if beside == self._cache_path else _SealedFiles(beside, base, stamp, owner)
 
-    def _load_overload(self, sig: Any, target_context: Any) -> Any:
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """Return what is kept of a function for arguments of certain types, None if nothing is."""
         key = self._index_key(sig, target_context.codegen())
-        for files in (self._cache_file, self._beside):
-            data = None if files is None else files.load(key)
-            if data is not None:
-                needs, code = data
-                for name, arguments in needs:
-                    importlib.import_module(name.partition(":")[0])
-                    _ALONE[name].compile(arguments)
-                result = self._impl.rebuild(target_context, code)
-                _needs_of(result.library).update(needs)
-                return result
+        kept = self._kept(key)
+        if kept is None:
+            self._turn.begin(self._cache_path)
+            kept = self._kept(key)  # another process may have made it by now
+        if kept is not None:
+            return self._loaded(kept, target_context)
         _to_be_compiled()
+        target_context.refresh()
         return None
+
+    def _kept(self, key: Any) -> Any:
+        for files in (self._cache_file, self._beside):
+            kept = None if files is None else files.load(key)
+            if kept is not None:
+                return kept
+        return None
+
+    def _loaded(self, kept: Any, target_context: Any) -> Any:
+        for name, arguments in kept.needs:
+            importlib.import_module(name.partition(":")[0])
+            _ALONE[name].compile(arguments)
+        result = called(target_context, kept)
+        _needs_of(result.library).update(kept.needs)
+        return result
 
     def save_overload(self, sig: Any, data: Any) -> None:
         try:
             if self._impl.check_cachable(data):
                 self._impl.locator.ensure_cache_path()
-                if not self._cache_file.closed:
-                    return
-                key = self._index_key(sig, data.codegen)
-                self._cache_file.save(key, (_all_needs(data.library), self._impl.reduce(data)))
+                kept = kept_of(_all_needs(data.library), self._impl.reduce(data))
+                if self._cache_file.closed and kept is not None:
+                    self._cache_file.save(self._index_key(sig, data.codegen), kept)
         except OSError as error:  # full, or no longer to be written
             _tell(f"{self._cache_path}: {error.strerror or error}")
 

@@ -8,7 +8,7 @@ import types
 from collections.abc import Mapping
 from typing import Any
 
-__all__ = ["loaded_when_used"]
+__all__ = ["go_without", "loaded_when_used", "take_back"]
 
 
 class _Package(types.ModuleType):
@@ -47,3 +47,15 @@ def loaded_when_used(package: str, names: Mapping[str, str]) -> None:
     homes = {name: home for home, held in names.items() for name in held.split()}
     module.__dict__["homes_of_names"] = homes
     module.__class__ = _Package
+
+
+def go_without(*packages: str) -> None:
+    """Let packages that nobody has loaded seem not to be installed, until somebody takes them back."""
+    for package in packages:
+        sys.modules.setdefault(package, None)  # type: ignore[arg-type]
+
+
+def take_back(package: str) -> None:
+    """Let a package be loaded by whoever imports it from here on."""
+    if sys.modules.get(package, sys) is None:
+        del sys.modules[package]

@@ -151,6 +151,8 @@ def fits(value: Any, hint: Any) -> bool:
     NumPy's numbers are numbers, arrays are sequences of what they hold; true and false are no numbers, and
     text is no sequence.
     """
+    if type(value) is hint and hint is not np.ndarray:  # nearly all
+        return True
     if hint is Any or isinstance(hint, TypeVar | str):
         return True
     if hint is None or hint is type(None):

@@ -11,12 +11,13 @@ import decimal
 import math
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
 from numbers import Real
 from typing import Any
 
+from antenna_pin._lazy import take_back
+from antenna_pin.common_units import LARGEST_POWER, Unit, common_unit
 from antenna_pin.errors import ScenarioError
 from antenna_pin.numerals import DECIMAL
 
@@ -57,7 +58,6 @@ _LONGEST_INTEGER = 8192  # bits; Python refuses to print much longer ones
 # An exponent is one number, or a fraction; a power of a power could grow for ever.
 _EXPONENT = r"[+-]?(?:[0-9]{1,2}\.[0-9]*|[0-9]{1,2}(?:/[1-9][0-9]?)?)"
 _POWER = re.compile(rf"\s*(?:\*\*|\^)\s*(?:({_EXPONENT})|\(({_EXPONENT})\))(?!\s*(?:\*\*|\^|[\w.]))")
-_LARGEST_POWER = 100.0
 # Nor is a unit a number, but for the 1 of "1/s".
 _BARE_NUMBER = re.compile(r"(?<![\w.])(?!1(?![\w.]))[0-9.]")
 
@@ -170,24 +170,6 @@ class _Refused(Exception):  # noqa: N818 - never leaves this module
     """Why a value is not a quantity, as it reads after the value."""
 
 
-@dataclass(frozen=True, slots=True)
-class _Unit:
-    """A unit as SI sees it: its factor, dimension, exponent of the radian, and whether it counts cycles."""
-
-    factor: float
-    dimension: frozenset[tuple[str, float]]
-    radian: float
-    cycles: bool
-
-    def fits(self, wanted: _Unit) -> bool:
-        """Whether a quantity in this unit is one in the wanted SI unit."""
-        if self.dimension != wanted.dimension:
-            return False
-        if wanted.radian != 0.0:  # 1/s will do for rad/s, Hz will not: it is short of 2 pi
-            return self.radian in (0.0, wanted.radian) and not self.cycles
-        return self.radian == 0.0
-
-
 def _quantity(value: object, units: tuple[str, ...]) -> float:
     if isinstance(value, bool) or not isinstance(value, Real | str):
         raise _Refused("")
@@ -242,7 +224,7 @@ def _describe(unit: str) -> str:
     return f"a stiffness [{unit}]" if unit.startswith("N/m**") else f"a quantity [{unit}]"
 
 
-def _name_of(name: str, seen: _Unit) -> str:
+def _name_of(name: str, seen: Unit) -> str:
     for unit, kind in _KINDS.items():
         known = _known_unit(unit)
         if (known.dimension, known.radian) == (seen.dimension, seen.radian):
@@ -250,7 +232,7 @@ def _name_of(name: str, seen: _Unit) -> str:
     return f"{_registry().get_base_units(_normalised(name))[1]:~C}"
 
 
-def _known_unit(name: str) -> _Unit:
+def _known_unit(name: str) -> Unit:
     unit = _parse_unit("" if name in _PURE else name)
     if unit is None:
         raise ValueError(f"{name!r} is not a unit")
@@ -261,66 +243,18 @@ def _normalised(name: str) -> str:
     return name.replace("·", "*")
 
 
-# Units of nearly all scenarios, as pint has them: factor; exponents of length, mass, time, radian. A test
-# compares. Without the others pint is not loaded.
-_COMMON = {
-    "": (1.0, 0, 0, 0, 0),
-    "1": (1.0, 0, 0, 0, 0),
-    "%": (0.01, 0, 0, 0, 0),
-    "rad": (1.0, 0, 0, 0, 1),
-    "deg": (math.pi / 180.0, 0, 0, 0, 1),
-    "m": (1.0, 1, 0, 0, 0),
-    "mm": (1e-3, 1, 0, 0, 0),
-    "um": (1e-6, 1, 0, 0, 0),
-    "m**2": (1.0, 2, 0, 0, 0),
-    "m**3": (1.0, 3, 0, 0, 0),
-    "s": (1.0, 0, 0, 1, 0),
-    "ms": (1e-3, 0, 0, 1, 0),
-    "us": (1e-6, 0, 0, 1, 0),
-    "kg": (1.0, 0, 1, 0, 0),
-    "m/s": (1.0, 1, 0, -1, 0),
-    "mm/s": (1e-3, 1, 0, -1, 0),
-    "m/s**2": (1.0, 1, 0, -2, 0),
-    "rad/s": (1.0, 0, 0, -1, 1),
-    "rpm": (math.pi / 30.0, 0, 0, -1, 1),
-    "rad/s**2": (1.0, 0, 0, -2, 1),
-    "N": (1.0, 1, 1, -2, 0),
-    "N*m": (1.0, 2, 1, -2, 0),
-    "N*m/rad": (1.0, 2, 1, -2, -1),
-    "N*m*s/rad": (1.0, 2, 1, -1, -1),
-    "N/m": (1.0, 0, 1, -2, 0),
-    "N*s/m": (1.0, 0, 1, -1, 0),
-    "W": (1.0, 2, 1, -3, 0),
-    "Pa": (1.0, -1, 1, -2, 0),
-    "GPa": (1e9, -1, 1, -2, 0),
-    "kg/m**3": (1.0, -3, 1, 0, 0),
-    "kg*m**2": (1.0, 2, 1, 0, 0),
-}
-_CYCLES = {"Hz": 1.0, "kHz": 1e3}
-
-
-def _common(name: str) -> _Unit | None:
-    if name in _CYCLES:
-        return _Unit(_CYCLES[name], frozenset({("[time]", -1.0)}), 0.0, True)
-    if name not in _COMMON:
-        return None
-    factor, *powers, radian = _COMMON[name]
-    named = zip(("[length]", "[mass]", "[time]"), map(float, powers), strict=True)
-    return _Unit(factor, frozenset((base, power) for base, power in named if power), float(radian), False)
-
-
 @lru_cache(maxsize=1024)
-def _parse_unit(name: str) -> _Unit | None:
+def _parse_unit(name: str) -> Unit | None:
     """Return a unit by name, or None for one that is unknown or not a plain multiple (dB, degC)."""
-    return _common(name) or _parsed(name)
+    return common_unit(name) or _parsed(name)
 
 
-def _parsed(name: str) -> _Unit | None:
+def _parsed(name: str) -> Unit | None:
     base = _POWER.sub("", name)
     if not _UNIT_CHARACTERS.fullmatch(name) or "**" in base or "^" in base or _BARE_NUMBER.search(base):
         return None
     sizes = (max(1.0, float(abs(Fraction(a or b)))) for a, b in _POWER.findall(name))
-    if math.prod(sizes) > _LARGEST_POWER:
+    if math.prod(sizes) > LARGEST_POWER:
         return None
     registry = _registry()
     try:
@@ -331,7 +265,7 @@ def _parsed(name: str) -> _Unit | None:
         return None
     if origin != 0.0 or not 0.0 < one < math.inf:
         return None
-    return _Unit(
+    return Unit(
         factor=float(one),
         dimension=frozenset((base, round(float(n), 12)) for base, n in root.dimensionality.items()),
         radian=powers.get("radian", 0.0),
@@ -341,7 +275,7 @@ def _parsed(name: str) -> _Unit | None:
 
 @lru_cache(maxsize=1)
 def _registry() -> Any:
-    # Imported on first use: it takes a quarter of a second, and listing scenarios needs no units.
+    take_back("pint")  # the command goes without it
     import pint
 
     return pint.UnitRegistry()

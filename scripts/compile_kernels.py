@@ -1,34 +1,107 @@
 #!/usr/bin/env python3
-"""Compile the kernels once, before several processes need them: Numba keeps them beside the sources.
+"""Compile the kernels once, on all cores, so that no run and no test waits for them.
 
-Whoever comes first compiles, so two processes that start together compile the same twice. What is compiled is
-what these runs call, which is nearly all that the tests call; what is kept from an earlier time is read.
+They are kept beside the sources. What is compiled is what these runs call: all that shipped scenarios, laws
+and elements do (``tests/test_compiled_once.py``). Of processes that come to the same kernel one makes it and
+the others wait; so each begins with runs that have little in common with those of the others.
 """
 
 from __future__ import annotations
 
+import argparse
+import multiprocessing
+import os
+import sys
 import time
+import warnings
+from collections.abc import Callable
+from multiprocessing.sharedctypes import Synchronized
+from typing import Any
 
-from antenna_pin import build_system, load_scenario, simulate
-from antenna_pin.mechanism import TreeDynamics
-
-#: Case, overrides: closed form, coal (its Python path), the compiled engine, all that a closed loop needs.
-RUNS = (
-    ("bai2020", "case3", ("clearance.elevation.geometry=closed-form",)),
+#: Of each process: model, case and overrides of one run after the other.
+Job = tuple[str, str, tuple[str, ...]]
+CLOSED = "clearance.{}.geometry=closed-form"
+COMPILED = "integrator.engine=compiled"
+JOBS: tuple[Job, ...] = (
+    ("bai2020", "case3", (CLOSED.format("elevation"),)),
+    ("chen2021", "ideal", (COMPILED,)),
     ("bai2020", "case3", ()),
-    ("bai2020", "case3", ("clearance.elevation.geometry=closed-form", "integrator.engine=compiled")),
-    ("slider_crank", "planar", ("clearance.pin.geometry=closed-form",)),
+    ("bai2020", "case3", (CLOSED.format("elevation"), COMPILED)),
+    ("slider_crank", "planar", (CLOSED.format("pin"),)),
+    ("bai2020", "case2-planar", ()),
+    ("bai2020", "case3", (CLOSED.format("elevation"), "integrator.method=radau5")),
+    ("bai2020", "case3", (CLOSED.format("elevation"), "integrator.method=radau5", COMPILED)),
 )
+DURATION = 0.02  # [s]
+
+_made: Any = None  # how many kernels the processes have compiled
+
+
+def begin(made: Synchronized[int]) -> None:
+    """Count what a process compiles."""
+    global _made
+    _made = made
+    warnings.simplefilter("ignore")  # of runs that are this short
+
+
+def make(job: Job) -> None:
+    """Make the run of a job, and what it does not need yet."""
+    from antenna_pin import build_system, load_scenario, simulate
+    from antenna_pin._kernel_cache import told_of_compiling
+    from antenna_pin.mechanism import TreeDynamics
+
+    def counted() -> None:
+        with _made.get_lock():
+            _made.value += 1
+
+    model, case, changes = job
+    with told_of_compiling(counted):
+        scenario = load_scenario(model, case=case, overrides=list(changes))
+        simulate(scenario, duration=min(DURATION, scenario.duration))
+        TreeDynamics(build_system(scenario).mechanism)
+
+
+def show(text: str, last: bool = False) -> None:
+    """Show a line in place of the one before, where there is somebody to see it."""
+    if sys.stderr.isatty():
+        print(f"\r\x1b[2K{text}", end="\n" if last else "", file=sys.stderr, flush=True)
+    elif last:
+        print(text, file=sys.stderr, flush=True)
+
+
+def bar(share: float) -> str:
+    """Return a bar, 30 letters long."""
+    full = round(30 * share)
+    return "[" + "#" * full + "." * (30 - full) + "]"
+
+
+def wait(running: list[Any], said: Callable[[int], str]) -> None:
+    """Show how far processes are until all are done; raises what one of them raised."""
+    while not all(one.ready() for one in running):
+        done = sum(one.ready() for one in running)
+        show(said(done))
+        time.sleep(0.2)
+    for one in running:
+        one.get()
 
 
 def main() -> None:
-    """Make the runs, and what they do not need yet."""
+    """Make all runs, on as many processes as there are cores."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--processes", type=int, default=os.cpu_count() or 1)
+    processes = parser.parse_args().processes
     began = time.perf_counter()
-    for model, case, changes in RUNS:
-        scenario = load_scenario(model, case=case, overrides=list(changes))
-        simulate(scenario, duration=min(0.02, scenario.duration))
-        TreeDynamics(build_system(scenario).mechanism)
-        print(f"{time.perf_counter() - began:5.1f} s  {model} {case} {' '.join(changes)}", flush=True)
+    context = multiprocessing.get_context("spawn")
+    made: Any = context.Value("i", 0)
+
+    def said(done: int) -> str:
+        wall = time.perf_counter() - began
+        return f"kernels {bar(done / len(JOBS))} {made.value} compiled, {wall:.0f} s"
+
+    with context.Pool(min(processes, len(JOBS)), begin, (made,)) as pool:
+        running = [pool.apply_async(make, (job,)) for job in JOBS]
+        wait(running, said)
+    show(said(len(JOBS)), last=True)
 
 
 if __name__ == "__main__":

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from antenna_pin import units
+from antenna_pin import common_units, units
 from antenna_pin.errors import ScenarioError
 from antenna_pin.units import QuantityError, describe_unit, matching_unit, quantity, shown
 
@@ -202,6 +202,27 @@ def test_pint_is_imported_on_first_use_only():
     subprocess.run([sys.executable, "-c", code], check=True)
 
 
-@pytest.mark.parametrize("name", [*units._COMMON, *units._CYCLES])
+@pytest.mark.parametrize(
+    "name",
+    [
+        *common_units._COHERENT,
+        *common_units._SCALED,
+        *common_units._CYCLES,
+        *units._KINDS,
+        "",
+        "N/m**1.5",
+        "N*s/m**2.11",
+        "kg*m/s**2/rad",
+        "1/s",
+        "rad**2*m**-3",
+        "Pa*m**2*s**0.5",
+    ],
+)
 def test_units_that_are_known_without_pint_are_those_of_pint(name):
-    assert units._common(name) == units._parsed(name)
+    assert common_units.common_unit(name) == units._parsed(name)
+
+
+@pytest.mark.parametrize("name", ["Nm", "m/", "mm**2", "m**101", "m**-10*s**11", "m m", "s*", "2", "m**"])
+def test_of_other_units_pint_is_asked(name):
+    """And whatever is none is refused there, with all that makes a unit too large."""
+    assert common_units.common_unit(name) is None

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
         unexplained_changes,
     )
     from antenna_pin.analysis.chaos_test import Chaos, ChaosTest, chaos_test
+    from antenna_pin.analysis.closure_words import said_of_constraints, said_of_coupling, said_of_singular
     from antenna_pin.analysis.closures import (
         closure_loads,
         closures_of,
@@ -27,9 +28,6 @@ if TYPE_CHECKING:
         drive_power,
         drives_of,
         effort_unit,
-        said_of_constraints,
-        said_of_coupling,
-        said_of_singular,
     )
     from antenna_pin.analysis.deviation import (
         Deviation,
@@ -224,7 +222,8 @@ loaded_when_used(
         "branch": "StabilitySpan said_of_multiplier stability_spans unexplained_changes",
         "chaos_test": "Chaos ChaosTest chaos_test",
         "closures": "closure_loads closures_of coupling_loads couplings_of drive_loads drive_power drives_of"
-        " effort_unit said_of_constraints said_of_coupling said_of_singular",
+        " effort_unit",
+        "closure_words": "said_of_constraints said_of_coupling said_of_singular",
         "diagrams": "Verdict diagram_verdicts said_of_verdicts",
         "deviation": "Deviation DeviationMeasures deviation deviation_measures deviation_over_time",
         "elastic": "SPIN_WITHIN elastic_motion elastic_parts_of modal_energy said_of_spin",

@@ -6,13 +6,12 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from antenna_pin.assemble.initial import given
 from antenna_pin.assemble.places import check_known, where
 from antenna_pin.constraints import CLOSURES, OPPOSITE, Anchor, Closure
 from antenna_pin.errors import ScenarioError
-from antenna_pin.mechanism import WORLD, Mechanism, link_poses
+from antenna_pin.mechanism import WORLD, Mechanism, link_poses, rotation
 from antenna_pin.scenario import AnchorSpec, PlaceSpec, Scenario
 
 __all__ = ["axes_turned", "closures_of", "link_of"]
@@ -70,12 +69,12 @@ def _opposite(scenario: Scenario, mechanism: Mechanism, closures: dict[str, Clos
     links = [side.link for one in lines.values() for side in (one.first, one.second) if side.link != WORLD]
     names = list(dict.fromkeys(links))
     _, attitudes = link_poses(mechanism, given(scenario, mechanism)[0][np.newaxis], names)
-    turns = {
-        name: Rotation.from_quat(attitude) for name, attitude in zip(names, attitudes[0], strict=True)
-    } | {WORLD: Rotation.identity()}
+    turns = {name: rotation(attitude) for name, attitude in zip(names, attitudes[0], strict=True)} | {
+        WORLD: np.eye(3)
+    }
 
     def axis(side: Anchor) -> np.ndarray:
-        return np.asarray(turns[side.link].apply(side.rotation[:, 2]))
+        return np.asarray(turns[side.link] @ side.rotation[:, 2])
 
     return [
         name for name, one in lines.items() if float(axis(one.first) @ axis(one.second)) < np.cos(OPPOSITE)

@@ -7,6 +7,7 @@ its parameters are theirs. The docstring of the dissipation has the formula, whe
 from __future__ import annotations
 
 import dataclasses
+import functools
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
@@ -97,6 +98,16 @@ ALIASES = (
 )
 
 
+@functools.lru_cache(maxsize=256)
+def _parts_of(law: WholeLaw) -> DampedContact:
+    """Return a law as its two parts, which are asked for at every turn and do not change."""
+
+    def part(cls: Any) -> Any:
+        return cls(**{item.name: getattr(law, item.name) for item in dataclasses.fields(cls)})
+
+    return DampedContact(elastic=part(law.elastic), dissipation=part(law.dissipation))
+
+
 class WholeLaw(CompiledNormalLaw):
     """Base: an elastic law with the dissipation that the class names, and the parameters of both."""
 
@@ -113,10 +124,7 @@ class WholeLaw(CompiledNormalLaw):
     @property
     def parts(self) -> DampedContact:
         """The law as its two parts."""
-        return DampedContact(elastic=self._part(self.elastic), dissipation=self._part(self.dissipation))
-
-    def _part(self, cls: Any) -> Any:
-        return cls(**{item.name: getattr(self, item.name) for item in dataclasses.fields(cls)})
+        return _parts_of(self)
 
     def code(self) -> NDArray[np.float64]:
         """Return the law as flat numbers, shape (16,)."""

@@ -267,9 +267,10 @@ def check_motions(system: System, y: Array, begin: float, end: float) -> None:
 
 def _check_limits(system: System, name: str, motion: Motion, begin: float, end: float) -> None:
     limit = system.mechanism.urdf.joint(motion.joint).limit
-    if limit is None or limit.lower is None or system.mechanism.joint(motion.joint).kind == "continuous":
+    kind = system.mechanism.joint(motion.joint).kind
+    if limit is None or limit.lower is None or limit.upper is None or kind == "continuous":
         return
-    unit = "m" if system.mechanism.joint(motion.joint).kind == "prismatic" else "rad"
+    unit = "m" if kind == "prismatic" else "rad"
     profile = motion.profile()
     for t in np.linspace(begin, end, _LOOKS):
         position = profile(float(t))[0]

@@ -8,7 +8,13 @@ from antenna_pin.changes import JOINT_VARIANTS, JointChange, JointVariant, LinkC
 if TYPE_CHECKING:
     from antenna_pin.mechanism._size import check_size
     from antenna_pin.mechanism.dynamics import ROOM, TreeDynamics
-    from antenna_pin.mechanism.frames import frame_aligning_z, quaternions, roll_pitch_yaw
+    from antenna_pin.mechanism.frames import (
+        frame_aligning_z,
+        quaternion,
+        quaternions,
+        roll_pitch_yaw,
+        rotation,
+    )
     from antenna_pin.mechanism.kinematics import link_motion, link_poses, link_twists
     from antenna_pin.mechanism.loads import transmitted_wrenches
     from antenna_pin.mechanism.model import WORLD, Base, JointKind, JointSlot, Mechanism, build_mechanism
@@ -42,8 +48,10 @@ __all__ = [
     "link_motion",
     "link_poses",
     "link_twists",
+    "quaternion",
     "quaternions",
     "roll_pitch_yaw",
+    "rotation",
     "transmitted_wrenches",
 ]
 
@@ -52,7 +60,7 @@ loaded_when_used(
     {
         "_size": "check_size",
         "dynamics": "ROOM TreeDynamics",
-        "frames": "frame_aligning_z quaternions roll_pitch_yaw",
+        "frames": "frame_aligning_z quaternion quaternions roll_pitch_yaw rotation",
         "kinematics": "link_motion link_poses link_twists",
         "loads": "transmitted_wrenches",
         "model": "WORLD Base JointKind JointSlot Mechanism build_mechanism",

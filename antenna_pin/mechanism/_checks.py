@@ -3,21 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from typing import Any
 
 from antenna_pin.errors import MechanismError, UnknownNameError
 from antenna_pin.mechanism import _inertia
+from antenna_pin.mechanism._robot import Robot
 
 
 def check(
-    robot: Any, where: str, allow_impossible_inertia: Collection[str], rounding: Mapping[str, float]
+    robot: Robot, where: str, allow_impossible_inertia: Collection[str], rounding: Mapping[str, float]
 ) -> None:
     """Refuse what is not a mechanism.
 
     The inertia of the root's body is not judged here: it acts on a free base only.
 
     Args:
-        robot: What yourdfpy read, a ``yourdfpy.Robot``.
+        robot: Its links and joints.
         where: Name of the file, for messages.
         allow_impossible_inertia: Links whose body's inertia may break the triangle rule.
         rounding: By link, how much of that rule may be broken by rounding [kg m^2].
@@ -34,13 +34,13 @@ def check(
             _inertia.check_inertia(group, where, allow_impossible_inertia, rounding)
 
 
-def root_link(robot: Any) -> str:
+def root_link(robot: Robot) -> str:
     """Return the name of the link that is nobody's child."""
     children = {joint.child for joint in robot.joints}
     return next(str(link.name) for link in robot.links if link.name not in children)
 
 
-def _check_tree(robot: Any, where: str) -> None:
+def _check_tree(robot: Robot, where: str) -> None:
     links = [link.name for link in robot.links]
     mover: dict[str, str] = {}
     for joint in robot.joints:
@@ -69,7 +69,7 @@ def _check_tree(robot: Any, where: str) -> None:
         )
 
 
-def _check_mimics(robot: Any, where: str) -> None:
+def _check_mimics(robot: Robot, where: str) -> None:
     joints = [joint.name for joint in robot.joints]
     for joint in robot.joints:
         if joint.mimic is not None and joint.mimic.joint not in joints:

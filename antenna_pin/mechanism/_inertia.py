@@ -10,12 +10,12 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.errors import MechanismError
+from antenna_pin.mechanism._robot import Joint, Link, Robot
 
 Array = NDArray[np.float64]
 
@@ -35,11 +35,11 @@ class RigidGroup:
     """Links that fixed joints make one body.
 
     Attributes:
-        links: As yourdfpy's objects; first the root, or the one that a moving joint moves.
+        links: The first is the root, or the one that a moving joint moves.
         placements: (4, 4) of each link's frame in the first one's.
     """
 
-    links: tuple[Any, ...]
+    links: tuple[Link, ...]
     placements: tuple[Array, ...]
 
     @property
@@ -64,10 +64,10 @@ class RigidGroup:
         masses, centres, inertias = [], [], []
         for link, placement in zip(self.links, self.placements, strict=True):
             if (own := link.inertial) is not None:
-                at = placement @ (np.eye(4) if own.origin is None else np.asarray(own.origin, dtype=float))
-                masses.append(float(own.mass))
+                at = placement @ (np.eye(4) if own.origin is None else own.origin)
+                masses.append(own.mass)
                 centres.append(at[:3, 3])
-                inertias.append(at[:3, :3] @ np.asarray(own.inertia, dtype=float) @ at[:3, :3].T)
+                inertias.append(at[:3, :3] @ own.inertia @ at[:3, :3].T)
         mass, centre, inertia = sum(masses), np.zeros(3), np.zeros((3, 3))
         if mass > 0.0:
             centre = sum((m * c for m, c in zip(masses, centres, strict=True)), centre) / mass
@@ -77,13 +77,13 @@ class RigidGroup:
         return mass, centre, inertia
 
 
-def rigid_groups(robot: Any) -> dict[str, RigidGroup]:
+def rigid_groups(robot: Robot) -> dict[str, RigidGroup]:
     """Return the links that fixed joints make one body, by the first link of each.
 
     The first link is the root or one that a moving joint moves; from it outwards, in the file's order.
     """
     links = {link.name: link for link in robot.links}
-    fixed: dict[str, list[Any]] = {}
+    fixed: dict[str, list[Joint]] = {}
     for joint in robot.joints:
         if joint.type == "fixed":
             fixed.setdefault(joint.parent, []).append(joint)
@@ -94,7 +94,7 @@ def rigid_groups(robot: Any) -> dict[str, RigidGroup]:
         placed = [(first, np.eye(4))]
         for name, placement in placed:  # grows while it is walked: breadth first
             for joint in fixed.get(name, ()):
-                own = np.eye(4) if joint.origin is None else np.asarray(joint.origin, dtype=float)
+                own = np.eye(4) if joint.origin is None else joint.origin
                 placed.append((joint.child, placement @ own))
         groups[first] = RigidGroup(
             tuple(links[name] for name, _ in placed), tuple(placement for _, placement in placed)
@@ -102,7 +102,7 @@ def rigid_groups(robot: Any) -> dict[str, RigidGroup]:
     return groups
 
 
-def check_masses(robot: Any, where: str) -> None:
+def check_masses(robot: Robot, where: str) -> None:
     """Refuse negative masses, of each link: a wrong sign and a hole look alike."""
     for link in robot.links:
         if link.inertial is not None and not link.inertial.mass >= 0.0:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -10,6 +9,7 @@ from typing import Any, NamedTuple
 from antenna_pin.errors import MechanismError
 from antenna_pin.files import decoded
 from antenna_pin.mechanism import _checks, _plain, _source, _vary, _xml
+from antenna_pin.mechanism._robot import Robot, robot_of
 
 __all__ = ["Reading", "checked", "judged", "text_of", "written"]
 
@@ -17,7 +17,7 @@ __all__ = ["Reading", "checked", "judged", "text_of", "written"]
 class Reading(NamedTuple):
     """A text as the readers behind see it."""
 
-    robot: Any  # yourdfpy.Robot
+    robot: Robot
     simulated: str  # for Pinocchio's parser
     findings: _plain.Findings
 
@@ -44,15 +44,9 @@ def written(text: str, where: str) -> str:
 
 @lru_cache(maxsize=64)  # every run of a study reads the same text again, some more than once
 def checked(text: str, where: str, allow_impossible_inertia: tuple[str, ...]) -> Reading:
-    """Return a checked URDF as yourdfpy's objects, which nobody changes, and as Pinocchio reads it."""
+    """Return a checked URDF in numbers, which nobody changes, and as Pinocchio reads it."""
     clean, findings = judged(_xml.read(text, where), where)
-    import yourdfpy  # which takes half a second, with all that it loads
-
-    try:
-        plain = io.BytesIO(_source.write(clean).encode())
-        robot = yourdfpy.URDF.load(plain, build_scene_graph=False, load_meshes=False).robot
-    except Exception as error:  # yourdfpy lets through whatever its converters raise
-        raise MechanismError(f"{where}: yourdfpy cannot read this URDF: {error}") from error
+    robot = robot_of(clean, _source.write(clean), where)
     _checks.check(robot, where, allow_impossible_inertia, findings.rounding)
     return Reading(robot, _plain.for_pinocchio(clean), findings)
 

@@ -12,6 +12,7 @@ from antenna_pin.directions import unit
 from antenna_pin.errors import UnknownNameError
 from antenna_pin.mechanism import _edits, _xml
 from antenna_pin.mechanism._plain import WITH_AXIS
+from antenna_pin.mechanism.frames import of_roll_pitch_yaw
 
 __all__ = ["edited", "turn_planes"]
 
@@ -53,7 +54,7 @@ def edited(
             # Axis and friction are those of a bearing from here on, and the joint has none to be judged by.
             axis = unit(_xml.axis_of(joint, where))
             _xml.check_dynamics(joint, where)
-            turn = _turned(_xml.check_origin(joint, where))
+            turn = of_roll_pitch_yaw(*_xml.check_origin(joint, where))
         _edits.vary_joint(robot, name, kind, axis, turn, where)
     return robot
 
@@ -71,14 +72,8 @@ def turn_planes(robot: Any, where: str) -> None:
         if joint.get("type") == "planar":
             axis = unit(_xml.axis_of(joint, where))
             if np.any(axis[:2] != 0.0) or axis[2] < 0.0:
-                _edits.make_planar(robot, joint, axis, _turned(_xml.check_origin(joint, where)), where)
-
-
-def _turned(angles: tuple[float, ...]) -> Any:
-    """Return the rotation of URDF's roll, pitch and yaw, as yourdfpy computes it."""
-    from trimesh.transformations import euler_matrix
-
-    return euler_matrix(*angles)[:3, :3]  # type: ignore[no-untyped-call]
+                turn = of_roll_pitch_yaw(*_xml.check_origin(joint, where))
+                _edits.make_planar(robot, joint, axis, turn, where)
 
 
 def _check_known(robot: Any, where: str, kind: str, name: str) -> None:

@@ -1,4 +1,7 @@
-"""Rotations between a joint's own axis and the ``z`` axis that other rooms count on."""
+"""Rotations: as matrices, quaternions and URDF's angles, and between a joint's own axis and ``z``.
+
+A reader of results may take SciPy's; what leads to a run does not wait a third of a second for its loading.
+"""
 
 from __future__ import annotations
 
@@ -7,12 +10,20 @@ from typing import TypeAlias
 
 import numpy as np
 import numpy.typing as npt
-from scipy.spatial.transform import Rotation
 
 from antenna_pin.arguments import takes
 from antenna_pin.directions import direction
 
-__all__ = ["Matrix3", "Vector3", "frame_aligning_z", "quaternions", "roll_pitch_yaw"]
+__all__ = [
+    "Matrix3",
+    "Vector3",
+    "frame_aligning_z",
+    "of_roll_pitch_yaw",
+    "quaternion",
+    "quaternions",
+    "roll_pitch_yaw",
+    "rotation",
+]
 
 Vector3: TypeAlias = npt.NDArray[np.float64]
 """Shape (3,)."""
@@ -74,6 +85,21 @@ def roll_pitch_yaw(rotation: Matrix3) -> tuple[float, float, float]:
     return roll + 0.0, pitch + 0.0, yaw + 0.0
 
 
+def of_roll_pitch_yaw(roll: float, pitch: float, yaw: float) -> Matrix3:
+    """Return the rotation matrix (3, 3) of URDF's angles [rad], ``R = Rz(yaw) Ry(pitch) Rx(roll)``."""
+    si, sj, sk = np.sin((roll, pitch, yaw))
+    ci, cj, ck = np.cos((roll, pitch, yaw))
+    cc, cs, sc, ss = ci * ck, ci * sk, si * ck, si * sk
+    rotation = np.array(
+        [
+            [cj * ck, sj * sc - cs, sj * cc + ss],
+            [cj * sk, sj * ss + cc, sj * cs - sc],
+            [-sj, cj * si, cj * ci],
+        ]
+    )
+    return rotation + 0.0  # no negative zeros
+
+
 @takes()
 def quaternions(rotations: npt.ArrayLike) -> npt.NDArray[np.float64]:
     """Return rotations over time as quaternions xyzw that do not jump in sign from one to the next.
@@ -85,7 +111,59 @@ def quaternions(rotations: npt.ArrayLike) -> npt.NDArray[np.float64]:
         (n, ..., 4) [-].
     """
     matrices = np.asarray(rotations, dtype=np.float64)
-    found = Rotation.from_matrix(matrices.reshape(-1, 3, 3)).as_quat().reshape(*matrices.shape[:-2], 4)
+    found = quaternion(matrices)
     jumps = np.sum(found[1:] * found[:-1], axis=-1) < 0.0
     found[1:] *= np.where(np.cumsum(jumps, axis=0) % 2 == 1, -1.0, 1.0)[..., None]
-    return np.asarray(found)
+    return found
+
+
+@takes()
+def quaternion(rotations: npt.ArrayLike) -> npt.NDArray[np.float64]:
+    r"""Return rotation matrices as quaternions xyzw of length 1.
+
+    The largest of the four is found first, since nothing cancels in it: with the trace t,
+    :math:`4 q_i^2 = 1 - t + 2 R_{ii}` and :math:`4 w^2 = 1 + t`; the others follow from sums and differences
+    of entries, which are 4 times their products with it (Shepperd). The largest is positive.
+
+    Args:
+        rotations: (..., 3, 3) [-], orthogonal to round-off.
+
+    Returns:
+        (..., 4) [-].
+
+    References:
+        Shepperd (1978), J. Guid. Control 1(3), 223-224.
+    """
+    matrices = np.asarray(rotations, dtype=np.float64)
+    flat = matrices.reshape(-1, 3, 3)
+    trace = flat[:, 0, 0] + flat[:, 1, 1] + flat[:, 2, 2]
+    of_largest = np.stack([flat[:, 0, 0], flat[:, 1, 1], flat[:, 2, 2], trace], axis=1).argmax(axis=1)
+    found = np.empty((len(flat), 4))
+    for i in range(3):
+        at = of_largest == i
+        some, j, k = flat[at], (i + 1) % 3, (i + 2) % 3
+        found[at, i] = 1.0 - trace[at] + 2.0 * some[:, i, i]
+        found[at, j] = some[:, j, i] + some[:, i, j]
+        found[at, k] = some[:, k, i] + some[:, i, k]
+        found[at, 3] = some[:, k, j] - some[:, j, k]
+    at = of_largest == 3
+    some = flat[at]
+    found[at, 0] = some[:, 2, 1] - some[:, 1, 2]
+    found[at, 1] = some[:, 0, 2] - some[:, 2, 0]
+    found[at, 2] = some[:, 1, 0] - some[:, 0, 1]
+    found[at, 3] = 1.0 + trace[at]
+    x, y, z, w = found.T
+    found /= np.sqrt(x * x + y * y + z * z + w * w)[:, None]
+    return found.reshape(*matrices.shape[:-2], 4)
+
+
+@takes()
+def rotation(quaternions: npt.ArrayLike) -> npt.NDArray[np.float64]:
+    """Return quaternions xyzw of length 1, (..., 4), as rotation matrices (..., 3, 3) [-]."""
+    x, y, z, w = np.moveaxis(np.asarray(quaternions, dtype=np.float64), -1, 0)
+    rows = (
+        (x * x - y * y - z * z + w * w, 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)),
+        (2.0 * (x * y + z * w), -x * x + y * y - z * z + w * w, 2.0 * (y * z - x * w)),
+        (2.0 * (x * z - y * w), 2.0 * (y * z + x * w), -x * x - y * y + z * z + w * w),
+    )
+    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, Literal, cast
 
 import numpy as np
 import pinocchio as pin
@@ -203,7 +203,7 @@ def _moved(urdf: Urdf, groups: Mapping[str, RigidGroup]) -> dict[str, RigidGroup
 def _slot(model: Any, urdf: Urdf, name: str) -> JointSlot:
     joint_id = int(model.getJointId(name))
     q, v = int(model.idx_qs[joint_id]), int(model.idx_vs[joint_id])
-    kind: JointKind = urdf.joint(name).type
+    kind = cast(JointKind, urdf.joint(name).type)
     axis, rotation = urdf.axis(name), np.eye(3)
     link, mount = plane_names(name)
     if kind == "planar" and any(j.name == mount and j.parent == link for j in urdf.robot.joints):

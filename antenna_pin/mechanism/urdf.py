@@ -1,8 +1,7 @@
 """A URDF that is a mechanism, and the variants of it that a scenario asks for.
 
-yourdfpy reads the numbers. A variant is made on the XML itself rather than on yourdfpy's objects, because
-their writer leaves out comments (a shipped model keeps the source of each number there), gazebo and
-transmission tags and parts of joints; each variant is then read and checked again like any other file.
+A variant is made on the XML itself, so that comments (a shipped model keeps the source of each number there),
+gazebo and transmission tags stay; each variant is then read and checked again like any other file.
 """
 
 from __future__ import annotations
@@ -10,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -33,10 +32,13 @@ from antenna_pin.mechanism import (
     _vary,
     _xml,
 )
+from antenna_pin.mechanism._robot import Joint, Link, Robot
 from antenna_pin.mechanism.frames import Vector3
 from antenna_pin.mechanism.packages import mesh_file
 
 __all__ = ["Urdf"]
+
+_Named = TypeVar("_Named", Link, Joint)
 
 
 @takes()
@@ -64,7 +66,7 @@ class Urdf:
         folder: Where relative mesh file names start; None if that is unknown.
         package_path: Where packages of ``package://`` are looked for first.
         allow_impossible_inertia: Links whose body's inertia may break the triangle rule.
-        robot: What counts of it as yourdfpy's objects (``yourdfpy.Robot``), to be read only.
+        robot: What counts of it in numbers, to be read only; how its links look is read when asked for.
         simulated: What of it Pinocchio's parser is given: bodies and joints.
         unbounded: Revolute and prismatic joints without bounds, because they have no ``<limit>`` or because
             it leaves none.
@@ -80,7 +82,7 @@ class Urdf:
     folder: Path | None = None
     package_path: tuple[Path, ...] = ()
     allow_impossible_inertia: tuple[str, ...] = ()
-    robot: Any = field(init=False, repr=False)
+    robot: Robot = field(init=False, repr=False)
     simulated: str = field(init=False, repr=False)
     unbounded: tuple[str, ...] = field(init=False, repr=False)
     rounding: Mapping[str, float] = field(init=False, repr=False)
@@ -209,21 +211,17 @@ class Urdf:
         Fields of :class:`antenna_pin.constraints.Coupling`, in SI units. One of a fixed joint is no matter.
         """
         return {
-            joint.name: {
-                "leader": joint.mimic.joint,
-                "multiplier": 1.0 if joint.mimic.multiplier is None else float(joint.mimic.multiplier),
-                "offset": 0.0 if joint.mimic.offset is None else float(joint.mimic.offset),
-            }
+            joint.name: dict(zip(("leader", "multiplier", "offset"), joint.mimic, strict=True))
             for joint in self.robot.joints
             if joint.mimic is not None and joint.type != "fixed"
         }
 
-    def link(self, name: str) -> Any:
-        """Return a link as yourdfpy's object (``yourdfpy.Link``), to be read only."""
+    def link(self, name: str) -> Link:
+        """Return a link, to be read only."""
         return self._named("link", self.robot.links, name)
 
-    def joint(self, name: str) -> Any:
-        """Return a joint as yourdfpy's object (``yourdfpy.Joint``), to be read only."""
+    def joint(self, name: str) -> Joint:
+        """Return a joint, to be read only."""
         return self._named("joint", self.robot.joints, name)
 
     def axis(self, joint: str) -> Vector3:
@@ -233,7 +231,7 @@ class Urdf:
     def placement(self, joint: str) -> npt.NDArray[np.float64]:
         """Return the (4, 4) placement of a joint's frame in its parent link [-, m]."""
         origin = self.joint(joint).origin
-        return np.eye(4) if origin is None else np.array(origin, dtype=np.float64)
+        return np.eye(4) if origin is None else origin.copy()
 
     def variant(
         self,
@@ -279,9 +277,9 @@ class Urdf:
         inertial = self.link(link).inertial
         if inertial is None:
             raise MechanismError(f"{self.where}: link {link!r} must have an <inertial>, got none")
-        placement = np.eye(4) if inertial.origin is None else np.asarray(inertial.origin, dtype=float)
+        placement = np.eye(4) if inertial.origin is None else inertial.origin
         turn = placement[:3, :3]
-        inertia = turn @ np.asarray(inertial.inertia, dtype=float) @ turn.T
+        inertia = turn @ inertial.inertia @ turn.T
         return MassProperties.of(inertial.mass, placement[:3, 3], inertia)
 
     def with_parts(self, link: str, split: SplitLink) -> Urdf:
@@ -342,7 +340,7 @@ class Urdf:
             _edits.relocate_meshes(robot, lambda filename: _meshes.name_from(folder, start, filename))
         return _source.write(robot), copies
 
-    def _named(self, kind: str, elements: list[Any], name: str) -> Any:
+    def _named(self, kind: str, elements: Iterable[_Named], name: str) -> _Named:
         for element in elements:
             if element.name == name:
                 return element

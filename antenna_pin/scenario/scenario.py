@@ -131,6 +131,14 @@ class Scenario(Spec):
             return None
         return number_to_set(table, {"drives": self.drives, "springs": self.springs}, "events", event)
 
+    def lasting(self, duration: float) -> Scenario:
+        """Return the scenario with another duration [s], positive, as :meth:`with_overrides` would.
+
+        Nothing of it is read or judged again, as it is for each of a study's many short runs.
+        """
+        _, record = read_layer({"duration": duration})
+        return self.model_copy(update={"duration": duration, "overrides": (*self.overrides, *record)})
+
     def with_overrides(self, overrides: Mapping[str, Any] | Sequence[str]) -> Scenario:
         """Return the scenario with some values replaced, as ``load_scenario`` does.
 

@@ -12,14 +12,13 @@ from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from antenna_pin.contact import DISSIPATIONS, FRICTION_LAWS, NORMAL_LAWS, DampedContact
 from antenna_pin.dynamics import System
 from antenna_pin.elements import Element, JointFriction, Motion
 from antenna_pin.flexible import Takes
 from antenna_pin.joints import ClearanceJoint
-from antenna_pin.mechanism import frame_aligning_z
+from antenna_pin.mechanism import frame_aligning_z, quaternion
 from antenna_pin.readable import number
 
 __all__ = ["carried_joints", "mechanism_attributes"]
@@ -201,5 +200,4 @@ def _place(system: System, joint: ClearanceJoint) -> dict[str, Any]:
 
 
 def _seven(placement: NDArray[np.float64]) -> list[float]:
-    quaternion = Rotation.from_matrix(placement[:3, :3]).as_quat()
-    return [*map(float, placement[:3, 3]), *map(float, quaternion)]
+    return [*placement[:3, 3].tolist(), *quaternion(placement[:3, :3]).tolist()]

@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from antenna_pin.constraints import Anchor
 from antenna_pin.dynamics import constraint_counts, facts_of_couplings
+from antenna_pin.mechanism import quaternion
 from antenna_pin.simulation.loop import Run
 
 __all__ = ["constraint_attributes"]
@@ -75,8 +75,7 @@ def constraint_attributes(run: Run, first: Array, last: Array, residual: Array) 
 
 
 def _side(name: str, anchor: Anchor) -> dict[str, Any]:
-    quaternion = Rotation.from_matrix(anchor.rotation).as_quat()
     return {
         f"{name}_body": anchor.link,
-        f"{name}_placement": [*map(float, anchor.origin), *map(float, quaternion)],
+        f"{name}_placement": [*map(float, anchor.origin), *quaternion(anchor.rotation).tolist()],
     }

@@ -210,7 +210,7 @@ def _check_settings(used: RunSettings, begin: float, end: float, scenario: Scena
 
 def _as_run(scenario: Scenario, duration: float, settings: RunSettings) -> Scenario:
     """Return the scenario with what was given beside it, so that the result tells how to repeat it."""
-    changes: dict[str, Any] = {} if duration == scenario.duration else {"duration": duration}
+    changes: dict[str, Any] = {}
     planned = settings_of(scenario)
     for name, place in (("", "integrator"), ("scales", "integrator.scales")):
         used, told = (getattr(one, name) if name else one for one in (settings, planned))
@@ -219,6 +219,10 @@ def _as_run(scenario: Scenario, duration: float, settings: RunSettings) -> Scena
             if field.name != "scales" and value is not None and value != getattr(told, field.name):
                 output = field.name.startswith("output_")
                 changes[field.name.replace("_", ".") if output else f"{place}.{field.name}"] = value
+    if duration != scenario.duration and not changes:
+        return scenario.lasting(duration)
+    if duration != scenario.duration:
+        changes = {"duration": duration, **changes}
     return scenario.with_overrides(changes) if changes else scenario
 
 

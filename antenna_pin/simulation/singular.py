@@ -7,10 +7,10 @@ from typing import Any, NamedTuple
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
-from scipy.optimize import minimize_scalar
 
 from antenna_pin.constraints import least_row
 from antenna_pin.dynamics import Workspace
+from antenna_pin.roots import least_between
 
 __all__ = ["Singular", "Singularities"]
 
@@ -182,13 +182,8 @@ class Singularities:
 
     def _locate(self, one: tuple[float, Array, float], other: tuple[float, Array, float]) -> None:
         """Find the least share between two states, and name it if it is next to nothing."""
-        least = minimize_scalar(
-            lambda theta: self._between(one, other, theta),
-            bounds=(0.0, 1.0),
-            method="bounded",
-            options={"xatol": 1e-9},
-        )
-        time, share = one[0] + float(least.x) * (other[0] - one[0]), float(least.fun) / self._most
+        theta, least = least_between(lambda theta: self._between(one, other, theta), 0.0, 1.0, absolute=1e-9)
+        time, share = one[0] + theta * (other[0] - one[0]), least / self._most
         if not share < _SINGULAR:
             return
         # A place at the end of a step is found from both sides; short steps find several dips near it.

@@ -7,10 +7,10 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
 from antenna_pin.dynamics import Workspace
 from antenna_pin.integrate import Stepper
+from antenna_pin.roots import root_between
 from antenna_pin.simulation.crossing import Bracket, Crossing, Looks, Memory
 from antenna_pin.simulation.events import Event, Time
 from antenna_pin.simulation.moment import Moment
@@ -244,14 +244,14 @@ class Watch:
                 side = new
             elif new == -side:
                 if fresh and ra * rb < 0.0:  # out, and back already
-                    a = float(brentq(rate, a, b, xtol=1e-15))
+                    a = root_between(rate, a, b, absolute=1e-15)
                     fa = f(a)
                 if event.counts(new) and (side * fa > 0.0 or not fresh):
                     return Bracket(k, a, b, fa, fb, noise, look.stays(i, new))
                 side = new
             elif side * ra < 0.0 < side * rb:
                 # It comes nearer to zero, then goes away: does it pass in between?
-                m = float(brentq(rate, a, b, xtol=1e-15))
+                m = root_between(rate, a, b, absolute=1e-15)
                 fm = f(m)
                 if side * fm < 0.0:
                     # Twice: what comes after the first of them is looked for anew.
@@ -270,7 +270,7 @@ class Watch:
         def f(theta: float) -> float:
             return when(self._at(theta))
 
-        theta = a if fa * fb >= 0.0 else float(brentq(f, a, b, xtol=1e-15, rtol=4.0 * np.finfo(float).eps))
+        theta = a if fa * fb >= 0.0 else root_between(f, a, b, absolute=1e-15)
         low, high = max(theta - _SLOPE_REACH, 0.0), min(theta + _SLOPE_REACH, 1.0)
         slope = (f(high) - f(low)) / ((high - low) * self.stepper.h)
         return Crossing(one.event, theta, 0.0, slope if math.isfinite(slope) else 0.0, one.noise, one.until)

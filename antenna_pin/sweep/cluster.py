@@ -11,12 +11,12 @@ import importlib
 import logging
 import os
 import queue
-import sys
 import tempfile
 from collections import deque
 from collections.abc import Callable, Iterator
 from typing import Any, TypeVar
 
+from antenna_pin._lazy import take_back
 from antenna_pin.errors import AntennaPinError, InvalidParameterError, MissingToolError
 from antenna_pin.sweep.here import Lost
 from antenna_pin.sweep.processes import ends_of_processes, said_of_start
@@ -72,8 +72,7 @@ class Cluster:
         self, workers: int | None = None, scheduler: str | None = None, tls: dict[str, str] | None = None
     ) -> None:
         """Look at what is given."""
-        if sys.modules.get("dask", sys) is None:  # the command goes without it, for a quick start
-            del sys.modules["dask"]
+        take_back("dask")  # the command goes without it, for a quick start
         try:
             distributed: Any = importlib.import_module("distributed")
         except ImportError:

@@ -6,9 +6,12 @@ import numpy as np
 import pytest
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
 
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.mechanism import frame_aligning_z, roll_pitch_yaw
+from antenna_pin.mechanism import frame_aligning_z, quaternion, roll_pitch_yaw
+from antenna_pin.mechanism import rotation as of_quaternion
+from antenna_pin.mechanism.frames import of_roll_pitch_yaw
 
 Z = np.array([0.0, 0.0, 1.0])
 ROUND_OFF = 4e-15  # some tens of roundings of numbers up to 1
@@ -73,3 +76,31 @@ def test_urdf_angles_rebuild_the_rotation_also_at_a_pitch_of_ninety_degrees(roll
     # A product, as in use: its zeros are round-off, which is what misleads the usual formulas.
     r = r @ rotation(0.4, 0.1, -0.2) @ rotation(0.4, 0.1, -0.2).T
     assert np.abs(rotation(*roll_pitch_yaw(r)) - r).max() < ROUND_OFF
+
+
+@pytest.mark.parametrize("largest", [*range(4), None])
+def test_quaternions_are_those_of_scipy(largest):
+    """Bit for bit, whichever of the four is the largest: results that hold them do not change."""
+    rng = np.random.default_rng(5)
+    given = rng.normal(size=(200, 4))
+    if largest is not None:
+        given[:, largest] += 20.0
+    there = Rotation.from_quat(given)
+    matrices = there.as_matrix()
+    assert np.array_equal(quaternion(matrices), Rotation.from_matrix(matrices).as_quat())
+    assert np.array_equal(quaternion(matrices[3]), quaternion(matrices)[3])
+    assert of_quaternion(there.as_quat()) == pytest.approx(matrices, abs=ROUND_OFF)
+
+
+def test_quarter_and_half_turns_have_exact_quaternions():
+    half, quarter = np.diag([-1.0, 1.0, -1.0]), rotation(0.0, 0.0, math.pi / 2.0)
+    assert quaternion(np.eye(3)).tolist() == [0.0, 0.0, 0.0, 1.0]
+    assert quaternion(half).tolist() == [0.0, 1.0, 0.0, 0.0]
+    assert quaternion(quarter) == pytest.approx([0.0, 0.0, math.sqrt(0.5), math.sqrt(0.5)], abs=ROUND_OFF)
+
+
+@given(st.tuples(*[st.floats(-7.0, 7.0)] * 3))
+def test_the_rotation_of_urdf_angles_is_that_of_its_definition(angles):
+    found = of_roll_pitch_yaw(*angles)
+    assert found == pytest.approx(rotation(*angles), abs=ROUND_OFF)
+    assert not np.any(np.signbit(found) & (found == 0.0))

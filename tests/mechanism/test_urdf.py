@@ -376,8 +376,10 @@ def test_overrides_change_what_they_name_and_nothing_else(crooked):
     assert variant.axis("wrist").tolist() == [0.0, 1.0, 0.0]
     assert variant.placement("wrist")[:3, 3].tolist() == [0.0, 0.6, 0.0]
     untouched = ("hull", "hand", "camera", "weight")
-    assert all(variant.link(name) == crooked.link(name) for name in untouched)
-    assert all(variant.joint(name) == crooked.joint(name) for name in ("swivel", "weld", "slide"))
+    for name in untouched:
+        one, other = variant.link(name), crooked.link(name)
+        assert (repr(one), one.visuals, one.collisions) == (repr(other), other.visuals, other.collisions)
+    assert all(repr(variant.joint(name)) == repr(crooked.joint(name)) for name in ("swivel", "weld", "slide"))
 
 
 def test_an_override_may_give_a_frame_its_inertial(crooked):

@@ -1,0 +1,123 @@
+"""Machine code of a kernel as it is kept, made callable again without waking Numba's compiler.
+
+Numba reads a kept function as if it were to be compiled against: it loads its whole compiler, half a second
+of it, parses the function's LLVM code and looks through its symbols. To be called, a function needs none of
+that: its object file is given to LLVM's linker as it is. Its LLVM code, which callers that are compiled anew
+may want, is kept beside it and parsed for them only.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from functools import cache, cached_property
+from typing import Any, NamedTuple
+
+from llvmlite.binding import ObjectFileRef, add_symbol, parse_bitcode
+
+try:
+    from numba import _dynfunc
+    from numba.core.compiler import compile_result
+    from numba.core.runtime import _nrt_python
+except ImportError:  # neither is promised by Numba
+    _dynfunc = _nrt_python = compile_result = None
+
+__all__ = ["Code", "Kept", "called", "kept_of"]
+
+
+class Kept(NamedTuple):
+    """What is kept of a compiled function.
+
+    Attributes:
+        needs: Kernels that it calls by name, each with the types of its arguments.
+        object: Its object file.
+        bitcode: Its LLVM code, for callers into which it is put.
+        description: Numba's.
+        environments: What it needs of Python, its own first.
+        signature: Types of its arguments and of what it returns.
+    """
+
+    needs: set[Any]
+    object: bytes
+    bitcode: bytes
+    description: Any
+    environments: tuple[Any, ...]
+    signature: Any
+
+
+class Code:
+    """Machine code that is loaded, in the place of Numba's library: for who calls it, or is to hold it."""
+
+    def __init__(self, engine: Any, kept: Kept) -> None:
+        self._engine, self._kept = engine, kept
+        self._linking_libraries: tuple[Any, ...] = ()
+        self._reload_init: frozenset[Any] = frozenset()
+
+    def get_pointer_to_function(self, name: str) -> int:
+        """Return the address of a function."""
+        return int(self._engine.get_function_address(name))
+
+    def _ensure_finalized(self) -> None:
+        pass
+
+    def _get_module_for_linking(self) -> Any:
+        return self._module
+
+    @cached_property
+    def _module(self) -> Any:
+        return parse_bitcode(self._kept.bitcode)
+
+
+def kept_of(needs: set[Any], reduced: tuple[Any, ...]) -> Kept | None:
+    """Return what is to be kept of a result as Numba reduces it; None if it is of a form that is not known.
+
+    Args:
+        needs: Kernels that it calls by name, each with the types of its arguments.
+        reduced: What Numba would keep.
+    """
+    (_, form, code), description, environment, signature, objectmode, _, _, reload_init, others = reduced
+    if form != "object" or objectmode or reload_init:
+        return None
+    machine_code, bitcode = code
+    return Kept(needs, machine_code, bitcode, description, (environment, *others), signature)
+
+
+def called(context: Any, kept: Kept) -> Any:
+    """Return a kept function, linked, as a result of Numba's; what it calls by name must have its name.
+
+    Raises:
+        AttributeError: Numba or llvmlite has changed inside.
+    """
+    description, environment = kept.description, kept.environments[0]
+    engine = context.codegen()._engine._ee
+    _name_memory()
+    engine.add_object_file(ObjectFileRef.from_data(kept.object))
+    code = Code(engine, kept)
+    entry = _dynfunc.make_function(
+        description.lookup_module(),
+        description.qualname.split(".")[-1],
+        f"compiled wrapper for {description.qualname!r}",
+        code.get_pointer_to_function(description.llvm_cpython_wrapper_name),
+        environment,
+        (code,),
+    )
+    for one in kept.environments:
+        if place := engine.get_global_value_address(one.env_name):
+            ctypes.c_void_p.from_address(place).value = id(one)
+    return compile_result(
+        target_context=context,
+        typing_context=context.typing_context,
+        library=code,
+        environment=environment,
+        entry_point=entry,
+        fndesc=description,
+        signature=kept.signature,
+        objectmode=False,
+        referenced_envs=kept.environments,
+    )
+
+
+@cache
+def _name_memory() -> None:
+    """Give what Numba's code calls for memory its names, as its compiler would when it wakes."""
+    for name, address in _nrt_python.c_helpers.items():
+        add_symbol(name if name.startswith("_") else f"NRT_{name}", address)

@@ -1,0 +1,68 @@
+"""Who compiles what: of processes that need the same kernel, one makes it and the others wait for it.
+
+Each holds a byte of a file beside the kernels while it compiles one. The system lets go of it when a process
+ends, however it does; where files cannot be locked, each compiles for itself.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import os
+import time
+from functools import lru_cache
+
+__all__ = ["Turn"]
+
+# Longest wait [s], for one that compiles nothing any more and does not end; and between two looks.
+_LONGEST, _LOOK = 300.0, 0.02
+
+
+class Turn:
+    """That of one kernel, in this process."""
+
+    def __init__(self, kernel: str) -> None:
+        """Name the kernel."""
+        # Within 4 GB: where a file cannot be as long, its bytes cannot be held either.
+        self._byte = int.from_bytes(hashlib.sha256(kernel.encode()).digest()[:4], "little")
+        self._file: int | None = None
+
+    @property
+    def taken(self) -> bool:
+        """Whether this process has it."""
+        return self._file is not None
+
+    def begin(self, folder: str) -> None:
+        """Take the turn to compile the kernel into a folder, after whoever has it."""
+        if self.taken:
+            return
+        end = time.monotonic() + _LONGEST
+        with contextlib.suppress(OSError):
+            file = _file_in(folder)
+            while time.monotonic() < end:
+                try:
+                    _move(file, self._byte)
+                    os.lockf(file, os.F_TLOCK, 1)
+                except BlockingIOError:
+                    time.sleep(_LOOK)
+                else:
+                    self._file = file
+                    break
+
+    def end(self) -> None:
+        """Let others have it."""
+        if self._file is not None:
+            with contextlib.suppress(OSError):
+                _move(self._file, self._byte)
+                os.lockf(self._file, os.F_ULOCK, 1)
+            self._file = None
+
+
+@lru_cache
+def _file_in(folder: str) -> int:
+    """Return the file of a folder whose bytes are held; it stays open: who closes it lets go of all."""
+    return os.open(os.path.join(folder, "kernels.turns"), os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
+
+
+def _move(file: int, byte: int) -> None:
+    os.lseek(file, byte, os.SEEK_SET)
