@@ -79,6 +79,8 @@ class Workspace:
                 self.paths.append(path)
         #: Those whose gaps are what a backend measures and nothing else.
         self.measured = [path for path in self.paths if path.measured]
+        #: Those whose laws no compiled look at a contact can ask: in Python, or on gaps that are measured.
+        self.asked_laws = [path for path in self.paths if path.measured or not path.compiled]
         #: Whether each drive in Python is on at present.
         self._on = [
             self.program[block : block + kernels.PARAMETERS].view(kernels.ELEMENT)["on"]
@@ -132,8 +134,19 @@ class Workspace:
         That is the closed form where there is one, coal's gaps being those; else it is the backend.
         """
         trial_kernels.contacts_in(y, self.program, self._pose, table)
+        self.measure_into(table, y)
+
+    def measure_into(self, table: NDArray[Any], y: Array, contact: int = -1) -> None:
+        """Fill in the rows whose gaps are what a backend measures: of a contact's joint, or of all (-1)."""
         for path in self.measured:
-            path.locate(y, table)
+            if contact < 0 or contact in path:
+                path.locate(y, table)
+
+    def ask_laws(self, table: NDArray[Any], contact: int = -1) -> None:
+        """Write the normal forces of a contact, or of all (-1), with laws asked in Python, to a table."""
+        for path in self.asked_laws:
+            if contact < 0 or contact in path:
+                path.ask_laws(table, contact)
 
     def measure(self, y: Array) -> None:
         """Bring all rows of ``table`` up to date for a state: gap, normal, point, rates of every contact.
@@ -145,11 +158,15 @@ class Workspace:
         for path in self.paths:
             path.prepare(y, everything=True)
 
-    def apply_elements(self, t: float, y: Array, rates: Array) -> None:
-        """Evaluate the elements: ``tau``, the contacts' ``table``, and x rates behind rates[nv]."""
+    def prepare(self, t: float, y: Array) -> None:
+        """Do what of the elements happens in Python: gaps, laws, numbers of drives."""
         for path in self.paths:
             path.prepare(y)
         self.prepare_motions(t, y)
+
+    def apply_elements(self, t: float, y: Array, rates: Array) -> None:
+        """Evaluate the elements: ``tau``, the contacts' ``table``, and x rates behind rates[nv]."""
+        self.prepare(t, y)
         kernels.evaluate(t, y, self.program, self._work, rates)
         if self._bodies is not None:
             point_kernels.add_forces(y, self.program, *self._bodies, self.tau, rates)
