@@ -22,7 +22,7 @@ RAISED = 2
 #: Addresses of what is asked: before elements are evaluated, ``elements`` (gaps, laws and drives in Python)
 #: at a time and state; for the constraints' sake only ``motions``; the ``acceleration`` under ``effort``;
 #: mass matrix and bias, ``terms``; gaps that a backend measures, ``gaps``, and then laws' ``forces`` on them,
-#: of one ``contact`` or of all (-1). Of the loop: a whole trial ``step`` of a size [s], what the trial step is
+#: of one ``contact`` or of all (-1). Of the loop: a whole trial ``step`` of a size [s], what the trial is
 #: ``compared`` with, and how much longer it is to be, the ``lack`` [s]. Then that contact; whether the start
 #: of the step is ``new``; a ``failed`` question's status; an ``answer`` in one number.
 ASKED = layout(

@@ -85,10 +85,10 @@ def end_at(loop: Loop, size: float, longest: float, search: bool) -> int:
     change before are looked for; one that does is met by :func:`go_on`.
     """
     s = loop.stretch[0]
+    s.phase = STANDS
     reason = make_again(loop, -1, 0.0, size, longest)
     if reason != GOES_ON or s.phase == FRESH:
         return reason
-    s.phase = STANDS
     s.until = 2.0
     s.watched = 1
     if not search:

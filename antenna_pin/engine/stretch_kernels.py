@@ -24,10 +24,10 @@ CHANGES = 4
 
 #: Where the steps are, and what they have come to: time [s]; size to try next, and what it was when the step
 #: began [s]; that of the trial that stands [s], its scaled error, and the fraction up to which it is
-#: searched; samples a second [Hz], from when on [s], until when [s]; where a step is (see above); trials of it
-#: that did not pass; the contact that changes, at which fraction, and whether it is too deep then; whether the
-#: loop outside sees to this step, whether it wants to see each, and whether it was told of the first that the
-#: run's end cuts; whether the last trial failed by a function that refuses; whether the search knows the
+#: searched; samples a second [Hz], from when on [s], until when [s]; where a step is (see above); trials of
+#: it that did not pass; the contact that changes, at which fraction, and whether it is too deep then; whether
+#: the loop outside sees to this step, whether it wants to see each, and whether it was told of the first that
+#: the run's end cuts; whether the last trial failed by a function that refuses; whether the search knows the
 #: contacts at the start; samples in the buffer, and for how many there must be room; which of the chosen
 #: output times is the next; what was counted; how many trial steps may be made.
 STRETCH = layout(

@@ -27,9 +27,9 @@ __all__ = ["Made", "Parts", "Stretches", "stepper_of"]
 Array = NDArray[np.float64]
 
 # Trial steps from one look at the clock, at Ctrl-C and at limits to the next, of up to so many freedoms; of
-# more they are fewer as the square. The clock must not decide: where a stretch ends, the last digits of
-# loops may be others. Where Python is asked from inside, a trial may take as long as what it asks.
-_BUDGET, _FREEDOMS, _ASKED = 1024, 24, 32
+# more they are fewer as the square. Where Python is asked from inside, a trial may take as long as what it
+# asks. And they are at most a part of what was made before: what is wrong with a run shows at its beginning.
+_BUDGET, _FREEDOMS, _ASKED, _PART = 1024, 24, 32, 4
 _CAPACITY = 256  # samples
 _COUNTS = ("accepted", "rejected", "relocated")
 
@@ -249,8 +249,7 @@ class Stretches:
             stretch[name] = 0
         stretch["t"] = self._stepper.t
         stretch["chosen"] = np.searchsorted(samples.chosen, self._stepper.t, side="right")
-        most = control.settings.max_steps
-        stretch["budget"] = self._most if most is None else max(1, min(self._most, most - self.made))
+        stretch["budget"] = max(1, min(self._most, self.made // _PART, control.until_look(self.made)))
         episodes.make_room()
         control.sizes.make_room()
         self._watched.renew()
