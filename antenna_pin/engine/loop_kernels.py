@@ -54,10 +54,11 @@ def go_on(loop: Loop) -> int:
     """Make steps until something happens that the loop outside has to see to; return what (see above)."""
     s = loop.stretch[0]
     s.known = 0
+    s.turned = 0
     reason = GOES_ON
     while reason == GOES_ON:
         if s.phase == FRESH:
-            if s.accepted + s.rejected + s.relocated >= s.budget or (s.singly != 0 and s.accepted > 0):
+            if s.accepted + s.rejected + s.relocated >= s.budget or _has_made_one(loop):
                 return PAUSED
             if s.t >= s.end:
                 return ENDED
@@ -102,6 +103,13 @@ def end_at(loop: Loop, size: float, longest: float, search: bool) -> int:
 def _in_turn(loop: Loop, reason: int) -> int:
     """Say what comes after a part that has done: the loop outside's turn, where it sees to this step."""
     return MOVED_ON if reason == GOES_ON and loop.stretch[0].watched != 0 else reason
+
+
+@inlined
+def _has_made_one(loop: Loop) -> bool:
+    """Whether the loop outside wants to see each step, and one is made, or a contact has turned back."""
+    s = loop.stretch[0]
+    return bool(s.singly != 0 and (s.accepted > 0 or s.turned != 0))
 
 
 @inlined
@@ -214,6 +222,7 @@ def _meet(loop: Loop) -> int:
         if reason != GOES_ON:
             return reason
     elif s.deep == 0 and loop.search.ignore[c] != 0:
+        s.turned = 1
         return _in_turn(loop, graze(loop))
     if s.deep != 0:
         s.phase = FRESH

@@ -79,5 +79,5 @@ def final(run: Any) -> np.ndarray:
 def small_parts(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let a record go to the disk every few samples, and a run be looked at every few steps."""
     monkeypatch.setattr(keeper, "_PART", 40_000)
-    monkeypatch.setattr(stretches, "_BUDGET", 16)
+    monkeypatch.setattr(stretches, "_BUDGET", 2)
     monkeypatch.setattr(progress, "_INTERVAL", -1.0)

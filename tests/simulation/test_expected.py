@@ -29,6 +29,7 @@ def wheel(**drives):
 def slow_clock(monkeypatch):
     """A clock of which each look takes a second: a run seems to take one for each step."""
     ticks = itertools.count()
+    monkeypatch.setattr(stretches, "_BUDGET", 1)
     monkeypatch.setattr(progress, "time", types.SimpleNamespace(perf_counter=lambda: float(next(ticks))))
 
 
