@@ -26,10 +26,11 @@ CHANGES = 4
 #: began [s]; that of the trial that stands [s], its scaled error, and the fraction up to which it is
 #: searched; samples a second [Hz], from when on [s], until when [s]; where a step is (see above); trials of
 #: it that did not pass; the contact that changes, at which fraction, and whether it is too deep then; whether
-#: the loop outside sees to this step, whether it wants to see each, whether a contact has turned back where it
-#: changed, whether the loop outside was told of the first step that the run's end cuts; whether the last trial failed by a function that refuses; whether the search knows the
-#: contacts at the start; samples in the buffer, and for how many there must be room; which of the chosen
-#: output times is the next; what was counted; how many trial steps may be made.
+#: the loop outside sees to this step, whether it wants to see each, whether a contact has turned back where
+#: it changed, whether the loop outside was told of the first step that the run's end cuts; whether the last
+#: trial failed by a function that refuses; whether the search knows the contacts at the start; samples in the
+#: buffer, and for how many there must be room; which of the chosen output times is the next; what was
+#: counted; how many trial steps may be made.
 STRETCH = layout(
     ("t", "f8"),
     ("h", "f8"),
