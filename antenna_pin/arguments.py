@@ -70,6 +70,8 @@ def _checked(function: Any, place: str, units: Mapping[str, str], owner: type[An
                 continue
             else:
                 read = _read(place, name, value, hint, units.get(name))
+                if owner is None:  # a class has its own words for what its functions are asked
+                    _check_count(place, name, read, hint)
             bound.arguments[name] = read
         return function(*bound.args, **bound.kwargs)
 
@@ -84,6 +86,24 @@ def _read(place: str, name: str, value: Any, hint: Any, unit: str | None) -> Any
         rule = rule_of(hint) + ("" if unit is None else f", in {unit} or with a unit")
         raise InvalidParameterError(place, name, rule, said=unknown_type(value))
     return value
+
+
+def _check_count(place: str, name: str, value: Any, hint: Any) -> None:
+    """Refuse a function that cannot be called with as many arguments as its annotation has."""
+    kinds = (hint, *(get_args(hint) if get_origin(hint) in _UNIONS else ()))
+    known = [get_args(kind)[0] for kind in kinds if get_origin(kind) is Callable and get_args(kind)]
+    if not callable(value) or len(known) != 1 or known[0] is ...:
+        return
+    try:
+        signature = inspect.signature(value)
+    except (TypeError, ValueError):  # some of those in C do not say
+        return
+    try:
+        signature.bind(*known[0])
+    except TypeError:
+        count = len(known[0])
+        rule = f"a function of {count} argument{'s' if count > 1 else ''}"
+        raise InvalidParameterError(place, name, rule, said=f"one of {signature}") from None
 
 
 def _in_si(place: str, value: Any, unit: str) -> Any:
@@ -165,7 +185,7 @@ def _fits_parts(value: Any, origin: Any, inner: tuple[Any, ...]) -> bool:
     if origin is os.PathLike:
         return isinstance(value, os.PathLike)
     if origin is Callable:
-        return callable(value) and (not inner or inner[0] is ... or _takes_so_many(value, len(inner[0])))
+        return callable(value)
     if origin is Iterator:
         return isinstance(value, origin)
     if isinstance(value, str | bytes):
@@ -190,17 +210,6 @@ def _fits_parts(value: Any, origin: Any, inner: tuple[Any, ...]) -> bool:
         return False
     again = isinstance(value, Collection) and len(inner) == 1
     return not again or all(fits(one, inner[0]) for one in value)
-
-
-def _takes_so_many(function: Any, count: int) -> bool:
-    """Return whether a function can be called with so many arguments; True if it does not say."""
-    try:
-        inspect.signature(function).bind(*[None] * count)
-    except ValueError:  # some of those in C
-        return True
-    except TypeError:
-        return False
-    return True
 
 
 @functools.cache
@@ -287,9 +296,7 @@ def rule_of(hint: Any) -> str:
     if origin is os.PathLike:
         return "a path"
     if origin is Callable:
-        if not inner or inner[0] is ...:
-            return "a function"
-        return f"a function of {len(inner[0])} argument{'s' if len(inner[0]) > 1 else ''}"
+        return "a function"
     if isinstance(origin, type) and issubclass(origin, Mapping):
         return f"a mapping of names to {_many(inner[1])}" if len(inner) == 2 else "a mapping"
     if origin is tuple and inner and inner[-1] is not ...:

@@ -22,6 +22,7 @@ _SOURCE = "def twice(x):\n    return 2 * x\n"
 @pytest.fixture
 def source(tmp_path, monkeypatch):
     monkeypatch.setattr(_kernel_cache, "_told", [])
+    monkeypatch.setattr(numba.config, "CACHE_DIR", "")  # beside the source, wherever else tests keep theirs
     path = tmp_path / "kernels.py"
     path.write_text(_SOURCE)
     return path
@@ -119,7 +120,7 @@ def test_what_stands_beside_the_sources_is_read_by_those_who_cannot_write_there(
     assert not [path for path in (tmp_path / "own").rglob("*.nb?")]
 
 
-@pytest.mark.parametrize("whose", ["folder", "file", "way", "other owner"])
+@pytest.mark.parametrize("whose", ["folder", "file", "way", "sticky folder", "other owner"])
 def test_what_a_stranger_may_have_written_is_not_read(source, monkeypatch, whose):
     """A pickle runs code: it is read from where nobody else can have put it, also under NUMBA_CACHE_DIR."""
     if whose == "other owner" and os.geteuid() != 0:
@@ -132,11 +133,11 @@ def test_what_a_stranger_may_have_written_is_not_read(source, monkeypatch, whose
     (index,) = kept.rglob("*.nbi")
     again = compiled(source)
     assert (again(2), hits(again)) == (4, 1)
-    opened = {"folder": index.parent, "file": index, "way": kept.parent, "other owner": index.parent}[whose]
+    opened = {"file": index, "way": kept.parent}.get(whose, index.parent)
     if whose == "other owner":
         os.chown(opened, 12345, -1)
     else:
-        opened.chmod(0o777)
+        opened.chmod(0o1777 if whose == "sticky folder" else 0o777)
     _kernel_cache._closed.cache_clear()
     said = pytest.warns(
         KernelCacheWarning, match=r"is not safe, for .* keep others from writing there, or set"
@@ -187,8 +188,9 @@ print(caller(3), sum(caller.stats.cache_hits.values()), sum(own.stats.cache_hits
 
 
 @pytest.mark.parametrize("damaged", [False, True])
-def test_a_kernel_that_stands_alone_is_found_by_callers_that_are_loaded(source, damaged):
+def test_a_kernel_that_stands_alone_is_found_by_callers_that_are_loaded(source, damaged, monkeypatch):
     """In another process, where it is loaded before them, or compiled anew if what was kept is damaged."""
+    monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
     source.write_text(_PAIR)
 
     def answer():

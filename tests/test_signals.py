@@ -21,6 +21,14 @@ _ENDLESS = ("run", "bai2020", "--case", "case1", "--duration", "1e5", "--out", "
 _ENDLESS += ("--set", "integrator.max_wall_time=120 s", "--set", "output.rate=10 Hz")
 
 
+@pytest.fixture(autouse=True, scope="module")
+def closed_terminals_are_heard():
+    """As in a terminal, also where the tests run under ``nohup``, which their processes inherit."""
+    before = signal.signal(signal.SIGHUP, signal.SIG_DFL)
+    yield
+    signal.signal(signal.SIGHUP, before)
+
+
 @pytest.fixture
 def endless(tmp_path):
     """Start a run that would take for ever, with a terminal, and return both when it makes its steps."""

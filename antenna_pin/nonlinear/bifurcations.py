@@ -6,9 +6,8 @@ from typing import Literal, NamedTuple
 
 from antenna_pin.nonlinear.follower import Node
 from antenna_pin.nonlinear.grazes import where_passed
-from antenna_pin.nonlinear.hidden import doubling, hidden, pairs, shedding
+from antenna_pin.nonlinear.hidden import doubling, hidden, is_torus, shedding
 from antenna_pin.nonlinear.locate import Located, Step, Test, where_crossed, where_turned, where_zero
-from antenna_pin.nonlinear.orbits import Orbit
 
 __all__ = ["Bifurcation", "BifurcationKind", "bifurcations_in", "more_happens"]
 
@@ -42,12 +41,6 @@ _TESTS: dict[BifurcationKind, Test] = {"flip": doubling, "neimark-sacker": shedd
 
 # How often a step is halved where more may happen in it than its ends tell of.
 _DEEP = 5
-
-
-def _is_torus(orbit: Orbit) -> bool:
-    """Whether the pair of multipliers whose product is nearest to 1 is a complex one, not two real ones."""
-    one, other = min(pairs(orbit.multipliers), key=lambda pair: abs(pair[0] * pair[1] - 1.0))
-    return abs(one.imag) > 1e-9 and abs(one - other.conjugate()) < 1e-6 * abs(one)
 
 
 def bifurcations_in(step: Step, after: int, precision: float) -> list[Bifurcation]:
@@ -130,6 +123,6 @@ def _on_one_side(step: Step, begin: float, end: float, crossed: bool, precision:
         if len(signs) == 2:
             where = where_zero(step, test, begin, end, precision)
             # Two real multipliers whose product is 1: nothing happens.
-            if kind == "flip" or _is_torus(step.nearest(where.along).orbit):
+            if kind == "flip" or is_torus(step.nearest(where.along).orbit.multipliers):
                 found.append(_Found(kind, where))
     return found

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from antenna_pin.nonlinear.follower import Node
 from antenna_pin.nonlinear.locate import Step
 
-__all__ = ["doubling", "hidden", "pairs", "shedding"]
+__all__ = ["doubling", "hidden", "is_torus", "pairs", "shedding"]
 
 Complex = NDArray[np.complex128]
 
@@ -46,6 +46,12 @@ def shedding(multipliers: Complex) -> float:
     """
     products = [one * other for one, other in pairs(multipliers)]
     return float(np.prod([(one - 1.0) / max(abs(one), 1.0) for one in products]).real) if products else 1.0
+
+
+def is_torus(multipliers: Complex) -> bool:
+    """Return whether the two multipliers whose product is nearest to 1 are complex, not two real ones."""
+    one, other = min(pairs(multipliers), key=lambda pair: abs(pair[0] * pair[1] - 1.0))
+    return abs(one.imag) > 1e-9 and abs(one - other.conjugate()) < 1e-6 * abs(one)
 
 
 def hidden(step: Step, low: float, high: float) -> float | None:

@@ -75,12 +75,12 @@ def test_an_element_has_its_own_kernels_and_words(kind):
     """At time 0, angle 0.1 rad and rate 0.2 rad/s."""
     element, words, expected = EXAMPLES[kind]
     assert element.words(slides=False).replace("\N{NO-BREAK SPACE}", " ") == words
-    kernels = element.compiled()
-    torque = kernels.effort(kernels.KIND, element.words_of_kernel(), 0, 0.0, 0.1, 0.2)
+    own = element.compiled()
+    torque = kernels.effort(own.KIND, element.words_of_kernel(), 0, 0.0, 0.1, 0.2)
     assert torque == pytest.approx(expected, rel=1e-15, abs=1e-15)  # round-off
-    assert [one for one in ELEMENTS if one.compiled().KIND == kernels.KIND] == [kind]
+    assert [one for one in ELEMENTS if one.compiled().KIND == own.KIND] == [kind]
     rates = np.full(len(element.integrals) + 1, np.nan)
-    kernels.write_rates(kernels.KIND, element.words_of_kernel(), 0, 0.2, 0.2 * torque, rates, 0)
+    kernels.write_rates(own.KIND, element.words_of_kernel(), 0, 0.2, 0.2 * torque, rates, 0)
     assert np.isnan(rates).tolist() == [False] * len(element.integrals) + [True]
 
 

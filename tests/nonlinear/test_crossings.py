@@ -8,6 +8,7 @@ from scipy.optimize import brentq
 
 from antenna_pin import RunSettings
 from antenna_pin.nonlinear import Flow, continued
+from antenna_pin.nonlinear.hidden import is_torus
 
 WEIGHT = 9.0  # m g l of 1 kg at 1 m
 
@@ -58,7 +59,7 @@ def test_a_leaning_pendulum_comes_upright(pendulum):
     assert branch.points[-1].orbit.start.q[1] == pytest.approx(-math.sin(leans), abs=1e-8)
 
 
-@pytest.mark.parametrize("side", [0.0, 1.0])
+@pytest.mark.parametrize("side", [pytest.param(0.0, marks=pytest.mark.slow), 1.0])
 def test_two_branches_exchange_their_stability(mapped, side):
     """x -> x + sin(p) y - y^2 with y = x - p^2: orbits at y = 0 and y = sin(p), which cross at p = 0."""
 
@@ -101,3 +102,14 @@ def test_a_flip_beside_a_fold(mapped, x, arc, order):
     exact = {"fold": -0.25 * (1.0 - b) ** 2, "flip": 0.75 * (1.0 - b) ** 2}
     for one in branch.bifurcations:
         assert one.value == pytest.approx(exact[one.kind], abs=1.1e-7) and one.doubt <= 1e-7
+
+
+@pytest.mark.parametrize(
+    ("multipliers", "torus"),
+    [
+        ((0.6 + 0.8j, 0.6 - 0.8j, 0.5, -2.0), True),  # on the circle, beside two with the product -1
+        ((0.3 + 0.4j, 0.3 - 0.4j, 0.5, 2.0), False),  # a saddle of two real ones has the product 1, too
+    ],
+)
+def test_a_torus_is_told_from_two_real_multipliers(multipliers, torus):
+    assert is_torus(np.array(multipliers)) == torus

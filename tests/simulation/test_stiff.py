@@ -61,9 +61,10 @@ def test_contact_so_stiff_that_explicit_steps_collapse():
     finer = hanging("rest", "radau5", damping=1e9, rtol=1e-8)
     assert stiff.data.q.values[-1] == pytest.approx(finer.data.q.values[-1], abs=1e-8)
     with pytest.warns(StiffRunWarning, match="joint 'hinge' under contact hinge.radial"):
-        collapsed = hanging("rest", "dormand-prince-853", damping=1e9, limit=1500)
+        # Looks go by the clock at first: on a machine that is busy the second comes after 1500 steps.
+        collapsed = hanging("rest", "dormand-prince-853", damping=1e9, limit=6000)
     assert collapsed.outcome is Outcome.STEP_LIMIT
-    assert collapsed.data.time.values[-1] < 1e-4
+    assert collapsed.data.time.values[-1] < 4e-4
 
 
 def test_what_collapses_is_told_of_the_implicit_method():

@@ -86,13 +86,13 @@ def test_the_only_process_may_be_killed(write, tmp_path, monkeypatch):
 
 def test_a_connection_that_closes_at_any_call_is_lost_in_one_line(monkeypatch):
     """Dask raises errors of several kinds then; here each of the client's calls does."""
-    for name in ("scatter", "submit", "nthreads"):
-        for error in (RuntimeError("ConnectionPool is closed"), OSError("closed"), TimeoutError("late")):
-            cluster = Cluster(1)
-            cluster._client = Closing(name, error)
-            with pytest.raises(ClusterLostError, match="was lost: .*; finished runs are kept") as lost:
-                list(cluster.each(len, "shared", iter([["a batch"]])))
-            assert "\n" not in str(lost.value)
+    errors = (RuntimeError("ConnectionPool is closed"), OSError("closed"), TimeoutError("late"))
+    for name, error in zip(("scatter", "submit", "nthreads"), errors, strict=True):
+        cluster = Cluster(1)
+        cluster._client = Closing(name, error)
+        with pytest.raises(ClusterLostError, match="was lost: .*; finished runs are kept") as lost:
+            list(cluster.each(len, "shared", iter([["a batch"]])))
+        assert "\n" not in str(lost.value)
 
 
 class Closing:
