@@ -7,12 +7,12 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import NDArray
 
 from antenna_pin._called import CALLED_BACK
 from antenna_pin.dynamics import Workspace
 from antenna_pin.dynamics import outside_kernels as kernels
+from antenna_pin.dynamics.by_pinocchio import accelerations_of, terms_of
 from antenna_pin.errors import FunctionError
 
 __all__ = ["Answers", "give_pinocchio", "give_python"]
@@ -113,20 +113,8 @@ def give_pinocchio(answers: Answers, workspace: Workspace, mass: Array, bias: Ar
         mass: Mass matrix, (nv, nv), written.
         bias: (nv,), written.
     """
-    outside, model, data = answers.outside, workspace.model, workspace.data
-    q, v = outside.state[: model.nq], outside.state[model.nq : model.nq + model.nv]
-    effort, acceleration = outside.effort, outside.acceleration
-    aba, crba, bias_of = pin.aba, pin.crba, pin.nonLinearEffects
+    outside, tree = answers.outside, (workspace.model, workspace.data, answers.outside.state)
     if workspace.constraints is None:
-
-        def accelerate(t: float) -> None:
-            acceleration[:] = aba(model, data, q, v, effort)
-
-        answers.give("acceleration", accelerate)
-        return
-
-    def terms(t: float) -> None:
-        mass[:] = crba(model, data, q)
-        bias[:] = bias_of(model, data, q, v)
-
-    answers.give("terms", terms)
+        answers.give("acceleration", accelerations_of(*tree, outside.effort, outside.acceleration))
+    else:
+        answers.give("terms", terms_of(*tree, mass, bias))
