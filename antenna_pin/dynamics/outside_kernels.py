@@ -22,9 +22,10 @@ RAISED = 2
 #: Addresses of what is asked: before elements are evaluated, ``elements`` (gaps, laws and drives in Python)
 #: at a time and state; for the constraints' sake only ``motions``; the ``acceleration`` under ``effort``;
 #: mass matrix and bias, ``terms``; gaps that a backend measures, ``gaps``, and then laws' ``forces`` on them,
-#: of one ``contact`` or of all (-1). Of the loop: a whole trial ``step`` of a size [s], what the trial is
-#: ``compared`` with, and how much longer it is to be, the ``lack`` [s]. Then that contact; whether the start
-#: of the step is ``new``; a ``failed`` question's status; an ``answer`` in one number.
+#: of one ``contact`` or of all (-1). Of the loop: a whole trial ``step`` of a size [s], and how much longer
+#: the trial is to be, the ``lack`` [s]. Then whether elements are asked only while a contact is ``touching``;
+#: that contact; whether the start of the step is ``new``; a ``failed`` question's status; an ``answer`` in
+#: one number.
 ASKED = layout(
     ("elements", "i8"),
     ("motions", "i8"),
@@ -33,8 +34,8 @@ ASKED = layout(
     ("gaps", "i8"),
     ("forces", "i8"),
     ("step", "i8"),
-    ("compared", "i8"),
     ("lack", "i8"),
+    ("touching", "i8"),
     ("contact", "i8"),
     ("new", "i8"),
     ("failed", "i8"),

@@ -96,6 +96,9 @@ def give_python(answers: Answers, workspace: Workspace, table: NDArray[Any]) -> 
     state, asked = answers.outside.state, answers.outside.asked
     if workspace.paths or workspace.system.callables:
         answers.give("elements", lambda t: workspace.prepare(t, state))
+        # Forces of laws in Python are zero again only once they have been asked after a release.
+        compiled = all(path.compiled for path in workspace.paths)
+        asked["touching"] = compiled and not workspace.system.callables
     if workspace.system.callables and workspace.constraints is not None:
         answers.give("motions", lambda t: workspace.prepare_motions(t, state))
     if workspace.measured:

@@ -104,13 +104,25 @@ def accelerate(t: float, y: Any, tau: Any, numbers: Any, rates: Any, written: bo
 
 
 @inlined
+def ask_elements(t: float, y: Any, numbers: Any) -> None:
+    """Have what of the elements is not compiled done at time t [s] and state y, before they are evaluated."""
+    asked = numbers.outside.asked[0]
+    if asked.elements == 0:
+        return
+    due = asked.touching == 0
+    for c in range(numbers.memory.shape[0]):
+        due = due or numbers.memory[c].touching != 0.0
+    if due:
+        ask_at(numbers.outside, asked.elements, t, y)
+
+
+@inlined
 def derivative(t: float, y: Any, numbers: Any, rates: Any, written: bool) -> None:
     """Write [acceleration (nv), rate of x (nx)] at time t [s] and state y (see ``accelerate``)."""
-    program, elements = numbers.program, numbers.outside.asked[0].elements
+    program = numbers.program
     head = head_of(program)
     tau = numbers.work[: head.nv]
-    if elements != 0:
-        ask_at(numbers.outside, elements, t, y)
+    ask_elements(t, y, numbers)
     evaluate(t, y, program, numbers.work, rates)
     if head.points < program.shape[0]:
         add_forces(y, program, numbers.tree, numbers.places, tau, rates)

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 from antenna_pin._compile import inlined, kernel
 from antenna_pin.dynamics.kernels import turn_on
 from antenna_pin.dynamics.outside_kernels import ANSWERED, REFUSED, ask, has_failed
+from antenna_pin.dynamics.trial_kernels import contacts_in
 from antenna_pin.engine.episode_kernels import keep_peaks
 from antenna_pin.engine.hold_kernels import close
 from antenna_pin.engine.step_kernels import attempt, prepare_dense
@@ -96,6 +97,9 @@ class Search(NamedTuple):
         limits: Depths at which a run ends.
         peaks: Largest forces.
         turns: Turned angles, TURN.
+        compared: Contacts whose gaps coal measures, as 1, (contacts,); nobody's: (0,).
+        difference: Largest one of their gaps and the closed form's so far, where forces come from them, (1,)
+            [m].
     """
 
     nodes: Any
@@ -103,6 +107,8 @@ class Search(NamedTuple):
     limits: Any
     peaks: Any
     turns: Any
+    compared: Any
+    difference: Any
 
 
 class Loop(NamedTuple):
@@ -198,12 +204,24 @@ def try_step(loop: Loop, tried: float) -> float:
     return float(s.error)
 
 
+@kernel
+def _compare(loop: Loop) -> None:
+    """Note how far the gaps that coal has measured at the step's end are from the closed form."""
+    numbers, search = loop.numbers, loop.search
+    end = loop.work[loop.tableau.weights.shape[0] + STATE]
+    contacts_in(end, numbers.program, numbers.pose, numbers.table)
+    for c in range(search.compared.shape[0]):
+        if search.compared[c] != 0 and numbers.memory[c].touching != 0.0:
+            difference = abs(numbers.table[c].gap - numbers.own[c].gap)
+            search.difference[0] = max(search.difference[0], difference)
+
+
 @inlined
 def prepare(loop: Loop) -> None:
-    """Compute the dense output of the trial step, and compare with what it is to be compared with."""
-    s, outside = loop.stretch[0], loop.numbers.outside
-    if outside.asked[0].compared != 0:
-        ask(outside, outside.asked[0].compared, s.tried)
+    """Compute the dense output of the trial step; before, coal's gaps at its end are looked at."""
+    s = loop.stretch[0]
+    if loop.search.compared.shape[0] > 0:
+        _compare(loop)
     s.evaluations += prepare_dense(
         s.t, s.tried, loop.tableau, loop.space, loop.work, loop.dense, loop.buffers.kept, loop.numbers
     )

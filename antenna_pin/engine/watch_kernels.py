@@ -11,8 +11,8 @@ from typing import Any, NamedTuple
 
 from antenna_pin._compile import kernel
 from antenna_pin.dynamics.kernels import element_kink, evaluate, head_of, joint_motion
-from antenna_pin.dynamics.outside_kernels import ask_at
 from antenna_pin.dynamics.trial_kernels import locate
+from antenna_pin.engine.step_kernels import ask_elements
 from antenna_pin.integrate.kernels import STATE_ROW, dense_state
 from antenna_pin.records import layout
 
@@ -65,8 +65,7 @@ def _look(w: Any, t: float, y: Any, numbers: Any, watched: Any) -> None:
         out[0] = numbers.table[w.where].gap
         out[1] = -numbers.table[w.where].rate
     else:
-        if numbers.outside.asked[0].elements != 0:
-            ask_at(numbers.outside, numbers.outside.asked[0].elements, t, y)
+        ask_elements(t, y, numbers)
         evaluate(t, y, program, numbers.work, watched.rates)
         memory = numbers.memory[w.where]
         out[0] = max(0.0, numbers.own[w.where].force) if memory.touching != 0.0 else 0.0

@@ -1,4 +1,4 @@
-"""What is looked for at the contacts of a run's steps, in numbers; coal's gaps against the closed form."""
+"""What is looked for at the contacts of a run's steps, in numbers."""
 
 from __future__ import annotations
 
@@ -26,7 +26,8 @@ class ContactSearch:
         ignore: Of each contact, how often it has changed at this very instant, (contacts,).
         limits: Depths at which a run ends, (contacts,) [m].
         trial: The trial step as it is looked at.
-        gap_difference: Largest difference so far between coal's gaps and the closed form [m].
+        compared: Contacts whose gaps coal measures, as 1, (contacts,); nobody's: (0,).
+        difference: Largest difference so far of such a gap and the closed form, (1,) [m].
     """
 
     def __init__(self, workspace: Workspace, stepper: CompiledStepper, episodes: Episodes) -> None:
@@ -37,13 +38,14 @@ class ContactSearch:
         contacts = len(system.contact_names)
         manifold, numbers = system.manifold, stepper.numbers
         self.ignore = np.zeros(contacts, dtype=np.int64)
-        self.gap_difference = 0.0
         self.table = numbers.table
         self.nodes = np.zeros((inspect_kernels.NODE_SIZE, peak_kernels.NODES + 1, contacts))
         self.limits = np.array([limit for j in system.clearances for limit in j.depth_limits])
         self.reasons = [reason for j in system.clearances for reason in j.limit_reasons]
         self.tolerances = episodes.book.places["tolerance"].tolist()
-        self.uses_coal = any(j.backend == "coal" for j in system.clearances)
+        of_coal = [int(j.backend == "coal") for j in system.clearances for _ in j.contact_names]
+        self.compared = np.array(of_coal if any(of_coal) else [], dtype=np.int64)
+        self.difference = np.zeros(1)
         factors = [system.mechanism.joint(j.name).joint_id - 1 for j in system.clearances]
         self.trial = trial_kernels.Trial(
             layout=manifold.part(factors, plain=system.bristle_x.size > 0),
@@ -59,6 +61,15 @@ class ContactSearch:
             outside=numbers.outside,
         )
 
+    @property
+    def gap_difference(self) -> float:
+        """Largest difference so far between coal's gaps and the closed form, of contacts that touch [m]."""
+        return float(self.difference[0])
+
+    @gap_difference.setter
+    def gap_difference(self, difference: float) -> None:
+        self.difference[0] = difference
+
     def measure(self, y: Array) -> None:
         """Fill the search's own contact table for a state, by what locates changes of contact."""
         self._workspace.locate(y, self.table)
@@ -69,12 +80,3 @@ class ContactSearch:
         depth, limit = -float(self.table[c].gap), self.limits[c]
         name = self.system.contact_names[c]
         return f"contact {name} ({depth:.3g} m, limit {limit:.3g} m: {self.reasons[c]})"
-
-    def compare_gaps(self) -> None:
-        """Record how far coal's gaps are from the closed form at the end of the trial step."""
-        self._workspace.measure(self._stepper.y)
-        self.measure(self._stepper.y)
-        contacts = len(self.ignore)
-        difference = np.abs(self.table["gap"][:contacts] - self._workspace.table["gap"][:contacts]).max()
-        if difference > self.gap_difference:
-            self.gap_difference = float(difference)

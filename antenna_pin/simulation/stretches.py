@@ -127,6 +127,8 @@ class Stretches:
                 limits=parts.search.limits,
                 peaks=parts.episodes.peaks,
                 turns=parts.episodes.system.turns,
+                compared=parts.search.compared,
+                difference=parts.search.difference,
             ),
             trial=parts.search.trial,
             buffers=self._buffers(_CAPACITY + 2 * contacts, ends),
@@ -150,8 +152,8 @@ class Stretches:
         )
 
     def _give_answers(self) -> None:
-        """Answer what the loop asks: implicit steps, comparisons with coal, where events are."""
-        stepper, stretch, search = self._stepper, self._stretch, self._parts.search
+        """Answer what the loop asks: implicit steps, where events are."""
+        stepper, stretch = self._stepper, self._stretch
         answers, answer = stepper.answers, stepper.numbers.outside.asked
 
         def step(h: float) -> None:
@@ -166,8 +168,6 @@ class Stretches:
 
         if stepper.newton is not None:
             answers.give("step", step)
-        if search.uses_coal:
-            answers.give("compared", lambda h: search.compare_gaps())
         if self._parts.watch:
             answers.give("lack", lack)
 

@@ -2,11 +2,10 @@
 """A run of the antenna against a loop that does next to nothing but evaluate.
 
 Case 3 over 1 s, in closed form but for the default run. The near-limit loop is compiled, and makes the same
-steps of Dormand-Prince 5(4) by the same derivative: stages, error, the simplest rule for the next step, and at
-a change of contact a secant on the gap. It has no dense output, search, peaks, samples, episodes, energies or
-result, and finds neither a contact that dips between two steps nor a graze. All times are in turns, so that
-what slows the machine down slows all of them; ratios are of medians, the result's making excluded where it
-says so.
+steps of Dormand-Prince 5(4) by the same derivative: stages, error, the simplest rule for the next step, and
+at a change of contact a secant on the gap. It has no dense output, search, peaks, samples, episodes, energies
+or result, and finds neither a contact that dips between two steps nor a graze. Times are taken in turns, so
+that what slows the machine down slows all of them; ratios are of medians.
 """
 
 from __future__ import annotations

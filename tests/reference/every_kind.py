@@ -121,7 +121,7 @@ def systems():
 
 
 def asked_outside():
-    """Run a closed loop through an impact, with all that compiled code asks outside: Pinocchio, coal, laws."""
+    """Run a closed loop through an impact, with all that is asked outside: Pinocchio, coal, laws."""
     scenario = load_scenario("slider_crank", case="planar", overrides=["integrator.rtol=1e-3"])
     system = build_system(scenario)
     (joint,) = system.clearances
