@@ -24,6 +24,7 @@ from antenna_pin.flexible import (
 from antenna_pin.mechanism._edits import child_of, named, remove, set_numbers, text_of
 from antenna_pin.mechanism._format import MOMENTS, numbers_in
 from antenna_pin.mechanism.frames import roll_pitch_yaw
+from antenna_pin.units import shown
 
 __all__ = ["add_parts", "body_name"]
 
@@ -113,7 +114,7 @@ def _body(part: ElasticPart, link: Any, material: Any, taken: set[str], where: s
                 continue
             taken.add(drawn.shape)
             for element in _shapes(link, drawn.shape, where):
-                _shift(element, -part.origin)
+                _shift(element, -part.origin, f"{where}: shape {drawn.shape!r} of link {link.get('name')!r}")
                 element.getparent().remove(element)
                 body.append(element)
         else:
@@ -132,10 +133,13 @@ def _shapes(link: Any, name: str, where: str) -> list[Any]:
     return found
 
 
-def _shift(shape: Any, by: np.ndarray) -> None:
+def _shift(shape: Any, by: np.ndarray, where: str) -> None:
     origin = child_of(shape, "origin")
-    place = np.array(numbers_in(origin.get("xyz", "0 0 0")))
-    origin.set("xyz", text_of(place + by))
+    text = origin.get("xyz", "0 0 0")
+    place = numbers_in(text) or ()
+    if len(place) != len(by) or not np.isfinite(place).all():
+        raise MechanismError(f"{where}: <origin xyz> must be three finite numbers, got {shown(text)}")
+    origin.set("xyz", text_of(np.array(place) + by))
 
 
 def _material(shapes: Iterable[Any]) -> Any:

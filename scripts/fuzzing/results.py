@@ -196,7 +196,7 @@ def _variable_edit(chance: Random, name: str) -> Change:
         "a number": lambda of: of.flat[0] if of.size else 0.0,
         "text": lambda of: np.full(of.shape, b"x"),
         "complex": lambda of: of.astype(complex),
-        "whole": lambda of: np.nan_to_num(of).astype("i4"),
+        "whole": lambda of: np.clip(np.nan_to_num(of), -1e9, 1e9).astype("i4"),
         "big-endian": lambda of: of.astype(">f8"),
         f"with {value:g} at {at:.2f}": lambda of: _with(of, at, value),
         f"all {value:g}": lambda of: np.full(of.shape, value),

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+import shutil
 from typing import Any
 
 import numpy as np
@@ -9,8 +11,9 @@ import pytest
 from flexible_links import DATA, DISH, KINDS
 from modal_equations import frequencies, linear_frequencies, spatial
 
-from antenna_pin import load_scenario
+from antenna_pin import load_scenario, models_path
 from antenna_pin.assemble import build_system, urdf_variant
+from antenna_pin.errors import MechanismError
 from antenna_pin.flexible import EffectiveMode, MassProperties, Petals, petal_body, realised
 from antenna_pin.flexible.inertia import share_taken
 from antenna_pin.flexible.realised import hinged
@@ -202,3 +205,14 @@ def test_the_body_chosen_takes_least_of_all_that_are_looked_at(random_link: Any)
             for factor, flat in ((0.125, 0.1), (1.0, 0.5), (8.0, 0.9)):
                 other = hinged("m", link, t, r, lever, factor * extra, 1.0, 0.0, flat)
                 assert best <= share_taken(link, other.body) * (1.0 + 1e-12)
+
+
+@pytest.mark.parametrize("place", ["-0.2755 a 0", "-0.2755 0", "nan 0 0"])
+def test_a_shape_that_goes_with_a_part_must_have_a_place(tmp_path, place):
+    """It is moved from the link's frame to the part's; one that is only drawn may have any."""
+    folder = shutil.copytree(models_path() / "bai2020", tmp_path / "bai2020")
+    file = folder / "antenna.urdf"
+    file.write_text(file.read_text().replace('<origin xyz="-0.2755 0 0"/>', f'<origin xyz="{place}"/>'))
+    rule = f"shape 'dish' of link 'reflector': <origin xyz> must be three finite numbers, got '{place}'"
+    with pytest.raises(MechanismError, match=re.escape(rule)):
+        build_system(load_scenario(folder, case="flexible"))
