@@ -90,25 +90,20 @@ class Constraints:
         found = self.found
         return found.gap, found.turn, found.speed, found.spin
 
-    def bind(self, y: Array, program: Array, effort: Array, rates: Array) -> Callable[[float], None]:
-        """Return the accelerations of a state held in an array, and powers of motions, as a function of time.
+    def accelerate(self, t: float, y: Array, program: Array, effort: Array, rates: Array) -> None:
+        """Write accelerations, and powers of motions.
 
         Args:
-            y: State [q, v, x]; read at each call.
-            program: Of the system's elements; read at each call.
-            effort: Generalized force of the elements, (nv,); read at each call.
-            rates: Written at each call, (nv + nx,).
+            t: Time [s].
+            y: State [q, v, x].
+            program: Of the system's elements.
+            effort: Generalized force of the elements, (nv,).
+            rates: To write to, (nv + nx,).
         """
-        nq = self.model.nq
-        q, v = y[:nq], y[nq : nq + self.nv]
-        model, data, plan, work = self.model, self.data, self.plan.words, self.work
-        crba, bias, accelerate = pin.crba, pin.nonLinearEffects, solve_kernels.accelerate
-
-        def solve(t: float) -> None:
-            mass = crba(model, data, q)
-            accelerate(t, y, program, plan, work, effort, mass, bias(model, data, q, v), rates)
-
-        return solve
+        nq, model, data = self.model.nq, self.model, self.data
+        mass, q, v = pin.crba(model, data, y[:nq]), y[:nq], y[nq : nq + self.nv]
+        bias = pin.nonLinearEffects(model, data, q, v)
+        solve_kernels.accelerate(t, y, program, self.plan.words, self.work, effort, mass, bias, rates)
 
     def observe(
         self, t: float, y: Array, program: Array, effort: Array, rates: Array, closures: Array, joints: Array

@@ -43,5 +43,5 @@ def acceleration(
     workspace = Workspace(system)
     workspace.memory[:] = workspace.first_memory(y) if memory is None else memory_records(memory)
     rates = np.zeros(system.model.nv + system.manifold.nx)
-    workspace.bind(y, rates)(t)
+    workspace.derivative(t, y, rates)
     return rates[: system.model.nv].copy()

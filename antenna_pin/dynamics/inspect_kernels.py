@@ -91,7 +91,7 @@ def fill_nodes(nodes: Any, trial: Any, from_last: bool) -> None:
         elif k == NODES:
             contacts_of(trial.start + STATE - START, trial)
         else:
-            contacts_at(k / NODES, trial, ALL)
+            contacts_at(k / NODES, trial, ALL, True)
         for c in range(trial.memory.shape[0]):
             nodes[GAP, k, c] = table[c].gap
             nodes[DEPTH_RATE, k, c] = table[c].rate
@@ -125,8 +125,6 @@ def inspect_step(
     when = until
     deep = False
     for c in range(memory.shape[0]):
-        if trial.measured[c]:
-            continue
         touching = memory[c].touching != 0.0
         theta = _crossing(c, 1.0 if touching else -1.0, 0.0, h, nodes, trial)
         if theta < when and not (ignore[c] == 2 and theta == 0.0):

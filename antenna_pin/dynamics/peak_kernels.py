@@ -105,7 +105,7 @@ def track_peaks(t: float, h: float, nodes: Any, peaks: Any, trial: Any) -> None:
     """Raise the peaks of each touching contact (``PEAK``) to the maxima of this step's dense output."""
     memory = trial.memory
     for c in range(memory.shape[0]):
-        if memory[c].touching == 0.0 or trial.measured[c]:
+        if memory[c].touching == 0.0:
             continue
         peak = peaks[c]
         best = 0

@@ -8,6 +8,7 @@ import numpy as np
 
 from antenna_pin._compile import inlined, kernel
 from antenna_pin.dynamics.kernels import HEADER, block_at, head_of
+from antenna_pin.dynamics.outside_kernels import ask, ask_at
 from antenna_pin.integrate.kernels import dense_joint, dense_plain
 from antenna_pin.integrate.manifold_kernels import factor_of
 from antenna_pin.joints.kernels import contact_forces, contact_geometry, contact_rates
@@ -36,7 +37,7 @@ class Trial(NamedTuple):
         pose: Of one journal, POSE, (1,).
         table: Contact table, CONTACT, written.
         rates: Written, and of no use.
-        measured: Which contacts are not looked at, for no closed form knows their gaps, (contacts,).
+        outside: Who measures gaps that no closed form knows, and asks laws in Python.
     """
 
     layout: Any
@@ -49,7 +50,7 @@ class Trial(NamedTuple):
     pose: Any
     table: Any
     rates: Any
-    measured: Any
+    outside: Any
 
 
 @inlined
@@ -64,11 +65,24 @@ def _look(b: int, y: Any, nq: int, nv: int, trial: Any) -> None:
         contact_forces(program, b, y, nq + nv, trial.memory, table, trial.rates, nv)
 
 
-@kernel
-def contacts_at(theta: float, trial: Any, contact: int) -> None:
-    """Fill the contact table at the fraction theta of a step, in closed form, with compiled laws' forces.
+@inlined
+def _ask_outside(y: Any, contact: int, with_forces: bool, trial: Any) -> None:
+    """Have filled in what no kernel knows of a contact (of all: -1), at a state or its joint's part of it."""
+    outside, asked = trial.outside, trial.outside.asked[0]
+    if asked.gaps == 0 and asked.forces == 0:
+        return
+    asked.contact = contact
+    if asked.gaps != 0:
+        ask_at(outside, asked.gaps, 0.0, y)
+    if asked.forces != 0 and with_forces:
+        ask(outside, asked.forces, 0.0)
 
-    Of a contact's joint, or of all if its number is negative.
+
+@kernel
+def contacts_at(theta: float, trial: Any, contact: int, with_forces: bool) -> None:
+    """Fill the contact table at the fraction theta of a step, of a contact's joint, or of all (-1).
+
+    Forces of laws in Python are there only where they are asked for.
     """
     program, layout = trial.program, trial.layout
     head = head_of(program)
@@ -84,17 +98,19 @@ def contacts_at(theta: float, trial: Any, contact: int) -> None:
             _look(b, trial.out[0], nq, nv, trial)
         number += 1
         b += j.length
+    _ask_outside(trial.out[0], contact, with_forces, trial)
 
 
 @kernel
 def contacts_of(row: int, trial: Any) -> None:
-    """Fill the contact table for the state in one of the stepper's rows."""
+    """Fill the contact table for the state in one of the stepper's rows, forces included."""
     program = trial.program
     head = head_of(program)
     b = HEADER
     while b < program.shape[0] and block_at(program, b).kind == CLEARANCE:
         _look(b, trial.work[row], head.nq, head.nv, trial)
         b += joint_at(program, b).length
+    _ask_outside(trial.work[row], ALL, True, trial)
 
 
 @kernel
@@ -111,9 +127,19 @@ def contacts_in(y: Any, program: Any, pose: Any, table: Any) -> None:
 
 
 @kernel
+def locate(y: Any, program: Any, pose: Any, table: Any, outside: Any) -> None:
+    """Fill the contact table of a run as :func:`contacts_in`, gaps that a backend measures included."""
+    contacts_in(y, program, pose, table)
+    asked = outside.asked[0]
+    if asked.gaps != 0:
+        asked.contact = ALL
+        ask_at(outside, asked.gaps, 0.0, y)
+
+
+@kernel
 def value_at(column: int, theta: float, c: int, trial: Any) -> float:
     """Gap, depth rate or normal force of contact c at theta."""
-    contacts_at(theta, trial, c)
+    contacts_at(theta, trial, c, column == NORMAL_FORCE)
     row = trial.table[c]
     if column == GAP:
         return float(row.gap)

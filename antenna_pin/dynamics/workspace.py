@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -12,7 +11,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.constraints import Constraints
 from antenna_pin.dynamics import kernels, point_kernels, trial_kernels
-from antenna_pin.dynamics.audit_kernels import AUDIT, audit_state
 from antenna_pin.dynamics.system import System
 from antenna_pin.joints import PythonPath
 from antenna_pin.joints.kernels import unit_normal_force
@@ -79,6 +77,8 @@ class Workspace:
                 self.paths.append(path)
         #: Those whose gaps are what a backend measures and nothing else.
         self.measured = [path for path in self.paths if path.measured]
+        #: Those whose laws no compiled look at a contact can ask: in Python, or on gaps that are measured.
+        self.asked_laws = [path for path in self.paths if path.measured or not path.compiled]
         #: Whether each drive in Python is on at present.
         self._on = [
             self.program[block : block + kernels.PARAMETERS].view(kernels.ELEMENT)["on"]
@@ -89,7 +89,6 @@ class Workspace:
         if system.point_springs:
             tree = body_tree(system.mechanism)
             self._bodies = tree, np.zeros(len(tree) + 1, PLACE)
-        self._tree: NDArray[Any] | None = None
         #: What is held besides the tree; None if nothing is.
         self.constraints = None if system.plan is None else Constraints(system.plan, self.model, self.data)
 
@@ -115,7 +114,7 @@ class Workspace:
             found: Array = pin.aba(self.model, self.data, y[:nq], y[nq : nq + nv], tau)
             return found
         rates = np.zeros(nv + self.manifold.nx)
-        self.constraints.bind(y, self.program, tau, rates)(t)
+        self.constraints.accelerate(t, y, self.program, tau, rates)
         return rates[:nv]
 
     def prepare_motions(self, t: float, y: Array) -> None:
@@ -132,8 +131,19 @@ class Workspace:
         That is the closed form where there is one, coal's gaps being those; else it is the backend.
         """
         trial_kernels.contacts_in(y, self.program, self._pose, table)
+        self.measure_into(table, y)
+
+    def measure_into(self, table: NDArray[Any], y: Array, contact: int = -1) -> None:
+        """Fill in the rows whose gaps are what a backend measures: of a contact's joint, or of all (-1)."""
         for path in self.measured:
-            path.locate(y, table)
+            if contact < 0 or contact in path:
+                path.locate(y, table)
+
+    def ask_laws(self, table: NDArray[Any], contact: int = -1) -> None:
+        """Write the normal forces of a contact, or of all (-1), with laws asked in Python, to a table."""
+        for path in self.asked_laws:
+            if contact < 0 or contact in path:
+                path.ask_laws(table, contact)
 
     def measure(self, y: Array) -> None:
         """Bring all rows of ``table`` up to date for a state: gap, normal, point, rates of every contact.
@@ -145,79 +155,30 @@ class Workspace:
         for path in self.paths:
             path.prepare(y, everything=True)
 
-    def apply_elements(self, t: float, y: Array, rates: Array) -> None:
-        """Evaluate the elements: ``tau``, the contacts' ``table``, and x rates behind rates[nv]."""
+    def prepare(self, t: float, y: Array) -> None:
+        """Do what of the elements happens in Python: gaps, laws, numbers of drives."""
         for path in self.paths:
             path.prepare(y)
         self.prepare_motions(t, y)
+
+    def apply_elements(self, t: float, y: Array, rates: Array) -> None:
+        """Evaluate the elements: ``tau``, the contacts' ``table``, and x rates behind rates[nv]."""
+        self.prepare(t, y)
         kernels.evaluate(t, y, self.program, self._work, rates)
         if self._bodies is not None:
             point_kernels.add_forces(y, self.program, *self._bodies, self.tau, rates)
 
-    def bind(self, y: Array, rates: Array) -> Callable[[float], None]:
-        """Return the derivative of a state held in an array, as a function of time alone.
-
-        What an integrator calls: the arrays are looked at once, and no attribute is looked up (which would
-        cost a tenth of an ABA).
-
-        Args:
-            y: State [q, v, x], contiguous; read at each call.
-            rates: Output [acceleration (nv), rate of x (nx)], written at each call.
-        """
-        nq, nv = self.model.nq, self.model.nv
-        q, v, out = y[:nq], y[nq : nq + nv], rates[:nv]
-        program, work, tau = self.program, self._work, self.tau
-        evaluate, model, data, aba = kernels.evaluate, self.model, self.data, pin.aba
-        solve = None if self.constraints is None else self.constraints.bind(y, program, tau, rates)
-        if self.paths or self.system.callables or self._bodies is not None:
-            elements = self.apply_elements
-
-            def general(t: float) -> None:
-                elements(t, y, rates)
-                if solve is None:
-                    out[:] = aba(model, data, q, v, tau)
-                else:
-                    solve(t)
-
-            return general
-
-        if solve is not None:
-
-            def held(t: float) -> None:
-                evaluate(t, y, program, work, rates)
-                solve(t)
-
-            return held
-
-        def fused(t: float) -> None:
-            evaluate(t, y, program, work, rates)
-            out[:] = aba(model, data, q, v, tau)
-
-        return fused
-
     def derivative(self, t: float, y: Array, rates: Array) -> None:
-        """Write [acceleration (nv), rate of x (nx)] at time t [s] and state y into rates."""
-        self.bind(y, rates)(t)
+        """Write [acceleration (nv), rate of x (nx)] at time t [s] and state y into rates.
 
-    @property
-    def project(self) -> Callable[[float, Array], bool] | None:
-        """What brings the state of a run onto the constraints; None where there are none.
-
-        ``(t, y) -> whether it moved``, in place; the energy that this puts in is booked in x.
+        For people and for what is asked now and then; the steps of a run have the same compiled
+        (:mod:`antenna_pin.engine`).
         """
-        return None if self.constraints is None else self._project
-
-    def _project(self, t: float, y: Array) -> bool:
-        assert self.constraints is not None
-        self.prepare_motions(t, y)
-        if self.constraints.closed_at(t, y, self.program):
-            return False
-        before = self._stored(y)
-        if not self.constraints.project(t, y, self.program, self.retract):
-            y[:] = np.nan  # no state: the step is rejected
-            return True
-        y[self.model.nq + self.model.nv + int(self.system.projection_x[0])] += self._stored(y) - before
-        return True
+        self.apply_elements(t, y, rates)
+        if self.constraints is not None:
+            self.constraints.accelerate(t, y, self.program, self.tau, rates)
+        else:
+            rates[: self.model.nv] = self._accelerate(t, y, self.tau)
 
     def hold(self, t: float, y: Array) -> None:
         """Bring a state that is only looked at onto the constraints, in place, and book nothing."""
@@ -228,18 +189,6 @@ class Workspace:
     def retract(self, y: Array, step: Array) -> None:
         """Move the configuration in y, in place, by a step in the coordinates of velocities, (nv,)."""
         y[: self.model.nq] = pin.integrate(self.model, y[: self.model.nq], step)
-
-    def _stored(self, y: Array) -> float:
-        """Energy of a state with the contact memory as it is [J]."""
-        if self._tree is None:
-            self._tree = body_tree(self.system.mechanism)
-            self._room = np.zeros(len(self._tree) + 1, PLACE), np.zeros(1, AUDIT), np.zeros_like(self.table)
-        places, audits, table = self._room
-        self.locate(y, table)
-        audit_state(y, self.model.nq, self._tree, np.array(self.model.gravity.linear), places, audits)
-        contacts, springs = kernels.stored_energy(y, self.program, self.memory, table)
-        springs += point_kernels.stored(self.program, places)
-        return float(audits[0].kinetic + audits[0].gravity) + contacts + springs
 
     def lengths(self, y: Array) -> Array:
         """Return the lengths of the springs between points, (springs,) [m]; 0 where points coincide."""

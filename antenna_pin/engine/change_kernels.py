@@ -1,4 +1,4 @@
-"""A contact that touches or parts: the step made again to end there, and what changes, compiled."""
+"""A step made again to end where something happens, and a contact that touches or parts, compiled."""
 
 from __future__ import annotations
 
@@ -6,72 +6,118 @@ import math
 
 from antenna_pin._compile import kernel
 from antenna_pin.dynamics.inspect_kernels import fill_nodes
+from antenna_pin.dynamics.outside_kernels import ask, has_failed
 from antenna_pin.dynamics.peak_kernels import track_peaks
-from antenna_pin.dynamics.trial_kernels import contacts_in
+from antenna_pin.dynamics.trial_kernels import locate
 from antenna_pin.engine.episode_kernels import effective_mass, release, touch
-from antenna_pin.engine.pace_kernels import hopeless, note_size, shortened, size_after_change
-from antenna_pin.engine.step_kernels import attempt, derivative
-from antenna_pin.engine.stretch_kernels import Loop, accept, keep, prepare, remember, start_row
+from antenna_pin.engine.pace_kernels import hopeless, shortened, size_after_change
+from antenna_pin.engine.step_kernels import derivative
+from antenna_pin.engine.stretch_kernels import (
+    FRESH,
+    Loop,
+    accept,
+    keep,
+    prepare,
+    remember,
+    start_row,
+    try_step,
+)
 from antenna_pin.integrate.kernels import RATES, START, STATE, begin
 
 RELOCATIONS = 5
 
-
-@kernel
-def change(loop: Loop, c: int, theta: float) -> bool:
-    """Let a contact touch or part at a fraction of the trial step; whether the loop may go on."""
-    s, ignore = loop.stretch[0], loop.search.ignore
-    wished = s.h
-    note_size(loop.sizes, loop.book.memory, wished)
-    if theta > 0.0:
-        error = _relocate(loop, c, theta)
-        if not error <= 1.0:
-            s.h = shortened(loop.pace, s.tried, error)
-            return not hopeless(loop.pace, s.h)
-    elif ignore[c] != 0:
-        # It has just changed here and would change back at once: a graze. Let it, this once more.
-        ignore[c] = 2
-        _flip(loop, c, 0.0)
-        _restart(loop)
-        return True
-    numbers = loop.numbers
-    contacts_in(loop.work[start_row(loop)], numbers.program, numbers.pose, numbers.table)
-    _flip(loop, c, numbers.table[c].rate)
-    ignore[c] = 1
-    _restart(loop)
-    _sample_start(loop)
-    s.h = size_after_change(loop.sizes, loop.book.memory, wished)
-    return True
+# What comes of a part of the loop: it goes on; what the loop outside has to see to: a step so short that it
+# is hopeless, something outside that could not be answered.
+GOES_ON = 0
+HOPELESS = 1
+FAILED = 2
 
 
 @kernel
-def _relocate(loop: Loop, c: int, theta: float) -> float:
-    """Make the trial step again to end where contact c has no gap, and accept it; return its error."""
-    s, numbers = loop.stretch[0], loop.numbers
-    end = loop.tableau.weights.shape[0] + STATE
-    longest = s.tried
-    size = theta * longest
+def make_again(loop: Loop, c: int, level: float, size: float, longest: float) -> int:
+    """Make the trial step again to end where something happens; its dense output is there then.
+
+    The error of the step that went on past that point says nothing of the one up to it. Where that one's is
+    too large, a shorter step is to be tried.
+
+    Args:
+        loop: The loop.
+        c: The contact whose gap is to be at a level; -1: how much longer the step is to be is asked outside.
+        level: That gap [m].
+        size: How far into the step that is, by a dense output [s].
+        longest: What the step may be corrected to at most [s].
+    """
+    s, outside = loop.stretch[0], loop.numbers.outside
     for _ in range(RELOCATIONS):
-        error = attempt(s.t, size, loop.tableau, loop.space, loop.work, loop.scales, loop.rtol, numbers)
-        s.evaluations += loop.tableau.last
+        error = try_step(loop, size)
         s.relocated += 1
-        s.tried = size
+        if has_failed(outside):
+            return FAILED
         if not error <= 1.0:
-            return float(error)
-        contacts_in(loop.work[end], numbers.program, numbers.pose, numbers.table)
-        gap, rate = numbers.table[c].gap, numbers.table[c].rate
-        if abs(gap) <= loop.book.places[c].tolerance or rate == 0.0:
-            break
-        more = gap / rate
+            s.phase = FRESH
+            s.h = shortened(loop.pace, s.tried, error)
+            return HOPELESS if hopeless(loop.pace, s.h) else GOES_ON
+        more = _lack(loop, c, level)
+        if has_failed(outside):
+            return FAILED
         if more == 0.0 or not 0.0 < size + more <= longest:
             break
         size += more
-    prepare(loop, s.tried)
-    fill_nodes(loop.search.nodes, loop.trial, False)
-    track_peaks(s.t, s.tried, loop.search.nodes, loop.search.peaks, loop.trial)
-    keep(loop, s.tried)
-    accept(loop, s.tried)
-    return 0.0
+    prepare(loop)
+    return FAILED if has_failed(outside) else GOES_ON
+
+
+@kernel
+def _lack(loop: Loop, c: int, level: float) -> float:
+    """How much longer the trial step is to be [s]; zero if it ends well, or cannot be told better."""
+    numbers = loop.numbers
+    outside = numbers.outside
+    if c < 0:
+        ask(outside, outside.asked[0].lack, loop.stretch[0].tried)
+        return float(outside.asked[0].answer)
+    end = loop.work[loop.tableau.weights.shape[0] + STATE]
+    locate(end, numbers.program, numbers.pose, numbers.table, outside)
+    gap, rate = numbers.table[c].gap - level, numbers.table[c].rate
+    if abs(gap) <= loop.book.places[c].tolerance or rate == 0.0:
+        return 0.0
+    return float(gap / rate)
+
+
+@kernel
+def take_up(loop: Loop) -> int:
+    """Accept a trial step that was made again, in which no contact changes."""
+    s = loop.stretch[0]
+    if loop.search.ignore.shape[0] > 0:
+        fill_nodes(loop.search.nodes, loop.trial, False)
+        track_peaks(s.t, s.tried, loop.search.nodes, loop.search.peaks, loop.trial)
+        keep(loop)
+    accept(loop)
+    return FAILED if has_failed(loop.numbers.outside) else GOES_ON
+
+
+@kernel
+def change(loop: Loop) -> int:
+    """Let the contact that meets or leaves its surface at the present state touch, or part."""
+    s, numbers, c = loop.stretch[0], loop.numbers, loop.stretch[0].contact
+    locate(loop.work[start_row(loop)], numbers.program, numbers.pose, numbers.table, numbers.outside)
+    _flip(loop, c, numbers.table[c].rate)
+    loop.search.ignore[c] = 1
+    _restart(loop)
+    if has_failed(numbers.outside):
+        return FAILED
+    _sample_start(loop)
+    s.h = size_after_change(loop.sizes, loop.book.memory, s.h)
+    return GOES_ON
+
+
+@kernel
+def graze(loop: Loop) -> int:
+    """Let a contact that has just changed here change back at once, this once more."""
+    c = loop.stretch[0].contact
+    loop.search.ignore[c] = 2
+    _flip(loop, c, 0.0)
+    _restart(loop)
+    return FAILED if has_failed(loop.numbers.outside) else GOES_ON
 
 
 @kernel
@@ -79,6 +125,7 @@ def _flip(loop: Loop, c: int, rate: float) -> None:
     """Let a contact touch, at a depth rate [m/s], or part; a sample of its largest force is due then."""
     s, book, buffers = loop.stretch[0], loop.book, loop.buffers
     y = loop.work[start_row(loop)]
+    s.phase = FRESH
     if book.memory[c].touching == 0.0:
         touch(book, c, s.t, rate, effective_mass(c, y, loop.numbers), y)
         return
@@ -103,6 +150,7 @@ def _restart(loop: Loop) -> None:
     derivative(s.t, work[stages + STATE], loop.numbers, work[stages + RATES, :n], False)
     s.evaluations += 1
     begin(stages, loop.space, work)
+    loop.numbers.outside.asked[0].new = 1
 
 
 @kernel

@@ -1,4 +1,4 @@
-"""A system whose derivative is compiled as a whole, the tree's dynamics included."""
+"""A system in numbers, and the stepper each of whose steps is one call of compiled code."""
 
 from __future__ import annotations
 
@@ -6,11 +6,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.dynamics import System, Workspace
-from antenna_pin.engine.step_kernels import Numbers, Tableau, attempt, derivative, prepare_dense
+from antenna_pin.engine.answers import Answers, give_pinocchio, give_python
+from antenna_pin.engine.implicit_kernels import attempt_implicit
+from antenna_pin.engine.step_kernels import Numbers, attempt, derivative, prepare_dense
 from antenna_pin.errors import MechanismError
 from antenna_pin.integrate import Method, Stepper
-from antenna_pin.mechanism import PLACE, TreeDynamics
+from antenna_pin.mechanism import PLACE, ROOM, TreeDynamics, body_tree
 from antenna_pin.records import POSE
+from antenna_pin.settings import Engine
 
 __all__ = ["Compiled", "CompiledStepper", "check_compiled"]
 
@@ -44,43 +47,57 @@ def check_compiled(system: System) -> None:
 
 
 class Compiled:
-    """A workspace's system in numbers, for the compiled steps of one run.
+    """A workspace's system in numbers, for the steps of one run, and who answers what is not in them.
 
     Args:
         workspace: What the run works on; its contact memory, program and contact table are used.
+        engine: Whose the tree's dynamics are: compiled, or Pinocchio's, asked from inside.
+
+    Attributes:
+        numbers: The system, as the kernels take it.
+        answers: Who is asked what is not compiled.
 
     Raises:
-        MechanismError: The system is not one that can be compiled (:func:`check_compiled`), or its tree in
-            numbers deviates from Pinocchio's.
+        MechanismError: The engine is ``compiled``, and the system is not one that it takes
+            (:func:`check_compiled`), or its tree in numbers deviates from Pinocchio's.
     """
 
-    def __init__(self, workspace: Workspace) -> None:
-        """Compare the tree with Pinocchio's and lay the numbers out."""
-        system = workspace.system
-        check_compiled(system)
-        dynamics, plan = TreeDynamics(system.mechanism), system.plan
+    def __init__(self, workspace: Workspace, engine: Engine) -> None:
+        """Lay the numbers out; a compiled tree is compared with Pinocchio's."""
+        system, model = workspace.system, workspace.model
+        if engine == "compiled":
+            check_compiled(system)
+            tree = TreeDynamics(system.mechanism).tree
+        else:
+            tree = body_tree(system.mechanism)
+        plan, nq, nv, size = system.plan, model.nq, model.nv, system.manifold.size
+        self.answers = Answers(size, nv)
         self.numbers = Numbers(
             program=workspace.program,
             work=workspace.work,
-            tree=dynamics.tree,
-            gravity=dynamics.gravity,
-            room=dynamics.room(),
-            places=np.zeros(len(dynamics.tree) + 1, PLACE),
+            tree=tree,
+            gravity=np.array(model.gravity.linear),
+            room=np.zeros(len(tree) + 1, ROOM),
+            places=np.zeros(len(tree) + 1, PLACE),
             plan=np.zeros(0) if plan is None else plan.words,
             held=np.zeros(0 if plan is None else plan.size),
-            mass=np.zeros((dynamics.nv, dynamics.nv)),
-            bias=np.zeros(dynamics.nv),
-            step=np.zeros(dynamics.nv),
+            mass=np.zeros((nv, nv)),
+            bias=np.zeros(nv),
+            step=np.zeros(nv),
             pose=np.zeros(1, POSE),
             table=np.zeros_like(workspace.table),
             own=workspace.table,
             memory=workspace.memory,
-            rates=np.zeros((2, dynamics.nv + system.manifold.nx)),
-            force=np.zeros(dynamics.nv),
-            moved=np.zeros(system.manifold.size),
+            rates=np.zeros((2, nv + system.manifold.nx)),
+            force=np.zeros(nv),
+            moved=np.zeros(size),
             flag=np.zeros(1, dtype=np.int64),
-            booked=-1 if plan is None else dynamics.nq + dynamics.nv + int(system.projection_x[0]),
+            booked=-1 if plan is None else nq + nv + int(system.projection_x[0]),
+            outside=self.answers.outside,
         )
+        give_python(self.answers, workspace, self.numbers.table)
+        if engine != "compiled":
+            give_pinocchio(self.answers, workspace, self.numbers.mass, self.numbers.bias)
 
 
 class CompiledStepper(Stepper):
@@ -99,35 +116,44 @@ class CompiledStepper(Stepper):
     ) -> None:
         """Allocate the work space once."""
         super().__init__(workspace, method, scales, rtol)
-        self.numbers = compiled.numbers
-        self.tableau = Tableau(
-            nodes=method.nodes,
-            weights=method.weights,
-            errors=method.errors,
-            polynomials=method.polynomials,
-            last=method.last,
-            adaptive=int(method.adaptive),
-        )
-        #: Room for a step's end while its dense output is made.
-        self.kept = np.zeros((2, self.manifold.size))
-        y, rates, numbers = self.y, self._rates, self.numbers
-        self._derivative = lambda t: derivative(t, y, numbers, rates, False)
+        self.numbers, self.answers = compiled.numbers, compiled.answers
+        self._asked = np.zeros(1, dtype=np.int64)
+
+    def _derive(self, t: float) -> None:
+        derivative(t, self.y, self.numbers, self._rates, False)
+        self.answers.check()
 
     def attempt(self, h: float) -> float:
-        """Try a step of size h [s]; return its scaled error."""
-        error = attempt(
+        """Try a step of size h [s]; return its scaled error.
+
+        Raises:
+            FunctionError: A function of the user's has no answer in it.
+        """
+        error = self.tried(h)
+        self.answers.check()
+        return error
+
+    def tried(self, h: float) -> float:
+        """Try a step as :meth:`attempt`, but raise nothing: what could not be answered is left to be seen."""
+        self.h, self.has_dense = h, False
+        layout, work, numbers = self.manifold.layout, self.work, self.numbers
+        if self.newton is None:
+            self.evaluations += self.method.last
+            return float(attempt(self.t, h, self.tableau, layout, work, self.scales, self.rtol, numbers))
+        self._asked[0] = 0
+        error = attempt_implicit(
             self.t,
             h,
-            self.tableau,
-            self.manifold.layout,
-            self.work,
+            self.method.stages,
+            layout,
+            work,
             self.scales,
             self.rtol,
-            self.numbers,
+            self.newton,
+            numbers,
+            self._asked,
         )
-        self.evaluations += self.method.last
-        self.h = h
-        self.has_dense = False
+        self.evaluations += int(self._asked[0])
         return float(error)
 
     def prepare_dense(self) -> None:
@@ -144,4 +170,5 @@ class CompiledStepper(Stepper):
             self.kept,
             self.numbers,
         )
+        self.answers.check()
         self.has_dense = True

@@ -6,16 +6,13 @@ import math
 from typing import Any, NamedTuple
 
 from antenna_pin._compile import kernel
-from antenna_pin.constraints.rows_kernels import write_rows
-from antenna_pin.constraints.solve_kernels import solve
 from antenna_pin.dynamics.kernels import HEADER, block_at, head_of
-from antenna_pin.dynamics.trial_kernels import contacts_in
-from antenna_pin.engine.hold_kernels import factorize_rows
+from antenna_pin.dynamics.trial_kernels import locate
+from antenna_pin.engine.step_kernels import accelerate
 from antenna_pin.integrate.kernels import STATE_ROW, dense_state
 from antenna_pin.joints.kernels import unit_normal_force
 from antenna_pin.joints.layout_kernels import CLEARANCE, joint_at
 from antenna_pin.joints.pose_kernels import journal_state
-from antenna_pin.mechanism.dynamics_kernels import aba
 from antenna_pin.records import layout
 
 #: One contact from onset to release: which; when it began [s], how fast [m/s], onto which mass [kg]; when it
@@ -162,7 +159,7 @@ def effective_mass(c: int, y: Any, numbers: Any) -> float:
     program, rates = numbers.program, numbers.rates
     head = head_of(program)
     nq, nv = head.nq, head.nv
-    contacts_in(y, program, numbers.pose, numbers.table)
+    locate(y, program, numbers.pose, numbers.table, numbers.outside)
     direction = numbers.step
     for k in range(nv):
         direction[k] = 0.0
@@ -180,24 +177,11 @@ def effective_mass(c: int, y: Any, numbers: Any) -> float:
     for k in range(nv):
         rest[nq + k] = 0.0
         numbers.force[k] = 0.0
-    _accelerations(rest, numbers.force, numbers, rates[0])
+    accelerate(0.0, rest, numbers.force, numbers, rates[0], False)
     for k in range(nv):
         numbers.force[k] = direction[k]
-    _accelerations(rest, numbers.force, numbers, rates[1])
+    accelerate(0.0, rest, numbers.force, numbers, rates[1], False)
     total = 0.0
     for k in range(nv):
         total += direction[k] * (rates[1, k] - rates[0, k])
     return float(1.0 / total)
-
-
-@kernel
-def _accelerations(y: Any, tau: Any, numbers: Any, rates: Any) -> None:
-    """Write the accelerations at time zero and state y under a generalized force into rates[:nv]."""
-    program = numbers.program
-    head = head_of(program)
-    if numbers.plan.shape[0] == 0:
-        aba(y, head.nq, numbers.tree, numbers.gravity, tau, numbers.room, rates[: head.nv])
-        return
-    write_rows(0.0, y, program, numbers.plan, numbers.held)
-    factorize_rows(numbers)
-    solve(y, program, numbers.plan, numbers.held, tau, numbers.bias, rates)

@@ -1,6 +1,7 @@
 """Closures and motions in a compiled step: its end brought onto them, and the energy of that booked.
 
 What :class:`antenna_pin.constraints.Constraints` does by the same kernels, for a state inside compiled code.
+Mass matrix and bias are the tree's own, or asked outside.
 """
 
 from __future__ import annotations
@@ -14,8 +15,9 @@ from antenna_pin.constraints.rows_kernels import write_residuals, write_rows
 from antenna_pin.constraints.solve_kernels import CLOSED, NEAR, OPEN, ROUNDS, correction
 from antenna_pin.dynamics.audit_kernels import energy_of
 from antenna_pin.dynamics.kernels import stored_energy
+from antenna_pin.dynamics.outside_kernels import ask_at
 from antenna_pin.dynamics.point_kernels import stored
-from antenna_pin.dynamics.trial_kernels import contacts_in
+from antenna_pin.dynamics.trial_kernels import locate
 from antenna_pin.integrate.manifold_kernels import move_by_velocity
 from antenna_pin.mechanism.mass_kernels import mass_and_bias
 from antenna_pin.mechanism.tree_kernels import PLACE
@@ -39,17 +41,29 @@ def _in_motion(plan: Any, work: Any) -> bool:
 
 
 @inlined
-def factorize_rows(numbers: Any) -> None:
+def factorize_rows(t: float, y: Any, numbers: Any) -> None:
     """Factorize rows that were just written, with the mass matrix of the same state; write ``bias`` too."""
-    plan, work = numbers.plan, numbers.held
-    places = work[: PLACE_WORDS * (plan_of(plan).bodies + 1)].view(PLACE)
-    mass_and_bias(numbers.tree, places, numbers.gravity, numbers.room, numbers.mass, numbers.bias)
+    plan, work, terms = numbers.plan, numbers.held, numbers.outside.asked[0].terms
+    if terms != 0:
+        ask_at(numbers.outside, terms, t, y)
+    else:
+        places = work[: PLACE_WORDS * (plan_of(plan).bodies + 1)].view(PLACE)
+        mass_and_bias(numbers.tree, places, numbers.gravity, numbers.room, numbers.mass, numbers.bias)
     factorize(plan, work, numbers.mass)
+
+
+@inlined
+def set_motions(t: float, y: Any, numbers: Any) -> None:
+    """Have the numbers of motions in Python at a time written into the program, if there are any."""
+    motions = numbers.outside.asked[0].motions
+    if motions != 0:
+        ask_at(numbers.outside, motions, t, y)
 
 
 @kernel
 def close(t: float, rows: Any, r: int, layout: Any, numbers: Any) -> bool:
     """Bring the state rows[r] onto the constraints, in place; return whether it is closed."""
+    set_motions(t, rows[r], numbers)
     write_rows(t, rows[r], numbers.program, numbers.plan, numbers.held)
     return _close(t, rows, r, layout, numbers)
 
@@ -64,7 +78,7 @@ def _close(t: float, rows: Any, r: int, layout: Any, numbers: Any) -> bool:
     at_rest = _in_place(plan, work)
     last = max(found.gap, found.turn * length)
     near = last < NEAR * length
-    factorize_rows(numbers)
+    factorize_rows(t, y, numbers)
     for _ in range(ROUNDS):
         if at_rest:
             break
@@ -78,7 +92,7 @@ def _close(t: float, rows: Any, r: int, layout: Any, numbers: Any) -> bool:
         at_rest = _in_place(plan, work) or now > 0.5 * last
         last = now
         if not near:
-            factorize_rows(numbers)
+            factorize_rows(t, y, numbers)
     correction(plan, work, True, numbers.step)
     for k in range(nv):
         y[nq + k] += numbers.step[k]
@@ -90,7 +104,7 @@ def _energy(y: Any, numbers: Any) -> float:
     """Energy that a state whose rows are written stores, with the contact memory as it is [J]."""
     program = numbers.program
     places = numbers.held[: PLACE_WORDS * (plan_of(numbers.plan).bodies + 1)].view(PLACE)
-    contacts_in(y, program, numbers.pose, numbers.table)
+    locate(y, program, numbers.pose, numbers.table, numbers.outside)
     contacts, springs = stored_energy(y, program, numbers.memory, numbers.table)
     springs += stored(program, places)
     return float(energy_of(numbers.tree, places, numbers.gravity) + contacts + springs)
@@ -104,6 +118,7 @@ def project(t: float, rows: Any, r: int, layout: Any, numbers: Any) -> int:
     """
     y = rows[r]
     plan, work = numbers.plan, numbers.held
+    set_motions(t, y, numbers)
     write_rows(t, y, numbers.program, plan, work)
     if _in_place(plan, work) and _in_motion(plan, work):
         return AS_IT_WAS

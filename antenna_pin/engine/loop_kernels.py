@@ -1,27 +1,50 @@
-"""The loop of steps, compiled: tried, searched for contacts that change, sampled, accepted.
+"""The only time loop, compiled: steps tried, searched for contacts that change, sampled, accepted.
 
-The rules are those of :class:`antenna_pin.simulation.loop.Run`, which makes the steps that this one leaves to
-it: those that the run's end cuts, those in which something happens that is not a contact, and the last ones.
+A trial step whose error passes is searched, in its dense output, for the first contact that changes; if
+there is one the step is made again to end there, what must is changed, and the integration restarts from that
+state. So the equations are smooth inside every accepted step. :func:`go_on` returns where the loop outside
+has to see to something, and goes on from there when it is called again: where a step is stands in
+``STRETCH``.
 """
 
 from __future__ import annotations
 
-import math
-
-from antenna_pin._compile import released
+from antenna_pin._compile import inlined, kernel, released
 from antenna_pin.dynamics.inspect_kernels import inspect_step
-from antenna_pin.engine.change_kernels import change
-from antenna_pin.engine.pace_kernels import cut, following, hopeless, shortened
-from antenna_pin.engine.step_kernels import attempt
-from antenna_pin.engine.stretch_kernels import Loop, accept, is_full, keep, prepare, samples_in, start_row
+from antenna_pin.dynamics.outside_kernels import has_failed
+from antenna_pin.engine.change_kernels import FAILED, GOES_ON, HOPELESS, change, graze, make_again, take_up
+from antenna_pin.engine.pace_kernels import cut, following, hopeless, note_size, shortened
+from antenna_pin.engine.stretch_kernels import (
+    AGAIN,
+    CHANGES,
+    FRESH,
+    MEETS,
+    STANDS,
+    Loop,
+    accept,
+    is_full,
+    keep,
+    prepare,
+    samples_in,
+    start_row,
+    try_step,
+)
 from antenna_pin.engine.watch_kernels import may_happen
 
-# Why a stretch ends: the run's end; the budget, or a full buffer; what the loop outside has to see to: a step
-# to be made, or a trial step that passes, with its dense output.
-ENDED = 0
-PAUSED = 1
-STEP_DUE = 2
-TRIAL_STANDS = 3
+# What else the loop outside has to see to: the run's end; the budget, or a full buffer; the first step that
+# the run's end cuts, before it is made; a trial step in which an event may happen, or does, at ``until``; a
+# contact that changes before the event that a step was made to end at; a step that is made, or something that
+# has changed; a contact that is too deep; steps so short that time stands still; too many that do not pass.
+ENDED = 3
+PAUSED = 4
+CUT_BY_END = 5
+TRIAL_STANDS = 6
+EVENT = 7
+MET = 8
+MOVED_ON = 9
+TOO_DEEP = 10
+STANDS_STILL = 11
+NO_WAY = 12
 
 REJECTED_IN_A_ROW = 1000
 
@@ -29,77 +52,180 @@ REJECTED_IN_A_ROW = 1000
 @released
 def go_on(loop: Loop) -> int:
     """Make steps until something happens that the loop outside has to see to; return what (see above)."""
-    s, pace = loop.stretch[0], loop.pace
-    contacts = loop.search.ignore.shape[0]
-    events = loop.watched.functions.shape[0] + loop.watched.instants.shape[0]
-    from_last = False  # whether the search of the last step knows the contacts at the start of this one
-    while s.accepted + s.rejected + s.relocated < s.budget:
-        if s.t >= s.end:
-            return ENDED
-        if s.t < s.begin:
-            return STEP_DUE
-        if is_full(loop):
-            return PAUSED
-        wished, rejected, error = s.h, 0, math.inf
-        h = wished
-        while True:
-            tried, by_end = cut(pace, loop.breaks, s.t, h)
-            if by_end or s.t + tried == s.t:
-                s.h = h
-                return STEP_DUE
-            error = attempt(
-                s.t, tried, loop.tableau, loop.space, loop.work, loop.scales, loop.rtol, loop.numbers
-            )
-            s.evaluations += loop.tableau.last
-            if error <= 1.0:
-                break
-            rejected += 1
-            s.rejected += 1
-            h = shortened(pace, tried, error)
-            if hopeless(pace, h) or rejected >= REJECTED_IN_A_ROW:
-                s.h = tried  # for the loop outside to try again, and to end the run
-                s.rejected -= 1
-                return STEP_DUE
-        s.tried = tried
-        s.h = following(pace, h, tried, error, rejected > 0)
-        samples = samples_in(loop, tried)
-        if contacts > 0 or samples > 0 or events > 0:
-            prepare(loop, tried)
-        if s.samples + samples + 2 * contacts + 2 > loop.buffers.times.shape[0]:
-            return TRIAL_STANDS
-        if events > 0 and may_happen(
+    s = loop.stretch[0]
+    s.known = 0
+    s.turned = 0
+    reason = GOES_ON
+    while reason == GOES_ON:
+        if s.phase == FRESH:
+            if s.accepted + s.rejected + s.relocated >= s.budget or _has_made_one(loop):
+                return PAUSED
+            if s.t >= s.end:
+                return ENDED
+            if is_full(loop):
+                return PAUSED
+            s.wished = s.h
+            s.in_row = 0
+            s.phase = AGAIN
+        if s.phase == AGAIN:
+            reason = _try(loop)
+        elif s.phase == STANDS:
+            reason = _search(loop)
+        elif s.phase == MEETS:
+            reason = _meet(loop)
+        else:
+            reason = _in_turn(loop, change(loop))
+    return reason
+
+
+@released
+def end_at(loop: Loop, size: float, longest: float, search: bool) -> int:
+    """Make the trial step again to end where an event happens (:func:`make_again`), and accept it.
+
+    There is room for what it writes once :func:`go_on` has said EVENT. ``search``: whether contacts that
+    change before are looked for; one that does is met by :func:`go_on`.
+    """
+    s = loop.stretch[0]
+    s.phase = STANDS
+    reason = make_again(loop, -1, 0.0, size, longest)
+    if reason != GOES_ON or s.phase == FRESH:
+        return reason
+    s.until = 2.0
+    s.watched = 1
+    if not search:
+        reason = take_up(loop)
+        return MOVED_ON if reason == GOES_ON else reason
+    reason = _search(loop)
+    return MET if reason == GOES_ON else reason
+
+
+@inlined
+def _in_turn(loop: Loop, reason: int) -> int:
+    """Say what comes after a part that has done: the loop outside's turn, where it sees to this step."""
+    return MOVED_ON if reason == GOES_ON and loop.stretch[0].watched != 0 else reason
+
+
+@inlined
+def _has_made_one(loop: Loop) -> bool:
+    """Whether the loop outside wants to see each step, and one is made, or a contact has turned back."""
+    s = loop.stretch[0]
+    return bool(s.singly != 0 and (s.accepted > 0 or s.turned != 0))
+
+
+@inlined
+def _has_room(loop: Loop) -> bool:
+    """Whether there is room for the samples of the trial step, and of a change in it."""
+    s = loop.stretch[0]
+    s.needed = samples_in(loop, s.tried) + 2 * loop.search.ignore.shape[0] + 4
+    return bool(s.samples + s.needed <= loop.buffers.times.shape[0])
+
+
+@kernel
+def _try(loop: Loop) -> int:
+    """Try a step; if it passes, prepare what it is looked at with."""
+    s, pace, outside = loop.stretch[0], loop.pace, loop.numbers.outside
+    tried, by_end = cut(pace, loop.breaks, s.t, s.h)
+    if by_end and s.cut == 0:
+        s.cut = 1
+        return CUT_BY_END
+    s.tried = tried
+    if s.t + tried == s.t:
+        return STANDS_STILL
+    error = try_step(loop, tried)
+    if has_failed(outside):
+        return FAILED
+    if not error <= 1.0:
+        s.in_row += 1
+        s.rejected += 1
+        if s.in_row >= REJECTED_IN_A_ROW:
+            return NO_WAY
+        s.h = shortened(pace, tried, error)
+        return HOPELESS if hopeless(pace, s.h) else GOES_ON
+    s.h = following(pace, s.h, tried, error, s.in_row > 0)
+    s.phase = STANDS
+    s.until = 2.0
+    s.watched = 0
+    watched = loop.watched
+    events = watched.functions.shape[0] + watched.instants.shape[0] + watched.unknown
+    if loop.search.ignore.shape[0] > 0 or events > 0 or samples_in(loop, tried) > 0:
+        prepare(loop)
+    if events > 0 and may_happen(
+        s.t,
+        tried,
+        loop.space,
+        loop.dense,
+        loop.work,
+        start_row(loop),
+        loop.buffers.out,
+        loop.numbers,
+        watched,
+    ):
+        s.watched = 1
+    if has_failed(outside):
+        return FAILED
+    return TRIAL_STANDS if s.watched != 0 else GOES_ON
+
+
+@kernel
+def _search(loop: Loop) -> int:
+    """Search the trial step for the first contact that changes; accept it if none does, and no event."""
+    s, search = loop.stretch[0], loop.search
+    if not _has_room(loop):
+        return PAUSED
+    s.contact = -1
+    if search.ignore.shape[0] > 0:
+        c, theta, deep = inspect_step(
             s.t,
-            tried,
-            loop.space,
-            loop.dense,
-            loop.work,
-            start_row(loop),
-            loop.buffers.out,
-            loop.numbers,
-            loop.watched,
-        ):
-            return TRIAL_STANDS
-        if contacts > 0:
-            c, theta, deep = inspect_step(
-                s.t,
-                tried,
-                2.0,
-                loop.search.nodes,
-                loop.search.ignore,
-                loop.search.limits,
-                loop.search.peaks,
-                loop.trial,
-                from_last,
-            )
-            if c >= 0:
-                if deep:
-                    return TRIAL_STANDS
-                from_last = False
-                if change(loop, c, theta):
-                    continue
-                s.h = wished  # for the loop outside to come to the same, and to end the run
-                return STEP_DUE
-            keep(loop, tried)
-            from_last = True
-        accept(loop, tried)
-    return PAUSED
+            s.tried,
+            s.until,
+            search.nodes,
+            search.ignore,
+            search.limits,
+            search.peaks,
+            loop.trial,
+            s.known != 0,
+        )
+        s.known = 0
+        if has_failed(loop.numbers.outside):
+            return FAILED
+        if c >= 0:
+            s.contact = c
+            s.theta = theta
+            s.deep = 1 if deep else 0
+            s.phase = MEETS
+            return GOES_ON
+    if s.until <= 1.0:
+        return EVENT
+    if search.ignore.shape[0] > 0:
+        keep(loop)
+        s.known = 1
+    accept(loop)
+    if has_failed(loop.numbers.outside):
+        return FAILED
+    return _in_turn(loop, GOES_ON)
+
+
+@kernel
+def _meet(loop: Loop) -> int:
+    """Make the trial step again to end where its contact changes, or is too deep."""
+    s, c = loop.stretch[0], loop.stretch[0].contact
+    if s.deep == 0:
+        note_size(loop.sizes, loop.book.memory, s.h)
+    if s.theta > 0.0:
+        level = -loop.search.limits[c] if s.deep != 0 else 0.0
+        reason = make_again(loop, c, level, s.theta * s.tried, s.tried)
+        if reason != GOES_ON:
+            return reason
+        if s.phase == FRESH:  # a shorter one is to be tried
+            return _in_turn(loop, GOES_ON)
+        reason = take_up(loop)
+        if reason != GOES_ON:
+            return reason
+    elif s.deep == 0 and loop.search.ignore[c] != 0:
+        s.turned = 1
+        return _in_turn(loop, graze(loop))
+    if s.deep != 0:
+        s.phase = FRESH
+        return TOO_DEEP
+    s.phase = CHANGES
+    return _in_turn(loop, GOES_ON)

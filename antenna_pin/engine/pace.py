@@ -1,4 +1,4 @@
-"""The sizes of steps, for both engines."""
+"""The sizes of steps: what is given of them, and what a run remembers."""
 
 from __future__ import annotations
 
@@ -56,23 +56,6 @@ class Pace:
         self.breaks = np.array(sorted({*self.breaks.tolist(), *(t for t in instants if 0.0 < t < end)}))
         self.numbers["next"] = 0
 
-    def cut(self, t: float, h: float) -> tuple[float, bool]:
-        """Return a step's size from t [s], cut to what it may be, and whether the run's end has cut it."""
-        size, by_end = kernels.cut(self.numbers, self.breaks, t, h)
-        return float(size), bool(by_end)
-
-    def following(self, wished: float, tried: float, error: float, rejected: bool) -> float:
-        """Return the step to try after one that passed [s]."""
-        return float(kernels.following(self.numbers, wished, tried, error, rejected))
-
-    def shortened(self, tried: float, error: float) -> float:
-        """Return the step to try after one with too large an error [s]."""
-        return float(kernels.shortened(self.numbers, tried, error))
-
-    def hopeless(self, h: float) -> bool:
-        """Whether a step shortened to h [s] is not to be tried."""
-        return bool(kernels.hopeless(self.numbers, h))
-
 
 class Sizes:
     """Step sizes by pattern of touching contacts: impacts of one kind need steps of one size.
@@ -102,15 +85,6 @@ class Sizes:
         sizes = np.zeros(2 * room)
         patterns[:room], sizes[:room] = self.table.patterns, self.table.sizes
         self.table = self.table._replace(patterns=patterns, sizes=sizes)
-
-    def note(self, h: float) -> None:
-        """Note the step that goes well in the present pattern [s]."""
-        self.make_room()
-        kernels.note_size(self.table, self._memory, h)
-
-    def after_change(self, h: float) -> float:
-        """Return the step to try in a pattern that has just begun [s], after one of h [s] in another."""
-        return float(kernels.size_after_change(self.table, self._memory, h))
 
     def value(self) -> tuple[tuple[str, float], ...]:
         """Return all of them: which contacts touch, as ones and zeros, and the size [s]."""

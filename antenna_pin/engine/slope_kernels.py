@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 from antenna_pin._compile import inlined, kernel
 from antenna_pin.constraints.layout_kernels import plan_of
 from antenna_pin.constraints.rows_kernels import write_rows
+from antenna_pin.engine.hold_kernels import set_motions
 from antenna_pin.engine.step_kernels import derivative
 from antenna_pin.integrate.manifold_kernels import move_by_velocity, space_of
 
@@ -123,6 +124,7 @@ def write_speed_slopes(t: float, y: Any, ways: Any, steps: Any, room: Any, out: 
                 h = side * (point + 1.0) * steps[k]
                 _displace(y, ways[k], h, room)
                 time = t + h * ways[k, ways.shape[1] - 1]
+                set_motions(time, room.rows[0], numbers)
                 write_rows(time, room.rows[0], numbers.program, numbers.plan, numbers.held)
                 _add(speeds, side, point, steps[k], room, k, out)
     _copy_memory(room.kept, numbers.memory)

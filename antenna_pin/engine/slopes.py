@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from antenna_pin.constraints.layout_kernels import plan_of
 from antenna_pin.engine.compiled import CompiledStepper
-from antenna_pin.engine.implicit import CompiledImplicitStepper
 from antenna_pin.engine.slope_kernels import Room, write_slopes, write_speed_slopes
 from antenna_pin.records import MEMORY
 
@@ -27,11 +26,10 @@ class Slopes:
         weights: Of the differences at 1, 2, ... steps, of each kind, (kinds, points).
     """
 
-    def __init__(
-        self, stepper: CompiledStepper | CompiledImplicitStepper, bristles: NDArray[np.int64], weights: Array
-    ) -> None:
+    def __init__(self, stepper: CompiledStepper, bristles: NDArray[np.int64], weights: Array) -> None:
         """Allocate once."""
         manifold, numbers = stepper.manifold, stepper.numbers
+        self._answers = stepper.answers
         self._room = Room(
             weights=weights,
             layout=manifold.layout,
@@ -63,4 +61,5 @@ class Slopes:
     ) -> Array:
         out = np.zeros((len(self._room.weights), ways.shape[1], count))
         write(time, np.ascontiguousarray(y), np.ascontiguousarray(ways.T), steps, self._room, out)
+        self._answers.check()
         return np.asarray(out.transpose(0, 2, 1))

@@ -1,6 +1,7 @@
 """One step, compiled as a whole: the derivative of a tree, its stages, its error, its dense output.
 
-The stages, the elements and the tree's dynamics are the functions that the other engine calls one by one.
+What is not compiled is asked outside, by address: Pinocchio's dynamics of the tree, backends, laws and drives
+in Python (:mod:`antenna_pin.dynamics.outside_kernels`).
 """
 
 from __future__ import annotations
@@ -12,9 +13,18 @@ from antenna_pin._compile import inlined, kernel
 from antenna_pin.constraints.rows_kernels import write_rows
 from antenna_pin.constraints.solve_kernels import solve
 from antenna_pin.dynamics.kernels import evaluate, head_of
+from antenna_pin.dynamics.outside_kernels import ask_at, has_failed
 from antenna_pin.dynamics.point_kernels import add_forces
 from antenna_pin.engine.hold_kernels import AS_IT_WAS, LOST, MOVED, factorize_rows, project
-from antenna_pin.integrate.kernels import RATES, STATE, bend, dense_coefficients, finish, stage, store
+from antenna_pin.integrate.explicit_kernels import (
+    ASK,
+    error_of,
+    go_on,
+    go_on_dense,
+    set_out,
+    set_out_dense,
+)
+from antenna_pin.integrate.kernels import RATES, STATE, bend
 from antenna_pin.integrate.manifold_kernels import space_of
 from antenna_pin.mechanism.dynamics_kernels import aba
 
@@ -43,6 +53,7 @@ class Numbers(NamedTuple):
         moved: A step's end before it was brought onto the constraints, (size,).
         flag: Whether it was moved, (1,).
         booked: Place in a state of the energy that this puts in.
+        outside: What is asked outside.
     """
 
     program: Any
@@ -65,47 +76,72 @@ class Numbers(NamedTuple):
     moved: Any
     flag: Any
     booked: int
+    outside: Any
 
 
-class Tableau(NamedTuple):
-    """A Runge-Kutta method (:class:`antenna_pin.integrate.Method`).
+@inlined
+def accelerate(t: float, y: Any, tau: Any, numbers: Any, rates: Any, written: bool) -> None:
+    """Write the acceleration at time t [s] and state y under a generalized force into rates[:nv].
 
-    Attributes:
-        nodes: Of the stages, (stages,).
-        weights: Of the stages, (stages, stages).
-        errors: Of the error, (1 or 2, stages).
-        polynomials: Of the dense output, (stages, degree).
-        last: The stage at the step's end.
-        adaptive: Whether it has an error, 1 or 0.
+    ``written``: whether the rows of constraints, if there are any, are those of this state already.
     """
+    if numbers.plan.shape[0] > 0:
+        if not written:
+            write_rows(t, y, numbers.program, numbers.plan, numbers.held)
+        factorize_rows(t, y, numbers)
+        solve(y, numbers.program, numbers.plan, numbers.held, tau, numbers.bias, rates)
+        return
+    outside = numbers.outside
+    nv = tau.shape[0]
+    if outside.asked[0].acceleration == 0:
+        aba(y, head_of(numbers.program).nq, numbers.tree, numbers.gravity, tau, numbers.room, rates[:nv])
+        return
+    for k in range(nv):
+        outside.effort[k] = tau[k]
+    ask_at(outside, outside.asked[0].acceleration, t, y)
+    for k in range(nv):
+        rates[k] = outside.acceleration[k]
 
-    nodes: Any
-    weights: Any
-    errors: Any
-    polynomials: Any
-    last: int
-    adaptive: int
+
+@inlined
+def ask_elements(t: float, y: Any, numbers: Any) -> None:
+    """Have what of the elements is not compiled done at time t [s] and state y, before they are evaluated."""
+    asked = numbers.outside.asked[0]
+    if asked.elements == 0:
+        return
+    due = asked.touching == 0
+    for c in range(numbers.memory.shape[0]):
+        due = due or numbers.memory[c].touching != 0.0
+    if due:
+        ask_at(numbers.outside, asked.elements, t, y)
 
 
 @inlined
 def derivative(t: float, y: Any, numbers: Any, rates: Any, written: bool) -> None:
-    """Write [acceleration (nv), rate of x (nx)] of a tree at time t [s] and state y.
-
-    ``written``: whether the rows of its constraints, if it has any, are those of this state already.
-    """
+    """Write [acceleration (nv), rate of x (nx)] at time t [s] and state y (see ``accelerate``)."""
     program = numbers.program
     head = head_of(program)
     tau = numbers.work[: head.nv]
+    ask_elements(t, y, numbers)
     evaluate(t, y, program, numbers.work, rates)
     if head.points < program.shape[0]:
         add_forces(y, program, numbers.tree, numbers.places, tau, rates)
-    if numbers.plan.shape[0] == 0:
-        aba(y, head.nq, numbers.tree, numbers.gravity, tau, numbers.room, rates[: head.nv])
-        return
-    if not written:
-        write_rows(t, y, program, numbers.plan, numbers.held)
-    factorize_rows(numbers)
-    solve(y, program, numbers.plan, numbers.held, tau, numbers.bias, rates)
+    accelerate(t, y, tau, numbers, rates, written)
+
+
+@kernel
+def end(t: float, layout: Any, work: Any, stages: int, numbers: Any) -> bool:
+    """Bring a step's end at t [s] onto the constraints and evaluate it; return whether it is one."""
+    y = work[stages + STATE]
+    numbers.flag[0] = AS_IT_WAS
+    if numbers.plan.shape[0] > 0:
+        for k in range(numbers.moved.shape[0]):
+            numbers.moved[k] = y[k]
+        numbers.flag[0] = project(t, work, stages + STATE, layout, numbers)
+        if numbers.flag[0] == LOST:
+            return False
+    derivative(t, y, numbers, work[stages + RATES, : numbers.rates.shape[1]], True)
+    return not has_failed(numbers.outside)
 
 
 @kernel
@@ -113,23 +149,16 @@ def attempt(
     t: float, h: float, tableau: Any, layout: Any, work: Any, scales: Any, rtol: float, numbers: Any
 ) -> float:
     """Try a step of size h [s] from the start in the work rows; return its scaled error."""
-    space = space_of(layout)
-    stages, rates = tableau.weights.shape[0], space.nv + space.nx
-    y, out = work[stages + STATE], work[stages + RATES, :rates]
-    stage(1, h, tableau.weights, layout, work, False)
-    for i in range(1, tableau.last):
-        derivative(t + tableau.nodes[i] * h, y, numbers, out, False)
-        stage(i + 1, h, tableau.weights, layout, work, True)
-    numbers.flag[0] = AS_IT_WAS
-    if numbers.plan.shape[0] > 0:
-        for k in range(numbers.moved.shape[0]):
-            numbers.moved[k] = y[k]
-        numbers.flag[0] = project(t + h, work, stages + STATE, layout, numbers)
-        if numbers.flag[0] == LOST:
+    space, stages = space_of(layout), tableau.weights.shape[0]
+    y, out = work[stages + STATE], work[stages + RATES, : space.nv + space.nx]
+    set_out(tableau)
+    while go_on(t, h, tableau, layout, work) == ASK:
+        derivative(tableau.course[0].t, y, numbers, out, False)
+        if has_failed(numbers.outside):
             return math.nan
-    derivative(t + h, y, numbers, out, True)
-    error = finish(tableau.last, h, tableau.errors, layout, work, scales, rtol)
-    return float(error if tableau.adaptive != 0 or not math.isfinite(error) else 0.0)
+    if not end(t + h, layout, work, stages, numbers):
+        return math.nan
+    return float(error_of(h, tableau, layout, work, scales, rtol))
 
 
 @kernel
@@ -140,23 +169,13 @@ def prepare_dense(
 
     ``kept``, (2, size), holds the step's end meanwhile.
     """
-    space = space_of(layout)
-    stages, rates = tableau.weights.shape[0], space.nv + space.nx
-    size = space.nq + rates
-    first = tableau.last + 1
-    if stages > first:
-        for k in range(size):
-            kept[0, k] = work[stages + STATE, k]
-            kept[1, k] = work[stages + RATES, k]
-        y, out = work[stages + STATE], work[stages + RATES, :rates]
-        for i in range(first, stages):
-            stage(i, h, tableau.weights, layout, work, i > first)
-            derivative(t + tableau.nodes[i] * h, y, numbers, out, False)
-        store(stages - 1, stages, layout, work)
-        for k in range(size):
-            work[stages + STATE, k] = kept[0, k]
-            work[stages + RATES, k] = kept[1, k]
-    dense_coefficients(h, tableau.polynomials, 2 * space.nv + space.nx, work, dense)
+    space, stages = space_of(layout), tableau.weights.shape[0]
+    y, out = work[stages + STATE], work[stages + RATES, : space.nv + space.nx]
+    set_out_dense(tableau, layout, work, kept)
+    asked = 0
+    while go_on_dense(t, h, tableau, layout, work, dense, kept) == ASK:
+        derivative(tableau.course[0].t, y, numbers, out, False)
+        asked += 1
     if numbers.flag[0] == MOVED:
-        bend(layout, numbers.moved, work[stages + STATE], dense)
-    return int(stages - first)
+        bend(layout, numbers.moved, y, dense)
+    return asked

@@ -1,4 +1,4 @@
-"""A stretch of steps: what it works on, and what a step that is accepted leaves, compiled."""
+"""A stretch of steps: what it works on, how a step is tried, what an accepted one leaves, compiled."""
 
 from __future__ import annotations
 
@@ -7,23 +7,54 @@ from typing import Any, NamedTuple
 
 from antenna_pin._compile import inlined, kernel
 from antenna_pin.dynamics.kernels import turn_on
+from antenna_pin.dynamics.outside_kernels import ANSWERED, REFUSED, ask, has_failed
+from antenna_pin.dynamics.trial_kernels import contacts_in
 from antenna_pin.engine.episode_kernels import keep_peaks
 from antenna_pin.engine.hold_kernels import close
-from antenna_pin.engine.step_kernels import prepare_dense
+from antenna_pin.engine.step_kernels import attempt, prepare_dense
 from antenna_pin.integrate.kernels import START, STATE, STATE_ROW, begin, dense_state
 from antenna_pin.records import layout
 
-#: Where the steps are, and what they have come to: time [s], size to try next, and of the trial that stands
-#: [s]; samples a second [Hz], from when on [s], until when [s]; samples in the buffer; which of the chosen
-#: output times is the next; what was counted; how many trial steps may be made.
+# Where a step is: it has not begun; longer ones did not pass; its trial stands, and is to be searched; a
+# contact is known to change in it; its end is the state, at which a contact is to change.
+FRESH = 0
+AGAIN = 1
+STANDS = 2
+MEETS = 3
+CHANGES = 4
+
+#: Where the steps are, and what they have come to: time [s]; size to try next, and what it was when the step
+#: began [s]; that of the trial that stands [s], its scaled error, and the fraction up to which it is
+#: searched; samples a second [Hz], from when on [s], until when [s]; where a step is (see above); trials of
+#: it that did not pass; the contact that changes, at which fraction, and whether it is too deep then; whether
+#: the loop outside sees to this step, whether it wants to see each, whether a contact has turned back where
+#: it changed, whether the loop outside was told of the first step that the run's end cuts; whether the last
+#: trial failed by a function that refuses; whether the search knows the contacts at the start; samples in the
+#: buffer, and for how many there must be room; which of the chosen output times is the next; what was
+#: counted; how many trial steps may be made.
 STRETCH = layout(
     ("t", "f8"),
     ("h", "f8"),
+    ("wished", "f8"),
     ("tried", "f8"),
+    ("error", "f8"),
+    ("until", "f8"),
     ("rate", "f8"),
     ("begin", "f8"),
     ("end", "f8"),
+    ("phase", "i8"),
+    ("in_row", "i8"),
+    ("contact", "i8"),
+    ("theta", "f8"),
+    ("deep", "i8"),
+    ("watched", "i8"),
+    ("singly", "i8"),
+    ("turned", "i8"),
+    ("cut", "i8"),
+    ("refused", "i8"),
+    ("known", "i8"),
     ("samples", "i8"),
+    ("needed", "i8"),
     ("chosen", "i8"),
     ("accepted", "i8"),
     ("rejected", "i8"),
@@ -66,6 +97,9 @@ class Search(NamedTuple):
         limits: Depths at which a run ends.
         peaks: Largest forces.
         turns: Turned angles, TURN.
+        compared: Contacts whose gaps coal measures, as 1, (contacts,); nobody's: (0,).
+        difference: Largest one of their gaps and the closed form's so far, where forces come from them, (1,)
+            [m].
     """
 
     nodes: Any
@@ -73,6 +107,8 @@ class Search(NamedTuple):
     limits: Any
     peaks: Any
     turns: Any
+    compared: Any
+    difference: Any
 
 
 class Loop(NamedTuple):
@@ -128,7 +164,7 @@ def is_full(loop: Loop) -> bool:
     """Whether a step more may not find room for what it writes."""
     contacts = loop.search.ignore.shape[0]
     return bool(
-        loop.stretch[0].samples + 2 * contacts + 3 > loop.buffers.times.shape[0]
+        loop.stretch[0].samples + 2 * contacts + 4 > loop.buffers.times.shape[0]
         or loop.book.count[0] >= loop.book.episodes.shape[0]
         or loop.sizes.count[0] >= loop.sizes.sizes.shape[0]
     )
@@ -142,38 +178,77 @@ def samples_in(loop: Loop, tried: float) -> int:
     while chosen < loop.chosen.shape[0] and loop.chosen[chosen] <= s.t + tried:
         chosen += 1
     at_rate = math.floor((s.t + tried) * s.rate + 1e-9) - math.floor(s.t * s.rate + 1e-9)
-    return int(at_rate + chosen - s.chosen)
+    return int(at_rate + chosen - s.chosen + (1 if s.t < s.begin <= s.t + tried else 0))
 
 
 @inlined
-def prepare(loop: Loop, tried: float) -> None:
-    """Compute the dense output of the trial step."""
+def try_step(loop: Loop, tried: float) -> float:
+    """Make a trial step of a size [s]; return its scaled error."""
+    s, outside = loop.stretch[0], loop.numbers.outside
+    asked = outside.asked[0]
+    s.tried = tried
+    if asked.step != 0:
+        ask(outside, asked.step, tried)
+        s.error = asked.answer
+    else:
+        s.error = attempt(
+            s.t, tried, loop.tableau, loop.space, loop.work, loop.scales, loop.rtol, loop.numbers
+        )
+        s.evaluations += loop.tableau.last
+    s.refused = 0
+    if asked.failed != ANSWERED:
+        s.error = math.nan
+        if asked.failed == REFUSED:  # a shorter step may not come to where a function has no answer
+            s.refused = 1
+            asked.failed = ANSWERED
+    return float(s.error)
+
+
+@kernel
+def _compare(loop: Loop) -> None:
+    """Note how far the gaps that coal has measured at the step's end are from the closed form."""
+    numbers, search = loop.numbers, loop.search
+    end = loop.work[loop.tableau.weights.shape[0] + STATE]
+    contacts_in(end, numbers.program, numbers.pose, numbers.table)
+    for c in range(search.compared.shape[0]):
+        if search.compared[c] != 0 and numbers.memory[c].touching != 0.0:
+            difference = abs(numbers.table[c].gap - numbers.own[c].gap)
+            search.difference[0] = max(search.difference[0], difference)
+
+
+@inlined
+def prepare(loop: Loop) -> None:
+    """Compute the dense output of the trial step; before, coal's gaps at its end are looked at."""
     s = loop.stretch[0]
+    if loop.search.compared.shape[0] > 0:
+        _compare(loop)
     s.evaluations += prepare_dense(
-        s.t, tried, loop.tableau, loop.space, loop.work, loop.dense, loop.buffers.kept, loop.numbers
+        s.t, s.tried, loop.tableau, loop.space, loop.work, loop.dense, loop.buffers.kept, loop.numbers
     )
 
 
 @inlined
-def keep(loop: Loop, tried: float) -> None:
+def keep(loop: Loop) -> None:
     """Keep what the contacts come to in a trial step in which none changes."""
-    start = start_row(loop)
-    keep_peaks(
-        loop.stretch[0].t, tried, loop.space, loop.dense, loop.work, start, loop.buffers.out, loop.book
-    )
+    s, start = loop.stretch[0], start_row(loop)
+    keep_peaks(s.t, s.tried, loop.space, loop.dense, loop.work, start, loop.buffers.out, loop.book)
     for c in range(loop.search.ignore.shape[0]):
         loop.search.ignore[c] = 0
 
 
-@inlined
-def accept(loop: Loop, tried: float) -> None:
+@kernel
+def accept(loop: Loop) -> None:
     """Sample the trial step and make its end the state."""
     s, work, buffers = loop.stretch[0], loop.work, loop.buffers
+    tried = s.tried
     stages, size = loop.tableau.weights.shape[0], loop.buffers.states.shape[1]
     k = math.floor(s.t * s.rate + 1e-9) + 1
     last = math.floor((s.t + tried) * s.rate + 1e-9)
     # A chosen time that is one at the rate but for round-off counts once, as it was chosen.
     same = 1e-9 / s.rate
+    before = s.samples
+    if s.t < s.begin <= s.t + tried:
+        sample(loop, s.begin, tried)
     while True:
         at_rate, moment = math.inf, math.inf
         if k <= last:
@@ -189,18 +264,24 @@ def accept(loop: Loop, tried: float) -> None:
         else:
             moment = at_rate
             k += 1
-        sample(loop, moment, tried)
+        if moment > s.begin or s.begin <= s.t:
+            sample(loop, moment, tried)
+    if has_failed(loop.numbers.outside):
+        s.samples = before
+        return
     s.t += tried
     if buffers.ends.shape[0] > 0:
         buffers.instants[s.accepted] = s.t
         for i in range(size):
             buffers.ends[s.accepted, i] = work[stages + STATE, i]
     begin(stages, loop.space, work)
+    loop.numbers.outside.asked[0].new = 1
     if loop.search.turns.shape[0] > 0:
         loop.pace[0].spin = turn_on(loop.numbers.program, loop.search.turns, work[stages + START])
     if s.t > s.end - 1e-15 * s.end:
         s.t = s.end
     s.accepted += 1
+    s.phase = FRESH
 
 
 @kernel

@@ -11,7 +11,8 @@ from typing import Any, NamedTuple
 
 from antenna_pin._compile import kernel
 from antenna_pin.dynamics.kernels import element_kink, evaluate, head_of, joint_motion
-from antenna_pin.dynamics.trial_kernels import contacts_in
+from antenna_pin.dynamics.trial_kernels import locate
+from antenna_pin.engine.step_kernels import ask_elements
 from antenna_pin.integrate.kernels import STATE_ROW, dense_state
 from antenna_pin.records import layout
 
@@ -36,6 +37,7 @@ class Watched(NamedTuple):
         rates: Scratch, (nv + nx,).
         instants: At which the loop outside has to see to a step's end, increasing [s].
         values: Value and rate, scratch, (2,).
+        unknown: How many functions there are that compiled code does not know.
     """
 
     functions: Any
@@ -43,6 +45,7 @@ class Watched(NamedTuple):
     rates: Any
     instants: Any
     values: Any
+    unknown: int
 
 
 @kernel
@@ -58,10 +61,11 @@ def _look(w: Any, t: float, y: Any, numbers: Any, watched: Any) -> None:
         out[0] = angle if w.what == ANGLE else rate
         out[1] = rate if w.what == ANGLE else 0.0
     elif w.what == GAP:
-        contacts_in(y, program, numbers.pose, numbers.table)
+        locate(y, program, numbers.pose, numbers.table, numbers.outside)
         out[0] = numbers.table[w.where].gap
         out[1] = -numbers.table[w.where].rate
     else:
+        ask_elements(t, y, numbers)
         evaluate(t, y, program, numbers.work, watched.rates)
         memory = numbers.memory[w.where]
         out[0] = max(0.0, numbers.own[w.where].force) if memory.touching != 0.0 else 0.0
@@ -73,6 +77,8 @@ def may_happen(
     t: float, h: float, space: Any, dense: Any, work: Any, start: int, out: Any, numbers: Any, watched: Any
 ) -> bool:
     """Whether something watched may happen in the step of size h from t [s], whose dense output is there."""
+    if watched.unknown > 0:
+        return True
     for k in range(watched.instants.shape[0]):
         if t < watched.instants[k] <= t + h:
             return True

@@ -1,7 +1,7 @@
 """Lie-group Runge-Kutta methods: a derivative, a manifold and the group operation, nothing else."""
 
 from antenna_pin.integrate.collocation import NODES, Propagator
-from antenna_pin.integrate.implicit import ImplicitStepper, made_stepper, newton_of
+from antenna_pin.integrate.implicit import newton_of
 from antenna_pin.integrate.manifold import KINDS, Manifold
 from antenna_pin.integrate.methods import METHODS, Method, method_named
 from antenna_pin.integrate.stepper import Problem, Stepper
@@ -10,13 +10,11 @@ __all__ = [
     "KINDS",
     "METHODS",
     "NODES",
-    "ImplicitStepper",
     "Manifold",
     "Method",
     "Problem",
     "Propagator",
     "Stepper",
-    "made_stepper",
     "method_named",
     "newton_of",
 ]

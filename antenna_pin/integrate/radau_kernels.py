@@ -12,8 +12,8 @@ all trials from there. Only components that the derivative depends on have a col
 (integrals) follow from those.
 
 Evaluation is the caller's: :func:`go_on` returns ASK with the state of interest in the row STATE, wants the
-derivative at ``control.t`` in the row RATES, and is to be called again, until it returns what came of it. So
-both engines run this one algorithm, one with calls of Python in between, one compiled.
+derivative at ``progress.t`` in the row RATES, and is to be called again, until it returns what came of it (as
+:mod:`antenna_pin.integrate.explicit_kernels`, which names what that may be).
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ import math
 from typing import Any
 
 from antenna_pin._compile import inlined, kernel
+from antenna_pin.integrate.explicit_kernels import ASK, FAILED, MADE
 from antenna_pin.integrate.kernels import store
 from antenna_pin.integrate.newton_kernels import (
     END,
@@ -35,11 +36,6 @@ from antenna_pin.integrate.newton_kernels import (
     write_slopes,
     write_state,
 )
-
-# What comes of a call: the derivative is wanted, the step is made, or it cannot be solved.
-ASK = 0
-MADE = 1
-FAILED = 2
 
 # What an answer is for.
 BEGIN = 0

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.integrate import explicit_kernels as explicit
 from antenna_pin.integrate import kernels
+from antenna_pin.integrate import radau_kernels as radau
+from antenna_pin.integrate.implicit import newton_of
 from antenna_pin.integrate.manifold import Manifold
 from antenna_pin.integrate.methods import Method
 
-__all__ = ["Problem", "Stepper"]
+__all__ = ["Problem", "Stepper", "tableau_of"]
 
 Array = NDArray[np.float64]
 
@@ -29,13 +30,17 @@ class Problem(Protocol):
         """Write [acceleration (nv), rate of x (nx)] at time t [s] and state y = [q, v, x] into rates."""
 
 
-def _bound(problem: Problem, y: Array, rates: Array) -> Callable[[float], None]:
-    """Return the derivative for two arrays that stay the same, by the problem's ``bind`` if it has one."""
-    bind = getattr(problem, "bind", None)
-    if bind is not None:
-        function: Callable[[float], None] = bind(y, rates)
-        return function
-    return lambda t: problem.derivative(t, y, rates)
+def tableau_of(method: Method) -> explicit.Tableau:
+    """Return a method in numbers."""
+    return explicit.Tableau(
+        nodes=method.nodes,
+        weights=method.weights,
+        errors=method.errors,
+        polynomials=method.polynomials,
+        last=method.last,
+        adaptive=int(method.adaptive),
+        course=np.zeros(1, explicit.COURSE),
+    )
 
 
 class Stepper:
@@ -43,6 +48,10 @@ class Stepper:
 
     ``attempt`` computes a trial step into ``y``; ``accept`` makes it the state; without ``accept`` the state
     and its derivative stay what they were, however many trials were made (the first stage is kept apart).
+
+    Steps of an implicit method are as long as the solution is smooth, whatever decays. Its Jacobian, by
+    differences, is that of the step's start. A problem may name the plain numbers that its derivative depends
+    on as ``coupled``, places in x; else it is taken to depend on all.
 
     Args:
         problem: The differential equation.
@@ -59,35 +68,46 @@ class Stepper:
         self.manifold = problem.manifold
         self.scales = np.ascontiguousarray(scales, dtype=float)
         self.rtol = rtol
-        size = self.manifold.size
+        size, nv, nx = self.manifold.size, self.manifold.nv, self.manifold.nx
         stages = method.stages
         self.work = np.zeros((stages + kernels.EXTRA_ROWS, size))
         self.y = self.work[stages + kernels.STATE]
-        self._rates = self.work[stages + kernels.RATES, : self.manifold.nv + self.manifold.nx]
+        self._rates = self.work[stages + kernels.RATES, : nv + nx]
         self.start_row = stages + kernels.START
         self.start = self.work[self.start_row]
-        self._derivative = _bound(problem, self.y, self._rates)
         self.dense = np.zeros((method.polynomials.shape[1], size))
-        #: Room for a state of the dense output, (2, size).
-        self.out = np.zeros((2, size))
+        #: Room for a state of the dense output, and for a step's end while that is made, (2, size).
+        self.out, self.kept = np.zeros((2, size)), np.zeros((2, size))
+        #: The method in numbers; of an implicit one also what solves its equations.
+        self.tableau = tableau_of(method)
+        self.newton: Any = None
+        if method.implicit:
+            coupled: Any = getattr(problem, "coupled", range(nx))
+            columns = np.array([*range(2 * nv), *(2 * nv + k for k in sorted(coupled))], dtype=np.int64)
+            self.newton = newton_of(method, 2 * nv + nx, columns)
         self.t = 0.0
         self.h = 0.0
         self.evaluations = 0
-        #: Brings a state at a time onto what holds besides, in place; returns whether it moved.
-        self._project: Callable[[float, Array], bool] | None = getattr(problem, "project", None)
-        self._moved = np.zeros(size)
-        self._has_moved = False
-        self._nodes = [float(c) for c in method.nodes]
         self.has_dense = False
+
+    def _derive(self, t: float) -> None:
+        """Evaluate the derivative of the state in ``y``."""
+        self.problem.derivative(t, self.y, self._rates)
+
+    def _begin(self) -> None:
+        """Make the state in ``y``, which was evaluated, the start."""
+        self.has_dense = False
+        kernels.begin(self.method.stages, self.manifold.layout, self.work)
+        if self.newton is not None:
+            self.newton.progress["fresh"] = 0
 
     def restart(self, t: float, y: Array) -> None:
         """Make (t, y) the state and evaluate its derivative."""
         self.t = t
         self.y[:] = y
-        self._derivative(t)
+        self._derive(t)
         self.evaluations += 1
-        self.has_dense = False
-        kernels.begin(self.method.stages, self.manifold.layout, self.work)
+        self._begin()
 
     def refresh(self) -> None:
         """Evaluate the derivative at the present state again, after the problem itself has changed."""
@@ -96,48 +116,51 @@ class Stepper:
     def rates(self, t: float, y: Array) -> Array:
         """Return [acceleration (nv), rate of x (nx)] of any state; the trial step is lost by that."""
         self.y[:] = y
-        self._derivative(t)
+        self._derive(t)
         self.has_dense = False
         return self._rates.copy()
 
     def attempt(self, h: float) -> float:
-        """Try a step of size h [s]; return its scaled error: 1 is the tolerance, 0 if the step is fixed."""
-        method = self.method
-        layout, work, weights = self.manifold.layout, self.work, method.weights
-        derivative, stage = self._derivative, kernels.stage
-        t, nodes, last = self.t, self._nodes, method.last
-        stage(1, h, weights, layout, work, False)
-        for i in range(1, last):
-            derivative(t + nodes[i] * h)
-            stage(i + 1, h, weights, layout, work, True)
-        if self._project is not None:
-            self._moved[:] = self.y
-            self._has_moved = self._project(t + h, self.y)
-        derivative(t + h)
-        self.evaluations += last
-        self.h = h
-        self.has_dense = False
-        error: float = kernels.finish(last, h, method.errors, layout, work, self.scales, self.rtol)
-        return error if method.adaptive or not math.isfinite(error) else 0.0
+        """Try a step of size h [s]; return its scaled error: 1 is the tolerance, 0 if the step is fixed.
+
+        One whose equations Newton's method does not solve has an error of 10.
+        """
+        self.h, self.has_dense = h, False
+        layout, work, scales, rtol = self.manifold.layout, self.work, self.scales, self.rtol
+        newton, stages, tableau = self.newton, self.method.stages, self.tableau
+
+        def go_on() -> int:
+            if newton is None:
+                return int(explicit.go_on(self.t, h, tableau, layout, work))
+            return int(radau.go_on(self.t, h, stages, layout, work, scales, rtol, newton))
+
+        if newton is None:
+            explicit.set_out(tableau)
+        else:
+            newton.progress["phase"] = radau.BEGIN
+        course = tableau.course[0] if newton is None else newton.progress[0]
+        while (asked := go_on()) == explicit.ASK:
+            self._derive(float(course.t))
+            self.evaluations += 1
+        if asked == explicit.FAILED:
+            return radau.NOT_SOLVED
+        self._derive(self.t + h)
+        self.evaluations += 1
+        if newton is None:
+            return float(explicit.error_of(h, tableau, layout, work, scales, rtol))
+        return float(newton.progress[0].error)
 
     def prepare_dense(self) -> None:
         """Compute the dense output of the last trial step, with the stages it needs beyond the step's own."""
         if self.has_dense:
             return
-        method = self.method
-        layout = self.manifold.layout
-        if method.stages > method.last + 1:
-            end = self.work[method.stages + kernels.STATE :].copy()
-            for i in range(method.last + 1, method.stages):
-                kernels.stage(i, self.h, method.weights, layout, self.work, i > method.last + 1)
-                self._derivative(self.t + self._nodes[i] * self.h)
-            self.evaluations += method.stages - method.last - 1
-            kernels.store(method.stages - 1, method.stages, layout, self.work)
-            self.work[method.stages + kernels.STATE :] = end
-        n = 2 * self.manifold.nv + self.manifold.nx
-        kernels.dense_coefficients(self.h, method.polynomials, n, self.work, self.dense)
-        if self._has_moved:
-            kernels.bend(layout, self._moved, self.y, self.dense)
+        tableau, layout, work = self.tableau, self.manifold.layout, self.work
+        explicit.set_out_dense(tableau, layout, work, self.kept)
+        while (
+            explicit.go_on_dense(self.t, self.h, tableau, layout, work, self.dense, self.kept) == explicit.ASK
+        ):
+            self._derive(float(tableau.course[0].t))
+            self.evaluations += 1
         self.has_dense = True
 
     def interpolate(self, theta: float, out: Array) -> None:
@@ -148,5 +171,4 @@ class Stepper:
     def accept(self) -> None:
         """Make the trial step the state."""
         self.t += self.h
-        self.has_dense = False
-        kernels.begin(self.method.stages, self.manifold.layout, self.work)
+        self._begin()

@@ -146,6 +146,21 @@ class PythonPath:
         self._distances.query(self._pose, table, self.row)
         kernels.rates_alone(self._block, 0, table, self._pose)
 
+    def __contains__(self, contact: int) -> bool:
+        """Whether a contact, by its number, is one of the joint's."""
+        return self.row <= contact < self.row + len(self.laws)
+
+    def ask_laws(self, table: NDArray[Any], contact: int) -> None:
+        """Write the normal forces of a contact, or of all (-1), to a table whose gaps are there."""
+        for c, law in enumerate(self.laws, self.row):
+            if contact not in (-1, c):
+                continue
+            row, (touching, approach_speed, mass) = table[c], self._memory[c - self.row].item()
+            depth = -float(row.gap)
+            row.force = 0.0
+            if touching != 0.0 and depth > 0.0:
+                row.force = law.forces(depth, float(row.rate), approach_speed, mass)[1]
+
     def prepare(self, y: Array, everything: bool = False) -> None:
         """Fill the joint's rows of the table as far as its mode says they are given.
 

@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 
 from antenna_pin.differences import WEIGHTS, roughness
 from antenna_pin.dynamics import System, Workspace
-from antenna_pin.engine import CompiledImplicitStepper, CompiledStepper, Slopes
+from antenna_pin.engine import Slopes
 from antenna_pin.integrate import method_named
 from antenna_pin.nonlinear.frames import Frame, Lift, Rates, Units, frame_at, parts_of
 from antenna_pin.settings import RunSettings
-from antenna_pin.simulation.quiet import stepper_of
 from antenna_pin.simulation.scales import scale_vector
+from antenna_pin.simulation.stretches import stepper_of
 
 __all__ = ["Field", "Function"]
 
@@ -61,9 +61,7 @@ class Field:
         scales = scale_vector(system, settings.scales)
         self._stepper = stepper_of(self.workspace, method_named(settings.method), scales, settings)
         self.bristles = np.asarray(system.bristle_x, dtype=int)
-        self._slopes: Slopes | None = None
-        if isinstance(self._stepper, CompiledStepper | CompiledImplicitStepper):
-            self._slopes = Slopes(self._stepper, self.bristles, WEIGHTS)
+        self._slopes = Slopes(self._stepper, self.bristles, WEIGHTS)
         self._y = np.zeros(system.manifold.size)
         self._memory = self.workspace.memory.copy()
         #: Parts of a displacement, and its size.
@@ -181,9 +179,7 @@ class Field:
 
     def _differences(self, time: float, y: Array, ways: Array, steps: Array) -> Array:
         """Return derivatives of the rates by differences of sixth and fourth order, (2, nv + nx, k)."""
-        if self._slopes is not None:
-            return np.array(self._slopes.rates(time, y, np.ascontiguousarray(ways), steps))
-        return np.array(self.along(self.rates, time, y, ways, steps=steps))
+        return np.array(self._slopes.rates(time, y, np.ascontiguousarray(ways), steps))
 
     def _weighed(self, rates: Array) -> Array:
         """Return derivatives of velocities and bristles in units, from (nv + nx, k)."""
@@ -303,19 +299,12 @@ class Field:
         way, rate, *_ = self.parts
         n = frame.ways
 
-        def speed(at: float, state: Array) -> Array:
-            self.workspace.prepare_motions(at, state)
-            constraints.residuals(at, state, program)
-            return constraints.speed.copy()
-
-        speed(time, y)
+        self.workspace.prepare_motions(time, y)
+        constraints.residuals(time, y, program)
         rows = constraints.jacobian.copy()
         across = self.units.way[:, None] * frame.bound
         up[way, :n] -= across @ np.linalg.lstsq(rows @ across, rows @ up[way, :n], rcond=_FAINT)[0]
-        if self._slopes is not None:
-            turned = self._slopes.speeds(time, y, up[:, :n], self._steps(y, up[:, :n], False))[0]
-        else:
-            turned = self.along(speed, time, y, up[:, :n])[0]
+        turned = self._slopes.speeds(time, y, up[:, :n], self._steps(y, up[:, :n], False))[0]
         across = self.units.rate[:, None] * frame.bound
         wanted = np.hstack([turned, rows @ up[rate, n : 2 * n]])
         up[rate, : 2 * n] -= across @ np.linalg.lstsq(rows @ across, wanted, rcond=_FAINT)[0]

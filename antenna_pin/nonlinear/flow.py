@@ -213,7 +213,7 @@ class Flow:
             FlowError: The run did not come to its end.
         """
         end = start.time + span
-        run = Run(self.system, start, end, self._sampled(span), self._events, stretches=False)
+        run = Run(self.system, start, end, self._sampled(span), self._events, singly=True)
         carrier = Carrier(run, frame, ways)
         run.advance(keep=carrier)
         self._check(run, span, start)

@@ -20,7 +20,7 @@ from antenna_pin.nonlinear.field import Field
 from antenna_pin.nonlinear.frames import way_between
 from antenna_pin.nonlinear.saltation import Carried
 from antenna_pin.settings import RunSettings
-from antenna_pin.simulation.quiet import stepper_of
+from antenna_pin.simulation.stretches import stepper_of
 
 __all__ = ["Kink", "Missed", "StepAnew"]
 

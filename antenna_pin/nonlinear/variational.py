@@ -33,7 +33,7 @@ from antenna_pin.nonlinear.frames import Frame
 from antenna_pin.nonlinear.missed import Kink, Missed, StepAnew
 from antenna_pin.nonlinear.saltation import Carried, Onset, Saltation
 from antenna_pin.simulation.loop import Run
-from antenna_pin.simulation.quiet import stepper_of
+from antenna_pin.simulation.stretches import stepper_of
 
 __all__ = ["Carrier"]
 

@@ -118,8 +118,8 @@ class Checkpoint:
         run.actions.happened[:] = [Happening(*one) for one in how["happened"]]
         if run.singular is not None:
             run.singular.take_up(how["singular"])
-        tried = run.trials
-        tried.accepted, tried.rejected, tried.relocated = (
+        made = run.steps
+        made.accepted, made.rejected, made.relocated = (
             counts[name] for name in ("accepted", "rejected", "relocated")
         )
         run.stepper.evaluations = counts["evaluations"]

@@ -109,6 +109,12 @@ class StepControl:
             return Outcome.TIME_LIMIT
         return None if self._makes_way(trials, t) else Outcome.NO_PROGRESS
 
+    def until_look(self, trials: int) -> int:
+        """Return how many trial steps more may be made until :meth:`limit` must be asked."""
+        most = self.settings.max_steps
+        until = self.paced[0] + _PACE_STEPS - trials
+        return until if most is None else min(until, most - trials)
+
     def _makes_way(self, trials: int, t: float) -> bool:
         """Whether a run that has made so many trial steps up to t [s] may ever come to its end."""
         if trials - self.paced[0] < _PACE_STEPS:

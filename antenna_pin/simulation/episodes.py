@@ -10,9 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.dynamics import Workspace, peak_kernels
-from antenna_pin.engine import CompiledImplicitStepper, CompiledStepper
+from antenna_pin.engine import CompiledStepper
 from antenna_pin.engine import episode_kernels as kernels
-from antenna_pin.integrate import Stepper
 from antenna_pin.joints.layout_kernels import BRISTLES
 from antenna_pin.records import MEMORY, memory_numbers, memory_records
 from antenna_pin.simulation.samples import Samples
@@ -41,10 +40,11 @@ class Episodes:
         peaks: Largest force [N], when [s], largest depth [m] of each contact that touches, PEAK, (contacts,).
     """
 
-    def __init__(self, workspace: Workspace, stepper: Stepper, samples: Samples, begin: float) -> None:
+    def __init__(
+        self, workspace: Workspace, stepper: CompiledStepper, samples: Samples, begin: float
+    ) -> None:
         """Begin with nothing that touches."""
         self.system = system = workspace.system
-        self.workspace = workspace
         self.stepper = stepper
         self.samples = samples
         self.begin = begin
@@ -91,55 +91,28 @@ class Episodes:
         grown[: len(self.book.episodes)] = self.book.episodes
         self.book = self.book._replace(episodes=grown)
 
-    def flip(self, c: int, rate: float) -> None:
-        """Let a contact touch, at a depth rate [m/s], or part."""
-        if self.workspace.memory[c].touching != 0.0:
-            self.release(c)
-        else:
-            self.touch(c, rate)
-
     def touch(self, c: int, rate: float) -> None:
-        """Begin a contact."""
+        """Begin a contact at the present state, at a depth rate [m/s]."""
         self.make_room()
-        kernels.touch(self.book, c, self.stepper.t, rate, self._effective_mass(c), self.stepper.start)
-
-    def _effective_mass(self, c: int) -> float:
         y = self.stepper.start[: self.system.manifold.size]
-        if isinstance(self.stepper, CompiledStepper | CompiledImplicitStepper):
-            return float(kernels.effective_mass(c, y, self.stepper.numbers))
-        return self.workspace.effective_mass(y, c)
-
-    def release(self, c: int) -> None:
-        """End a contact."""
-        kernels.release(self.book, c, self.stepper.t, self.stepper.start)
-        self._sample(c)
+        mass = float(kernels.effective_mass(c, y, self.stepper.numbers))
+        self.stepper.answers.check()
+        kernels.touch(self.book, c, self.stepper.t, rate, mass, self.stepper.start)
 
     def close(self) -> None:
         """Complete the record of the contacts that still touch at the end of a run."""
-        for c in range(len(self)):
-            kernels.complete(self.book, c, self.stepper.start)
-            self._sample(c)
-
-    def _sample(self, c: int) -> None:
-        """Sample what is kept of a contact's largest force."""
         book = self.book
-        if book.moments[c] >= self.begin:
-            self.samples.insert(float(book.moments[c]), book.states[c], book.memories[c].copy())
-        book.moments[c] = math.nan
-
-    def keep_peaks(self) -> None:
-        """Keep the state at the largest force so far of each touching contact, to sample it at the end."""
-        stepper = self.stepper
-        layout, out = stepper.manifold.layout, stepper.out
-        kernels.keep_peaks(
-            stepper.t, stepper.h, layout, stepper.dense, stepper.work, stepper.start_row, out, self.book
-        )
+        for c in range(len(self)):
+            kernels.complete(book, c, self.stepper.start)
+            if book.moments[c] >= self.begin:
+                self.samples.insert(float(book.moments[c]), book.states[c], book.memories[c].copy())
+            book.moments[c] = math.nan
 
     # --- as a value -----------------------------------------------------------------------------------------
 
     def take_up(self, state: State) -> None:
         """Go on with the contacts that touch in a state that a run left."""
-        self.workspace.memory[:] = memory_records(state.memory)
+        self.book.memory[:] = memory_records(state.memory)
         for one in state.contacts:
             self.make_room()
             book, c = self.book, one.contact

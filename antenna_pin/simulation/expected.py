@@ -11,7 +11,7 @@ from antenna_pin.dynamics import Workspace
 from antenna_pin.readable import lasting, number
 from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.scales import scale_vector
-from antenna_pin.simulation.trials import Made
+from antenna_pin.simulation.stretches import Made
 
 __all__ = ["Expected", "rough", "turning"]
 

@@ -19,7 +19,7 @@ from antenna_pin.simulation.expected import Expected, rough, turning
 from antenna_pin.simulation.questions import called_functions
 from antenna_pin.simulation.repeatable import Repeatable
 from antenna_pin.simulation.stiffness import Stiffness
-from antenna_pin.simulation.trials import Made
+from antenna_pin.simulation.stretches import Made
 from antenna_pin.simulation.witness import failure_in
 from antenna_pin.trajectory import Outcome
 

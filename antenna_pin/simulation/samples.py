@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from antenna_pin.capacity import check_fits
 from antenna_pin.dynamics import System, Workspace
-from antenna_pin.integrate import Stepper
 from antenna_pin.records import MEMORY
 
 __all__ = ["Chunk", "Late", "Samples", "check_room"]
@@ -204,38 +203,6 @@ class Samples:
             self.begin = min(self.begin, t)
         if self.last < t:
             self.add(t, y)
-
-    def during(self, stepper: Stepper) -> None:
-        """Append the states at the output times within a trial step that is to be accepted."""
-        t, h = stepper.t, stepper.h
-        times = self._between(t, t + h)
-        if t < self.begin <= t + h and self.begin not in times:
-            times.insert(0, self.begin)
-        if not times:
-            return
-        stepper.prepare_dense()
-        for moment in times:
-            state = np.empty(stepper.manifold.size)
-            theta = (moment - t) / h
-            if theta >= 1.0:
-                state[:] = stepper.y
-            else:
-                stepper.interpolate(theta, state)
-            self._hold(moment, state)
-            self.add(min(moment, self._end), state)
-
-    def _between(self, begin: float, end: float) -> list[float]:
-        """Return the output times behind one time and up to another [s], as ``accept`` in compiled steps."""
-        first = math.floor(begin * self.rate + 1e-9) + 1
-        last = math.floor(end * self.rate + 1e-9)
-        at_rate = [k / self.rate for k in range(first, last + 1)]
-        if not len(self.chosen):
-            return at_rate
-        # A chosen time that is one at the rate but for round-off counts once, as it was chosen.
-        same = 1e-9 / self.rate
-        chosen = self.chosen[slice(*np.searchsorted(self.chosen, (begin, end), side="right"))].tolist()
-        others = [t for t in at_rate if not any(abs(t - moment) <= same for moment in chosen)]
-        return sorted((*chosen, *others))
 
     def extend(self, times: Array, states: Array, memories: NDArray[Any], early: NDArray[np.int64]) -> None:
         """Take over samples that compiled steps have left.

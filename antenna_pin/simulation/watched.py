@@ -1,4 +1,4 @@
-"""What a run looks for, in numbers: compiled steps leave those to it in which something may happen."""
+"""What a run looks for, in numbers: the compiled loop says in which steps something may happen."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ def is_known(event: Event) -> bool:
 
 
 class Watched:
-    """The events of a run that compiled code knows.
+    """The events of a run as compiled code sees them: a step may be one of those that it does not know.
 
     Args:
-        watch: The run's, of events that :func:`is_known` says yes to.
+        watch: The run's.
 
     Attributes:
         numbers: As the kernels take them.
@@ -32,7 +32,8 @@ class Watched:
         """Lay them out."""
         system = watch.moment.system
         self._watch = watch
-        self._places = [k for k, event in enumerate(watch.events) if not isinstance(event.when, Time)]
+        known = [k for k, event in enumerate(watch.events) if is_known(event)]
+        self._places = [k for k in known if not isinstance(watch.events[k].when, Time)]
         functions = np.zeros(len(self._places), kernels.WATCHED)
         blocks = [system.program]
         for row, k in zip(functions, self._places, strict=True):
@@ -54,6 +55,7 @@ class Watched:
             rates=np.zeros(system.model.nv + system.manifold.nx),
             instants=np.array(watch.instants, dtype=float),
             values=np.zeros(2),
+            unknown=len(watch.events) - len(known),
         )
 
     def renew(self) -> None:

@@ -63,10 +63,16 @@ def ratios(
     for q, v, memory in states:
         y = system.state(q, v)
         rates = np.zeros(system.model.nv + system.manifold.nx)
-        names = {"f": Workspace(system, memory).bind(y, rates), "aba": pin.aba, "model": system.model}
+        names = {
+            "w": Workspace(system, memory),
+            "y": y,
+            "rates": rates,
+            "aba": pin.aba,
+            "model": system.model,
+        }
         names |= {"data": data, "q": q.copy(), "v": v.copy(), "tau": np.zeros(system.model.nv)}
         times = interleaved(
-            {"rhs": ("f(0.05)", names), "aba": ("aba(model, data, q, v, tau)", names)},
+            {"rhs": ("w.derivative(0.05, y, rates)", names), "aba": ("aba(model, data, q, v, tau)", names)},
             repeats,
             number,
         )

@@ -16,7 +16,7 @@ def test_accelerations_under_constraints_are_those_with_pinocchios_matrix(model,
     system = build_system(scenario)
     y, nq, nv = system.state(*initial_state(scenario, system)), system.model.nq, system.model.nv
     workspace, expected = Workspace(system), np.zeros(nv + system.manifold.nx)
-    workspace.bind(y, expected)(0.01)
+    workspace.derivative(0.01, y, expected)
     held, tree, found = workspace.constraints, TreeDynamics(system.mechanism), expected.copy()
     found[:nv] = 0.0
     mass, bias = tree.mass_and_bias(y[:nq], y[nq : nq + nv])

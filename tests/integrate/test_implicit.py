@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import Radau, solve_ivp
 
-from antenna_pin.integrate import METHODS, ImplicitStepper, Manifold, Stepper, made_stepper
+from antenna_pin.integrate import METHODS, Manifold, Stepper
 
 METHOD = METHODS["radau5"]
 #: So small that Newton's steps go on to round-off.
@@ -15,7 +15,7 @@ EXACTLY = 1e-13
 
 def march(problem, end, steps, rtol=EXACTLY):
     size = 2 * problem.manifold.nv + problem.manifold.nx
-    stepper = made_stepper(problem, METHOD, np.ones(size), rtol)
+    stepper = Stepper(problem, METHOD, np.ones(size), rtol)
     stepper.restart(0.0, problem.initial())
     for _ in range(steps):
         stepper.attempt(end / steps)
@@ -34,12 +34,6 @@ def test_the_table_is_the_collocation_at_radaus_points():
     assert METHOD.implicit and not any(m.implicit for m in METHODS.values() if m is not METHOD)
 
 
-def test_made_stepper_is_of_the_methods_kind(body):
-    size = np.ones(13)
-    assert isinstance(made_stepper(body(), METHOD, size, 1.0), ImplicitStepper)
-    assert type(made_stepper(body(), METHODS["rk4"], size, 1.0)) is Stepper
-
-
 def test_order_five_on_a_tumbling_body(body, state_difference):
     """Driven, all of pose, twist and a quadrature counted."""
     problem = body(2.0)
@@ -52,7 +46,7 @@ def test_the_error_estimate_is_of_order_four(body):
     """As for h^4 in the step."""
     found = []
     for h in (0.05, 0.025):
-        stepper = made_stepper(body(2.0), METHOD, np.ones(13), 1e-5)
+        stepper = Stepper(body(2.0), METHOD, np.ones(13), 1e-5)
         stepper.restart(0.0, body().initial())
         found.append(stepper.attempt(h))
     assert math.log2(found[0] / found[1]) == pytest.approx(4.0, abs=0.4)
@@ -148,7 +142,7 @@ def test_stiff_on_the_group():
 
 def test_a_rejected_step_leaves_no_trace(body):
     """The step's start alone decides what comes of it, the Jacobian included."""
-    plain, tried = (made_stepper(body(2.0), METHOD, np.ones(13), 1e-6) for _ in range(2))
+    plain, tried = (Stepper(body(2.0), METHOD, np.ones(13), 1e-6) for _ in range(2))
     for stepper in (plain, tried):
         stepper.restart(0.0, body().initial())
     for h in (3.0, 50.0, -0.3):

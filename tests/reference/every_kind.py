@@ -1,5 +1,6 @@
 """Short runs with every kind of element, joint with play, closure and coupling, and how they end."""
 
+import dataclasses
 import math
 
 import numpy as np
@@ -15,7 +16,9 @@ from antenna_pin import (
     load_scenario,
     simulate,
 )
+from antenna_pin.assemble import build_system, initial_state
 from antenna_pin.constraints import CLOSURES
+from antenna_pin.contact import CustomFriction, CustomNormal
 from antenna_pin.elements import (
     CallableDrive,
     CallableMotion,
@@ -117,8 +120,25 @@ def systems():
         yield f"{kind} closure", (closed(kind), "compiled")
 
 
+def asked_outside():
+    """Run a closed loop through an impact, with all that is asked outside: Pinocchio, coal, laws."""
+    scenario = load_scenario("slider_crank", case="planar", overrides=["integrator.rtol=1e-3"])
+    system = build_system(scenario)
+    (joint,) = system.clearances
+    law = joint.radial
+    normal = CustomNormal(force=law.force, elastic_force=law.elastic_force, elastic_energy=law.elastic_energy)
+    friction = CustomFriction(coefficient=lambda speed: 0.1 * math.tanh(speed))
+    slow = dataclasses.replace(joint, radial=normal, friction=friction, backend="coal")
+    system = System(system.mechanism, clearances=[slow], drives=system.drives, closures=system.closures)
+    q, v = initial_state(scenario, system)
+    run = simulate(system, duration=2.9e-4, q=q, v=v, settings=RunSettings(rtol=1e-3))
+    assert len(run.data["onset_time"]) == 1
+    return run
+
+
 def ends():
     """Yield the name of each run, and the run."""
+    yield "asked outside", asked_outside()
     for name, (system, engine) in systems():
         q, v = started(system)
         settings = RunSettings(engine=engine, max_step=1e-3, rtol=1e-3)

@@ -247,7 +247,7 @@ def test_both_trees_have_the_same_contacts_and_accelerations(case, about):
             memory = workspace.first_memory(y)
             workspace.memory[:] = memory
             rates = np.zeros(system.model.nv + system.manifold.nx)
-            workspace.bind(y, rates)(t)
+            workspace.derivative(t, y, rates)
             workspace.measure(y)
             nq, nv = system.model.nq, system.model.nv
             motion = seen(system, y[:nq], y[nq : nq + nv], rates[:nv])

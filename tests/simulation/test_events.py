@@ -312,11 +312,11 @@ def test_interrupted_between_any_steps_events_are_the_same():
     whole = Run(system, y, 0.03, RunSettings(), events)
     whole.advance()
     start, made, happened = y, 0, []
-    for stop in [*range(7, whole.trials.accepted, 13), None]:
-        run = Run(system, start, 0.03, RunSettings(), events)
+    for stop in [*range(7, whole.steps.accepted, 13), None]:
+        run = Run(system, start, 0.03, RunSettings(), events, singly=True)
         run.advance(
             interrupted=lambda run=run, made=made, stop=stop: (
-                stop is not None and run.trials.accepted + made >= stop
+                stop is not None and run.steps.accepted + made >= stop
             )
         )
         made, start = stop, run.state

@@ -10,8 +10,8 @@ import pytest
 from antenna_pin import Outcome, RunSettings, System, Urdf, build_mechanism, load_scenario, simulate
 from antenna_pin.elements import CallableDrive, ConstantDrive
 from antenna_pin.errors import LongRunWarning
-from antenna_pin.simulation import expected, progress, quiet
-from antenna_pin.simulation.trials import Made
+from antenna_pin.simulation import expected, progress, stretches
+from antenna_pin.simulation.stretches import Made
 
 WHEEL = """<robot name="wheel"><link name="hub"><inertial><mass value="2"/>
 <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
@@ -29,13 +29,14 @@ def wheel(**drives):
 def slow_clock(monkeypatch):
     """A clock of which each look takes a second: a run seems to take one for each step."""
     ticks = itertools.count()
+    monkeypatch.setattr(stretches, "_BUDGET", 1)
     monkeypatch.setattr(progress, "time", types.SimpleNamespace(perf_counter=lambda: float(next(ticks))))
 
 
 @pytest.mark.parametrize("engine", ["pinocchio", "compiled"])
 def test_a_long_run_is_told_of_once_and_is_the_same_run(monkeypatch, engine):
     """500 steps, of a second each where there is one look at the clock for each: after 6 there are 494 s."""
-    monkeypatch.setattr(quiet, "_BUDGET", 16)
+    monkeypatch.setattr(stretches, "_BUDGET", 16)
     system, settings = (
         wheel(motor=ConstantDrive(joint="axle", value=0.1)),
         RunSettings(engine=engine, **FIXED),

@@ -101,14 +101,14 @@ def test_interrupted_a_hundred_times_it_is_still_the_whole():
     y = system.state(*initial_state(asked, system))
     whole = Run(system, y, 0.06, settings)
     whole.advance()
-    rng, steps = np.random.default_rng(4), whole.trials.accepted
+    rng, steps = np.random.default_rng(4), whole.steps.accepted
     stops = np.sort(rng.choice(np.arange(1, steps), size=100, replace=False))
     start, made = y, 0
     for stop in [*stops.tolist(), None]:
-        run = Run(system, start, 0.06, settings)
+        run = Run(system, start, 0.06, settings, singly=True)
         run.advance(
             interrupted=lambda run=run, made=made, stop=stop: (
-                stop is not None and run.trials.accepted + made >= stop
+                stop is not None and run.steps.accepted + made >= stop
             )
         )
         made = stop if stop is not None else made
@@ -132,13 +132,11 @@ def test_runs_of_one_system_do_not_see_each_other():
 
     alone = [run(y), run(other)]
     assert alone[0] != alone[1]
-    in_turns = [Run(system, start, 0.03, RunSettings()) for start in (y, other)]
-    h = [one.following for one in in_turns]
+    in_turns = [Run(system, start, 0.03, RunSettings(), singly=True) for start in (y, other)]
     while any(one.stepper.t < 0.03 for one in in_turns):
-        for k, one in enumerate(in_turns):
+        for one in in_turns:
             if one.stepper.t < 0.03:
-                one.following = h[k]
-                h[k] = one._step(h[k])
+                one._step()
     for one, expected in zip(in_turns, alone, strict=True):
         assert np.array_equal(one.state.y, expected.y) and np.array_equal(one.state.memory, expected.memory)
     with ThreadPoolExecutor(2) as pool:

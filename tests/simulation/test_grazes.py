@@ -164,7 +164,7 @@ def test_a_contact_that_touches_and_parts_at_one_instant_is_marked():
         Hertz(stiffness=1e6, exponent=1.0), springs={"s": JointSpring(joint="rail", stiffness=pace**2)}
     )
     y = np.array([0.0, 0.0, 0.0, 1.0, 0.0, PLAY * pace, -PLAY * pace, 0.0, 0.0])
-    run = Run(system, system.state(y[:5], y[5:]), 2.0 * math.pi / pace, RunSettings())
+    run = Run(system, system.state(y[:5], y[5:]), 2.0 * math.pi / pace, RunSettings(), singly=True)
     marks = []
     run.advance(interrupted=lambda: marks.append(run.state.changed[0]) or False)
     assert run.outcome is Outcome.COMPLETED

@@ -1,0 +1,103 @@
+"""A step of an explicit method, and the stages of its dense output, compiled; the caller evaluates.
+
+Who makes a step calls :func:`go_on` until it returns MADE. Each time before, it returns ASK with a state in
+the row STATE, and wants the derivative there at ``progress.t`` in the row RATES. With MADE the step's end is
+in STATE: it may be moved, as onto constraints, is evaluated too, and :func:`error_of` tells its error. So the
+one rule of the stages serves compiled steps and a derivative in Python alike; implicit steps keep to the same
+order (:mod:`antenna_pin.integrate.radau_kernels`).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+from antenna_pin import records
+from antenna_pin._compile import inlined, kernel
+from antenna_pin.integrate.kernels import RATES, STATE, dense_coefficients, finish, stage, store
+from antenna_pin.integrate.manifold_kernels import space_of
+
+# What comes of a call: the derivative is wanted, the step is made, or it cannot be made.
+ASK = 0
+MADE = 1
+FAILED = 2
+
+#: The stage whose state was written last, and its time [s].
+COURSE = records.layout(("stage", "i8"), ("t", "f8"))
+
+
+class Tableau(NamedTuple):
+    """A Runge-Kutta method (:class:`antenna_pin.integrate.Method`), and where a step by it is.
+
+    Attributes:
+        nodes: Of the stages, (stages,).
+        weights: Of the stages, (stages, stages).
+        errors: Of the error, (1 or 2, stages).
+        polynomials: Of the dense output, (stages, degree).
+        last: The stage at the step's end.
+        adaptive: Whether it has an error, 1 or 0.
+        course: COURSE, (1,).
+    """
+
+    nodes: Any
+    weights: Any
+    errors: Any
+    polynomials: Any
+    last: int
+    adaptive: int
+    course: Any
+
+
+@inlined
+def set_out(tableau: Any) -> None:
+    """Begin a step from the start in the work rows."""
+    tableau.course[0].stage = 0
+
+
+@inlined
+def go_on(t: float, h: float, tableau: Any, layout: Any, work: Any) -> int:
+    """Write the state of the next stage of a step of size h [s] from t [s]; return what is wanted then."""
+    course = tableau.course[0]
+    i = course.stage + 1
+    stage(i, h, tableau.weights, layout, work, i > 1)
+    course.stage = i
+    course.t = t + tableau.nodes[i] * h
+    return MADE if i == tableau.last else ASK
+
+
+@kernel
+def error_of(h: float, tableau: Any, layout: Any, work: Any, scales: Any, rtol: float) -> float:
+    """Return the scaled error of a step that was made: 1 is the tolerance, 0 if steps are fixed."""
+    error = finish(tableau.last, h, tableau.errors, layout, work, scales, rtol)
+    return float(error if tableau.adaptive != 0 or not math.isfinite(error) else 0.0)
+
+
+@inlined
+def set_out_dense(tableau: Any, layout: Any, work: Any, kept: Any) -> None:
+    """Begin the dense output of a step that was made; ``kept``, (2, size), holds its end meanwhile."""
+    space, stages = space_of(layout), tableau.weights.shape[0]
+    tableau.course[0].stage = tableau.last
+    if stages > tableau.last + 1:
+        for k in range(space.nq + space.nv + space.nx):
+            kept[0, k] = work[stages + STATE, k]
+            kept[1, k] = work[stages + RATES, k]
+
+
+@inlined
+def go_on_dense(t: float, h: float, tableau: Any, layout: Any, work: Any, dense: Any, kept: Any) -> int:
+    """Write the state of the next stage that the dense output needs, as :func:`go_on`; MADE: it is there."""
+    course, stages = tableau.course[0], tableau.weights.shape[0]
+    space = space_of(layout)
+    i = course.stage + 1
+    if i < stages:
+        stage(i, h, tableau.weights, layout, work, i > tableau.last + 1)
+        course.stage = i
+        course.t = t + tableau.nodes[i] * h
+        return ASK
+    if stages > tableau.last + 1:
+        store(stages - 1, stages, layout, work)
+        for k in range(space.nq + space.nv + space.nx):
+            work[stages + STATE, k] = kept[0, k]
+            work[stages + RATES, k] = kept[1, k]
+    dense_coefficients(h, tableau.polynomials, 2 * space.nv + space.nx, work, dense)
+    return MADE
