@@ -29,7 +29,6 @@ Location = tuple[str | int, ...]
 # Tables whose entries are one of several classes; pydantic puts the class into the location, after the name.
 TAGGED: dict[str, tuple[str, ...]] = {
     "drives": tuple(DRIVES),
-    "events": ("angle", "rate", "time", "gap", "force"),
     "springs": tuple(SPRINGS),
     "flexible": ("modes", "petals", "modal-data"),
 }

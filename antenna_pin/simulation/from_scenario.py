@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from collections.abc import Callable, Mapping
+from typing import Any, Literal
 
-from antenna_pin.scenario import AngleEvent, EventSpec, ForceEvent, GapEvent, RateEvent, Scenario
+from antenna_pin.scenario import Scenario
 from antenna_pin.simulation.events import (
     Action,
     Angle,
@@ -29,7 +30,7 @@ def events_of(scenario: Scenario) -> tuple[Event, ...]:
     return tuple(
         Event(
             name=name,
-            when=_condition(table),
+            when=_CONDITIONS[table.kind](table),
             direction=_DIRECTIONS[getattr(table, "direction", "both")],
             action=_action(scenario, name),
             after=table.after,
@@ -38,16 +39,14 @@ def events_of(scenario: Scenario) -> tuple[Event, ...]:
     )
 
 
-def _condition(table: EventSpec) -> Condition:
-    if isinstance(table, AngleEvent):
-        return Angle(table.joint, table.value)
-    if isinstance(table, RateEvent):
-        return Rate(table.joint, table.value)
-    if isinstance(table, GapEvent):
-        return Gap(table.contact, table.value)
-    if isinstance(table, ForceEvent):
-        return Force(table.contact, table.value)
-    return Time(*table.time)
+# What is looked for, by the kind of an event's table.
+_CONDITIONS: Mapping[str, Callable[[Any], Condition]] = {
+    "angle": lambda table: Angle(table.joint, table.value),
+    "rate": lambda table: Rate(table.joint, table.value),
+    "time": lambda table: Time(*table.time),
+    "gap": lambda table: Gap(table.contact, table.value),
+    "force": lambda table: Force(table.contact, table.value),
+}
 
 
 def _action(scenario: Scenario, name: str) -> Action:
