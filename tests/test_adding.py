@@ -252,8 +252,8 @@ def test_a_figure_of_a_variable_that_is_new_and_an_event_of_ones_own(copy):
     insert(
         copy,
         "trajectory/schema.py",
-        'yield from _rows("state", "time configuration"',
-        '    yield from _rows("audit", "time", ("twice_the_energy", "J", "kinetic energy, twice"))',
+        '*_rows("state: time configuration"',
+        '    *_rows("audit: time", ("twice_the_energy", "J", "kinetic energy, twice")),',
     )
     insert(
         copy,
@@ -312,7 +312,7 @@ class Ring(RoundShape):
         return (ContactPlace("hoop"),)
 
     def candidates(self, axes):
-        return flat(ROUND, (kernels.CIRCLE, self.bearing_radius, self.journal_radius, (0.0,) * 6))
+        return flat(ROUND, (kernels.CIRCLE_IN_CIRCLE, self.bearing_radius, self.journal_radius, (0.0,) * 6))
 
     def coal(self, axes):
         return CoalPlanar(self.bearing_radius, self.journal_radius)
