@@ -4,9 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any, ClassVar, NoReturn, Self, get_args
+from typing import Annotated, Any, ClassVar, Literal, NoReturn, Self, get_args
 
-from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, ValidationError, model_validator
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    GetCoreSchemaHandler,
+    ValidationError,
+    model_validator,
+)
 from pydantic.fields import FieldInfo
 from pydantic_core import CoreSchema, InitErrorDetails, PydanticCustomError, core_schema
 
@@ -167,6 +174,17 @@ Velocity = Annotated[Vector3, Vector("m/s")]
 Direction = Annotated[Vector3, Vector("1", rule=A_DIRECTION)]
 Rotation = Annotated[Vector3, Vector("rad")]
 AngularVelocity = Annotated[Vector3, Vector("rad/s")]
+
+
+def _is_one(value: object) -> object:
+    """Refuse what counts as 1 in Python only."""
+    if value is True:
+        refuse("must be 1, got true", value=value)
+    return value
+
+
+Version = Annotated[Literal[1], BeforeValidator(_is_one)]
+"""Version of the format of a file."""
 
 
 class Spec(BaseModel):

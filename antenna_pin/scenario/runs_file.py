@@ -5,12 +5,12 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, ClassVar, Literal, Self
+from typing import Any, ClassVar, Self
 
 from pydantic import Field, ValidationError
 
 from antenna_pin.errors import ScenarioError, UnknownNameError
-from antenna_pin.scenario._base import Spec
+from antenna_pin.scenario._base import Spec, Version
 from antenna_pin.scenario._explained import Place, dotted, explained
 from antenna_pin.scenario.load import load_scenario
 from antenna_pin.scenario.merge import merge, read_overrides
@@ -36,7 +36,7 @@ class RunsFile(Spec):
     word: ClassVar[str]
     carried: ClassVar[frozenset[str]] = frozenset({"name", "folder"})
 
-    format: Literal[1] = 1
+    format: Version = 1
     title: str = ""
     scenario: str
     case: str | None = None

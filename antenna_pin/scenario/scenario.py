@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, get_args
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self, get_args
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import Field, model_validator
 
 from antenna_pin.brief import brief
 from antenna_pin.errors import InvalidParameterError, UnknownNameError, nearest
-from antenna_pin.scenario._base import PositiveTime, Spec, refuse, refuse_name
+from antenna_pin.scenario._base import PositiveTime, Spec, Version, refuse, refuse_name
 from antenna_pin.scenario._clearance import law_tables
 from antenna_pin.scenario._layers import Source, built, check_drives, read_layer
 from antenna_pin.scenario.clearance import ClearanceSpec
@@ -37,13 +37,6 @@ if TYPE_CHECKING:
     from antenna_pin.contact import Material
 
 __all__ = ["Scenario"]
-
-
-def _version(value: object) -> object:
-    """Refuse what counts as 1 in Python only."""
-    if value is True:
-        refuse("must be 1, got true", value=value)
-    return value
 
 
 class Scenario(Spec):
@@ -80,7 +73,7 @@ class Scenario(Spec):
 
     __repr__ = __str__ = brief
 
-    format: Annotated[Literal[1], BeforeValidator(_version)] = 1
+    format: Version = 1
     title: str = ""
     source: str = ""
     duration: PositiveTime
