@@ -40,7 +40,7 @@ def test_a_file_of_ones_own_says_what_the_command_would(tmp_path):
         ("count = 10", "count"),
         ("branches = ['sideways']", "branches"),
         ("name = 'mine'", "name is unknown"),
-        ("format = true", "format: must be 1, got true"),
+        ("format = true", "format must be 1, got true"),
     ],
 )
 def test_a_wrong_file_is_refused_by_its_key(tmp_path, line, says):
