@@ -29,7 +29,7 @@ from antenna_pin.analysis.growth import growths_of
 from antenna_pin.analysis.long_spectra import long_amplitudes, long_spectrum
 from antenna_pin.trajectory import on_disk
 
-MODULES = ("blocks", "even", "sampled", "spectrum")
+MODULES = ("piecewise", "even", "sampled", "spectrum")
 
 
 @pytest.fixture
