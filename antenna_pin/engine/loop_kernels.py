@@ -120,7 +120,7 @@ def _has_room(loop: Loop) -> bool:
     return bool(s.samples + s.needed <= loop.buffers.times.shape[0])
 
 
-@kernel
+@inlined
 def _try(loop: Loop) -> int:
     """Try a step; if it passes, prepare what it is looked at with."""
     s, pace, outside = loop.stretch[0], loop.pace, loop.numbers.outside
@@ -166,7 +166,7 @@ def _try(loop: Loop) -> int:
     return TRIAL_STANDS if s.watched != 0 else GOES_ON
 
 
-@kernel
+@inlined
 def _search(loop: Loop) -> int:
     """Search the trial step for the first contact that changes; accept it if none does, and no event."""
     s, search = loop.stretch[0], loop.search

@@ -236,7 +236,7 @@ def keep(loop: Loop) -> None:
         loop.search.ignore[c] = 0
 
 
-@kernel
+@inlined
 def accept(loop: Loop) -> None:
     """Sample the trial step and make its end the state."""
     s, work, buffers = loop.stretch[0], loop.work, loop.buffers
