@@ -28,7 +28,7 @@ Array = NDArray[np.float64]
 
 # Trial steps from one look at the clock, at Ctrl-C and at limits to the next, of up to so many freedoms; of
 # more they are fewer as the square. Where Python is asked from inside, a trial may take as long as what it
-# asks. And they are at most a part of what was made before: what is wrong with a run shows at its beginning.
+# asks. Where steps are dear they are at most a part of those before: what is wrong shows at the beginning.
 _BUDGET, _FREEDOMS, _ASKED, _PART = 1024, 24, 32, 4
 _CAPACITY = 256  # samples
 _COUNTS = ("accepted", "rejected", "relocated")
@@ -106,7 +106,9 @@ class Stretches:
         self._lack: Callable[[], float] = float
         self._give_answers()
         freedoms = max(stepper.manifold.nv, _FREEDOMS)
-        most = _ASKED if any(stepper.answers.asks(name) for name in ("elements", "gaps")) else _BUDGET
+        asks = stepper.answers.asks
+        most = _ASKED if asks("elements") or asks("gaps") else _BUDGET
+        self._dear = most == _ASKED or asks("acceleration") or asks("terms")
         self._most = max(1, min(most, _BUDGET) * _FREEDOMS**2 // freedoms**2)
         contacts, ends = len(parts.episodes), self._most if parts.singular is not None else 0
         self._loop = kernels.Loop(
@@ -249,7 +251,8 @@ class Stretches:
             stretch[name] = 0
         stretch["t"] = self._stepper.t
         stretch["chosen"] = np.searchsorted(samples.chosen, self._stepper.t, side="right")
-        stretch["budget"] = max(1, min(self._most, self.made // _PART, control.until_look(self.made)))
+        most = min(self._most, self.made // _PART) if self._dear else self._most
+        stretch["budget"] = max(1, min(most, control.until_look(self.made)))
         episodes.make_room()
         control.sizes.make_room()
         self._watched.renew()
