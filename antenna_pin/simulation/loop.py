@@ -192,7 +192,7 @@ class Run:
         """Make steps up to the end of one that is seen to here, or of a stretch."""
         self._see_to(self.steps.go_on())
         while not self.steps.at_rest:
-            self._see_to(self.steps.go_on())
+            self._see_to(self.steps.finish_step())
 
     def _see_to(self, reason: int) -> None:
         """See to what the loop cannot."""

@@ -226,6 +226,15 @@ class Stretches:
         Raises:
             FunctionError: A function of the user's has no answer.
         """
+        most = min(self._most, self.made // _PART) if self._dear else self._most
+        return self._made_by(loop_kernels.go_on, most=most)
+
+    def finish_step(self) -> int:
+        """Go on with the step that has begun, and no further; return what happens that the run has to see to.
+
+        Raises:
+            FunctionError: A function of the user's has no answer.
+        """
         return self._made_by(loop_kernels.go_on)
 
     def search_until(self, theta: float) -> None:
@@ -244,14 +253,13 @@ class Stretches:
         self._lack = lack
         return self._made_by(loop_kernels.end_at, size, longest, search)
 
-    def _made_by(self, kernel: Callable[..., int], *arguments: Any) -> int:
-        """Call the loop; put what it has come to into the record, whatever has been raised."""
+    def _made_by(self, kernel: Callable[..., int], *arguments: Any, most: int = 1) -> int:
+        """Call the loop for so many trial steps at most; put what it has come to into the record."""
         stretch, (control, samples, episodes, *_) = self._stretch, self._parts
         for name in (*_COUNTS, "samples", "evaluations"):
             stretch[name] = 0
         stretch["t"] = self._stepper.t
         stretch["chosen"] = np.searchsorted(samples.chosen, self._stepper.t, side="right")
-        most = min(self._most, self.made // _PART) if self._dear else self._most
         stretch["budget"] = max(1, min(most, control.until_look(self.made)))
         episodes.make_room()
         control.sizes.make_room()

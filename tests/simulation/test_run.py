@@ -222,3 +222,13 @@ def test_a_sliding_joint_is_recorded():
     np.testing.assert_allclose(slide["slide_rate"], 3.0 * time, rtol=0.0, atol=1e-14)
     np.testing.assert_allclose(slide["slide_acceleration"], 3.0, rtol=1e-14)
     assert run.summary()["slides"]["axle"]["position"] == pytest.approx(0.375, abs=1e-14)
+
+
+@pytest.mark.parametrize("engine", ["compiled", "pinocchio"])
+def test_a_run_is_looked_at_however_much_it_samples(monkeypatch, engine):
+    """Steps of ten samples pause within, where the buffer is full: they are ended, and the run is looked at."""
+    monkeypatch.setattr("antenna_pin.simulation.progress._INTERVAL", 0.0)
+    scenario = load_scenario("bai2020", case="case1", overrides=[f"integrator.engine={engine}"])
+    seen = [0]
+    run = simulate(scenario, duration=120.0, progress=lambda now: seen.append(now.steps))
+    assert max(np.diff(seen)) <= 64 < run.counts.accepted  # where 256 samples are full, and a step more
