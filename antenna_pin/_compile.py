@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import functools
 import os
+import threading
 from collections.abc import Callable
-from functools import cached_property
 from typing import Any, TypeVar
 
 from antenna_pin._record import record
@@ -58,29 +58,35 @@ def _later(function: _Function, **options: bool) -> _Function:
     return _Later(function, options)  # type: ignore[return-value]
 
 
+#: Of threads that come to the same kernel one makes it: there is one of each.
+_MAKING = threading.RLock()
+
+
 class _Later:
     """A function that Numba has not seen yet: called, or looked at, it is what Numba makes of it."""
 
     __wrapped__: Callable[..., Any]
+    _made: Any  # Numba's, once it is needed
 
     def __init__(self, function: Callable[..., Any], options: dict[str, bool]) -> None:
         functools.update_wrapper(self, function)
         self._options = options
 
-    @cached_property
-    def _made(self) -> Any:
-        from antenna_pin._jit import dispatcher
-
-        return dispatcher(self.__wrapped__, **self._options)
-
     def __call__(self, *arguments: Any) -> Any:
         return self._made(*arguments)
 
     def __getattr__(self, name: str) -> Any:
-        # Numba asks of what it does not know for this one name, and everybody for others between underscores.
-        if name.startswith("__") or name == "_made":
+        # What looks at any object asks for such names; of Numba's begins one with a single underscore.
+        if name.startswith("__"):
             raise AttributeError(name)
-        return getattr(self._made, name)
+        if name != "_made":
+            return getattr(self._made, name)
+        with _MAKING:
+            if "_made" not in vars(self):
+                from antenna_pin._jit import dispatcher
+
+                self._made = dispatcher(self.__wrapped__, **self._options)
+        return self._made
 
     def __reduce__(self) -> str:
         return self.__wrapped__.__qualname__  # pickled by its name, as a function

@@ -194,7 +194,7 @@ class Spec(BaseModel):
     ``OutputSpec(rate="1 kHz")`` works from Python too. What is wrong is refused with one line.
     """
 
-    model_config = ConfigDict(frozen=True, defer_build=True, extra="forbid", allow_inf_nan=False)
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     # Fields that no file gives: what the loader adds.
     carried: ClassVar[frozenset[str]] = frozenset()
