@@ -1,50 +1,22 @@
-"""The decorator of the compiled kernels.
+"""The decorators of the compiled kernels, which wait: Numba is loaded when the first of them is needed.
 
-Numba caches a compiled function by the age of the file it stands in, and does not see that a function it
-calls in another file has changed. The kernels call one another across rooms, so here every cache entry is
-tied to the contents of all kernel files: a change in any of them compiles all of them anew.
+A module of kernels is imported by many who call none of them, as a command that only tells of a scenario.
+What stands in for a kernel becomes Numba's when it is called, and when Numba meets it in a caller.
 """
 
 from __future__ import annotations
 
-import hashlib
+import functools
+import os
+import threading
 from collections.abc import Callable
-from functools import cache
-from pathlib import Path
 from typing import Any, TypeVar
 
-import numba
-import numpy as np
-from numba.extending import lower_builtin, type_callable
+from antenna_pin._record import record
 
-from antenna_pin._kernel_cache import FORMAT, keep, stand_alone
-
-__all__ = ["composed", "inlined", "kernel", "record", "released", "stamped_files"]
+__all__ = ["composed", "in_python", "inlined", "kernel", "record", "released"]
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
-
-
-def stamped_files() -> tuple[Path, ...]:
-    """Return the files to whose contents compiled code is tied: all kernels, their constants and records."""
-    folder = Path(__file__).parent
-    names = (
-        "*/*kernels.py",
-        "contact/records.py",
-        "records.py",
-        "_called.py",
-        "_lanes.py",
-        "elements/registry.py",
-    )
-    return tuple(sorted(path for name in names for path in folder.glob(name)))
-
-
-@cache
-def _stamp() -> str:
-    """Return a digest of all kernel files and of Numba's version."""
-    digest = hashlib.sha256(f"{numba.__version__} {FORMAT}".encode())
-    for path in (Path(__file__), *stamped_files()):
-        digest.update(path.read_bytes())
-    return digest.hexdigest()
 
 
 def kernel(function: _Function) -> _Function:
@@ -54,19 +26,17 @@ def kernel(function: _Function) -> _Function:
     are not counted, which would take as long as all the arithmetic.
     """
     # Left unsaid, Numba takes over what the caller says for which it is compiled.
-    compiled = _compiled(function, forceinline=False)
-    stand_alone(compiled)
-    return compiled
+    return _later(function, kept=True, alone=True, forceinline=False)
 
 
 def released(function: _Function) -> _Function:
     """Compile as a kernel a function that lets other threads run while it does."""
-    return _compiled(function, forceinline=False, nogil=True)
+    return _later(function, kept=True, forceinline=False, nogil=True)
 
 
 def inlined(function: _Function) -> _Function:
     """Compile a small function that is always put into its callers: a call would cost more than it."""
-    return _compiled(function, forceinline=True)
+    return _later(function, kept=True, forceinline=True)
 
 
 def composed(function: _Function) -> _Function:
@@ -74,60 +44,49 @@ def composed(function: _Function) -> _Function:
 
     Nothing of it is kept: its callers' machine code holds it; what it is made from stands under the stamp.
     """
-    return _njit(function, forceinline=True)  # type: ignore[no-any-return]
+    return _later(function, kept=False, forceinline=True)
 
 
-def _compiled(function: _Function, **options: bool) -> _Function:
-    compiled = _njit(function, **options)
-    _take_constants_as_numbers(compiled)
-    keep(compiled, _stamp())
-    return compiled  # type: ignore[no-any-return]
+def in_python(function: _Function) -> _Function:
+    """Return a compiled function as it is written: whole numbers are the same, without loading Numba."""
+    return getattr(function, "__wrapped__", function)
 
 
-def _take_constants_as_numbers(compiled: Any) -> None:
-    """Let a function that a kernel calls with a plain constant be the one that is called with a number.
-
-    Numba makes of a constant a type of its own: the function, and all that it calls, would be compiled once
-    more for each.
-    """
-    if getattr(compiled, "py_func", None) is None:  # NUMBA_DISABLE_JIT=1
-        return
-    template = compiled.get_call_template
-
-    def of_numbers(arguments: Any, named: Any) -> Any:
-        plain = {name: numba.types.unliteral(one) for name, one in named.items()}
-        return template(tuple(map(numba.types.unliteral, arguments)), plain)
-
-    compiled.get_call_template = of_numbers
+def _later(function: _Function, **options: bool) -> _Function:
+    if os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0"):
+        return function
+    return _Later(function, options)  # type: ignore[return-value]
 
 
-def _njit(function: Callable[..., Any], **options: bool) -> Any:
-    try:
-        # No entry for C: nothing here asks for an address.
-        return numba.njit(error_model="numpy", _nrt=False, no_cfunc_wrapper=True, **options)(function)
-    except KeyError:
-        # These options are Numba's own, not promised ones; without that against counting kernels are slower.
-        return numba.njit(error_model="numpy", **options)(function)
+#: Of threads that come to the same kernel one makes it: there is one of each.
+_MAKING = threading.RLock()
 
 
-def record(numbers: Any, layout: np.dtype[Any]) -> Any:
-    """Return flat numbers, shape (n,), as a record of that size: names instead of offsets.
+class _Later:
+    """A function that Numba has not seen yet: called, or looked at, it is what Numba makes of it."""
 
-    Compiled code reads a field of it as it reads an entry of the array, and checks nothing; a ``view`` would
-    cost 2 ns.
-    """
-    return numbers.view(layout)[0]
+    __wrapped__: Callable[..., Any]
+    _made: Any  # Numba's, once it is needed
 
+    def __init__(self, function: Callable[..., Any], options: dict[str, bool]) -> None:
+        functools.update_wrapper(self, function)
+        self._options = options
 
-@type_callable(record)
-def _type_of_record(context: Any) -> Any:
-    def typed(numbers: Any, layout: Any) -> Any:
-        return layout.dtype
+    def __call__(self, *arguments: Any) -> Any:
+        return self._made(*arguments)
 
-    return typed
+    def __getattr__(self, name: str) -> Any:
+        # What looks at any object asks for such names; of Numba's begins one with a single underscore.
+        if name.startswith("__"):
+            raise AttributeError(name)
+        if name != "_made":
+            return getattr(self._made, name)
+        with _MAKING:
+            if "_made" not in vars(self):
+                from antenna_pin._jit import dispatcher
 
+                self._made = dispatcher(self.__wrapped__, **self._options)
+        return self._made
 
-@lower_builtin(record, numba.types.Array, numba.types.DType)
-def _lowered_record(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-    array = context.make_array(signature.args[0])(context, builder, arguments[0])
-    return builder.bitcast(array.data, context.get_value_type(signature.return_type))
+    def __reduce__(self) -> str:
+        return self.__wrapped__.__qualname__  # pickled by its name, as a function

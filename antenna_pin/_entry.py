@@ -3,6 +3,7 @@
 Python would print a traceback from wherever an import has come. Only the command imports this module.
 """
 
+import gc
 import signal
 
 __all__ = ["main"]
@@ -14,6 +15,8 @@ if _asked:
 
 def main() -> None:
     """Run the command line."""
+    # Imports make many objects and no garbage: Python looks for some for a twentieth of their time.
+    gc.set_threshold(100_000, 50, 50)
     from antenna_pin._lazy import go_without
 
     go_without("dask", "pint")  # which xarray loads, for a second, to see whether it is given their arrays

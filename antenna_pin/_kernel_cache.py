@@ -116,9 +116,6 @@ def stand_alone(dispatcher: Any) -> None:
         return
     function = dispatcher.py_func
     name = f"{function.__module__}:{function.__qualname__}"
-    if name in _ALONE:
-        raise ValueError(f"two kernels are called {name}")
-    _ALONE[name] = dispatcher
     add_overload = dispatcher.add_overload
 
     def added(result: Any) -> None:
@@ -131,8 +128,10 @@ def stand_alone(dispatcher: Any) -> None:
     dispatcher.add_overload = added
 
 
-#: Kernels that stand alone, by module and name.
-_ALONE: dict[str, Any] = {}
+def _named(name: str) -> Any:
+    """Return a kernel that stands alone, by its module and name."""
+    module, _, own = name.partition(":")
+    return getattr(importlib.import_module(module), own)
 
 
 def _publish(name: str, context: Any, result: Any) -> None:
@@ -275,8 +274,7 @@ class _KernelCache(FunctionCache):  # type: ignore[misc]
 
     def _loaded(self, kept: Any, target_context: Any) -> Any:
         for name, arguments in kept.needs:
-            importlib.import_module(name.partition(":")[0])
-            _ALONE[name].compile(arguments)
+            _named(name).compile(arguments)
         result = called(target_context, kept)
         _needs_of(result.library).update(kept.needs)
         return result

@@ -6,14 +6,10 @@ Kernels call them by their addresses (``_called.py``).
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Callable
 from functools import cache
 from typing import Any
-
-from numba import cfunc, float64, njit
-from numba.core.ccallback import CFunc
-from numba.core.dispatcher import Dispatcher
-from numba.core.errors import NumbaError
 
 from antenna_pin.errors import InvalidParameterError
 
@@ -22,6 +18,11 @@ __all__ = ["address_of", "callable_of", "is_compiled"]
 
 def is_compiled(*functions: object) -> bool:
     """Whether functions are compiled ones: by ``numba.njit`` or ``numba.cfunc``."""
+    if "numba" not in sys.modules:  # so that nobody has compiled any
+        return not functions
+    from numba.core.ccallback import CFunc
+    from numba.core.dispatcher import Dispatcher
+
     return all(isinstance(function, Dispatcher | CFunc) for function in functions)
 
 
@@ -53,6 +54,8 @@ def address_of(place: str, name: str, function: Any, arguments: int) -> float:
     Raises:
         InvalidParameterError: It does not take them, or gives something else.
     """
+    from numba.core.errors import NumbaError
+
     count = "1 float" if arguments == 1 else f"{arguments} floats"
     rule = f"a compiled function of {count} that returns a float"
     given = getattr(function, "_sig", _signature(arguments))  # of one by cfunc
@@ -66,18 +69,25 @@ def address_of(place: str, name: str, function: Any, arguments: int) -> float:
 
 
 def _signature(arguments: int) -> Any:
+    from numba import float64
+
     return float64(*[float64] * arguments)
 
 
 @cache
 def _dispatched(function: Any) -> Any:
     """Return a compiled function that other compiled ones can call."""
+    from numba import njit
+    from numba.core.ccallback import CFunc
+
     return njit(function.__wrapped__) if isinstance(function, CFunc) else function
 
 
 @cache
 def _compiled(function: Any, arguments: int) -> Any:
     """Return a function as kernels call it, which gives NaN where it raises: of itself it would give zero."""
+    from numba import cfunc
+
     given = _dispatched(function)
 
     def one(a: float) -> float:

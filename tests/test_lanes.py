@@ -3,6 +3,7 @@
 import numba
 import numpy as np
 
+import antenna_pin._intrinsics  # noqa: F401 - which tells Numba of lanes
 from antenna_pin._lanes import LANES, lane, put_lane, same_lane, sum_of_lane
 
 

@@ -43,7 +43,9 @@ def scenario_facts(scenario: Scenario) -> dict[str, Any]:
     """
     system = build_system(scenario)
     q, v = initial_state(scenario, system)
-    y = system.state(q, v, initial_angles(scenario, system))
+    # Where nothing is held nobody asks for turns, and no compiled code is needed.
+    state = system.state_as_given if system.plan is None else system.state
+    y = state(q, v, initial_angles(scenario, system))
     turned = axes_turned(scenario, system.mechanism, system.closures)
     return {
         "base": system.mechanism.base,
@@ -112,9 +114,10 @@ def _drive(system: System, name: str) -> str:
 
 
 def _residuals(system: System, y: Any) -> tuple[float, float]:
-    workspace = Workspace(system)
-    if workspace.constraints is None:
+    if system.plan is None:
         return 0.0, 0.0
+    workspace = Workspace(system)
+    assert workspace.constraints is not None
     workspace.prepare_motions(0.0, y)
     found = workspace.constraints.residuals(0.0, y, workspace.program)
     return found.gap, found.turn

@@ -238,8 +238,7 @@ class System:
                     self.callables.append(InPython(at, slice(own, at + len(block)), element, asked))
                 if isinstance(element, Motion):
                     check_motion(f"{family} {name!r}", self.mechanism, self.drives, name, element)
-                    kind = kind_of(type(element))
-                    turn = self.turn_x.get(element.joint, -1)
+                    kind, turn = kind_of(type(element)), self.turn_x.get(element.joint, -1)
                     self.motions.append(
                         DrivenJoint(name=name, joint=element.joint, turn=turn, kind=kind, words=own, x=x)
                     )
@@ -317,24 +316,25 @@ class System:
             q: Configuration, (nq,). Its quaternions, and the cosine and sine of continuous and planar joints,
                 are made unit where they are so to 1e-6, and refused where they are not.
             v: Velocity, (nv,).
-            angles: Angles of joints that turn without end [rad]: of one of these q gives what is left of it
-                without whole turns, here are the turns. Others have those that couplings give them, or are
-                in (-pi, pi].
+            angles: Angles of joints that turn without end [rad]: q gives what is left of one without whole
+                turns, here are the turns. Others have those of couplings, or are in (-pi, pi].
         """
+        y = self.state_as_given(q, v, angles)
+        self.turn_on(y)
+        fit_turns(self.mechanism, self.couplings.values(), y, self.turn_x, angles or {})
+        return y
+
+    def state_as_given(self, q: ArrayLike, v: ArrayLike, angles: Mapping[str, float] | None = None) -> Array:
+        """Return :meth:`state`, checked as there, with no more of the angles than is given."""
         configuration, velocity = numbers(q, self.model.nq, "q", "m"), numbers(v, self.model.nv, "v", "m/s")
         make_unit(self.mechanism, configuration)
-        y = np.concatenate([configuration, velocity, np.zeros(self.manifold.nx)])
-        x = y[self.model.nq + self.model.nv :]
+        x = np.zeros(self.manifold.nx)
         for name, angle in (angles or {}).items():
             if name not in self.turn_x:
-                raise UnknownNameError(
-                    "System.state: angles", "joint that turns without end", name, self.turn_x
-                )
+                kind = "joint that turns without end"
+                raise UnknownNameError("System.state: angles", kind, name, self.turn_x)
             x[self.turn_x[name]] = numbers([angle], 1, f"angles[{name!r}]", "rad")[0]
-        self.turn_on(y)
-        if self.couplings:
-            fit_turns(self.mechanism, self.couplings.values(), y, self.turn_x, angles or {})
-        return y
+        return np.concatenate([configuration, velocity, x])
 
     def turn_on(self, y: Array) -> float:
         """Bring the turned angles in y, in place, up to its configuration; return the fastest rate [rad/s].

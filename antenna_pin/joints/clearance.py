@@ -13,6 +13,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from antenna_pin._compile import in_python
 from antenna_pin.arguments import takes
 from antenna_pin.contact import CompiledNormalLaw, FrictionLaw, NoFriction, NormalLaw
 from antenna_pin.contact.kernels import NORMAL_SIZE, takes_mass_of_contact
@@ -236,7 +237,7 @@ class ClearanceJoint:
         for k, (candidate, law) in enumerate(
             zip(self.geometry.candidates(axes), self.normal_laws, strict=True)
         ):
-            start = _layout.candidate_at(0, k)
+            start = in_python(_layout.candidate_at)(0, k)
             laws = start + len(candidate)
             block[start:laws] = candidate
             if self.compiled:
@@ -250,7 +251,7 @@ class ClearanceJoint:
         """Write into a block where its strips' rows start; return how many rows they are."""
         if self.load != "distributed":
             return 0
-        start = _layout.candidate_at(0, 4)
+        start = in_python(_layout.candidate_at)(0, 4)
         tail = block[start : start + _layout.PATCHES_WORDS].view(_layout.PATCHES)
         tail["strips"], tail["sectors"], tail["first"] = self.strips, self.sectors, first
         tail["radius"] = self.geometry.patch_radius
