@@ -85,7 +85,18 @@ def _read(place: str, name: str, value: Any, hint: Any, unit: str | None) -> Any
     if not fits(value, hint):
         rule = rule_of(hint) + ("" if unit is None else f", in {unit} or with a unit")
         raise InvalidParameterError(place, name, rule, said=unknown_type(value))
+    if get_origin(hint) is Iterable and isinstance(value, Iterator):
+        return _each(place, name, value, hint)
     return value
+
+
+def _each(place: str, name: str, values: Iterator[Any], hint: Any) -> Iterator[Any]:
+    """Yield what an iterator gives, each looked at when it comes."""
+    (kind,) = get_args(hint) or (Any,)
+    for value in values:
+        if not fits(value, kind):
+            raise InvalidParameterError(place, name, rule_of(hint), said=f"one of {unknown_type(value)}")
+        yield value
 
 
 def _check_count(place: str, name: str, value: Any, hint: Any) -> None:

@@ -11,6 +11,7 @@ import pytest
 from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin import AntennaPinError, RunSettings, System, load_scenario, simulate
+from antenna_pin.analysis import scenario_rows
 from antenna_pin.arguments import fits, rule_of, takes
 from antenna_pin.constraints import Closure
 from antenna_pin.elements import JointSpring, PointSpring, SineDrive
@@ -265,3 +266,8 @@ def test_a_function_names_itself_the_argument_and_what_it_got(function):
         function(*([] if first.kind is first.KEYWORD_ONLY else [Thing()]), **needed)
     assert str(error.value).startswith(place) or several
     assert "(Thing)" in str(error.value)
+
+
+def test_what_an_iterator_gives_is_looked_at_as_it_comes():
+    with pytest.raises(InvalidParameterError, match="scenario_rows: pairs must be a .*, got one of 3"):
+        scenario_rows(k for k in (3, 4))

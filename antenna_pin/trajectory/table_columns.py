@@ -47,12 +47,14 @@ class Attribute:
         rule: What its number may be, if it is one.
         words: What its text may be, if it is one; any if that is empty.
         several: Whether it is a list of texts, as JSON.
+        named: Whether it is texts by name, as JSON.
     """
 
     name: str
     rule: Rule | None = None
     words: tuple[str, ...] = ()
     several: bool = False
+    named: bool = False
 
     def problem(self, value: object) -> str | None:
         """Return what of a value is not as it must be, in words; None if all is."""
@@ -68,16 +70,28 @@ class Attribute:
             return f"which must be one of {', '.join(self.words)}"
         if self.several and _names(value) is None:
             return "which must be a list of names"
+        if self.named and not _is_named(value):
+            return "which must be texts by name"
         return None
 
 
 def _names(text: object) -> list[str] | None:
     """Return the list of texts that an attribute holds as JSON; None if it holds none."""
+    names = _read(text)
+    return names if isinstance(names, list) and all(isinstance(name, str) for name in names) else None
+
+
+def _is_named(text: object) -> bool:
+    """Whether an attribute holds texts by name, as JSON."""
+    found = _read(text)
+    return isinstance(found, dict) and all(isinstance(value, str) for value in found.values())
+
+
+def _read(text: object) -> object:
     try:
-        names = json.loads(text) if isinstance(text, str) else None
+        return json.loads(text) if isinstance(text, str) else None
     except (ValueError, RecursionError):
         return None
-    return names if isinstance(names, list) and all(isinstance(name, str) for name in names) else None
 
 
 _SIZE, _TIMES = Rule(least=0.0), Rule(rising=True)
@@ -176,7 +190,10 @@ ATTRIBUTES: Mapping[str, tuple[Attribute, ...]] = {
     ),
 }
 
-_OF_ALL = tuple(Attribute(name) for name in ("title", "name", "case", "scenario", "versions"))
+_OF_ALL = (
+    *(Attribute(name) for name in ("title", "name", "case", "scenario")),
+    Attribute("versions", named=True),
+)
 
 
 def problem_of_table(table: xr.Dataset, kind: str) -> str | None:
