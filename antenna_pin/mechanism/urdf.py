@@ -91,6 +91,7 @@ class Urdf:
 
     def __post_init__(self) -> None:
         """Read and check."""
+        object.__setattr__(self, "allow_impossible_inertia", tuple(map(str, self.allow_impossible_inertia)))
         reading = _reading.checked(self.text, self.where, self.allow_impossible_inertia)
         for name, value in (
             ("robot", reading.robot),

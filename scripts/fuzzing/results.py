@@ -142,7 +142,7 @@ def _attribute_edit(chance: Random, key: str) -> Change:
     def edit(file: Any) -> None:
         try:
             content = json.loads(file.attrs[key])
-        except (KeyError, TypeError, ValueError):
+        except (KeyError, TypeError, ValueError, RecursionError):
             _set(file.attrs, key, "x")
             return
         _set(file.attrs, key, json.dumps(_replaced(content, at, value, other), default=str))
@@ -286,7 +286,7 @@ def _store_change(chance: Random, name: str) -> Change:
     def edit(content: bytes) -> bytes:
         try:
             table = json.loads(content)
-        except ValueError:
+        except (ValueError, RecursionError):
             return content[:-1]
         return json.dumps(_replaced(table, at, value, None), default=str).encode()
 

@@ -611,3 +611,10 @@ def test_copies_that_cannot_be_right_are_refused_before_anything_is_written(tmp_
     assert not (target / "u.urdf").exists()
     with pytest.raises(MechanismError, match="must be a file to be copied"):
         with_meshes(None, "part.stl").write(target / "u.urdf", copy_meshes=True)
+
+
+def test_names_may_come_as_any_sequence():
+    text = '<robot name="r"><link name="a"/></robot>'
+    for names in (["a"], np.array(["a"]), ("a",)):
+        urdf = Urdf(text=text, where="r.urdf", allow_impossible_inertia=names)
+        assert urdf.allow_impossible_inertia == ("a",)
