@@ -37,7 +37,7 @@ def direction(given: ArrayLike, place: object, name: str) -> NDArray[np.float64]
     """
     try:
         vector = np.asarray(given, dtype=np.float64)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         vector = np.zeros(0)
     if vector.shape != (3,) or not np.isfinite(vector).all() or not vector.any():
         raise InvalidParameterError(place, name, A_DIRECTION, said=shown(given))

@@ -46,14 +46,14 @@ class Attribute:
         name: Of it.
         rule: What its number may be, if it is one.
         words: What its text may be, if it is one; any if that is empty.
-        several: Whether it is a list of texts, as JSON.
+        several: How many texts it has at least, if it is a list of them, as JSON.
         named: Whether it is texts by name, as JSON.
     """
 
     name: str
     rule: Rule | None = None
     words: tuple[str, ...] = ()
-    several: bool = False
+    several: int = 0
     named: bool = False
 
     def problem(self, value: object) -> str | None:
@@ -68,8 +68,8 @@ class Attribute:
             return "which must be text"
         if self.words and value not in self.words:
             return f"which must be one of {', '.join(self.words)}"
-        if self.several and _names(value) is None:
-            return "which must be a list of names"
+        if self.several and len(_names(value) or ()) < self.several:
+            return f"which must be a list of names, {self.several} or more"
         if self.named and not _is_named(value):
             return "which must be texts by name"
         return None
@@ -164,12 +164,12 @@ TABLES: Mapping[str, tuple[Column, ...]] = {
     ),
 }
 
-_QUANTITIES = Attribute("quantities", several=True)
+_QUANTITIES = Attribute("quantities", several=1)
 _SETTLED = (Attribute("rule"), Attribute("tolerance", _SIZE))
 
 #: The attributes of each kind of table, beside those of all kinds.
 ATTRIBUTES: Mapping[str, tuple[Attribute, ...]] = {
-    "portrait": (_QUANTITIES,),
+    "portrait": (Attribute("quantities", several=2),),
     "section": (
         _QUANTITIES,
         Attribute("section"),
