@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from antenna_pin.readable import GIVEN, readable
 
-__all__ = ["Across", "Look", "Picture", "Row", "Sizes", "circle", "length", "radial_words"]
+__all__ = ["Across", "Look", "Picture", "Row", "Sizes", "across_centre", "circle", "length", "radial_words"]
 
 Array = NDArray[np.float64]
 Sizes = Mapping[str, float]
@@ -86,3 +86,15 @@ def circle(radius: float) -> Array:
     """Return a closed circle about the origin, (n, 2) [m]."""
     angle = np.linspace(0.0, 2.0 * np.pi, 181)
     return radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+
+
+def across_centre(p: Array, eccentricity: Array, clearance: float) -> Across:
+    """Return where a journal is whose centre may be off the bearing's by its clearance, whichever way.
+
+    Args:
+        p: Its centre, bearing axes, (n, 3) [m].
+        eccentricity: How far that is from where it would be without play, (n, 1) [m].
+        clearance: [m].
+    """
+    offset = p[:, None, :].copy()
+    return Across(("centre",), offset, eccentricity, eccentricity / clearance, clearance, circle(clearance))

@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from antenna_pin.geometry.look import Across, Array, Look, Sizes, circle, radial_words
+from antenna_pin.geometry.look import Across, Array, Look, Sizes, across_centre, radial_words
 
 __all__ = ["LOOK"]
 
 
 def _across(size: Sizes, p: Array, z: Array) -> Across:
     clearance = size["socket_radius"] - size["ball_radius"]
-    eccentricity = np.linalg.norm(p[:, None, :], axis=2)
-    ratio = eccentricity / clearance
-    return Across(("centre",), p[:, None, :].copy(), eccentricity, ratio, clearance, circle(clearance))
+    return across_centre(p, np.linalg.norm(p[:, None, :], axis=2), clearance)
 
 
 def _dimensions(size: Sizes) -> list[str]:
