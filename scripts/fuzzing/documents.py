@@ -6,7 +6,7 @@ import copy
 import functools
 import tomllib
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from random import Random
 from typing import Any
 from xml.etree import ElementTree
@@ -28,6 +28,8 @@ _SMALL, _OFTEN = ("impact_pair", "pendulum", "slider", "spherical_pendulum"), 4
 
 #: What keeps a run short, whatever a file says.
 SHORT = ("--set", "integrator.max_steps=200")
+# So many points of a diagram take longer than an input may; so few are made soon.
+_MANY, _FEW = 10**6 + 1, 1000
 _REPLACED = (("integrator",), ("integrator", "max_steps"))
 
 
@@ -284,4 +286,19 @@ def draw_diagram(chance: Random) -> Draft:
     """Return a bifurcation diagram's file."""
     base = _diagram_base()
     words = ["bifurcation", base.name, "--out", "diagram.nc", "--no-progress", "--workers", "1"]
-    return _draft(chance, base, lambda sets: [*words, *sets])
+    draft = _draft(chance, base, lambda sets: [*words, *sets])
+    return replace(draft, made=lambda kept: _in_time(draft.made(kept)))
+
+
+def _in_time(asked: Input) -> Input:
+    """Return a diagram of few points for one of many: they take the time that they take, and it says so."""
+    try:
+        table = tomllib.loads(asked.files["some.diagram.toml"].decode())
+    except (ValueError, RecursionError):
+        return asked
+    many = [
+        f"--{key}={_FEW}"
+        for key in ("count", "transient")
+        if isinstance(value := table.get(key), int | float) and _FEW < value < _MANY and value % 1 == 0
+    ]
+    return replace(asked, act=[*asked.act, *many])
