@@ -118,6 +118,7 @@ def test_what_a_hand_may_have_changed_is_told(result, tmp_path, name, change, wo
 @pytest.mark.parametrize(
     ("change", "words"),
     [
+        (lambda data: data.assign_attrs(scenario="[]"), r"'\[\]' in the attribute 'scenario'.* a table"),
         (lambda data: data.assign_attrs(form="half"), "'half' in the attribute 'form'"),
         (
             lambda data: data.assign_coords(contact_end=("contact", ["top", "-", "+", "-"])),

@@ -277,6 +277,8 @@ def _level(sizes: Sequence[Array], confidence: float) -> float:
 def _signals(time: Any, error: Any) -> list[dict[str, Polygon]]:
     """Return the components of each run as polygons."""
     several = isinstance(time, (list, tuple)) and len(time) > 0 and np.ndim(time[0]) == 1
+    if several and not isinstance(error, (list, tuple)):
+        raise InvalidParameterError(_PLACE, "error", f"a list, one for each of {len(time)} runs", error)
     times, errors = (list(time), list(error)) if several else ([time], [error])
     if len(times) != len(errors):
         raise InvalidParameterError(_PLACE, "error", f"one for each of {len(times)} runs", len(errors))

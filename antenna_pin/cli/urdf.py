@@ -117,6 +117,7 @@ def _check(
     if target is not None:
         with replacing(target) as partial:
             partial.write_text("".join(f"{line}\n" for line in lines), encoding="utf-8")
+        say(lines[-1])
         typer.echo(f"saved {target}")
     if loaded < count:
         raise typer.Exit(REFUSED)

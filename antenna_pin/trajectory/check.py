@@ -13,7 +13,7 @@ import xarray as xr
 from pydantic import AfterValidator, AllowInfNan, BaseModel, Field, TypeAdapter, ValidationError
 
 from antenna_pin.trajectory.numbers import problems_of_numbers
-from antenna_pin.trajectory.read import is_lean, names_along
+from antenna_pin.trajectory.read import is_lean, json_in, names_along
 from antenna_pin.trajectory.schema import COORDINATES, DIMENSIONS, variables_of
 from antenna_pin.units import shown
 
@@ -274,6 +274,8 @@ def _attributes(data: xr.Dataset) -> Iterator[str]:
             yield f"an attribute {name!r} that cannot be read"
         if name in found and name in _WORDS and value not in _WORDS[name]:
             yield f"{value!r} in the attribute {name!r}, which must be one of {shown(_WORDS[name])}"
+    if found["scenario"] and not isinstance(json_in(found["scenario"]), dict):
+        yield f"{shown(found['scenario'])} in the attribute 'scenario', which must be a table, as JSON"
     for name, (_, dim) in _JSON.items():
         if name not in found:
             if name in needed or name not in _OPTIONAL:

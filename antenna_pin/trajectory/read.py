@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+
 import xarray as xr
 
 from antenna_pin.errors import FileFormatError
@@ -12,6 +14,7 @@ __all__ = [
     "contact_kinds",
     "contacts_of",
     "is_lean",
+    "json_in",
     "names_along",
     "series",
 ]
@@ -42,6 +45,14 @@ def series(data: xr.Dataset, place: str) -> xr.Dataset:
             "run it again with output.form = 'full'"
         )
     return data
+
+
+def json_in(text: object) -> object:
+    """Return what an attribute holds as JSON; None if that is nothing, or no JSON."""
+    try:
+        return json.loads(text) if isinstance(text, str) else None
+    except (ValueError, RecursionError):
+        return None
 
 
 def names_along(data: xr.Dataset, dimension: str) -> list[str]:

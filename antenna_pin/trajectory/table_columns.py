@@ -5,7 +5,6 @@ The numbers of quantities that were asked for stand in columns of their names, w
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
@@ -14,6 +13,7 @@ import xarray as xr
 
 from antenna_pin.trajectory.columns import ANY, Rule
 from antenna_pin.trajectory.outcome import Outcome
+from antenna_pin.trajectory.read import json_in
 from antenna_pin.units import shown
 
 __all__ = ["ATTRIBUTES", "TABLES", "Attribute", "Column", "problem_of_table"]
@@ -48,6 +48,7 @@ class Attribute:
         words: What its text may be, if it is one; any if that is empty.
         several: How many texts it has at least, if it is a list of them, as JSON.
         named: Whether it is texts by name, as JSON.
+        table: Whether it is a table, as JSON, or nothing.
     """
 
     name: str
@@ -55,6 +56,7 @@ class Attribute:
     words: tuple[str, ...] = ()
     several: int = 0
     named: bool = False
+    table: bool = False
 
     def problem(self, value: object) -> str | None:
         """Return what of a value is not as it must be, in words; None if all is."""
@@ -72,26 +74,21 @@ class Attribute:
             return f"which must be a list of names, {self.several} or more"
         if self.named and not _is_named(value):
             return "which must be texts by name"
+        if self.table and value and not isinstance(json_in(value), dict):
+            return "which must be a table, as JSON, or nothing"
         return None
 
 
 def _names(text: object) -> list[str] | None:
     """Return the list of texts that an attribute holds as JSON; None if it holds none."""
-    names = _read(text)
+    names = json_in(text)
     return names if isinstance(names, list) and all(isinstance(name, str) for name in names) else None
 
 
 def _is_named(text: object) -> bool:
     """Whether an attribute holds texts by name, as JSON."""
-    found = _read(text)
+    found = json_in(text)
     return isinstance(found, dict) and all(isinstance(value, str) for value in found.values())
-
-
-def _read(text: object) -> object:
-    try:
-        return json.loads(text) if isinstance(text, str) else None
-    except (ValueError, RecursionError):
-        return None
 
 
 _SIZE, _TIMES = Rule(least=0.0), Rule(rising=True)
@@ -191,7 +188,8 @@ ATTRIBUTES: Mapping[str, tuple[Attribute, ...]] = {
 }
 
 _OF_ALL = (
-    *(Attribute(name) for name in ("title", "name", "case", "scenario")),
+    *(Attribute(name) for name in ("title", "name", "case")),
+    Attribute("scenario", table=True),
     Attribute("versions", named=True),
 )
 

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import contextlib
 import io
+import itertools
 import os
 import re
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -129,7 +130,8 @@ def _commanded(words: Sequence[str], folder: Path) -> str | None:
             code = ended.code or 0
     said = err.getvalue()
     if code == _REFUSED and "--check" in words and not said:  # it tells of many files
-        said = "\n".join(line for line in out.getvalue().splitlines() if "refused: " in line)
+        told = out.getvalue() + "".join(_texts(folder, words))
+        said = "\n".join(line for line in told.splitlines() if "refused: " in line)
     if code == _REFUSED:
         lines = said.splitlines()
         for line in lines[:-1]:
@@ -145,6 +147,13 @@ def _commanded(words: Sequence[str], folder: Path) -> str | None:
         if not _NOTE.match(line):
             raise _FaultError(f"exit code {code}, said {line!r}")
     return None
+
+
+def _texts(folder: Path, words: Sequence[str]) -> Iterator[str]:
+    """Yield what was written to the file behind ``--out``."""
+    for option, value in itertools.pairwise(words):
+        if option == "--out" and (folder / value).is_file():
+            yield (folder / value).read_text(encoding="utf-8")
 
 
 def quietly(words: Sequence[str], folder: Path) -> None:

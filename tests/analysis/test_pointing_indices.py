@@ -362,6 +362,7 @@ def test_windows_that_do_not_fit_are_refused(changes, message):
         ([0.0, 1.0], {"a": np.zeros((2, 3))}, r"a must be of shape \(2,\) or \(2, 2\), got \(2, 3\)"),
         ([0.0, 1.0], [0.0, math.nan], "error must be finite, got nan"),
         ([np.zeros(2)] * 2, [np.zeros(2)], "error must be one for each of 2 runs, got 1"),
+        ([np.zeros(2)] * 2, 0.5, "error must be a list, one for each of 2 runs, got 0.5"),
         ([np.zeros(2)] * 2, [{"a": np.zeros(2)}, {"b": np.zeros(2)}], r"error must be of components \['a'\]"),
     ],
 )

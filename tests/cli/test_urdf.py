@@ -113,7 +113,7 @@ def test_check_says_of_each_file_what_is_read_and_counts(folder):
         "2 of 5 load",
     ]
     code, lines, _ = said("urdf", folder / "arm.urdf", "--check", "--out", folder / "said.txt")
-    assert (code, lines) == (0, [f"saved {folder}/said.txt"])
+    assert (code, lines) == (0, ["1 of 1 load", f"saved {folder}/said.txt"])
     assert (folder / "said.txt").read_text().endswith("hinge\n1 of 1 load\n")
 
 

@@ -72,6 +72,7 @@ def test_an_orbit_comes_back_from_its_file(driven, tmp_path):
     ("name", "value", "said"),
     [
         ("scenario", [1.0, 2.0], "in the attribute 'scenario', which must be text"),
+        ("scenario", "[]", "'[]' in the attribute 'scenario', which must be a table, as JSON, or nothing"),
         ("versions", "[", "'[' in the attribute 'versions', which must be texts by name"),
         ("verdict", None, "no attribute 'verdict'"),
         ("interval", -1.0, "-1.0 in the attribute 'interval', which must be finite, 0 or more"),
