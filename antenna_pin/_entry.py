@@ -30,3 +30,5 @@ def main() -> None:
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
             if signal.getsignal(number) != signal.SIG_IGN:
                 signal.signal(number, signal.SIG_DFL)
+        # On its way down Python looks for garbage three times, a fifth of the time of a short run.
+        gc.freeze()
