@@ -15,8 +15,8 @@ if _asked:
 
 def main() -> None:
     """Run the command line."""
-    # Imports make many objects and no garbage: Python looks for some for a twentieth of their time.
-    gc.set_threshold(100_000, 50, 50)
+    # Imports make many objects and no garbage: Python looks for some for a tenth of their time.
+    gc.set_threshold(500_000, 20, 20)
     from antenna_pin._lazy import go_without
 
     go_without("dask", "pint")  # which xarray loads, for a second, to see whether it is given their arrays
