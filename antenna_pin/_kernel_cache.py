@@ -30,7 +30,6 @@ from antenna_pin._stand_alone import (
     needs_of,
     noted,
     parts_of,
-    stand_alone,
     symbols_of,
 )
 from antenna_pin._turns import Turn
@@ -40,7 +39,7 @@ try:
 except ImportError:  # none of it is promised by Numba
     FunctionCache = IndexDataCacheFile = NullCache = object
 
-__all__ = ["FORMAT", "KernelCacheWarning", "keep", "stand_alone", "told_of_compiling"]
+__all__ = ["FORMAT", "KernelCacheWarning", "keep", "told_of_compiling"]
 
 FORMAT = 3  # of what is kept
 

@@ -168,7 +168,8 @@ def test_who_waits_is_told_of_what_is_compiled(source):
 
 _PAIR = """\
 import numba
-from antenna_pin._kernel_cache import keep, stand_alone
+from antenna_pin._kernel_cache import keep
+from antenna_pin._stand_alone import stand_alone
 def own(x):
     return 2 * x
 own = numba.njit(own)
