@@ -1,7 +1,7 @@
 """What is asked of coal at a state, set out and taken in by compiled code; only the asking is Python's.
 
-Behind the contact table, the work array of :func:`antenna_pin.dynamics.kernels.evaluate` has a stretch for each
-joint of which coal measures the gaps and nothing else is done in Python: where the joint's block stands in the
+Behind the contact table, the work array of :func:`antenna_pin.dynamics.kernels.evaluate` has a stretch for
+each joint of which coal measures the gaps and nothing else is done in Python: where its block stands in the
 program, and what is asked and answered (:mod:`antenna_pin.geometry.coal_kernels`).
 """
 

@@ -1,10 +1,10 @@
 """What the coal backend of the revolute joint needs around its queries, compiled.
 
 Who asks calls :func:`coal_set_out` with a pose, has coal fill in the answers of the rows that are still
-``asked``, and calls :func:`coal_take_in`, again and again until nothing is asked any more: nearly always once,
-since the search on a bore's end circle starts where the closed form has its deepest point, and there the gap is
-stationary. What is taken is coal's own gap and normal; where they do not agree that the point is the deepest one,
-the search goes on from there.
+``asked``, and calls :func:`coal_take_in`, again and again until nothing is asked any more: nearly always
+once, since the search on a bore's end circle starts where the closed form has its deepest point, and there
+the gap is stationary. What is taken is coal's own gap and normal; where they do not agree that the point is
+the deepest one, the search goes on from there.
 
 The journal frame J used here has its z axis along the journal and an arbitrary rotation about it.
 """
@@ -18,8 +18,8 @@ from antenna_pin._compile import inlined, kernel, record
 from antenna_pin.geometry.revolute_kernels import REVOLUTE, bore_contact, flange_contact
 from antenna_pin.records import layout, words_of
 
-#: Rows, as bits (1, 2: the bore's circles at +z and at -z; 4, 8: the flanges there): those wanted, and of them
-#: those about which coal is still to be asked.
+#: Rows, as bits (1, 2: the bore's circles at +z and at -z; 4, 8: the flanges there): those wanted, and of
+#: them those about which coal is still to be asked.
 QUERY = layout(("wanted", "i8"), ("asked", "i8"))
 #: Placement of H in J.
 FRAME = layout(("rotation", "f8", (3, 3)), ("origin", "f8", (3,)))
@@ -175,8 +175,8 @@ def _newton(shape: Any, at: Any, end: Any, normal: Any, gap: float) -> tuple[flo
 
     The derivative of the gap along the circle is -n . dQ/dphi, n the normal in H; its own derivative follows
     from the curvature of the distance to a line,
-    dist'' = (|t_perp|^2 - (n.t)^2) / dist - n . Q'' with t_perp the part of the tangent t = dQ/dphi square to the
-    journal axis and Q'' = -(qx, qy, 0).
+    dist'' = (|t_perp|^2 - (n.t)^2) / dist - n . Q'' with t_perp the part of the tangent t = dQ/dphi square to
+    the journal axis and Q'' = -(qx, qy, 0).
     """
     hx, hy, _ = normal
     radius = shape.bearing_radius

@@ -6,7 +6,7 @@ coal's own normal. Axial: a flange's half-space against the bearing's cylinder, 
 against the half-space of the bearing's end face. All of these pairs are closed forms inside coal; pairs that
 go through GJK would be off by up to a micrometre.
 
-Functors are built once; a query only moves a transform. What is asked and what is answered stands in one array of
+Functors are built once; a query only moves a transform. What is asked and answered stands in one array of
 numbers (:mod:`antenna_pin.geometry.coal_kernels`), so that compiled code can set out a pose, have coal asked
 (:meth:`CoalRevolute.answer`), and take the answers in.
 """
@@ -208,8 +208,8 @@ class CoalRevolute:
     def _small_flange(self, k: int) -> _Question:
         """Return what asks coal about a flange smaller than the bearing's end.
 
-        Solid discs behind each flange face, asked against the half-spaces inside the bearing's end faces. Both
-        are asked in H, where the half-spaces stand, and the answers carried to J.
+        Solid discs behind each flange face, asked against the half-spaces inside the bearing's end faces.
+        Both are asked in H, where the half-spaces stand, and the answers carried to J.
         """
         answer, functor, rotation, origin = self._answers[k], self._axial[k], self._rotation, self._origin
         at_disc, identity, request = self._at_bearing, self._identity, self._request
