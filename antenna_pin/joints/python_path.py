@@ -132,6 +132,10 @@ class PythonPath:
         self._distributed = bool(head["distributed"][0])
         self._pose = np.zeros(1, POSE)
         self._distances = distances
+        #: What asks coal, where that is all that is done in Python while contacts touch.
+        self.queried: CoalRevolute | None = None
+        if self.compiled and not self._distributed and isinstance(distances, CoalRevolute):
+            self.queried = distances
         self._table = table
         # The joint's rows by name, looked up once: a look-up costs as much as a query of coal.
         rows = slice(self.row, self.row + len(laws))
