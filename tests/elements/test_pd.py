@@ -4,7 +4,6 @@ import math
 import re
 from pathlib import Path
 
-import numba
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -183,9 +182,6 @@ def test_a_scenario_refuses_what_is_no_controller(given, message):
         DRIVE_SPECS["pd"](joint="axle", kind="pd", **given)
 
 
-@pytest.mark.skipif(
-    bool(numba.config.DISABLE_JIT), reason="a trial step goes so far away that Python's own sine raises"
-)
 def test_a_controller_in_a_scenario_moves_a_joint_with_play():
     """The example: its reference comes from a table, and its torque meets the limit at once."""
     data = simulate(load_scenario(PANEL, case="held"), duration=0.05).data
