@@ -17,6 +17,8 @@ from antenna_pin.elements.joint_friction import JointFriction
 from antenna_pin.elements.pd import PDController
 from antenna_pin.elements.point_spring import PointSpring
 from antenna_pin.elements.prescribed import CallableMotion, DistanceMotion, PrescribedMotion
+from antenna_pin.elements.rigid_latch import RigidLatch
+from antenna_pin.elements.rigid_stop import RigidStop
 from antenna_pin.elements.sine import SineDrive
 from antenna_pin.elements.spring import JointSpring
 from antenna_pin.elements.tabulated import TableDrive
@@ -60,10 +62,18 @@ SPRINGS: Mapping[str, type[ForceElement]] = MappingProxyType(
 )
 """What stores and loses energy by its ``kind`` in ``[springs.NAME]``."""
 
+STOPS: Mapping[str, type[ForceElement]] = MappingProxyType({"rigid": RigidStop})
+"""End stops by their ``kind`` in ``[stops.NAME]``."""
+
+LATCHES: Mapping[str, type[ForceElement]] = MappingProxyType({"rigid": RigidLatch})
+"""Latches by their ``kind`` in ``[latches.NAME]``."""
+
 FAMILIES: Mapping[str, Family] = MappingProxyType(
     {
         "drives": Family("drive", DRIVES),
         "springs": Family("spring", SPRINGS, "spring"),
+        "stops": Family("stop", STOPS),
+        "latches": Family("latch", LATCHES),
     }
 )
 """Families by the table ``[FAMILY.NAME]`` that a scenario has for each; the order is that of programs."""
