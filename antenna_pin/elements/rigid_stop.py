@@ -13,6 +13,8 @@ from antenna_pin.parameters import parameter
 __all__ = ["RigidStop"]
 
 _SIDES = ("upper", "lower")
+# Beyond a stop by no more than this a joint is on it [rad] ([m]).
+_ROUND_OFF = 1e-11
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -62,6 +64,15 @@ class RigidStop(Modal):
             "upper": math.inf if self.upper is None else self.upper,
             "mode": self.mode,
         }
+
+    def first(self, met: Met) -> Change | None:
+        """Refuse a start beyond a stop."""
+        for name, beyond in (("lower", -1.0), ("upper", 1.0)):
+            limit = getattr(self, name)
+            if limit is not None and beyond * (met.angle - limit) > _ROUND_OFF:
+                rule = f"within its rigid stop, {name} = {limit:g}; start it there, or move the stop"
+                raise InvalidParameterError("initial state", f"position of {self.joint}", rule, met.angle)
+        return None
 
     def passed(self, k: int, met: Met) -> Change | None:
         """Bounce, come to rest, or leave."""
