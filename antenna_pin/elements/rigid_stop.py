@@ -13,7 +13,7 @@ from antenna_pin.parameters import parameter
 __all__ = ["RigidStop"]
 
 _SIDES = ("upper", "lower")
-# Beyond a stop by no more than this a joint is on it [rad] ([m]).
+# Beyond a stop by no more than this a joint is on it [rad] ([m]); with such a rate it stands.
 _ROUND_OFF = 1e-11
 
 
@@ -44,7 +44,7 @@ class RigidStop(Modal):
     lower: float | None = parameter("rad", sliding="m", default=None)
     upper: float | None = parameter("rad", sliding="m", default=None)
     restitution: float = parameter(rule="zero or more", default=0.5)
-    rest_rate: float = parameter("rad/s", sliding="m/s", rule="zero or more", default=1e-3)
+    rest_rate: float = parameter("rad/s", sliding="m/s", rule="positive", default=1e-3)
     on: bool = True
 
     def __post_init__(self) -> None:
@@ -79,7 +79,7 @@ class RigidStop(Modal):
         if k == 2:
             return Change(0, f"{self.modes[self.mode]}: left")
         side, approach = (2, met.rate) if k == 0 else (1, -met.rate)
-        if approach < 0.0:
+        if approach < -_ROUND_OFF:
             return None
         if self.restitution == 0.0 or approach <= self.rest_rate:
             return Change(side, f"{self.modes[side]}: rests")
