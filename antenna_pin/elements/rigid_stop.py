@@ -13,8 +13,9 @@ from antenna_pin.parameters import parameter
 __all__ = ["RigidStop"]
 
 _SIDES = ("upper", "lower")
-# Beyond a stop by no more than this a joint is on it [rad] ([m]); with such a rate it stands.
-_ROUND_OFF = 1e-11
+# Beyond a stop by no more than this a joint is on it [rad] ([m]). With less than such a rate away from it
+# a hop is lower than the round-off of angles, and it rests [rad/s] ([m/s]).
+_ROUND_OFF, _HOP = 1e-11, 1e-6
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -79,7 +80,7 @@ class RigidStop(Modal):
         if k == 2:
             return Change(0, f"{self.modes[self.mode]}: left")
         side, approach = (2, met.rate) if k == 0 else (1, -met.rate)
-        if approach < -_ROUND_OFF:
+        if approach < -max(self.rest_rate, _HOP):
             return None
         if self.restitution == 0.0 or approach <= self.rest_rate:
             return Change(side, f"{self.modes[side]}: rests")
