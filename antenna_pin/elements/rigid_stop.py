@@ -13,8 +13,8 @@ from antenna_pin.parameters import parameter
 __all__ = ["RigidStop"]
 
 _SIDES = ("upper", "lower")
-# Beyond a stop by no more than this a joint is on it at the start, and where hops are not told from rest [rad]
-# ([m]).
+# Beyond a stop by no more than this a joint is on it: at the start, and where a hop is not told from rest
+# [rad] ([m]).
 _ROUND_OFF, _HOP = 1e-11, 1e-10
 
 
@@ -81,7 +81,7 @@ class RigidStop(Modal):
             return Change(0, f"{self.modes[self.mode]}: left")
         side, approach = (2, met.rate) if k == 0 else (1, -met.rate)
         limit = self.upper if k == 0 else self.lower
-        # What leaves and is back already hops lower than angles are known, and rests; one far beyond does not.
+        # What leaves and is back already hops lower than angles are known, and rests.
         if approach < 0.0 and limit is not None and abs(met.angle - limit) > _HOP:
             return None
         if self.restitution == 0.0 or approach <= self.rest_rate:
