@@ -72,8 +72,8 @@ EXAMPLES = {
         -0.5 * 0.2 - 2.0 * 0.8,
     ),
     RigidStop: (
-        RigidStop(joint="a", lower=-0.5, upper=1.5, restitution=0.25),
-        "rigid stop, upper 1.5 rad, lower -0.5 rad, restitution 0.25",
+        RigidStop(joint="a", lower=0.05, upper=1.5, restitution=0.25),
+        "rigid stop, lower 0.05 rad, upper 1.5 rad, restitution 0.25",
         0.0,
     ),
     RigidLatch: (
