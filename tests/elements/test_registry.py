@@ -73,7 +73,7 @@ EXAMPLES = {
     ),
     RigidStop: (
         RigidStop(joint="a", lower=0.05, upper=1.5, restitution=0.25),
-        "rigid stop, lower 0.05 rad, upper 1.5 rad, restitution 0.25",
+        "rigid stop, lower 50 mrad, upper 1.5 rad, restitution 0.25",
         0.0,
     ),
     RigidLatch: (
