@@ -35,6 +35,7 @@ from antenna_pin.elements import (
     GROSS_WORK,
     LOSS,
     WORK,
+    BetweenJoints,
     BetweenPoints,
     Element,
     ForceElement,
@@ -244,12 +245,14 @@ class System:
         for table, elements in self.families.items():
             family, places = FAMILIES[table].word, self.element_blocks[table]
             for name, element in elements.items():
-                if not isinstance(element, Element):
+                if not isinstance(element, Element | BetweenJoints):
                     continue
                 check_booked(family, name, element)
                 x = blocks.x
                 block = element_block(self, f"{family} {name!r}", element, x)
                 places[name] = at = blocks.add(block, len(element.integrals))
+                if isinstance(element, BetweenJoints):
+                    continue
                 own = at + int(kernels.PARAMETERS)
                 if element.in_python:
                     asked = element.asked(f"{family} {name!r}", self.slides(element.joint))
