@@ -240,9 +240,10 @@ def family_sections() -> Iterator[str]:
             given = default if kind == default else "required"
             lines = [
                 f"| `kind` | {', '.join(f'`{one}`' for one in specs)} | {given} | What it is |",
-                f"| `joint` | text | the {word}'s name | Name of the joint |",
                 *rows(cls, without=("joint", "motion", "kind")),
             ]
+            if "joint" in cls.model_fields:
+                lines.insert(1, f"| `joint` | text | the {word}'s name | Name of the joint |")
             title = "" if len(specs) == 1 else f" of kind {kind}"
             yield section(f"[{family}.NAME]{title}", lines, (cls.__doc__ or "").splitlines()[0])
 

@@ -19,7 +19,16 @@ _NO_FRICTION = {"forward": 1.0, "backward": 1.0, "slow": 1.0}
 
 def mesh_numbers(a: float, b: float, room: float, springs: int, **more: Any) -> dict[str, Any]:
     """Return the numbers of a mesh's record, without friction and errors unless ``more`` has them."""
-    return {"a": a, "b": b, "room": room, "springs": springs, "rest": 0.0, "points": 0, **_NO_FRICTION, **more}
+    return {
+        "a": a,
+        "b": b,
+        "room": room,
+        "springs": springs,
+        "rest": 0.0,
+        "points": 0,
+        **_NO_FRICTION,
+        **more,
+    }
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

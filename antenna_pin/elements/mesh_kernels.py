@@ -37,7 +37,7 @@ SIZE = words_of(LAYOUT)
 
 @inlined
 def _pushes(mesh: Any, depth: float, rate: float) -> tuple[float, float]:
-    """Force of the spring on one side, and of its damper, by how far it is compressed and the rate of that."""
+    """Force of the spring on one side, and of its damper, by its compression and the rate of that."""
     if depth <= 0.0:
         return 0.0, 0.0
     elastic = mesh.stiffness * depth

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
         AnySpring,
         DriveSpec,
         ElementSpec,
+        JointsSpec,
         PointsSpec,
     )
     from antenna_pin.scenario.events import AngleEvent, EventSpec, ForceEvent, GapEvent, RateEvent, TimeEvent
@@ -70,6 +71,7 @@ _HOMES = {
     "FlexibleSpec": "flexible",
     "ForceEvent": "events",
     "ElementSpec": "drives",
+    "JointsSpec": "drives",
     "GapEvent": "events",
     "IdealClearance": "clearance",
     "InitialBaseSpec": "initial",
@@ -128,6 +130,7 @@ __all__ = [
     "FlexibleSpec",
     "ForceEvent",
     "ElementSpec",
+    "JointsSpec",
     "GapEvent",
     "IdealClearance",
     "InitialBaseSpec",

@@ -22,6 +22,7 @@ from antenna_pin.scenario.drives import (
     AnySpring,
     DriveSpec,
     FamilyTables,
+    is_at_joint,
     is_between_points,
     kind_in,
 )
@@ -263,7 +264,7 @@ def _at_its_joint(place: str, name: str, table: object) -> object:
                 "joint",
             )
         return table
-    return {"joint": name, **table}
+    return {"joint": name, **table} if is_at_joint(place, table.get("kind")) else table
 
 
 def _check_choice(data: Mapping[str, Any], place: str, key: str, classes: tuple[type[Spec], ...]) -> None:
