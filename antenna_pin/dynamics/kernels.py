@@ -101,7 +101,10 @@ def joint_motion(p: Any, b: int, y: Any, nq: int) -> tuple[float, float, float, 
     if e.partner == 0:
         return angle, rate, gx, gy
     other, other_rate, _, _ = own_motion(p, b + e.partner, y, nq)
-    return elements.deflection(e.kind, p, b + PARAMETERS, angle, rate, other, other_rate)
+    x, speed, over, over_other = elements.deflection(
+        e.kind, p, b + PARAMETERS, angle, rate, other, other_rate
+    )
+    return x, speed, over, over_other
 
 
 @kernel
