@@ -13,9 +13,9 @@ from antenna_pin.parameters import parameter
 __all__ = ["RigidStop"]
 
 _SIDES = ("upper", "lower")
-# Beyond a stop by no more than this a joint is on it [rad] ([m]). With less than such a rate away from it
-# a hop is lower than the round-off of angles, and it rests [rad/s] ([m/s]).
-_ROUND_OFF, _HOP = 1e-11, 1e-6
+# Beyond a stop by no more than this a joint is on it: at the start, and where a hop is not told from rest
+# [rad] ([m]).
+_ROUND_OFF, _HOP = 1e-11, 1e-10
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -80,7 +80,9 @@ class RigidStop(Modal):
         if k == 2:
             return Change(0, f"{self.modes[self.mode]}: left")
         side, approach = (2, met.rate) if k == 0 else (1, -met.rate)
-        if approach < -max(self.rest_rate, _HOP):
+        limit = self.upper if k == 0 else self.lower
+        # What leaves and is back already hops lower than angles are known, and rests.
+        if approach < 0.0 and limit is not None and abs(met.angle - limit) > _HOP:
             return None
         if self.restitution == 0.0 or approach <= self.rest_rate:
             return Change(side, f"{self.modes[side]}: rests")
