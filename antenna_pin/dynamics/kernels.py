@@ -101,9 +101,7 @@ def joint_motion(p: Any, b: int, y: Any, nq: int) -> tuple[float, float, float, 
     if e.partner == 0:
         return angle, rate, gx, gy
     other, other_rate, _, _ = own_motion(p, b + e.partner, y, nq)
-    x, speed, over, over_other = elements.deflection(
-        e.kind, p, b + PARAMETERS, angle, rate, other, other_rate
-    )
+    x, speed, over, over_other = elements.between(e.kind, p, b + PARAMETERS, angle, rate, other, other_rate)
     return x, speed, over, over_other
 
 
@@ -204,7 +202,7 @@ def _between(p: Any, b: int, t: float, y: Any, head: Any, tau: Any, rates: Any) 
     e, nq, at = element_at(p, b), head.nq, b + PARAMETERS
     angle, rate, gx, gy = own_motion(p, b, y, nq)
     other, other_rate, ox, oy = own_motion(p, b + e.partner, y, nq)
-    x, speed, over, over_other = elements.deflection(e.kind, p, at, angle, rate, other, other_rate)
+    x, speed, over, over_other = elements.between(e.kind, p, at, angle, rate, other, other_rate)
     effort = e.on * elements.effort(e.kind, p, at, t, x, speed)
     drag = elements.drag(e.kind, p, at, effort * over, rate)
     _act(p, b, effort * over + drag, (gx, gy), y, nq, tau)

@@ -20,7 +20,7 @@ class BetweenJoints(ForceElement):
     times the derivative of x over that joint's position, with the reaction on the joint's own parent.
     Besides there are
 
-    - ``deflection(words, at, angle, rate, other, other_rate)``: x, its rate, and its derivatives over the
+    - ``between(words, at, angle, rate, other, other_rate)``: x, its rate, and its derivatives over the
       positions of the input and of the output;
     - ``dissipation(words, at, x, rate)``: the power that it takes by its deflection [W];
     - if there is friction beside it ``drag(words, at, torque, rate)``: the torque on the input, against its

@@ -85,7 +85,7 @@ switch = _chain("switch", _never)
 hold = _chain("hold", _not_held)
 mode = _chain("mode", _no_mode)
 # Of those between two joints.
-deflection = _chain("deflection", _no_deflection)
+between = _chain("between", _no_deflection)
 dissipation = _chain("dissipation", _no_kind)
 drag = _chain("drag", _nothing)
 # Of those between points.

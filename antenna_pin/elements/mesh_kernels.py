@@ -58,7 +58,7 @@ def _forces(mesh: Any, x: float, rate: float) -> tuple[float, float]:
 
 
 @kernel
-def deflection(
+def between(
     words: Any, at: int, angle: float, rate: float, other: float, other_rate: float
 ) -> tuple[float, float, float, float]:
     """Deflection, its rate, and its derivatives over the angles of input and output."""
