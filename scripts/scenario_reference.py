@@ -53,6 +53,7 @@ from antenna_pin.scenario import (
     PlaceSpec,
     PointingSpec,
     RateEvent,
+    RotorSpec,
     ScalesSpec,
     Scenario,
     ShapeSpec,
@@ -341,6 +342,16 @@ def scenario_table() -> str:
             "A joint that follows another, beside those that the URDF couples by `<mimic>`"
             " ([more](closed-loops.md#coupled-joints)). With a `follower` that the scenario locks it is"
             " dropped.",
+        ),
+        section(
+            "[rotors.NAME]",
+            [
+                "| `joint` | text | the rotor's name | Name of the joint that it turns with |",
+                *rows(RotorSpec, without=("joint",)),
+            ],
+            "The rotor of a motor: a body of its own on a joint `NAME_rotor`, geared to the joint, with a"
+            " moment of inertia about the axis alone. What turns feels all of it: the joint, the carrier, gyroscopic"
+            " torques.",
         ),
         section("[drives.NAME]", drive_rows()),
         *spring_sections(),

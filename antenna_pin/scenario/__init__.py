@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     from antenna_pin.scenario.load import load_scenario
     from antenna_pin.scenario.mechanism import JointSpec, LinkSpec, MaterialSpec, MechanismSpec, ShapeSpec
     from antenna_pin.scenario.pointing import OrbitSpec, PointingSpec
+    from antenna_pin.scenario.rotors import RotorSpec
     from antenna_pin.scenario.scenario import Scenario
     from antenna_pin.scenario.shipped import (
         CaseSummary,
@@ -63,6 +64,7 @@ _HOMES = {
     "ClosureSpec": "closures",
     "ContactClearance": "clearance",
     "CouplingSpec": "couplings",
+    "RotorSpec": "rotors",
     "DRIVE_SPECS": "drives",
     "FAMILY_SPECS": "drives",
     "SPRING_SPECS": "drives",
@@ -125,6 +127,7 @@ __all__ = [
     "ClosureSpec",
     "ContactClearance",
     "CouplingSpec",
+    "RotorSpec",
     "DriveSpec",
     "EventSpec",
     "FlexibleSpec",
