@@ -350,8 +350,8 @@ def scenario_table() -> str:
                 *rows(RotorSpec, without=("joint",)),
             ],
             "The rotor of a motor: a body of its own on a joint `NAME_rotor`, geared to the joint, with a"
-            " moment of inertia about the axis alone. What turns feels all of it: the joint, the carrier, gyroscopic"
-            " torques.",
+            " moment of inertia about the axis alone: what the joint, its carrier and gyroscopic"
+            " torques feel of it is exact.",
         ),
         section("[drives.NAME]", drive_rows()),
         *spring_sections(),

@@ -70,7 +70,7 @@ def test_a_gear_is_free_in_its_play_and_an_oscillator_in_mesh(side: str, engine:
     gear = Gear(input="a", output="b", ratio=ratio, stiffness=k / by**2, play=play * by, side=side)
     rate = np.array([0.6, -0.1])
     settings = RunSettings(rtol=1e-12, output_rate=400.0, engine=engine)
-    run = simulate(_discs(elements=_geared(gear)), v=rate, duration=1.0, settings=settings)
+    run = simulate(_discs(elements=_geared(gear)), v=rate, duration=1.5, settings=settings)
     t, angle, rates = (run.data[name].values for name in ("time", "motion_angle", "motion_rate"))
     x, start = angle[:, 0] / ratio - angle[:, 1], rate[0] / ratio - rate[1]
     omega = math.sqrt(k * (1.0 / (INPUT * ratio**2) + 1.0 / OUTPUT))
