@@ -35,7 +35,6 @@ from antenna_pin.elements import (
     GROSS_WORK,
     LOSS,
     WORK,
-    BetweenJoints,
     BetweenPoints,
     Element,
     ForceElement,
@@ -162,8 +161,8 @@ class System:
         )
         self.damper_x = places_in_x(self.program, self.springs, self.spring_blocks, LOSS)
         #: The same of the losses of elements of further families, one family after another.
-        own = [(self.families[one], self.element_blocks[one]) for one in self.others]
-        losses = [places_in_x(self.program, *one, LOSS) for one in own]
+        own = ((self.families[one], self.element_blocks[one]) for one in self.others)
+        losses = (places_in_x(self.program, *one, LOSS) for one in own)
         self.element_x = np.concatenate([np.zeros(0, dtype=int), *losses])
         head = self.program[: kernels.HEADER].view(PROGRAM)
         head["nq"], head["nv"] = self.model.nq, self.model.nv
@@ -239,7 +238,7 @@ class System:
         for table, elements in self.families.items():
             family, places = FAMILIES[table].word, self.element_blocks[table]
             for name, element in elements.items():
-                if not isinstance(element, Element | BetweenJoints):
+                if isinstance(element, BetweenPoints):
                     continue
                 check_booked(family, name, element)
                 x = blocks.x
@@ -251,8 +250,7 @@ class System:
                 if element.in_python:
                     asked = element.asked(f"{family} {name!r}", self.slides(element.joint))
                     self.callables.append(InPython(at, slice(own, at + len(block)), element, asked))
-                holds = isinstance(element, Modal) and element.holds
-                if holds:
+                if holds := isinstance(element, Modal) and element.holds:
                     check_holds(f"{family} {name!r}", self.mechanism, element.joint)
                 elif isinstance(element, Motion):
                     check_motion(f"{family} {name!r}", self.mechanism, self.drives, name, element)
