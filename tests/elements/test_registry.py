@@ -91,8 +91,8 @@ BETWEEN = PointSpring(
 MESHES = (
     (
         Gear(input="a", output="b", ratio=-50.0, stiffness=100.0, damping=5.0, play=0.1, efficiency=0.75),
-        "from a to b, ratio -50, stiffness 100 N m/rad, damping 5 N m s/rad, play 0.1 rad on the output side, "
-        "efficiency 0.75, backward 1",
+        "from a to b, ratio \N{MINUS SIGN}50, stiffness 100 N m/rad, damping 5 N m s/rad, "
+        "play 0.1 rad on the output side, efficiency 0.75, backward 1",
         (-6.0, 0.2),
     ),
     (
