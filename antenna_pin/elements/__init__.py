@@ -19,7 +19,6 @@ from antenna_pin.elements.registry import (
     GEARS,
     SPRINGS,
     Family,
-    family_words,
     kind_of,
 )
 from antenna_pin.elements.rigid_latch import RigidLatch
@@ -67,6 +66,5 @@ __all__ = [
     "SineDrive",
     "Spline",
     "TableDrive",
-    "family_words",
     "kind_of",
 ]
