@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.dynamics import kernels
-from antenna_pin.elements import BetweenJoints, Element, kind_of
+from antenna_pin.elements import BetweenJoints, Element, ForceElement, kind_of
 from antenna_pin.errors import MechanismError
 from antenna_pin.records import CIRCLE, FIXED_AXIS, SLIDE
 
@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 WITH_AXIS = {"revolute": FIXED_AXIS, "continuous": CIRCLE, "prismatic": SLIDE}
 
 
-def element_block(system: Any, place: str, element: Element | BetweenJoints, x: int) -> Array:
+def element_block(system: Any, place: str, element: ForceElement, x: int) -> Array:
     """Return the block of an element, or refuse a joint at which it cannot act.
 
     That of an element between two joints ends with a head for the second.
@@ -36,6 +36,7 @@ def element_block(system: Any, place: str, element: Element | BetweenJoints, x: 
         found = [_head(system, place, name) for name in joints]
         element.check_joints(place, (system.slides(element.input), system.slides(element.output)))
     else:
+        assert isinstance(element, Element)
         found = [_head(system, place, element.joint)]
         element.check_joint(place, system.slides(element.joint))
     words = element.words_of_kernel()
@@ -45,7 +46,7 @@ def element_block(system: Any, place: str, element: Element | BetweenJoints, x: 
     head["kind"], head["length"], head["x"] = kind_of(type(element)), len(block), x
     if behind:
         head["partner"] = kernels.PARAMETERS + len(words)
-    head["senses"] = isinstance(element, BetweenJoints) or element.senses
+    head["senses"] = not isinstance(element, Element) or element.senses
     head["on"] = element.acts
     for part in range(len(found)):
         at = part * int(head["partner"][0])
