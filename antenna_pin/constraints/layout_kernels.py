@@ -99,11 +99,12 @@ COUPLED = layout(
     ("row", "i8"),
     ("slides", "i8"),
     ("multiplier", "f8"),
+    ("second", "f8"),
     ("offset", "f8"),
     ("scale", "f8"),
-    ("q", "i8", (2,)),
-    ("v", "i8", (2,)),
-    ("turn", "i8", (2,)),
+    ("q", "i8", (3,)),
+    ("v", "i8", (3,)),
+    ("turn", "i8", (3,)),
 )
 COUPLED_WORDS = words_of(COUPLED)
 

@@ -178,14 +178,21 @@ def _coupled(
     """Return the records of couplings whose rows begin at one."""
     records = np.zeros(len(couplings), dtype=_layout.COUPLED)
     for k, (record, coupling) in enumerate(zip(records, couplings.values(), strict=True)):
-        moves = coupling.leader in mechanism.joints
-        names = coupling.follower, coupling.leader if moves else coupling.follower
+        own = coupling.follower
+        # One that is missing, or does not move, stands for nothing: the follower, times zero.
+        first, second = (
+            name if name in mechanism.joints else None for name in (coupling.leader, coupling.second)
+        )
+        names = own, first or own, second or own
         slots = [mechanism.joint(name) for name in names]
-        multiplier = coupling.multiplier if moves else 0.0
-        follower, leader = (1.0 if slot.kind == "prismatic" else length for slot in slots)
+        multiplier = coupling.multiplier if first else 0.0
+        further = coupling.second_multiplier if second else 0.0
+        follower, leader, third = (1.0 if slot.kind == "prismatic" else length for slot in slots)
+        largest = max(abs(multiplier) * follower / leader, abs(further) * follower / third)
         record["row"], record["slides"] = row + k, slots[0].kind == "prismatic"
         record["multiplier"], record["offset"] = multiplier, coupling.offset
-        record["scale"] = 1.0 / max(1.0, abs(multiplier) * follower / leader)
+        record["second"] = further
+        record["scale"] = 1.0 / max(1.0, largest)
         record["q"], record["v"] = [slot.q.start for slot in slots], [slot.v.start for slot in slots]
         record["turn"] = [turns.get(name, -1) for name in names]
     return records

@@ -161,9 +161,9 @@ class System:
         )
         self.damper_x = places_in_x(self.program, self.springs, self.spring_blocks, LOSS)
         #: The same of the losses of elements of further families, one family after another.
-        places = ((self.families[one], self.element_blocks[one]) for one in self.others)
-        found = [places_in_x(self.program, *one, LOSS) for one in places]
-        self.element_x = np.concatenate([np.zeros(0, dtype=int), *found])
+        own = ((self.families[one], self.element_blocks[one]) for one in self.others)
+        losses = (places_in_x(self.program, *one, LOSS) for one in own)
+        self.element_x = np.concatenate([np.zeros(0, dtype=int), *losses])
         head = self.program[: kernels.HEADER].view(PROGRAM)
         head["nq"], head["nv"] = self.model.nq, self.model.nv
         head["contacts"], head["rows"], head["points"] = len(self.contact_names), self.rows, points
@@ -238,18 +238,19 @@ class System:
         for table, elements in self.families.items():
             family, places = FAMILIES[table].word, self.element_blocks[table]
             for name, element in elements.items():
-                if not isinstance(element, Element):
+                if isinstance(element, BetweenPoints):
                     continue
                 check_booked(family, name, element)
                 x = blocks.x
                 block = element_block(self, f"{family} {name!r}", element, x)
                 places[name] = at = blocks.add(block, len(element.integrals))
+                if not isinstance(element, Element):
+                    continue
                 own = at + int(kernels.PARAMETERS)
                 if element.in_python:
                     asked = element.asked(f"{family} {name!r}", self.slides(element.joint))
                     self.callables.append(InPython(at, slice(own, at + len(block)), element, asked))
-                holds = isinstance(element, Modal) and element.holds
-                if holds:
+                if holds := isinstance(element, Modal) and element.holds:
                     check_holds(f"{family} {name!r}", self.mechanism, element.joint)
                 elif isinstance(element, Motion):
                     check_motion(f"{family} {name!r}", self.mechanism, self.drives, name, element)
