@@ -91,7 +91,9 @@ class CylindricalClearance(RoundShape):
             return []
         found = []
         for (flank, w), (along, z) in itertools.product(_SIGNS, _SIGNS):
-            corner = np.array([self.key_reach, 0.5 * flank * self.key_width, 0.5 * along * self.slider_length])
+            corner = np.array(
+                [self.key_reach, 0.5 * flank * self.key_width, 0.5 * along * self.slider_length]
+            )
             found.append((f"{w}y{z}z", corner, np.array([0.0, -flank, 0.0]), 0.5 * self.keyway_width))
         return found
 

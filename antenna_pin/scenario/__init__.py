@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from antenna_pin.scenario.clearance import (
         ClearanceSpec,
         ContactClearance,
+        CylindricalClearance,
         IdealClearance,
         PlanarClearance,
         PrismaticClearance,
@@ -91,6 +92,7 @@ _HOMES = {
     "PlanarClearance": "clearance",
     "PointsSpec": "drives",
     "PointingSpec": "pointing",
+    "CylindricalClearance": "clearance",
     "PrismaticClearance": "clearance",
     "RateEvent": "events",
     "ScalesSpec": "integrator",
@@ -145,6 +147,7 @@ __all__ = [
     "OutputSpec",
     "PetalsSpec",
     "PlanarClearance",
+    "CylindricalClearance",
     "PrismaticClearance",
     "PlaceSpec",
     "PointsSpec",

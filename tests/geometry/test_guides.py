@@ -141,9 +141,7 @@ def test_a_gap_does_not_jump_as_a_slider_goes_through_its_guide(shape, depth):
     if math.isfinite(edge):
         for end in (-1.0, 1.0):
             fine = end * edge + np.linspace(-1e-7, 1e-7, 201)
-            close = np.array(
-                [[c.gap for c in shape.contacts(centre + [0.0, 0.0, z], turn)] for z in fine]
-            )
+            close = np.array([[c.gap for c in shape.contacts(centre + [0.0, 0.0, z], turn)] for z in fine])
             # A way of 1e-9 m along a slope of 1e-3: no step beside it.
             assert np.abs(np.diff(close, axis=0)).max() < 2e-12
 
