@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from antenna_pin.scenario.couplings import CouplingSpec
     from antenna_pin.scenario.drives import (
         DRIVE_SPECS,
+        FAMILY_SPECS,
         SPRING_SPECS,
         AnySpring,
         DriveSpec,
@@ -63,6 +64,7 @@ _HOMES = {
     "ContactClearance": "clearance",
     "CouplingSpec": "couplings",
     "DRIVE_SPECS": "drives",
+    "FAMILY_SPECS": "drives",
     "SPRING_SPECS": "drives",
     "DriveSpec": "drives",
     "EventSpec": "events",
@@ -114,6 +116,7 @@ _HOMES = {
 __all__ = [
     "TouchingSpec",
     "DRIVE_SPECS",
+    "FAMILY_SPECS",
     "SPRING_SPECS",
     "AnchorSpec",
     "AngleEvent",
