@@ -14,7 +14,7 @@ __all__ = ["LOOK", "clamped", "guide_words", "mouths", "touches"]
 
 
 def _across(size: Sizes, p: Array, z: Array) -> Across:
-    """The slider's axis at the ends of what of it is within the guide; the play is a rectangle, turned by the roll.
+    """The slider's axis at the ends of what is within the guide; the play is a rectangle, turned by the roll.
 
     A centred slider touches with a corner, the centre of whose rounding is at (a, b): a cos + b sin = c.
     """

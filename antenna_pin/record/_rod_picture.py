@@ -1,4 +1,4 @@
-"""A round slider in its guide close up, drawn as :mod:`antenna_pin.record.magnified_slider` draws a square one."""
+"""A round slider in its guide close up, drawn as :mod:`antenna_pin.record.magnified_slider` has it."""
 
 from __future__ import annotations
 

@@ -264,8 +264,8 @@ class PrismaticClearance(TouchingSpec):
 class CylindricalClearance(TouchingSpec):
     """A round slider in a round guide: slides along the joint's axis, and turns about it unless it has a key.
 
-    ``bearing_radius`` is the guide's, ``journal_radius`` the slider's. ``normal`` is the law of each of its two
-    ends, and of the key's flanks.
+    ``bearing_radius`` is the guide's, ``journal_radius`` the slider's. ``normal`` is the law of each of its
+    two ends, and of the key's flanks.
     """
 
     kind = "cylindrical"

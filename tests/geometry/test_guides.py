@@ -148,7 +148,7 @@ def test_a_gap_does_not_jump_as_a_slider_goes_through_its_guide(shape, depth):
 
 @pytest.mark.parametrize("name", ROD)
 def test_a_rods_gap_is_the_least_over_rim_or_mouth(name):
-    """The slider's rim from the guide's wall where it ends within, else the mouth from the slider's barrel."""
+    """The slider's rim from the wall where it ends within, else the mouth from the slider's barrel."""
     shape = ROD[name]
     rng = np.random.default_rng(2)
     count = 400
@@ -228,7 +228,7 @@ def test_a_key_bears_on_its_keyway_after_its_play():
     [
         ({"journal_radius": 0.02}, "journal_radius must be below bearing_radius = 0.01 m, got 0.02"),
         ({"guide_length": -1.0}, "guide_length must be a length [m], or 0 for a guide without end, got -1.0"),
-        ({"guide_length": math.nan}, "guide_length must be a length [m], or 0 for a guide without end, got nan"),
+        ({"guide_length": math.nan}, "guide_length must be a length [m], or 0 for a guide without end"),
         ({"key_width": 1e-3}, "keyway_width must be a positive length [m], got 0.0"),
         (KEY | {"key_width": 5e-3}, "key_width must be below keyway_width = 0.0041 m, got 0.005"),
         ({"slider_length": 0.0}, "slider_length must be a positive length [m], got 0.0"),
