@@ -252,7 +252,9 @@ class System:
                 if holds:
                     check_holds(f"{family} {name!r}", self.mechanism, element.joint)
                 elif isinstance(element, Motion):
-                    check_motion(f"{family} {name!r}", self.mechanism, self.drives, name, element)
+                    check_motion(
+                        f"{family} {name!r}", self.mechanism, self.turn_x, self.drives, name, element
+                    )
                 else:
                     continue
                 (self.holds if holds else self.motions).append(

@@ -113,7 +113,7 @@ def test_a_slider_that_falls_flat_bounces_as_a_mass_on_springs(shape):
     w, v = math.sqrt(feet * stiffness), math.sqrt(2.0 * g * 1e-3)
     touches, flight = 2.0 / w * (math.pi - math.atan(v * w / g)), 2.0 * v / g
     data = run.data
-    onset = np.unique(np.round(data["episode_onset"].values, 9))
+    onset = np.unique(np.round(data["onset_time"].values, 9))
     expected = v / g + (touches + flight) * np.arange(onset.size)
     assert onset.size >= 3
     assert onset == pytest.approx(expected, abs=2e-9)  # rounded to a nanosecond
