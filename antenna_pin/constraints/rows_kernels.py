@@ -34,6 +34,7 @@ from typing import Any
 
 from antenna_pin._compile import inlined, kernel
 from antenna_pin.constraints.column_kernels import closure_columns
+from antenna_pin.constraints.driven_kernels import driven_rate, twist_row
 from antenna_pin.constraints.layout_kernels import (
     BODY_WORDS,
     PLACE_WORDS,
@@ -55,8 +56,6 @@ from antenna_pin.mechanism.tree_kernels import (
     place_bodies,
     unwrapped,
 )
-from antenna_pin.mechanism.twist_kernels import twist_angle, twist_bias
-from antenna_pin.records import PLANE
 
 # Of a difference of numbers, over the sum of their sizes: of each half an ulp, some times over.
 _ROUND_OFF = 4.0 * 2.220446049250313e-16
@@ -134,7 +133,7 @@ def _motion_row(t: float, y: Any, program: Any, plan: Any, work: Any, driven: An
     head = plan_of(plan)
     wanted, rate, acceleration = elements.motion(driven.kind, program, driven.words, t)
     if driven.moves != 0:
-        angle, bias = _twist_row(y, plan, work, driven)
+        angle, bias = twist_row(y, plan, work, driven)
         speed = driven_rate(y, plan, work, driven) - rate
         _note(plan, work, driven.row, True, angle - wanted, speed, acceleration - bias)
         return
@@ -143,45 +142,6 @@ def _motion_row(t: float, y: Any, program: Any, plan: Any, work: Any, driven: An
     work[head.jacobian + driven.v * head.width + driven.row] = head.length if turns else 1.0
     speed = y[head.nq + driven.v] - rate
     _note(plan, work, driven.row, turns, angle - wanted, speed, acceleration)
-
-
-@kernel
-def _twist_row(y: Any, plan: Any, work: Any, driven: Any) -> tuple[float, float]:
-    """Write the columns of a motion of a joint that moves otherwise too: the gradient of its motion angle.
-
-    Returns:
-        The angle with its whole turns [rad], and what it accelerates by at accelerations of zero [rad/s^2].
-    """
-    head, axes = plan_of(plan), driven.axes
-    near = y[head.nq + head.nv + driven.turn]
-    at, width = head.jacobian + driven.row, head.width
-    if driven.moves == PLANE:
-        work[at + (driven.v + 2) * width] = head.length
-        return unwrapped(math.atan2(y[driven.q + 3], y[driven.q + 2]), near), 0.0
-    q, v = driven.q + 3, head.nq + driven.v + 3
-    hx = axes[0, 0] * y[q] + axes[1, 0] * y[q + 1] + axes[2, 0] * y[q + 2]
-    hy = axes[0, 1] * y[q] + axes[1, 1] * y[q + 1] + axes[2, 1] * y[q + 2]
-    hz = axes[0, 2] * y[q] + axes[1, 2] * y[q + 1] + axes[2, 2] * y[q + 2]
-    wx = axes[0, 0] * y[v] + axes[1, 0] * y[v + 1] + axes[2, 0] * y[v + 2]
-    wy = axes[0, 1] * y[v] + axes[1, 1] * y[v + 1] + axes[2, 1] * y[v + 2]
-    wz = axes[0, 2] * y[v] + axes[1, 2] * y[v + 1] + axes[2, 2] * y[v + 2]
-    angle, gx, gy = twist_angle(hx, hy, hz, y[q + 3])
-    for k in range(3):
-        gradient = axes[k, 0] * gx + axes[k, 1] * gy + axes[k, 2]
-        work[at + (driven.v + 3 + k) * width] = head.length * gradient
-    return unwrapped(angle, near), twist_bias((hx, hy, hz), y[q + 3], (wx, wy, wz))
-
-
-@inlined
-def driven_rate(y: Any, plan: Any, work: Any, driven: Any) -> float:
-    """Return the rate of a joint with a motion [rad/s or m/s], by its row where that is written."""
-    head = plan_of(plan)
-    if driven.moves == 0:
-        return float(y[head.nq + driven.v])
-    rate = 0.0
-    for k in range(3 if driven.moves == PLANE else 6):
-        rate += work[head.jacobian + driven.row + (driven.v + k) * head.width] * y[head.nq + driven.v + k]
-    return rate / head.length
 
 
 @kernel

@@ -13,10 +13,11 @@ from typing import Any
 
 from antenna_pin._compile import inlined, kernel
 from antenna_pin._lanes import LANES, lane, put_lane, same_lane, sum_of_lane
+from antenna_pin.constraints.driven_kernels import driven_rate
 from antenna_pin.constraints.factor_kernels import add_multiple, factorize, inner_product
 from antenna_pin.constraints.layout_kernels import driven_at, found_in, plan_of
 from antenna_pin.constraints.root_kernels import solve_back, solve_forth
-from antenna_pin.constraints.rows_kernels import driven_rate, write_rows
+from antenna_pin.constraints.rows_kernels import write_rows
 from antenna_pin.elements.ledger_kernels import write_work
 
 # Residuals below which nothing is corrected, of ways over the plan's length, turns, and their rates: the

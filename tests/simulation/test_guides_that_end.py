@@ -10,6 +10,7 @@ from antenna_pin import ClearanceJoint, RunSettings, System, simulate
 from antenna_pin.analysis import slider_scenarios
 from antenna_pin.contact import Hertz, LankaraniNikravesh, NoFriction, Tanh
 from antenna_pin.dynamics import JointSpring
+from antenna_pin.elements import PointSpring
 from antenna_pin.geometry import CylindricalClearance, PrismaticClearance
 from antenna_pin.mechanism import Urdf, build_mechanism
 
@@ -121,32 +122,43 @@ def test_a_slider_that_falls_flat_bounces_as_a_mass_on_springs(shape):
     lands = "surface" if feet == 4 else "line"
     share = kinds["share"].sel(wall="+x" if feet == 4 else "bore")
     assert float(share.sel(kind=lands)) > 0.02
-    assert float(share.sel(kind=[lands, "none"]).sum()) == pytest.approx(1.0, abs=1e-12)
+    # At the very onset gaps are zero but for round-off.
+    assert float(share.sel(kind=[lands, "none"]).sum()) > 0.98
 
 
 @pytest.mark.parametrize("over", [1.05, 0.9])
 def test_a_drawer_jams_beyond_half_its_length_over_friction(over):
-    """Pulled at e off its axis by its weight, N = W e / L at each mouth, friction 2 mu N: it holds where
-    e > L / (2 mu), there it creeps at what the tanh law leaves: mu tanh(v / v_t) 2 e = L cos a + w sin a."""
-    mu, slow, length, g = 0.25, 1e-3, 0.04, 9.80665
+    """Pulled by F at e off its axis, N = F e / L at each mouth, friction 2 mu N: it holds where e > L / (2 mu).
+
+    There it creeps at what the tanh law leaves: 2 mu e tanh(v / v_t) = L cos a + w sin a at the tilt a.
+    Below, it goes with F (1 - 2 mu e / L) / m.
+    """
+    mu, slow, length, pull = 0.25, 1e-3, 0.04, 20.0
     offset = over * length / (2.0 * mu)
+    # A line of a kilometre: neither force nor direction changes on the way.
+    line = PointSpring(
+        first=("ground", (offset, 0.0, 1000.0)), second=("carriage", (offset, 0.0, 0.0)),
+        stiffness=pull / 1000.0, free_length=0.0,
+    )  # fmt: skip
     system = system_of(
         square(5e-5, slider_length=0.3, guide_length=length),
         LankaraniNikravesh(stiffness=1e9, restitution=0.2),
         Tanh(coefficient_of_friction=mu, transition_speed=slow),
-        gravity=(0, 0, g),
-        centre=f"{offset} 0 0",
+        springs={"line": line},
     )
-    run = simulate(system, duration=0.4 if over > 1.0 else 0.1, settings=RunSettings(rtol=1e-9))
+    run = simulate(system, duration=0.1, settings=RunSettings(rtol=1e-9))
     assert run.completed, run.message
-    rate = float(run.data["slide_rate"].values[-1, 0])
+    rate = run.data["slide_rate"].values[:, 0]
     if over < 1.0:
-        assert rate > 0.3 * g * 0.1  # it slides
+        half = rate.size // 2
+        gained = (rate[-1] - rate[half]) / (run.data["time"].values[-1] - run.data["time"].values[half])
+        # Tilted by 2.5 mrad, w sin a is 0.25 % of L; of a difference of 1 to 0.9.
+        assert gained == pytest.approx(pull * (1.0 - over), rel=0.05)
         return
     tilt = float(run.data["journal_tilt"].values[-1, 0])
     hold = (length * math.cos(tilt) + 0.0401 * math.sin(tilt)) / (2.0 * mu * offset)
-    # The last of the bounces, and depths of a micrometre over 40 mm.
-    assert rate == pytest.approx(slow * math.atanh(hold) * math.cos(tilt), rel=1e-3)
+    # Depths of a micrometre over 40 mm, tenfold by atanh so near to one.
+    assert rate[-1] == pytest.approx(slow * math.atanh(hold), rel=2e-3)
 
 
 def test_a_rod_turns_freely_and_a_key_holds_it():
