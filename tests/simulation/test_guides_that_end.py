@@ -128,7 +128,7 @@ def test_a_slider_that_falls_flat_bounces_as_a_mass_on_springs(shape):
 
 @pytest.mark.parametrize("over", [1.05, 0.9])
 def test_a_drawer_jams_beyond_half_its_length_over_friction(over):
-    """Pulled by F at e off its axis, N = F e / L at each mouth, friction 2 mu N: it holds where e > L / (2 mu).
+    """Pulled by F at e off its axis, N = F e / L at each mouth: friction 2 mu N holds where e > L / (2 mu).
 
     There it creeps at what the tanh law leaves: 2 mu e tanh(v / v_t) = L cos a + w sin a at the tilt a.
     Below, it goes with F (1 - 2 mu e / L) / m.
