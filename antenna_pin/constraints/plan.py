@@ -13,12 +13,15 @@ from antenna_pin.constraints import layout_kernels as _layout
 from antenna_pin.constraints.closure import Anchor, Closure
 from antenna_pin.constraints.coupling import Coupling
 from antenna_pin.errors import MechanismError, UnknownNameError
-from antenna_pin.mechanism import WORLD, Mechanism, body_tree
-from antenna_pin.records import words_of
+from antenna_pin.mechanism import WORLD, Mechanism, body_tree, frame_aligning_z
+from antenna_pin.records import PLANE, RIGID, words_of
 
 __all__ = ["DrivenJoint", "Plan", "make_plan", "on_body"]
 
 Array = NDArray[np.float64]
+
+# Joints that do more than turn about their axis.
+_MORE = {"planar": PLANE, "floating": RIGID}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -169,6 +172,9 @@ def _driven(mechanism: Mechanism, joints: Sequence[DrivenJoint], row: int) -> ND
         record["row"], record["q"], record["v"] = row + k, slot.q.start, slot.v.start
         record["slides"], record["turn"] = slot.kind == "prismatic", one.turn
         record["kind"], record["words"], record["x"] = one.kind, one.words, one.x
+        if slot.kind in _MORE:
+            record["moves"] = _MORE[slot.kind]
+            record["axes"] = np.eye(3) if slot.kind == "planar" else frame_aligning_z(slot.axis)
     return records
 
 

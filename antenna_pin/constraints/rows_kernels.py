@@ -34,6 +34,7 @@ from typing import Any
 
 from antenna_pin._compile import inlined, kernel
 from antenna_pin.constraints.column_kernels import closure_columns
+from antenna_pin.constraints.driven_kernels import driven_rate, twist_row
 from antenna_pin.constraints.layout_kernels import (
     BODY_WORDS,
     PLACE_WORDS,
@@ -131,6 +132,11 @@ def _position(y: Any, x: int, q: int, turn: int) -> float:
 def _motion_row(t: float, y: Any, program: Any, plan: Any, work: Any, driven: Any) -> None:
     head = plan_of(plan)
     wanted, rate, acceleration = elements.motion(driven.kind, program, driven.words, t)
+    if driven.moves != 0:
+        angle, bias = twist_row(y, plan, work, driven)
+        speed = driven_rate(y, plan, work, driven) - rate
+        _note(plan, work, driven.row, True, angle - wanted, speed, acceleration - bias)
+        return
     angle = _position(y, head.nq + head.nv, driven.q, driven.turn)
     turns = driven.slides == 0
     work[head.jacobian + driven.v * head.width + driven.row] = head.length if turns else 1.0

@@ -241,19 +241,19 @@ class System:
                 if isinstance(element, BetweenPoints):
                     continue
                 check_booked(family, name, element)
-                x = blocks.x
-                block = element_block(self, f"{family} {name!r}", element, x)
+                x, place = blocks.x, f"{family} {name!r}"
+                block = element_block(self, place, element, x)
                 places[name] = at = blocks.add(block, len(element.integrals))
                 if not isinstance(element, Element):
                     continue
                 own = at + int(kernels.PARAMETERS)
                 if element.in_python:
-                    asked = element.asked(f"{family} {name!r}", self.slides(element.joint))
+                    asked = element.asked(place, self.slides(element.joint))
                     self.callables.append(InPython(at, slice(own, at + len(block)), element, asked))
                 if holds := isinstance(element, Modal) and element.holds:
-                    check_holds(f"{family} {name!r}", self.mechanism, element.joint)
+                    check_holds(place, self.mechanism, element.joint)
                 elif isinstance(element, Motion):
-                    check_motion(f"{family} {name!r}", self.mechanism, self.drives, name, element)
+                    check_motion(place, self.mechanism, self.turn_x, self.drives, name, element)
                 else:
                     continue
                 (self.holds if holds else self.motions).append(

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from antenna_pin.scenario.clearance import (
         ClearanceSpec,
         ContactClearance,
+        CylindricalClearance,
         IdealClearance,
         PlanarClearance,
         PrismaticClearance,
@@ -97,6 +98,7 @@ _HOMES = {
     "PlanarClearance": "clearance",
     "PointsSpec": "drives",
     "PointingSpec": "pointing",
+    "CylindricalClearance": "clearance",
     "PrismaticClearance": "clearance",
     "RateEvent": "events",
     "ScalesSpec": "integrator",
@@ -154,6 +156,7 @@ __all__ = [
     "OutputSpec",
     "PetalsSpec",
     "PlanarClearance",
+    "CylindricalClearance",
     "PrismaticClearance",
     "PlaceSpec",
     "PointsSpec",
