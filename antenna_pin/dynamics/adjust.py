@@ -1,4 +1,4 @@
-"""Numbers of drives and springs that change in the middle of a run."""
+"""Numbers of elements that change in the middle of a run."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from antenna_pin.dynamics import kernels
 from antenna_pin.dynamics.acting import acting_in
 from antenna_pin.dynamics.system import System
-from antenna_pin.elements import ForceElement
+from antenna_pin.elements import ForceElement, family_words
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.parameters import parameters_of
 
@@ -22,10 +22,10 @@ _ON = "on"
 
 
 class Adjustments:
-    """Drives and springs as they are at the moment, in a program of one run.
+    """Elements as they are at the moment, in a program of one run.
 
     A place is written as in a scenario file: ``drives.motor.value``, ``springs.coil.stiffness``. Besides its
-    own numbers a drive or a spring has ``on``: off, it does nothing. A prescribed motion has not: it holds.
+    own numbers an element has ``on``: off, it does nothing. A prescribed motion has not: it holds.
 
     Args:
         system: The system, which stays what it is.
@@ -33,7 +33,7 @@ class Adjustments:
 
     Attributes:
         values: What has been changed, by place.
-        elements: The drives and springs as they are, by place.
+        elements: As they are, by place.
     """
 
     def __init__(self, system: System, program: Array) -> None:
@@ -55,7 +55,7 @@ class Adjustments:
         """
         element, _, key = place.rpartition(".")
         if element not in self._blocks:
-            raise UnknownNameError("Set", "drive or spring", element or place, self._blocks)
+            raise UnknownNameError("Set", family_words(), element or place, self._blocks)
         source = self.elements[element]
         keys = [name for name, parameter in parameters_of(type(source)).items() if not parameter.sizes]
         if hasattr(source, _ON):

@@ -25,10 +25,12 @@ from antenna_pin.dynamics.blocks import (
 from antenna_pin.dynamics.configuration import make_unit, numbers, spaces
 from antenna_pin.dynamics.coordinates import coordinate_names
 from antenna_pin.dynamics.coupled import couplings_of, fit_turns, put_followers
+from antenna_pin.dynamics.element_block import element_block
 from antenna_pin.dynamics.held import HeldKind, closures_by_name
-from antenna_pin.dynamics.parts import springs_and_parts
+from antenna_pin.dynamics.parts import families_of, springs_and_parts
 from antenna_pin.dynamics.points import point_spring_block
 from antenna_pin.elements import (
+    FAMILIES,
     GROSS_WORK,
     LOSS,
     WORK,
@@ -38,20 +40,17 @@ from antenna_pin.elements import (
     Motion,
     kind_of,
 )
-from antenna_pin.errors import InvalidParameterError, MechanismError, UnknownNameError
+from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.flexible import ElasticPart
 from antenna_pin.integrate import Manifold
 from antenna_pin.joints import ClearanceJoint
 from antenna_pin.joints import layout_kernels as _layout
 from antenna_pin.mechanism import WORLD, Mechanism
-from antenna_pin.records import CIRCLE, FIXED_AXIS, PROGRAM, SLIDE, place_of
+from antenna_pin.records import PROGRAM, place_of
 
 __all__ = ["System"]
 
 Array = NDArray[np.float64]
-
-# Joints without play that elements can act at, by their kind.
-_WITH_AXIS = {"revolute": FIXED_AXIS, "continuous": CIRCLE, "prismatic": SLIDE}
 
 
 @takes()
@@ -80,6 +79,7 @@ class System:
         held: Floating joints of the tree that are held by constraint to what they are ideally, by name.
         closures: Joints that close loops, by name.
         couplings: Joints that follow others, by name, beside those that the URDF couples (``<mimic>``).
+        elements: Elements of further families, by the family's table and then by name: ``{"stops": {...}}``.
         elastic: Elastic parts of flexible links, by name, which is also that of their joint and their spring.
     """
 
@@ -93,6 +93,7 @@ class System:
         held: Mapping[str, HeldKind] | None = None,
         closures: Mapping[str, Closure] | None = None,
         couplings: Mapping[str, Coupling] | None = None,
+        elements: Mapping[str, Mapping[str, ForceElement]] | None = None,
         elastic: Mapping[str, ElasticPart] | None = None,
     ) -> None:
         """Lay out the state and compose the program of force elements."""
@@ -103,6 +104,8 @@ class System:
         #: Elastic parts of flexible links by name; their springs stand behind all others.
         self.elastic = dict(elastic or {})
         self.springs = springs_and_parts(springs or {}, self.elastic)
+        #: All elements by family, then by name.
+        self.families = families_of(self.drives, self.springs, elements or {})
         #: Those between points.
         self.point_springs = {n: s for n, s in self.springs.items() if isinstance(s, BetweenPoints)}
         self.held = dict(held or {})
@@ -120,6 +123,7 @@ class System:
     def __repr__(self) -> str:
         """Show its name and how much of what it has."""
         parts = {"joints with play": self.clearances, "drives": self.drives, "springs": self.springs}
+        parts |= {table: self.families[table] for table in self.others}
         parts |= {"closures": self.closures, "elastic parts": self.elastic}
         said = "".join(f", {len(part)} {name}" for name, part in parts.items() if part)
         return f"System({self.mechanism.name!r}, nq={self.model.nq}, nv={self.model.nv}{said})"
@@ -214,23 +218,22 @@ class System:
         self.bristle_x = np.concatenate([np.zeros(0, dtype=int), *bristles])
 
     def _place_elements(self, blocks: Blocks) -> None:
-        """Lay out drives and springs at joints."""
+        """Lay out the elements at joints."""
         #: Elements in Python.
         self.callables: list[InPython] = []
         #: Joints whose motion is prescribed.
         self.motions: list[DrivenJoint] = []
-        self.drive_blocks: dict[str, int] = {}
-        self.spring_blocks: dict[str, int] = {}
-        at_joints = {n: s for n, s in self.springs.items() if isinstance(s, Element)}
-        families: tuple[tuple[str, Mapping[str, Element], dict[str, int]], ...] = (
-            ("drive", self.drives, self.drive_blocks),
-            ("spring", at_joints, self.spring_blocks),
-        )
-        for family, elements, places in families:
+        #: Where in the program the block of each element stands, by family, then by name.
+        self.element_blocks: dict[str, dict[str, int]] = {table: {} for table in self.families}
+        self.drive_blocks, self.spring_blocks = (self.element_blocks[one] for one in ("drives", "springs"))
+        for table, elements in self.families.items():
+            family, places = FAMILIES[table].word, self.element_blocks[table]
             for name, element in elements.items():
+                if not isinstance(element, Element):
+                    continue
                 check_booked(family, name, element)
                 x = blocks.x
-                block = self.element_block(f"{family} {name!r}", element, x)
+                block = element_block(self, f"{family} {name!r}", element, x)
                 places[name] = at = blocks.add(block, len(element.integrals))
                 own = at + int(kernels.PARAMETERS)
                 if element.in_python:
@@ -252,38 +255,14 @@ class System:
             self.spring_blocks[name] = blocks.add(block, len(spring.integrals))
         return begin
 
+    @property
+    def others(self) -> tuple[str, ...]:
+        """The families that it has besides drives and springs."""
+        return tuple(table for table in self.families if table not in ("drives", "springs"))
+
     def slides(self, joint: str) -> bool:
         """Whether a joint slides along its axis rather than turning about it."""
         return slides(self.mechanism, self.clearances, joint)
-
-    def element_block(self, place: str, element: Element, x: int) -> Array:
-        """Return the block of an element, or refuse a joint at which it cannot act.
-
-        Args:
-            place: What it is, for the refusal.
-            element: The element.
-            x: Where in x what it integrates starts.
-        """
-        slot = self.mechanism.joint(element.joint)
-        clearance = self.clearance_blocks.get(element.joint, -1)
-        without_axis = any(j.geometry.motion is None for j in self.clearances if j.name == element.joint)
-        if without_axis or (clearance < 0 and slot.kind not in _WITH_AXIS):
-            kind_seen = "spherical" if without_axis else slot.kind
-            raise MechanismError(
-                f"{place}: joint {element.joint!r} is {kind_seen} and has no axis to act about; "
-                "use a revolute, continuous, prismatic or clearance joint"
-            )
-        element.check_joint(place, self.slides(element.joint))
-        words = element.words_of_kernel()
-        block = np.concatenate([np.zeros(kernels.PARAMETERS), words])
-        head = block[: kernels.PARAMETERS].view(kernels.ELEMENT)
-        head["kind"], head["length"] = kind_of(type(element)), len(block)
-        head["joint"], head["play"] = _WITH_AXIS.get(slot.kind, -1), clearance
-        head["turn"] = self.turn_x.get(element.joint, -1)
-        head["q"], head["v"], head["x"] = slot.q.start, slot.v.start, x
-        head["about"] = kernels.ABOUTS.index(element.about)
-        head["senses"], head["on"] = element.senses, element.acts
-        return block
 
     @property
     def closed_to_world(self) -> bool:

@@ -8,7 +8,7 @@ from antenna_pin.elements.joint_friction import JointFriction
 from antenna_pin.elements.pd import PDController
 from antenna_pin.elements.point_spring import PointSpring
 from antenna_pin.elements.prescribed import CallableMotion, DistanceMotion, Motion, PrescribedMotion
-from antenna_pin.elements.registry import DRIVES, ELEMENTS, SPRINGS, kind_of
+from antenna_pin.elements.registry import DRIVES, ELEMENTS, FAMILIES, SPRINGS, Family, family_words, kind_of
 from antenna_pin.elements.sine import SineDrive
 from antenna_pin.elements.spring import JointSpring
 from antenna_pin.elements.tabulated import TableDrive
@@ -16,6 +16,7 @@ from antenna_pin.elements.tabulated import TableDrive
 __all__ = [
     "DRIVES",
     "ELEMENTS",
+    "FAMILIES",
     "GROSS_WORK",
     "LOSS",
     "SPRINGS",
@@ -28,6 +29,7 @@ __all__ = [
     "DistanceMotion",
     "Drive",
     "Element",
+    "Family",
     "ForceElement",
     "Integral",
     "JointFriction",
@@ -39,5 +41,6 @@ __all__ = [
     "PrescribedMotion",
     "SineDrive",
     "TableDrive",
+    "family_words",
     "kind_of",
 ]
