@@ -153,7 +153,7 @@ def _element(p: Any, b: int, t: float, y: Any, head: Any, tau: Any, rates: Any) 
             power = effort * y[nq + e.v + 2]
         else:
             power = effort * _push(j, e, effort, (gx, gy), y, nq, tau)
-    elements.write_rates(e.kind, p, b + PARAMETERS, e.on * rate, power, rates, head.nv + e.x)
+    elements.write_rates(e.kind, p, b + PARAMETERS, angle, e.on * rate, power, rates, head.nv + e.x)
 
 
 @kernel

@@ -14,11 +14,13 @@ from antenna_pin.elements.constant import ConstantDrive
 from antenna_pin.elements.element import Element, ForceElement
 from antenna_pin.elements.given import CallableDrive
 from antenna_pin.elements.joint_friction import JointFriction
+from antenna_pin.elements.latch import Latch
 from antenna_pin.elements.pd import PDController
 from antenna_pin.elements.point_spring import PointSpring
 from antenna_pin.elements.prescribed import CallableMotion, DistanceMotion, PrescribedMotion
 from antenna_pin.elements.sine import SineDrive
 from antenna_pin.elements.spring import JointSpring
+from antenna_pin.elements.stop import EndStop
 from antenna_pin.elements.tabulated import TableDrive
 from antenna_pin.errors import UnknownNameError
 
@@ -60,10 +62,18 @@ SPRINGS: Mapping[str, type[ForceElement]] = MappingProxyType(
 )
 """What stores and loses energy by its ``kind`` in ``[springs.NAME]``."""
 
+STOPS: Mapping[str, type[Element]] = MappingProxyType({"compliant": EndStop})
+"""End stops by their ``kind`` in ``[stops.NAME]``."""
+
+LATCHES: Mapping[str, type[Element]] = MappingProxyType({"compliant": Latch})
+"""Latches by their ``kind`` in ``[latches.NAME]``."""
+
 FAMILIES: Mapping[str, Family] = MappingProxyType(
     {
         "drives": Family("drive", DRIVES),
         "springs": Family("spring", SPRINGS, "spring"),
+        "stops": Family("stop", STOPS, "compliant"),
+        "latches": Family("latch", LATCHES, "compliant"),
     }
 )
 """Families by the table ``[FAMILY.NAME]`` that a scenario has for each; the order is that of programs."""

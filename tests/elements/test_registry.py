@@ -96,7 +96,7 @@ def test_an_element_has_its_own_kernels_and_words(kind):
     torque = kernels.effort(number, own, 0, 0.0, 0.1, 0.2)
     assert torque == pytest.approx(expected, rel=1e-15, abs=1e-15)  # round-off
     rates = np.full(len(element.integrals) + 1, np.nan)
-    kernels.write_rates(number, own, 0, 0.2, 0.2 * torque, rates, 0)
+    kernels.write_rates(number, own, 0, 0.1, 0.2, 0.2 * torque, rates, 0)
     assert np.isnan(rates).tolist() == [False] * len(element.integrals) + [True]
 
 

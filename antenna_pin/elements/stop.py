@@ -1,0 +1,183 @@
+"""An end stop that gives way."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, fields
+from typing import Any, ClassVar, Literal
+
+from antenna_pin.elements.element import LOSS, Element, Integral
+from antenna_pin.errors import InvalidParameterError
+from antenna_pin.parameters import parameter, parameters_of
+from antenna_pin.readable import GIVEN, readable
+
+__all__ = ["EndStop", "Limits"]
+
+StopLaw = Literal[
+    "elastic",
+    "lankarani-nikravesh",
+    "exact-restitution",
+    "hunt-crossley",
+    "herbert-mcwhannell",
+    "lee-wang",
+    "marhefka-orin",
+    "gonthier",
+    "zhiying-qishao",
+    "ye",
+    "flores",
+    "gharib-hurmuzlu",
+    "pant-wijeyewickrema",
+    "hu-guo",
+    "carvalho-martins",
+    "kelvin-voigt",
+    "tsuji",
+    "jankowski",
+    "adams-impact",
+]
+"""Laws of a stop that gives way: those of :mod:`antenna_pin.contact` that are of no certain shape."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Limits(Element):
+    """Base of the elements that bound a joint's motion.
+
+    Attributes:
+        lower: Where the joint stops on its way down [rad] ([m]); None for no stop there.
+        upper: Where it stops on its way up [rad] ([m]); None likewise.
+    """
+
+    lower: float | None = parameter("rad", sliding="m", default=None)
+    upper: float | None = parameter("rad", sliding="m", default=None)
+
+    def __post_init__(self) -> None:
+        """Check that there is a side, and a way between two."""
+        Element.__post_init__(self)
+        if self.lower is None and self.upper is None:
+            raise InvalidParameterError(self, "lower", "given, or upper, or both", said="neither")
+        if not self.lowest < self.highest:
+            rule = f"above lower, {self.lower:g}; the joint moves between them"
+            raise InvalidParameterError(self, "upper", rule, self.upper)
+
+    @property
+    def lowest(self) -> float:
+        """Lower limit, or minus infinity."""
+        return -math.inf if self.lower is None else self.lower
+
+    @property
+    def highest(self) -> float:
+        """Upper limit, or infinity."""
+        return math.inf if self.upper is None else self.upper
+
+    def words_of_limits(self, slides: bool) -> str:
+        """Return the limits in words."""
+        if self.lower is None or self.upper is None:
+            return f"at {self.said('lower' if self.upper is None else 'upper', slides)}"
+        return f"at {self.said('lower', slides)} and {self.said('upper', slides)}"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EndStop(Limits):
+    r"""An end stop that gives way: beyond a limit it presses back by a contact law, and never pulls.
+
+    .. math:: \tau = \mp f(\delta, \dot\delta), \qquad
+              \delta = \phi - \phi_{upper} \text{ or } \phi_{lower} - \phi, \quad
+              f_e = K \delta \left(\frac{\delta}{1\,\mathrm{rad}}\right)^{n - 1}
+
+    with f of the law named, of which the depth is the angle beyond the limit. Touch and release are located;
+    the rate of approach that many laws damp by is that of the present touch. Sides that differ are two stops
+    at the same joint. A start beyond a limit is a start pressed in, at rest with the least rate. At a joint
+    with play phi is the motion angle. The angle counts whole turns: a joint that turns without end has its
+    limits where they are said, and once.
+
+    Attributes:
+        stiffness: K, torque at a depth of 1 rad over 1 rad, whatever the exponent [N*m/rad] ([N/m]).
+        exponent: n, 1 for a linear spring [-].
+        law: What dissipates: the name of a law, or ``elastic`` for none. ``exact-restitution`` delivers its
+            restitution against a body that moves freely.
+        restitution: Of laws that ask for one, in [0, 1] [-].
+        damping: Of ``kelvin-voigt`` and ``adams-impact`` [N*m*s/rad] ([N*s/m]).
+        full_damping_depth: Of ``adams-impact`` [rad] ([m]).
+        slope: Of ``marhefka-orin``: loss of restitution over rate [s/rad] ([s/m]).
+        inertia: Of ``tsuji`` and ``jankowski``: what strikes the stop [kg*m**2] ([kg]).
+        least_rate: Least rate of approach that a law sees [rad/s] ([m/s]).
+        on: Whether it acts from the start on; an event may switch it.
+    """
+
+    kernels: ClassVar[str] = "stop_kernels"
+    senses: ClassVar[bool] = True
+    integrals: ClassVar[tuple[Integral, ...]] = (LOSS,)
+    modes: ClassVar[tuple[str, ...]] = ("free", "lower", "upper")
+
+    stiffness: float = parameter("N*m/rad", sliding="N/m", rule="positive")
+    exponent: float = parameter("1", rule="1 or more", default=1.0)
+    law: StopLaw = "exact-restitution"
+    restitution: float | None = parameter("1", rule="zero or more", default=None)
+    damping: float | None = parameter("N*m*s/rad", sliding="N*s/m", rule="zero or more", default=None)
+    full_damping_depth: float | None = parameter("rad", sliding="m", rule="positive", default=None)
+    slope: float | None = parameter("s/rad", sliding="s/m", rule="zero or more", default=None)
+    inertia: float | None = parameter("kg*m**2", sliding="kg", rule="positive", default=None)
+    least_rate: float = parameter("rad/s", sliding="m/s", rule="positive", default=1e-4)
+    on: bool = True
+
+    def __post_init__(self) -> None:
+        """Check limits and law."""
+        Limits.__post_init__(self)
+        takes = self._taken()
+        for own in _OF_LAWS:
+            given = getattr(self, own) is not None
+            if given and own not in takes:
+                told = ", ".join(name for name in takes if name in _OF_LAWS) or "none of its own"
+                raise InvalidParameterError(
+                    self, own, f"left out: law {self.law} takes {told}", getattr(self, own)
+                )
+            if own in takes and not given:
+                raise InvalidParameterError(self, own, f"given; law {self.law} asks for it", said="none")
+        try:
+            self.contact_law()
+        except InvalidParameterError as error:
+            name = _NAMES.get(error.parameter, error.parameter)
+            raise InvalidParameterError(self, name, error.rule, getattr(self, name)) from None
+
+    def _taken(self) -> tuple[str, ...]:
+        """Return the names of its own parameters that its law takes."""
+        from antenna_pin.contact import NORMAL_LAWS
+
+        law = NORMAL_LAWS["hertz" if self.law == "elastic" else self.law]
+        return tuple(_NAMES.get(name, name) for name in parameters_of(law))
+
+    def contact_law(self) -> Any:
+        """Return its law as contacts have it, with the angle as its depth."""
+        from antenna_pin.contact import NORMAL_LAWS
+
+        law = NORMAL_LAWS["hertz" if self.law == "elastic" else self.law]
+        given = {item.name: getattr(self, _NAMES.get(item.name, item.name)) for item in fields(law)}
+        return law(**{name: value for name, value in given.items() if value is not None})
+
+    def values(self) -> dict[str, Any]:
+        """Return its numbers, by the names that its record has for them."""
+        return {
+            "lower": self.lowest,
+            "upper": self.highest,
+            "least_rate": self.least_rate,
+            "inertia": self.inertia or 0.0,
+            "mode": 0,
+            "approach": 0.0,
+        }
+
+    def tail(self) -> tuple[float, ...]:
+        """Return its law in numbers."""
+        return tuple(self.contact_law().code())
+
+    def words(self, slides: bool) -> str:
+        """Return what it is in words."""
+        law = "elastic" if self.law == "elastic" else self.law
+        told = {"restitution": "restitution", "damping": "damping", "slope": "slope", "inertia": "inertia"}
+        own = [f"{word} {self.said(name, slides)}" for name, word in told.items() if getattr(self, name) is not None]
+        power = "" if self.exponent == 1.0 else f", exponent {readable(self.exponent, '1', GIVEN)}"
+        text = f"end stop {self.words_of_limits(slides)}, stiffness {self.said('stiffness', slides)}{power}, {law}"
+        return ", ".join([text, *own])
+
+
+# Parameters that only some laws have, and their names in the laws where these are others.
+_OF_LAWS = ("restitution", "damping", "full_damping_depth", "slope", "inertia")
+_NAMES = {"effective_mass": "inertia"}
