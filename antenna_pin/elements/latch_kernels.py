@@ -11,12 +11,13 @@ from antenna_pin.records import layout, words_of
 # Its modes: outside the window; inside, but too fast or the wrong way; held; let go and still inside.
 OUTSIDE, INSIDE, HELD, LET_GO = 0, 1, 2, 3
 
-#: Window, where it holds, greatest rate and way of capture (+1, -1, 0 for both), spring and damper with half
-#: of its play, torque at which it lets go (infinite: never), and the mode.
+#: Window with its middle, where it holds, greatest rate and way of capture (+1, -1, 0 for both), spring and
+#: damper with half of the play, torque at which it lets go (infinite: never), the mode, and on which side of
+#: the window the joint is or was (+1 above).
 LAYOUT = layout(
     ("lower", "f8"),
+    ("middle", "f8"),
     ("upper", "f8"),
-    ("angle", "f8"),
     ("greatest_rate", "f8"),
     ("direction", "f8"),
     ("stiffness", "f8"),
@@ -24,6 +25,7 @@ LAYOUT = layout(
     ("half_play", "f8"),
     ("holding", "f8"),
     ("mode", "i8"),
+    ("side", "f8"),
 )
 SIZE = words_of(LAYOUT)
 
@@ -31,7 +33,7 @@ SIZE = words_of(LAYOUT)
 @inlined
 def excess(latch: Any, angle: float) -> float:
     """How far the joint is beyond the latch's own play, with its sign; zero inside."""
-    off = float(angle - latch.angle)
+    off = float(angle - latch.middle)
     if off > latch.half_play:
         return off - latch.half_play
     return off + latch.half_play if off < -latch.half_play else 0.0
@@ -76,6 +78,13 @@ def stored(words: Any, at: int, angle: float) -> float:
 
 
 @inlined
+def kink(words: Any, at: int, t: float, angle: float, rate: float) -> float:
+    """How far a held joint is beyond the latch's play: zero at its flanks."""
+    latch = record(words[at : at + SIZE], LAYOUT)
+    return float(abs(angle - latch.middle) - latch.half_play) if latch.mode == HELD else 1.0
+
+
+@inlined
 def beyond_capture(latch: Any, rate: float) -> float:
     """By how much the rate is not one to be captured at [rad/s]; zero or less where it is."""
     if latch.direction == 0.0:
@@ -91,36 +100,31 @@ def inside(latch: Any, angle: float) -> float:
 
 
 @kernel
-def margin(words: Any, at: int, t: float, angle: float, rate: float) -> tuple[float, float]:
-    """How far its mode is from its end, positive as long as it lasts, and the rate of that (0: unknown)."""
-    latch = record(words[at : at + SIZE], LAYOUT)
-    if latch.mode == HELD:
-        return latch.holding - abs(grip(latch, angle, rate)), 0.0
-    deep = inside(latch, angle)
-    slope = rate if angle - latch.lower < latch.upper - angle else -rate
-    if latch.mode == OUTSIDE:
-        return -deep, -slope
-    if latch.mode == INSIDE:
-        # Either ends it: a share of the half window, or of the rate.
-        share = deep / (0.5 * (latch.upper - latch.lower))
-        off = beyond_capture(latch, rate)
-        scale = latch.greatest_rate if 0.0 < latch.greatest_rate < math.inf else 1.0
-        return min(share, off / scale), 0.0
-    return deep, slope
+def capture(latch: Any, k: int, angle: float, rate: float) -> tuple[float, float]:
+    """Functions that a latch has whatever holds: 0 the window's end, 1 the rates that it captures at."""
+    if k == 0 and latch.mode != HELD:
+        if latch.mode == OUTSIDE:
+            end = latch.upper if latch.side > 0.0 else latch.lower
+            return float(latch.side * (angle - end)), float(latch.side * rate)
+        return inside(latch, angle), (rate if angle < latch.middle else -rate)
+    if k == 1 and latch.mode == INSIDE:
+        return beyond_capture(latch, rate), 0.0
+    return 1.0, 0.0
 
 
 @kernel
-def switch(words: Any, at: int, t: float, angle: float, rate: float) -> None:
-    """Write the mode that begins where the present one ends."""
+def switch(words: Any, at: int, k: int, motion: Any) -> tuple[float, float]:
+    """Functions 0 and 1 are those of capture, 2 what the torque lacks to the holding torque."""
     latch = record(words[at : at + SIZE], LAYOUT)
-    if latch.mode == HELD:
-        latch.mode = LET_GO
-    elif latch.mode == LET_GO:
-        latch.mode = OUTSIDE
-    elif latch.mode == OUTSIDE:
-        latch.mode = HELD if beyond_capture(latch, rate) <= 0.0 else INSIDE
-    else:
-        # Which of the two has ended it: the nearer to its end.
-        share = inside(latch, angle) / (0.5 * (latch.upper - latch.lower))
-        scale = latch.greatest_rate if 0.0 < latch.greatest_rate < math.inf else 1.0
-        latch.mode = HELD if beyond_capture(latch, rate) / scale < share else OUTSIDE
+    _, angle, rate, _ = motion
+    if k < 2:
+        return capture(latch, k, angle, rate)
+    if latch.mode == HELD and not math.isinf(latch.holding):
+        return float(latch.holding - abs(grip(latch, angle, rate))), 0.0
+    return 1.0, 0.0
+
+
+@inlined
+def mode(words: Any, at: int) -> int:
+    """The present one."""
+    return int(record(words[at : at + SIZE], LAYOUT).mode)

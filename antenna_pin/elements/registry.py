@@ -18,6 +18,8 @@ from antenna_pin.elements.latch import Latch
 from antenna_pin.elements.pd import PDController
 from antenna_pin.elements.point_spring import PointSpring
 from antenna_pin.elements.prescribed import CallableMotion, DistanceMotion, PrescribedMotion
+from antenna_pin.elements.rigid_latch import RigidLatch
+from antenna_pin.elements.rigid_stop import RigidStop
 from antenna_pin.elements.sine import SineDrive
 from antenna_pin.elements.spring import JointSpring
 from antenna_pin.elements.stop import EndStop
@@ -62,10 +64,10 @@ SPRINGS: Mapping[str, type[ForceElement]] = MappingProxyType(
 )
 """What stores and loses energy by its ``kind`` in ``[springs.NAME]``."""
 
-STOPS: Mapping[str, type[Element]] = MappingProxyType({"compliant": EndStop})
+STOPS: Mapping[str, type[Element]] = MappingProxyType({"compliant": EndStop, "rigid": RigidStop})
 """End stops by their ``kind`` in ``[stops.NAME]``."""
 
-LATCHES: Mapping[str, type[Element]] = MappingProxyType({"compliant": Latch})
+LATCHES: Mapping[str, type[Element]] = MappingProxyType({"compliant": Latch, "rigid": RigidLatch})
 """Latches by their ``kind`` in ``[latches.NAME]``."""
 
 FAMILIES: Mapping[str, Family] = MappingProxyType(

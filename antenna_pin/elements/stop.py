@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from typing import Any, ClassVar, Literal
 
-from antenna_pin.elements.element import LOSS, Element, Integral
+from antenna_pin.elements.element import LOSS, Integral
+from antenna_pin.elements.limits import FREE, LOWER, Limits
+from antenna_pin.elements.modal import Change, Met
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.parameters import parameter, parameters_of
 from antenna_pin.readable import GIVEN, readable
 
-__all__ = ["EndStop", "Limits"]
+__all__ = ["IMPULSE", "EndStop"]
+
+# Its function that passes zero where the joint turns back, once in a touch.
+TURNS = 2
+
+IMPULSE = Integral("impulse", "N*m*s")
+"""What a stop has put on its joint, by size."""
 
 StopLaw = Literal[
     "elastic",
@@ -35,44 +42,6 @@ StopLaw = Literal[
     "adams-impact",
 ]
 """Laws of a stop that gives way: those of :mod:`antenna_pin.contact` that are of no certain shape."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Limits(Element):
-    """Base of the elements that bound a joint's motion.
-
-    Attributes:
-        lower: Where the joint stops on its way down [rad] ([m]); None for no stop there.
-        upper: Where it stops on its way up [rad] ([m]); None likewise.
-    """
-
-    lower: float | None = parameter("rad", sliding="m", default=None)
-    upper: float | None = parameter("rad", sliding="m", default=None)
-
-    def __post_init__(self) -> None:
-        """Check that there is a side, and a way between two."""
-        Element.__post_init__(self)
-        if self.lower is None and self.upper is None:
-            raise InvalidParameterError(self, "lower", "given, or upper, or both", said="neither")
-        if not self.lowest < self.highest:
-            rule = f"above lower, {self.lower:g}; the joint moves between them"
-            raise InvalidParameterError(self, "upper", rule, self.upper)
-
-    @property
-    def lowest(self) -> float:
-        """Lower limit, or minus infinity."""
-        return -math.inf if self.lower is None else self.lower
-
-    @property
-    def highest(self) -> float:
-        """Upper limit, or infinity."""
-        return math.inf if self.upper is None else self.upper
-
-    def words_of_limits(self, slides: bool) -> str:
-        """Return the limits in words."""
-        if self.lower is None or self.upper is None:
-            return f"at {self.said('lower' if self.upper is None else 'upper', slides)}"
-        return f"at {self.said('lower', slides)} and {self.said('upper', slides)}"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -101,12 +70,13 @@ class EndStop(Limits):
         inertia: Of ``tsuji`` and ``jankowski``: what strikes the stop [kg*m**2] ([kg]).
         least_rate: Least rate of approach that a law sees [rad/s] ([m/s]).
         on: Whether it acts from the start on; an event may switch it.
+        approach: Rate at the onset of the present touch [rad/s] ([m/s]).
+        turned: Whether it has turned back in the present touch, 0 or 1.
     """
 
     kernels: ClassVar[str] = "stop_kernels"
-    senses: ClassVar[bool] = True
-    integrals: ClassVar[tuple[Integral, ...]] = (LOSS,)
-    modes: ClassVar[tuple[str, ...]] = ("free", "lower", "upper")
+    integrals: ClassVar[tuple[Integral, ...]] = (LOSS, IMPULSE)
+    remembers: ClassVar[tuple[str, ...]] = ("approach", "turned")
 
     stiffness: float = parameter("N*m/rad", sliding="N/m", rule="positive")
     exponent: float = parameter("1", rule="1 or more", default=1.0)
@@ -118,6 +88,8 @@ class EndStop(Limits):
     inertia: float | None = parameter("kg*m**2", sliding="kg", rule="positive", default=None)
     least_rate: float = parameter("rad/s", sliding="m/s", rule="positive", default=1e-4)
     on: bool = True
+    approach: float = field(default=0.0, repr=False)
+    turned: float = field(default=0.0, repr=False)
 
     def __post_init__(self) -> None:
         """Check limits and law."""
@@ -160,9 +132,27 @@ class EndStop(Limits):
             "upper": self.highest,
             "least_rate": self.least_rate,
             "inertia": self.inertia or 0.0,
-            "mode": 0,
-            "approach": 0.0,
+            "mode": self.mode,
+            "approach": self.approach,
+            "turned": self.turned,
         }
+
+    def first(self, met: Met) -> Change | None:
+        """Return the side that the joint is pressed into at the start, if any."""
+        side = self.side_at(met.angle, met.rate)
+        return self._on(side, met) if side != self.mode else None
+
+    def passed(self, k: int, met: Met) -> Change | None:
+        """Touch side k, turn back in it, or come off it."""
+        if k == TURNS:
+            return Change(self.mode, f"{self.modes[self.mode]}: turns", {"turned": 1.0})
+        if self.mode == FREE:
+            return self._on(k + 1, met)
+        return Change(FREE, f"{self.modes[self.mode]}: off", {"approach": 0.0, "turned": 0.0})
+
+    def _on(self, side: int, met: Met) -> Change:
+        approach = -met.rate if side == LOWER else met.rate
+        return Change(side, f"{self.modes[side]}: on", {"approach": max(approach, 0.0), "turned": float(approach <= 0.0)})
 
     def tail(self) -> tuple[float, ...]:
         """Return its law in numbers."""

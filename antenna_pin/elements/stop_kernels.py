@@ -12,8 +12,12 @@ from antenna_pin.records import layout, words_of
 # Its modes: off both sides, on the lower one, on the upper one.
 FREE, LOWER, UPPER = 0, 1, 2
 
-#: Limits (infinite where there is none), least approach rate, mass or inertia of laws that ask for one, mode
-#: and rate of approach at the onset of the present touch. Behind it stands the law.
+# Its function that passes zero where the joint turns back, once in a touch.
+TURNS = 2
+
+#: Limits (infinite where there is none), least approach rate, mass or inertia of laws that ask for one, mode,
+#: rate of approach at the onset of the present touch, and whether it has turned back (0 or 1). Behind it
+#: stands the law.
 LAYOUT = layout(
     ("lower", "f8"),
     ("upper", "f8"),
@@ -21,6 +25,7 @@ LAYOUT = layout(
     ("inertia", "f8"),
     ("mode", "i8"),
     ("approach", "f8"),
+    ("turned", "f8"),
 )
 SIZE = words_of(LAYOUT)
 
@@ -58,12 +63,13 @@ def effort(words: Any, at: int, t: float, angle: float, rate: float) -> float:
 
 @kernel
 def write_rates(words: Any, at: int, angle: float, rate: float, power: float, rates: Any, x: int) -> None:
-    """Power lost [W]: what goes in, but for what the elastic part stores."""
+    """Power lost [W]: what goes in, but for what the elastic part stores; and the torque's size."""
     stop = record(words[at : at + SIZE], LAYOUT)
-    rates[x] = 0.0
+    rates[x] = rates[x + 1] = 0.0
     if stop.mode != FREE:
         law = words[at + SIZE : at + SIZE + NORMAL_SIZE]
         rates[x] = -power - elastic_force(law, depth(stop, angle)) * way(stop) * rate
+        rates[x + 1] = abs(effort(words, at, 0.0, angle, rate))
 
 
 @kernel
@@ -76,24 +82,26 @@ def stored(words: Any, at: int, angle: float) -> float:
 
 
 @inlined
-def margin(words: Any, at: int, t: float, angle: float, rate: float) -> tuple[float, float]:
-    """How far its mode is from its end, positive as long as it lasts, and the rate of that."""
-    stop = record(words[at : at + SIZE], LAYOUT)
-    if stop.mode == LOWER:
-        return stop.lower - angle, -rate
-    if stop.mode == UPPER:
-        return angle - stop.upper, rate
-    below, above = angle - stop.lower, stop.upper - angle
-    return (below, rate) if below < above else (above, -rate)
+def beyond(lower: float, upper: float, mode: int, k: int, angle: float, rate: float) -> tuple[float, float]:
+    """How far off side k (0 lower, 1 upper) a free joint is, or one that presses on it is in, and its rate."""
+    side = LOWER if k == 0 else UPPER
+    gap = angle - lower if k == 0 else upper - angle
+    if math.isinf(gap) or (mode != FREE and mode != side):
+        return 1.0, 0.0
+    slope = rate if k == 0 else -rate
+    return (gap, slope) if mode == FREE else (-gap, -slope)
 
 
 @kernel
-def switch(words: Any, at: int, t: float, angle: float, rate: float) -> None:
-    """Write the mode that begins where the present one ends, and the rate at which it begins."""
+def switch(words: Any, at: int, k: int, motion: Any) -> tuple[float, float]:
+    """Function k: how far off a side the joint is, or how far in, and its rate; 2: the rate still going in."""
     stop = record(words[at : at + SIZE], LAYOUT)
-    if stop.mode != FREE:
-        stop.mode, stop.approach = FREE, 0.0
-    elif angle - stop.lower < stop.upper - angle:
-        stop.mode, stop.approach = LOWER, max(-rate, 0.0)
-    else:
-        stop.mode, stop.approach = UPPER, max(rate, 0.0)
+    if k == TURNS:
+        return (way(stop) * motion[2], 0.0) if stop.mode != FREE and stop.turned == 0.0 else (1.0, 0.0)
+    return beyond(stop.lower, stop.upper, stop.mode, k, motion[1], motion[2])
+
+
+@inlined
+def mode(words: Any, at: int) -> int:
+    """The present one."""
+    return int(record(words[at : at + SIZE], LAYOUT).mode)

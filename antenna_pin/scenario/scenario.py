@@ -32,6 +32,7 @@ from antenna_pin.scenario.integrator import IntegratorSpec, OutputSpec, settings
 from antenna_pin.scenario.mechanism import MaterialSpec, MechanismSpec
 from antenna_pin.scenario.pointing import PointingSpec
 from antenna_pin.scenario.shipped import tables
+from antenna_pin.scenario.stops import with_urdf_limits
 from antenna_pin.units import shown
 
 if TYPE_CHECKING:
@@ -182,8 +183,10 @@ class Scenario(FamilyTables):
         if not isinstance(data, Mapping):
             return data
         done = dict(data)
+        if "stops" in done:
+            done["stops"] = with_urdf_limits(data)
         for place in FAMILY_SPECS:
-            tables = data.get(place)
+            tables = done.get(place)
             if isinstance(tables, Mapping):
                 done[place] = {name: _at_its_joint(place, name, table) for name, table in tables.items()}
         for place, key in (("flexible", "link"), ("couplings", "follower")):

@@ -1,0 +1,44 @@
+"""A latch that locks its joint."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+from antenna_pin.elements.capture import HELD, Capture
+from antenna_pin.elements.modal import Change, Met
+
+__all__ = ["RigidLatch"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RigidLatch(Capture):
+    r"""A latch that captures a joint in a window and locks it where it is then, in no time.
+
+    .. math:: \Delta E = \tfrac12 I_r\, \dot\phi^2
+
+    is lost, with the reduced inertia I_r of what is on both sides of the joint: the lock is an impulse at the
+    joint on both its sides, and all momentum is kept. When it captures and lets go is as for
+    :class:`antenna_pin.elements.Latch`; its torque is that of the row that holds the joint.
+
+    Attributes:
+        held_at: Where it holds the joint [rad] ([m]).
+    """
+
+    kernels: ClassVar[str] = "rigid_latch_kernels"
+    loaded: ClassVar[tuple[int, ...]] = (2,)
+    remembers: ClassVar[tuple[str, ...]] = ("side", "held_at")
+    holds: ClassVar[bool] = True
+
+    held_at: float = field(default=0.0, repr=False)
+
+    def _held(self, met: Met, what: str) -> Change:
+        return Change(HELD, what, {"held_at": met.angle})
+
+    def values(self) -> dict[str, Any]:
+        """Return its numbers, by the names that its record has for them."""
+        return self.capture_values() | {"held_at": self.held_at}
+
+    def words(self, slides: bool) -> str:
+        """Return what it is in words."""
+        return "rigid latch " + ", ".join(self.capture_words(slides))

@@ -1,0 +1,85 @@
+"""A rigid end stop."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from antenna_pin.elements.limits import FREE, LOWER, UPPER, Limits
+from antenna_pin.elements.modal import Change, Met
+from antenna_pin.errors import InvalidParameterError
+from antenna_pin.parameters import parameter
+
+__all__ = ["RigidStop"]
+
+# Its function of the torque that holds it on a side.
+LOADED = 2
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RigidStop(Limits):
+    r"""A rigid end stop: the joint comes back at e times its rate, in no time.
+
+    .. math:: \dot\phi^+ = -e\, \dot\phi^-
+
+    The blow is an impulse at the joint on both its sides, so that all momentum is kept, and what
+    is held elsewhere is kept held; what it takes of the energy is its loss. A joint that comes slower than
+    the rest rate comes to rest on the stop, so that ever smaller jumps end: a row holds it there, by a torque
+    that pushes only. It leaves where that would have to pull. A start on a limit, at
+    rest or on its way in, is a start at rest on it; one beyond a limit is refused. The angle counts whole
+    turns.
+
+    Attributes:
+        restitution: e, in [0, 1] [-].
+        rest_rate: Rate below which a joint that comes no longer bounces [rad/s] ([m/s]).
+        on: Whether it acts from the start on; an event may switch it.
+    """
+
+    kernels: ClassVar[str] = "rigid_stop_kernels"
+    loaded: ClassVar[tuple[int, ...]] = (2,)
+    holds: ClassVar[bool] = True
+
+    restitution: float = parameter(rule="zero or more")
+    rest_rate: float = parameter("rad/s", sliding="m/s", rule="zero or more", default=1e-3)
+    on: bool = True
+
+    def __post_init__(self) -> None:
+        """Check limits and restitution."""
+        Limits.__post_init__(self)
+        if self.restitution > 1.0:
+            raise InvalidParameterError(self, "restitution", "in [0, 1]", self.restitution)
+
+    def first(self, met: Met) -> Change | None:
+        """Return the side that the joint rests on at the start, if any."""
+        side = self.side_at(met.angle, met.rate)
+        if side == self.mode:
+            return None
+        if not self.lowest <= met.angle <= self.highest:
+            limit = self.modes[side]
+            rule = f"at or beyond {met.angle:g}, where the joint starts: a rigid stop has no room beyond it"
+            raise InvalidParameterError(self, limit, rule, getattr(self, limit))
+        return Change(side)
+
+    def passed(self, k: int, met: Met) -> Change | None:
+        """Bounce off side k, come to rest on it, or leave it."""
+        if k == LOADED:
+            return Change(FREE, f"{self.modes[self.mode]}: left")
+        side, approach = (LOWER, -met.rate) if k == 0 else (UPPER, met.rate)
+        if approach < 0.0:
+            return None
+        if self.restitution == 0.0 or approach <= self.rest_rate:
+            return Change(side, f"{self.modes[side]}: rests")
+        return Change(FREE, f"{self.modes[side]}: bounces", restitution=self.restitution)
+
+    def bears(self, impulse: float) -> Change | None:
+        """Let go of a joint that an impulse elsewhere takes off the stop."""
+        pulls = impulse < 0.0 if self.mode == LOWER else impulse > 0.0
+        return Change(FREE, f"{self.modes[self.mode]}: left") if pulls else None
+
+    def values(self) -> dict[str, Any]:
+        """Return its numbers, by the names that its record has for them."""
+        return {"lower": self.lowest, "upper": self.highest, "mode": self.mode}
+
+    def words(self, slides: bool) -> str:
+        """Return what it is in words."""
+        return f"rigid end stop {self.words_of_limits(slides)}, restitution {self.said('restitution', slides)}"
