@@ -16,6 +16,7 @@ from antenna_pin.dynamics.blocks import (
     Blocks,
     InPython,
     check_booked,
+    check_holds,
     check_motion,
     clearance_block,
     held_block,
@@ -37,7 +38,9 @@ from antenna_pin.elements import (
     BetweenPoints,
     Element,
     ForceElement,
+    Modal,
     Motion,
+    check_together,
     kind_of,
 )
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
@@ -106,6 +109,7 @@ class System:
         self.springs = springs_and_parts(springs or {}, self.elastic)
         #: All elements by family, then by name.
         self.families = families_of(self.drives, self.springs, elements or {})
+        check_together({f"{table}.{name}": one for table, named in self.families.items() for name, one in named.items()})
         #: Those between points.
         self.point_springs = {n: s for n, s in self.springs.items() if isinstance(s, BetweenPoints)}
         self.held = dict(held or {})
@@ -147,8 +151,9 @@ class System:
         self.plan: Plan | None = None
         #: Where in x the energy stands that corrections of position and velocity put in, if there are any.
         self.projection_x = np.zeros(0, dtype=int)
-        if self.closures or self.motions or self.couplings:
-            self.plan = make_plan(self.mechanism, self.closures, self.motions, self.couplings, self.turn_x)
+        if self.closures or self.motions or self.couplings or self.holds:
+            held = self.closures, self.motions, self.couplings, self.turn_x, self.holds
+            self.plan = make_plan(self.mechanism, *held)
             self.projection_x = np.array([blocks.x])
             blocks.x += 1
         self.program = np.concatenate(blocks.all)
@@ -157,6 +162,16 @@ class System:
             places_in_x(self.program, self.drives, self.drive_blocks, one) for one in (WORK, GROSS_WORK)
         )
         self.damper_x = places_in_x(self.program, self.springs, self.spring_blocks, LOSS)
+        #: The same of the losses of elements of further families, one family after another.
+        self.element_x = np.concatenate(
+            [
+                np.zeros(0, dtype=int),
+                *(
+                    places_in_x(self.program, self.families[one], self.element_blocks[one], LOSS)
+                    for one in self.others
+                ),
+            ]
+        )
         head = self.program[: kernels.HEADER].view(PROGRAM)
         head["nq"], head["nv"] = self.model.nq, self.model.nv
         head["contacts"], head["rows"], head["points"] = len(self.contact_names), self.rows, points
@@ -223,6 +238,8 @@ class System:
         self.callables: list[InPython] = []
         #: Joints whose motion is prescribed.
         self.motions: list[DrivenJoint] = []
+        #: Elements that may hold their joint.
+        self.holds: list[DrivenJoint] = []
         #: Where in the program the block of each element stands, by family, then by name.
         self.element_blocks: dict[str, dict[str, int]] = {table: {} for table in self.families}
         self.drive_blocks, self.spring_blocks = (self.element_blocks[one] for one in ("drives", "springs"))
@@ -239,12 +256,23 @@ class System:
                 if element.in_python:
                     asked = element.asked(f"{family} {name!r}", self.slides(element.joint))
                     self.callables.append(InPython(at, slice(own, at + len(block)), element, asked))
-                if isinstance(element, Motion):
+                holds = isinstance(element, Modal) and element.holds
+                if holds:
+                    check_holds(f"{family} {name!r}", self.mechanism, element.joint)
+                elif isinstance(element, Motion):
                     check_motion(f"{family} {name!r}", self.mechanism, self.drives, name, element)
-                    kind, turn = kind_of(type(element)), self.turn_x.get(element.joint, -1)
-                    self.motions.append(
-                        DrivenJoint(name=name, joint=element.joint, turn=turn, kind=kind, words=own, x=x)
+                else:
+                    continue
+                (self.holds if holds else self.motions).append(
+                    DrivenJoint(
+                        name=f"{table}.{name}" if holds else name,
+                        joint=element.joint,
+                        turn=self.turn_x.get(element.joint, -1),
+                        kind=kind_of(type(element)),
+                        words=own,
+                        x=x,
                     )
+                )
 
     def _place_point_springs(self, blocks: Blocks) -> int:
         """Lay out springs between points, behind all else; return where in the program they begin."""

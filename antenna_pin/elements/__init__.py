@@ -1,17 +1,25 @@
 """Force elements: drives, a controller, springs and dampers at joints, springs between points."""
 
 from antenna_pin.elements.between_points import BetweenPoints, Point
+from antenna_pin.elements.capture import Capture
 from antenna_pin.elements.constant import ConstantDrive
 from antenna_pin.elements.element import GROSS_WORK, LOSS, WORK, About, Drive, Element, ForceElement, Integral
 from antenna_pin.elements.given import CallableDrive
 from antenna_pin.elements.joint_friction import JointFriction
+from antenna_pin.elements.latch import Latch
+from antenna_pin.elements.limits import Limits
+from antenna_pin.elements.modal import Change, Met, Modal
 from antenna_pin.elements.pd import PDController
 from antenna_pin.elements.point_spring import PointSpring
 from antenna_pin.elements.prescribed import CallableMotion, DistanceMotion, Motion, PrescribedMotion
 from antenna_pin.elements.registry import DRIVES, ELEMENTS, FAMILIES, SPRINGS, Family, family_words, kind_of
+from antenna_pin.elements.rigid_latch import RigidLatch
+from antenna_pin.elements.rigid_stop import RigidStop
 from antenna_pin.elements.sine import SineDrive
 from antenna_pin.elements.spring import JointSpring
+from antenna_pin.elements.stop import EndStop
 from antenna_pin.elements.tabulated import TableDrive
+from antenna_pin.elements.together import check_together
 
 __all__ = [
     "DRIVES",
@@ -25,22 +33,32 @@ __all__ = [
     "BetweenPoints",
     "CallableDrive",
     "CallableMotion",
+    "Capture",
+    "Change",
     "ConstantDrive",
     "DistanceMotion",
     "Drive",
     "Element",
+    "EndStop",
     "Family",
     "ForceElement",
     "Integral",
     "JointFriction",
     "JointSpring",
+    "Latch",
+    "Limits",
+    "Met",
+    "Modal",
     "Motion",
     "PDController",
     "Point",
     "PointSpring",
     "PrescribedMotion",
+    "RigidLatch",
+    "RigidStop",
     "SineDrive",
     "TableDrive",
+    "check_together",
     "family_words",
     "kind_of",
 ]

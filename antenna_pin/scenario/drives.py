@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, Union
 
 from pydantic import Field, create_model, model_validator
 
-from antenna_pin.elements import DRIVES, FAMILIES, BetweenPoints, ForceElement
+from antenna_pin.elements import DRIVES, FAMILIES, BetweenPoints, ForceElement, Modal
 from antenna_pin.scenario._base import Spec, refuse
 from antenna_pin.scenario._joint import JointTable
 from antenna_pin.scenario._made import MadeSpec, reads
@@ -101,7 +101,8 @@ def _specs(
             __module__=__name__,
             kind=key,
         )
-        found[kind] = reads(cls, without=("first", "second") if between else ())(bare)
+        own = cls.own_keys() if issubclass(cls, Modal) else ()
+        found[kind] = reads(cls, without=("first", "second") if between else own)(bare)
     return found
 
 
