@@ -28,6 +28,7 @@ class Capture(Modal):
         greatest_rate: Up to which it captures [rad/s] ([m/s]); None for any rate.
         direction: The way that the joint must go, or be at rest, to be captured.
         holding_torque: At which it lets go [N*m] ([N]); None if never.
+        switches_off: What is switched off as it captures, such as ``springs.deployment``.
         on: Whether it is armed from the start on; an event may switch it: off, it lets go.
         side: On which side of the window it is, or was, +1 above, -1 below.
     """
@@ -41,6 +42,7 @@ class Capture(Modal):
     greatest_rate: float | None = parameter("rad/s", sliding="m/s", rule="positive", default=None)
     direction: Direction = "both"
     holding_torque: float | None = parameter("N*m", sliding="N", rule="positive", default=None)
+    switches_off: tuple[str, ...] = ()
     on: bool = True
     side: float = field(default=-1.0, repr=False)
 
@@ -57,7 +59,7 @@ class Capture(Modal):
     def first(self, met: Met) -> Change | None:
         """Return where the joint starts: beside the window, in it, or held there."""
         lower, upper = self.window
-        side = {"side": -1.0 if met.angle < self.angle else 1.0}
+        side = self._side(met)
         if not lower <= met.angle <= upper:
             return Change(OUTSIDE, memory=side)
         return self._held(met, "") if self.captures_at(met.rate) else Change(INSIDE, memory=side)
@@ -74,10 +76,17 @@ class Capture(Modal):
             return Change(INSIDE, "refused")
         if k == 1:  # slow enough now, but for round-off
             return self._held(met, "latched")
-        return Change(OUTSIDE, memory={"side": -1.0 if met.angle < self.angle else 1.0})
+        return Change(OUTSIDE, memory=self._side(met))
+
+    def armed(self, met: Met) -> Change | None:
+        """Learn on which side the joint is."""
+        return Change(OUTSIDE, memory=self._side(met))
+
+    def _side(self, met: Met) -> dict[str, float]:
+        return {"side": -1.0 if met.angle < self.angle else 1.0}
 
     def _held(self, met: Met, what: str) -> Change:
-        return Change(HELD, what)
+        return Change(HELD, what, self._side(met), switches_off=self.switches_off)
 
     def capture_values(self) -> dict[str, Any]:
         """Return the numbers that records of all latches have."""

@@ -49,12 +49,14 @@ class Change(NamedTuple):
         memory: Further numbers that it changes, by the names of fields.
         restitution: e of an impulse at the joint, after which its rate is -e times that before; None where
             there is none. A joint that is held from now on comes to rest by itself.
+        switches_off: Places of elements that are off from now on.
     """
 
     mode: int
     what: str = ""
     memory: Mapping[str, float] = _NOTHING
     restitution: float | None = None
+    switches_off: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -80,6 +82,10 @@ class Modal(Element):
 
     def first(self, met: Met) -> Change | None:
         """Return the mode that a run begins in, None for the present one; an impulse there is not made."""
+        return None
+
+    def armed(self, met: Met) -> Change | None:
+        """Return what it remembers of a joint when it is switched on; None for nothing."""
         return None
 
     def passed(self, k: int, met: Met) -> Change | None:

@@ -33,7 +33,7 @@ class RigidLatch(Capture):
     held_at: float = field(default=0.0, repr=False)
 
     def _held(self, met: Met, what: str) -> Change:
-        return Change(HELD, what, {"held_at": met.angle})
+        return Capture._held(self, met, what)._replace(memory={**self._side(met), "held_at": met.angle})
 
     def values(self) -> dict[str, Any]:
         """Return its numbers, by the names that its record has for them."""

@@ -82,4 +82,6 @@ class RigidStop(Limits):
 
     def words(self, slides: bool) -> str:
         """Return what it is in words."""
-        return f"rigid end stop {self.words_of_limits(slides)}, restitution {self.said('restitution', slides)}"
+        return (
+            f"rigid end stop {self.words_of_limits(slides)}, restitution {self.said('restitution', slides)}"
+        )

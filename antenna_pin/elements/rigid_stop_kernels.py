@@ -30,7 +30,11 @@ def switch(words: Any, at: int, k: int, motion: Any) -> tuple[float, float]:
     """Function k: how far off a side the joint is, and its rate; 2: how hard it rests on one [N m]."""
     stop = record(words[at : at + SIZE], LAYOUT)
     if k < 2:
-        return beyond(stop.lower, stop.upper, stop.mode, k, motion[1], motion[2]) if stop.mode == FREE else (1.0, 0.0)
+        return (
+            beyond(stop.lower, stop.upper, stop.mode, k, motion[1], motion[2])
+            if stop.mode == FREE
+            else (1.0, 0.0)
+        )
     if stop.mode == FREE:
         return 1.0, 0.0
     return float(motion[3] if stop.mode == LOWER else -motion[3]), 0.0

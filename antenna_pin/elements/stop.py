@@ -152,7 +152,11 @@ class EndStop(Limits):
 
     def _on(self, side: int, met: Met) -> Change:
         approach = -met.rate if side == LOWER else met.rate
-        return Change(side, f"{self.modes[side]}: on", {"approach": max(approach, 0.0), "turned": float(approach <= 0.0)})
+        return Change(
+            side,
+            f"{self.modes[side]}: on",
+            {"approach": max(approach, 0.0), "turned": float(approach <= 0.0)},
+        )
 
     def tail(self) -> tuple[float, ...]:
         """Return its law in numbers."""
@@ -162,7 +166,11 @@ class EndStop(Limits):
         """Return what it is in words."""
         law = "elastic" if self.law == "elastic" else self.law
         told = {"restitution": "restitution", "damping": "damping", "slope": "slope", "inertia": "inertia"}
-        own = [f"{word} {self.said(name, slides)}" for name, word in told.items() if getattr(self, name) is not None]
+        own = [
+            f"{word} {self.said(name, slides)}"
+            for name, word in told.items()
+            if getattr(self, name) is not None
+        ]
         power = "" if self.exponent == 1.0 else f", exponent {readable(self.exponent, '1', GIVEN)}"
         text = f"end stop {self.words_of_limits(slides)}, stiffness {self.said('stiffness', slides)}{power}, {law}"
         return ", ".join([text, *own])

@@ -57,7 +57,10 @@ def effort(words: Any, at: int, t: float, angle: float, rate: float) -> float:
     law = words[at + SIZE : at + SIZE + NORMAL_SIZE]
     sign = way(stop)
     return float(
-        -sign * normal_force(law, depth(stop, angle), sign * rate, max(stop.approach, stop.least_rate), stop.inertia)
+        -sign
+        * normal_force(
+            law, depth(stop, angle), sign * rate, max(stop.approach, stop.least_rate), stop.inertia
+        )
     )
 
 

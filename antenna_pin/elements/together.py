@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from antenna_pin.elements.capture import Capture
 from antenna_pin.elements.element import ForceElement
 from antenna_pin.elements.limits import Limits
-from antenna_pin.errors import MechanismError
+from antenna_pin.errors import MechanismError, UnknownNameError
 
 __all__ = ["check_together"]
 
@@ -20,9 +20,14 @@ def check_together(elements: Mapping[str, ForceElement]) -> None:
 
     Raises:
         MechanismError: Of the first that is wrong.
+        UnknownNameError: It switches off what there is not, or what cannot be.
     """
     latches = {place: one for place, one in elements.items() if isinstance(one, Capture)}
     for place, latch in latches.items():
+        for name in latch.switches_off:
+            if not hasattr(elements.get(name), "on"):
+                known = [one for one, element in elements.items() if hasattr(element, "on") and one != place]
+                raise UnknownNameError(place, "element in switches_off", name, known)
         first, last = latch.window
         for other, stop in elements.items():
             if isinstance(stop, Limits) and stop.joint == latch.joint:

@@ -61,7 +61,11 @@ def with_urdf_limits(data: Mapping[str, Any]) -> Any:
     stops = data.get("stops")
     if not isinstance(stops, Mapping) or not isinstance(data.get("urdf_text"), str):
         return stops
-    open_ = [name for name, table in stops.items() if isinstance(table, Mapping) and table.keys().isdisjoint(_SIDES)]
+    open_ = [
+        name
+        for name, table in stops.items()
+        if isinstance(table, Mapping) and table.keys().isdisjoint(_SIDES)
+    ]
     if not open_ and ALL not in stops:
         return stops
     limits = _changed(data)
@@ -97,7 +101,9 @@ def _everywhere(stops: Mapping[str, Any], limits: Mapping[str, Mapping[str, floa
         refuse("must be a table", "stops", ALL, value=table)
     for key in ("joint", *_SIDES):
         if key in table:
-            refuse("must be left out: it is for each joint with limits in the URDF, at these", "stops", ALL, key)
+            refuse(
+                "must be left out: it is for each joint with limits in the URDF, at these", "stops", ALL, key
+            )
     if not limits:
         refuse("must stand for a joint, but none of the URDF has a <limit>", "stops", ALL)
     taken = {str(tables(one).get("joint", name)) for name, one in stops.items() if name != ALL} | stops.keys()

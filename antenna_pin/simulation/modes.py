@@ -159,6 +159,13 @@ class Modes:
             if change is not None:
                 self._adjustments.change(place, change)
 
+    def arm(self, place: str, t: float, y: Array) -> None:
+        """Tell an element that is switched on where its joint is, if it has modes."""
+        if place in self._acting:
+            change = self._element(place).armed(self._met(place, t, y))
+            if change is not None:
+                self._adjustments.change(place, change)
+
     def take(self, action: Switch, t: float, y: Array) -> bool:
         """Let a function pass, and all that passes by that at the same instant; y is changed in place.
 
@@ -205,6 +212,8 @@ class Modes:
         if change is None:
             return False
         self._adjustments.change(place, change)
+        for other in change.switches_off:
+            self._adjustments.set(f"{other}.on", False)
         after = self._element(place)
         loss, blow, rate = 0.0, 0.0, met.rate
         if change.restitution is not None or (after.holds and self._holds_now(place)):

@@ -66,7 +66,7 @@ def test_a_stop_pushes_only() -> None:
     """A body at rest on its stop leaves when a drive has overcome the weight."""
     drive = ConstantDrive(joint="j", value=3.0 * G, on=False)
     run = simulate(
-        _ball(RigidStop(joint="j", lower=0.0), drives={"d": drive}),
+        _ball(RigidStop(joint="j", lower=0.0, restitution=0.5), drives={"d": drive}),
         q=[0.0],
         v=[0.0],
         duration=2.0,
