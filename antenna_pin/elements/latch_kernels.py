@@ -35,8 +35,8 @@ def excess(latch: Any, angle: float) -> float:
     """How far the joint is beyond the latch's own play, with its sign; zero inside."""
     off = float(angle - latch.middle)
     if off > latch.half_play:
-        return off - latch.half_play
-    return off + latch.half_play if off < -latch.half_play else 0.0
+        return float(off - latch.half_play)
+    return float(off + latch.half_play) if off < -latch.half_play else 0.0
 
 
 @inlined
@@ -90,7 +90,7 @@ def beyond_capture(latch: Any, rate: float) -> float:
     if latch.direction == 0.0:
         return abs(rate) - float(latch.greatest_rate)
     way = latch.direction * rate
-    return max(way - latch.greatest_rate, -way)
+    return float(max(way - latch.greatest_rate, -way))
 
 
 @inlined

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
-from antenna_pin.elements.capture import HELD, Capture
+from antenna_pin.elements.capture import Capture
 from antenna_pin.elements.modal import Change, Met
 
 __all__ = ["RigidLatch"]

@@ -164,7 +164,6 @@ class EndStop(Limits):
 
     def words(self, slides: bool) -> str:
         """Return what it is in words."""
-        law = "elastic" if self.law == "elastic" else self.law
         told = {"restitution": "restitution", "damping": "damping", "slope": "slope", "inertia": "inertia"}
         own = [
             f"{word} {self.said(name, slides)}"
@@ -172,8 +171,8 @@ class EndStop(Limits):
             if getattr(self, name) is not None
         ]
         power = "" if self.exponent == 1.0 else f", exponent {readable(self.exponent, '1', GIVEN)}"
-        text = f"end stop {self.words_of_limits(slides)}, stiffness {self.said('stiffness', slides)}{power}, {law}"
-        return ", ".join([text, *own])
+        spring = f"stiffness {self.said('stiffness', slides)}{power}"
+        return ", ".join([f"end stop {self.words_of_limits(slides)}", spring, self.law, *own])
 
 
 # Parameters that only some laws have, and their names in the laws where these are others.

@@ -86,7 +86,7 @@ def stored(words: Any, at: int, angle: float) -> float:
 
 @inlined
 def beyond(lower: float, upper: float, mode: int, k: int, angle: float, rate: float) -> tuple[float, float]:
-    """How far off side k (0 lower, 1 upper) a free joint is, or one that presses on it is in, and its rate."""
+    """How far off side k (0 lower, 1 upper) a free joint is, or a joint on it is in, and its rate."""
     side = LOWER if k == 0 else UPPER
     gap = angle - lower if k == 0 else upper - angle
     if math.isinf(gap) or (mode != FREE and mode != side):
@@ -97,7 +97,7 @@ def beyond(lower: float, upper: float, mode: int, k: int, angle: float, rate: fl
 
 @kernel
 def switch(words: Any, at: int, k: int, motion: Any) -> tuple[float, float]:
-    """Function k: how far off a side the joint is, or how far in, and its rate; 2: the rate still going in."""
+    """Function k: how far off a side the joint is, or how far in, and its rate; 2: the rate going in."""
     stop = record(words[at : at + SIZE], LAYOUT)
     if k == TURNS:
         return (way(stop) * motion[2], 0.0) if stop.mode != FREE and stop.turned == 0.0 else (1.0, 0.0)

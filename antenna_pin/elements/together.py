@@ -43,5 +43,5 @@ def check_together(elements: Mapping[str, ForceElement]) -> None:
             if one.joint == latch.joint and first < end and begin < last:
                 raise MechanismError(
                     f"{place}: its window, {first:g} to {last:g}, must be apart from that of {other}, "
-                    f"{begin:g} to {end:g}, at the same joint {latch.joint!r}: only one of them can capture it"
+                    f"{begin:g} to {end:g}, at joint {latch.joint!r} too: only one can capture it"
                 )

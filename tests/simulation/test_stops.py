@@ -141,7 +141,7 @@ def test_sides_count_whole_turns():
 
 
 def test_pressed_in_at_the_start():
-    """A start beyond the limit is one in touch; the mean of its oscillation is where weight and stop balance."""
+    """A start beyond the limit is one in touch, here where weight and stop balance."""
     stop = EndStop(joint="j", lower=0.0, stiffness=2000.0, law="elastic")
     at_rest = -2.0 * G / 2000.0
     run = simulate(falling(stop), q=[at_rest], v=[0.0], duration=0.5, settings=TIGHT)
