@@ -12,6 +12,9 @@ from antenna_pin.parameters import parameter
 
 __all__ = ["RigidStop"]
 
+# Beyond a stop by no more than this a joint is on it [rad] ([m]).
+_ROUND_OFF = 1e-11
+
 # Its function of the torque that holds it on a side.
 LOADED = 2
 
@@ -50,15 +53,13 @@ class RigidStop(Limits):
             raise InvalidParameterError(self, "restitution", "in [0, 1]", self.restitution)
 
     def first(self, met: Met) -> Change | None:
-        """Return the side that the joint rests on at the start, if any."""
-        side = self.side_at(met.angle, met.rate)
-        if side == self.mode:
-            return None
-        if not self.lowest <= met.angle <= self.highest:
-            limit = self.modes[side]
-            rule = f"at or beyond {met.angle:g}, where the joint starts: a rigid stop has no room beyond it"
-            raise InvalidParameterError(self, limit, rule, getattr(self, limit))
-        return Change(side)
+        """Refuse a start beyond a stop; one that starts on it comes to rest there at once."""
+        for name, beyond in (("lower", self.lowest - met.angle), ("upper", met.angle - self.highest)):
+            if beyond > _ROUND_OFF:
+                at = f"{name} = {getattr(self, name):g}"
+                rule = f"within its rigid stop, {at}; start it there, or move the stop"
+                raise InvalidParameterError("initial state", f"position of {self.joint}", rule, met.angle)
+        return None
 
     def passed(self, k: int, met: Met) -> Change | None:
         """Bounce off side k, come to rest on it, or leave it."""

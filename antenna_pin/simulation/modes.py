@@ -16,10 +16,9 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from antenna_pin.dynamics import Adjustments, System, Workspace, acting_in, impulse, kernels
+from antenna_pin.dynamics import Adjustments, System, Workspace, acting_in, first_modes, impulse, kernels
 from antenna_pin.dynamics.acting import Acting
-from antenna_pin.elements import FAMILIES, LOSS, Met, Modal, kind_of
-from antenna_pin.elements import kernels as of_elements
+from antenna_pin.elements import FAMILIES, LOSS, Met, Modal
 from antenna_pin.simulation.events import Event, Switch
 from antenna_pin.simulation.moment import Moment
 
@@ -154,10 +153,8 @@ class Modes:
 
     def begin(self, t: float, y: Array) -> None:
         """Bring all into the modes that they have at the start of a run."""
-        for place in self._acting:
-            change = self._element(place).first(self._met(place, t, y))
-            if change is not None:
-                self._adjustments.change(place, change)
+        for place, value in first_modes(self._workspace.system, y, t):
+            self._adjustments.set(place, value)
 
     def arm(self, place: str, t: float, y: Array) -> None:
         """Tell an element that is switched on where its joint is, if it has modes."""
@@ -177,6 +174,9 @@ class Modes:
         """
         some = self._pass(action.place, action.number, t, y)
         if not some:
+            value, _ = self._moment.set(t, y).switch(self._acting[action.place].block, action.number, -1)
+            if value < -ZERO and action.number not in self._element(action.place).loaded:
+                raise NeverSettlesError(action.place)
             return False
         for _ in range(_AT_MOST * (1 + len(self._acting))):
             due = self.due(t, y)
@@ -216,7 +216,7 @@ class Modes:
             self._adjustments.set(f"{other}.on", False)
         after = self._element(place)
         loss, blow, rate = 0.0, 0.0, met.rate
-        if change.restitution is not None or (after.holds and self._holds_now(place)):
+        if change.restitution is not None or (after.holds and self._adjustments.holds(place)):
             loss, blow = self._jump(place, change.restitution, met, t, y)
             rate = self._met(place, t, y).rate
         if change.what:
@@ -225,11 +225,6 @@ class Modes:
             mode = element.modes[change.mode]
             self.changed.append(Changed(name, place, t, mode, met.angle, met.rate, rate, loss, blow))
         return True
-
-    def _holds_now(self, place: str) -> bool:
-        one = self._acting[place]
-        first = one.block + int(kernels.PARAMETERS)
-        return bool(of_elements.hold(kind_of(type(one.element)), self._workspace.program, first)[0])
 
     def _jump(
         self, place: str, restitution: float | None, met: Met, t: float, y: Array
@@ -243,7 +238,7 @@ class Modes:
             after, held, own = impulse(workspace, t, y, wanted)
             for other, blow in zip(self._holds, held, strict=True):
                 let_go = self._element(other).bears(float(blow)) if other != place else None
-                if let_go is not None and self._holds_now(other):
+                if let_go is not None and self._adjustments.holds(other):
                     self._adjustments.change(other, let_go)
                     break
             else:

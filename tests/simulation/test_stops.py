@@ -147,7 +147,7 @@ def test_pressed_in_at_the_start():
     run = simulate(falling(stop), q=[at_rest], v=[0.0], duration=0.5, settings=TIGHT)
     assert list(run.data.change.values) == []
     assert run.data.q.values[:, 0] == pytest.approx(at_rest, rel=1e-9)
-    with pytest.raises(AntennaPinError, match=r"lower must be at or beyond -0\.1, where the joint starts"):
+    with pytest.raises(AntennaPinError, match=r"position of j must be within its rigid stop, lower = 0;"):
         simulate(falling(RigidStop(joint="j", lower=0.0, restitution=0.5)), q=[-0.1], v=[0.0], duration=0.1)
 
 
