@@ -51,6 +51,11 @@ class Capture(Modal):
         """Where it captures [rad] ([m])."""
         return self.angle - self.width, self.angle + self.width
 
+    def facts(self) -> dict[str, float]:
+        """Return where it holds, and its window."""
+        lower, upper = self.window
+        return {"angle": float(self.angle), "lower": float(lower), "upper": float(upper)}
+
     def captures_at(self, rate: float) -> bool:
         """Whether a joint in the window is captured at this rate."""
         way = _WAYS[self.direction] * rate if self.direction != "both" else abs(rate)

@@ -56,6 +56,11 @@ class Limits(Modal):
             return f"at {self.said('lower' if self.upper is None else 'upper', slides)}"
         return f"at {self.said('lower', slides)} and {self.said('upper', slides)}"
 
+    def facts(self) -> dict[str, float]:
+        """Return the limits that it has."""
+        both = {"lower": self.lower, "upper": self.upper}
+        return {name: float(limit) for name, limit in both.items() if limit is not None}
+
     def side_at(self, angle: float, rate: float) -> int:
         """Return the side that a joint is on: beyond it, or at it and not on its way off; 0 if on none."""
         if angle < self.lowest or (angle == self.lowest and rate <= 0.0):

@@ -72,11 +72,13 @@ class EndStop(Limits):
         on: Whether it acts from the start on; an event may switch it.
         approach: Rate at the onset of the present touch [rad/s] ([m/s]).
         turned: Whether it has turned back in the present touch, 0 or 1.
+        lost: What it had lost before that [J].
+        struck: Its impulse before that, by size [N*m*s] ([N*s]).
     """
 
     kernels: ClassVar[str] = "stop_kernels"
     integrals: ClassVar[tuple[Integral, ...]] = (LOSS, IMPULSE)
-    remembers: ClassVar[tuple[str, ...]] = ("approach", "turned")
+    remembers: ClassVar[tuple[str, ...]] = ("approach", "turned", "lost", "struck")
 
     stiffness: float = parameter("N*m/rad", sliding="N/m", rule="positive")
     exponent: float = parameter("1", rule="1 or more", default=1.0)
@@ -90,6 +92,8 @@ class EndStop(Limits):
     on: bool = True
     approach: float = field(default=0.0, repr=False)
     turned: float = field(default=0.0, repr=False)
+    lost: float = field(default=0.0, repr=False)
+    struck: float = field(default=0.0, repr=False)
 
     def __post_init__(self) -> None:
         """Check limits and law."""
@@ -148,15 +152,21 @@ class EndStop(Limits):
             return Change(self.mode, f"{self.modes[self.mode]}: turns", {"turned": 1.0})
         if self.mode == FREE:
             return self._on(k + 1, met)
-        return Change(FREE, f"{self.modes[self.mode]}: off", {"approach": 0.0, "turned": 0.0})
+        lost, struck = met.integrals
+        sign = 1.0 if self.mode == LOWER else -1.0
+        return Change(
+            FREE,
+            f"{self.modes[self.mode]}: off",
+            {"approach": 0.0, "turned": 0.0},
+            loss=lost - self.lost,
+            impulse=sign * (struck - self.struck),
+        )
 
     def _on(self, side: int, met: Met) -> Change:
         approach = -met.rate if side == LOWER else met.rate
-        return Change(
-            side,
-            f"{self.modes[side]}: on",
-            {"approach": max(approach, 0.0), "turned": float(approach <= 0.0)},
-        )
+        lost, struck = met.integrals or (0.0, 0.0)
+        memory = {"approach": max(approach, 0.0), "turned": float(approach <= 0.0)}
+        return Change(side, f"{self.modes[side]}: on", {**memory, "lost": lost, "struck": struck})
 
     def tail(self) -> tuple[float, ...]:
         """Return its law in numbers."""

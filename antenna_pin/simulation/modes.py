@@ -149,7 +149,10 @@ class Modes:
         load = 0.0
         if self._element(place).holds:
             load = self._moment.set(t, y).load(self._holds.index(place))
-        return Met(t, float(angle), float(rate), load)
+        head = self._workspace.program[self._acting[place].block :][: kernels.PARAMETERS]
+        first = nq + self._workspace.model.nv + int(head.view(kernels.ELEMENT)[0]["x"])
+        own = tuple(float(y[first + k]) for k in range(len(self._element(place).integrals)))
+        return Met(t, float(angle), float(rate), load, own)
 
     def begin(self, t: float, y: Array) -> None:
         """Bring all into the modes that they have at the start of a run."""
@@ -215,7 +218,7 @@ class Modes:
         for other in change.switches_off:
             self._adjustments.set(f"{other}.on", False)
         after = self._element(place)
-        loss, blow, rate = 0.0, 0.0, met.rate
+        loss, blow, rate = change.loss, change.impulse, met.rate
         if change.restitution is not None or (after.holds and self._adjustments.holds(place)):
             loss, blow = self._jump(place, change.restitution, met, t, y)
             rate = self._met(place, t, y).rate
