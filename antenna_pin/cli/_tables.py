@@ -85,8 +85,6 @@ _PLAIN_GROUPS = (
     "closures",
     "motions",
     "couplings",
-    "stops",
-    "latches",
 )
 
 
