@@ -12,7 +12,7 @@ from antenna_pin.parameters import parameter
 
 __all__ = ["RigidStop"]
 
-# Beyond a stop by no more than this a joint is on it [rad] ([m]).
+# Beyond a stop by no more than this a joint is on it [rad] ([m]); with such a rate it stands.
 _ROUND_OFF = 1e-11
 
 # Its function of the torque that holds it on a side.
@@ -66,7 +66,7 @@ class RigidStop(Limits):
         if k == LOADED:
             return Change(FREE, f"{self.modes[self.mode]}: left")
         side, approach = (LOWER, -met.rate) if k == 0 else (UPPER, met.rate)
-        if approach < 0.0:
+        if approach < -_ROUND_OFF:
             return None
         if self.restitution == 0.0 or approach <= self.rest_rate:
             return Change(side, f"{self.modes[side]}: rests")

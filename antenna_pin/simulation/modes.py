@@ -128,6 +128,8 @@ class Modes:
         }
         self._holds = [one.name for one in system.holds]
         self.changed: list[Changed] = []
+        self._limit = _AT_MOST * (1 + len(self._acting))
+        self._instant, self._taken = math.nan, 0
         self._places = [
             int(workspace.program[one.block :][: kernels.PARAMETERS].view(kernels.ELEMENT)[0]["x"])
             + one.element.integrals.index(LOSS)
@@ -175,13 +177,18 @@ class Modes:
         Raises:
             NeverSettlesError: Changes at one instant would never end.
         """
+        if t != self._instant:
+            self._instant, self._taken = t, 0
+        self._taken += 1
+        if self._taken > self._limit:
+            raise NeverSettlesError(action.place)
         some = self._pass(action.place, action.number, t, y)
         if not some:
             value, _ = self._moment.set(t, y).switch(self._acting[action.place].block, action.number, -1)
             if value < -ZERO and action.number not in self._element(action.place).loaded:
                 raise NeverSettlesError(action.place)
             return False
-        for _ in range(_AT_MOST * (1 + len(self._acting))):
+        for _ in range(self._limit):
             due = self.due(t, y)
             if due is None:
                 return True

@@ -12,7 +12,7 @@ from antenna_pin.dynamics import Workspace
 from antenna_pin.integrate import Stepper
 from antenna_pin.roots import root_between
 from antenna_pin.simulation.crossing import Bracket, Crossing, Looks, Memory
-from antenna_pin.simulation.events import Event, Switch, Time
+from antenna_pin.simulation.events import STILL, Event, Switch, Time
 from antenna_pin.simulation.moment import Moment
 from antenna_pin.state import EventMemory
 
@@ -229,7 +229,10 @@ class Watch:
         def f(theta: float) -> float:
             return when(self._at(theta))
 
+        switches = isinstance(event.action, Switch)
         side, a, fa, ra = memory.side, 0.0, look.values[0], look.rates[0]
+        if switches and abs(ra) < STILL:
+            ra = 0.0
         if side != 0.0 and memory.sign(fa) == -side:
             # Passed already: by a jump, or where another event has ended the step.
             return Bracket(k, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -side)
@@ -248,7 +251,7 @@ class Watch:
             side = memory.sign(value)
             if side != 0.0:
                 a, fa, ra, fresh = probe, value, rate(probe), False
-        if isinstance(event.action, Switch) and side < 0.0:
+        if switches and side < 0.0:
             return Bracket(k, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, side)  # by logic: it leaves its mode here
         noise = _ROUND_OFF * max(map(abs, (fa, *look.values[1:])))
         for i in range(1, len(look.thetas)):
@@ -262,6 +265,8 @@ class Watch:
                     fa = f(a)
                 if event.counts(new) and (side * fa > 0.0 or not fresh):
                     return Bracket(k, a, b, fa, fb, noise, look.stays(i, new))
+                if switches and new < 0.0:  # out by less than round-off, and back
+                    return Bracket(k, a, a, 0.0, 0.0, 0.0, a, new)
                 side = new
             elif side * ra < 0.0 < side * rb:
                 # It comes nearer to zero, then goes away: does it pass in between?

@@ -14,7 +14,10 @@ from antenna_pin.elements import ConstantDrive, JointSpring, RigidLatch, RigidSt
 from antenna_pin.errors import AntennaPinError, InvalidParameterError, ScenarioError
 from antenna_pin.linear import modes
 from antenna_pin.mechanism import Urdf, build_mechanism
+from antenna_pin.nonlinear import Flow
 from antenna_pin.simulation import Event, Set, Time
+from antenna_pin.simulation.checkpoint import Checkpoint
+from antenna_pin.simulation.loop import Run
 
 G = 9.81
 TIGHT = RunSettings(rtol=1e-11, max_step=0.05, output_rate=50.0)
@@ -251,3 +254,45 @@ def test_small_motions_are_those_of_the_present_mode() -> None:
     found = modes(held).frequency
     assert found == pytest.approx(modes(free, hold=["j0"]).frequency, rel=1e-9)
     assert len(found) == 1
+
+
+def test_a_run_that_was_interrupted_goes_on_with_its_changes() -> None:
+    """What a checkpoint holds is all: modes, what has happened, and the rest of the run bit for bit."""
+    system = _ball(RigidStop(joint="j", lower=0.0, restitution=0.6, rest_rate=0.01))
+    y = system.state([1.0], [0.0])
+    whole, first = (Run(system, y, 2.5, TIGHT) for _ in range(2))
+    whole.advance()
+    first.advance(interrupted=lambda: len(first.actions.modes.changed) >= 4)
+    kept = Checkpoint.of(first, {})
+    second = Run(system, kept.start, 2.5, TIGHT, since=kept.begin)
+    kept.give_to(second)
+    second.advance()
+    assert second.actions.modes.changed == whole.actions.modes.changed
+    assert len(whole.actions.modes.changed) > len(first.actions.modes.changed)
+    assert np.array_equal(second.here, whole.here)
+
+
+def test_bounces_too_many_to_count_come_to_rest() -> None:
+    """With a rest rate near round-off the series of bounces still ends, where the closed form says."""
+    e, height = 0.5, 1.0
+    run = simulate(
+        _ball(RigidStop(joint="j", lower=0.0, restitution=e, rest_rate=1e-12)),
+        q=[height],
+        v=[0.0],
+        duration=2.0,
+        settings=TIGHT,
+    )
+    assert run.completed
+    # t0 (1 + e) / (1 - e); the bounces that round-off leaves out last less than that of 1e-9 m/s.
+    assert float(run.data.change_time[-1]) == pytest.approx(3.0 * np.sqrt(2.0 * height / G), abs=1e-9)
+    assert run.data.q.values[:, 0].min() > -1e-9
+    assert abs(run.data.q.values[-1, 0]) < 1e-15
+
+
+def test_derivatives_of_flows_refuse_modes_by_name() -> None:
+    """Where no derivative is there, nobody gets one."""
+    system = _ball(RigidStop(joint="j", lower=0.0, restitution=0.5))
+    flow = Flow(system)
+    state = flow.first(np.array([1.0]), np.array([0.0]))
+    with pytest.raises(InvalidParameterError, match="without elements that change their mode.*stop 'j'"):
+        flow.tangent(state, 0.3)
