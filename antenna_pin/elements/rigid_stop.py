@@ -12,8 +12,9 @@ from antenna_pin.parameters import parameter
 
 __all__ = ["RigidStop"]
 
-# Beyond a stop by no more than this a joint is on it [rad] ([m]); with such a rate it stands.
-_ROUND_OFF = 1e-11
+# Beyond a stop by no more than this a joint is on it: at the start, and where a hop is not told from rest
+# [rad] ([m]).
+_ROUND_OFF, _HOP = 1e-11, 1e-10
 
 # Its function of the torque that holds it on a side.
 LOADED = 2
@@ -43,7 +44,7 @@ class RigidStop(Limits):
     holds: ClassVar[bool] = True
 
     restitution: float = parameter(rule="zero or more")
-    rest_rate: float = parameter("rad/s", sliding="m/s", rule="zero or more", default=1e-3)
+    rest_rate: float = parameter("rad/s", sliding="m/s", rule="positive", default=1e-3)
     on: bool = True
 
     def __post_init__(self) -> None:
@@ -66,7 +67,9 @@ class RigidStop(Limits):
         if k == LOADED:
             return Change(FREE, f"{self.modes[self.mode]}: left")
         side, approach = (LOWER, -met.rate) if k == 0 else (UPPER, met.rate)
-        if approach < -_ROUND_OFF:
+        limit = self.lowest if side == LOWER else self.highest
+        # What leaves and is back already hops lower than angles are known, and rests.
+        if approach < 0.0 and abs(met.angle - limit) > _HOP:
             return None
         if self.restitution == 0.0 or approach <= self.rest_rate:
             return Change(side, f"{self.modes[side]}: rests")

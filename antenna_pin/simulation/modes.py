@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from antenna_pin.dynamics import Adjustments, System, Workspace, acting_in, first_modes, impulse, kernels
 from antenna_pin.dynamics.acting import Acting
 from antenna_pin.elements import FAMILIES, LOSS, Met, Modal
-from antenna_pin.simulation.events import Event, Switch
+from antenna_pin.simulation.events import STILL, Event, Switch
 from antenna_pin.simulation.moment import Moment
 
 __all__ = ["ZERO", "Changed", "Modes", "NeverSettlesError", "Switching", "switches_of"]
@@ -27,7 +27,7 @@ __all__ = ["ZERO", "Changed", "Modes", "NeverSettlesError", "Switching", "switch
 Array = NDArray[np.float64]
 
 # Changes at one instant, for each element, from which on they would never end.
-_AT_MOST = 8
+_AT_MOST = 100
 # Of a function of angles and rates: what round-off leaves of it where it is zero.
 ZERO = 1e-11
 
@@ -244,10 +244,11 @@ class Modes:
         nq, nv = workspace.model.nq, workspace.model.nv
         head = workspace.program[self._acting[place].block :][: kernels.PARAMETERS].view(kernels.ELEMENT)[0]
         wanted = {} if restitution is None else {int(head["v"]): -restitution * met.rate}
+        moves = abs(met.rate) > STILL  # else nothing jumps but by round-off, and all that holds goes on
         for _ in range(1 + len(self._holds)):
             after, held, own = impulse(workspace, t, y, wanted)
             for other, blow in zip(self._holds, held, strict=True):
-                let_go = self._element(other).bears(float(blow)) if other != place else None
+                let_go = self._element(other).bears(float(blow)) if other != place and moves else None
                 if let_go is not None and self._adjustments.holds(other):
                     self._adjustments.change(other, let_go)
                     break
