@@ -10,7 +10,7 @@ from antenna_pin.analysis.piecewise import blocks
 from antenna_pin.arguments import takes
 from antenna_pin.readable import number
 from antenna_pin.scenario import joint_limits
-from antenna_pin.trajectory import is_lean, names_along
+from antenna_pin.trajectory import elements_of, is_lean, names_along
 
 __all__ = ["said_of_limits"]
 
@@ -26,14 +26,16 @@ def said_of_limits(run: RunLike) -> tuple[str, ...]:
     """Return a line for each joint that a run has taken past a ``<limit>`` of its URDF.
 
     By how much at most, and since when, are those of samples. A joint with play has no limits, for it is free
-    in the URDF that is simulated. A lean result knows where its joints end only: of a limit that was passed
-    on the way nothing is said there, nor of a result without a URDF.
+    in the URDF that is simulated; one with an end stop is held by that. A lean result knows where its joints
+    end only: of a limit that was passed on the way nothing is said there, nor of a result without a URDF.
 
     Args:
         run: A run, or its data.
     """
     data = data_of(run)
     limits = joint_limits(str(data.attrs.get("urdf", "")))
+    stopped = {one["joint"] for place, one in elements_of(data).items() if place.startswith("stops.")}
+    limits = {name: pair for name, pair in limits.items() if name not in stopped}
     lean = is_lean(data)
     lines = []
     for dim, over_time, final, unit in _KINDS:
