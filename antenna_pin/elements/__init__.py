@@ -12,7 +12,7 @@ from antenna_pin.elements.modal import Change, Met, Modal
 from antenna_pin.elements.pd import PDController
 from antenna_pin.elements.point_spring import PointSpring
 from antenna_pin.elements.prescribed import CallableMotion, DistanceMotion, Motion, PrescribedMotion
-from antenna_pin.elements.registry import DRIVES, ELEMENTS, FAMILIES, SPRINGS, Family, family_words, kind_of
+from antenna_pin.elements.registry import DRIVES, ELEMENTS, FAMILIES, SPRINGS, Family, kind_of
 from antenna_pin.elements.rigid_latch import RigidLatch
 from antenna_pin.elements.rigid_stop import RigidStop
 from antenna_pin.elements.sine import SineDrive
@@ -59,6 +59,5 @@ __all__ = [
     "SineDrive",
     "TableDrive",
     "check_together",
-    "family_words",
     "kind_of",
 ]
