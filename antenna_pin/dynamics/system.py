@@ -109,9 +109,7 @@ class System:
         self.springs = springs_and_parts(springs or {}, self.elastic)
         #: All elements by family, then by name.
         self.families = families_of(self.drives, self.springs, elements or {})
-        check_together(
-            {f"{table}.{name}": one for table, named in self.families.items() for name, one in named.items()}
-        )
+        check_together(self.families)
         #: Those between points.
         self.point_springs = {n: s for n, s in self.springs.items() if isinstance(s, BetweenPoints)}
         self.held = dict(held or {})

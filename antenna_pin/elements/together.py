@@ -12,16 +12,17 @@ from antenna_pin.errors import MechanismError, UnknownNameError
 __all__ = ["check_together"]
 
 
-def check_together(elements: Mapping[str, ForceElement]) -> None:
+def check_together(families: Mapping[str, Mapping[str, ForceElement]]) -> None:
     """Refuse latches that a stop keeps the joint from, and two of which one could not tell which captures.
 
     Args:
-        elements: All of a system, by their places in a scenario: ``latches.hinge``.
+        families: All elements of a system, by family and then by name.
 
     Raises:
         MechanismError: Of the first that is wrong.
         UnknownNameError: It switches off what there is not, or what cannot be.
     """
+    elements = {f"{table}.{name}": one for table, named in families.items() for name, one in named.items()}
     latches = {place: one for place, one in elements.items() if isinstance(one, Capture)}
     for place, latch in latches.items():
         for name in latch.switches_off:

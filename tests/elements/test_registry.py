@@ -6,24 +6,27 @@ import numpy as np
 import pytest
 
 from antenna_pin.elements import (
-    DRIVES,
     ELEMENTS,
-    SPRINGS,
+    FAMILIES,
     CallableDrive,
     CallableMotion,
     ConstantDrive,
     DistanceMotion,
+    EndStop,
     JointFriction,
     JointSpring,
+    Latch,
     PDController,
     PointSpring,
     PrescribedMotion,
+    RigidLatch,
+    RigidStop,
     SineDrive,
     TableDrive,
     kernels,
     kind_of,
 )
-from antenna_pin.scenario import DRIVE_SPECS, SPRING_SPECS
+from antenna_pin.scenario import FAMILY_SPECS
 
 EXAMPLES = {
     ConstantDrive: (ConstantDrive(joint="a", value=2.5), "constant 2.5 N m", 2.5),
@@ -69,6 +72,31 @@ EXAMPLES = {
         JointFriction(joint="a", damping=0.5, friction=2.0, regularisation_speed=0.15),
         "damping 0.5 N m s/rad, friction 2 N m, rounded off below 0.15 rad/s",
         -0.5 * 0.2 - 2.0 * 0.8,
+    ),
+    RigidStop: (
+        RigidStop(joint="a", lower=0.05, upper=1.5, restitution=0.25),
+        "rigid end stop at 50 mrad and 1.5 rad, restitution 0.25",
+        0.0,
+    ),
+    RigidLatch: (
+        RigidLatch(joint="a", angle=0.5, greatest_rate=2.0),
+        "rigid latch at 0.5 rad, captures up to 2 rad/s",
+        0.0,
+    ),
+    # Pressed in by 0.05 rad: K d^2 + D d', out of the stop.
+    EndStop: (
+        EndStop(
+            joint="a", upper=0.05, stiffness=100.0, exponent=2.0, law="kelvin-voigt", damping=3.0, mode=2
+        ),
+        "end stop at 50 mrad, stiffness 100 N m/rad, exponent 2, kelvin-voigt, damping 3 N m s/rad",
+        -(100.0 * 0.05**2 + 3.0 * 0.2),
+    ),
+    # Held, 0.1 rad beyond its flank.
+    Latch: (
+        Latch(joint="a", angle=0.25, width=0.2, stiffness=10.0, damping=0.5, play=0.1, mode=2),
+        "latch at 0.25 rad, window 0.2 rad to either side, stiffness 10 N m/rad, damping 0.5 N m s/rad, "
+        "play 0.1 rad",
+        10.0 * 0.1 - 0.5 * 0.2,
     ),
 }
 
@@ -118,5 +146,7 @@ def test_an_element_between_points_has_its_own_kernels_and_words():
 
 
 def test_a_scenario_knows_every_element():
-    assert {kind: spec.fills for kind, spec in DRIVE_SPECS.items()} == dict(DRIVES)
-    assert {kind: spec.fills for kind, spec in SPRING_SPECS.items()} == dict(SPRINGS)
+    found = {
+        table: {kind: spec.fills for kind, spec in specs.items()} for table, specs in FAMILY_SPECS.items()
+    }
+    assert found == {table: dict(family.kinds) for table, family in FAMILIES.items()}

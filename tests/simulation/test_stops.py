@@ -140,6 +140,16 @@ def test_sides_count_whole_turns():
     assert float(run.data.motion_angle[-1, 0]) == pytest.approx(7.5, abs=1e-12)
 
 
+def test_small_motions_are_those_of_the_touch():
+    """Pressed in, a spring; off the stop, a free body."""
+    from antenna_pin import modes
+
+    made = falling(EndStop(joint="j", lower=0.0, stiffness=2000.0, law="elastic"))
+    touching, free = (modes(made, q=[place]).frequency for place in (-2.0 * G / 2000.0, 0.1))
+    assert touching == pytest.approx([np.sqrt(1000.0) / (2.0 * np.pi)], rel=1e-9)
+    assert free == pytest.approx([0.0], abs=1e-9)
+
+
 def test_pressed_in_at_the_start():
     """A start beyond the limit is one in touch, here where weight and stop balance."""
     stop = EndStop(joint="j", lower=0.0, stiffness=2000.0, law="elastic")
