@@ -40,7 +40,6 @@ from antenna_pin.elements import (
     ForceElement,
     Modal,
     Motion,
-    check_together,
     kind_of,
 )
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
@@ -109,7 +108,6 @@ class System:
         self.springs = springs_and_parts(springs or {}, self.elastic)
         #: All elements by family, then by name.
         self.families = families_of(self.drives, self.springs, elements or {})
-        check_together(self.families)
         #: Those between points.
         self.point_springs = {n: s for n, s in self.springs.items() if isinstance(s, BetweenPoints)}
         self.held = dict(held or {})
