@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
-from antenna_pin.elements.capture import Capture
+from antenna_pin.elements.capture import HELD, OUTSIDE, Capture
 from antenna_pin.elements.modal import Change, Met
 
 __all__ = ["RigidLatch"]
@@ -31,6 +31,13 @@ class RigidLatch(Capture):
     holds: ClassVar[bool] = True
 
     held_at: float = field(default=0.0, repr=False)
+
+    def first(self, met: Met) -> Change | None:
+        """Return where the joint starts; one that moves in the window is captured before the run begins."""
+        found = Capture.first(self, met)
+        if found is not None and found.mode == HELD and met.rate != 0.0:
+            return Change(OUTSIDE, memory=self._side(met))
+        return found
 
     def _held(self, met: Met, what: str) -> Change:
         return Capture._held(self, met, what)._replace(memory={**self._side(met), "held_at": met.angle})

@@ -132,6 +132,14 @@ class Scenario(FamilyTables):
         found = {table: getattr(self, table) for table in FAMILY_SPECS}
         return {table: named for table, named in found.items() if named or table in ("drives", "springs")}
 
+    @classmethod
+    def keys(cls) -> list[str]:
+        """Return the keys of a file; those of all families of elements stand together."""
+        others = [table for table in FAMILY_SPECS if table not in ("drives", "springs")]
+        found = [name for name in super().keys() if name not in others]
+        at = found.index("springs") + 1
+        return [*found[:at], *others, *found[at:]]
+
     def lasting(self, duration: float) -> Scenario:
         """Return the scenario with another duration [s], positive, as :meth:`with_overrides` would.
 

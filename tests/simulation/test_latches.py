@@ -161,6 +161,16 @@ def test_a_rigid_latch_lets_go_at_its_torque_and_by_an_event():
     assert run.data.q.values[-1, 0] == pytest.approx(0.5 * 2.0, rel=1e-10)
 
 
+def test_a_start_in_the_window_is_a_start_held():
+    """At rest it stays; moving it is stopped by an impulse before anything is recorded, or booked."""
+    latch = RigidLatch(joint="j", angle=0.1, width=0.05)
+    for rate in (0.0, 0.5):
+        run = simulate(system(latches=[latch]), q=[0.12], v=[rate], duration=0.2, settings=TIGHT)
+        assert run.data.q.values[:, 0] == pytest.approx(0.12, abs=1e-12)
+        assert np.abs(run.data.v.values).max() == 0.0
+        assert np.abs(run.data.energy_error).max() < 1e-12
+
+
 def test_the_deployment_spring_is_switched_off_at_capture():
     """Its energy then is the event's; without that the latch would carry its torque for ever."""
     spring = JointSpring(joint="j", stiffness=8.0, rest_angle=1.0)

@@ -144,6 +144,21 @@ def test_it_is_in_figure_report_and_recording(run):
     assert sum(track["name"].startswith("latches.hinge") for track in tracks) == 2
 
 
+def test_rigid_stops_and_latches_in_a_scenario(run, tmp_path):
+    """Struck at the same time as the stop that gives way, latched at the window's end."""
+    text = PENDULUM.replace('stiffness = "2000 N*m/rad"', 'kind = "rigid"') + LATCH.replace(
+        'stiffness = "3000 N*m/rad"\ndamping = "5 N*m*s/rad"', 'kind = "rigid"'
+    )
+    rigid = simulate(load_scenario(written(tmp_path, text)))
+    onset = float(stop_impacts(run)["onset"][0])
+    assert float(stop_impacts(rigid)["onset"][0]) == pytest.approx(onset, abs=1e-9)
+    assert float(stop_impacts(rigid)["rebound_rate"][0]) == pytest.approx(
+        0.6 * float(stop_impacts(rigid)["approach_rate"][0]), rel=1e-12
+    )
+    assert rigid.data.motion_angle.values[-1, 0] == pytest.approx(np.radians(2.0), abs=1e-9)
+    assert np.abs(rigid.data.energy_error).max() < 1e-8
+
+
 def test_a_stop_acts_about_the_axis_of_a_joint_with_play(tmp_path):
     """As at the ideal joint but for what the play of 0.1 mm lets the bar turn; a rigid stop is refused."""
     text = PENDULUM.replace('"0.7 s"', '"0.25 s"')
