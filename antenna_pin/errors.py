@@ -98,6 +98,7 @@ class InvalidParameterError(AntennaPinError, ValueError):
         self.reason = f"must be {rule}, got {_repr(value) if said is None else said}"
         super().__init__(f"{name}: {parameter} {self.reason}")
         self.parameter = parameter
+        self.rule = rule
 
 
 class FunctionError(AntennaPinError, RuntimeError):

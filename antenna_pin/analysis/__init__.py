@@ -91,6 +91,7 @@ if TYPE_CHECKING:
         spectrum,
         uniform,
     )
+    from antenna_pin.analysis.stops import latch_events, stop_impacts, stops_and_latches
     from antenna_pin.analysis.transients import Settled, settled
     from antenna_pin.analysis.upright import STEADY, bearing_up, steady_up
 
@@ -162,6 +163,7 @@ __all__ = [
     "interpolation_error",
     "joint_loads",
     "journal_motion",
+    "latch_events",
     "load_statistics",
     "long_spectrogram",
     "long_spectrum",
@@ -204,6 +206,8 @@ __all__ = [
     "spectrum",
     "stability_spans",
     "steady_up",
+    "stop_impacts",
+    "stops_and_latches",
     "time_mean",
     "time_percentiles",
     "time_rms",
@@ -252,6 +256,7 @@ loaded_when_used(
         "signals": "RunSignal scales_of signals",
         "spectrum": "UniformSignal dominant_frequencies spectrogram spectrum uniform",
         "transients": "Settled settled",
+        "stops": "latch_events stop_impacts stops_and_latches",
         "upright": "STEADY bearing_up steady_up",
     },
 )

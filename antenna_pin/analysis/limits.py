@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
-import xml.etree.ElementTree as ET
-
 import numpy as np
 import xarray as xr
 
@@ -12,7 +9,8 @@ from antenna_pin.analysis._run import RunLike, data_of
 from antenna_pin.analysis.piecewise import blocks
 from antenna_pin.arguments import takes
 from antenna_pin.readable import number
-from antenna_pin.trajectory import is_lean, names_along
+from antenna_pin.scenario import joint_limits
+from antenna_pin.trajectory import elements_of, is_lean, names_along
 
 __all__ = ["said_of_limits"]
 
@@ -28,14 +26,16 @@ def said_of_limits(run: RunLike) -> tuple[str, ...]:
     """Return a line for each joint that a run has taken past a ``<limit>`` of its URDF.
 
     By how much at most, and since when, are those of samples. A joint with play has no limits, for it is free
-    in the URDF that is simulated. A lean result knows where its joints end only: of a limit that was passed
-    on the way nothing is said there, nor of a result without a URDF.
+    in the URDF that is simulated; one with an end stop is held by that. A lean result knows where its joints
+    end only: of a limit that was passed on the way nothing is said there, nor of a result without a URDF.
 
     Args:
         run: A run, or its data.
     """
     data = data_of(run)
-    limits = _limits(str(data.attrs.get("urdf", "")))
+    limits = joint_limits(str(data.attrs.get("urdf", "")))
+    stopped = {one["joint"] for place, one in elements_of(data).items() if place.startswith("stops.")}
+    limits = {name: pair for name, pair in limits.items() if name not in stopped}
     lean = is_lean(data)
     lines = []
     for dim, over_time, final, unit in _KINDS:
@@ -83,25 +83,3 @@ def _beyond(
             since = 0.0 if lean else float(part["time"].values[passed[0]])
             first = since, float(values[passed[0]])
     return None if first is None else (*first, most)
-
-
-def _limits(urdf: str) -> dict[str, tuple[float, float]]:
-    """Return lower and upper limit of each joint that turns or slides between limits, by name.
-
-    There are none in a text that is no URDF: who needs the mechanism refuses it.
-    """
-    found: dict[str, tuple[float, float]] = {}
-    if "<limit" not in urdf or "<!DOCTYPE" in urdf:
-        return found
-    try:
-        joints = ET.fromstring(urdf).findall("joint")  # noqa: S314 - entities need a DOCTYPE
-    except ET.ParseError:
-        return found
-    for joint in joints:
-        limit = joint.find("limit")
-        if limit is not None and joint.get("type") in ("revolute", "prismatic"):
-            with contextlib.suppress(ValueError):  # what is no number was refused before, or does not count
-                lower, upper = float(limit.get("lower", 0.0)), float(limit.get("upper", 0.0))
-                if lower < upper:
-                    found[str(joint.get("name"))] = (lower, upper)
-    return found

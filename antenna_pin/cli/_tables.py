@@ -58,6 +58,14 @@ _ENTRIES = {
     "peak_deflection": ("peak deflection", "rad"),
     "peak_shift": ("peak deflection", "m"),
     "peak_elastic_energy": ("peak energy in the spring", "J"),
+    "touches": ("touches", ""),
+    "fastest_touch": ("fastest touch", "rad/s, m/s"),
+    "largest_blow": ("largest impulse", "N m s, N s"),
+    "captures": ("captures", ""),
+    "refusals": ("refusals", ""),
+    "last_capture": ("last capture", "s"),
+    "let_go": ("let go", ""),
+    "element_loss": ("energy lost", "J"),
     "elastic_loss": ("energy lost in the damper", "J"),
 }
 # What stands where an entry has no number, but for a dash.

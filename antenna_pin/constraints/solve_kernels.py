@@ -136,4 +136,4 @@ def solve(y: Any, program: Any, plan: Any, work: Any, effort: Any, bias: Any, ra
         rate = driven_rate(y, plan, work, driven)
         scale = 1.0 if driven.slides != 0 else head.length
         power = scale * work[head.force + driven.row] * rate
-        write_work(program, driven.words, rate, power, rates, nv + driven.x)
+        write_work(program, driven.words, 0.0, rate, power, rates, nv + driven.x)

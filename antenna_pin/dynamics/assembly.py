@@ -100,7 +100,7 @@ def assemble(system: System, y: Array, held_q: Collection[str], held_v: Collecti
         held_q: Names of joints whose position is to stay.
         held_v: Names of joints whose velocity is to stay.
     """
-    if system.plan is None:
+    if system.plan is None or system.plan.count == 0:  # what elements hold they hold where it is
         return
     workspace = Workspace(system)
     constraints = workspace.constraints

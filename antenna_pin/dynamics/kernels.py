@@ -179,7 +179,7 @@ def _element(p: Any, b: int, t: float, y: Any, head: Any, tau: Any, rates: Any) 
         angle, rate, gx, gy = own_motion(p, b, y, nq)
     effort = e.on * elements.effort(e.kind, p, b + PARAMETERS, t, angle, rate)
     power = effort * _act(p, b, effort, (gx, gy), y, nq, tau)
-    elements.write_rates(e.kind, p, b + PARAMETERS, e.on * rate, power, rates, head.nv + e.x)
+    elements.write_rates(e.kind, p, b + PARAMETERS, angle, e.on * rate, power, rates, head.nv + e.x)
 
 
 @inlined

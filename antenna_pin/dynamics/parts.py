@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from antenna_pin.elements import FAMILIES, Element, ForceElement, JointSpring
+from antenna_pin.elements import FAMILIES, Element, ForceElement, JointSpring, check_together
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.flexible import ElasticPart
 
@@ -39,6 +39,7 @@ def families_of(
 
     Raises:
         UnknownNameError: There is no such family.
+        MechanismError: Stops and latches do not go together.
         InvalidParameterError: One of them has an argument of its own, or an element acts elsewhere.
     """
     own: dict[str, dict[str, ForceElement]] = {"drives": dict(drives), "springs": dict(springs)}
@@ -53,4 +54,6 @@ def families_of(
                 rule = f"one of {', '.join(cls.__name__ for cls in FAMILIES[table].kinds.values())}"
                 place = f"elements[{table!r}][{name!r}]"
                 raise InvalidParameterError("System", place, rule, said=type(element).__name__)
-    return own | {table: dict(others[table]) for table in FAMILIES if others.get(table)}
+    found = own | {table: dict(others[table]) for table in FAMILIES if others.get(table)}
+    check_together(found)
+    return found

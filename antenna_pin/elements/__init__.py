@@ -3,10 +3,13 @@
 from antenna_pin.elements.belt import Belt, Cable
 from antenna_pin.elements.between_joints import BetweenJoints
 from antenna_pin.elements.between_points import BetweenPoints, Point
+from antenna_pin.elements.capture import Capture
 from antenna_pin.elements.constant import ConstantDrive
 from antenna_pin.elements.element import GROSS_WORK, LOSS, WORK, About, Drive, Element, ForceElement, Integral
 from antenna_pin.elements.given import CallableDrive
 from antenna_pin.elements.joint_friction import JointFriction
+from antenna_pin.elements.latch import Latch
+from antenna_pin.elements.limits import Limits
 from antenna_pin.elements.mesh import Gear, Spline
 from antenna_pin.elements.modal import Change, Met, Modal
 from antenna_pin.elements.pd import PDController
@@ -25,7 +28,9 @@ from antenna_pin.elements.rigid_latch import RigidLatch
 from antenna_pin.elements.rigid_stop import RigidStop
 from antenna_pin.elements.sine import SineDrive
 from antenna_pin.elements.spring import JointSpring
+from antenna_pin.elements.stop import EndStop
 from antenna_pin.elements.tabulated import TableDrive
+from antenna_pin.elements.together import check_together
 
 __all__ = [
     "DRIVES",
@@ -43,17 +48,21 @@ __all__ = [
     "Cable",
     "CallableDrive",
     "CallableMotion",
+    "Capture",
     "Change",
     "ConstantDrive",
     "DistanceMotion",
     "Drive",
     "Element",
+    "EndStop",
     "Family",
     "ForceElement",
     "Gear",
     "Integral",
     "JointFriction",
     "JointSpring",
+    "Latch",
+    "Limits",
     "Met",
     "Modal",
     "Motion",
@@ -66,5 +75,6 @@ __all__ = [
     "SineDrive",
     "Spline",
     "TableDrive",
+    "check_together",
     "kind_of",
 ]

@@ -8,8 +8,8 @@ file of their own, which the class names in ``kernels``:
 - ``LAYOUT``, the record of its numbers;
 - ``effort(words, at, t, angle, rate)``: its torque [N m], or force [N] at a joint that slides, from the
   record at ``words[at:]``;
-- ``write_rates(words, at, rate, power, rates, x)``: the rates of what it integrates (``integrals``), to be
-  written to ``rates[x:]``, with the power that it puts in [W];
+- ``write_rates(words, at, angle, rate, power, rates, x)``: the rates of what it integrates (``integrals``),
+  to be written to ``rates[x:]``, with the power that it puts in [W];
 - if it stores energy ``stored(words, at, angle)`` [J];
 - if its effort has kinks ``kink(words, at, t, angle, rate)``, which passes zero there;
 - if it follows a reference ``reference(words, at, t)``: the reference and its rate;

@@ -27,6 +27,6 @@ def effort(words: Any, at: int, t: float, angle: float, rate: float) -> float:
 
 
 @inlined
-def write_rates(words: Any, at: int, rate: float, power: float, rates: Any, x: int) -> None:
+def write_rates(words: Any, at: int, angle: float, rate: float, power: float, rates: Any, x: int) -> None:
     """Power that it takes [W]."""
     rates[x] = resistance(words, at, rate) * rate

@@ -46,7 +46,7 @@ def _nothing(asked: int, *arguments: Any) -> float:
     return 0.0
 
 
-def _no_rates(asked: int, words: Any, at: int, rate: float, power: float, rates: Any, x: int) -> None:
+def _no_rates(asked: int, words: Any, at: int, *arguments: Any) -> None:
     return None
 
 

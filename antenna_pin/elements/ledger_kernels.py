@@ -13,7 +13,7 @@ WORKS_WORDS = words_of(WORKS)
 
 
 @inlined
-def write_work(words: Any, at: int, rate: float, power: float, rates: Any, x: int) -> None:
+def write_work(words: Any, at: int, angle: float, rate: float, power: float, rates: Any, x: int) -> None:
     """Work and gross work of a drive: what it puts in, and the integral of its size."""
     works = record(rates[x : x + WORKS_WORDS], WORKS)
     works.work = power

@@ -32,12 +32,14 @@ class Met(NamedTuple):
         angle: Of the joint, with whole turns [rad] ([m]).
         rate: Of the joint [rad/s] ([m/s]).
         load: Torque that its row carries, on the child, 0 where it holds nothing [N m] ([N]).
+        integrals: What it has integrated so far, in the order of its own.
     """
 
     t: float
     angle: float
     rate: float
     load: float
+    integrals: tuple[float, ...] = ()
 
 
 class Change(NamedTuple):
@@ -49,12 +51,18 @@ class Change(NamedTuple):
         memory: Further numbers that it changes, by the names of fields.
         restitution: e of an impulse at the joint, after which its rate is -e times that before; None where
             there is none. A joint that is held from now on comes to rest by itself.
+        switches_off: Places of elements that are off from now on.
+        loss: Energy that it has lost in the mode that ends, to be told [J]; without that of an impulse.
+        impulse: On the child in the mode that ends, to be told [N m s] ([N s]); likewise.
     """
 
     mode: int
     what: str = ""
     memory: Mapping[str, float] = _NOTHING
     restitution: float | None = None
+    switches_off: tuple[str, ...] = ()
+    loss: float = 0.0
+    impulse: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -80,6 +88,14 @@ class Modal(Element):
 
     def first(self, met: Met) -> Change | None:
         """Return the mode that a run begins in, None for the present one; an impulse there is not made."""
+        return None
+
+    def facts(self) -> dict[str, float]:
+        """Return numbers that readers of a result may draw, by name."""
+        return {}
+
+    def armed(self, met: Met) -> Change | None:
+        """Return what it remembers of a joint when it is switched on; None for nothing."""
         return None
 
     def passed(self, k: int, met: Met) -> Change | None:

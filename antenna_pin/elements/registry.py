@@ -15,6 +15,7 @@ from antenna_pin.elements.constant import ConstantDrive
 from antenna_pin.elements.element import Element, ForceElement
 from antenna_pin.elements.given import CallableDrive
 from antenna_pin.elements.joint_friction import JointFriction
+from antenna_pin.elements.latch import Latch
 from antenna_pin.elements.mesh import Gear, Spline
 from antenna_pin.elements.pd import PDController
 from antenna_pin.elements.point_spring import PointSpring
@@ -23,6 +24,7 @@ from antenna_pin.elements.rigid_latch import RigidLatch
 from antenna_pin.elements.rigid_stop import RigidStop
 from antenna_pin.elements.sine import SineDrive
 from antenna_pin.elements.spring import JointSpring
+from antenna_pin.elements.stop import EndStop
 from antenna_pin.elements.tabulated import TableDrive
 from antenna_pin.errors import UnknownNameError
 
@@ -64,10 +66,10 @@ SPRINGS: Mapping[str, type[ForceElement]] = MappingProxyType(
 )
 """What stores and loses energy by its ``kind`` in ``[springs.NAME]``."""
 
-STOPS: Mapping[str, type[ForceElement]] = MappingProxyType({"rigid": RigidStop})
+STOPS: Mapping[str, type[Element]] = MappingProxyType({"compliant": EndStop, "rigid": RigidStop})
 """End stops by their ``kind`` in ``[stops.NAME]``."""
 
-LATCHES: Mapping[str, type[ForceElement]] = MappingProxyType({"rigid": RigidLatch})
+LATCHES: Mapping[str, type[Element]] = MappingProxyType({"compliant": Latch, "rigid": RigidLatch})
 """Latches by their ``kind`` in ``[latches.NAME]``."""
 
 GEARS: Mapping[str, type[ForceElement]] = MappingProxyType(
@@ -84,8 +86,8 @@ FAMILIES: Mapping[str, Family] = MappingProxyType(
     {
         "drives": Family("drive", DRIVES),
         "springs": Family("spring", SPRINGS, "spring"),
-        "stops": Family("stop", STOPS),
-        "latches": Family("latch", LATCHES),
+        "stops": Family("stop", STOPS, "compliant"),
+        "latches": Family("latch", LATCHES, "compliant"),
         "gears": Family("gear", GEARS, "gear"),
     }
 )

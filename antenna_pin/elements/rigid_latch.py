@@ -1,64 +1,51 @@
-"""A latch that locks a joint rigidly."""
+"""A latch that locks its joint."""
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
-from antenna_pin.elements.modal import Change, Met, Modal
-from antenna_pin.parameters import parameter
+from antenna_pin.elements.capture import HELD, OUTSIDE, Capture
+from antenna_pin.elements.modal import Change, Met
 
 __all__ = ["RigidLatch"]
 
-# A rate that is round-off [rad/s] ([m/s]).
-_STILL = 1e-11
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class RigidLatch(Modal):
-    """A latch that locks its joint where it passes an angle: the rate jumps to zero, and all momentum stays.
+class RigidLatch(Capture):
+    r"""A latch that captures a joint in a window and locks it where it is then, in no time.
 
-    A joint that comes too fast passes, and is tried again each time it comes by. Switched off it lets go.
+    .. math:: \Delta E = \tfrac12 I_r\, \dot\phi^2
+
+    is lost, with the reduced inertia I_r of what is on both sides of the joint: the lock is an impulse at the
+    joint on both its sides, and all momentum is kept. When it captures and lets go is as for
+    :class:`antenna_pin.elements.Latch`; its torque is that of the row that holds the joint.
 
     Attributes:
-        angle: Where it latches [rad] ([m]).
-        greatest_rate: At which it still latches [rad/s] ([m/s]); None for any.
-        on: Whether it is there from the start on; an event may switch it.
+        held_at: Where it holds the joint [rad] ([m]).
     """
 
     kernels: ClassVar[str] = "rigid_latch_kernels"
-    modes: ClassVar[tuple[str, ...]] = ("free", "latched")
-    switches: ClassVar[int] = 1
-    remembers: ClassVar[tuple[str, ...]] = ("side", "where")
+    loaded: ClassVar[tuple[int, ...]] = (2,)
+    remembers: ClassVar[tuple[str, ...]] = ("side", "held_at")
     holds: ClassVar[bool] = True
 
-    angle: float = parameter("rad", sliding="m")
-    greatest_rate: float | None = parameter("rad/s", sliding="m/s", rule="positive", default=None)
-    on: bool = True
-    side: float = field(default=1.0, repr=False)
-    where: float = field(default=0.0, repr=False)
+    held_at: float = field(default=0.0, repr=False)
+
+    def first(self, met: Met) -> Change | None:
+        """Return where the joint starts; one that moves in the window is captured before the run begins."""
+        found = Capture.first(self, met)
+        if found is not None and found.mode == HELD and met.rate != 0.0:
+            return Change(OUTSIDE, memory=self._side(met))
+        return found
+
+    def _held(self, met: Met, what: str) -> Change:
+        return Capture._held(self, met, what)._replace(memory={**self._side(met), "held_at": met.angle})
 
     def values(self) -> dict[str, Any]:
         """Return its numbers, by the names that its record has for them."""
-        return {name: getattr(self, name) for name in ("angle", "side", "where", "mode")}
-
-    def first(self, met: Met) -> Change | None:
-        """Learn from which side the joint comes; one that rests where it latches is latched."""
-        way = met.angle - self.angle
-        if way == 0.0 and met.rate == 0.0:
-            return Change(1, memory={"where": self.angle})
-        return Change(0, memory={"side": math.copysign(1.0, way or met.rate)})
-
-    def passed(self, k: int, met: Met) -> Change | None:
-        """Latch, or let pass what is too fast."""
-        if self.side * met.rate > _STILL:
-            return None
-        if self.greatest_rate is not None and abs(met.rate) > self.greatest_rate:
-            return Change(0, "too fast", {"side": -self.side})
-        return Change(1, "latched", {"where": met.angle})
+        return self.capture_values() | {"held_at": self.held_at}
 
     def words(self, slides: bool) -> str:
         """Return what it is in words."""
-        fast = "" if self.greatest_rate is None else f", up to {self.said('greatest_rate', slides)}"
-        return f"rigid latch at {self.said('angle', slides)}{fast}"
+        return "rigid latch " + ", ".join(self.capture_words(slides))

@@ -1,99 +1,91 @@
-"""A rigid end stop, from which a joint bounces, or on which it rests."""
+"""A rigid end stop."""
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from antenna_pin.elements.modal import Change, Met, Modal
+from antenna_pin.elements.limits import FREE, LOWER, UPPER, Limits
+from antenna_pin.elements.modal import Change, Met
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.parameters import parameter
 
 __all__ = ["RigidStop"]
 
-_SIDES = ("lower", "upper")
 # Beyond a stop by no more than this a joint is on it: at the start, and where a hop is not told from rest
 # [rad] ([m]).
 _ROUND_OFF, _HOP = 1e-11, 1e-10
 
+# Its function of the torque that holds it on a side.
+LOADED = 2
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class RigidStop(Modal):
-    r"""A rigid end stop: an impulse on both sides reverses the joint's rate, times the restitution.
+class RigidStop(Limits):
+    r"""A rigid end stop: the joint comes back at e times its rate, in no time.
 
-    .. math:: \dot\phi^+ = -e \dot\phi^-
+    .. math:: \dot\phi^+ = -e\, \dot\phi^-
 
-    with what is held elsewhere kept held, and all momentum kept. A joint that comes slower than ``rest_rate``
-    comes to rest on the stop and is held, by a torque that pushes only: it leaves when that would have to
-    pull.
+    The blow is an impulse at the joint on both its sides, so that all momentum is kept, and what
+    is held elsewhere is kept held; what it takes of the energy is its loss. A joint that comes slower than
+    the rest rate comes to rest on the stop, so that ever smaller jumps end: a row holds it there, by a torque
+    that pushes only. It leaves where that would have to pull. A start on a limit, at
+    rest or on its way in, is a start at rest on it; one beyond a limit is refused. The angle counts whole
+    turns.
 
     Attributes:
-        lower: Least angle [rad] ([m]); None for no stop on that side.
-        upper: Greatest angle [rad] ([m]); None for no stop on that side.
-        restitution: e, at most 1 [-].
+        restitution: e, in [0, 1] [-].
         rest_rate: Rate below which a joint that comes no longer bounces [rad/s] ([m/s]).
-        on: Whether it is there from the start on; an event may switch it.
+        on: Whether it acts from the start on; an event may switch it.
     """
 
     kernels: ClassVar[str] = "rigid_stop_kernels"
-    modes: ClassVar[tuple[str, ...]] = ("free", "lower", "upper")
-    switches: ClassVar[int] = 3
     loaded: ClassVar[tuple[int, ...]] = (2,)
     holds: ClassVar[bool] = True
 
-    lower: float | None = parameter("rad", sliding="m", default=None)
-    upper: float | None = parameter("rad", sliding="m", default=None)
-    restitution: float = parameter(rule="zero or more", default=0.5)
+    restitution: float = parameter(rule="zero or more")
     rest_rate: float = parameter("rad/s", sliding="m/s", rule="positive", default=1e-3)
     on: bool = True
 
     def __post_init__(self) -> None:
-        """Check the parameters together."""
-        Modal.__post_init__(self)
-        if self.lower is None and self.upper is None:
-            raise InvalidParameterError(self, "upper", "given, or lower", None)
-        if self.lower is not None and self.upper is not None and not self.lower < self.upper:
-            raise InvalidParameterError(self, "upper", f"above lower = {self.lower:g}", self.upper)
-        if not self.restitution <= 1.0:
-            raise InvalidParameterError(self, "restitution", "at most 1", self.restitution)
-
-    def values(self) -> dict[str, Any]:
-        """Return its numbers, by the names that its record has for them."""
-        return {
-            "lower": -math.inf if self.lower is None else self.lower,
-            "upper": math.inf if self.upper is None else self.upper,
-            "mode": self.mode,
-        }
+        """Check limits and restitution."""
+        Limits.__post_init__(self)
+        if self.restitution > 1.0:
+            raise InvalidParameterError(self, "restitution", "in [0, 1]", self.restitution)
 
     def first(self, met: Met) -> Change | None:
-        """Refuse a start beyond a stop."""
-        for name, beyond in (("lower", -1.0), ("upper", 1.0)):
-            limit = getattr(self, name)
-            if limit is not None and beyond * (met.angle - limit) > _ROUND_OFF:
-                rule = f"within its rigid stop, {name} = {limit:g}; start it there, or move the stop"
+        """Refuse a start beyond a stop; one that starts on it comes to rest there at once."""
+        for name, beyond in (("lower", self.lowest - met.angle), ("upper", met.angle - self.highest)):
+            if beyond > _ROUND_OFF:
+                at = f"{name} = {getattr(self, name):g}"
+                rule = f"within its rigid stop, {at}; start it there, or move the stop"
                 raise InvalidParameterError("initial state", f"position of {self.joint}", rule, met.angle)
         return None
 
     def passed(self, k: int, met: Met) -> Change | None:
-        """Bounce, come to rest, or leave."""
-        if k == 2:
-            return Change(0, f"{self.modes[self.mode]}: left")
-        side, approach = (2, met.rate) if k == 0 else (1, -met.rate)
-        limit = self.upper if k == 0 else self.lower
+        """Bounce off side k, come to rest on it, or leave it."""
+        if k == LOADED:
+            return Change(FREE, f"{self.modes[self.mode]}: left")
+        side, approach = (LOWER, -met.rate) if k == 0 else (UPPER, met.rate)
+        limit = self.lowest if side == LOWER else self.highest
         # What leaves and is back already hops lower than angles are known, and rests.
-        if approach < 0.0 and limit is not None and abs(met.angle - limit) > _HOP:
+        if approach < 0.0 and abs(met.angle - limit) > _HOP:
             return None
         if self.restitution == 0.0 or approach <= self.rest_rate:
             return Change(side, f"{self.modes[side]}: rests")
-        return Change(0, f"{self.modes[side]}: bounces", restitution=self.restitution)
+        return Change(FREE, f"{self.modes[side]}: bounces", restitution=self.restitution)
 
     def bears(self, impulse: float) -> Change | None:
         """Let go of a joint that an impulse elsewhere takes off the stop."""
-        pulls = impulse < 0.0 if self.mode == 1 else impulse > 0.0
-        return Change(0, f"{self.modes[self.mode]}: left") if pulls else None
+        pulls = impulse < 0.0 if self.mode == LOWER else impulse > 0.0
+        return Change(FREE, f"{self.modes[self.mode]}: left") if pulls else None
+
+    def values(self) -> dict[str, Any]:
+        """Return its numbers, by the names that its record has for them."""
+        return {"lower": self.lowest, "upper": self.highest, "mode": self.mode}
 
     def words(self, slides: bool) -> str:
         """Return what it is in words."""
-        said = [f"{name} {self.said(name, slides)}" for name in _SIDES if getattr(self, name) is not None]
-        return f"rigid stop, {', '.join(said)}, restitution {self.said('restitution', slides)}"
+        return (
+            f"rigid end stop {self.words_of_limits(slides)}, restitution {self.said('restitution', slides)}"
+        )

@@ -1,58 +1,53 @@
-"""A rigid end stop, compiled."""
+"""A rigid end stop, compiled: between its blows it does nothing, at rest on it a row holds the joint."""
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
-from antenna_pin._compile import inlined, record
+from antenna_pin._compile import inlined, kernel, record
+from antenna_pin.elements.stop_kernels import FREE, LOWER, UPPER, beyond
 from antenna_pin.records import layout, words_of
 
-#: Where the stops are (infinite: none), and the mode.
+#: Limits (infinite where there is none), and the mode: off both, at rest on the lower, or on the upper one.
 LAYOUT = layout(("lower", "f8"), ("upper", "f8"), ("mode", "i8"))
 SIZE = words_of(LAYOUT)
-# Modes: away from both, resting on one.
-FREE = 0
-LOWER = 1
-UPPER = 2
 
 
 @inlined
 def effort(words: Any, at: int, t: float, angle: float, rate: float) -> float:
-    """Zero: what a stop carries is a force of constraint, or an impulse."""
+    """None: a row holds the joint."""
     return 0.0
 
 
 @inlined
-def write_rates(words: Any, at: int, rate: float, power: float, rates: Any, x: int) -> None:
-    """Nothing: what it takes it takes in impulses."""
+def write_rates(words: Any, at: int, angle: float, rate: float, power: float, rates: Any, x: int) -> None:
+    """Nothing is lost but in blows, which are booked as they happen."""
     rates[x] = 0.0
 
 
-@inlined
-def mode(words: Any, at: int) -> int:
-    """Return the present mode."""
-    return int(record(words[at : at + SIZE], LAYOUT).mode)
+@kernel
+def switch(words: Any, at: int, k: int, motion: Any) -> tuple[float, float]:
+    """Function k: how far off a side the joint is, and its rate; 2: how hard it rests on one [N m]."""
+    stop = record(words[at : at + SIZE], LAYOUT)
+    if k < 2:
+        return (
+            beyond(stop.lower, stop.upper, stop.mode, k, motion[1], motion[2])
+            if stop.mode == FREE
+            else (1.0, 0.0)
+        )
+    if stop.mode == FREE:
+        return 1.0, 0.0
+    return float(motion[3] if stop.mode == LOWER else -motion[3]), 0.0
 
 
 @inlined
 def hold(words: Any, at: int) -> tuple[bool, float]:
-    """Whether the joint rests on a stop, and where that is."""
+    """Whether the joint rests on a side, and where that is."""
     stop = record(words[at : at + SIZE], LAYOUT)
-    return stop.mode != FREE, float(stop.lower if stop.mode == LOWER else stop.upper)
+    return stop.mode != FREE, float(stop.upper if stop.mode == UPPER else stop.lower)
 
 
 @inlined
-def switch(words: Any, at: int, k: int, motion: Any) -> tuple[float, float]:
-    """Way to the upper stop, to the lower one, and what presses on the one that the joint rests on."""
-    stop = record(words[at : at + SIZE], LAYOUT)
-    _, angle, rate, load = motion
-    if k < 2:
-        if stop.mode != FREE or math.isinf(stop.upper if k == 0 else stop.lower):
-            return 1.0, 0.0
-        if k == 0:
-            return float(stop.upper - angle), float(-rate)
-        return float(angle - stop.lower), float(rate)
-    if stop.mode == FREE:
-        return 1.0, 0.0
-    return float(load if stop.mode == LOWER else -load), 0.0
+def mode(words: Any, at: int) -> int:
+    """The present one."""
+    return int(record(words[at : at + SIZE], LAYOUT).mode)

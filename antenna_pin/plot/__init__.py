@@ -55,6 +55,7 @@ if TYPE_CHECKING:
     from antenna_pin.plot.scenarios import figure_scenarios
     from antenna_pin.plot.sections import figure_bifurcation, figure_section
     from antenna_pin.plot.spectra import SIGNALS, figure_spectra, figure_spectrogram
+    from antenna_pin.plot.stops import figure_stops
     from antenna_pin.plot.study import (
         QUANTILES,
         StudyFigure,
@@ -117,6 +118,7 @@ __all__ = [
     "rendered",
     "figure_scenarios",
     "figure_spectra",
+    "figure_stops",
     "figure_spectrogram",
     "figure_steady_force",
     "folder_for_figures",
@@ -162,6 +164,7 @@ loaded_when_used(
         "scenarios": "figure_scenarios",
         "sections": "figure_bifurcation figure_section",
         "spectra": "SIGNALS figure_spectra figure_spectrogram",
+        "stops": "figure_stops",
         "study": (
             "QUANTILES StudyFigure study_distribution study_figures study_map study_response "
             "study_scatter study_sensitivities"

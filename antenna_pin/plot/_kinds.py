@@ -6,6 +6,7 @@ import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+from antenna_pin.analysis import stops_and_latches
 from antenna_pin.errors import FileFormatError, InvalidParameterError, UnknownNameError
 from antenna_pin.plot._runs import LabelledRun, long_enough
 
@@ -20,6 +21,7 @@ __all__ = [
     "PRESCRIBED",
     "SEVERAL_JOINTS",
     "SLIDING",
+    "STOPPED",
     "TOUCHING",
     "TURNING",
     "JointKind",
@@ -86,6 +88,7 @@ CLOSED = RunKind("a closure of a loop", lambda run: "closure" in run.data.sizes)
 COUPLED = RunKind("a coupling of joints", lambda run: "coupling" in run.data.sizes)
 FLEXIBLE = RunKind("flexible links", lambda run: "elastic_part" in run.data.sizes)
 PRESCRIBED = RunKind("a prescribed motion", lambda run: "motion" in run.data.sizes)
+STOPPED = RunKind("an end stop or a latch", lambda run: any(stops_and_latches(run.data)))
 FREE_BASE = RunKind("a free base", lambda run: "base_position" in run.data)
 SEVERAL_JOINTS = RunKind("two joints that turn or more", lambda run: len(run.joints) > 1)
 POINTED = RunKind("a scenario that says what looks where", lambda run: bool(_described(run, "pointing")))

@@ -29,6 +29,7 @@ from antenna_pin.plot import (
     pointing,
     scenarios,
     spectra,
+    stops,
 )
 from antenna_pin.plot._kinds import MOVING, choose_joint, joints_of
 from antenna_pin.plot._run_figure import RunFigure
@@ -49,6 +50,7 @@ CATALOGUE: dict[str, RunFigure] = {
         *scenarios.FIGURES,
         *loads.FIGURES,
         *closures.FIGURES,
+        *stops.FIGURES,
         *elastic.FIGURES,
         *spectra.FIGURES,
         *base.FIGURES,

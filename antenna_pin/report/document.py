@@ -30,6 +30,7 @@ from antenna_pin.report import (
     pointing,
     provenance,
     results,
+    stops,
     words,
 )
 from antenna_pin.report._findings import Finding, Judged, Reported, origin, parted
@@ -146,6 +147,7 @@ def _of_runs(found: list[ReportedRun], drawing: int, recordings: bool, window: f
         results.key_results(found),
         loops.loops(found),
         elastic.elastic_parts(found),
+        stops.stops_and_latches(found),
         motion.deviations(found),
         contacts.impact_tables(found),
         contacts.loads(found),

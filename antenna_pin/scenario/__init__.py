@@ -54,6 +54,7 @@ if TYPE_CHECKING:
         scenario_cases,
         scenario_summary,
     )
+    from antenna_pin.scenario.stops import joint_limits
     from antenna_pin.scenario.write import scenario_toml
 
 _HOMES = {
@@ -110,6 +111,7 @@ _HOMES = {
     "TimeEvent": "events",
     "list_scenarios": "shipped",
     "load_scenario": "load",
+    "joint_limits": "stops",
     "models_path": "shipped",
     "scenario_cases": "shipped",
     "scenario_summary": "shipped",
@@ -169,6 +171,7 @@ __all__ = [
     "SphericalClearance",
     "AnySpring",
     "TimeEvent",
+    "joint_limits",
     "list_scenarios",
     "load_scenario",
     "models_path",

@@ -230,6 +230,11 @@ class Spec(BaseModel):
         """Validate a dictionary; what is wrong is left as pydantic's own error, for ``explained``."""
         return super().model_validate(data)
 
+    @classmethod
+    def keys(cls) -> list[str]:
+        """Return the keys that a file may have, in the order in which they are told."""
+        return [name for name in cls.model_fields if name not in cls.carried]
+
     @model_validator(mode="before")
     @classmethod
     def _check_keys(cls, data: Any) -> Any:
@@ -237,8 +242,7 @@ class Spec(BaseModel):
             return data
         for key in data:
             if key not in cls.model_fields:
-                known = [name for name in cls.model_fields if name not in cls.carried]
-                refuse_key(unknown_key(known, str(key)), str(key))
+                refuse_key(unknown_key(cls.keys(), str(key)), str(key))
         for name, field in cls.model_fields.items():
             if field.is_required() and name not in data:
                 refuse(f"is missing{_wanted(field)}", name)

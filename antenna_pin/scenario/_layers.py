@@ -136,7 +136,7 @@ def built(kind: type[S], carried: dict[str, Any], source: Source) -> S:
 
 def check_keys(kind: type[Spec], data: Mapping[str, Any], source: Source) -> None:
     """Refuse what only a loaded scenario carries, and does not stand in its file."""
-    known = [name for name in kind.model_fields if name not in kind.carried]
+    known = kind.keys()
     for key in kind.carried & data.keys():
         raise source.error(unknown_key([*known, "default_case", "cases"], key), key)
 

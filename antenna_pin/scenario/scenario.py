@@ -34,6 +34,7 @@ from antenna_pin.scenario.mechanism import MaterialSpec, MechanismSpec
 from antenna_pin.scenario.pointing import PointingSpec
 from antenna_pin.scenario.rotors import RotorSpec
 from antenna_pin.scenario.shipped import tables
+from antenna_pin.scenario.stops import with_urdf_limits
 from antenna_pin.units import shown
 
 if TYPE_CHECKING:
@@ -135,6 +136,14 @@ class Scenario(FamilyTables):
         found = {table: getattr(self, table) for table in FAMILY_SPECS}
         return {table: named for table, named in found.items() if named or table in ("drives", "springs")}
 
+    @classmethod
+    def keys(cls) -> list[str]:
+        """Return the keys of a file; those of all families of elements stand together."""
+        others = [table for table in FAMILY_SPECS if table not in ("drives", "springs")]
+        found = [name for name in super().keys() if name not in others]
+        at = found.index("springs") + 1
+        return [*found[:at], *others, *found[at:]]
+
     def lasting(self, duration: float) -> Scenario:
         """Return the scenario with another duration [s], positive, as :meth:`with_overrides` would.
 
@@ -186,8 +195,10 @@ class Scenario(FamilyTables):
         if not isinstance(data, Mapping):
             return data
         done = dict(data)
+        if "stops" in done:
+            done["stops"] = with_urdf_limits(data)
         for place in FAMILY_SPECS:
-            tables = data.get(place)
+            tables = done.get(place)
             if isinstance(tables, Mapping):
                 done[place] = {name: _at_its_joint(place, name, table) for name, table in tables.items()}
         for place, key in (("flexible", "link"), ("couplings", "follower"), ("rotors", "joint")):

@@ -88,6 +88,10 @@ class Actions:
             energy = -self._energy()
             if isinstance(action, Set):
                 self.set(action.place, action.value)
+                element, _, key = action.place.rpartition(".")
+                if key == "on" and action.value:
+                    self.modes.arm(element, self._stepper.t, self._here)
+                    self._renew()
             else:
                 self._jump(event.name, action)
             energy += self._energy()

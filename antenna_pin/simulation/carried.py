@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from antenna_pin.contact import DISSIPATIONS, FRICTION_LAWS, NORMAL_LAWS, DampedContact
 from antenna_pin.dynamics import System
-from antenna_pin.elements import Element, JointFriction, Motion
+from antenna_pin.elements import Element, JointFriction, Modal, Motion
 from antenna_pin.flexible import Takes
 from antenna_pin.joints import ClearanceJoint
 from antenna_pin.mechanism import frame_aligning_z, quaternion
@@ -34,6 +34,8 @@ def mechanism_attributes(system: System) -> dict[str, str]:
     unknown), ``mechanism`` its base and gravity [m/s^2] and what may have an impossible inertia (JSON), and
     ``clearance_joints`` what :func:`carried_joints` tells (JSON). ``drives`` (JSON) has of each its
     ``joint``, whether that ``slides`` along its axis, and whether it prescribes the joint's ``motion``.
+    ``elements`` (JSON) has of each element of a further family, by its place as ``stops.hinge``, the ``kind``
+    (its class), ``joint``, ``slides``, the names of its ``modes``, and ``numbers``: limits, a window.
     If there are springs between points,
     ``point_springs`` (JSON) has of each, by name, ``first_body``, ``first_point``, ``second_body`` and
     ``second_point``: links, and places in their frames [m]. If there are elastic parts, ``elastic_parts``
@@ -72,11 +74,28 @@ def mechanism_attributes(system: System) -> dict[str, str]:
             | ({"package_path": list(map(str, packages))} if packages else {})
         ),
         "clearance_joints": json.dumps(carried_joints(system)),
+        **({"elements": json.dumps(elements)} if (elements := _elements(system)) else {}),
         "drives": json.dumps({name: _drive(system, drive) for name, drive in system.drives.items()}),
         **({"point_springs": json.dumps(springs)} if springs else {}),
         **({"joint_friction": json.dumps(frictions)} if frictions else {}),
         **({"elastic_parts": json.dumps(_elastic_parts(system))} if system.elastic else {}),
     }
+
+
+def _elements(system: System) -> dict[str, dict[str, Any]]:
+    """Return what elements of further families are, by place."""
+    found = {}
+    for table in system.others:
+        for name, one in system.families[table].items():
+            joint = one.acts_at
+            found[f"{table}.{name}"] = {
+                "kind": type(one).__name__,
+                "joint": joint,
+                "slides": joint is not None and system.slides(joint),
+                "modes": list(getattr(one, "modes", ())),
+                "numbers": one.facts() if isinstance(one, Modal) else {},
+            }
+    return found
 
 
 def _elastic_parts(system: System) -> dict[str, dict[str, Any]]:

@@ -151,12 +151,22 @@ class Modes:
         load = 0.0
         if self._element(place).holds:
             load = self._moment.set(t, y).load(self._holds.index(place))
-        return Met(t, float(angle), float(rate), load)
+        head = self._workspace.program[self._acting[place].block :][: kernels.PARAMETERS]
+        first = nq + self._workspace.model.nv + int(head.view(kernels.ELEMENT)[0]["x"])
+        own = tuple(float(y[first + k]) for k in range(len(self._element(place).integrals)))
+        return Met(t, float(angle), float(rate), load, own)
 
     def begin(self, t: float, y: Array) -> None:
         """Bring all into the modes that they have at the start of a run."""
         for place, value in first_modes(self._workspace.system, y, t):
             self._adjustments.set(place, value)
+
+    def arm(self, place: str, t: float, y: Array) -> None:
+        """Tell an element that is switched on where its joint is, if it has modes."""
+        if place in self._acting:
+            change = self._element(place).armed(self._met(place, t, y))
+            if change is not None:
+                self._adjustments.change(place, change)
 
     def take(self, action: Switch, t: float, y: Array) -> bool:
         """Let a function pass, and all that passes by that at the same instant; y is changed in place.
@@ -212,8 +222,10 @@ class Modes:
         if change is None:
             return False
         self._adjustments.change(place, change)
+        for other in change.switches_off:
+            self._adjustments.set(f"{other}.on", False)
         after = self._element(place)
-        loss, blow, rate = 0.0, 0.0, met.rate
+        loss, blow, rate = change.loss, change.impulse, met.rate
         if change.restitution is not None or (after.holds and self._adjustments.holds(place)):
             loss, blow = self._jump(place, change.restitution, met, t, y)
             rate = self._met(place, t, y).rate

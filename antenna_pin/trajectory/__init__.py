@@ -23,6 +23,14 @@ from antenna_pin.trajectory.table import (
     save_table,
     table_attributes,
 )
+from antenna_pin.trajectory.touches import (
+    ModeChange,
+    Touch,
+    elements_of,
+    latch_changes,
+    mode_changes,
+    touches,
+)
 
 __all__ = [
     "ENDED_WELL",
@@ -30,8 +38,10 @@ __all__ = [
     "FORMATS",
     "KINDS",
     "Counts",
+    "ModeChange",
     "Outcome",
     "TableKind",
+    "Touch",
     "Trajectory",
     "blow_counts",
     "blow_numbers",
@@ -39,15 +49,19 @@ __all__ = [
     "contact_joints",
     "contact_kinds",
     "contacts_of",
+    "elements_of",
     "format_of",
     "is_lean",
     "kind_of",
+    "latch_changes",
     "library_versions",
+    "mode_changes",
     "names_along",
     "open_table",
     "save_table",
     "series",
     "surfaces",
     "table_attributes",
+    "touches",
     "write_blocks",
 ]

@@ -98,6 +98,14 @@ class _Drive(BaseModel):
     motion: bool
 
 
+class _Element(BaseModel):
+    kind: str
+    joint: str | None
+    slides: bool
+    modes: list[str]
+    numbers: dict[str, _Number]
+
+
 class _JointFriction(BaseModel):
     joint: str
     slides: bool
@@ -151,6 +159,7 @@ _JSON: dict[str, tuple[Any, str]] = {
     "versions": (dict[str, str], ""),
     "clearance_joints": (dict[str, _Joint], "clearance_joint"),
     "drives": (dict[str, _Drive], "drive"),
+    "elements": (dict[str, _Element], "element"),
     "joint_friction": (dict[str, _JointFriction], ""),
     "point_springs": (dict[str, _PointSpring], "point_spring"),
     "elastic_parts": (dict[str, _ElasticPart], "elastic_part"),
@@ -191,6 +200,7 @@ _PLAIN: dict[str, type] = {
 _WORDS = {"form": ("full", "lean")}
 # Those that a result may do without.
 _OPTIONAL = {
+    "elements",
     "joint_friction",
     "point_springs",
     "elastic_parts",
@@ -230,7 +240,7 @@ def _labels(data: xr.Dataset) -> Iterator[str]:
         names = data[dim].values.tolist()
         if not all(isinstance(name, str) for name in names):
             yield f"labels in {dim!r} that are not text"
-        if dim != "event" and len(set(names)) < len(names):
+        if dim not in ("event", "change") and len(set(names)) < len(names):
             yield f"labels in {dim!r} that are there twice"
         if dim in _FIXED and names != _FIXED[str(dim)]:
             yield f"{dim!r} along which stand {shown(names)}, not {shown(_FIXED[str(dim)])}"

@@ -23,6 +23,7 @@ from antenna_pin.trajectory.check import problem_of
 from antenna_pin.trajectory.file import FORMAT, read, write
 from antenna_pin.trajectory.outcome import ENDED_WELL, Counts, Outcome
 from antenna_pin.trajectory.read import names_along
+from antenna_pin.trajectory.touches import met_by_elements
 
 if TYPE_CHECKING:
     from antenna_pin.scenario import Scenario
@@ -178,6 +179,7 @@ class Trajectory:
             result["motions"] = _motions(data)
         if "coupling" in data.sizes:
             result["couplings"] = _couplings(data)
+        result |= met_by_elements(data)
         if "contact" not in data.sizes:
             return result
         index = data["episode_contact"].values

@@ -15,9 +15,11 @@ from antenna_pin.elements import (
     CallableMotion,
     ConstantDrive,
     DistanceMotion,
+    EndStop,
     Gear,
     JointFriction,
     JointSpring,
+    Latch,
     PDController,
     PointSpring,
     PrescribedMotion,
@@ -78,13 +80,28 @@ EXAMPLES = {
     ),
     RigidStop: (
         RigidStop(joint="a", lower=0.05, upper=1.5, restitution=0.25),
-        "rigid stop, lower 50 mrad, upper 1.5 rad, restitution 0.25",
+        "rigid end stop at 50 mrad and 1.5 rad, restitution 0.25",
         0.0,
     ),
     RigidLatch: (
         RigidLatch(joint="a", angle=0.5, greatest_rate=2.0),
-        "rigid latch at 0.5 rad, up to 2 rad/s",
+        "rigid latch at 0.5 rad, captures up to 2 rad/s",
         0.0,
+    ),
+    # Pressed in by 0.05 rad: K d^2 + D d', out of the stop.
+    EndStop: (
+        EndStop(
+            joint="a", upper=0.05, stiffness=100.0, exponent=2.0, law="kelvin-voigt", damping=3.0, mode=2
+        ),
+        "end stop at 50 mrad, stiffness 100 N m/rad, exponent 2, kelvin-voigt, damping 3 N m s/rad",
+        -(100.0 * 0.05**2 + 3.0 * 0.2),
+    ),
+    # Held, 0.1 rad beyond its flank.
+    Latch: (
+        Latch(joint="a", angle=0.25, width=0.2, stiffness=10.0, damping=0.5, play=0.1, mode=2),
+        "latch at 0.25 rad, window 0.2 rad to either side, stiffness 10 N m/rad, damping 0.5 N m s/rad, "
+        "play 0.1 rad",
+        10.0 * 0.1 - 0.5 * 0.2,
     ),
 }
 
@@ -156,7 +173,7 @@ def test_an_element_has_its_own_kernels_and_words(kind):
     torque = kernels.effort(number, own, 0, 0.0, 0.1, 0.2)
     assert torque == pytest.approx(expected, rel=1e-15, abs=1e-15)  # round-off
     rates = np.full(len(element.integrals) + 1, np.nan)
-    kernels.write_rates(number, own, 0, 0.2, 0.2 * torque, rates, 0)
+    kernels.write_rates(number, own, 0, 0.1, 0.2, 0.2 * torque, rates, 0)
     assert np.isnan(rates).tolist() == [False] * len(element.integrals) + [True]
 
 

@@ -24,7 +24,7 @@ WHOLE = "law lankarani-nikravesh brings its own; elastic laws are " + ", ".join(
 )
 TOP = (
     "format, title, source, duration, mechanism, materials, clearance, flexible, closures, couplings, "
-    "drives, springs, events, initial, integrator, output, pointing"
+    "drives, springs, stops, latches, events, initial, integrator, output, pointing"
 )
 
 REFUSALS = [

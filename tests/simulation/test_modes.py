@@ -74,7 +74,7 @@ def test_a_stop_pushes_only() -> None:
     """A body at rest on its stop leaves when a drive has overcome the weight."""
     drive = ConstantDrive(joint="j", value=3.0 * G, on=False)
     run = simulate(
-        _ball(RigidStop(joint="j", lower=0.0), drives={"d": drive}),
+        _ball(RigidStop(joint="j", lower=0.0, restitution=0.5), drives={"d": drive}),
         q=[0.0],
         v=[0.0],
         duration=2.0,
@@ -194,7 +194,7 @@ def test_a_switched_off_latch_lets_go_as_it_held() -> None:
     angle = run.data.q.values[:, 0]
     held = (run.data.time.values > 0.9) & (run.data.time.values < 1.0)
     assert np.abs(angle[held] + 0.3).max() < 1e-14
-    assert run.data.element_mode.values[held].min() == 1
+    assert run.data.element_mode.values[held].min() == 2
     assert run.data.element_mode.values[-1, 0] == 0
     assert angle[-1] < -0.4
     # From rest at the latch on it swings with the energy that it has there.
@@ -235,9 +235,9 @@ def test_a_closed_loop_locks_as_one(tmp_path: Path) -> None:
 
 def test_bad_starts_and_tables_are_refused_in_a_line(tmp_path: Path) -> None:
     """A start beyond a stop, a stop that is none, a family that there is not."""
-    with pytest.raises(ScenarioError, match=r"stops\.crank.*upper must be given, or lower"):
-        _loop(tmp_path, '[stops.crank]\nkind = "rigid"\njoint = "drive_pin"\n')
-    beyond = _loop(tmp_path, '[stops.drive_pin]\nkind = "rigid"\nlower = 0.2\n')
+    with pytest.raises(ScenarioError, match=r"stops\.crank.*lower must be given, or upper, or both"):
+        _loop(tmp_path, '[stops.crank]\nkind = "rigid"\njoint = "drive_pin"\nrestitution = 0.5\n')
+    beyond = _loop(tmp_path, '[stops.drive_pin]\nkind = "rigid"\nlower = 0.2\nrestitution = 0.5\n')
     with pytest.raises(InvalidParameterError, match="position of drive_pin must be within its rigid stop"):
         simulate(beyond)
     with pytest.raises(AntennaPinError, match=r"\[?stop"):
@@ -291,7 +291,7 @@ def test_bounces_too_many_to_count_come_to_rest() -> None:
 
 def test_derivatives_of_flows_refuse_modes_by_name() -> None:
     """Where no derivative is there, nobody gets one."""
-    system = _ball(RigidStop(joint="j", lower=0.0))
+    system = _ball(RigidStop(joint="j", lower=0.0, restitution=0.5))
     flow = Flow(system)
     state = flow.first(np.array([1.0]), np.array([0.0]))
     with pytest.raises(InvalidParameterError, match="without elements that change their mode.*stop 'j'"):

@@ -1,0 +1,121 @@
+"""What latches of all kinds share: when they capture a joint, and when they let go."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Any, ClassVar, Literal
+
+from antenna_pin.elements.modal import Change, Met, Modal
+from antenna_pin.parameters import parameter
+
+__all__ = ["HELD", "INSIDE", "LET_GO", "OUTSIDE", "Capture"]
+
+Direction = Literal["both", "up", "down"]
+_WAYS: dict[Direction, float] = {"both": 0.0, "up": 1.0, "down": -1.0}
+
+# Modes: outside the window; inside, but too fast or the wrong way; held; let go and still inside.
+OUTSIDE, INSIDE, HELD, LET_GO = 0, 1, 2, 3
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Capture(Modal):
+    """Base of the latches.
+
+    Attributes:
+        angle: Where it holds, in the middle of the window [rad] ([m]).
+        width: The window from its middle to either end [rad] ([m]); zero to try it where it passes the angle.
+        greatest_rate: Up to which it captures [rad/s] ([m/s]); None for any rate.
+        direction: The way that the joint must go, or be at rest, to be captured.
+        holding_torque: At which it lets go [N*m] ([N]); None if never.
+        switches_off: What is switched off as it captures, such as ``springs.deployment``.
+        on: Whether it is armed from the start on; an event may switch it: off, it lets go.
+        side: On which side of the window it is, or was, +1 above, -1 below.
+    """
+
+    modes: ClassVar[tuple[str, ...]] = ("outside", "inside", "held", "let go")
+    switches: ClassVar[int] = 3
+    remembers: ClassVar[tuple[str, ...]] = ("side",)
+
+    angle: float = parameter("rad", sliding="m")
+    width: float = parameter("rad", sliding="m", rule="zero or more", default=0.0)
+    greatest_rate: float | None = parameter("rad/s", sliding="m/s", rule="positive", default=None)
+    direction: Direction = "both"
+    holding_torque: float | None = parameter("N*m", sliding="N", rule="positive", default=None)
+    switches_off: tuple[str, ...] = ()
+    on: bool = True
+    side: float = field(default=-1.0, repr=False)
+
+    @property
+    def window(self) -> tuple[float, float]:
+        """Where it captures [rad] ([m])."""
+        return self.angle - self.width, self.angle + self.width
+
+    def facts(self) -> dict[str, float]:
+        """Return where it holds, and its window."""
+        lower, upper = self.window
+        return {"angle": float(self.angle), "lower": float(lower), "upper": float(upper)}
+
+    def captures_at(self, rate: float) -> bool:
+        """Whether a joint in the window is captured at this rate."""
+        way = _WAYS[self.direction] * rate if self.direction != "both" else abs(rate)
+        return 0.0 <= way and (self.greatest_rate is None or way <= self.greatest_rate)
+
+    def first(self, met: Met) -> Change | None:
+        """Return where the joint starts: beside the window, in it, or held there."""
+        lower, upper = self.window
+        side = self._side(met)
+        if not lower <= met.angle <= upper:
+            return Change(OUTSIDE, memory=side)
+        return self._held(met, "") if self.captures_at(met.rate) else Change(INSIDE, memory=side)
+
+    def passed(self, k: int, met: Met) -> Change | None:
+        """Come into the window or leave it, be captured or refused, let go."""
+        if self.mode == HELD:
+            return Change(LET_GO, "let go")
+        if self.mode == OUTSIDE:
+            if self.captures_at(met.rate):
+                return self._held(met, "latched")
+            if self.width == 0.0:
+                return Change(OUTSIDE, "refused", {"side": -self.side})
+            return Change(INSIDE, "refused")
+        if k == 1:  # slow enough now, but for round-off
+            return self._held(met, "latched")
+        return Change(OUTSIDE, memory=self._side(met))
+
+    def armed(self, met: Met) -> Change | None:
+        """Learn on which side the joint is."""
+        return Change(OUTSIDE, memory=self._side(met))
+
+    def _side(self, met: Met) -> dict[str, float]:
+        return {"side": -1.0 if met.angle < self.angle else 1.0}
+
+    def _held(self, met: Met, what: str) -> Change:
+        return Change(HELD, what, self._side(met), switches_off=self.switches_off)
+
+    def capture_values(self) -> dict[str, Any]:
+        """Return the numbers that records of all latches have."""
+        lower, upper = self.window
+        return {
+            "lower": lower,
+            "upper": upper,
+            "greatest_rate": math.inf if self.greatest_rate is None else self.greatest_rate,
+            "direction": _WAYS[self.direction],
+            "holding": math.inf if self.holding_torque is None else self.holding_torque,
+            "mode": self.mode,
+            "middle": self.angle,
+            "side": self.side,
+        }
+
+    def capture_words(self, slides: bool) -> list[str]:
+        """Return in words when it captures."""
+        told = [f"at {self.said('angle', slides)}"]
+        if self.width:
+            told.append(f"window {self.said('width', slides)} to either side")
+        if self.greatest_rate is not None:
+            told.append(f"captures up to {self.said('greatest_rate', slides)}")
+        if self.direction != "both":
+            told.append(f"on the way {self.direction}")
+        if self.holding_torque is not None:
+            told.append(f"lets go at {self.said('holding_torque', slides)}")
+        return told

@@ -1,0 +1,130 @@
+"""A latch that holds by a spring, compiled."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from antenna_pin._compile import inlined, kernel, record
+from antenna_pin.records import layout, words_of
+
+# Its modes: outside the window; inside, but too fast or the wrong way; held; let go and still inside.
+OUTSIDE, INSIDE, HELD, LET_GO = 0, 1, 2, 3
+
+#: Window with its middle, where it holds, greatest rate and way of capture (+1, -1, 0 for both), spring and
+#: damper with half of the play, torque at which it lets go (infinite: never), the mode, and on which side of
+#: the window the joint is or was (+1 above).
+LAYOUT = layout(
+    ("lower", "f8"),
+    ("middle", "f8"),
+    ("upper", "f8"),
+    ("greatest_rate", "f8"),
+    ("direction", "f8"),
+    ("stiffness", "f8"),
+    ("damping", "f8"),
+    ("half_play", "f8"),
+    ("holding", "f8"),
+    ("mode", "i8"),
+    ("side", "f8"),
+)
+SIZE = words_of(LAYOUT)
+
+
+@inlined
+def excess(latch: Any, angle: float) -> float:
+    """How far the joint is beyond the latch's own play, with its sign; zero inside."""
+    off = float(angle - latch.middle)
+    if off > latch.half_play:
+        return float(off - latch.half_play)
+    return float(off + latch.half_play) if off < -latch.half_play else 0.0
+
+
+@inlined
+def grip(latch: Any, angle: float, rate: float) -> float:
+    """Torque [N m], or force [N], of the spring and the damper; only back to the latched angle."""
+    off = excess(latch, angle)
+    if latch.half_play > 0.0 and off == 0.0:
+        return 0.0
+    torque = -latch.stiffness * off - latch.damping * rate
+    if latch.half_play > 0.0 and torque * off > 0.0:
+        return 0.0  # the flank does not pull
+    return float(torque)
+
+
+@inlined
+def effort(words: Any, at: int, t: float, angle: float, rate: float) -> float:
+    """Torque [N m], or force [N]."""
+    latch = record(words[at : at + SIZE], LAYOUT)
+    return grip(latch, angle, rate) if latch.mode == HELD else 0.0
+
+
+@inlined
+def write_rates(words: Any, at: int, angle: float, rate: float, power: float, rates: Any, x: int) -> None:
+    """Power lost [W]: what goes in, but for what the spring stores."""
+    latch = record(words[at : at + SIZE], LAYOUT)
+    rates[x] = 0.0
+    if latch.mode == HELD:
+        rates[x] = -power - latch.stiffness * excess(latch, angle) * rate
+
+
+@inlined
+def stored(words: Any, at: int, angle: float) -> float:
+    """Energy stored [J]."""
+    latch = record(words[at : at + SIZE], LAYOUT)
+    if latch.mode != HELD:
+        return 0.0
+    off = excess(latch, angle)
+    return float(0.5 * latch.stiffness * off * off)
+
+
+@inlined
+def kink(words: Any, at: int, t: float, angle: float, rate: float) -> float:
+    """How far a held joint is beyond the latch's play: zero at its flanks."""
+    latch = record(words[at : at + SIZE], LAYOUT)
+    return float(abs(angle - latch.middle) - latch.half_play) if latch.mode == HELD else 1.0
+
+
+@inlined
+def beyond_capture(latch: Any, rate: float) -> float:
+    """By how much the rate is not one to be captured at [rad/s]; zero or less where it is."""
+    if latch.direction == 0.0:
+        return abs(rate) - float(latch.greatest_rate)
+    way = latch.direction * rate
+    return float(max(way - latch.greatest_rate, -way))
+
+
+@inlined
+def inside(latch: Any, angle: float) -> float:
+    """How far the joint is inside the window; negative outside."""
+    return float(min(angle - latch.lower, latch.upper - angle))
+
+
+@kernel
+def capture(latch: Any, k: int, angle: float, rate: float) -> tuple[float, float]:
+    """Functions that a latch has whatever holds: 0 the window's end, 1 the rates that it captures at."""
+    if k == 0 and latch.mode != HELD:
+        if latch.mode == OUTSIDE:
+            end = latch.upper if latch.side > 0.0 else latch.lower
+            return float(latch.side * (angle - end)), float(latch.side * rate)
+        return inside(latch, angle), (rate if angle < latch.middle else -rate)
+    if k == 1 and latch.mode == INSIDE:
+        return beyond_capture(latch, rate), 0.0
+    return 1.0, 0.0
+
+
+@kernel
+def switch(words: Any, at: int, k: int, motion: Any) -> tuple[float, float]:
+    """Functions 0 and 1 are those of capture, 2 what the torque lacks to the holding torque."""
+    latch = record(words[at : at + SIZE], LAYOUT)
+    _, angle, rate, _ = motion
+    if k < 2:
+        return capture(latch, k, angle, rate)
+    if latch.mode == HELD and not math.isinf(latch.holding):
+        return float(latch.holding - abs(grip(latch, angle, rate))), 0.0
+    return 1.0, 0.0
+
+
+@inlined
+def mode(words: Any, at: int) -> int:
+    """The present one."""
+    return int(record(words[at : at + SIZE], LAYOUT).mode)

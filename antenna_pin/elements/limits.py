@@ -1,0 +1,69 @@
+"""What end stops of all kinds share: two sides, or one."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+from antenna_pin.elements.modal import Modal
+from antenna_pin.errors import InvalidParameterError
+from antenna_pin.parameters import parameter
+
+__all__ = ["Limits"]
+
+# Its modes.
+FREE, LOWER, UPPER = 0, 1, 2
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Limits(Modal):
+    """Base of the end stops: a joint is free between them, or on one of its sides.
+
+    Attributes:
+        lower: Where the joint stops on its way down [rad] ([m]); None for no stop there. A scenario that
+            names neither limit takes those of the URDF.
+        upper: Where the joint stops on its way up [rad] ([m]); None for no stop there.
+    """
+
+    modes: ClassVar[tuple[str, ...]] = ("free", "lower", "upper")
+    switches: ClassVar[int] = 3
+
+    lower: float | None = parameter("rad", sliding="m", default=None)
+    upper: float | None = parameter("rad", sliding="m", default=None)
+
+    def __post_init__(self) -> None:
+        """Check that there is a side, and a way between two."""
+        Modal.__post_init__(self)
+        if self.lower is None and self.upper is None:
+            raise InvalidParameterError(self, "lower", "given, or upper, or both", said="neither")
+        if not self.lowest < self.highest:
+            rule = f"above lower, {self.lower:g}; the joint moves between them"
+            raise InvalidParameterError(self, "upper", rule, self.upper)
+
+    @property
+    def lowest(self) -> float:
+        """Lower limit, or minus infinity."""
+        return -math.inf if self.lower is None else self.lower
+
+    @property
+    def highest(self) -> float:
+        """Upper limit, or infinity."""
+        return math.inf if self.upper is None else self.upper
+
+    def words_of_limits(self, slides: bool) -> str:
+        """Return the limits in words."""
+        if self.lower is None or self.upper is None:
+            return f"at {self.said('lower' if self.upper is None else 'upper', slides)}"
+        return f"at {self.said('lower', slides)} and {self.said('upper', slides)}"
+
+    def facts(self) -> dict[str, float]:
+        """Return the limits that it has."""
+        both = {"lower": self.lower, "upper": self.upper}
+        return {name: float(limit) for name, limit in both.items() if limit is not None}
+
+    def side_at(self, angle: float, rate: float) -> int:
+        """Return the side that a joint is on: beyond it, or at it and not on its way off; 0 if on none."""
+        if angle < self.lowest or (angle == self.lowest and rate <= 0.0):
+            return LOWER
+        return UPPER if angle > self.highest or (angle == self.highest and rate >= 0.0) else FREE

@@ -1,0 +1,190 @@
+"""An end stop that gives way."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, fields
+from typing import Any, ClassVar, Literal
+
+from antenna_pin.elements.element import LOSS, Integral
+from antenna_pin.elements.limits import FREE, LOWER, Limits
+from antenna_pin.elements.modal import Change, Met
+from antenna_pin.errors import InvalidParameterError
+from antenna_pin.parameters import parameter, parameters_of
+from antenna_pin.readable import GIVEN, readable
+
+__all__ = ["IMPULSE", "EndStop"]
+
+# Its function that passes zero where the joint turns back, once in a touch.
+TURNS = 2
+
+IMPULSE = Integral("impulse", "N*m*s")
+"""What a stop has put on its joint, by size."""
+
+StopLaw = Literal[
+    "elastic",
+    "lankarani-nikravesh",
+    "exact-restitution",
+    "hunt-crossley",
+    "herbert-mcwhannell",
+    "lee-wang",
+    "marhefka-orin",
+    "gonthier",
+    "zhiying-qishao",
+    "ye",
+    "flores",
+    "gharib-hurmuzlu",
+    "pant-wijeyewickrema",
+    "hu-guo",
+    "carvalho-martins",
+    "kelvin-voigt",
+    "tsuji",
+    "jankowski",
+    "adams-impact",
+]
+"""Laws of a stop that gives way: those of :mod:`antenna_pin.contact` that are of no certain shape."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EndStop(Limits):
+    r"""An end stop that gives way: beyond a limit it presses back by a contact law, and never pulls.
+
+    .. math:: \tau = \mp f(\delta, \dot\delta), \qquad
+              \delta = \phi - \phi_{upper} \text{ or } \phi_{lower} - \phi, \quad
+              f_e = K \delta \left(\frac{\delta}{1\,\mathrm{rad}}\right)^{n - 1}
+
+    with f of the law named, of which the depth is the angle beyond the limit. Touch and release are located;
+    the rate of approach that many laws damp by is that of the present touch. Sides that differ are two stops
+    at the same joint. A start beyond a limit is a start pressed in, at rest with the least rate. At a joint
+    with play phi is the motion angle. The angle counts whole turns: a joint that turns without end has its
+    limits where they are said, and once.
+
+    Attributes:
+        stiffness: K, torque at a depth of 1 rad over 1 rad, whatever the exponent [N*m/rad] ([N/m]).
+        exponent: n, 1 for a linear spring [-].
+        law: What dissipates: the name of a law, or ``elastic`` for none. ``exact-restitution`` delivers its
+            restitution against a body that moves freely.
+        restitution: Of laws that ask for one, in [0, 1] [-].
+        damping: Of ``kelvin-voigt`` and ``adams-impact`` [N*m*s/rad] ([N*s/m]).
+        full_damping_depth: Of ``adams-impact`` [rad] ([m]).
+        slope: Of ``marhefka-orin``: loss of restitution over rate [s/rad] ([s/m]).
+        inertia: Of ``tsuji`` and ``jankowski``: what strikes the stop [kg*m**2] ([kg]).
+        least_rate: Least rate of approach that a law sees [rad/s] ([m/s]).
+        on: Whether it acts from the start on; an event may switch it.
+        approach: Rate at the onset of the present touch [rad/s] ([m/s]).
+        turned: Whether it has turned back in the present touch, 0 or 1.
+        lost: What it had lost before that [J].
+        struck: Its impulse before that, by size [N*m*s] ([N*s]).
+    """
+
+    kernels: ClassVar[str] = "stop_kernels"
+    integrals: ClassVar[tuple[Integral, ...]] = (LOSS, IMPULSE)
+    remembers: ClassVar[tuple[str, ...]] = ("approach", "turned", "lost", "struck")
+
+    stiffness: float = parameter("N*m/rad", sliding="N/m", rule="positive")
+    exponent: float = parameter("1", rule="1 or more", default=1.0)
+    law: StopLaw = "exact-restitution"
+    restitution: float | None = parameter("1", rule="zero or more", default=None)
+    damping: float | None = parameter("N*m*s/rad", sliding="N*s/m", rule="zero or more", default=None)
+    full_damping_depth: float | None = parameter("rad", sliding="m", rule="positive", default=None)
+    slope: float | None = parameter("s/rad", sliding="s/m", rule="zero or more", default=None)
+    inertia: float | None = parameter("kg*m**2", sliding="kg", rule="positive", default=None)
+    least_rate: float = parameter("rad/s", sliding="m/s", rule="positive", default=1e-4)
+    on: bool = True
+    approach: float = field(default=0.0, repr=False)
+    turned: float = field(default=0.0, repr=False)
+    lost: float = field(default=0.0, repr=False)
+    struck: float = field(default=0.0, repr=False)
+
+    def __post_init__(self) -> None:
+        """Check limits and law."""
+        Limits.__post_init__(self)
+        takes = self._taken()
+        for own in _OF_LAWS:
+            given = getattr(self, own) is not None
+            if given and own not in takes:
+                told = ", ".join(name for name in takes if name in _OF_LAWS) or "none of its own"
+                raise InvalidParameterError(
+                    self, own, f"left out: law {self.law} takes {told}", getattr(self, own)
+                )
+            if own in takes and not given:
+                raise InvalidParameterError(self, own, f"given; law {self.law} asks for it", said="none")
+        try:
+            self.contact_law()
+        except InvalidParameterError as error:
+            name = _NAMES.get(error.parameter, error.parameter)
+            raise InvalidParameterError(self, name, error.rule, getattr(self, name)) from None
+
+    def _taken(self) -> tuple[str, ...]:
+        """Return the names of its own parameters that its law takes."""
+        from antenna_pin.contact import NORMAL_LAWS
+
+        law = NORMAL_LAWS["hertz" if self.law == "elastic" else self.law]
+        return tuple(_NAMES.get(name, name) for name in parameters_of(law))
+
+    def contact_law(self) -> Any:
+        """Return its law as contacts have it, with the angle as its depth."""
+        from antenna_pin.contact import NORMAL_LAWS
+
+        law = NORMAL_LAWS["hertz" if self.law == "elastic" else self.law]
+        given = {item.name: getattr(self, _NAMES.get(item.name, item.name)) for item in fields(law)}
+        return law(**{name: value for name, value in given.items() if value is not None})
+
+    def values(self) -> dict[str, Any]:
+        """Return its numbers, by the names that its record has for them."""
+        return {
+            "lower": self.lowest,
+            "upper": self.highest,
+            "least_rate": self.least_rate,
+            "inertia": self.inertia or 0.0,
+            "mode": self.mode,
+            "approach": self.approach,
+            "turned": self.turned,
+        }
+
+    def first(self, met: Met) -> Change | None:
+        """Return the side that the joint is pressed into at the start, if any."""
+        side = self.side_at(met.angle, met.rate)
+        return self._on(side, met) if side != self.mode else None
+
+    def passed(self, k: int, met: Met) -> Change | None:
+        """Touch side k, turn back in it, or come off it."""
+        if k == TURNS:
+            return Change(self.mode, f"{self.modes[self.mode]}: turns", {"turned": 1.0})
+        if self.mode == FREE:
+            return self._on(k + 1, met)
+        lost, struck = met.integrals
+        sign = 1.0 if self.mode == LOWER else -1.0
+        return Change(
+            FREE,
+            f"{self.modes[self.mode]}: off",
+            {"approach": 0.0, "turned": 0.0},
+            loss=lost - self.lost,
+            impulse=sign * (struck - self.struck),
+        )
+
+    def _on(self, side: int, met: Met) -> Change:
+        approach = -met.rate if side == LOWER else met.rate
+        lost, struck = met.integrals or (0.0, 0.0)
+        memory = {"approach": max(approach, 0.0), "turned": float(approach <= 0.0)}
+        return Change(side, f"{self.modes[side]}: on", {**memory, "lost": lost, "struck": struck})
+
+    def tail(self) -> tuple[float, ...]:
+        """Return its law in numbers."""
+        return tuple(self.contact_law().code())
+
+    def words(self, slides: bool) -> str:
+        """Return what it is in words."""
+        told = {"restitution": "restitution", "damping": "damping", "slope": "slope", "inertia": "inertia"}
+        own = [
+            f"{word} {self.said(name, slides)}"
+            for name, word in told.items()
+            if getattr(self, name) is not None
+        ]
+        power = "" if self.exponent == 1.0 else f", exponent {readable(self.exponent, '1', GIVEN)}"
+        spring = f"stiffness {self.said('stiffness', slides)}{power}"
+        return ", ".join([f"end stop {self.words_of_limits(slides)}", spring, self.law, *own])
+
+
+# Parameters that only some laws have, and their names in the laws where these are others.
+_OF_LAWS = ("restitution", "damping", "full_damping_depth", "slope", "inertia")
+_NAMES = {"effective_mass": "inertia"}

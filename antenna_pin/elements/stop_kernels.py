@@ -1,0 +1,110 @@
+"""An end stop that gives way, compiled: one or two sides, each a contact with the angle as its depth."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from antenna_pin._compile import inlined, kernel, record
+from antenna_pin.contact.kernels import NORMAL_SIZE, elastic_energy, elastic_force, normal_force
+from antenna_pin.records import layout, words_of
+
+# Its modes: off both sides, on the lower one, on the upper one.
+FREE, LOWER, UPPER = 0, 1, 2
+
+# Its function that passes zero where the joint turns back, once in a touch.
+TURNS = 2
+
+#: Limits (infinite where there is none), least approach rate, mass or inertia of laws that ask for one, mode,
+#: rate of approach at the onset of the present touch, and whether it has turned back (0 or 1). Behind it
+#: stands the law.
+LAYOUT = layout(
+    ("lower", "f8"),
+    ("upper", "f8"),
+    ("least_rate", "f8"),
+    ("inertia", "f8"),
+    ("mode", "i8"),
+    ("approach", "f8"),
+    ("turned", "f8"),
+)
+SIZE = words_of(LAYOUT)
+
+
+@inlined
+def depth(stop: Any, angle: float) -> float:
+    """How far the joint is pressed into the side that it touches; beyond none it is zero."""
+    if stop.mode == LOWER:
+        return float(stop.lower - angle)
+    if stop.mode == UPPER:
+        return float(angle - stop.upper)
+    return 0.0
+
+
+@inlined
+def way(stop: Any) -> float:
+    """Direction into the side that it touches: -1 lower, +1 upper, 0 neither."""
+    if stop.mode == LOWER:
+        return -1.0
+    return 1.0 if stop.mode == UPPER else 0.0
+
+
+@kernel
+def effort(words: Any, at: int, t: float, angle: float, rate: float) -> float:
+    """Torque [N m], or force [N], out of the stop; never into it."""
+    stop = record(words[at : at + SIZE], LAYOUT)
+    if stop.mode == FREE:
+        return 0.0
+    law = words[at + SIZE : at + SIZE + NORMAL_SIZE]
+    sign = way(stop)
+    return float(
+        -sign
+        * normal_force(
+            law, depth(stop, angle), sign * rate, max(stop.approach, stop.least_rate), stop.inertia
+        )
+    )
+
+
+@kernel
+def write_rates(words: Any, at: int, angle: float, rate: float, power: float, rates: Any, x: int) -> None:
+    """Power lost [W]: what goes in, but for what the elastic part stores; and the torque's size."""
+    stop = record(words[at : at + SIZE], LAYOUT)
+    rates[x] = rates[x + 1] = 0.0
+    if stop.mode != FREE:
+        law = words[at + SIZE : at + SIZE + NORMAL_SIZE]
+        rates[x] = -power - elastic_force(law, depth(stop, angle)) * way(stop) * rate
+        rates[x + 1] = abs(effort(words, at, 0.0, angle, rate))
+
+
+@kernel
+def stored(words: Any, at: int, angle: float) -> float:
+    """Energy stored [J]."""
+    stop = record(words[at : at + SIZE], LAYOUT)
+    if stop.mode == FREE:
+        return 0.0
+    return elastic_energy(words[at + SIZE : at + SIZE + NORMAL_SIZE], depth(stop, angle))
+
+
+@inlined
+def beyond(lower: float, upper: float, mode: int, k: int, angle: float, rate: float) -> tuple[float, float]:
+    """How far off side k (0 lower, 1 upper) a free joint is, or a joint on it is in, and its rate."""
+    side = LOWER if k == 0 else UPPER
+    gap = angle - lower if k == 0 else upper - angle
+    if math.isinf(gap) or (mode != FREE and mode != side):
+        return 1.0, 0.0
+    slope = rate if k == 0 else -rate
+    return (gap, slope) if mode == FREE else (-gap, -slope)
+
+
+@kernel
+def switch(words: Any, at: int, k: int, motion: Any) -> tuple[float, float]:
+    """Function k: how far off a side the joint is, or how far in, and its rate; 2: the rate going in."""
+    stop = record(words[at : at + SIZE], LAYOUT)
+    if k == TURNS:
+        return (way(stop) * motion[2], 0.0) if stop.mode != FREE and stop.turned == 0.0 else (1.0, 0.0)
+    return beyond(stop.lower, stop.upper, stop.mode, k, motion[1], motion[2])
+
+
+@inlined
+def mode(words: Any, at: int) -> int:
+    """The present one."""
+    return int(record(words[at : at + SIZE], LAYOUT).mode)

@@ -1,0 +1,110 @@
+"""End stops at the limits that the URDF has."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Mapping
+from typing import Any
+from xml.etree import ElementTree as ET
+
+from antenna_pin.scenario._base import read_quantity, refuse
+from antenna_pin.scenario.shipped import tables
+
+__all__ = ["ALL", "joint_limits", "with_urdf_limits"]
+
+#: Name of the table that stands for a stop at each joint with limits that has no stop of its own.
+ALL = "*"
+_SIDES = ("lower", "upper")
+_UNITS = {"revolute": "rad", "prismatic": "m"}
+
+
+def joint_limits(urdf: str) -> dict[str, tuple[float, float]]:
+    """Return lower and upper limit of each joint of a URDF that turns or slides between limits, by name.
+
+    There are none in a text that is no URDF: who needs the mechanism refuses it.
+
+    Args:
+        urdf: The text.
+    """
+    return {name: (lower, upper) for name, (_, lower, upper) in _limits(urdf).items()}
+
+
+def _limits(urdf: str) -> dict[str, tuple[str, float, float]]:
+    """Return type, lower and upper limit of each joint between limits, by name."""
+    found: dict[str, tuple[str, float, float]] = {}
+    if "<limit" not in urdf or "<!DOCTYPE" in urdf:
+        return found
+    try:
+        joints = ET.fromstring(urdf).findall("joint")  # noqa: S314 - entities need a DOCTYPE
+    except ET.ParseError:
+        return found
+    for joint in joints:
+        limit, kind = joint.find("limit"), str(joint.get("type"))
+        if limit is not None and kind in _UNITS:
+            with contextlib.suppress(ValueError):  # what is no number was refused before, or does not count
+                lower, upper = float(limit.get("lower", 0.0)), float(limit.get("upper", 0.0))
+                if lower < upper:
+                    found[str(joint.get("name"))] = (kind, lower, upper)
+    return found
+
+
+def with_urdf_limits(data: Mapping[str, Any]) -> Any:
+    """Return the table of stops of a scenario with the URDF's limits where it names none.
+
+    A stop with neither ``lower`` nor ``upper`` gets both from the ``<limit>`` of its joint, as
+    ``mechanism.joints`` changes it; the table ``[stops."*"]`` becomes a stop at each joint with limits that
+    has none.
+
+    Args:
+        data: All of the scenario, not yet validated.
+    """
+    stops = data.get("stops")
+    if not isinstance(stops, Mapping) or not isinstance(data.get("urdf_text"), str):
+        return stops
+    open_ = [
+        name
+        for name, table in stops.items()
+        if isinstance(table, Mapping) and table.keys().isdisjoint(_SIDES)
+    ]
+    if not open_ and ALL not in stops:
+        return stops
+    limits = _changed(data)
+    done: dict[str, Any] = {}
+    for name, table in stops.items():
+        if name == ALL:
+            done |= _everywhere(stops, limits)
+        elif name in open_:
+            done[name] = {**table, **limits.get(str(table.get("joint", name)), {})}
+        else:
+            done[name] = table
+    return done
+
+
+def _changed(data: Mapping[str, Any]) -> dict[str, dict[str, float]]:
+    """Return the limits of the joints by name, the scenario's changes of the URDF made."""
+    changes = tables(tables(data.get("mechanism")).get("joints"))
+    found = {}
+    for name, (kind, *limits) in _limits(data["urdf_text"]).items():
+        own = dict(zip(_SIDES, limits, strict=True))
+        for side in _SIDES:
+            given = tables(changes.get(name)).get(side)
+            if given is not None:
+                own[side] = read_quantity(given, _UNITS[kind], "", "mechanism", "joints", name, side)
+        found[name] = own
+    return found
+
+
+def _everywhere(stops: Mapping[str, Any], limits: Mapping[str, Mapping[str, float]]) -> dict[str, Any]:
+    """Return the stops that the table for all joints stands for."""
+    table = stops[ALL]
+    if not isinstance(table, Mapping):
+        refuse("must be a table", "stops", ALL, value=table)
+    for key in ("joint", *_SIDES):
+        if key in table:
+            refuse(
+                "must be left out: it is for each joint with limits in the URDF, at these", "stops", ALL, key
+            )
+    if not limits:
+        refuse("must stand for a joint, but none of the URDF has a <limit>", "stops", ALL)
+    taken = {str(tables(one).get("joint", name)) for name, one in stops.items() if name != ALL} | stops.keys()
+    return {joint: {**table, **own} for joint, own in limits.items() if joint not in taken}

@@ -1,0 +1,208 @@
+"""What stops and latches of a run have met: touches of stops from onset to release, what latches captured.
+
+It is read from the run's changes of mode; the torque in a touch from its samples, of which there are some at
+its onset, where the joint turns back, and at its release.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from antenna_pin.trajectory.read import is_lean, names_along
+
+__all__ = [
+    "ModeChange",
+    "Touch",
+    "elements_of",
+    "latch_changes",
+    "met_by_elements",
+    "mode_changes",
+    "touches",
+]
+
+Array = NDArray[np.float64]
+
+_OF = "change_"
+_WORDS = {"stops": "stop", "latches": "latch"}
+
+
+class ModeChange(NamedTuple):
+    """A change of mode of an element.
+
+    Attributes:
+        element: The element's place, as ``stops.hinge``.
+        what: What happened, such as ``lower: on``.
+        time: When [s].
+        angle: Of the joint then [rad] ([m]).
+        rate: Before [rad/s] ([m/s]).
+        rate_after: After [rad/s] ([m/s]).
+        loss: Energy lost by it; of a release, since the onset [J].
+        impulse: On the child by it; of a release, since the onset [N m s] ([N s]).
+    """
+
+    element: str
+    what: str
+    time: float
+    angle: float
+    rate: float
+    rate_after: float
+    loss: float
+    impulse: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Touch:
+    """A touch of a stop; a blow of a rigid one lasts no time.
+
+    Attributes:
+        stop: Place of the stop, as ``stops.hinge``.
+        side: ``lower`` or ``upper``.
+        onset: First touch [s].
+        release: Release [s]; NaN if it lasts to the end.
+        approach_rate: Rate into the stop at the onset [rad/s] ([m/s]).
+        rebound_rate: Rate out of it at the release [rad/s] ([m/s]); NaN if it lasts to the end.
+        peak_effort: Largest torque of samples [N m] ([N]); infinite in a blow, NaN without samples.
+        impulse: Size of the integral of the torque [N m s] ([N s]); NaN if it lasts to the end.
+        loss: Energy lost [J]; NaN if it lasts to the end.
+    """
+
+    stop: str
+    side: str
+    onset: float
+    release: float
+    approach_rate: float
+    rebound_rate: float
+    peak_effort: float
+    impulse: float
+    loss: float
+
+    @property
+    def ended(self) -> bool:
+        """Whether it was released before the run's end."""
+        return bool(np.isfinite(self.release))
+
+
+def elements_of(data: xr.Dataset) -> dict[str, dict[str, Any]]:
+    """Return what the elements of further families are, by place: ``joint``, ``slides``, ``modes``, ..."""
+    found: dict[str, dict[str, Any]] = json.loads(data.attrs.get("elements", "{}"))
+    return found
+
+
+def mode_changes(data: xr.Dataset, family: str) -> Iterator[ModeChange]:
+    """Yield the changes of mode of elements of a family in order of time."""
+    if "change" not in data.sizes:
+        return
+    word = _WORDS[family]
+    own = {
+        f"{word} {name}": f"{family}.{name}"
+        for place in names_along(data, "element")
+        for table, _, name in [place.partition(".")]
+        if table == family
+    }
+    columns = [np.asarray(data[_OF + name].values, dtype=float) for name in ModeChange._fields[2:]]
+    for k, label in enumerate(names_along(data, "change")):
+        named = next((one for one in own if label.startswith(f"{one}: ")), None)
+        if named is not None:
+            values = (float(column[k]) for column in columns)
+            yield ModeChange(own[named], label[len(named) + 2 :], *values)
+
+
+def latch_changes(data: xr.Dataset) -> list[ModeChange]:
+    """Return what latches captured, refused and let go, in order of time."""
+    return list(mode_changes(data, "latches"))
+
+
+def touches(data: xr.Dataset) -> list[Touch]:
+    """Return the touches of stops in order of their onset."""
+    found: list[Touch] = []
+    open_: dict[str, ModeChange] = {}
+    for change in mode_changes(data, "stops"):
+        side, _, what = change.what.partition(": ")
+        if what in ("on", "rests"):
+            open_[change.element] = change
+        elif what == "bounces":
+            found.append(_touch(data, change, change))
+        elif what in ("off", "left") and change.element in open_:
+            found.append(_touch(data, open_.pop(change.element), change))
+    found += [_touch(data, change, None) for change in open_.values()]
+    return sorted(found, key=lambda one: one.onset)
+
+
+def _touch(data: xr.Dataset, begin: ModeChange, end: ModeChange | None) -> Touch:
+    side, _, what = begin.what.partition(": ")
+    into = -1.0 if side == "lower" else 1.0
+    blow = what == "bounces"
+    rests = what == "rests"
+    loss, impulse, rebound, release = (np.nan,) * 4
+    if end is not None:
+        loss, impulse = end.loss + (begin.loss if rests else 0.0), abs(end.impulse)
+        rebound, release = -into * (end.rate_after if blow else end.rate), end.time
+    elif rests:
+        loss = begin.loss
+    if rests:
+        impulse = abs(begin.impulse)
+    return Touch(
+        stop=begin.element,
+        side=side,
+        onset=begin.time,
+        release=release,
+        approach_rate=into * begin.rate,
+        rebound_rate=rebound + 0.0,
+        peak_effort=np.inf if blow or (rests and begin.impulse) else _peak(data, begin, end),
+        impulse=impulse,
+        loss=loss,
+    )
+
+
+def _peak(data: xr.Dataset, begin: ModeChange, end: ModeChange | None) -> float:
+    """Return the largest torque of the samples of a touch."""
+    if is_lean(data) or "element_effort" not in data:
+        return float("nan")
+    time = np.asarray(data["time"].values, dtype=float)
+    first = int(np.searchsorted(time, begin.time, side="left"))
+    last = time.size if end is None else int(np.searchsorted(time, end.time, side="right"))
+    effort = data["element_effort"].sel(element=begin.element).isel(time=slice(first, last))
+    return float(np.abs(effort.values).max(initial=0.0))
+
+
+def met_by_elements(data: xr.Dataset) -> dict[str, dict[str, dict[str, Any]]]:
+    """Return what stops and latches met, for a summary: by family, then by name."""
+    about = elements_of(data)
+    found: dict[str, dict[str, dict[str, Any]]] = {"stops": {}, "latches": {}}
+    every, changes = touches(data), latch_changes(data)
+    for place, one in about.items():
+        family, _, name = place.partition(".")
+        slides = one["slides"]
+        if family == "stops":
+            mine = [touch for touch in every if touch.stop == place]
+            peaks = [touch.peak_effort for touch in mine if np.isfinite(touch.peak_effort)]
+            found[family][name] = {
+                "touches": len(mine),
+                "fastest_touch": _most(touch.approach_rate for touch in mine),
+                "peak_force" if slides else "peak_torque": max(peaks) if peaks else None,
+                "largest_blow": _most(touch.impulse for touch in mine if np.isfinite(touch.impulse)),
+            }
+        elif family == "latches":
+            own = [change for change in changes if change.element == place]
+            captures = [change for change in own if change.what == "latched"]
+            found[family][name] = {
+                "captures": len(captures),
+                "refusals": sum(change.what == "refused" for change in own),
+                "last_capture": captures[-1].time if captures else None,
+                "let_go": sum(change.what == "let go" for change in own),
+            }
+        else:
+            continue
+        found[family][name]["element_loss"] = float(data["total_element_loss"].sel(element=place))
+    return {family: named for family, named in found.items() if named}
+
+
+def _most(values: Iterable[float]) -> float:
+    return max(values, default=0.0)

@@ -1,0 +1,180 @@
+"""End stops in runs: closed forms of bounces, what they keep and lose, where they touch."""
+
+import json
+
+import numpy as np
+import pytest
+
+from antenna_pin import RunSettings, simulate
+from antenna_pin.contact import delivered_restitution
+from antenna_pin.dynamics import System
+from antenna_pin.elements import EndStop, RigidStop
+from antenna_pin.errors import AntennaPinError
+from antenna_pin.mechanism import Urdf, build_mechanism
+from antenna_pin.state import State
+
+G = 9.81
+TIGHT = RunSettings(rtol=1e-11, max_step=0.05, output_rate=50.0)
+
+BODIES = """<robot name="two"><link name="base"><inertial><origin xyz="0.1 0 0.05"/><mass value="3"/>
+<inertia ixx="0.4" iyy="0.5" izz="0.6" ixy="0.01" ixz="0" iyz="0"/></inertial></link>
+<joint name="j" type="{type}"><parent link="base"/><child link="arm"/><origin xyz="0.2 0 0"/>
+<axis xyz="0 0 1"/><limit lower="-9" upper="9" effort="1e9" velocity="1e9"/></joint>
+<link name="arm"><inertial><origin xyz="0.3 0.1 0"/><mass value="2"/>
+<inertia ixx="0.1" iyy="0.2" izz="0.25" ixy="0" ixz="0.01" iyz="0"/></inertial></link></robot>"""
+
+
+def system(kind, base, *stops, gravity=(0.0, 0.0, 0.0), **more):
+    """A base and a body on a joint along or about z."""
+    urdf = Urdf.from_text(BODIES.format(type=kind), "two.urdf")
+    named = {f"s{k}": stop for k, stop in enumerate(stops)}
+    return System(build_mechanism(urdf, base, gravity), elements={"stops": named}, **more)
+
+
+def falling(stop, **more):
+    """A body of 2 kg that falls onto a stop."""
+    return system("prismatic", "fixed", stop, gravity=(0.0, 0.0, -G), **more)
+
+
+def changes(run, what):
+    """When a change happened that is called so."""
+    names = np.array(run.data.change.values, dtype=str)
+    return run.data.change_time.values[np.char.endswith(names, what)]
+
+
+def test_a_body_on_an_elastic_stop_bounces_at_the_times_of_the_closed_form():
+    """Free flight of 2 v0 / g, half an oscillation and more in touch; depth to g / w^2 + sqrt(..)."""
+    stiffness, height = 8000.0, 0.1
+    run = simulate(
+        falling(EndStop(joint="j", lower=0.0, stiffness=stiffness, law="elastic")),
+        q=[height],
+        v=[0.0],
+        duration=1.0,
+        settings=TIGHT,
+    )
+    omega, first = np.sqrt(stiffness / 2.0), np.sqrt(2.0 * height / G)
+    speed = G * first
+    touch = 2.0 / omega * (np.pi - np.arctan(speed * omega / G))
+    on = first + np.arange(4) * (touch + 2.0 * first)
+    # Tight tolerances leave 1e-8 s of a second; found: 3e-11 s.
+    assert changes(run, "lower: on")[:3] == pytest.approx(on[:3], abs=1e-8)
+    assert changes(run, "lower: off")[:3] == pytest.approx(on[:3] + touch, abs=1e-8)
+    turns = np.array([name.endswith("turns") for name in run.data.change.values])
+    deepest = G / omega**2 + np.sqrt((G / omega**2) ** 2 + (speed / omega) ** 2)
+    assert -run.data.change_angle.values[turns] == pytest.approx(deepest, rel=1e-9)
+    assert np.abs(run.data.energy_error).max() < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("law", "more", "expected"),
+    [
+        ("exact-restitution", {"restitution": 0.5}, 0.5),
+        ("flores", {"restitution": 0.5}, delivered_restitution(1.6)),
+        ("kelvin-voigt", {"damping": 5.0}, None),
+    ],
+)
+@pytest.mark.parametrize("kind", ["revolute", "continuous"])
+def test_a_free_base_comes_back_with_the_restitution_of_the_law(kind, law, more, expected):
+    """Without outside forces, about the axis through both bodies' frames: the law's own restitution.
+
+    Of Kelvin and Voigt exp[-zeta (pi - 2 asin zeta) / sqrt(1 - zeta^2)], cut off where it would pull; the
+    joint turns but little in the touch, so that its reduced inertia stays.
+    """
+    stiffness = 4e4
+    stop = EndStop(joint="j", upper=0.3, stiffness=stiffness, law=law, **more)
+    made = system(kind, "free", stop)
+    v = np.array([0.0] * 6 + [0.5])
+    settings = RunSettings(rtol=1e-11, max_step=0.004, output_rate=50.0)
+    run = simulate(made, v=v, duration=0.9, settings=settings)
+    names = list(run.data.change.values)
+    on, off = (next(k for k, name in enumerate(names) if name.endswith(end)) for end in (": on", ": off"))
+    ratio = -float(run.data.change_rate[off]) / float(run.data.change_rate[on])
+    if expected is None:
+        place = made.mechanism.joint("j").v.start
+        inverse = np.linalg.inv(_mass(made, run, on))[place, place]
+        zeta = 0.5 * more["damping"] * np.sqrt(inverse / stiffness)
+        expected = np.exp(-zeta * (np.pi - 2.0 * np.arcsin(zeta)) / np.sqrt(1.0 - zeta**2))
+    # The reduced inertia changes by parts in a thousand over the depth.
+    assert ratio == pytest.approx(expected, rel=2e-3)
+    for name in ("linear_momentum", "angular_momentum"):
+        moved = run.data[name].values - run.data[name].values[0]
+        assert np.abs(moved).max() < 1e-11
+    assert np.abs(run.data.energy_error).max() < 1e-9
+    assert float(run.data.total_element_loss[0]) > 0.0
+
+
+def _mass(made, run, change):
+    """Mass matrix where a change happened, without its reflected parts: of velocities."""
+    import pinocchio as pin
+
+    at = int(np.searchsorted(run.data.time.values, float(run.data.change_time[change])))
+    model = made.mechanism.model
+    mass = pin.crba(model, model.createData(), run.data.q.values[at])
+    return np.triu(mass) + np.triu(mass, 1).T
+
+
+def test_the_number_of_steps_does_not_move_a_bounce():
+    """Steps of at most 50 ms and of 1 ms: the same bounces to the tolerance."""
+    stop = EndStop(joint="j", lower=0.0, stiffness=2e4, exponent=1.5, restitution=0.7)
+    found = [
+        simulate(
+            falling(stop),
+            q=[0.2],
+            v=[0.0],
+            duration=0.7,
+            settings=RunSettings(rtol=1e-11, max_step=step, output_rate=50.0),
+        )
+        for step in (0.05, 0.002)
+    ]
+    one, other = (run.data.change_time.values for run in found)
+    assert len(one) >= 6
+    assert one == pytest.approx(other, abs=1e-8)
+
+
+def test_sides_count_whole_turns():
+    """A joint without end meets a stop at 7.5 rad after more than a turn, at the first go."""
+    stop = RigidStop(joint="j", upper=7.5, restitution=0.0)
+    run = simulate(system("continuous", "fixed", stop), v=[3.0], duration=3.0, settings=TIGHT)
+    assert list(run.data.change.values) == ["stop s0: upper: rests"]
+    assert float(run.data.change_time[0]) == pytest.approx(2.5, abs=1e-12)
+    assert float(run.data.motion_angle[-1, 0]) == pytest.approx(7.5, abs=1e-12)
+
+
+def test_small_motions_are_those_of_the_touch():
+    """Pressed in, a spring; off the stop, a free body."""
+    from antenna_pin import modes
+
+    made = falling(EndStop(joint="j", lower=0.0, stiffness=2000.0, law="elastic"))
+    touching, free = (modes(made, q=[place]).frequency for place in (-2.0 * G / 2000.0, 0.1))
+    assert touching == pytest.approx([np.sqrt(1000.0) / (2.0 * np.pi)], rel=1e-9)
+    assert free == pytest.approx([0.0], abs=1e-9)
+
+
+def test_pressed_in_at_the_start():
+    """A start beyond the limit is one in touch, here where weight and stop balance."""
+    stop = EndStop(joint="j", lower=0.0, stiffness=2000.0, law="elastic")
+    at_rest = -2.0 * G / 2000.0
+    run = simulate(falling(stop), q=[at_rest], v=[0.0], duration=0.5, settings=TIGHT)
+    assert list(run.data.change.values) == []
+    assert run.data.q.values[:, 0] == pytest.approx(at_rest, rel=1e-9)
+    with pytest.raises(AntennaPinError, match=r"position of j must be within its rigid stop, lower = 0;"):
+        simulate(falling(RigidStop(joint="j", lower=0.0, restitution=0.5)), q=[-0.1], v=[0.0], duration=0.1)
+
+
+def test_both_engines_agree_and_two_halves_are_one():
+    """The engines to 1e-9; a run cut in the middle of a touch goes on bit for bit, through text."""
+    stop = EndStop(joint="j", lower=0.0, stiffness=2e3, restitution=0.6)
+    made = falling(stop)
+    given = {"q": [0.05], "v": [0.0]}
+    whole = simulate(made, **given, duration=0.4, settings=TIGHT)
+    other = simulate(
+        made, **given, duration=0.4, settings=RunSettings(rtol=1e-11, max_step=0.05, engine="compiled")
+    )
+    assert whole.data.change_time.values == pytest.approx(other.data.change_time.values, abs=1e-9)
+    middle = float(changes(whole, "lower: on")[0]) + 5e-3
+    first = simulate(made, **given, duration=middle, settings=TIGHT)
+    assert first.data.element_mode.values[-1, 0] == 1.0
+    start = State.from_json(first.end.to_json())
+    assert json.loads(start.to_json()) == json.loads(first.end.to_json())
+    second = simulate(made, start=start, duration=0.4 - middle, settings=TIGHT)
+    assert np.array_equal(whole.data.q.values[-1], second.data.q.values[-1])
