@@ -22,9 +22,11 @@ from antenna_pin.contact import (
     is_elastic,
     law_parameters,
 )
+from antenna_pin.elements import FAMILIES
 from antenna_pin.parameters import attribute_docs, parameters_of
 from antenna_pin.scenario import (
     DRIVE_SPECS,
+    FAMILY_SPECS,
     SPRING_SPECS,
     AnchorSpec,
     AngleEvent,
@@ -228,6 +230,23 @@ def spring_sections() -> Iterator[str]:
         yield section(f"[springs.NAME]{title}", lines, note)
 
 
+def family_sections() -> Iterator[str]:
+    """Yield a table for each kind of each family besides drives and springs."""
+    for family, specs in FAMILY_SPECS.items():
+        if family in ("drives", "springs"):
+            continue
+        word, default = FAMILIES[family].word, FAMILIES[family].default
+        for kind, cls in specs.items():
+            given = default if kind == default else "required"
+            lines = [
+                f"| `kind` | {', '.join(f'`{one}`' for one in specs)} | {given} | What it is |",
+                f"| `joint` | text | the {word}'s name | Name of the joint |",
+                *rows(cls, without=("joint", "motion", "kind")),
+            ]
+            title = "" if len(specs) == 1 else f" of kind {kind}"
+            yield section(f"[{family}.NAME]{title}", lines, (cls.__doc__ or "").splitlines()[0])
+
+
 def flexible_rows() -> list[str]:
     """Return the rows of a flexible link: what all have, then what each kind has."""
     kinds = {"modes": ModesSpec, "petals": PetalsSpec, "modal-data": ModalDataSpec}
@@ -325,6 +344,7 @@ def scenario_table() -> str:
         section("[drives.NAME]", drive_rows()),
         *spring_sections(),
         section("[springs.NAME.first], [springs.NAME.second]", rows(PlaceSpec)),
+        *family_sections(),
         section(
             "[events.NAME]",
             event_rows(),

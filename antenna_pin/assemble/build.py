@@ -7,11 +7,11 @@ import warnings
 from antenna_pin.arguments import takes
 from antenna_pin.assemble.closures import closures_of
 from antenna_pin.assemble.couplings import couplings_of
+from antenna_pin.assemble.elements import elements_of
 from antenna_pin.assemble.flexible import by_name
 from antenna_pin.assemble.friction import frictions_of
 from antenna_pin.assemble.laws import clearance_joint
 from antenna_pin.assemble.places import check_known, check_motion
-from antenna_pin.assemble.springs import springs_of
 from antenna_pin.assemble.variant import as_written, types_as_written, variant_and_parts
 from antenna_pin.dynamics import HeldKind, System
 from antenna_pin.errors import NotSimulatedWarning
@@ -42,13 +42,11 @@ def build_system(scenario: Scenario) -> System:
     """
     urdf, parts = variant_and_parts(scenario)
     mechanism = build_mechanism(urdf, scenario.mechanism.base, scenario.mechanism.gravity)
-    springs = springs_of(scenario, mechanism)
+    found = {table: elements_of(scenario, mechanism, table) for table in scenario.families}
+    drives, springs = found.pop("drives"), found.pop("springs")
     frictions, left_out = frictions_of(scenario, mechanism, springs)
     for line in (*said_of_file(as_written(scenario), urdf), *left_out):
         warnings.warn(line, NotSimulatedWarning, stacklevel=2)
-    for name, spec in scenario.drives.items():
-        check_known(scenario, [spec.joint], "moving joint", mechanism.joints, "drives", name, "joint")
-        check_motion(scenario, mechanism.joint(spec.joint), spec.motion, "drives", name)
     types = types_as_written(scenario)
     system = System(
         mechanism,
@@ -57,8 +55,9 @@ def build_system(scenario: Scenario) -> System:
             for name, spec in scenario.clearance.items()
             if isinstance(spec, TouchingSpec)
         ],
-        drives={name: spec.build() for name, spec in scenario.drives.items()},
+        drives=drives,
         springs={**springs, **frictions},
+        elements=found,
         held={
             name: _HELD[types[name]]
             for name, spec in scenario.clearance.items()

@@ -32,7 +32,7 @@ def _way_out(scenario: Scenario, urdf: WrittenUrdf, name: str) -> str:
     if not ideal:
         which = f" ({_or(loop)})" if loop else ""
         return f"nothing is left to cut: give one joint of the loop no play{which}"
-    elements = (*scenario.drives.values(), *scenario.springs.values())
+    elements = [one for named in scenario.families.values() for one in named.values()]
     acting = {one.joint for one in elements if isinstance(one, ElementSpec)}
     free = [joint for joint in ideal if joint not in acting]
     if not free:

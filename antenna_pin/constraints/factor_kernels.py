@@ -18,7 +18,14 @@ import numpy as np
 
 from antenna_pin._compile import inlined, kernel
 from antenna_pin._lanes import LANES, lane, put_lane, same_lane, sum_of_lane
-from antenna_pin.constraints.layout_kernels import closure_at, coupled_at, driven_at, found_in, plan_of
+from antenna_pin.constraints.layout_kernels import (
+    closure_at,
+    coupled_at,
+    driven_at,
+    found_in,
+    hold_at,
+    plan_of,
+)
 from antenna_pin.constraints.root_kernels import write_root
 
 #: What is left of a row that depends on others, of its length, at most: of true redundancy it is round-off. A
@@ -146,6 +153,8 @@ def _reduce(plan: Any, work: Any, left: Any, squares: Any, weights: Any) -> None
         ways = closure.along[0] + closure.along[1] + closure.along[2]
         _scale(largest, closure.row, ways)
         _scale(largest, closure.row + ways, closure.rows - ways)
+    for k in range(head.holds):
+        _scale(largest, hold_at(plan, k).row, 1)
     for r in range(head.rows):
         weights[r] = largest[r] * largest[r] / squares[r] if squares[r] > 0.0 else 0.0
 

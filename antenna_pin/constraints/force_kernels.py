@@ -10,6 +10,7 @@ from antenna_pin.constraints.layout_kernels import (
     coupled_at,
     driven_at,
     found_in,
+    hold_at,
     place_at,
     plan_of,
 )
@@ -135,7 +136,7 @@ def wrenches(plan: Any, work: Any, forces: Any, out: Any) -> None:
 def joint_forces(plan: Any, forces: Any, out: Any) -> None:
     """Write the forces [N] and torques [N m] that hold motions, and couplings' followers, for multipliers.
 
-    First those of the motions, then those of the couplings, (motions + couplings,).
+    First those of the motions, then those of the couplings, then those of elements that hold.
     """
     head = plan_of(plan)
     for m in range(head.motions):
@@ -145,6 +146,9 @@ def joint_forces(plan: Any, forces: Any, out: Any) -> None:
         coupled = coupled_at(plan, k)
         number = coupled.scale * (1.0 if coupled.slides != 0 else head.length)
         out[head.motions + k] = forces[coupled.row] * number
+    for k in range(head.holds):
+        held = hold_at(plan, k)
+        out[head.motions + head.couplings + k] = forces[held.row] * (1.0 if held.slides != 0 else head.length)
 
 
 @kernel
@@ -157,7 +161,7 @@ def write_holding(plan: Any, work: Any, room: Any, forces: Any, closures: Any, j
         room: To write to, as for :func:`least_forces`.
         forces: To write to: multipliers, (rows,).
         closures: To write to, as :func:`wrenches` does, (closures, 2, 3).
-        joints: To write to, as :func:`joint_forces` does, (motions + couplings,).
+        joints: To write to, as :func:`joint_forces` does, (motions + couplings + holds,).
     """
     least_forces(plan, work, room, forces)
     wrenches(plan, work, forces, closures)

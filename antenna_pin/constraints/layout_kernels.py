@@ -1,7 +1,8 @@
 """How the constraints of a system lie in flat numbers: declared once, read by name.
 
 ``plan`` does not change during a run: ``PLAN``, then the tree's bodies, then a ``CLOSURE`` for each
-closure, a ``DRIVEN`` for each motion, a ``COUPLED`` for each coupling. ``work`` is what a run works on: a
+closure, a ``DRIVEN`` for each motion, a ``COUPLED`` for each coupling, a ``DRIVEN`` for each element that may
+hold its joint; rows of these are the last. ``work`` is what a run works on: a
 ``PLACE`` for each body, one for scratch and those of a closure's two frames, then numbers whose starts the
 plan's head names.
 """
@@ -14,7 +15,7 @@ from antenna_pin._compile import inlined, record
 from antenna_pin.mechanism.tree_kernels import BODY, PLACE
 from antenna_pin.records import layout, words_of
 
-#: Head of a plan. Sizes: bodies, closures, motions, couplings, rows of all constraints, their number in
+#: Head of a plan. Sizes: bodies, closures, motions, couplings, elements that may hold, all rows, these in
 #: whole lanes (``width``; zeros fill the last), nq and nv, this in whole lanes (``span``). Length by which
 #: turns count against ways [m]. Where in a work array the following start. By the rows' own numbers: J^T,
 #: (nv, width); what accelerations lack, residuals of position and of velocity, multipliers, and the share
@@ -29,6 +30,7 @@ PLAN = layout(
     ("closures", "i8"),
     ("motions", "i8"),
     ("couplings", "i8"),
+    ("holds", "i8"),
     ("rows", "i8"),
     ("width", "i8"),
     ("nq", "i8"),
@@ -157,6 +159,15 @@ def coupled_at(plan: Any, k: int) -> Any:
     at = PLAN_WORDS + BODY_WORDS * head.bodies + CLOSURE_WORDS * head.closures
     at += DRIVEN_WORDS * head.motions + COUPLED_WORDS * k
     return record(plan[at : at + COUPLED_WORDS], COUPLED)
+
+
+@inlined
+def hold_at(plan: Any, k: int) -> Any:
+    """Return an element that may hold its joint."""
+    head = plan_of(plan)
+    at = PLAN_WORDS + BODY_WORDS * head.bodies + CLOSURE_WORDS * head.closures
+    at += DRIVEN_WORDS * (head.motions + k) + COUPLED_WORDS * head.couplings
+    return record(plan[at : at + DRIVEN_WORDS], DRIVEN)
 
 
 @inlined

@@ -23,10 +23,10 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DrivenJoint:
-    """A joint whose motion is prescribed.
+    """A joint whose motion is prescribed, or that an element may hold.
 
     Attributes:
-        name: Of the drive.
+        name: Of the drive, or the place of the element (``latches.hinge``).
         joint: Of the joint.
         turn: Place of the joint's turned angle in x, or -1.
         kind: Number of the kind of its element.
@@ -54,6 +54,7 @@ class Plan:
         first_row: Of each closure.
         motions: Names of the drives that prescribe motions; theirs are the first rows.
         couplings: Names of the couplings; theirs are the rows behind.
+        holds: Names of the elements that may hold their joint; theirs are the last rows.
         length: By which turns count against ways [m].
     """
 
@@ -64,11 +65,12 @@ class Plan:
     first_row: Mapping[str, int]
     motions: tuple[str, ...]
     couplings: tuple[str, ...]
+    holds: tuple[str, ...]
     length: float
 
     @property
     def count(self) -> int:
-        """Equations in all."""
+        """Equations in all, but for what elements hold."""
         return len(self.motions) + len(self.couplings) + sum(map(len, self.rows.values()))
 
     def held(self) -> Iterator[tuple[str, int, tuple[str, ...]]]:
@@ -85,6 +87,7 @@ def make_plan(
     motions: Sequence[DrivenJoint] = (),
     couplings: Mapping[str, Coupling] | None = None,
     turns: Mapping[str, int] | None = None,
+    holding: Sequence[DrivenJoint] = (),
 ) -> Plan:
     """Lay out the constraints of a mechanism.
 
@@ -94,6 +97,7 @@ def make_plan(
         motions: In the order of the system's.
         couplings: By name; their followers move and their leaders do, or are fixed.
         turns: Places of turned angles in x, by joint.
+        holding: Elements that may hold their joint.
 
     Raises:
         UnknownNameError: A closure on a link that there is not.
@@ -133,20 +137,17 @@ def make_plan(
         row += holds.rows
     points += [float(np.linalg.norm(placement.translation)) for placement in list(model.jointPlacements)[2:]]
     length = max(points) or 1.0
-    driven = np.zeros(len(motions), dtype=_layout.DRIVEN)
-    for k, (record, motion) in enumerate(zip(driven, motions, strict=True)):
-        slot = mechanism.joint(motion.joint)
-        record["row"], record["q"], record["v"] = k, slot.q.start, slot.v.start
-        record["slides"], record["turn"] = slot.kind == "prismatic", motion.turn
-        record["kind"], record["words"], record["x"] = motion.kind, motion.words, motion.x
+    driven = _driven(mechanism, motions, 0)
+    own = _driven(mechanism, holding, row)
+    row += len(holding)
     coupled = _coupled(mechanism, couplings, turns or {}, len(motions), length)
     tree = body_tree(mechanism)
     head = np.zeros(1, dtype=_layout.PLAN)
     size = _place_numbers(head, len(tree), row, model.nv)
     head["bodies"], head["closures"], head["motions"] = len(tree), len(closures), len(motions)
-    head["couplings"] = len(couplings)
+    head["couplings"], head["holds"] = len(couplings), len(holding)
     head["rows"], head["nq"], head["nv"], head["length"] = row, model.nq, model.nv, length
-    parts = [part.view(np.float64) for part in (head, tree, records, driven, coupled)]
+    parts = [part.view(np.float64) for part in (head, tree, records, driven, coupled, own)]
     return Plan(
         words=np.concatenate(parts),
         size=size,
@@ -155,8 +156,20 @@ def make_plan(
         first_row=first_row,
         motions=tuple(motion.name for motion in motions),
         couplings=tuple(couplings),
+        holds=tuple(one.name for one in holding),
         length=length,
     )
+
+
+def _driven(mechanism: Mechanism, joints: Sequence[DrivenJoint], row: int) -> NDArray[np.void]:
+    """Return the records of joints that are driven or held, whose rows begin at one."""
+    records = np.zeros(len(joints), dtype=_layout.DRIVEN)
+    for k, (record, one) in enumerate(zip(records, joints, strict=True)):
+        slot = mechanism.joint(one.joint)
+        record["row"], record["q"], record["v"] = row + k, slot.q.start, slot.v.start
+        record["slides"], record["turn"] = slot.kind == "prismatic", one.turn
+        record["kind"], record["words"], record["x"] = one.kind, one.words, one.x
+    return records
 
 
 def _coupled(

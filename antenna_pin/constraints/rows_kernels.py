@@ -4,6 +4,9 @@ A row is one equation: ``J a = lack`` of accelerations, ``J v = 0`` of velocitie
 with residuals ``gap`` and ``speed``. Rows that hold turns are multiplied by the plan's length, so that all
 count in metres.
 
+The row of an element that holds its joint is that of a motion to where it is held;
+of zeros while it does not.
+
 A coupling's is ``follower - multiplier leader = offset`` in the positions of two joints, multiplied by what
 makes the larger of its two numbers that of a turn or way alone.
 
@@ -39,6 +42,7 @@ from antenna_pin.constraints.layout_kernels import (
     coupled_at,
     driven_at,
     found_in,
+    hold_at,
     place_at,
     plan_of,
 )
@@ -89,6 +93,8 @@ def _write(t: float, y: Any, program: Any, plan: Any, work: Any, whole: bool) ->
         _motion_row(t, y, program, plan, work, driven_at(plan, m))
     for k in range(head.couplings):
         _coupling_row(y, plan, work, coupled_at(plan, k))
+    for k in range(head.holds):
+        _hold_row(y, program, plan, work, hold_at(plan, k))
 
 
 @inlined
@@ -130,6 +136,24 @@ def _motion_row(t: float, y: Any, program: Any, plan: Any, work: Any, driven: An
     work[head.jacobian + driven.v * head.width + driven.row] = head.length if turns else 1.0
     speed = y[head.nq + driven.v] - rate
     _note(plan, work, driven.row, turns, angle - wanted, speed, acceleration)
+
+
+@kernel
+def _hold_row(y: Any, program: Any, plan: Any, work: Any, own: Any) -> None:
+    """Write the row of an element that may hold its joint where it is: of zeros where it does not.
+
+    Rows of zeros are dropped when rows are factorized.
+    """
+    head = plan_of(plan)
+    held, where = elements.hold(own.kind, program, own.words)
+    turns = own.slides == 0
+    number = gap = speed = 0.0
+    if held:
+        number = head.length if turns else 1.0
+        gap = _position(y, head.nq + head.nv, own.q, own.turn) - where
+        speed = y[head.nq + own.v]
+    work[head.jacobian + own.v * head.width + own.row] = number
+    _note(plan, work, own.row, turns, gap, speed, 0.0)
 
 
 @kernel

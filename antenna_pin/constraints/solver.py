@@ -54,7 +54,9 @@ class Constraints:
         self.data = data
         self.work = np.zeros(plan.size)
         head = plan.words[: _layout.PLAN_WORDS].view(_layout.PLAN)[0]
-        nv, rows = int(head["nv"]), int(head["rows"])
+        nv, holds, every = int(head["nv"]), int(head["holds"]), int(head["rows"])
+        #: Those of motions, couplings and closures; the rows of elements that hold stand behind.
+        rows = every - holds
         self.rows, self.nv = rows, nv
 
         def part(name: str, *shape: int) -> Array:
@@ -63,19 +65,25 @@ class Constraints:
 
         #: J, in metres; what accelerations lack; residuals; multipliers.
         self.jacobian = part("jacobian", nv, int(head["width"]))[:, :rows].T
+        self._all_forces = part("force", every)
         self.gap, self.speed, self.force = part("gap", rows), part("speed", rows), part("force", rows)
         self.lack = part("lack", rows)
         #: What is left of each row, over its length and times that with which it counts.
         self.shares = part("shares", rows)
         self._found = part("found", _layout.FOUND_WORDS).view(_layout.FOUND)
         self._step = np.zeros(nv)
-        self._room = np.zeros(2 * rows * (rows + 1))
-        self._least = np.zeros(rows)
+        self._room = np.zeros(2 * every * (every + 1))
+        self._least = np.zeros(every)
+        #: All of J, in metres, rows of elements that hold included, and the residuals of velocity.
+        self.every_row = part("jacobian", nv, int(head["width"]))[:, :every].T
+        self.every_speed = part("speed", every)
+        self._loads, self._holds = np.zeros(len(plan.motions) + len(plan.couplings) + holds), holds
         bodies, closures = int(head["bodies"]), int(head["closures"])
         driven = _layout.PLAN_WORDS + _layout.BODY_WORDS * bodies + _layout.CLOSURE_WORDS * closures
         coupled = driven + _layout.DRIVEN_WORDS * len(plan.motions)
         slides = [plan.words[driven:coupled].view(_layout.DRIVEN)["slides"]]
-        slides.append(plan.words[coupled:].view(_layout.COUPLED)["slides"])
+        held = coupled + _layout.COUPLED_WORDS * len(plan.couplings)
+        slides.append(plan.words[coupled:held].view(_layout.COUPLED)["slides"])
         #: Whether the rows of motions and couplings, which come first, hold turns.
         self.turning = np.concatenate(slides) == 0
 
@@ -122,7 +130,7 @@ class Constraints:
             closures: To write to: force [N] and moment [N m] of each closure on its second link, in axes of
                 the first side's frame, the moment about the second side's point, (closures, 2, 3).
             joints: To write to: the forces [N] and torques [N m] that hold the motions, then those of the
-                couplings on their followers, (motions + couplings,).
+                couplings on their followers, then of the elements that hold, (motions + couplings + holds,).
         """
         plan, work = self.plan.words, self.work
         nq, model, data = self.model.nq, self.model, self.data
@@ -130,6 +138,11 @@ class Constraints:
         mass, bias = pin.crba(model, data, q), pin.nonLinearEffects(model, data, q, v)
         solve_kernels.accelerate(t, y, program, plan, work, effort, mass, bias, rates)
         force_kernels.write_holding(plan, work, self._room, self._least, closures, joints)
+
+    def loads(self) -> Array:
+        """Return what elements that hold carry in the state solved last, (holds,) [N m] or [N]."""
+        force_kernels.joint_forces(self.plan.words, self._all_forces, self._loads)
+        return self._loads[len(self._loads) - self._holds :]
 
     def residuals(self, t: float, y: Array, program: Array) -> Found:
         """Write the rows of a state; return what is found, with the largest residuals."""

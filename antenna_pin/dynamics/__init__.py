@@ -16,6 +16,7 @@ from antenna_pin.dynamics.coupled import facts_of_couplings, put_followers
 from antenna_pin.dynamics.deflection import Deflections, deflections
 from antenna_pin.dynamics.evaluate import acceleration, contact_memory
 from antenna_pin.dynamics.held import HeldKind
+from antenna_pin.dynamics.impulse import impulse
 from antenna_pin.dynamics.motion import JointMotion, motion_block
 from antenna_pin.dynamics.samples import Observed, joint_motion, journal_attitudes, observed, sliding_motion
 from antenna_pin.dynamics.system import System
@@ -34,6 +35,7 @@ from antenna_pin.elements import (
 __all__ = [
     "BASE",
     "Adjustments",
+    "impulse",
     "Audit",
     "CallableDrive",
     "ConstantDrive",

@@ -1,4 +1,4 @@
-"""The drives and springs of a system, one after another."""
+"""The elements of a system, family by family."""
 
 from __future__ import annotations
 
@@ -6,16 +6,16 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 from antenna_pin.dynamics.system import System
-from antenna_pin.elements import ForceElement
+from antenna_pin.elements import FAMILIES, ForceElement
 
 __all__ = ["Acting", "acting_in"]
 
 
 class Acting(NamedTuple):
-    """A drive or a spring of a system.
+    """An element of a system.
 
     Attributes:
-        family: ``drive`` or ``spring``.
+        family: The table that a scenario has for it, such as ``drives``.
         name: Its own.
         element: What it is.
         block: Where its block stands in a program.
@@ -29,19 +29,16 @@ class Acting(NamedTuple):
     @property
     def label(self) -> str:
         """What messages call it."""
-        return f"{self.family} {self.name!r}"
+        return f"{FAMILIES[self.family].word} {self.name!r}"
 
     @property
     def place(self) -> str:
         """Where it stands in a scenario."""
-        return f"{self.family}s.{self.name}"
+        return f"{self.family}.{self.name}"
 
 
 def acting_in(system: System) -> Iterator[Acting]:
-    """Yield the drives, then the springs of a system."""
-    for family, elements, blocks in (
-        ("drive", system.drives, system.drive_blocks),
-        ("spring", system.springs, system.spring_blocks),
-    ):
+    """Yield the drives, then the springs of a system, then those of further families."""
+    for family, elements in system.families.items():
         for name, element in elements.items():
-            yield Acting(family, name, element, blocks[name])
+            yield Acting(family, name, element, system.element_blocks[family][name])

@@ -1,4 +1,4 @@
-"""Numbers of drives and springs that change in the middle of a run."""
+"""Numbers of elements that change in the middle of a run."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from antenna_pin.dynamics import kernels
 from antenna_pin.dynamics.acting import acting_in
 from antenna_pin.dynamics.system import System
-from antenna_pin.elements import ForceElement
+from antenna_pin.elements import Change, ForceElement, Modal, family_words
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.parameters import parameters_of
 
@@ -22,10 +22,10 @@ _ON = "on"
 
 
 class Adjustments:
-    """Drives and springs as they are at the moment, in a program of one run.
+    """Elements as they are at the moment, in a program of one run.
 
     A place is written as in a scenario file: ``drives.motor.value``, ``springs.coil.stiffness``. Besides its
-    own numbers a drive or a spring has ``on``: off, it does nothing. A prescribed motion has not: it holds.
+    own numbers an element has ``on``: off, it does nothing. A prescribed motion has not: it holds.
 
     Args:
         system: The system, which stays what it is.
@@ -33,7 +33,7 @@ class Adjustments:
 
     Attributes:
         values: What has been changed, by place.
-        elements: The drives and springs as they are, by place.
+        elements: As they are, by place.
     """
 
     def __init__(self, system: System, program: Array) -> None:
@@ -55,7 +55,7 @@ class Adjustments:
         """
         element, _, key = place.rpartition(".")
         if element not in self._blocks:
-            raise UnknownNameError("Set", "drive or spring", element or place, self._blocks)
+            raise UnknownNameError("Set", family_words(), element or place, self._blocks)
         source = self.elements[element]
         keys = [name for name, parameter in parameters_of(type(source)).items() if not parameter.sizes]
         if hasattr(source, _ON):
@@ -63,6 +63,8 @@ class Adjustments:
         elif key == _ON:
             rule = "left alone: a prescribed motion holds all the time; have a pd drive follow it"
             raise InvalidParameterError("Set", place, rule, value)
+        if isinstance(source, Modal):
+            keys += source.own_keys()
         block = self._blocks[element]
         if key == _ON:
             if value not in (True, False):
@@ -70,12 +72,26 @@ class Adjustments:
             self.elements[element] = dataclasses.replace(source, on=bool(value))  # type: ignore[call-arg]
             head = self._program[block : block + kernels.PARAMETERS].view(kernels.ELEMENT)
             head["on"] = float(value)
+            if isinstance(source, Modal) and not value:
+                self.change(element, Change(0))  # switched off it lets go
         elif key in keys:
-            changed = dataclasses.replace(source, **{key: float(value)})
-            self.elements[element] = changed
-            words = changed.words_of_kernel()
-            first = block + kernels.PARAMETERS
-            self._program[first : first + len(words)] = words
+            given = int(value) if key == "mode" else float(value)
+            changed = dataclasses.replace(source, **{key: given})
+            self._write(element, changed)
         else:
             raise UnknownNameError("Set", f"number of {element}", key, keys)
         self.values[place] = float(value)
+
+    def change(self, element: str, change: Change) -> None:
+        """Bring an element, by its place, into another mode."""
+        source = self.elements[element]
+        values: dict[str, float] = {"mode": change.mode, **change.memory}
+        self._write(element, dataclasses.replace(source, **values))
+        for key, value in values.items():
+            self.values[f"{element}.{key}"] = float(value)
+
+    def _write(self, element: str, changed: ForceElement) -> None:
+        self.elements[element] = changed
+        words = changed.words_of_kernel()
+        first = self._blocks[element] + kernels.PARAMETERS
+        self._program[first : first + len(words)] = words

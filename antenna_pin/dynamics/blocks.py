@@ -21,6 +21,7 @@ __all__ = [
     "Blocks",
     "InPython",
     "check_booked",
+    "check_holds",
     "check_motion",
     "clearance_block",
     "held_block",
@@ -197,3 +198,19 @@ def check_motion(
                 f"{place}: joint {motion.joint!r} already has {what}, {name!r}; its motion is "
                 "prescribed, so take one of the two away"
             )
+
+
+def check_holds(place: str, mechanism: Mechanism, joint: str) -> None:
+    """Refuse an element that is to hold a joint that no row of one equation holds.
+
+    Args:
+        place: What it is, for the refusal.
+        mechanism: The mechanism.
+        joint: The joint's name.
+    """
+    slot = mechanism.joint(joint)
+    if slot.kind not in ("revolute", "continuous", "prismatic"):
+        raise MechanismError(
+            f"{place}: joint {joint!r} is {slot.kind} here, and only a revolute, continuous or prismatic "
+            "joint without play can be held; take play off it, or an element that does not hold"
+        )

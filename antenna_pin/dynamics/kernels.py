@@ -131,6 +131,20 @@ def element_kink(p: Any, b: int, t: float, y: Any, nq: int) -> float:
     return float(elements.kink(element_at(p, b).kind, p, b + PARAMETERS, t, angle, rate))
 
 
+@kernel
+def element_switch(p: Any, b: int, k: int, t: float, y: Any, load: float) -> tuple[float, float]:
+    """Function k of the element block at b, positive while its mode stays, and its rate (0: not known).
+
+    ``load`` is the torque that its row carries [N m] (force [N]), 0 where it holds nothing.
+    """
+    angle, rate, _, _ = joint_motion(p, b, y, head_of(p).nq)
+    e = element_at(p, b)
+    if e.on == 0.0:
+        return 1.0, 0.0
+    value, slope = elements.switch(e.kind, p, b + PARAMETERS, k, (t, angle, rate, load))
+    return float(value), float(slope)
+
+
 @inlined
 def _element(p: Any, b: int, t: float, y: Any, head: Any, tau: Any, rates: Any) -> None:
     """Add an element's generalized force.

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.dynamics import kernels
+from antenna_pin.dynamics.element_block import element_block
 from antenna_pin.dynamics.system import System
 from antenna_pin.elements import ConstantDrive
 
@@ -20,7 +21,7 @@ def motion_block(system: System, joint: str) -> Array:
     Raises:
         AntennaPinError: There is no such joint, or it has no axis.
     """
-    return system.element_block(f"motion of {joint!r}", ConstantDrive(joint=joint, value=0.0), 0)
+    return element_block(system, f"motion of {joint!r}", ConstantDrive(joint=joint, value=0.0), 0)
 
 
 class JointMotion:

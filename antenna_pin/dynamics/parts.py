@@ -1,14 +1,14 @@
-"""The springs of elastic parts among those of a system."""
+"""The elements of a system: its springs with those of elastic parts, and all by family."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 
-from antenna_pin.elements import ForceElement, JointSpring
-from antenna_pin.errors import InvalidParameterError
+from antenna_pin.elements import FAMILIES, Element, ForceElement, JointSpring
+from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.flexible import ElasticPart
 
-__all__ = ["springs_and_parts"]
+__all__ = ["families_of", "springs_and_parts"]
 
 
 def springs_and_parts(
@@ -28,3 +28,29 @@ def springs_and_parts(
             raise InvalidParameterError("System", f"elastic[{name!r}]", "by the part's name", part.name)
         found[name] = JointSpring(joint=name, stiffness=part.stiffness, damping=part.damping)
     return found
+
+
+def families_of(
+    drives: Mapping[str, Element],
+    springs: Mapping[str, ForceElement],
+    others: Mapping[str, Mapping[str, ForceElement]],
+) -> dict[str, dict[str, ForceElement]]:
+    """Return all elements by family, in the families' order; of further families those that there are.
+
+    Raises:
+        UnknownNameError: There is no such family.
+        InvalidParameterError: One of them has an argument of its own, or an element acts elsewhere.
+    """
+    own: dict[str, dict[str, ForceElement]] = {"drives": dict(drives), "springs": dict(springs)}
+    for table, elements in others.items():
+        if table not in FAMILIES:
+            raise UnknownNameError("System", "family of elements", table, FAMILIES)
+        if table in own:
+            rule = f"left out: it is given as {table}="
+            raise InvalidParameterError("System", f"elements[{table!r}]", rule, [*elements])
+        for name, element in elements.items():
+            if not isinstance(element, tuple(FAMILIES[table].kinds.values())):
+                rule = f"one of {', '.join(cls.__name__ for cls in FAMILIES[table].kinds.values())}"
+                place = f"elements[{table!r}][{name!r}]"
+                raise InvalidParameterError("System", place, rule, said=type(element).__name__)
+    return own | {table: dict(others[table]) for table in FAMILIES if others.get(table)}

@@ -13,13 +13,17 @@ from antenna_pin.dynamics.audit_kernels import audit_state
 from antenna_pin.dynamics.kernels import (
     HEADER,
     MEMORY_WORDS,
+    PARAMETERS,
     POSE_WORDS,
     block_at,
+    element_at,
     element_state,
     evaluate,
     head_of,
+    joint_motion,
     stored_energy,
 )
+from antenna_pin.elements import kernels as elements
 from antenna_pin.geometry.kernels import BORE
 from antenna_pin.geometry.revolute_kernels import contact_scenario, revolute_contacts
 from antenna_pin.joints.kernels import apart_geometry, wrench_on_journal
@@ -41,6 +45,8 @@ SEEN = layout(
 )
 # A drive at a sample: its effort [N m] or [N], the reference that it follows, and how far it is from it.
 EFFORT = layout(("effort", np.float64), ("reference", np.float64), ("error", np.float64))
+# An element of a further family at a sample: its effort [N m] or [N], stored energy [J], mode.
+DONE = layout(("effort", np.float64), ("energy", np.float64), ("mode", np.float64))
 
 
 @inlined
@@ -204,6 +210,22 @@ def observe(first: int, last: int, given: bool, samples: Any, whole: Any, sights
         if springs:
             audit[0].springs += _points.stored(program, places)
             _points.look_at(program, places, sights.stretches[i])
+
+
+@kernel
+def look_at_elements(first: int, last: int, samples: Any, blocks: Any, whole: Any, out: Any) -> None:
+    """Write what elements do at samples first to last, ``DONE``, (n, blocks)."""
+    program = whole.program
+    nq = head_of(program).nq
+    for i in range(first, last):
+        t, y = samples.times[i], samples.states[i]
+        for k in range(blocks.shape[0]):
+            b, own = blocks[k], out[i, k]
+            e = element_at(program, b)
+            angle, _, _, _ = joint_motion(program, b, y, nq)
+            own.effort, _, _ = element_state(program, b, t, y, nq)
+            own.energy = e.on * elements.stored(e.kind, program, b + PARAMETERS, angle)
+            own.mode = elements.mode(e.kind, program, b + PARAMETERS)
 
 
 @kernel

@@ -41,6 +41,7 @@ class Observed:
             where they follow none, ``EFFORT``, (n, drives).
         audit: Energies and momenta, with the names and units of :class:`antenna_pin.dynamics.Audit`, AUDIT,
             (n,).
+        done: Of the elements of further families, in order, ``DONE``, (n, elements).
         stretch: Of the springs between points ``length`` [m], ``tension`` that draws the points together [N]
             and ``force`` on the second one's link, world axes [N], ``STRETCH``, (n, springs).
         closure: Force [N] and moment [N m] of each closure (n, closures, 2, 3), by
@@ -58,6 +59,7 @@ class Observed:
     scenario: NDArray[np.int8]
     effort: NDArray[Any]
     audit: NDArray[Any]
+    done: NDArray[Any]
     stretch: NDArray[Any]
     closure: Array
     coupling: Array
@@ -109,13 +111,14 @@ def observed(
         for first, last in pairwise(changes):
             workspace.program[:] = programs[first]
             sample_kernels.observe(first, last, False, samples, whole, sights)
+    done = _done(workspace, samples, programs, whole)
     if workspace.constraints is None:
         free = system.mechanism.base == "free"
         accelerations, closure = _accelerations(model, states, sights.forces, free), np.zeros((n, 0, 2, 3))
         coupling, residual = np.zeros((n, 0)), np.zeros((n, 4))
     else:
         accelerations, closure, coupling, residual = _held(
-            workspace, times, states, sights.forces, programs, sights.efforts, failures
+            workspace, times, states, sights.forces, programs, sights.efforts, done, failures
         )
     return Observed(
         acceleration=accelerations,
@@ -124,6 +127,7 @@ def observed(
         scenario=sights.scenarios,
         effort=sights.efforts,
         audit=sights.audits,
+        done=done,
         stretch=sights.stretches,
         closure=closure,
         coupling=coupling,
@@ -164,6 +168,24 @@ def _unseen(system: System, n: int) -> sample_kernels.Sights:
     )
 
 
+def _done(
+    workspace: Workspace,
+    samples: sample_kernels.Samples,
+    programs: Sequence[Array],
+    whole: sample_kernels.Whole,
+) -> NDArray[Any]:
+    """Return what elements of further families do, ``DONE``, (n, elements)."""
+    system, n = workspace.system, len(samples.times)
+    blocks = [place for table in system.others for place in system.element_blocks[table].values()]
+    found = np.zeros((n, len(blocks)), sample_kernels.DONE)
+    if blocks:
+        changes = [0, *compress(range(1, n), map(operator.is_not, programs[1:], programs)), n]
+        for first, last in pairwise(changes):
+            workspace.program[:] = programs[first]
+            sample_kernels.look_at_elements(first, last, samples, np.array(blocks), whole, found)
+    return found
+
+
 def _held(
     workspace: Workspace,
     times: Array,
@@ -171,16 +193,21 @@ def _held(
     forces: Array,
     programs: Sequence[Array],
     effort: NDArray[Any],
+    done: NDArray[Any],
     failures: dict[int, FunctionError],
 ) -> tuple[Array, Array, Array, Array]:
-    """Return accelerations, closures' wrenches, couplings' forces, residuals; motions' go to ``effort``."""
+    """Return accelerations, closures' wrenches, couplings' forces, residuals.
+
+    What holds motions goes to ``effort``, what elements hold with to ``done``.
+    """
     system, constraints = workspace.system, workspace.constraints
     assert constraints is not None
     accelerations = np.zeros((len(times), system.model.nv))
     wrenches = np.zeros((len(times), len(constraints.plan.closures), 2, 3))
     residuals = np.zeros((len(times), 4))
     names, couplings = constraints.plan.motions, constraints.plan.couplings
-    joints = np.zeros((len(times), len(names) + len(couplings)))
+    own, holds = len(names) + len(couplings), constraints.plan.holds
+    joints = np.zeros((len(times), own + len(holds)))
     rates = np.zeros(system.model.nv + system.manifold.nx)
     for i, (t, y, force) in enumerate(zip(times, states, forces, strict=True)):
         workspace.program[:] = programs[i]
@@ -197,7 +224,9 @@ def _held(
         residuals[i] = constraints.residual
     drives = list(system.drives)
     effort["effort"][:, [drives.index(name) for name in names]] = joints[:, : len(names)]
-    return accelerations, wrenches, joints[:, len(names) :], residuals
+    others = [f"{table}.{name}" for table in system.others for name in system.families[table]]
+    done["effort"][:, [others.index(name) for name in holds]] += joints[:, own:]
+    return accelerations, wrenches, joints[:, len(names) : own], residuals
 
 
 def _accelerations(model: Any, states: Array, forces: Array, free_base: bool) -> Array:

@@ -16,6 +16,7 @@ from antenna_pin.dynamics.blocks import (
     Blocks,
     InPython,
     check_booked,
+    check_holds,
     check_motion,
     clearance_block,
     held_block,
@@ -25,33 +26,33 @@ from antenna_pin.dynamics.blocks import (
 from antenna_pin.dynamics.configuration import make_unit, numbers, spaces
 from antenna_pin.dynamics.coordinates import coordinate_names
 from antenna_pin.dynamics.coupled import couplings_of, fit_turns, put_followers
+from antenna_pin.dynamics.element_block import element_block
 from antenna_pin.dynamics.held import HeldKind, closures_by_name
-from antenna_pin.dynamics.parts import springs_and_parts
+from antenna_pin.dynamics.parts import families_of, springs_and_parts
 from antenna_pin.dynamics.points import point_spring_block
 from antenna_pin.elements import (
+    FAMILIES,
     GROSS_WORK,
     LOSS,
     WORK,
     BetweenPoints,
     Element,
     ForceElement,
+    Modal,
     Motion,
     kind_of,
 )
-from antenna_pin.errors import InvalidParameterError, MechanismError, UnknownNameError
+from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.flexible import ElasticPart
 from antenna_pin.integrate import Manifold
 from antenna_pin.joints import ClearanceJoint
 from antenna_pin.joints import layout_kernels as _layout
 from antenna_pin.mechanism import WORLD, Mechanism
-from antenna_pin.records import CIRCLE, FIXED_AXIS, PROGRAM, SLIDE, place_of
+from antenna_pin.records import PROGRAM, place_of
 
 __all__ = ["System"]
 
 Array = NDArray[np.float64]
-
-# Joints without play that elements can act at, by their kind.
-_WITH_AXIS = {"revolute": FIXED_AXIS, "continuous": CIRCLE, "prismatic": SLIDE}
 
 
 @takes()
@@ -80,6 +81,7 @@ class System:
         held: Floating joints of the tree that are held by constraint to what they are ideally, by name.
         closures: Joints that close loops, by name.
         couplings: Joints that follow others, by name, beside those that the URDF couples (``<mimic>``).
+        elements: Elements of further families, by the family's table and then by name: ``{"stops": {...}}``.
         elastic: Elastic parts of flexible links, by name, which is also that of their joint and their spring.
     """
 
@@ -93,6 +95,7 @@ class System:
         held: Mapping[str, HeldKind] | None = None,
         closures: Mapping[str, Closure] | None = None,
         couplings: Mapping[str, Coupling] | None = None,
+        elements: Mapping[str, Mapping[str, ForceElement]] | None = None,
         elastic: Mapping[str, ElasticPart] | None = None,
     ) -> None:
         """Lay out the state and compose the program of force elements."""
@@ -103,6 +106,8 @@ class System:
         #: Elastic parts of flexible links by name; their springs stand behind all others.
         self.elastic = dict(elastic or {})
         self.springs = springs_and_parts(springs or {}, self.elastic)
+        #: All elements by family, then by name.
+        self.families = families_of(self.drives, self.springs, elements or {})
         #: Those between points.
         self.point_springs = {n: s for n, s in self.springs.items() if isinstance(s, BetweenPoints)}
         self.held = dict(held or {})
@@ -120,6 +125,7 @@ class System:
     def __repr__(self) -> str:
         """Show its name and how much of what it has."""
         parts = {"joints with play": self.clearances, "drives": self.drives, "springs": self.springs}
+        parts |= {table: self.families[table] for table in self.others}
         parts |= {"closures": self.closures, "elastic parts": self.elastic}
         said = "".join(f", {len(part)} {name}" for name, part in parts.items() if part)
         return f"System({self.mechanism.name!r}, nq={self.model.nq}, nv={self.model.nv}{said})"
@@ -143,8 +149,9 @@ class System:
         self.plan: Plan | None = None
         #: Where in x the energy stands that corrections of position and velocity put in, if there are any.
         self.projection_x = np.zeros(0, dtype=int)
-        if self.closures or self.motions or self.couplings:
-            self.plan = make_plan(self.mechanism, self.closures, self.motions, self.couplings, self.turn_x)
+        if self.closures or self.motions or self.couplings or self.holds:
+            held = self.closures, self.motions, self.couplings, self.turn_x, self.holds
+            self.plan = make_plan(self.mechanism, *held)
             self.projection_x = np.array([blocks.x])
             blocks.x += 1
         self.program = np.concatenate(blocks.all)
@@ -153,6 +160,16 @@ class System:
             places_in_x(self.program, self.drives, self.drive_blocks, one) for one in (WORK, GROSS_WORK)
         )
         self.damper_x = places_in_x(self.program, self.springs, self.spring_blocks, LOSS)
+        #: The same of the losses of elements of further families, one family after another.
+        self.element_x = np.concatenate(
+            [
+                np.zeros(0, dtype=int),
+                *(
+                    places_in_x(self.program, self.families[one], self.element_blocks[one], LOSS)
+                    for one in self.others
+                ),
+            ]
+        )
         head = self.program[: kernels.HEADER].view(PROGRAM)
         head["nq"], head["nv"] = self.model.nq, self.model.nv
         head["contacts"], head["rows"], head["points"] = len(self.contact_names), self.rows, points
@@ -214,34 +231,46 @@ class System:
         self.bristle_x = np.concatenate([np.zeros(0, dtype=int), *bristles])
 
     def _place_elements(self, blocks: Blocks) -> None:
-        """Lay out drives and springs at joints."""
+        """Lay out the elements at joints."""
         #: Elements in Python.
         self.callables: list[InPython] = []
         #: Joints whose motion is prescribed.
         self.motions: list[DrivenJoint] = []
-        self.drive_blocks: dict[str, int] = {}
-        self.spring_blocks: dict[str, int] = {}
-        at_joints = {n: s for n, s in self.springs.items() if isinstance(s, Element)}
-        families: tuple[tuple[str, Mapping[str, Element], dict[str, int]], ...] = (
-            ("drive", self.drives, self.drive_blocks),
-            ("spring", at_joints, self.spring_blocks),
-        )
-        for family, elements, places in families:
+        #: Elements that may hold their joint.
+        self.holds: list[DrivenJoint] = []
+        #: Where in the program the block of each element stands, by family, then by name.
+        self.element_blocks: dict[str, dict[str, int]] = {table: {} for table in self.families}
+        self.drive_blocks, self.spring_blocks = (self.element_blocks[one] for one in ("drives", "springs"))
+        for table, elements in self.families.items():
+            family, places = FAMILIES[table].word, self.element_blocks[table]
             for name, element in elements.items():
+                if not isinstance(element, Element):
+                    continue
                 check_booked(family, name, element)
                 x = blocks.x
-                block = self.element_block(f"{family} {name!r}", element, x)
+                block = element_block(self, f"{family} {name!r}", element, x)
                 places[name] = at = blocks.add(block, len(element.integrals))
                 own = at + int(kernels.PARAMETERS)
                 if element.in_python:
                     asked = element.asked(f"{family} {name!r}", self.slides(element.joint))
                     self.callables.append(InPython(at, slice(own, at + len(block)), element, asked))
-                if isinstance(element, Motion):
+                holds = isinstance(element, Modal) and element.holds
+                if holds:
+                    check_holds(f"{family} {name!r}", self.mechanism, element.joint)
+                elif isinstance(element, Motion):
                     check_motion(f"{family} {name!r}", self.mechanism, self.drives, name, element)
-                    kind, turn = kind_of(type(element)), self.turn_x.get(element.joint, -1)
-                    self.motions.append(
-                        DrivenJoint(name=name, joint=element.joint, turn=turn, kind=kind, words=own, x=x)
+                else:
+                    continue
+                (self.holds if holds else self.motions).append(
+                    DrivenJoint(
+                        name=f"{table}.{name}" if holds else name,
+                        joint=element.joint,
+                        turn=self.turn_x.get(element.joint, -1),
+                        kind=kind_of(type(element)),
+                        words=own,
+                        x=x,
                     )
+                )
 
     def _place_point_springs(self, blocks: Blocks) -> int:
         """Lay out springs between points, behind all else; return where in the program they begin."""
@@ -252,38 +281,14 @@ class System:
             self.spring_blocks[name] = blocks.add(block, len(spring.integrals))
         return begin
 
+    @property
+    def others(self) -> tuple[str, ...]:
+        """The families that it has besides drives and springs."""
+        return tuple(table for table in self.families if table not in ("drives", "springs"))
+
     def slides(self, joint: str) -> bool:
         """Whether a joint slides along its axis rather than turning about it."""
         return slides(self.mechanism, self.clearances, joint)
-
-    def element_block(self, place: str, element: Element, x: int) -> Array:
-        """Return the block of an element, or refuse a joint at which it cannot act.
-
-        Args:
-            place: What it is, for the refusal.
-            element: The element.
-            x: Where in x what it integrates starts.
-        """
-        slot = self.mechanism.joint(element.joint)
-        clearance = self.clearance_blocks.get(element.joint, -1)
-        without_axis = any(j.geometry.motion is None for j in self.clearances if j.name == element.joint)
-        if without_axis or (clearance < 0 and slot.kind not in _WITH_AXIS):
-            kind_seen = "spherical" if without_axis else slot.kind
-            raise MechanismError(
-                f"{place}: joint {element.joint!r} is {kind_seen} and has no axis to act about; "
-                "use a revolute, continuous, prismatic or clearance joint"
-            )
-        element.check_joint(place, self.slides(element.joint))
-        words = element.words_of_kernel()
-        block = np.concatenate([np.zeros(kernels.PARAMETERS), words])
-        head = block[: kernels.PARAMETERS].view(kernels.ELEMENT)
-        head["kind"], head["length"] = kind_of(type(element)), len(block)
-        head["joint"], head["play"] = _WITH_AXIS.get(slot.kind, -1), clearance
-        head["turn"] = self.turn_x.get(element.joint, -1)
-        head["q"], head["v"], head["x"] = slot.q.start, slot.v.start, x
-        head["about"] = kernels.ABOUTS.index(element.about)
-        head["senses"], head["on"] = element.senses, element.acts
-        return block
 
     @property
     def closed_to_world(self) -> bool:

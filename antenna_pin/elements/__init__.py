@@ -5,10 +5,13 @@ from antenna_pin.elements.constant import ConstantDrive
 from antenna_pin.elements.element import GROSS_WORK, LOSS, WORK, About, Drive, Element, ForceElement, Integral
 from antenna_pin.elements.given import CallableDrive
 from antenna_pin.elements.joint_friction import JointFriction
+from antenna_pin.elements.modal import Change, Met, Modal
 from antenna_pin.elements.pd import PDController
 from antenna_pin.elements.point_spring import PointSpring
 from antenna_pin.elements.prescribed import CallableMotion, DistanceMotion, Motion, PrescribedMotion
-from antenna_pin.elements.registry import DRIVES, ELEMENTS, SPRINGS, kind_of
+from antenna_pin.elements.registry import DRIVES, ELEMENTS, FAMILIES, SPRINGS, Family, family_words, kind_of
+from antenna_pin.elements.rigid_latch import RigidLatch
+from antenna_pin.elements.rigid_stop import RigidStop
 from antenna_pin.elements.sine import SineDrive
 from antenna_pin.elements.spring import JointSpring
 from antenna_pin.elements.tabulated import TableDrive
@@ -16,6 +19,7 @@ from antenna_pin.elements.tabulated import TableDrive
 __all__ = [
     "DRIVES",
     "ELEMENTS",
+    "FAMILIES",
     "GROSS_WORK",
     "LOSS",
     "SPRINGS",
@@ -24,20 +28,27 @@ __all__ = [
     "BetweenPoints",
     "CallableDrive",
     "CallableMotion",
+    "Change",
     "ConstantDrive",
     "DistanceMotion",
     "Drive",
     "Element",
+    "Family",
     "ForceElement",
     "Integral",
     "JointFriction",
     "JointSpring",
+    "Met",
+    "Modal",
     "Motion",
     "PDController",
     "Point",
     "PointSpring",
     "PrescribedMotion",
+    "RigidLatch",
+    "RigidStop",
     "SineDrive",
     "TableDrive",
+    "family_words",
     "kind_of",
 ]

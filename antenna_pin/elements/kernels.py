@@ -58,12 +58,28 @@ def _no_motion(asked: int, words: Any, at: int, t: float) -> tuple[float, float,
     return math.nan, math.nan, math.nan
 
 
+def _never(asked: int, words: Any, at: int, k: int, motion: Any) -> tuple[float, float]:
+    return 1.0, 0.0
+
+
+def _not_held(asked: int, words: Any, at: int) -> tuple[bool, float]:
+    return False, 0.0
+
+
+def _no_mode(asked: int, words: Any, at: int) -> int:
+    return 0
+
+
 effort = _chain("effort", _no_kind)
 write_rates = _chain("write_rates", _no_rates)
 stored = _chain("stored", _nothing)
 kink = _chain("kink", _no_kind)
 reference = _chain("reference", _no_reference)
 motion = _chain("motion", _no_motion)
+# Of those with modes.
+switch = _chain("switch", _never)
+hold = _chain("hold", _not_held)
+mode = _chain("mode", _no_mode)
 # Of those between points.
 tension = _chain("tension", _no_kind)
 loss = _chain("loss", _no_kind)

@@ -1,9 +1,14 @@
-"""The force elements by the names that a scenario has for them. One enters by a line here."""
+"""The force elements by the names that a scenario has for them. One enters by a line here.
+
+A family is a table of a scenario: ``FAMILIES`` names it, and scenario, overrides, events that set, words and
+reference follow.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from types import MappingProxyType
+from typing import NamedTuple
 
 from antenna_pin.elements.constant import ConstantDrive
 from antenna_pin.elements.element import Element, ForceElement
@@ -12,12 +17,29 @@ from antenna_pin.elements.joint_friction import JointFriction
 from antenna_pin.elements.pd import PDController
 from antenna_pin.elements.point_spring import PointSpring
 from antenna_pin.elements.prescribed import CallableMotion, DistanceMotion, PrescribedMotion
+from antenna_pin.elements.rigid_latch import RigidLatch
+from antenna_pin.elements.rigid_stop import RigidStop
 from antenna_pin.elements.sine import SineDrive
 from antenna_pin.elements.spring import JointSpring
 from antenna_pin.elements.tabulated import TableDrive
 from antenna_pin.errors import UnknownNameError
 
-__all__ = ["DRIVES", "ELEMENTS", "SPRINGS", "kind_of"]
+__all__ = ["DRIVES", "ELEMENTS", "FAMILIES", "SPRINGS", "Family", "family_words", "kind_of"]
+
+
+class Family(NamedTuple):
+    """Elements of one table of a scenario.
+
+    Attributes:
+        word: One of them, as messages call it.
+        kinds: Their classes by ``kind``.
+        default: The kind of a table at a joint that names none; None where each must.
+    """
+
+    word: str
+    kinds: Mapping[str, type[ForceElement]]
+    default: str | None = None
+
 
 DRIVES: Mapping[str, type[Element]] = MappingProxyType(
     {
@@ -40,16 +62,38 @@ SPRINGS: Mapping[str, type[ForceElement]] = MappingProxyType(
 )
 """What stores and loses energy by its ``kind`` in ``[springs.NAME]``."""
 
+STOPS: Mapping[str, type[ForceElement]] = MappingProxyType({"rigid": RigidStop})
+"""End stops by their ``kind`` in ``[stops.NAME]``."""
+
+LATCHES: Mapping[str, type[ForceElement]] = MappingProxyType({"rigid": RigidLatch})
+"""Latches by their ``kind`` in ``[latches.NAME]``."""
+
+FAMILIES: Mapping[str, Family] = MappingProxyType(
+    {
+        "drives": Family("drive", DRIVES),
+        "springs": Family("spring", SPRINGS, "spring"),
+        "stops": Family("stop", STOPS),
+        "latches": Family("latch", LATCHES),
+    }
+)
+"""Families by the table ``[FAMILY.NAME]`` that a scenario has for each; the order is that of programs."""
+
 ELEMENTS: tuple[type[ForceElement], ...] = (
     *DRIVES.values(),
     CallableDrive,
     CallableMotion,
-    *SPRINGS.values(),
+    *(cls for table, family in FAMILIES.items() if table != "drives" for cls in family.kinds.values()),
 )
 """All elements there are; Python has some that a scenario has not."""
 
 # Blocks of a program with lower numbers are joints.
 _FIRST_KIND = 10
+
+
+def family_words() -> str:
+    """Return what a message calls one of them, of whatever family."""
+    *first, last = (family.word for family in FAMILIES.values())
+    return f"{', '.join(first)} or {last}"
 
 
 def kind_of(element: type[ForceElement]) -> int:

@@ -10,22 +10,34 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 from antenna_pin._compile import kernel
-from antenna_pin.dynamics.kernels import element_kink, evaluate, head_of, joint_motion
+from antenna_pin.constraints.layout_kernels import hold_at, plan_of
+from antenna_pin.dynamics.kernels import element_kink, element_switch, evaluate, head_of, joint_motion
 from antenna_pin.dynamics.trial_kernels import locate
-from antenna_pin.engine.step_kernels import ask_elements
+from antenna_pin.engine.step_kernels import ask_elements, derivative
 from antenna_pin.integrate.kernels import STATE_ROW, dense_state
 from antenna_pin.records import layout
 
-# What is watched: a function of an element, the angle (or way) of a joint, its rate, a gap, a normal force.
+# What is watched: a function of an element where its effort has a kink, the angle (or way) of a joint, its
+# rate, a gap, a normal force, a function of an element where its mode changes.
 KINK = 0
 ANGLE = 1
 RATE = 2
 GAP = 3
 FORCE = 4
+SWITCH = 5
 
 #: What is watched; where: block of the element, of the joint in the watch's own program, or the contact; the
 #: value to be passed; the side that it is on, 0 if that is not known; the parts of a step that are looked at.
-WATCHED = layout(("what", "i8"), ("where", "i8"), ("value", "f8"), ("side", "f8"), ("parts", "i8"))
+#: Of a change of mode the number of the function, and of the hold whose load it asks for (-1: none).
+WATCHED = layout(
+    ("what", "i8"),
+    ("where", "i8"),
+    ("value", "f8"),
+    ("side", "f8"),
+    ("parts", "i8"),
+    ("number", "i8"),
+    ("hold", "i8"),
+)
 
 
 class Watched(NamedTuple):
@@ -56,6 +68,13 @@ def _look(w: Any, t: float, y: Any, numbers: Any, watched: Any) -> None:
     out[1] = 0.0
     if w.what == KINK:
         out[0] = element_kink(program, w.where, t, y, nq)
+    elif w.what == SWITCH:
+        load = 0.0
+        if w.hold >= 0:
+            derivative(t, y, numbers, watched.rates, False)
+            plan, own = plan_of(numbers.plan), hold_at(numbers.plan, w.hold)
+            load = numbers.held[plan.force + own.row] * (1.0 if own.slides != 0 else plan.length)
+        out[0], out[1] = element_switch(program, w.where, w.number, t, y, load)
     elif w.what == ANGLE or w.what == RATE:
         angle, rate, _, _ = joint_motion(watched.program, w.where, y, nq)
         out[0] = angle if w.what == ANGLE else rate

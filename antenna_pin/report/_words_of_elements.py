@@ -6,7 +6,7 @@ import json
 from collections.abc import Iterator
 
 from antenna_pin.analysis import drives_of
-from antenna_pin.elements import ForceElement, JointFriction
+from antenna_pin.elements import FAMILIES, ForceElement, JointFriction
 from antenna_pin.report._runs import ReportedRun
 from antenna_pin.scenario import Scenario
 
@@ -14,8 +14,8 @@ __all__ = ["names_of_elements", "words_of_elements", "words_of_friction"]
 
 
 def words_of_elements(scenario: Scenario) -> Iterator[tuple[str, str]]:
-    """Yield each drive and each spring of a scenario, with what it does."""
-    for family, specs in (("drive", scenario.drives), ("spring", scenario.springs)):
+    """Yield each element of a scenario, with what it does."""
+    for table, specs in scenario.families.items():
         for name, spec in specs.items():
             element: ForceElement = spec.build()
             text = element.words(getattr(spec, "motion", None) == "translation")
@@ -24,7 +24,7 @@ def words_of_elements(scenario: Scenario) -> Iterator[tuple[str, str]]:
             clearance = scenario.clearance.get(element.acts_at or "")
             if element.about != "motion" and clearance is not None and clearance.model != "ideal":
                 text += f", about the {element.about}'s axis"
-            yield f"{family} {name}", text + _off(element)
+            yield f"{FAMILIES[table].word} {name}", text + _off(element)
 
 
 def _off(element: ForceElement) -> str:

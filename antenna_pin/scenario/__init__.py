@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from antenna_pin.scenario.couplings import CouplingSpec
     from antenna_pin.scenario.drives import (
         DRIVE_SPECS,
+        FAMILY_SPECS,
         SPRING_SPECS,
         AnySpring,
         DriveSpec,
@@ -62,6 +63,7 @@ _HOMES = {
     "ContactClearance": "clearance",
     "CouplingSpec": "couplings",
     "DRIVE_SPECS": "drives",
+    "FAMILY_SPECS": "drives",
     "SPRING_SPECS": "drives",
     "DriveSpec": "drives",
     "EventSpec": "events",
@@ -112,6 +114,7 @@ _HOMES = {
 __all__ = [
     "TouchingSpec",
     "DRIVE_SPECS",
+    "FAMILY_SPECS",
     "SPRING_SPECS",
     "AnchorSpec",
     "AngleEvent",

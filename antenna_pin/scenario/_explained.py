@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from pydantic import ValidationError
 
-from antenna_pin.elements import DRIVES, SPRINGS
+from antenna_pin.elements import FAMILIES
 from antenna_pin.errors import AntennaPinError, ScenarioError, UnknownNameError, nearest
 from antenna_pin.units import shown
 
@@ -28,8 +28,7 @@ Location = tuple[str | int, ...]
 
 # Tables whose entries are one of several classes; pydantic puts the class into the location, after the name.
 TAGGED: dict[str, tuple[str, ...]] = {
-    "drives": tuple(DRIVES),
-    "springs": tuple(SPRINGS),
+    **{table: tuple(family.kinds) for table, family in FAMILIES.items()},
     "flexible": ("modes", "petals", "modal-data"),
 }
 _BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")

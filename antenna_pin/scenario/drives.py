@@ -1,28 +1,30 @@
-"""What acts at the joints: drives and springs, with the keys of the elements that they are made of."""
+"""What acts at the joints: tables of all families, with the keys of the elements that they are made of."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, Literal, Self, Union
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, Union
 
 from pydantic import Field, create_model, model_validator
 
-from antenna_pin.elements import DRIVES, SPRINGS, BetweenPoints, ForceElement
-from antenna_pin.scenario._base import refuse
+from antenna_pin.elements import DRIVES, FAMILIES, BetweenPoints, ForceElement, Modal
+from antenna_pin.scenario._base import Spec, refuse
 from antenna_pin.scenario._joint import JointTable
 from antenna_pin.scenario._made import MadeSpec, reads
 from antenna_pin.scenario.closures import PlaceSpec
 
 __all__ = [
     "DRIVE_SPECS",
+    "FAMILY_SPECS",
     "SPRING_SPECS",
     "AnySpring",
     "DriveSpec",
     "ElementSpec",
+    "FamilyTables",
     "PointsSpec",
     "file_columns",
     "is_between_points",
-    "kind_of_spring",
+    "kind_in",
 ]
 
 
@@ -99,18 +101,22 @@ def _specs(
             __module__=__name__,
             kind=key,
         )
-        found[kind] = reads(cls, without=("first", "second") if between else ())(bare)
+        own = cls.own_keys() if issubclass(cls, Modal) else ()
+        found[kind] = reads(cls, without=("first", "second") if between else own)(bare)
     return found
 
 
-DRIVE_SPECS = _specs(DRIVES, default=False)
+FAMILY_SPECS = {table: _specs(one.kinds, one.default is not None) for table, one in FAMILIES.items()}
+"""The tables of each family by their kind."""
+
+DRIVE_SPECS = FAMILY_SPECS["drives"]
 """The tables of drives by their kind."""
 
-SPRING_SPECS = _specs(SPRINGS, default=True)
+SPRING_SPECS = FAMILY_SPECS["springs"]
 """The tables of springs by their kind."""
 
 # A scenario that is pickled names its classes as this module does.
-globals().update({spec.__name__: spec for spec in (*DRIVE_SPECS.values(), *SPRING_SPECS.values())})
+globals().update({spec.__name__: spec for specs in FAMILY_SPECS.values() for spec in specs.values()})
 
 if TYPE_CHECKING:
     DriveSpec = ElementSpec
@@ -122,14 +128,41 @@ else:
     """A spring; ``kind`` says which class it is."""
 
 
-def kind_of_spring(table: Mapping[str, Any]) -> str:
-    """Return the kind of a spring's table that names none: one with an end is between points."""
-    return "spring" if {"first", "second"}.isdisjoint(table) else "between-points"
+if TYPE_CHECKING:
+
+    class FamilyTables(Spec):
+        """The further families of a scenario."""
+
+else:
+    FamilyTables = create_model(
+        "FamilyTables",
+        __base__=Spec,
+        __doc__="The further families of a scenario, each a field: tables by name.",
+        __module__=__name__,
+        **{
+            table: (
+                dict[str, Annotated[Union[tuple(specs.values())], Field(discriminator="kind")]]  # noqa: UP007
+                if len(specs) > 1
+                else dict[str, *specs.values()],
+                Field(default_factory=dict),
+            )
+            for table, specs in FAMILY_SPECS.items()
+            if table not in ("drives", "springs")
+        },
+    )
 
 
-def is_between_points(kind: object) -> bool:
-    """Whether springs of a kind are between points rather than at a joint."""
-    return isinstance(kind, str) and issubclass(SPRING_SPECS.get(kind, ElementSpec), PointsSpec)
+def kind_in(family: str, table: Mapping[str, Any]) -> str | None:
+    """Return the kind of a table that names none, if its family has one: with an end it is between points."""
+    between = [kind for kind in FAMILIES[family].kinds if is_between_points(family, kind)]
+    if between and not {"first", "second"}.isdisjoint(table):
+        return between[0]
+    return FAMILIES[family].default
+
+
+def is_between_points(family: str, kind: object) -> bool:
+    """Whether elements of a kind are between points rather than at a joint."""
+    return isinstance(kind, str) and issubclass(FAMILY_SPECS[family].get(kind, ElementSpec), PointsSpec)
 
 
 def file_columns(table: object) -> tuple[str, str] | None:

@@ -7,6 +7,7 @@ from typing import Annotated, Literal, Self, get_args
 
 from pydantic import BeforeValidator, model_validator
 
+from antenna_pin.elements import family_words
 from antenna_pin.scenario._base import (
     Quantity,
     Spec,
@@ -45,7 +46,7 @@ class _Event(Spec):
     Attributes:
         action: ``mark`` it in the result, which every event does; ``stop`` the run; or ``set`` a number.
         after: The passage from which on that is done; earlier ones are only marked.
-        set: What is set: ``drives.NAME.KEY`` or ``springs.NAME.KEY``; the key ``on`` is the whole of it.
+        set: What is set: ``drives.NAME.KEY``, ``springs.NAME.KEY``, ...; the key ``on`` is the whole of it.
         to: What it is set to, in the unit of that key; of ``on`` true or false.
     """
 
@@ -148,14 +149,14 @@ def number_to_set(event: EventSpec, tables: Mapping[str, Mapping[str, Spec]], *p
 
     Args:
         event: One whose action is ``set``.
-        tables: ``drives`` and ``springs`` of the scenario, by name.
+        tables: The elements of the scenario by family, then by name.
         *place: Where the event stands.
     """
     element, _, key = (event.set or "").rpartition(".")
     kind, _, name = element.partition(".")
     known = [f"{place}.{one}" for place, named in tables.items() for one in named]
     if element not in known:
-        refuse_name("drive or spring", element or key, known, *place, "set")
+        refuse_name(family_words(), element or key, known, *place, "set")
     quantities = _quantities(tables[kind][name])
     switched = "on" in type(tables[kind][name]).model_fields
     if key == "on" and switched:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self, get_args
 from pydantic import Field, model_validator
 
 from antenna_pin.brief import brief
+from antenna_pin.elements import FAMILIES
 from antenna_pin.errors import InvalidParameterError, UnknownNameError, nearest
 from antenna_pin.scenario._base import PositiveTime, Spec, Version, refuse, refuse_name
 from antenna_pin.scenario._clearance import law_tables
@@ -17,12 +18,12 @@ from antenna_pin.scenario.clearance import ClearanceSpec
 from antenna_pin.scenario.closures import ClosureSpec
 from antenna_pin.scenario.couplings import CouplingSpec
 from antenna_pin.scenario.drives import (
-    DRIVE_SPECS,
-    SPRING_SPECS,
+    FAMILY_SPECS,
     AnySpring,
     DriveSpec,
+    FamilyTables,
     is_between_points,
-    kind_of_spring,
+    kind_in,
 )
 from antenna_pin.scenario.events import EventSpec, number_to_set
 from antenna_pin.scenario.flexible import FlexibleSpec, ModesSpec
@@ -39,7 +40,7 @@ if TYPE_CHECKING:
 __all__ = ["Scenario"]
 
 
-class Scenario(Spec):
+class Scenario(FamilyTables):
     """A mechanism, the play in its joints, what drives it, and how it is to be computed.
 
     It is data: in SI units, validated, nothing computed. It goes through JSON unchanged
@@ -122,7 +123,13 @@ class Scenario(Spec):
         table = self.events[event]
         if table.action != "set":
             return None
-        return number_to_set(table, {"drives": self.drives, "springs": self.springs}, "events", event)
+        return number_to_set(table, self.families, "events", event)
+
+    @property
+    def families(self) -> dict[str, Mapping[str, Any]]:
+        """The tables of elements by family, then by name; of further families those that it has."""
+        found = {table: getattr(self, table) for table in FAMILY_SPECS}
+        return {table: named for table, named in found.items() if named or table in ("drives", "springs")}
 
     def lasting(self, duration: float) -> Scenario:
         """Return the scenario with another duration [s], positive, as :meth:`with_overrides` would.
@@ -157,8 +164,7 @@ class Scenario(Spec):
         # What old units said of a joint's motion does not bind new values.
         joints = tables(layer.get("initial")).get("joints")
         for below, above in (
-            (data["drives"], layer.get("drives")),
-            (data["springs"], layer.get("springs")),
+            *((data[table], layer.get(table)) for table in FAMILY_SPECS),
             (data["couplings"], layer.get("couplings")),
             (data["initial"]["joints"], joints),
         ):
@@ -176,7 +182,7 @@ class Scenario(Spec):
         if not isinstance(data, Mapping):
             return data
         done = dict(data)
-        for place in ("drives", "springs"):
+        for place in FAMILY_SPECS:
             tables = data.get(place)
             if isinstance(tables, Mapping):
                 done[place] = {name: _at_its_joint(place, name, table) for name, table in tables.items()}
@@ -189,8 +195,8 @@ class Scenario(Spec):
                 }
         _check_choice(done, "flexible", "kind", get_args(get_args(FlexibleSpec)[0]))
         _check_choice(done, "clearance", "model", get_args(ClearanceSpec))
-        _check_choice(done, "drives", "kind", tuple(DRIVE_SPECS.values()))
-        _check_choice(done, "springs", "kind", tuple(SPRING_SPECS.values()))
+        for table, specs in FAMILY_SPECS.items():
+            _check_choice(done, table, "kind", tuple(specs.values()))
         _check_choice(done, "events", "kind", get_args(EventSpec))
         return done
 
@@ -241,20 +247,22 @@ class Scenario(Spec):
 
 
 def _at_its_joint(place: str, name: str, table: object) -> object:
-    """Return the table of a drive or spring with the joint that it is named after, if it is at a joint."""
+    """Return the table of an element with the joint that it is named after, if it is at a joint."""
     if not isinstance(table, Mapping):
         return table
-    if place == "springs":
-        table = {"kind": kind_of_spring(table), **table}
-        if is_between_points(table["kind"]):
-            if "joint" in table:
-                refuse(
-                    "must be left out beside first and second; a spring is at a joint or between points",
-                    place,
-                    name,
-                    "joint",
-                )
-            return table
+    kind = kind_in(place, table)
+    if kind is not None:
+        table = {"kind": kind, **table}
+    if is_between_points(place, table.get("kind")):
+        if "joint" in table:
+            refuse(
+                f"must be left out beside first and second; a {FAMILIES[place].word} is at a joint or "
+                "between points",
+                place,
+                name,
+                "joint",
+            )
+        return table
     return {"joint": name, **table}
 
 

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from antenna_pin.dynamics import Adjustments, Workspace, audit
 from antenna_pin.integrate import Stepper
 from antenna_pin.simulation.control import StepControl
-from antenna_pin.simulation.events import Jump, Kink, Set, Stop
+from antenna_pin.simulation.events import Jump, Kink, Set, Stop, Switch
+from antenna_pin.simulation.modes import ZERO, Modes
 from antenna_pin.simulation.samples import Samples
 from antenna_pin.simulation.watch import Crossing, Watch
 
@@ -47,7 +48,8 @@ class Actions:
 
     Attributes:
         happened: Events that have happened, in their order.
-        adjustments: Drives and springs as they are.
+        adjustments: Elements as they are.
+        modes: Those that have modes.
     """
 
     def __init__(
@@ -68,6 +70,7 @@ class Actions:
         self._begin = begin
         self.happened: list[Happening] = []
         self.adjustments = Adjustments(workspace.system, workspace.program)
+        self.modes = Modes(workspace, self.adjustments)
 
     def take(self, crossing: Crossing) -> str | None:
         """Count an event at the present state and do what it asks for; return its name if the run ends."""
@@ -75,6 +78,9 @@ class Actions:
         action = event.action
         count = self._watch.happen(crossing)
         if isinstance(action, Kink):
+            return None
+        if isinstance(action, Switch):
+            self._switch(action)
             return None
         new = self._stepper.t > self._begin  # the others were the run's that was before
         energy = 0.0
@@ -87,16 +93,46 @@ class Actions:
             energy += self._energy()
             self._stepper.refresh()
             self._watch.renew()
+            if self.modes and (due := self.modes.due(self._stepper.t, self._here)) is not None:
+                self._switch(due)
         if new:
             self.happened.append(Happening(event.name, self._stepper.t, energy))
         self._samples.add(self._stepper.t, self._here.copy())
         return event.name if new and count >= event.after and isinstance(action, Stop) else None
 
+    def begin(self) -> None:
+        """Bring elements into the modes that they have at the start of a run."""
+        self.modes.begin(self._stepper.t, self._here)
+        self._renew()
+
+    def _switch(self, action: Switch) -> None:
+        """Let an element change its mode, and what changes by that at once."""
+        recorded, before = len(self.modes.changed), self._energy()
+        y = self._here
+        lost = self.modes.lost(y)
+        if not self.modes.take(action, self._stepper.t, y):
+            self._watch.logical(ZERO)
+            return
+        self._control.spin = self._workspace.system.turn_on(self._stepper.start)
+        energy = self._energy() - before + self.modes.lost(y) - lost
+        self._renew()
+        self._stepper.refresh()
+        self._watch.renew()
+        self._watch.logical(ZERO)
+        t = self._stepper.t
+        for k, one in enumerate(self.modes.changed[recorded:]):
+            if t > self._begin:
+                self.happened.append(Happening(one.name, t, energy if k == 0 else 0.0))
+        self._samples.add(t, self._here.copy())
+
+    def _renew(self) -> None:
+        self._control.renew(self.adjustments.elements.values())
+        self._samples.program = self._workspace.program.copy()
+
     def set(self, place: str, value: float) -> None:
         """Change a number of a drive or a spring."""
         self.adjustments.set(place, value)
-        self._control.renew(self.adjustments.elements.values())
-        self._samples.program = self._workspace.program.copy()
+        self._renew()
 
     def _jump(self, event: str, action: Jump) -> None:
         system, here = self._workspace.system, self._here

@@ -49,7 +49,7 @@ class StepControl:
         )
         self.sizes = Sizes(workspace.memory)
         system = workspace.system
-        elements = (*system.drives.values(), *system.springs.values())
+        elements = [element for family in system.families.values() for element in family.values()]
         self.end_at({t for element in elements for t in element.instants})
         self.renew(elements)
         #: Trial steps and time [s] where the pace was last looked at.

@@ -224,7 +224,20 @@ class Kink:
     """A step ends there, unrecorded: what a run looks for itself, where an element's effort has a kink."""
 
 
-Action = Mark | Stop | Set | Jump | Kink
+@dataclass(frozen=True, slots=True)
+class Switch:
+    """An element may change its mode: what a run looks for itself.
+
+    Attributes:
+        place: Of the element, as ``latches.hinge``.
+        number: Of its function that passes zero.
+    """
+
+    place: str
+    number: int
+
+
+Action = Mark | Stop | Set | Jump | Kink | Switch
 
 
 # --- the event ------------------------------------------------------------------------------------------
@@ -286,7 +299,7 @@ class Event:
     @property
     def changes(self) -> bool:
         """Whether it may change what moves, or end it: nothing is known of what comes after it."""
-        return isinstance(self.action, Set | Jump | Stop)
+        return isinstance(self.action, Set | Jump | Stop | Switch)
 
     def counts(self, side: float) -> bool:
         """Whether the function's passing to this sign is what is looked for."""

@@ -26,6 +26,7 @@ from antenna_pin.simulation.control import StepControl
 from antenna_pin.simulation.episodes import Episodes
 from antenna_pin.simulation.events import Event
 from antenna_pin.simulation.kinks import kinks_of
+from antenna_pin.simulation.modes import NeverSettlesError, switches_of
 from antenna_pin.simulation.oversight import Oversight
 from antenna_pin.simulation.progress import Keeping, Progress, Reporter
 from antenna_pin.simulation.samples import Samples
@@ -81,7 +82,9 @@ class Run:
         self.contacts = Episodes(self.workspace, self.stepper, self.samples, self.begin)
         self.search = ContactSearch(self.workspace, self.stepper, self.contacts)
         self.events = tuple(events)
-        self.watch = Watch((*self.events, *kinks_of(system)), self.workspace, self.stepper)
+        self.watch = Watch(
+            (*self.events, *kinks_of(system), *switches_of(system)), self.workspace, self.stepper
+        )
         self.control.end_at(self.watch.instants)
         worked_on = self.workspace, self.stepper, self.control, self.samples
         self.actions = Actions(self.watch, *worked_on, self.begin)
@@ -106,6 +109,7 @@ class Run:
             row = self.search.table[c]
             if row.gap <= ON_SURFACE:
                 self.contacts.touch(c, max(float(row.rate), 0.0))
+        self.actions.begin()
         self.stepper.refresh()
         self.watch.renew()
         self.samples.add(0.0, y.copy())
@@ -262,7 +266,11 @@ class Run:
 
     def _act(self, crossings: list[Crossing]) -> None:
         for crossing in crossings:
-            last = self.actions.take(crossing)
+            try:
+                last = self.actions.take(crossing)
+            except NeverSettlesError as error:
+                self._stop(Outcome.NO_PROGRESS, f", {error} changes its mode again and again")
+                return
             if last is not None:
                 self._stop(Outcome.STOPPED, f", event {last!r}")
 

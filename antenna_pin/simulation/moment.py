@@ -39,6 +39,7 @@ class Moment:
         self._rates = np.zeros(self._nv + workspace.manifold.nx)
         self._motions: dict[str, JointMotion] = {}
         self._found: dict[str, tuple[float, float]] = {}  # at the present time and state
+        self._loads: list[float] = []  # of the elements that hold, at the present time and state
         self._contacts: Mapping[str, int] = {name: c for c, name in enumerate(self.system.contact_names)}
         self._measured = self._evaluated = False
 
@@ -47,12 +48,27 @@ class Moment:
         self.time = time
         self._y[:] = y
         self._found.clear()
+        self._loads = []
         self._measured = self._evaluated = False
         return self
 
     def kink(self, block: int) -> float:
         """Return how far the effort of an element, by its place in the program, is past its kink."""
         return float(kernels.element_kink(self._workspace.program, block, self.time, self._y, self._nq))
+
+    def load(self, hold: int) -> float:
+        """Return the torque [N m] (force [N]) that an element carries that holds its joint, by its number."""
+        if not self._loads:
+            self._workspace.derivative(self.time, self._y, self._rates)
+            self._evaluated, self._measured = True, False
+            assert self._workspace.constraints is not None
+            self._loads = self._workspace.constraints.loads().tolist()
+        return float(self._loads[hold])
+
+    def switch(self, block: int, number: int, hold: int) -> tuple[float, float]:
+        """Return a function of an element, by its place in the program, and its rate (0: not known)."""
+        load = self.load(hold) if hold >= 0 else 0.0
+        return kernels.element_switch(self._workspace.program, block, number, self.time, self._y, load)
 
     @property
     def q(self) -> Array:

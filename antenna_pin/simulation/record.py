@@ -200,6 +200,7 @@ def _labels(seen: Seen) -> dict[str, Any]:
         ("controller", [name for name, drive in system.drives.items() if drive.tracks]),
         ("motion", [name for name, drive in system.drives.items() if isinstance(drive, Motion)]),
         ("spring", [name for name in system.springs if name not in system.elastic]),
+        ("element", [f"{table}.{name}" for table in system.others for name in system.families[table]]),
         ("elastic_part", list(system.elastic)),
         ("point_spring", list(system.point_springs)),
         ("closure", list(system.closures)),
@@ -209,6 +210,9 @@ def _labels(seen: Seen) -> dict[str, Any]:
             labels[name] = found
     if system.contact_names:
         labels["episode"] = len(seen.run.episodes)
-    if seen.run.events:
+    modes = seen.run.actions.modes
+    if modes:
+        labels["change"] = [one.name for one in modes.changed if one.time > seen.run.begin]
+    if seen.run.events or modes:
         labels["event"] = [one.name for one in seen.run.actions.happened]
     return labels

@@ -34,6 +34,7 @@ _LEDGER = {
     "normal_impulse": "impulse_x",
     "dissipation_damper": "damper_x",
     "dissipation_elastic": "damper_x",
+    "element_loss": "element_x",
 }
 _BALANCE = {
     "drive_work": -1.0,
@@ -41,6 +42,7 @@ _BALANCE = {
     "dissipation_friction": 1.0,
     "dissipation_damper": 1.0,
     "dissipation_elastic": 1.0,
+    "element_loss": 1.0,
 }
 
 

@@ -37,6 +37,9 @@ def _derivative(seen: Seen) -> Values:
         "drive_torque": effort["effort"],
         "control_reference": tracking["reference"],
         "control_error": tracking["error"],
+        "element_effort": seen.found.done["effort"],
+        "element_energy": seen.found.done["energy"],
+        "element_mode": seen.found.done["mode"].astype(np.int8),
         "spring_length": stretch["length"],
         "spring_tension": stretch["tension"],
         "spring_force": stretch["force"],
@@ -109,6 +112,7 @@ TOTALS = {
     "total_friction_loss": "dissipation_friction",
     "total_damper_loss": "dissipation_damper",
     "total_elastic_loss": "dissipation_elastic",
+    "total_element_loss": "element_loss",
 }
 
 
@@ -146,9 +150,24 @@ def episodes_of(run: Run) -> Values:
     return {
         **{name: episodes[of].copy() for of, name in names.items()},
         "episode_contact": episodes["contact"].copy(),
+        **_changes_of(run),
         "event_time": np.array([one.time for one in run.actions.happened], dtype=float),
         "event_energy": np.array([one.energy for one in run.actions.happened], dtype=float),
     }
+
+
+def _changes_of(run: Run) -> Values:
+    """Return the changes of mode that are recorded."""
+    changed = [one for one in run.actions.modes.changed if one.time > run.begin]
+    names = {
+        "change_time": "time",
+        "change_angle": "angle",
+        "change_rate": "rate",
+        "change_rate_after": "rate_after",
+        "change_loss": "loss",
+        "change_impulse": "impulse",
+    }
+    return {name: np.array([getattr(one, of) for one in changed], dtype=float) for name, of in names.items()}
 
 
 #: The series, by source: all variables of each.

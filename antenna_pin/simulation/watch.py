@@ -12,7 +12,7 @@ from antenna_pin.dynamics import Workspace
 from antenna_pin.integrate import Stepper
 from antenna_pin.roots import root_between
 from antenna_pin.simulation.crossing import Bracket, Crossing, Looks, Memory
-from antenna_pin.simulation.events import Event, Time
+from antenna_pin.simulation.events import Event, Switch, Time
 from antenna_pin.simulation.moment import Moment
 from antenna_pin.state import EventMemory
 
@@ -118,6 +118,18 @@ class Watch:
             memory.side == 0.0 or not event.counts(side) or memory.last == self.stepper.t
         ):
             memory.side, memory.noise = side, 0.0
+        if isinstance(event.action, Switch) and memory.side < 0.0:
+            memory.side = 1.0  # it stays until it passes: what is behind zero already passes at once
+
+    def logical(self, noise: float) -> None:
+        """Look anew, after changes of mode, on which sides their functions are: by logic at zero."""
+        self._set_here()
+        for k in self._functions:
+            event, memory = self.events[k], self._memories[k]
+            if isinstance(event.action, Switch):
+                loaded = event.when.hold >= 0  # type: ignore[attr-defined]
+                memory.side, memory.noise = (1.0, 0.0) if loaded else (0.0, noise)
+                self._renew(k)
 
     def happen(self, crossing: Crossing) -> int:
         """Count an event that happens at the present state; return how often it has by now."""
@@ -236,6 +248,8 @@ class Watch:
             side = memory.sign(value)
             if side != 0.0:
                 a, fa, ra, fresh = probe, value, rate(probe), False
+        if isinstance(event.action, Switch) and side < 0.0:
+            return Bracket(k, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, side)  # by logic: it leaves its mode here
         noise = _ROUND_OFF * max(map(abs, (fa, *look.values[1:])))
         for i in range(1, len(look.thetas)):
             b, fb, rb = look.thetas[i], look.values[i], look.rates[i]

@@ -8,6 +8,7 @@ from antenna_pin.dynamics import motion_block
 from antenna_pin.engine import watch_kernels as kernels
 from antenna_pin.simulation.events import Angle, Event, Force, Gap, Rate, Time
 from antenna_pin.simulation.kinks import Passing
+from antenna_pin.simulation.modes import Switching
 from antenna_pin.simulation.watch import Watch
 
 __all__ = ["Watched", "is_known"]
@@ -15,7 +16,7 @@ __all__ = ["Watched", "is_known"]
 
 def is_known(event: Event) -> bool:
     """Whether compiled code knows an event's function: those of one's own it does not."""
-    return isinstance(event.when, Angle | Rate | Gap | Force | Time | Passing)
+    return isinstance(event.when, Angle | Rate | Gap | Force | Time | Passing | Switching)
 
 
 class Watched:
@@ -42,6 +43,9 @@ class Watched:
             row["parts"] = event.nodes
             if isinstance(when, Passing):
                 row["what"], row["where"] = kernels.KINK, when.block
+            elif isinstance(when, Switching):
+                row["what"], row["where"] = kernels.SWITCH, when.block
+                row["number"], row["hold"] = when.number, when.hold
             elif isinstance(when, Angle | Rate):
                 row["what"] = kernels.ANGLE if isinstance(when, Angle) else kernels.RATE
                 row["where"], row["value"] = sum(map(len, blocks)), when.value

@@ -201,7 +201,7 @@ _OPTIONAL = {
     "versions",
 }
 # Dimensions along which there may be nothing.
-_MAY_BE_EMPTY = {"configuration", "coordinate", "joint", "event", "episode"}
+_MAY_BE_EMPTY = {"change", "configuration", "coordinate", "joint", "event", "episode"}
 # Dimensions of labels that are always the same.
 _FIXED = {"axis": ["x", "y", "z"], "quaternion": ["x", "y", "z", "w"]}
 

@@ -31,6 +31,8 @@ DIMENSIONS: dict[str, str] = {
     "controller": "drives that follow a reference, by name",
     "motion": "drives that prescribe their joint's motion, by name",
     "spring": "springs and dampers, and friction of joints, by name",
+    "element": "elements of further families (stops, latches), by family and name",
+    "change": "changes of mode of these, in order of time, by element and what changed",
     "point_spring": "those of them that are between points",
     "elastic_part": "elastic parts of flexible links, by name",
     "closure": "joints that close loops, or are held by constraint, by name",
@@ -207,6 +209,13 @@ _ENERGIES: tuple[Variable, ...] = (
         "ledger: time spring",
         ("dissipation_damper", "J", "energy lost in the damper, or to a joint's own friction", _TOTAL),
     ),
+    *_rows(
+        "derivative: time element",
+        ("element_effort", "N m", "torque about the joint's axis, what holds it included (a force [N])"),
+        ("element_energy", "J", "energy stored"),
+        ("element_mode", "1", "number of the mode"),
+    ),
+    *_rows("ledger: time element", ("element_loss", "J", "energy lost in dampers and impulses", _TOTAL)),
     *_rows("ledger: time", ("energy_error", "J", "stored - start - work of drives + losses")),
     *_rows(
         "audit: time axis",
@@ -282,6 +291,7 @@ _SUMMARIES: tuple[Variable, ...] = (
         "summary: spring",
         ("total_damper_loss", "J", "energy lost in the damper, or to a joint's own friction, in all", _TOTAL),
     ),
+    *_rows("summary: element", ("total_element_loss", "J", "energy lost in it in all", _TOTAL)),
     *_rows(
         "summary: elastic_part",
         ("peak_deflection", "rad", "largest size of the part's deflection at a sample (a way [m])", _SIZE),
@@ -304,6 +314,15 @@ _HAPPENINGS: tuple[Variable, ...] = (
         ("dissipated", "J", "energy lost, normal and friction", _LOST),
         ("effective_mass", "kg", "(n^T M^-1 n)^-1 at onset, along the normal", _SIZE),
         ("episode_contact", "1", "index of the contact"),
+    ),
+    *_rows(
+        "episodes: change",
+        ("change_time", "s", "when the mode changed", _ORDERED),
+        ("change_angle", "rad", "angle of the joint then (a way [m])"),
+        ("change_rate", "rad/s", "rate before (m/s)"),
+        ("change_rate_after", "rad/s", "rate after (m/s)"),
+        ("change_loss", "J", "energy lost in the impulse"),
+        ("change_impulse", "N m s", "impulse about the axis on the child (N s)"),
     ),
     *_rows(
         "episodes: event",

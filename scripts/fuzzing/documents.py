@@ -13,6 +13,7 @@ from xml.etree import ElementTree
 
 from antenna_pin import Scenario, Study, models_path
 from antenna_pin.contact import MATERIALS
+from antenna_pin.elements import FAMILIES
 from antenna_pin.nonlinear import DiagramPlan
 from antenna_pin.scenario.merge import merge
 from fuzzing.declared import NEW, Named, Place, Table, places_of
@@ -102,7 +103,7 @@ def _names(table: Mapping[str, Any], files: Mapping[str, bytes]) -> Names:
         "material": [*table.get("materials", ()), *MATERIALS],
         "contact": [f"{joint}.{side}" for joint in joints for side in ("radial+", "axial-", "radial")],
         "file": [*files],
-        "set": [f"{kind}.{name}.on" for kind in ("drives", "springs") for name in table.get(kind, ())],
+        "set": [f"{kind}.{name}.on" for kind in FAMILIES for name in table.get(kind, ())],
         "key": [".".join(place.path) for place in places_of(Scenario, table) if place.there],
     }
     return found | {"": [name for names in found.values() for name in names] + ["world", "new"]}

@@ -1,0 +1,96 @@
+"""Elements with modes: what they do changes at located events (a stop touched, a latch closed).
+
+Beside the kernels of any element these have
+
+- ``switch(words, at, k, motion)``, with ``motion = (t, angle, rate, load)``: function k of ``switches`` and
+  its rate, 0 where that is not known. It is positive while the mode stays, and the mode may change where it
+  passes zero; of another mode's functions it is 1. ``load`` is the torque that the element's row carries
+  [N m], on the child;
+- ``mode(words, at)``: the present one, from its record;
+- if the element ``holds``: ``hold(words, at)``: whether its joint is held now, and where [rad].
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import ClassVar, NamedTuple
+
+from antenna_pin.elements.element import LOSS, Element, Integral
+
+__all__ = ["Change", "Met", "Modal"]
+
+_NOTHING: Mapping[str, float] = MappingProxyType({})
+
+
+class Met(NamedTuple):
+    """What an element meets where one of its functions passes zero.
+
+    Attributes:
+        t: Time [s].
+        angle: Of the joint, with whole turns [rad] ([m]).
+        rate: Of the joint [rad/s] ([m/s]).
+        load: Torque that its row carries, on the child, 0 where it holds nothing [N m] ([N]).
+    """
+
+    t: float
+    angle: float
+    rate: float
+    load: float
+
+
+class Change(NamedTuple):
+    """A change of mode.
+
+    Attributes:
+        mode: The next mode.
+        what: What is recorded of it, such as ``upper: on``; "" where nothing is.
+        memory: Further numbers that it changes, by the names of fields.
+        restitution: e of an impulse at the joint, after which its rate is -e times that before; None where
+            there is none. A joint that is held from now on comes to rest by itself.
+    """
+
+    mode: int
+    what: str = ""
+    memory: Mapping[str, float] = _NOTHING
+    restitution: float | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Modal(Element):
+    """Base of the elements with modes.
+
+    Attributes:
+        mode: The number of the present one.
+    """
+
+    senses: ClassVar[bool] = True
+    integrals: ClassVar[tuple[Integral, ...]] = (LOSS,)
+
+    # Names of the modes; how many functions change them, and which of these ask for the load.
+    modes: ClassVar[tuple[str, ...]]
+    switches: ClassVar[int]
+    loaded: ClassVar[tuple[int, ...]] = ()
+    # Fields beside ``mode`` that changes of mode write; whether it holds its joint in some mode.
+    remembers: ClassVar[tuple[str, ...]] = ()
+    holds: ClassVar[bool] = False
+
+    mode: int = field(default=0, repr=False)
+
+    def first(self, met: Met) -> Change | None:
+        """Return the mode that a run begins in, None for the present one; an impulse there is not made."""
+        return None
+
+    def passed(self, k: int, met: Met) -> Change | None:
+        """Return what happens where function k passes zero, by logic; None if nothing does."""
+        raise NotImplementedError
+
+    def bears(self, impulse: float) -> Change | None:
+        """Return its change where holding took an impulse [N m s] on the child; None: it goes on."""
+        return None
+
+    @classmethod
+    def own_keys(cls) -> tuple[str, ...]:
+        """Return the fields that no scenario writes."""
+        return ("mode", *cls.remembers)

@@ -1,0 +1,255 @@
+"""Elements that change their mode in a run: what is looked for, and what happens then.
+
+A function of an element (:mod:`antenna_pin.elements.modal`) is positive while its mode stays. It is located
+as an event's is; what happens is the element's to say. What else passes at the same instant, by the impulse
+of the first, is seen to at once and by logic: a function that is zero but for round-off passes where its rate
+is negative, one of a load where it is negative.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from antenna_pin.dynamics import Adjustments, System, Workspace, acting_in, impulse, kernels
+from antenna_pin.dynamics.acting import Acting
+from antenna_pin.elements import FAMILIES, LOSS, Met, Modal, kind_of
+from antenna_pin.elements import kernels as of_elements
+from antenna_pin.simulation.events import Event, Switch
+from antenna_pin.simulation.moment import Moment
+
+__all__ = ["ZERO", "Changed", "Modes", "NeverSettlesError", "Switching", "switches_of"]
+
+Array = NDArray[np.float64]
+
+# Changes at one instant, for each element, from which on they would never end.
+_AT_MOST = 8
+# Of a function of angles and rates: what round-off leaves of it where it is zero.
+ZERO = 1e-11
+
+
+@dataclass(frozen=True, slots=True)
+class Switching:
+    """The function of an element that is positive while its mode stays.
+
+    Attributes:
+        place: Of the element.
+        block: Place of the element in the program.
+        number: Of the function.
+        hold: Of the hold whose load it asks for, or -1.
+    """
+
+    place: str
+    block: int
+    number: int
+    hold: int
+
+    def __call__(self, moment: Moment) -> float:
+        """Return its value."""
+        return moment.switch(self.block, self.number, self.hold)[0]
+
+    def rate(self, moment: Moment) -> float:
+        """Return its rate, 0 where that is not known."""
+        return moment.switch(self.block, self.number, self.hold)[1]
+
+
+@dataclass(frozen=True, slots=True)
+class Changed:
+    """A change of mode that has happened.
+
+    Attributes:
+        name: What it is, such as ``stop hinge: upper: on``.
+        element: Place of the element.
+        time: When [s].
+        mode: The next one, in a word.
+        angle: Of the joint [rad] ([m]).
+        rate: Before it [rad/s] ([m/s]), ``rate_after`` it.
+        rate_after: See there.
+        loss: Energy lost in the impulse [J].
+        impulse: On the child [N m s] ([N s]).
+    """
+
+    name: str
+    element: str
+    time: float
+    mode: str
+    angle: float
+    rate: float
+    rate_after: float
+    loss: float
+    impulse: float
+
+
+def switches_of(system: System) -> tuple[Event, ...]:
+    """Return the events at which elements may change their mode."""
+    holds = [one.name for one in system.holds]
+    return tuple(
+        Event(
+            name=f"{one.label} switches by {k}",
+            when=Switching(
+                one.place, one.block, k, holds.index(one.place) if k in one.element.loaded else -1
+            ),
+            direction=-1,
+            action=Switch(one.place, k),
+        )
+        for one in acting_in(system)
+        if isinstance(one.element, Modal)
+        for k in range(one.element.switches)
+    )
+
+
+class NeverSettlesError(Exception):
+    """Changes of mode at one instant would never end; of which element."""
+
+
+class Modes:
+    """The elements with modes of a run.
+
+    Args:
+        workspace: What the run works on.
+        adjustments: Its elements as they are; written.
+
+    Attributes:
+        changed: What has happened, in order.
+    """
+
+    def __init__(self, workspace: Workspace, adjustments: Adjustments) -> None:
+        """Begin with what the system has."""
+        self._workspace = workspace
+        self._adjustments = adjustments
+        self._moment = Moment(workspace)
+        system = workspace.system
+        self._acting: Mapping[str, Acting] = {
+            one.place: one for one in acting_in(system) if isinstance(one.element, Modal)
+        }
+        self._holds = [one.name for one in system.holds]
+        self.changed: list[Changed] = []
+        self._places = [
+            int(workspace.program[one.block :][: kernels.PARAMETERS].view(kernels.ELEMENT)[0]["x"])
+            + one.element.integrals.index(LOSS)
+            for one in self._acting.values()
+        ]
+
+    def __bool__(self) -> bool:
+        """Whether there are any."""
+        return bool(self._acting)
+
+    def _element(self, place: str) -> Modal:
+        element = self._adjustments.elements[place]
+        assert isinstance(element, Modal)
+        return element
+
+    def _met(self, place: str, t: float, y: Array) -> Met:
+        nq = self._workspace.model.nq
+        angle, rate, _, _ = kernels.joint_motion(self._workspace.program, self._acting[place].block, y, nq)
+        load = 0.0
+        if self._element(place).holds:
+            load = self._moment.set(t, y).load(self._holds.index(place))
+        return Met(t, float(angle), float(rate), load)
+
+    def begin(self, t: float, y: Array) -> None:
+        """Bring all into the modes that they have at the start of a run."""
+        for place in self._acting:
+            change = self._element(place).first(self._met(place, t, y))
+            if change is not None:
+                self._adjustments.change(place, change)
+
+    def take(self, action: Switch, t: float, y: Array) -> bool:
+        """Let a function pass, and all that passes by that at the same instant; y is changed in place.
+
+        Returns:
+            Whether anything was changed.
+
+        Raises:
+            NeverSettlesError: Changes at one instant would never end.
+        """
+        some = self._pass(action.place, action.number, t, y)
+        if not some:
+            return False
+        for _ in range(_AT_MOST * (1 + len(self._acting))):
+            due = self.due(t, y)
+            if due is None:
+                return True
+            self._pass(due.place, due.number, t, y)
+        raise NeverSettlesError(action.place)
+
+    def lost(self, y: Array) -> float:
+        """Return all that impulses and dampers of these elements have taken [J]."""
+        at = self._workspace.model.nq + self._workspace.model.nv
+        return float(sum(y[at + place] for place in self._places))
+
+    def due(self, t: float, y: Array) -> Switch | None:
+        """Return a function that passes at this state."""
+        moment = self._moment.set(t, y)
+        for place, one in self._acting.items():
+            element = self._element(place)
+            for k in range(element.switches):
+                hold = self._holds.index(place) if k in element.loaded else -1
+                value, slope = moment.switch(one.block, k, hold)
+                if hold >= 0 or abs(value) > ZERO:
+                    passes = value < 0.0
+                else:
+                    passes = slope < -ZERO
+                if passes and element.passed(k, self._met(place, t, y)) is not None:
+                    return Switch(place, k)
+        return None
+
+    def _pass(self, place: str, k: int, t: float, y: Array) -> bool:
+        element, met = self._element(place), self._met(place, t, y)
+        change = element.passed(k, met)
+        if change is None:
+            return False
+        self._adjustments.change(place, change)
+        after = self._element(place)
+        loss, blow, rate = 0.0, 0.0, met.rate
+        if change.restitution is not None or (after.holds and self._holds_now(place)):
+            loss, blow = self._jump(place, change.restitution, met, t, y)
+            rate = self._met(place, t, y).rate
+        if change.what:
+            one = self._acting[place]
+            name = f"{FAMILIES[one.family].word} {one.name}: {change.what}"
+            mode = element.modes[change.mode]
+            self.changed.append(Changed(name, place, t, mode, met.angle, met.rate, rate, loss, blow))
+        return True
+
+    def _holds_now(self, place: str) -> bool:
+        one = self._acting[place]
+        first = one.block + int(kernels.PARAMETERS)
+        return bool(of_elements.hold(kind_of(type(one.element)), self._workspace.program, first)[0])
+
+    def _jump(
+        self, place: str, restitution: float | None, met: Met, t: float, y: Array
+    ) -> tuple[float, float]:
+        """Make the impulse of an element; return the energy that is lost and its impulse."""
+        workspace = self._workspace
+        nq, nv = workspace.model.nq, workspace.model.nv
+        head = workspace.program[self._acting[place].block :][: kernels.PARAMETERS].view(kernels.ELEMENT)[0]
+        wanted = {} if restitution is None else {int(head["v"]): -restitution * met.rate}
+        for _ in range(1 + len(self._holds)):
+            after, held, own = impulse(workspace, t, y, wanted)
+            for other, blow in zip(self._holds, held, strict=True):
+                let_go = self._element(other).bears(float(blow)) if other != place else None
+                if let_go is not None and self._holds_now(other):
+                    self._adjustments.change(other, let_go)
+                    break
+            else:
+                break
+        before = _kinetic(workspace, y)
+        y[nq : nq + nv] = after
+        loss = before - _kinetic(workspace, y)
+        place_in_x = nq + nv + int(head["x"]) + self._element(place).integrals.index(LOSS)
+        y[place_in_x] += loss
+        blow = own[0] if len(own) else held[self._holds.index(place)]
+        return float(loss), float(blow)
+
+
+def _kinetic(workspace: Workspace, y: Array) -> float:
+    model = workspace.model
+    nq, nv = model.nq, model.nv
+    found = float(pin.computeKineticEnergy(model, workspace.data, y[:nq], y[nq : nq + nv]))
+    return found if math.isfinite(found) else math.nan
