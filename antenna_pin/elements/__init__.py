@@ -14,6 +14,7 @@ from antenna_pin.elements.rigid_latch import RigidLatch
 from antenna_pin.elements.rigid_stop import RigidStop
 from antenna_pin.elements.sine import SineDrive
 from antenna_pin.elements.spring import JointSpring
+from antenna_pin.elements.sticking_friction import StickingFriction
 from antenna_pin.elements.tabulated import TableDrive
 
 __all__ = [
@@ -48,6 +49,7 @@ __all__ = [
     "RigidLatch",
     "RigidStop",
     "SineDrive",
+    "StickingFriction",
     "TableDrive",
     "family_words",
     "kind_of",

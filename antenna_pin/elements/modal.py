@@ -75,6 +75,8 @@ class Modal(Element):
     # Fields beside ``mode`` that changes of mode write; whether it holds its joint in some mode.
     remembers: ClassVar[tuple[str, ...]] = ()
     holds: ClassVar[bool] = False
+    # Whether it is dry friction: what sticks and what slips is decided of all of them together.
+    together: ClassVar[bool] = False
 
     mode: int = field(default=0, repr=False)
 
@@ -85,6 +87,10 @@ class Modal(Element):
     def passed(self, k: int, met: Met) -> Change | None:
         """Return what happens where function k passes zero, by logic; None if nothing does."""
         raise NotImplementedError
+
+    def turned(self, before: int) -> str:
+        """Return what is recorded of a mode that was decided together, with that before; "" where nothing is."""
+        return ""
 
     def bears(self, impulse: float) -> Change | None:
         """Return its change where holding took an impulse [N m s] on the child; None: it goes on."""

@@ -21,6 +21,7 @@ from antenna_pin.elements.rigid_latch import RigidLatch
 from antenna_pin.elements.rigid_stop import RigidStop
 from antenna_pin.elements.sine import SineDrive
 from antenna_pin.elements.spring import JointSpring
+from antenna_pin.elements.sticking_friction import StickingFriction
 from antenna_pin.elements.tabulated import TableDrive
 from antenna_pin.errors import UnknownNameError
 
@@ -68,12 +69,16 @@ STOPS: Mapping[str, type[ForceElement]] = MappingProxyType({"rigid": RigidStop})
 LATCHES: Mapping[str, type[ForceElement]] = MappingProxyType({"rigid": RigidLatch})
 """Latches by their ``kind`` in ``[latches.NAME]``."""
 
+FRICTIONS: Mapping[str, type[ForceElement]] = MappingProxyType({"sticking": StickingFriction})
+"""Friction of joints by its ``kind`` in ``[frictions.NAME]``."""
+
 FAMILIES: Mapping[str, Family] = MappingProxyType(
     {
         "drives": Family("drive", DRIVES),
         "springs": Family("spring", SPRINGS, "spring"),
         "stops": Family("stop", STOPS),
         "latches": Family("latch", LATCHES),
+        "frictions": Family("friction", FRICTIONS, "sticking"),
     }
 )
 """Families by the table ``[FAMILY.NAME]`` that a scenario has for each; the order is that of programs."""

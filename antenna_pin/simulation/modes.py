@@ -20,8 +20,10 @@ from antenna_pin.dynamics import Adjustments, System, Workspace, acting_in, impu
 from antenna_pin.dynamics.acting import Acting
 from antenna_pin.elements import FAMILIES, LOSS, Met, Modal, kind_of
 from antenna_pin.elements import kernels as of_elements
+from antenna_pin.errors import MechanismError
 from antenna_pin.simulation.events import Event, Switch
 from antenna_pin.simulation.moment import Moment
+from antenna_pin.simulation.sticking import NeverSettlesError, Settling, Shift
 
 __all__ = ["ZERO", "Changed", "Modes", "NeverSettlesError", "Switching", "switches_of"]
 
@@ -103,10 +105,6 @@ def switches_of(system: System) -> tuple[Event, ...]:
     )
 
 
-class NeverSettlesError(Exception):
-    """Changes of mode at one instant would never end; of which element."""
-
-
 class Modes:
     """The elements with modes of a run.
 
@@ -129,6 +127,7 @@ class Modes:
         }
         self._holds = [one.name for one in system.holds]
         self.changed: list[Changed] = []
+        self._dry = Settling(workspace, adjustments, self._acting)
         self._places = [
             int(workspace.program[one.block :][: kernels.PARAMETERS].view(kernels.ELEMENT)[0]["x"])
             + one.element.integrals.index(LOSS)
@@ -158,6 +157,13 @@ class Modes:
             change = self._element(place).first(self._met(place, t, y))
             if change is not None:
                 self._adjustments.change(place, change)
+        try:
+            self._settle(t, y)
+        except NeverSettlesError as error:
+            raise MechanismError(
+                f"{error}: what sticks and what slips at the start does not settle; give its friction a "
+                "Stribeck rate, by which it falls bit by bit as it begins to slip"
+            ) from None
 
     def take(self, action: Switch, t: float, y: Array) -> bool:
         """Let a function pass, and all that passes by that at the same instant; y is changed in place.
@@ -168,26 +174,47 @@ class Modes:
         Raises:
             NeverSettlesError: Changes at one instant would never end.
         """
-        some = self._pass(action.place, action.number, t, y)
-        if not some:
+        if action.place in self._dry:
+            self._settle(t, y, action)
+        elif not self._pass(action.place, action.number, t, y):
             return False
         for _ in range(_AT_MOST * (1 + len(self._acting))):
-            due = self.due(t, y)
-            if due is None:
+            due = self.due(t, y, dry=False)
+            if due is not None:
+                self._pass(due.place, due.number, t, y)
+            elif not self._settle(t, y):
                 return True
-            self._pass(due.place, due.number, t, y)
         raise NeverSettlesError(action.place)
+
+    def _settle(self, t: float, y: Array, action: Switch | None = None) -> bool:
+        """Have joints with dry friction agree on what they do; return whether one does another thing now."""
+        shifts = self._dry.settle(t, y, action) if self._dry else []
+        for shift in shifts:
+            self._note(shift, t, y)
+        return any(self._element(one.place).mode != one.before for one in shifts)
+
+    def _note(self, shift: Shift, t: float, y: Array) -> None:
+        """Record what has become of a joint with dry friction."""
+        element, met = self._element(shift.place), shift.met
+        what = element.turned(shift.before)
+        if what:
+            one, rate = self._acting[shift.place], self._met(shift.place, t, y).rate
+            name = f"{FAMILIES[one.family].word} {one.name}: {what}"
+            mode = element.modes[element.mode]
+            self.changed.append(Changed(name, shift.place, t, mode, met.angle, met.rate, rate, 0.0, 0.0))
 
     def lost(self, y: Array) -> float:
         """Return all that impulses and dampers of these elements have taken [J]."""
         at = self._workspace.model.nq + self._workspace.model.nv
         return float(sum(y[at + place] for place in self._places))
 
-    def due(self, t: float, y: Array) -> Switch | None:
-        """Return a function that passes at this state."""
+    def due(self, t: float, y: Array, *, dry: bool = True) -> Switch | None:
+        """Return a function that passes at this state; of dry friction only if that is asked for."""
         moment = self._moment.set(t, y)
         for place, one in self._acting.items():
             element = self._element(place)
+            if not dry and place in self._dry:
+                continue
             for k in range(element.switches):
                 hold = self._holds.index(place) if k in element.loaded else -1
                 value, slope = moment.switch(one.block, k, hold)
