@@ -40,6 +40,7 @@ from antenna_pin.elements import (
     ForceElement,
     Modal,
     Motion,
+    StickingFriction,
     kind_of,
 )
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
@@ -269,6 +270,7 @@ class System:
                         kind=kind_of(type(element)),
                         words=own,
                         x=x,
+                        loaded=isinstance(element, StickingFriction) and element.under_load,
                     )
                 )
 

@@ -203,6 +203,10 @@ class Modes:
             mode = element.modes[element.mode]
             self.changed.append(Changed(name, shift.place, t, mode, met.angle, met.rate, rate, 0.0, 0.0))
 
+    def jammed(self, t: float, y: Array) -> str:
+        """Return of which joints friction by load has no solution, as a part of a message; "" if of none."""
+        return self._dry.jammed(t, y) if self._dry else ""
+
     def lost(self, y: Array) -> float:
         """Return all that impulses and dampers of these elements have taken [J]."""
         at = self._workspace.model.nq + self._workspace.model.nv

@@ -126,6 +126,14 @@ class Settling:
         self._agree(t, y, resting, met)
         return [Shift(place, before[place], one) for place, one in met.items()]
 
+    def jammed(self, t: float, y: Array) -> str:
+        """Return of which joints friction by load has no solution, as a part of a message; "" if of none."""
+        self._loads(t, y)
+        if np.isfinite(self._rates[: self._workspace.model.nv]).all():
+            return ""
+        names = [self._acting[place].label for place in self._acting if self._element(place).under_load]
+        return f", {' or '.join(names)}: under its own load it jams, and no acceleration solves it" if names else ""
+
     def _met(self, place: str, t: float, y: Array) -> Met:
         block, nq = self._acting[place].block, self._workspace.model.nq
         angle, rate, _, _ = kernels.joint_motion(self._workspace.program, block, y, nq)
