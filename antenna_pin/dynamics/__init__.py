@@ -1,7 +1,7 @@
 """Free-floating equations of motion, joints held by constraint, force elements, audits."""
 
 from antenna_pin.dynamics.acting import acting_in
-from antenna_pin.dynamics.adjust import Adjustments
+from antenna_pin.dynamics.adjust import Adjustments, first_modes, joints_held
 from antenna_pin.dynamics.assembly import (
     BASE,
     assemble,
@@ -11,6 +11,7 @@ from antenna_pin.dynamics.assembly import (
     constraint_counts,
     mobility_of,
 )
+from antenna_pin.dynamics.attitudes import journal_attitudes
 from antenna_pin.dynamics.audit import Audit, audit
 from antenna_pin.dynamics.coupled import facts_of_couplings, put_followers
 from antenna_pin.dynamics.deflection import Deflections, deflections
@@ -18,7 +19,7 @@ from antenna_pin.dynamics.evaluate import acceleration, contact_memory
 from antenna_pin.dynamics.held import HeldKind
 from antenna_pin.dynamics.impulse import impulse
 from antenna_pin.dynamics.motion import JointMotion, motion_block
-from antenna_pin.dynamics.samples import Observed, joint_motion, journal_attitudes, observed, sliding_motion
+from antenna_pin.dynamics.samples import Observed, joint_motion, observed, sliding_motion
 from antenna_pin.dynamics.system import System
 from antenna_pin.dynamics.workspace import Workspace
 from antenna_pin.elements import (
@@ -35,7 +36,9 @@ from antenna_pin.elements import (
 __all__ = [
     "BASE",
     "Adjustments",
+    "first_modes",
     "impulse",
+    "joints_held",
     "Audit",
     "CallableDrive",
     "ConstantDrive",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,11 +11,12 @@ from numpy.typing import NDArray
 from antenna_pin.dynamics import kernels
 from antenna_pin.dynamics.acting import acting_in
 from antenna_pin.dynamics.system import System
-from antenna_pin.elements import Change, ForceElement, Modal, family_words
+from antenna_pin.elements import Change, ForceElement, Met, Modal, family_words, kind_of
+from antenna_pin.elements import kernels as of_elements
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.parameters import parameters_of
 
-__all__ = ["Adjustments"]
+__all__ = ["Adjustments", "first_modes", "joints_held"]
 
 Array = NDArray[np.float64]
 
@@ -95,3 +97,39 @@ class Adjustments:
         words = changed.words_of_kernel()
         first = self._blocks[element] + kernels.PARAMETERS
         self._program[first : first + len(words)] = words
+
+    def held(self) -> frozenset[str]:
+        """Return the joints that elements hold at present."""
+        return frozenset(
+            element.joint
+            for place, element in self.elements.items()
+            if isinstance(element, Modal) and self.holds(place)
+        )
+
+    def holds(self, place: str) -> bool:
+        """Whether an element, by its place, holds its joint at present."""
+        words = self._blocks[place] + int(kernels.PARAMETERS)
+        return bool(of_elements.hold(kind_of(type(self.elements[place])), self._program, words)[0])
+
+
+def first_modes(system: System, y: Array, t: float = 0.0) -> tuple[tuple[str, float], ...]:
+    """Return the modes of elements in a first state [q, v, x], as changes of numbers: (place, value)."""
+    program = system.program.copy()
+    found = Adjustments(system, program)
+    for one in acting_in(system):
+        if isinstance(one.element, Modal):
+            angle, rate, _, _ = kernels.joint_motion(program, one.block, y, system.model.nq)
+            change = one.element.first(Met(t, float(angle), float(rate), 0.0))
+            if change is not None:
+                found.change(one.place, change)
+    return tuple(found.values.items())
+
+
+def joints_held(system: System, adjusted: Sequence[tuple[str, float]]) -> frozenset[str]:
+    """Return the joints that elements hold where numbers have been changed: (place, value)."""
+    if not system.holds:
+        return frozenset()
+    found = Adjustments(system, system.program.copy())
+    for place, value in adjusted:
+        found.set(place, value)
+    return found.held()

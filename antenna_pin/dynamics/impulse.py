@@ -17,6 +17,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from antenna_pin.constraints.factor_kernels import NOTHING
 from antenna_pin.dynamics.workspace import Workspace
 
 __all__ = ["impulse"]
@@ -49,8 +50,9 @@ def impulse(
     if constraints is not None:
         workspace.prepare_motions(t, y)
         constraints.residuals(t, y, workspace.program)
-        rows += list(np.array(constraints.every_row))
-        lacks += list(-constraints.every_speed)
+        some = np.abs(constraints.every_row).max(axis=1) > NOTHING * constraints.plan.length
+        rows += list(np.where(some[:, None], constraints.every_row, 0.0))
+        lacks += list(np.where(some, -constraints.every_speed, 0.0))
         held = len(constraints.loads())
     for at, rate in wanted.items():
         row = np.zeros(nv)

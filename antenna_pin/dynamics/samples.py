@@ -20,7 +20,7 @@ from antenna_pin.errors import FunctionError
 from antenna_pin.mechanism import PLACE, JointSlot, body_tree, frame_aligning_z
 from antenna_pin.records import CONTACT, POSE
 
-__all__ = ["Observed", "joint_motion", "journal_attitudes", "observed", "sliding_motion"]
+__all__ = ["Observed", "joint_motion", "observed", "sliding_motion"]
 
 Array = NDArray[np.float64]
 
@@ -334,36 +334,3 @@ def sliding_motion(system: System, states: Array, found: Observed) -> tuple[list
         names.append(slot.name)
         motions.append(motion)
     return names, np.array(motions).reshape(len(names), len(states), 3)
-
-
-def journal_attitudes(system: System, states: Array, before: tuple[Array, Array] | None = None) -> Array:
-    """Return the attitudes of the journals' frames in their bearings', as quaternions without jumps in sign.
-
-    Args:
-        system: The system.
-        states: (n, nq + nv + nx).
-        before: The state before the first of these, and its attitudes, (joints, 4), whose signs go on.
-
-    Returns:
-        (n, joints, 4), xyzw.
-    """
-    if before is not None:
-        states = np.concatenate([before[0][np.newaxis], states])
-    result = np.zeros((len(states), len(system.clearances), 4))
-    for k, joint in enumerate(system.clearances):
-        slot = system.mechanism.joint(joint.name)
-        q, found = states[:, slot.q], result[:, k]
-        if slot.kind == "planar":
-            half = 0.5 * np.arctan2(q[:, 3], q[:, 2])
-            found[:, 2], found[:, 3] = np.sin(half), np.cos(half)
-        else:
-            found[:, :3] = q[:, 3:6] @ frame_aligning_z(slot.axis)
-            found[:, 3] = q[:, 6]
-        if joint.bearing_on == "child":
-            found[:, :3] *= -1.0
-        largest = found[0, np.argmax(np.abs(found[0]))]
-        sign = np.sign(largest) if before is None else np.sign(found[0] @ before[1][k])
-        jumps = np.cumsum(np.sum(found[1:] * found[:-1], axis=1) < 0.0) % 2 == 1
-        found[0] *= sign
-        found[1:] *= np.where(jumps, -sign, sign)[:, None]
-    return result if before is None else result[1:]

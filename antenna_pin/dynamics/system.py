@@ -162,15 +162,9 @@ class System:
         )
         self.damper_x = places_in_x(self.program, self.springs, self.spring_blocks, LOSS)
         #: The same of the losses of elements of further families, one family after another.
-        self.element_x = np.concatenate(
-            [
-                np.zeros(0, dtype=int),
-                *(
-                    places_in_x(self.program, self.families[one], self.element_blocks[one], LOSS)
-                    for one in self.others
-                ),
-            ]
-        )
+        places = ((self.families[one], self.element_blocks[one]) for one in self.others)
+        found = [places_in_x(self.program, *one, LOSS) for one in places]
+        self.element_x = np.concatenate([np.zeros(0, dtype=int), *found])
         head = self.program[: kernels.HEADER].view(PROGRAM)
         head["nq"], head["nv"] = self.model.nq, self.model.nv
         head["contacts"], head["rows"], head["points"] = len(self.contact_names), self.rows, points

@@ -11,6 +11,9 @@ from antenna_pin.parameters import parameter
 
 __all__ = ["RigidLatch"]
 
+# A rate that is round-off [rad/s] ([m/s]).
+_STILL = 1e-11
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RigidLatch(Modal):
@@ -49,7 +52,7 @@ class RigidLatch(Modal):
 
     def passed(self, k: int, met: Met) -> Change | None:
         """Latch, or let pass what is too fast."""
-        if self.side * met.rate > 0.0:
+        if self.side * met.rate > _STILL:
             return None
         if self.greatest_rate is not None and abs(met.rate) > self.greatest_rate:
             return Change(0, "too fast", {"side": -self.side})

@@ -13,6 +13,9 @@ from antenna_pin.parameters import parameter
 __all__ = ["RigidStop"]
 
 _SIDES = ("upper", "lower")
+# Beyond a stop by no more than this a joint is on it: at the start, and where a hop is not told from rest
+# [rad] ([m]).
+_ROUND_OFF, _HOP = 1e-11, 1e-10
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -42,7 +45,7 @@ class RigidStop(Modal):
     lower: float | None = parameter("rad", sliding="m", default=None)
     upper: float | None = parameter("rad", sliding="m", default=None)
     restitution: float = parameter(rule="zero or more", default=0.5)
-    rest_rate: float = parameter("rad/s", sliding="m/s", rule="zero or more", default=1e-3)
+    rest_rate: float = parameter("rad/s", sliding="m/s", rule="positive", default=1e-3)
     on: bool = True
 
     def __post_init__(self) -> None:
@@ -63,12 +66,23 @@ class RigidStop(Modal):
             "mode": self.mode,
         }
 
+    def first(self, met: Met) -> Change | None:
+        """Refuse a start beyond a stop."""
+        for name, beyond in (("lower", -1.0), ("upper", 1.0)):
+            limit = getattr(self, name)
+            if limit is not None and beyond * (met.angle - limit) > _ROUND_OFF:
+                rule = f"within its rigid stop, {name} = {limit:g}; start it there, or move the stop"
+                raise InvalidParameterError("initial state", f"position of {self.joint}", rule, met.angle)
+        return None
+
     def passed(self, k: int, met: Met) -> Change | None:
         """Bounce, come to rest, or leave."""
         if k == 2:
             return Change(0, f"{self.modes[self.mode]}: left")
         side, approach = (2, met.rate) if k == 0 else (1, -met.rate)
-        if approach < 0.0:
+        limit = self.upper if k == 0 else self.lower
+        # What leaves and is back already hops lower than angles are known, and rests.
+        if approach < 0.0 and limit is not None and abs(met.angle - limit) > _HOP:
             return None
         if self.restitution == 0.0 or approach <= self.rest_rate:
             return Change(side, f"{self.modes[side]}: rests")

@@ -86,7 +86,7 @@ class Forces:
             adjustments = Adjustments(system, workspace.program)
             for place, value in adjusted:
                 adjustments.set(place, bool(value) if place.endswith(".on") else value)
-        for block in (*system.drive_blocks.values(), *system.spring_blocks.values()):
+        for block in (block for blocks in system.element_blocks.values() for block in blocks.values()):
             self._contacts.program[block : block + _program.PARAMETERS].view(_program.ELEMENT)["on"] = 0.0
         self._contacts.memory[:] = memory
         self._points = [

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.arguments import takes
 from antenna_pin.assemble import build_system, initial_angles, initial_state
-from antenna_pin.dynamics import System, check_closed
+from antenna_pin.dynamics import System, check_closed, first_modes
 from antenna_pin.errors import FileFormatError, InvalidParameterError
 from antenna_pin.linear.play import Play, prepared
 from antenna_pin.linear.result import Modes, modes_at
@@ -93,6 +93,7 @@ def modes(
         more = {"time": at.time, "memory": at.memory, "adjusted": at.adjusted}
     else:
         y = _start(model, system, q, v)
+        more = {"adjusted": first_modes(system, y)}
     found = prepared(
         system,
         y,

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.arguments import takes
 from antenna_pin.brief import brief
-from antenna_pin.dynamics import BASE, System, Workspace, assemble
+from antenna_pin.dynamics import BASE, System, Workspace, assemble, joints_held
 from antenna_pin.errors import InvalidParameterError, MechanismError, UnknownNameError
 from antenna_pin.joints import ClearanceJoint
 from antenna_pin.linear.loaded import press
@@ -70,8 +70,9 @@ class At:
         nv = self.system.model.nv
         parts = [] if BASE in self.hold else [np.eye(nv)[:, self.system.mechanism.base_v]]
         joints = {joint.name: joint for joint in self.system.clearances}
+        held = joints_held(self.system, self.adjusted)
         for name, slot in self.system.mechanism.joints.items():
-            if name in self.hold:
+            if name in self.hold or name in held:
                 continue
             own = np.eye(nv)[:, slot.v]
             if self.play.get(name) == "ideal":

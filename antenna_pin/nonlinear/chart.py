@@ -13,6 +13,7 @@ from antenna_pin.constraints import Constraints
 from antenna_pin.dynamics import System, Workspace
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.nonlinear.frames import MEMORIES, Units, frame_at, way_between
+from antenna_pin.nonlinear.no_modes import check_no_modes
 from antenna_pin.settings import ErrorScales
 from antenna_pin.simulation.run import check_sizes
 from antenna_pin.state import State
@@ -65,6 +66,7 @@ class Chart:
         self.system, self.origin = system, state
         self.units = Units.of(system, scales)
         self._workspace = Workspace(system)
+        check_no_modes("chart", system)
         for place, value in state.adjusted:
             raise InvalidParameterError(
                 "chart", "state", "one whose drives and springs no event has changed", (place, value)

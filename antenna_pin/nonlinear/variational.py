@@ -31,6 +31,7 @@ from antenna_pin.nonlinear.breaks import BETWEEN, SAMPLES, left_over, located
 from antenna_pin.nonlinear.field import Field
 from antenna_pin.nonlinear.frames import Frame
 from antenna_pin.nonlinear.missed import Kink, Missed, StepAnew
+from antenna_pin.nonlinear.no_modes import check_no_modes
 from antenna_pin.nonlinear.saltation import Carried, Onset, Saltation
 from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.stretches import stepper_of
@@ -111,6 +112,7 @@ class Carrier:
     def __init__(self, run: Run, first: Frame, ways: Array | None = None) -> None:
         """Begin in the run's first state."""
         system, settings = run.system, run.settings
+        check_no_modes("tangent", system)
         self.field = Field(system, settings)
         workspace = self.field.workspace
         workspace.memory[:], workspace.program[:] = run.workspace.memory, run.workspace.program

@@ -47,6 +47,7 @@ _LOST = (
     ("dissipation_friction", "lost in friction", COLOURS[3]),
     ("dissipation_damper", "lost in dampers and friction of joints", "#7F7F7F"),
     ("dissipation_elastic", "lost in flexible links", COLOURS[5]),
+    ("element_loss", "lost in stops, latches and the like", COLOURS[4]),
 )
 
 _MOMENTA = (("linear_momentum", "momentum_scale"), ("angular_momentum", "angular_momentum_scale"))

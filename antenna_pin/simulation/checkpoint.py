@@ -20,6 +20,7 @@ from antenna_pin.simulation.actions import Happening
 from antenna_pin.simulation.carried import mechanism_attributes
 from antenna_pin.simulation.events import Event
 from antenna_pin.simulation.loop import Run
+from antenna_pin.simulation.modes import Changed
 from antenna_pin.simulation.parts import (
     CHECKPOINT,
     changed_words,
@@ -44,7 +45,7 @@ __all__ = ["Checkpoint", "about_run", "check_same"]
 _MAY_DIFFER = {"name", "description", "overrides", "folder", "duration"}
 
 #: Identifies the file format; others are refused.
-FORMAT = "antenna_pin checkpoint 2"
+FORMAT = "antenna_pin checkpoint 3"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -82,6 +83,7 @@ class Checkpoint:
             "gap_difference": run.search.gap_difference,
             "paced": run.control.paced,
             "happened": [dataclasses.astuple(one) for one in run.actions.happened],
+            "changed": [dataclasses.astuple(one) for one in run.actions.modes.changed],
             "singular": None if run.singular is None else run.singular.value(),
             "handed": handed,
         }
@@ -116,6 +118,7 @@ class Checkpoint:
         run.search.gap_difference = how["gap_difference"]
         run.control.paced = tuple(how["paced"])
         run.actions.happened[:] = [Happening(*one) for one in how["happened"]]
+        run.actions.modes.changed[:] = [Changed(*one) for one in how["changed"]]
         if run.singular is not None:
             run.singular.take_up(how["singular"])
         made = run.steps

@@ -224,6 +224,10 @@ class Kink:
     """A step ends there, unrecorded: what a run looks for itself, where an element's effort has a kink."""
 
 
+#: Of a function of an element's: a rate that is none [1/s].
+STILL = 1e-11
+
+
 @dataclass(frozen=True, slots=True)
 class Switch:
     """An element may change its mode: what a run looks for itself.

@@ -269,7 +269,7 @@ class Run:
             try:
                 last = self.actions.take(crossing)
             except NeverSettlesError as error:
-                self._stop(Outcome.NO_PROGRESS, f", {error} changes its mode again and again")
+                self._stop(Outcome.NO_PROGRESS, f", {error} comes to no mode in which it stays")
                 return
             if last is not None:
                 self._stop(Outcome.STOPPED, f", event {last!r}")

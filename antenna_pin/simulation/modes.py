@@ -16,12 +16,11 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from antenna_pin.dynamics import Adjustments, System, Workspace, acting_in, impulse, kernels
+from antenna_pin.dynamics import Adjustments, System, Workspace, acting_in, first_modes, impulse, kernels
 from antenna_pin.dynamics.acting import Acting
-from antenna_pin.elements import FAMILIES, LOSS, Met, Modal, kind_of
-from antenna_pin.elements import kernels as of_elements
+from antenna_pin.elements import FAMILIES, LOSS, Met, Modal
 from antenna_pin.errors import MechanismError
-from antenna_pin.simulation.events import Event, Switch
+from antenna_pin.simulation.events import STILL, Event, Switch
 from antenna_pin.simulation.moment import Moment
 from antenna_pin.simulation.sticking import NeverSettlesError, Settling, Shift
 
@@ -30,7 +29,7 @@ __all__ = ["ZERO", "Changed", "Modes", "NeverSettlesError", "Switching", "switch
 Array = NDArray[np.float64]
 
 # Changes at one instant, for each element, from which on they would never end.
-_AT_MOST = 8
+_AT_MOST = 100
 # Of a function of angles and rates: what round-off leaves of it where it is zero.
 ZERO = 1e-11
 
@@ -128,6 +127,8 @@ class Modes:
         self._holds = [one.name for one in system.holds]
         self.changed: list[Changed] = []
         self._dry = Settling(workspace, adjustments, self._acting)
+        self._limit = _AT_MOST * (1 + len(self._acting))
+        self._instant, self._taken = math.nan, 0
         self._places = [
             int(workspace.program[one.block :][: kernels.PARAMETERS].view(kernels.ELEMENT)[0]["x"])
             + one.element.integrals.index(LOSS)
@@ -153,10 +154,8 @@ class Modes:
 
     def begin(self, t: float, y: Array) -> None:
         """Bring all into the modes that they have at the start of a run."""
-        for place in self._acting:
-            change = self._element(place).first(self._met(place, t, y))
-            if change is not None:
-                self._adjustments.change(place, change)
+        for place, value in first_modes(self._workspace.system, y, t):
+            self._adjustments.set(place, value)
         try:
             self._settle(t, y)
         except NeverSettlesError as error:
@@ -164,6 +163,7 @@ class Modes:
                 f"{error}: what sticks and what slips at the start does not settle; give its friction a "
                 "Stribeck rate, by which it falls bit by bit as it begins to slip"
             ) from None
+        self.changed.clear()
 
     def take(self, action: Switch, t: float, y: Array) -> bool:
         """Let a function pass, and all that passes by that at the same instant; y is changed in place.
@@ -174,11 +174,19 @@ class Modes:
         Raises:
             NeverSettlesError: Changes at one instant would never end.
         """
+        if t != self._instant:
+            self._instant, self._taken = t, 0
+        self._taken += 1
+        if self._taken > self._limit:
+            raise NeverSettlesError(action.place)
         if action.place in self._dry:
             self._settle(t, y, action)
         elif not self._pass(action.place, action.number, t, y):
+            value, _ = self._moment.set(t, y).switch(self._acting[action.place].block, action.number, -1)
+            if value < -ZERO and action.number not in self._element(action.place).loaded:
+                raise NeverSettlesError(action.place)
             return False
-        for _ in range(_AT_MOST * (1 + len(self._acting))):
+        for _ in range(self._limit):
             due = self.due(t, y, dry=False)
             if due is not None:
                 self._pass(due.place, due.number, t, y)
@@ -238,7 +246,7 @@ class Modes:
         self._adjustments.change(place, change)
         after = self._element(place)
         loss, blow, rate = 0.0, 0.0, met.rate
-        if change.restitution is not None or (after.holds and self._holds_now(place)):
+        if change.restitution is not None or (after.holds and self._adjustments.holds(place)):
             loss, blow = self._jump(place, change.restitution, met, t, y)
             rate = self._met(place, t, y).rate
         if change.what:
@@ -248,11 +256,6 @@ class Modes:
             self.changed.append(Changed(name, place, t, mode, met.angle, met.rate, rate, loss, blow))
         return True
 
-    def _holds_now(self, place: str) -> bool:
-        one = self._acting[place]
-        first = one.block + int(kernels.PARAMETERS)
-        return bool(of_elements.hold(kind_of(type(one.element)), self._workspace.program, first)[0])
-
     def _jump(
         self, place: str, restitution: float | None, met: Met, t: float, y: Array
     ) -> tuple[float, float]:
@@ -261,11 +264,12 @@ class Modes:
         nq, nv = workspace.model.nq, workspace.model.nv
         head = workspace.program[self._acting[place].block :][: kernels.PARAMETERS].view(kernels.ELEMENT)[0]
         wanted = {} if restitution is None else {int(head["v"]): -restitution * met.rate}
+        moves = abs(met.rate) > STILL  # else nothing jumps but by round-off, and all that holds goes on
         for _ in range(1 + len(self._holds)):
             after, held, own = impulse(workspace, t, y, wanted)
             for other, blow in zip(self._holds, held, strict=True):
-                let_go = self._element(other).bears(float(blow)) if other != place else None
-                if let_go is not None and self._holds_now(other):
+                let_go = self._element(other).bears(float(blow)) if other != place and moves else None
+                if let_go is not None and self._adjustments.holds(other):
                     self._adjustments.change(other, let_go)
                     break
             else:

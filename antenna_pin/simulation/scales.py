@@ -55,7 +55,7 @@ def scale_vector(system: System, scales: ErrorScales) -> NDArray[np.float64]:
                 about, scales.angular_velocity, scales.clearance_velocity / half
             )
     x = np.full(system.manifold.nx, math.inf)
-    booked = (system.lost_normal_x, system.lost_friction_x, system.work_x, system.damper_x)
+    booked = (system.lost_normal_x, system.lost_friction_x, system.work_x, system.damper_x, system.element_x)
     energies = np.concatenate([places[places >= 0] for places in booked])
     moving = list(model.inertias)[2 if system.mechanism.base == "free" else 1 :]
     slow = scales.clearance_velocity if system.clearances else scales.velocity

@@ -12,7 +12,7 @@ from antenna_pin.dynamics import Workspace
 from antenna_pin.integrate import Stepper
 from antenna_pin.roots import root_between
 from antenna_pin.simulation.crossing import Bracket, Crossing, Looks, Memory
-from antenna_pin.simulation.events import Event, Switch, Time
+from antenna_pin.simulation.events import STILL, Event, Switch, Time
 from antenna_pin.simulation.moment import Moment
 from antenna_pin.state import EventMemory
 
@@ -28,6 +28,9 @@ _SLOPE_REACH = 2.0**-10  # of a step, to either side
 # Of a step: dense output is better than this; a correction that is larger is none.
 _LARGEST_CORRECTION = 1e-2
 _SAME_INSTANT = 1e-13  # of a step
+# Of an element's function that is zero but for round-off: what it is at least off by, and how often a part of
+# a step is halved to see whether it was ever positive there.
+_LEAST, _HALVINGS = 1e-16, 40
 _NEAR = 1e-6  # likewise: what is nearer to a zero, by its slope, is not taken to come later unseen
 
 
@@ -128,7 +131,9 @@ class Watch:
             event, memory = self.events[k], self._memories[k]
             if isinstance(event.action, Switch):
                 loaded = event.when.hold >= 0  # type: ignore[attr-defined]
-                memory.side, memory.noise = (1.0, 0.0) if loaded else (0.0, noise)
+                value = abs(self._whens[k](self.moment))
+                own = max(_LEAST, 4.0 * value) if value <= noise else 0.0
+                memory.side, memory.noise = (1.0, 0.0) if loaded else (0.0, own)
                 self._renew(k)
 
     def happen(self, crossing: Crossing) -> int:
@@ -229,7 +234,10 @@ class Watch:
         def f(theta: float) -> float:
             return when(self._at(theta))
 
+        switches = isinstance(event.action, Switch)
         side, a, fa, ra = memory.side, 0.0, look.values[0], look.rates[0]
+        if switches and abs(ra) < STILL:
+            ra = 0.0
         if side != 0.0 and memory.sign(fa) == -side:
             # Passed already: by a jump, or where another event has ended the step.
             return Bracket(k, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -side)
@@ -248,13 +256,15 @@ class Watch:
             side = memory.sign(value)
             if side != 0.0:
                 a, fa, ra, fresh = probe, value, rate(probe), False
-        if isinstance(event.action, Switch) and side < 0.0:
-            return Bracket(k, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, side)  # by logic: it leaves its mode here
+        if switches and side < 0.0:
+            return self._out_and_back(k, a, fa)
         noise = _ROUND_OFF * max(map(abs, (fa, *look.values[1:])))
         for i in range(1, len(look.thetas)):
             b, fb, rb = look.thetas[i], look.values[i], look.rates[i]
             new = memory.sign(fb) if side == 0.0 else (math.copysign(1.0, fb) if abs(fb) > 0.0 else 0.0)
             if side == 0.0:
+                if switches and new < 0.0:
+                    return self._out_and_back(k, b, fb)
                 side = new
             elif new == -side:
                 if fresh and ra * rb < 0.0:  # out, and back already
@@ -262,6 +272,8 @@ class Watch:
                     fa = f(a)
                 if event.counts(new) and (side * fa > 0.0 or not fresh):
                     return Bracket(k, a, b, fa, fb, noise, look.stays(i, new))
+                if switches and new < 0.0:
+                    return self._out_and_back(k, b, fb)
                 side = new
             elif side * ra < 0.0 < side * rb:
                 # It comes nearer to zero, then goes away: does it pass in between?
@@ -274,6 +286,18 @@ class Watch:
                     return Bracket(k, m, b, fm, fb, noise, m)
             a, fa, ra, fresh = b, fb, rb, False
         return None
+
+    def _out_and_back(self, k: int, b: float, fb: float) -> Bracket:
+        """Return where a function of an element passes that is zero at the start and has passed at b.
+
+        It may have been positive between: as far back as that shows. Where it never was it passes at once.
+        """
+        for _ in range(_HALVINGS if b > 0.0 else 0):
+            value = self._whens[k](self._at(0.5 * b))
+            if value > 0.0:
+                return Bracket(k, 0.5 * b, b, value, fb, 0.0, 0.5 * b)
+            b, fb = 0.5 * b, value
+        return Bracket(k, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0)
 
     def _located(self, one: Bracket) -> Crossing:
         """Return the crossing between two fractions: its signs there differ, or it is zero at the first."""

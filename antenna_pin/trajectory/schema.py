@@ -41,7 +41,6 @@ DIMENSIONS: dict[str, str] = {
     "episode": "contacts from onset to release, in order of onset",
 }
 
-
 #: Labels of contacts beside their names.
 COORDINATES: tuple[Coordinate, ...] = (
     Coordinate("contact_joint", "contact", "clearance joint of the contact"),

@@ -358,7 +358,10 @@ def test_a_result_file_holds_its_events(tmp_path):
         ({"when": 3.0}, "Event: when must be a function, got 3.0"),
         ({"direction": 2}, "event 'e': direction must be -1, 0 or 1, got 2"),
         ({"after": 0}, "event 'e': after must be a whole number of 1 or more, got 0"),
-        ({"action": "stop"}, "Event: action must be a Mark, a Stop, a Set, a Jump or a Kink, got 'stop'"),
+        (
+            {"action": "stop"},
+            "Event: action must be a Mark, a Stop, a Set, a Jump, a Kink or a Switch, got 'stop'",
+        ),
         ({"action": Set("drives.moter.value", 1.0)}, "did you mean drives.motor"),
         ({"action": Set("drives.motor.valeu", 1.0)}, "did you mean value"),
         ({"action": Set("drives.motor.value", math.inf)}, "value must be finite"),
