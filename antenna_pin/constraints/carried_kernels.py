@@ -149,18 +149,25 @@ def _move(plan: Any, work: Any, rates: Any, room: Any, b: int) -> None:
 @inlined
 def _gyrate(body: Any, place: Any, spin: Any, out: Any) -> None:
     """Write the moment about its centre that a body needs, in the world: I alpha + w x (I w)."""
+    own = out[3:6]
+    _turn_inertia(body, place, spin, out[6:12], own)
+    for k in range(3):
+        out[k] = own[k]
+    _turn_inertia(body, place, place.spin, out[6:12], own)
+    for k in range(3):
+        out[k] += cross(place.spin, own, k)
+
+
+@inlined
+def _turn_inertia(body: Any, place: Any, vector: Any, spare: Any, out: Any) -> None:
+    """Write R I R^T times a vector."""
     r, inertia = place.rotation, body.inertia
-    own, turned = out[3:6], out[6:9]
-    for part in range(2):
-        vector = spin if part == 0 else place.spin
-        for k in range(3):
-            own[k] = r[0, k] * vector[0] + r[1, k] * vector[1] + r[2, k] * vector[2]
-        for k in range(3):
-            turned[k] = inertia[k, 0] * own[0] + inertia[k, 1] * own[1] + inertia[k, 2] * own[2]
-        for k in range(3):
-            own[k] = r[k, 0] * turned[0] + r[k, 1] * turned[1] + r[k, 2] * turned[2]
-        for k in range(3):
-            out[k] = own[k] if part == 0 else out[k] + cross(place.spin, own, k)
+    for k in range(3):
+        spare[k] = r[0, k] * vector[0] + r[1, k] * vector[1] + r[2, k] * vector[2]
+    for k in range(3):
+        spare[3 + k] = inertia[k, 0] * spare[0] + inertia[k, 1] * spare[1] + inertia[k, 2] * spare[2]
+    for k in range(3):
+        out[k] = r[k, 0] * spare[3] + r[k, 1] * spare[4] + r[k, 2] * spare[5]
 
 
 @inlined
