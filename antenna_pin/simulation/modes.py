@@ -186,20 +186,22 @@ class Modes:
             if value < -ZERO and action.number not in self._element(action.place).loaded:
                 raise NeverSettlesError(action.place)
             return False
+        settled = action.place in self._dry
         for _ in range(self._limit):
             due = self.due(t, y, dry=False)
             if due is not None:
                 self._pass(due.place, due.number, t, y)
-            elif not self._settle(t, y):
+            elif settled:
                 return True
+            else:
+                self._settle(t, y)
+            settled = due is None
         raise NeverSettlesError(action.place)
 
-    def _settle(self, t: float, y: Array, action: Switch | None = None) -> bool:
-        """Have joints with dry friction agree on what they do; return whether one does another thing now."""
-        shifts = self._dry.settle(t, y, action) if self._dry else []
-        for shift in shifts:
+    def _settle(self, t: float, y: Array, action: Switch | None = None) -> None:
+        """Have joints with dry friction agree on what they do."""
+        for shift in self._dry.settle(t, y, action) if self._dry else ():
             self._note(shift, t, y)
-        return any(self._element(one.place).mode != one.before for one in shifts)
 
     def _note(self, shift: Shift, t: float, y: Array) -> None:
         """Record what has become of a joint with dry friction."""
