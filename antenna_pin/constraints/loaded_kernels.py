@@ -166,9 +166,7 @@ def _eliminate(n: int, room: Any) -> bool:
 
 
 @kernel
-def _burden(
-    program: Any, plan: Any, own: Any, carried: Any, tau: Any, i: int, j: int
-) -> tuple[float, float]:
+def _burden(program: Any, plan: Any, own: Any, carried: Any, tau: Any, i: int, j: int) -> tuple[float, float]:
     """Return the load N of hold i, and its derivative by the torque of friction of hold j (-1: of none)."""
     n = plan_of(plan).holds
     radial, axial, bending, _ = elements.bearing(own.kind, program, own.words)

@@ -63,9 +63,7 @@ class Settling:
         acting: Elements with modes, by place.
     """
 
-    def __init__(
-        self, workspace: Workspace, adjustments: Adjustments, acting: Mapping[str, Acting]
-    ) -> None:
+    def __init__(self, workspace: Workspace, adjustments: Adjustments, acting: Mapping[str, Acting]) -> None:
         """Find them."""
         self._workspace, self._adjustments = workspace, adjustments
         self._acting = {
@@ -132,7 +130,11 @@ class Settling:
         if np.isfinite(self._rates[: self._workspace.model.nv]).all():
             return ""
         names = [self._acting[place].label for place in self._acting if self._element(place).under_load]
-        return f", {' or '.join(names)}: under its own load it jams, and no acceleration solves it" if names else ""
+        return (
+            f", {' or '.join(names)}: under its own load it jams, and no acceleration solves it"
+            if names
+            else ""
+        )
 
     def _met(self, place: str, t: float, y: Array) -> Met:
         block, nq = self._acting[place].block, self._workspace.model.nq

@@ -6,9 +6,6 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from antenna_pin.constraints import loaded_kernels
-from antenna_pin.constraints.carried_kernels import write_carried
-from antenna_pin.constraints.layout_kernels import PLAN, PLAN_WORDS
 from antenna_pin.dynamics import System, Workspace
 from antenna_pin.elements import StickingFriction
 from antenna_pin.elements.sticking_friction_kernels import BACKWARD, FORWARD

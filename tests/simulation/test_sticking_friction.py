@@ -174,11 +174,15 @@ def test_a_block_on_a_belt_sticks_and_slips() -> None:
         springs={"spring": spring},
         elements={"frictions": {"j": StickingFriction(joint="j", coulomb=low, static=high)}},
     )
-    run = simulate(system, duration=12.0, settings=RunSettings(rtol=1e-11, max_step=0.05))
+    settings = RunSettings(rtol=1e-11, max_step=0.05)
+    run = simulate(system, v=[speed, 0.0], duration=12.0, settings=settings)
     times = run.data.change_time.values
     omega, off = np.sqrt(stiffness / mass), (high - low) / stiffness
     sticks, slips = 2.0 * off / speed, (2.0 * np.pi - 2.0 * np.arctan(off * omega / speed)) / omega
-    assert [str(one) for one in run.data.change.values[:2]] == ["friction j: slips backward", "friction j: sticks"]
+    assert [str(one) for one in run.data.change.values[:2]] == [
+        "friction j: slips backward",
+        "friction j: sticks",
+    ]
     assert times[0] == pytest.approx(high / (stiffness * speed), rel=1e-10)
     np.testing.assert_allclose(times[1::2] - times[: len(times[1::2]) * 2 : 2], slips, rtol=1e-8)
     np.testing.assert_allclose(times[2::2] - times[1 : len(times[2::2]) * 2 : 2], sticks, rtol=1e-8)
@@ -213,7 +217,9 @@ def test_of_two_joints_that_stick_one_lets_go_when_its_hold_is_overcome() -> Non
 
 
 def test_numbers_of_modes_are_those_of_their_names() -> None:
-    numbers = [getattr(kernels, name) for name in ("UNDECIDED", "FORWARD", "BACKWARD", "STUCK", "PUSHED", "PULLED")]
+    numbers = [
+        getattr(kernels, name) for name in ("UNDECIDED", "FORWARD", "BACKWARD", "STUCK", "PUSHED", "PULLED")
+    ]
     assert numbers == list(range(len(StickingFriction.modes)))
 
 
