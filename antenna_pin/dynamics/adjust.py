@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from antenna_pin.dynamics import kernels
 from antenna_pin.dynamics.acting import acting_in
 from antenna_pin.dynamics.system import System
-from antenna_pin.elements import Change, ForceElement, Met, Modal, family_words, kind_of
+from antenna_pin.elements import Change, ForceElement, Met, Modal, kind_of
 from antenna_pin.elements import kernels as of_elements
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.parameters import parameters_of
@@ -57,7 +57,7 @@ class Adjustments:
         """
         element, _, key = place.rpartition(".")
         if element not in self._blocks:
-            raise UnknownNameError("Set", family_words(), element or place, self._blocks)
+            raise UnknownNameError("Set", "element", element or place, self._blocks)
         source = self.elements[element]
         keys = [name for name, parameter in parameters_of(type(source)).items() if not parameter.sizes]
         if hasattr(source, _ON):

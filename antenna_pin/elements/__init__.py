@@ -9,7 +9,7 @@ from antenna_pin.elements.modal import Change, Met, Modal
 from antenna_pin.elements.pd import PDController
 from antenna_pin.elements.point_spring import PointSpring
 from antenna_pin.elements.prescribed import CallableMotion, DistanceMotion, Motion, PrescribedMotion
-from antenna_pin.elements.registry import DRIVES, ELEMENTS, FAMILIES, SPRINGS, Family, family_words, kind_of
+from antenna_pin.elements.registry import DRIVES, ELEMENTS, FAMILIES, SPRINGS, Family, kind_of
 from antenna_pin.elements.rigid_latch import RigidLatch
 from antenna_pin.elements.rigid_stop import RigidStop
 from antenna_pin.elements.sine import SineDrive
@@ -51,6 +51,5 @@ __all__ = [
     "SineDrive",
     "StickingFriction",
     "TableDrive",
-    "family_words",
     "kind_of",
 ]

@@ -25,7 +25,7 @@ from antenna_pin.elements.sticking_friction import StickingFriction
 from antenna_pin.elements.tabulated import TableDrive
 from antenna_pin.errors import UnknownNameError
 
-__all__ = ["DRIVES", "ELEMENTS", "FAMILIES", "SPRINGS", "Family", "family_words", "kind_of"]
+__all__ = ["DRIVES", "ELEMENTS", "FAMILIES", "SPRINGS", "Family", "kind_of"]
 
 
 class Family(NamedTuple):
@@ -93,12 +93,6 @@ ELEMENTS: tuple[type[ForceElement], ...] = (
 
 # Blocks of a program with lower numbers are joints.
 _FIRST_KIND = 10
-
-
-def family_words() -> str:
-    """Return what a message calls one of them, of whatever family."""
-    *first, last = (family.word for family in FAMILIES.values())
-    return f"{', '.join(first)} or {last}"
 
 
 def kind_of(element: type[ForceElement]) -> int:

@@ -12,7 +12,7 @@ from antenna_pin.parameters import parameter
 
 __all__ = ["RigidStop"]
 
-_SIDES = ("upper", "lower")
+_SIDES = ("lower", "upper")
 # Beyond a stop by no more than this a joint is on it: at the start, and where a hop is not told from rest
 # [rad] ([m]).
 _ROUND_OFF, _HOP = 1e-11, 1e-10

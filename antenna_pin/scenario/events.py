@@ -7,7 +7,6 @@ from typing import Annotated, Literal, Self, get_args
 
 from pydantic import BeforeValidator, model_validator
 
-from antenna_pin.elements import family_words
 from antenna_pin.scenario._base import (
     Quantity,
     Spec,
@@ -156,7 +155,7 @@ def number_to_set(event: EventSpec, tables: Mapping[str, Mapping[str, Spec]], *p
     kind, _, name = element.partition(".")
     known = [f"{place}.{one}" for place, named in tables.items() for one in named]
     if element not in known:
-        refuse_name(family_words(), element or key, known, *place, "set")
+        refuse_name("element", element or key, known, *place, "set")
     quantities = _quantities(tables[kind][name])
     switched = "on" in type(tables[kind][name]).model_fields
     if key == "on" and switched:

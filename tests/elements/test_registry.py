@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from antenna_pin.elements import (
-    DRIVES,
     ELEMENTS,
-    SPRINGS,
+    FAMILIES,
     CallableDrive,
     CallableMotion,
     ConstantDrive,
@@ -18,12 +17,14 @@ from antenna_pin.elements import (
     PDController,
     PointSpring,
     PrescribedMotion,
+    RigidLatch,
+    RigidStop,
     SineDrive,
     TableDrive,
     kernels,
     kind_of,
 )
-from antenna_pin.scenario import DRIVE_SPECS, SPRING_SPECS
+from antenna_pin.scenario import FAMILY_SPECS
 
 EXAMPLES = {
     ConstantDrive: (ConstantDrive(joint="a", value=2.5), "constant 2.5 N m", 2.5),
@@ -69,6 +70,16 @@ EXAMPLES = {
         JointFriction(joint="a", damping=0.5, friction=2.0, regularisation_speed=0.15),
         "damping 0.5 N m s/rad, friction 2 N m, rounded off below 0.15 rad/s",
         -0.5 * 0.2 - 2.0 * 0.8,
+    ),
+    RigidStop: (
+        RigidStop(joint="a", lower=0.05, upper=1.5, restitution=0.25),
+        "rigid stop, lower 50 mrad, upper 1.5 rad, restitution 0.25",
+        0.0,
+    ),
+    RigidLatch: (
+        RigidLatch(joint="a", angle=0.5, greatest_rate=2.0),
+        "rigid latch at 0.5 rad, up to 2 rad/s",
+        0.0,
     ),
 }
 
@@ -118,5 +129,7 @@ def test_an_element_between_points_has_its_own_kernels_and_words():
 
 
 def test_a_scenario_knows_every_element():
-    assert {kind: spec.fills for kind, spec in DRIVE_SPECS.items()} == dict(DRIVES)
-    assert {kind: spec.fills for kind, spec in SPRING_SPECS.items()} == dict(SPRINGS)
+    found = {
+        table: {kind: spec.fills for kind, spec in specs.items()} for table, specs in FAMILY_SPECS.items()
+    }
+    assert found == {table: dict(family.kinds) for table, family in FAMILIES.items()}

@@ -63,7 +63,7 @@ def test_a_run_that_is_to_stop_has_done_its_work(cli, tmp_path):
             "kind='time', time=1, set='drives.azimuth.on'",
             'events.e.set must be left out where action is "mark"',
         ),
-        ("kind='time', time=1, action='set', set='drives.x.on', to=true", "drive or spring 'drives.x' is"),
+        ("kind='time', time=1, action='set', set='drives.x.on', to=true", "element 'drives.x' is"),
         (
             "kind='time', time=1, action='set', set='drives.azimuth.on', to=1",
             "events.e.to must be true or false",
