@@ -1,15 +1,16 @@
 """Accelerations under constraints and under friction that is that of the joints' own load, compiled.
 
-Let tau_j be the torques of friction by load of the joints that slip. Accelerations and multipliers are affine
-in them, and so are the forces and moments W_i that the joints carry::
+Let tau_j be the torques of friction by load of the joints that slip. Accelerations and multipliers are
+affine in them, and so are the forces and moments W_i that the joints carry::
 
     W_i = W_i0 + sum_j W_ij tau_j,    tau_i = c_i N(W_i)
 
-with N of :mod:`antenna_pin.elements.sticking_friction` and c_i a coefficient of friction against the rate. W_i0
-and W_ij are those of no such friction, and of one unit torque each; Newton's method from tau = 0 solves the
-rest. N is convex: of one joint it comes down, from the side of too little friction, to the solution of the
-least friction. Where there is none, or where Newton's matrix has lost the sign that it has without friction (at
-a solution that no growing friction leads to), accelerations are not-a-number, and no step comes about.
+with N of :mod:`antenna_pin.elements.sticking_friction` and c_i a coefficient of friction against the rate.
+W_i0 and W_ij are those of no such friction, and of one unit torque each; Newton's method from tau = 0 solves
+the rest. N is convex: of one joint it comes down, from the side of too little friction, to the solution of
+the least friction. Where there is none, or where Newton's matrix has lost the sign that it has without
+friction (at a solution that no growing friction leads to), accelerations are not-a-number, and no step comes
+about.
 """
 
 from __future__ import annotations

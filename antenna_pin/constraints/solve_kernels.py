@@ -82,8 +82,8 @@ def correction(plan: Any, work: Any, of_speed: bool, out: Any) -> None:
 def solve_rows(y: Any, program: Any, plan: Any, work: Any, effort: Any, bias: Any, rates: Any) -> None:
     """Write accelerations, powers of motions and multipliers, once rows are written and factorized.
 
-    Its arguments are those of :func:`antenna_pin.constraints.loaded_kernels.accelerate`; friction of joints by
-    their load is not in it.
+    Its arguments are those of :func:`antenna_pin.constraints.loaded_kernels.accelerate`; friction of joints
+    by their load is not in it.
     """
     head = plan_of(plan)
     nv, rows, width, root = head.nv, head.rows, head.width, head.root

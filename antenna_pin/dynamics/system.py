@@ -40,7 +40,6 @@ from antenna_pin.elements import (
     ForceElement,
     Modal,
     Motion,
-    StickingFriction,
     kind_of,
 )
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
@@ -251,7 +250,7 @@ class System:
                     self.callables.append(InPython(at, slice(own, at + len(block)), element, asked))
                 holds = isinstance(element, Modal) and element.holds
                 if holds:
-                    check_holds(f"{family} {name!r}", self.mechanism, element.joint)
+                    check_holds(f"{family} {name!r}", self.mechanism, element, self.point_springs)
                 elif isinstance(element, Motion):
                     check_motion(f"{family} {name!r}", self.mechanism, self.drives, name, element)
                 else:
@@ -264,7 +263,7 @@ class System:
                         kind=kind_of(type(element)),
                         words=own,
                         x=x,
-                        loaded=isinstance(element, StickingFriction) and element.under_load,
+                        loaded=bool(getattr(element, "under_load", False)),
                     )
                 )
 

@@ -80,6 +80,11 @@ class Modal(Element):
 
     mode: int = field(default=0, repr=False)
 
+    @property
+    def under_load(self) -> bool:
+        """Whether it has friction that is that of its joint's own load."""
+        return False
+
     def first(self, met: Met) -> Change | None:
         """Return the mode that a run begins in, None for the present one; an impulse there is not made."""
         return None
@@ -89,7 +94,7 @@ class Modal(Element):
         raise NotImplementedError
 
     def turned(self, before: int) -> str:
-        """Return what is recorded of a mode that was decided together, with that before; "" where nothing is."""
+        """Return what is recorded of a mode decided together, with that before; "" where nothing is."""
         return ""
 
     def bears(self, impulse: float) -> Change | None:

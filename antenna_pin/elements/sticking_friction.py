@@ -32,10 +32,10 @@ class StickingFriction(Modal):
         \tau = -\mathrm{sign}(\dot\phi)\, (T_c + (T_s - T_c)\, g) - b\, \dot\phi, \qquad
         g = e^{-(|\dot\phi| / \omega_s)^n}
 
-    and while it sticks it is held by a constraint, with whatever torque that takes up to :math:`T_s`: it does
-    not creep. It sticks where its rate passes zero and no more than :math:`T_s` is needed to hold it; it slips
-    where more is. Without a Stribeck rate g is zero as soon as it slips. Joints that come to rest together,
-    or that let go of one another, are decided together.
+    and while it sticks it is held by a constraint, with whatever torque that takes up to :math:`T_s`: it
+    does not creep. It sticks where its rate passes zero and no more than :math:`T_s` is needed to hold it; it
+    slips where more is. Without a Stribeck rate g is zero as soon as it slips. Joints that come to rest
+    together, or that let go of one another, are decided together.
 
     Under load :math:`T_c = T_{c0} + \mu N` and :math:`T_s = T_{s0} + \mu_s N`, with N of the force F and the
     moment M that the joint carries now, in the middle of its bearing, friction included:
@@ -159,7 +159,7 @@ class StickingFriction(Modal):
         return Change(_FORWARD if direction > 0.0 else _BACKWARD)
 
     def turned(self, before: int) -> str:
-        """Return what is recorded where it sticks, slips, or slips the other way, having done something else."""
+        """Return what is recorded: that it sticks, or slips, having done something else."""
         moves = self.mode in (_FORWARD, _BACKWARD)
         if before == self.mode or not (moves or before in (_FORWARD, _BACKWARD, _UNDECIDED)):
             return ""

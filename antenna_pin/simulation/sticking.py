@@ -7,8 +7,8 @@ Each that is at rest has a torque of friction :math:`\lambda` and an acceleratio
 where what one does changes what the others need. All begin as sticking but one that has just let go; then
 the first in order that does not keep its rule is turned over, again and again: the least-index pivoting of
 Murty and Bard for linear complementarity, which ends at the one solution there is where friction does not
-fall as a joint begins to slip. Where it falls at once there may be several, or none: then turning over does not
-end, and that is said.
+fall as a joint begins to slip. Where it falls at once there may be several, or none: then turning over does
+not end, and that is said.
 
 A joint that others hold at rest, as in a closed loop with more sticking joints than it has freedoms, has all
 its friction pushing and stays.
@@ -171,8 +171,7 @@ class Settling:
             loads = self._loads(t, y)
             for place in resting:
                 if place not in settled and self._turned_over(place, t, y, loads, met[place]):
-                    if self._element(place).mode not in (FORWARD, BACKWARD) or place not in settled:
-                        settled.clear()
+                    settled.clear()
                     break
                 settled.add(place)
             else:
@@ -203,7 +202,7 @@ class Settling:
         return False
 
     def _push(self, place: str, t: float, y: Array) -> bool:
-        """Have one that slips push instead if others hold it, and the other way round; return whether they do."""
+        """Have one that slips push if others hold it, or the other way round; return whether they do."""
         workspace, at = self._workspace, self._slot[place]
         assert workspace.constraints is not None
         element = self._element(place)

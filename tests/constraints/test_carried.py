@@ -1,4 +1,4 @@
-"""What joints carry, and friction by it: against Pinocchio's inverse dynamics, and another way to hold a joint."""
+"""What joints carry, and friction by it: against inverse dynamics, and another way to hold a joint."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def _state(system: System, seed: int) -> np.ndarray:
 @pytest.mark.parametrize("base", ["fixed", "free"])
 @pytest.mark.parametrize("seed", range(5))
 def test_friction_is_that_of_the_load_of_inverse_dynamics(base: str, seed: int) -> None:
-    """From the accelerations that come out, the loads follow by Pinocchio: they make the friction that went in."""
+    """The accelerations that come out give loads, by Pinocchio, that make the friction that went in."""
     system = _system(base)
     y, nq, nv = _state(system, seed), system.model.nq, system.model.nv
     # A moving joint has the direction of its mode.

@@ -32,10 +32,12 @@ TWO = """<robot name="two"><link name="base"><inertial><origin xyz="0.1 0 0.05"/
 <inertia ixx="0.1" iyy="0.2" izz="0.25" ixy="0" ixz="0.01" iyz="0"/></inertial></link></robot>"""
 BELT = """<robot name="belt"><link name="ground"/>
 <joint name="drum" type="prismatic"><parent link="ground"/><child link="belt"/><axis xyz="1 0 0"/>
-<limit lower="-99" upper="99" effort="1e9" velocity="1e9"/></joint><link name="belt"><inertial><mass value="1"/>
+<limit lower="-99" upper="99" effort="1e9" velocity="1e9"/></joint>
+<link name="belt"><inertial><mass value="1"/>
 <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
 <joint name="j" type="prismatic"><parent link="belt"/><child link="block"/><axis xyz="1 0 0"/>
-<limit lower="-99" upper="99" effort="1e9" velocity="1e9"/></joint><link name="block"><inertial><mass value="2"/>
+<limit lower="-99" upper="99" effort="1e9" velocity="1e9"/></joint>
+<link name="block"><inertial><mass value="2"/>
 <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link></robot>"""
 
 
@@ -205,7 +207,7 @@ def test_joints_that_stick_on_a_free_base_stay_and_keep_momentum() -> None:
 
 
 def test_of_two_joints_that_stick_one_lets_go_when_its_hold_is_overcome() -> None:
-    """A rising torque on the first joint: it lets go at T, and the second, with little inertia beyond, stays."""
+    """A rising torque on the first joint: it lets go at T; the second, with little inertia beyond, stays."""
     a, b = StickingFriction(joint="a", coulomb=2.0), StickingFriction(joint="b", coulomb=50.0)
     drive = SineDrive(joint="a", amplitude=4.0, frequency=0.25)
     mechanism = build_mechanism(Urdf.from_text(TWO, "two.urdf"), "fixed", (0, 0, 0))
