@@ -100,7 +100,7 @@ def assemble(system: System, y: Array, held_q: Collection[str], held_v: Collecti
         held_q: Names of joints whose position is to stay.
         held_v: Names of joints whose velocity is to stay.
     """
-    if system.plan is None:
+    if system.plan is None or system.plan.count == 0:  # elements that may hold close nothing
         return
     workspace = Workspace(system)
     constraints = workspace.constraints
@@ -197,7 +197,7 @@ def constraint_counts(system: System, y: Array) -> dict[str, Any]:
     of each closure or coupling with equations that others imply, how many ``equations`` that are, and
     ``among`` which.
     """
-    if system.plan is None:
+    if system.plan is None or system.plan.count == 0:  # elements that may hold close nothing
         nv = system.model.nv
         zero = dict.fromkeys(("closure_equations", "closure_rank", "motions", "rank"), 0)
         return {**zero, "freedoms": nv, "mobility": nv, "freedoms_left": nv, "redundant": {}}

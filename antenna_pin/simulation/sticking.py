@@ -11,7 +11,7 @@ fall as a joint begins to slip. Where it falls at once there may be several, or 
 not end, and that is said.
 
 A joint that others hold at rest, as in a closed loop with more sticking joints than it has freedoms, has all
-its friction pushing and stays.
+its friction pushing once its row has carried that much, and stays; so all must be overcome before one moves.
 """
 
 from __future__ import annotations
@@ -113,6 +113,8 @@ class Settling:
             comes = action is not None and action.place == place and action.number == 0
             if comes or element.mode == STUCK or abs(one.rate) <= _AT_REST:
                 resting.append(place)
+                if element.mode in (PUSHED, PULLED):
+                    continue
                 if action is not None and action.place == place and action.number == 1:
                     change = element.slips(-math.copysign(1.0, loads[self._hold[place]]))
                 else:
@@ -121,6 +123,8 @@ class Settling:
                 change = element.slips(math.copysign(1.0, one.rate))
             self._turn(place, change)
         self._stop(t, y, resting)
+        if action is not None and action.number == 1:
+            self._push(action.place, t, y)
         self._agree(t, y, resting, met)
         return [Shift(place, before[place], one) for place, one in met.items()]
 

@@ -7,7 +7,8 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from antenna_pin import RunSettings, simulate
+from antenna_pin import RunSettings, load_scenario, modes, simulate
+from antenna_pin.constraints import Anchor, Closure
 from antenna_pin.dynamics import System
 from antenna_pin.elements import JointSpring, PointSpring, PrescribedMotion, SineDrive, StickingFriction
 from antenna_pin.elements import sticking_friction_kernels as kernels
@@ -39,6 +40,16 @@ BELT = """<robot name="belt"><link name="ground"/>
 <limit lower="-99" upper="99" effort="1e9" velocity="1e9"/></joint>
 <link name="block"><inertial><mass value="2"/>
 <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link></robot>"""
+FOUR = """<robot name="four"><link name="g"/>
+<link name="a"><inertial><origin xyz="0.25 0 0"/><mass value="1"/>{inertia}</inertial></link>
+<link name="b"><inertial><origin xyz="0.5 0 0"/><mass value="1"/>{inertia}</inertial></link>
+<link name="c"><inertial><origin xyz="0.25 0 0"/><mass value="1"/>{inertia}</inertial></link>
+<joint name="ja" type="revolute"><parent link="g"/><child link="a"/><axis xyz="0 0 1"/>{limit}</joint>
+<joint name="jb" type="revolute"><parent link="a"/><child link="b"/><origin xyz="0.5 0 0"/><axis xyz="0 0 1"/>
+{limit}</joint><joint name="jc" type="revolute"><parent link="g"/><child link="c"/><origin xyz="1 0 0"/>
+<axis xyz="0 0 1"/>{limit}</joint></robot>"""
+INERTIA = '<inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/>'
+LIMIT = '<limit lower="-9" upper="9" effort="1e9" velocity="1e9"/>'
 
 
 def _one(kind: str, axis: str, friction: StickingFriction, centre: str = "0 0 0", **more) -> System:
@@ -237,3 +248,62 @@ def test_numbers_of_modes_are_those_of_their_names() -> None:
 def test_what_cannot_be_is_refused(kind, given, said) -> None:
     with pytest.raises(AntennaPinError, match=said):
         _one(kind, "0 1 0", StickingFriction(joint="j", **given))
+
+
+def _parallelogram() -> System:
+    """A loop of one freedom with friction of 1 N m in three joints, and a torque of 4 N m sin."""
+    urdf = Urdf.from_text(FOUR.format(inertia=INERTIA, limit=LIMIT), "four.urdf")
+    ends = [
+        Anchor(link=link, rotation=np.eye(3), origin=np.array([at, 0.0, 0.0]))
+        for link, at in (("c", 0.5), ("b", 1.0))
+    ]
+    return System(
+        build_mechanism(urdf, "fixed", (0, 0, 0)),
+        closures={"k": Closure(kind="revolute", first=ends[0], second=ends[1])},
+        drives={"d": SineDrive(joint="ja", amplitude=4.0, frequency=0.25)},
+        elements={"frictions": {n: StickingFriction(joint=n, coulomb=1.0) for n in ("ja", "jb", "jc")}},
+    )
+
+
+def test_a_loop_with_more_sticking_joints_than_freedoms_holds_by_all_of_them() -> None:
+    """All joints of a parallelogram turn alike: it lets go at three times the friction of one, both ways."""
+    run = simulate(_parallelogram(), q=[1.2, -1.2, 1.2], v=[0.0] * 3, duration=2.9, settings=TIGHT)
+    lets_go = np.arcsin(0.75) / (2.0 * np.pi * 0.25)
+    times = run.data.change_time.values
+    assert times[:3] == pytest.approx([lets_go] * 3, rel=1e-12)
+    assert times[6:] == pytest.approx([2.0 + lets_go] * 3, rel=1e-12)
+    assert len(set(times[3:6])) == 1  # they come to rest together
+    before = run.data.time.values < lets_go
+    assert np.abs(run.data.v.values[before]).max() < 1e-15
+    assert np.abs(run.data.element_effort.values).max() <= 1.0 + 1e-9
+    assert np.abs(run.data.energy_error).max() < 1e-9  # of steps at this rtol
+
+
+def test_two_halves_are_one() -> None:
+    """A run that is cut while one joint sticks goes on bit for bit."""
+    law = {"coulomb": 0.4, "static": 0.6, "stribeck_rate": 0.1, "coefficient": 0.2, "radius": 0.03}
+    system = _two("fixed", G, a=StickingFriction(joint="a", **law), b=StickingFriction(joint="b", **law))
+    q = [1.0, np.cos(0.5), np.sin(0.5)]
+    whole = simulate(system, q=q, v=[0.0, 0.0], duration=8.0)
+    first = simulate(system, q=q, v=[0.0, 0.0], duration=5.0)
+    assert kernels.STUCK in first.data.element_mode.values[-1]
+    second = simulate(system, start=first.end, duration=3.0)
+    assert np.array_equal(whole.data.q.values[-1], second.data.q.values[-1])
+    assert whole.end == second.end
+
+
+def test_a_scenario_has_frictions(tmp_path) -> None:
+    """The table of a scenario, its words, and small motions where its one joint sticks: none."""
+    (tmp_path / "one.urdf").write_text(ONE.format(type="revolute", axis="0 1 0", centre="0 0 -0.4"))
+    (tmp_path / "scenario.toml").write_text(
+        'format = 1\nduration = "1 s"\ndefault_case = "all"\n[mechanism]\nurdf = "one.urdf"\nbase = "fixed"\n'
+        '[frictions.j]\ncoulomb = "3 N*m"\ncoefficient = 0.1\nradius = "20 mm"\n[cases.all]\n'
+    )
+    scenario = load_scenario(tmp_path / "scenario.toml")
+    run = simulate(scenario)
+    assert str(run.data.element.values[0]) == "frictions.j"
+    assert float(run.data.element_mode[-1, 0]) == kernels.STUCK
+    with pytest.raises(AntennaPinError, match="something must be left free to move"):
+        modes(scenario)
+    slides = simulate(load_scenario(tmp_path / "scenario.toml", overrides=["frictions.j.coulomb=0.01"]))
+    assert float(slides.data.total_element_loss[0]) == 0.0  # it hangs straight down, at rest
