@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from antenna_pin import RunSettings, load_scenario, modes, simulate
+from antenna_pin import RunSettings, build_system, load_scenario, modes, simulate
 from antenna_pin.constraints import Anchor, Closure
 from antenna_pin.dynamics import System
 from antenna_pin.elements import JointSpring, PointSpring, PrescribedMotion, SineDrive, StickingFriction
@@ -307,3 +307,36 @@ def test_a_scenario_has_frictions(tmp_path) -> None:
         modes(scenario)
     slides = simulate(load_scenario(tmp_path / "scenario.toml", overrides=["frictions.j.coulomb=0.01"]))
     assert float(slides.data.total_element_loss[0]) == 0.0  # it hangs straight down, at rest
+
+
+def test_the_friction_of_a_urdf_sticks_where_that_is_asked_for(tmp_path) -> None:
+    text = ONE.format(type="revolute", axis="0 1 0", centre="0 0 -0.4")
+    text = text.replace("<limit", '<dynamics friction="3" damping="0.1"/><limit')
+    (tmp_path / "one.urdf").write_text(text)
+    (tmp_path / "scenario.toml").write_text(
+        'format = 1\nduration = "1 s"\ndefault_case = "all"\n[mechanism]\nurdf = "one.urdf"\nbase = "fixed"\n'
+        "gravity = [0, 0, -9.81]\n[mechanism.joints.j]\nsticks = true\n[initial.joints.j]\n"
+        'angle = "10 deg"\n[cases.all]\n'
+    )
+    run = simulate(load_scenario(tmp_path / "scenario.toml"))
+    # 2 kg at 0.4 m, 10 degrees off: 1.36 N m, which it holds.
+    assert np.ptp(run.data.motion_angle.values) == 0.0
+    held = float(run.data.element_effort.sel(element="frictions.j.dynamics")[-1])
+    assert held == pytest.approx(2.0 * G * 0.4 * np.sin(np.radians(10.0)), rel=1e-12)
+    crept = simulate(load_scenario(tmp_path / "scenario.toml", overrides=["mechanism.joints.j.sticks=false"]))
+    assert np.ptp(crept.data.motion_angle.values) > 1e-4  # as it is by default: rounded off
+    with pytest.raises(AntennaPinError, match="must be left out of a joint whose friction sticks"):
+        build_system(
+            load_scenario(
+                tmp_path / "scenario.toml", overrides=["mechanism.joints.j.regularisation_speed=0.1"]
+            )
+        )
+
+
+def test_friction_by_load_beside_a_spring_between_points_is_refused() -> None:
+    spring = PointSpring(
+        first=("world", (0, 0, 1)), second=("arm", (0, 0, 1)), free_length=1.0, stiffness=1.0
+    )
+    friction = StickingFriction(joint="j", coefficient=0.1)
+    with pytest.raises(AntennaPinError, match="friction 'j': friction by the load of joint 'j' knows no"):
+        _one("prismatic", "1 0 0", friction, springs={"s": spring})
