@@ -20,6 +20,7 @@ from antenna_pin.elements import (
     RigidLatch,
     RigidStop,
     SineDrive,
+    StickingFriction,
     TableDrive,
     kernels,
     kind_of,
@@ -80,6 +81,12 @@ EXAMPLES = {
         RigidLatch(joint="a", angle=0.5, greatest_rate=2.0),
         "rigid latch at 0.5 rad, up to 2 rad/s",
         0.0,
+    ),
+    StickingFriction: (
+        # Slipping forward.
+        StickingFriction(joint="a", coulomb=2.0, static=3.0, stribeck_rate=0.1, viscous=0.5, mode=1),
+        "Coulomb friction 2 N m, holds up to 3 N m, viscous 0.5 N m s/rad, Stribeck rate 0.1 rad/s",
+        -2.0 - math.exp(-4.0) - 0.5 * 0.2,
     ),
 }
 
