@@ -7,8 +7,10 @@ What stands in for a kernel becomes Numba's when it is called, and when Numba me
 from __future__ import annotations
 
 import functools
+import math
 import os
 import threading
+import types
 from collections.abc import Callable
 from typing import Any, TypeVar
 
@@ -54,8 +56,38 @@ def in_python(function: _Function) -> _Function:
 
 def _later(function: _Function, **options: bool) -> _Function:
     if os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0"):
+        plain = _as_compiled()
+        if "math" in function.__globals__:
+            function.__globals__["math"] = plain
         return function
     return _Later(function, options)  # type: ignore[return-value]
+
+
+@functools.cache
+def _as_compiled() -> types.SimpleNamespace:
+    """Return what ``math`` is to compiled code, which does not raise: there is NaN, or infinity.
+
+    Nor does it warn, and from here on NumPy does not either.
+    """
+    import numpy as np
+
+    np.seterr(divide="ignore", over="ignore", invalid="ignore")
+
+    def same(function: Callable[..., float]) -> Callable[..., float]:
+        @functools.wraps(function)
+        def answer(*numbers: float) -> float:
+            try:
+                return function(*numbers)
+            except ValueError:
+                return math.nan
+            except OverflowError:
+                return math.inf
+
+        return answer
+
+    return types.SimpleNamespace(
+        **{name: same(one) if callable(one) else one for name, one in vars(math).items() if name[0] != "_"}
+    )
 
 
 #: Of threads that come to the same kernel one makes it: there is one of each.

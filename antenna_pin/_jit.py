@@ -16,7 +16,8 @@ from typing import Any
 import numba
 
 import antenna_pin._intrinsics  # noqa: F401 - which tells Numba of them
-from antenna_pin._kernel_cache import FORMAT, keep, stand_alone
+from antenna_pin._kernel_cache import FORMAT, keep
+from antenna_pin._stand_alone import stand_alone
 
 __all__ = ["dispatcher", "stamped_files"]
 
@@ -52,7 +53,7 @@ def dispatcher(function: Callable[..., Any], kept: bool, alone: bool = False, **
     Args:
         function: In Python.
         kept: Whether its machine code is kept, and a plain constant counts as the number it is.
-        alone: Whether its callers call it by name (:func:`antenna_pin._kernel_cache.stand_alone`).
+        alone: Whether its callers call it by name (:func:`antenna_pin._stand_alone.stand_alone`).
         **options: Numba's.
     """
     compiled = _njit(function, **options)

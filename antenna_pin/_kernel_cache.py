@@ -5,38 +5,41 @@ Here every file starts with the digest of the rest and names what it was compile
 counts as not there, so that it is compiled and written anew. They are pickles, which run code as they are
 read: a folder that somebody else may write (:mod:`antenna_pin._ownership`) is neither read nor written.
 
-Numba also puts all that a function calls into it and optimises it there once more, so that what is called
-from ten places is compiled ten times over. Here a kernel stands alone (:func:`stand_alone`): its callers know
-its name, and find it when they are loaded.
+What is called from Python needs a hundred kernels that stand alone (:mod:`antenna_pin._stand_alone`).
+They are read one by one when it is loaded for the first time, and packed into one file beside its own for
+the next process, which links them without making them callable by anything but machine code.
 """
 
 from __future__ import annotations
 
 import contextlib
-import copy
 import functools
 import hashlib
-import importlib
 import os
 import pickle
+import threading
 import warnings
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from llvmlite.binding import add_symbol
-
-from antenna_pin._machine_code import called, kept_of
+from antenna_pin._machine_code import Kept, Part, called, kept_of, link
 from antenna_pin._ownership import open_to, stranger_of
+from antenna_pin._stand_alone import (
+    all_needs,
+    kernel_named,
+    needs_of,
+    noted,
+    parts_of,
+    symbols_of,
+)
 from antenna_pin._turns import Turn
 
 try:
-    from numba.core.base import OverloadSelector
     from numba.core.caching import FunctionCache, IndexDataCacheFile, InTreeCacheLocator, NullCache
-    from numba.core.imputils import user_function
 except ImportError:  # none of it is promised by Numba
     FunctionCache = IndexDataCacheFile = NullCache = object
 
-__all__ = ["FORMAT", "KernelCacheWarning", "keep", "stand_alone", "told_of_compiling"]
+__all__ = ["FORMAT", "KernelCacheWarning", "keep", "told_of_compiling"]
 
 FORMAT = 3  # of what is kept
 
@@ -60,12 +63,26 @@ def keep(dispatcher: Any, stamp: str) -> None:
     compile_or_load = dispatcher.compile
 
     def compiled(signature: Any) -> Any:
+        _nested.depth += 1
         try:
-            return compile_or_load(signature)
+            entry = compile_or_load(signature)
         finally:
+            _nested.depth -= 1
             cache.turn.end()
+        if _nested.depth == 0:
+            cache.pack()
+        return entry
 
     dispatcher.compile = compiled
+
+
+class _Nested(threading.local):
+    """How many kernels are being loaded or compiled, one for the other."""
+
+    depth = 0
+
+
+_nested = _Nested()
 
 
 class _Later:
@@ -104,72 +121,6 @@ def told_of_compiling(listener: Callable[[], None]) -> Iterator[None]:
 def _to_be_compiled() -> None:
     for listener in _listeners:
         listener()
-
-
-def stand_alone(dispatcher: Any) -> None:
-    """Let callers of a compiled function call it by name instead of holding its code.
-
-    What they need is kept with their machine code, and loaded or compiled before that is. Where Numba has
-    changed inside, they hold it, as Numba has it.
-    """
-    if getattr(dispatcher, "py_func", None) is None:  # NUMBA_DISABLE_JIT=1
-        return
-    function = dispatcher.py_func
-    name = f"{function.__module__}:{function.__qualname__}"
-    add_overload = dispatcher.add_overload
-
-    def added(result: Any) -> None:
-        add_overload(result)
-        try:
-            _publish(name, dispatcher.targetctx, result)
-        except AttributeError:
-            return
-
-    dispatcher.add_overload = added
-
-
-def _named(name: str) -> Any:
-    """Return a kernel that stands alone, by its module and name."""
-    module, _, own = name.partition(":")
-    return getattr(importlib.import_module(module), own)
-
-
-def _publish(name: str, context: Any, result: Any) -> None:
-    """Give a compiled function a name that holds in every process, and let it be called by that."""
-    arguments = tuple(result.signature.args)
-    symbol = f"{name}:{hashlib.sha256(str(arguments).encode()).hexdigest()}"
-    add_symbol(symbol, result.library.get_pointer_to_function(result.fndesc.llvm_func_name))
-    alias = copy.copy(result.fndesc)
-    alias.mangled_name = symbol
-    call = user_function(alias, ())
-
-    def noted(context: Any, *rest: Any, **more: Any) -> Any:
-        _needs_of(context.active_code_library).add((name, arguments))
-        return call(context, *rest, **more)
-
-    vars(noted).update(vars(call))
-    overloads = OverloadSelector()
-    overloads.append(noted, call.signature)
-    context._defns[result.entry_point] = overloads
-
-
-def _needs_of(library: Any) -> set[Any]:
-    """Return the set of what machine code calls by name: kernels, each with the types of its arguments."""
-    if "needs" not in vars(library):
-        library.needs = set()
-    needs: set[Any] = library.needs
-    return needs
-
-
-def _all_needs(library: Any) -> set[Any]:
-    needs, seen, left = set(), set(), [library]
-    while left:
-        one = left.pop()
-        if id(one) not in seen:
-            seen.add(id(one))
-            needs |= _needs_of(one)
-            left += getattr(one, "_linking_libraries", [])
-    return needs
 
 
 @functools.lru_cache
@@ -223,6 +174,22 @@ class _SealedFiles(IndexDataCacheFile):  # type: ignore[misc]
     def _save_data(self, name: str, data: Any) -> None:
         self._write(self._data_path(name), data)
 
+    def read_pack(self, key: Any) -> Any:
+        """Return what is kept of all that an entry needs.
+
+        Raises:
+            Exception: There is nothing that holds.
+        """
+        return self._read(self._pack_path(key))
+
+    def write_pack(self, key: Any, content: Any) -> None:
+        """Keep what an entry needs; OSError where it cannot be."""
+        self._write(self._pack_path(key), content)
+
+    def _pack_path(self, key: Any) -> str:
+        digest = hashlib.sha256(str(key[0]).encode()).hexdigest()
+        return f"{os.path.splitext(self._index_path)[0]}.{digest[:16]}.nbp"
+
     def _read(self, path: str) -> Any:
         with open(path, "rb") as file:
             if not self.closed or open_to(os.fstat(file.fileno()), self._owner):
@@ -247,45 +214,78 @@ class _KernelCache(FunctionCache):  # type: ignore[misc]
         self._turn = turn
         base, source = self._impl.filename_base, function.__code__.co_filename
         owner = os.stat(source).st_uid  # who is trusted with the sources is with what they are compiled to
-        self._cache_file = _SealedFiles(self._cache_path, base, stamp, owner)
         # Beside the sources may stand what who installed them has compiled, for others to read.
         beside = InTreeCacheLocator(function, source).get_cache_path()
-        self._beside = None if beside == self._cache_path else _SealedFiles(beside, base, stamp, owner)
+        folders = [self._cache_path, *([beside] if beside != self._cache_path else [])]
+        self._all_files = [_SealedFiles(folder, base, stamp, owner) for folder in folders]
+        self._cache_file = self._all_files[0]
+        self._stamp = stamp
+        self._unpacked: Any = None
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """Return what is kept of a function for arguments of certain types, None if nothing is."""
         key = self._index_key(sig, target_context.codegen())
+        self._unpacked = None
         kept = self._kept(key)
         if kept is None:
             self._turn.begin(self._cache_path)
             kept = self._kept(key)  # another process may have made it by now
         if kept is not None:
-            return self._loaded(kept, target_context)
+            return self._loaded(key, kept, target_context)
         _to_be_compiled()
         target_context.refresh()
         return None
 
     def _kept(self, key: Any) -> Any:
-        for files in (self._cache_file, self._beside):
-            kept = None if files is None else files.load(key)
+        for files in self._all_files:
+            kept = files.load(key)
             if kept is not None:
                 return kept
         return None
 
-    def _loaded(self, kept: Any, target_context: Any) -> Any:
-        for name, arguments in kept.needs:
-            _named(name).compile(arguments)
+    def _loaded(self, key: Any, kept: Any, target_context: Any) -> Any:
+        parts = self._pack(key) if kept.needs and _nested.depth == 1 else ()
+        for part in parts:
+            link(target_context, part)
+        if not parts:
+            for name, arguments in kept.needs:
+                kernel_named(name).compile(arguments)
+            self._note(key, kept)
         result = called(target_context, kept)
-        _needs_of(result.library).update(kept.needs)
+        needs_of(result.library).update(kept.needs)
         return result
+
+    def _note(self, key: Any, kept: Kept) -> None:
+        """Remember what a pack is made of: that of this function, or one to which it belongs."""
+        noted(self._turn.kernel, kept)
+        self._unpacked = key, symbols_of(kept)
+
+    def _pack(self, key: Any) -> tuple[Part, ...]:
+        """Return all that a function needs, each part after those it needs; nothing if it is not packed."""
+        for files in self._all_files:
+            with contextlib.suppress(Exception):  # pickle promises no certain ones
+                whose, parts = files.read_pack(key)
+                if whose == (self._stamp, str(key)):
+                    return tuple(parts)
+        return ()
+
+    def pack(self) -> None:
+        """Pack what a function needs that has been read from many files, or compiled, into one."""
+        (key, needs), self._unpacked = self._unpacked or (None, ()), None
+        parts = parts_of(needs)
+        if parts and self._cache_file.closed:
+            with contextlib.suppress(OSError):  # what is not packed is read one by one
+                self._cache_file.write_pack(key, ((self._stamp, str(key)), parts))
 
     def save_overload(self, sig: Any, data: Any) -> None:
         try:
             if self._impl.check_cachable(data):
                 self._impl.locator.ensure_cache_path()
-                kept = kept_of(_all_needs(data.library), self._impl.reduce(data))
+                kept = kept_of(all_needs(data.library), self._impl.reduce(data))
                 if self._cache_file.closed and kept is not None:
-                    self._cache_file.save(self._index_key(sig, data.codegen), kept)
+                    key = self._index_key(sig, data.codegen)
+                    self._cache_file.save(key, kept)
+                    self._note(key, kept)
         except OSError as error:  # full, or no longer to be written
             _tell(f"{self._cache_path}: {error.strerror or error}")
 
@@ -301,6 +301,9 @@ class _NoCache(NullCache):  # type: ignore[misc]
 
     def save_overload(self, sig: Any, cres: Any) -> None:
         _tell(self._reason)
+
+    def pack(self) -> None:
+        """Keep nothing."""
 
 
 _told: list[str] = []

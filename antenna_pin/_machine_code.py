@@ -21,7 +21,7 @@ try:
 except ImportError:  # neither is promised by Numba
     _dynfunc = _nrt_python = compile_result = None
 
-__all__ = ["Code", "Kept", "called", "kept_of"]
+__all__ = ["Code", "Kept", "Part", "called", "kept_of", "link", "named"]
 
 
 class Kept(NamedTuple):
@@ -42,6 +42,24 @@ class Kept(NamedTuple):
     description: Any
     environments: tuple[Any, ...]
     signature: Any
+
+
+class Part(NamedTuple):
+    """What callers that are loaded need of a kernel that they call by name.
+
+    Attributes:
+        symbol: The name.
+        function: What its object file calls it.
+        needs: Symbols of kernels that it calls.
+        object: Its object file.
+        environments: What it needs of Python.
+    """
+
+    symbol: str
+    function: str
+    needs: tuple[str, ...]
+    object: bytes
+    environments: tuple[Any, ...]
 
 
 class Code:
@@ -90,7 +108,8 @@ def called(context: Any, kept: Kept) -> Any:
     description, environment = kept.description, kept.environments[0]
     engine = context.codegen()._engine._ee
     _name_memory()
-    engine.add_object_file(ObjectFileRef.from_data(kept.object))
+    if description.llvm_func_name not in _linked or _linked[description.llvm_func_name] != hash(kept.object):
+        engine.add_object_file(ObjectFileRef.from_data(kept.object))
     code = Code(engine, kept)
     entry = _dynfunc.make_function(
         description.lookup_module(),
@@ -100,9 +119,7 @@ def called(context: Any, kept: Kept) -> Any:
         environment,
         (code,),
     )
-    for one in kept.environments:
-        if place := engine.get_global_value_address(one.env_name):
-            ctypes.c_void_p.from_address(place).value = id(one)
+    _place(engine, kept.environments)
     return compile_result(
         target_context=context,
         typing_context=context.typing_context,
@@ -114,6 +131,39 @@ def called(context: Any, kept: Kept) -> Any:
         objectmode=False,
         referenced_envs=kept.environments,
     )
+
+
+#: Addresses of kernels by the names that hold in every process; digests of object files that were loaded
+#: for callers only, by their functions; and environments whose place code knows.
+_symbols: dict[str, int] = {}
+_linked: dict[str, int] = {}
+_placed: dict[str, Any] = {}
+
+
+def named(symbol: str, address: int) -> None:
+    """Let loaded code call a function by a name."""
+    _symbols[symbol] = address
+    add_symbol(symbol, address)
+
+
+def link(context: Any, part: Part) -> None:
+    """Load a kernel for those only that call it by name, as the kernels that it calls already are."""
+    if part.symbol not in _symbols:
+        engine = context.codegen()._engine._ee
+        _name_memory()
+        engine.add_object_file(ObjectFileRef.from_data(part.object))
+        _linked[part.function] = hash(part.object)
+        named(part.symbol, engine.get_function_address(part.function))
+        _place(engine, part.environments)
+
+
+def _place(engine: Any, environments: tuple[Any, ...]) -> None:
+    """Tell code where its environments are, which stay; all object files share the place of one."""
+    for one in environments:
+        if _placed.get(one.env_name) is not one:
+            _placed[one.env_name] = one
+            if place := engine.get_global_value_address(one.env_name):
+                ctypes.c_void_p.from_address(place).value = id(one)
 
 
 @cache

@@ -23,6 +23,7 @@ class Turn:
 
     def __init__(self, kernel: str) -> None:
         """Name the kernel."""
+        self.kernel = kernel
         # Within 4 GB: where a file cannot be as long, its bytes cannot be held either.
         self._byte = int.from_bytes(hashlib.sha256(kernel.encode()).digest()[:4], "little")
         self._file: int | None = None

@@ -52,18 +52,17 @@ def takes(**units: str) -> Callable[[_T], _T]:
 
 
 def _checked(function: Any, place: str, units: Mapping[str, str], owner: type[Any] | None) -> Any:
-    signature = inspect.signature(function)
-
     @functools.cache
-    def hints() -> dict[str, Any]:
-        return _hints(function, owner)
+    def asked() -> tuple[inspect.Signature, dict[str, Any]]:
+        return inspect.signature(function), _hints(function, owner)
 
     @functools.wraps(function)
     def wrapped(*arguments: Any, **named: Any) -> Any:
+        signature, hints = asked()
         bound = signature.bind(*arguments, **named)
         for name, value in bound.arguments.items():
             kind = signature.parameters[name].kind
-            hint = hints().get(name, Any)
+            hint = hints.get(name, Any)
             if kind is inspect.Parameter.VAR_POSITIONAL:
                 read = tuple(_read(place, name, one, hint, units.get(name)) for one in value)
             elif kind is inspect.Parameter.VAR_KEYWORD:

@@ -9,7 +9,7 @@ from typing import Literal, get_args
 from antenna_pin.directions import A_DIRECTION
 from antenna_pin.parameters import check, parameter
 
-__all__ = ["JOINT_VARIANTS", "JointChange", "JointVariant", "LinkChange", "ShapeChange"]
+__all__ = ["JOINT_VARIANTS", "JointChange", "JointVariant", "LinkChange", "Rotor", "ShapeChange"]
 
 JointVariant = Literal["ideal", "locked", "free", "planar"]
 """What becomes of a joint: as in the URDF, no freedom, all six, the three of a plane across its axis."""
@@ -88,4 +88,28 @@ class JointChange:
 
     def __post_init__(self) -> None:
         """Refuse what is no place and no direction."""
+        check(self)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Rotor:
+    """The rotor of a motor at a joint that turns: a body on the joint's axis, geared to the joint, exactly.
+
+    Its mass, and its inertia across the axis, are those of the link that carries it, in the URDF. The moment
+    about the axis is the rotor's alone: the link's must not have it once more.
+
+    Attributes:
+        joint: Name of the joint, revolute or continuous, without play.
+        inertia: Moment of inertia about the axis [kg*m^2].
+        ratio: Turns of the rotor on its carrier for one of the joint; negative the other way round.
+        carrier: Which of the joint's links carries the motor.
+    """
+
+    joint: str
+    inertia: float = parameter("kg*m^2", rule="positive")
+    ratio: float = parameter("1", default=1.0)
+    carrier: Literal["parent", "child"] = "parent"
+
+    def __post_init__(self) -> None:
+        """Check the numbers."""
         check(self)

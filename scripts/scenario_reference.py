@@ -53,6 +53,7 @@ from antenna_pin.scenario import (
     PlaceSpec,
     PointingSpec,
     RateEvent,
+    RotorSpec,
     ScalesSpec,
     Scenario,
     ShapeSpec,
@@ -240,9 +241,10 @@ def family_sections() -> Iterator[str]:
             given = default if kind == default else "required"
             lines = [
                 f"| `kind` | {', '.join(f'`{one}`' for one in specs)} | {given} | What it is |",
-                f"| `joint` | text | the {word}'s name | Name of the joint |",
                 *rows(cls, without=("joint", "motion", "kind")),
             ]
+            if "joint" in cls.model_fields:
+                lines.insert(1, f"| `joint` | text | the {word}'s name | Name of the joint |")
             title = "" if len(specs) == 1 else f" of kind {kind}"
             yield section(f"[{family}.NAME]{title}", lines, (cls.__doc__ or "").splitlines()[0])
 
@@ -341,6 +343,16 @@ def scenario_table() -> str:
             "A joint that follows another, beside those that the URDF couples by `<mimic>`"
             " ([more](closed-loops.md#coupled-joints)). With a `follower` that the scenario locks it is"
             " dropped.",
+        ),
+        section(
+            "[rotors.NAME]",
+            [
+                "| `joint` | text | the rotor's name | Name of the joint that it turns with |",
+                *rows(RotorSpec, without=("joint",)),
+            ],
+            "The rotor of a motor: a body of its own on a joint `NAME_rotor`, geared to the joint, with a"
+            " moment of inertia about the axis alone: what the joint, its carrier and gyroscopic"
+            " torques feel of it is exact.",
         ),
         section("[drives.NAME]", drive_rows()),
         *spring_sections(),

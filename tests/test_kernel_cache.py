@@ -13,6 +13,7 @@ import pytest
 
 from antenna_pin import _kernel_cache, load_scenario, simulate
 from antenna_pin._kernel_cache import KernelCacheWarning, keep
+from antenna_pin._stand_alone import kernel_named, needs_of
 
 pytestmark = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled")
 
@@ -167,7 +168,8 @@ def test_who_waits_is_told_of_what_is_compiled(source):
 
 _PAIR = """\
 import numba
-from antenna_pin._kernel_cache import keep, stand_alone
+from antenna_pin._kernel_cache import keep
+from antenna_pin._stand_alone import stand_alone
 def own(x):
     return 2 * x
 own = numba.njit(own)
@@ -187,9 +189,15 @@ print(caller(3), sum(caller.stats.cache_hits.values()), sum(own.stats.cache_hits
 """
 
 
-@pytest.mark.parametrize("damaged", [False, True])
-def test_a_kernel_that_stands_alone_is_found_by_callers_that_are_loaded(source, damaged, monkeypatch):
-    """In another process, where it is loaded before them, or compiled anew if what was kept is damaged."""
+@pytest.mark.parametrize(
+    ("damaged", "own_is_read"),
+    [((), 0), ((".own-",), 0), ((".nbp",), 1), ((".own-", ".nbp"), 0)],
+    ids=["nothing", "own", "pack", "both"],
+)
+def test_a_kernel_that_stands_alone_is_found_by_callers_that_are_loaded(
+    source, damaged, own_is_read, monkeypatch
+):
+    """In another process: in the caller's pack, in its own file, or compiled anew if both are damaged."""
     monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
     source.write_text(_PAIR)
 
@@ -199,10 +207,45 @@ def test_a_kernel_that_stands_alone_is_found_by_callers_that_are_loaded(source, 
         return done.stdout.split()
 
     assert answer() == ["7", "0", "0"]
-    own = next(path for path in files(source, ".nbc") if ".own-" in path.name)
-    if damaged:
-        own.write_bytes(own.read_bytes()[:-40])
-    assert answer() == ["7", "1", "0" if damaged else "1"]
+    for part in damaged:
+        (path,) = (
+            path
+            for path in (source.parent / "__pycache__").iterdir()
+            if part in path.name and ".nbi" not in path.name
+        )
+        path.write_bytes(path.read_bytes()[:-40])
+    assert answer() == ["7", "1", str(own_is_read)]
+    assert answer()[:2] == ["7", "1"]
+
+
+def test_a_kernel_that_was_linked_for_its_callers_can_be_called_itself(source, monkeypatch):
+    """After them it is made callable from its own file; its code is in the process once."""
+    monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
+    source.write_text(_PAIR)
+    asked = _ASKED + "print(own(5), own(1.5), caller(1.5), sum(own.stats.cache_hits.values()))\n"
+
+    def answer():
+        command = [sys.executable, "-c", asked, str(source.parent)]
+        done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=True)
+        return done.stdout.split()
+
+    assert answer() == ["7", "0", "0", "10", "3.0", "4.0", "0"]
+    assert answer() == ["7", "1", "0", "10", "3.0", "4.0", "2"]
+
+
+def test_a_pack_of_another_stamp_is_not_linked(source, monkeypatch):
+    """What a caller of other sources calls by the same name is other code."""
+    monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
+
+    def answer(text):
+        source.write_text(text)
+        command = [sys.executable, "-c", _ASKED, str(source.parent)]
+        done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=True)
+        return done.stdout.split()
+
+    assert answer(_PAIR)[0] == "7"
+    other = _PAIR.replace('"stamp"', '"other"').replace("2 * x", "4 * x")
+    assert [answer(other)[0], answer(other)[0]] == ["13", "13"]
 
 
 def test_callers_hold_nothing_of_a_kernel_that_stands_alone():
@@ -215,6 +258,14 @@ def test_callers_hold_nothing_of_a_kernel_that_stands_alone():
         overrides=["clearance.elevation.geometry=closed-form", "integrator.engine=compiled"],
     )
     simulate(scenario, duration=1e-3)
+    go_on = importlib.import_module("antenna_pin.engine.loop_kernels").go_on
+    left, seen = list(go_on.overloads.values()), set()
+    while left:  # what is linked for its callers has no bitcode here before it is asked for
+        for name, arguments in needs_of(left.pop().library) - seen:
+            seen.add((name, arguments))
+            kernel_named(name).compile(arguments)
+            left.append(kernel_named(name).overloads[arguments])
+    assert attempt.overloads and evaluate.overloads
     for result in attempt.overloads.values():
         text = result.library._get_module_for_linking().as_bitcode()
         for called in evaluate.overloads.values():

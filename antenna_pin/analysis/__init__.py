@@ -83,6 +83,7 @@ if TYPE_CHECKING:
     from antenna_pin.analysis.settling import Settling, settling, touching_intervals
     from antenna_pin.analysis.shares import scenario_shares, scenario_spans
     from antenna_pin.analysis.signals import RunSignal, scales_of, signals
+    from antenna_pin.analysis.slider_scenarios import slider_scenarios
     from antenna_pin.analysis.spectrum import (
         UniformSignal,
         dominant_frequencies,
@@ -194,6 +195,7 @@ __all__ = [
     "scenario_rows",
     "scenario_shares",
     "scenario_spans",
+    "slider_scenarios",
     "section_lines",
     "settled",
     "settling",
@@ -246,6 +248,7 @@ loaded_when_used(
         " possible_scenarios scenario_of scenario_rows",
         "settling": "Settling settling touching_intervals",
         "shares": "scenario_shares scenario_spans",
+        "slider_scenarios": "slider_scenarios",
         "signals": "RunSignal scales_of signals",
         "spectrum": "UniformSignal dominant_frequencies spectrogram spectrum uniform",
         "transients": "Settled settled",

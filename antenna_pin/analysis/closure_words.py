@@ -48,9 +48,16 @@ def said_of_coupling(one: Mapping[str, Any]) -> str:
     ratio = "" if follower == leader else f"{follower}/{leader}"
     factor = readable(one["multiplier"], ratio, GIVEN) if ratio else number(one["multiplier"], GIVEN)
     times = "" if factor == "1" else f"{factor} · "
+    if (second := one.get("second")) is not None:
+        own = "m" if one["second_slides"] else "rad"
+        said = readable(abs(one["second_multiplier"]), "" if own == follower else f"{follower}/{own}", GIVEN)
+        sign = "+" if one["second_multiplier"] > 0.0 else _MINUS
+        other = f" {sign} {'' if said == '1' else f'{said} · '}{second}"
+    else:
+        other = ""
     offset = one["offset"]
     behind = f" {'+' if offset > 0.0 else _MINUS} {readable(abs(offset), follower, GIVEN)}" if offset else ""
-    return f"{one['follower']} = {times}{one['leader']}{behind}"
+    return f"{one['follower']} = {times}{one['leader']}{other}{behind}"
 
 
 @takes()

@@ -21,8 +21,9 @@ def couplings_of(scenario: Scenario, mechanism: Mechanism) -> dict[str, Coupling
     found = {}
     for name, spec in scenario.couplings.items():
         place = ("couplings", name)
-        for role in ("follower", "leader"):
-            check_known(scenario, [getattr(spec, role)], "joint", joints, *place, role)
+        for role in ("follower", "leader", "second"):
+            if (joint := getattr(spec, role)) is not None:
+                check_known(scenario, [joint], "joint", joints, *place, role)
         change = scenario.mechanism.joints.get(spec.follower)
         if change is not None and change.kind == "locked":
             continue
@@ -33,7 +34,12 @@ def couplings_of(scenario: Scenario, mechanism: Mechanism) -> dict[str, Coupling
                 )
         _check_units(scenario, mechanism, spec, *place)
         found[name] = Coupling(
-            follower=spec.follower, leader=spec.leader, multiplier=spec.multiplier, offset=spec.offset
+            follower=spec.follower,
+            leader=spec.leader,
+            multiplier=spec.multiplier,
+            offset=spec.offset,
+            second=spec.second,
+            second_multiplier=spec.second_multiplier,
         )
     return found
 

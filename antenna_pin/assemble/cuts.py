@@ -5,7 +5,7 @@ from __future__ import annotations
 from antenna_pin.assemble.places import where
 from antenna_pin.errors import ScenarioError
 from antenna_pin.mechanism import WrittenUrdf
-from antenna_pin.scenario import AnchorSpec, ElementSpec, Scenario
+from antenna_pin.scenario import AnchorSpec, ElementSpec, JointsSpec, Scenario
 from antenna_pin.scenario.clearance import TouchingSpec
 
 __all__ = ["check_not_closures"]
@@ -34,6 +34,7 @@ def _way_out(scenario: Scenario, urdf: WrittenUrdf, name: str) -> str:
         return f"nothing is left to cut: give one joint of the loop no play{which}"
     elements = [one for named in scenario.families.values() for one in named.values()]
     acting = {one.joint for one in elements if isinstance(one, ElementSpec)}
+    acting |= {end for one in elements if isinstance(one, JointsSpec) for end in (one.input, one.output)}
     free = [joint for joint in ideal if joint not in acting]
     if not free:
         return (

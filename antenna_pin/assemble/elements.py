@@ -7,7 +7,7 @@ from typing import Any
 from antenna_pin.assemble.closures import link_of
 from antenna_pin.assemble.places import check_known, check_motion
 from antenna_pin.mechanism import Mechanism
-from antenna_pin.scenario import PointsSpec, Scenario
+from antenna_pin.scenario import JointsSpec, PointsSpec, Scenario
 
 __all__ = ["elements_of"]
 
@@ -27,6 +27,11 @@ def elements_of(scenario: Scenario, mechanism: Mechanism, family: str) -> dict[s
                 link, _ = link_of(scenario, mechanism, end, family, name, side)
                 ends[side] = link, end.point or (0.0, 0.0, 0.0)
             found[name] = spec.build(**ends)
+        elif isinstance(spec, JointsSpec):
+            for side in ("input", "output"):
+                joint = getattr(spec, side)
+                check_known(scenario, [joint], "moving joint", mechanism.joints, family, name, side)
+            found[name] = spec.build()
         else:
             place = (family, name)
             check_known(scenario, [spec.joint], "moving joint", mechanism.joints, *place, "joint")

@@ -59,7 +59,7 @@ def initial_angles(scenario: Scenario, system: System) -> dict[str, float]:
     """Return the initial angles of the joints that turn without end, with their whole turns [rad]."""
     known = _known_places(scenario, system)
     # What couplings tell of is found with the state.
-    coupled = {name for one in system.couplings.values() for name in (one.follower, one.leader)}
+    coupled = {name for one in system.couplings.values() for name in (one.follower, *one.leaders)}
     return {name: known.get(name, 0.0) for name in system.turn_x if name in known or name not in coupled}
 
 

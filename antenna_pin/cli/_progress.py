@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import _thread
 import contextlib
 import io
 import itertools
@@ -102,8 +103,9 @@ def said_at_work(command: str, say: Callable[[str], None]) -> Iterator[None]:
                 say(f"note: {command} is at work, for {lasting(wait)} so far{_how_far(bar)}")
             wait *= 2.0
 
-    thread = threading.Thread(target=beat, daemon=True)
-    thread.start()
+    # A Thread's start waits for the thread's first word, which never comes if there is no memory for it.
+    with contextlib.suppress(RuntimeError):
+        _thread.start_new_thread(beat, ())
     try:
         yield
     finally:

@@ -1,9 +1,10 @@
-"""A coupling: a joint of which the position follows that of another, as in a gear or a rack and pinion."""
+"""A coupling: a joint that follows another, as in a gear or a rack, or two others, as in a differential."""
 
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
+from typing import Self
 
 from antenna_pin.errors import InvalidParameterError, MechanismError
 from antenna_pin.parameters import check, parameter
@@ -13,39 +14,77 @@ __all__ = ["Coupling", "check_order", "spread"]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Coupling:
-    r"""A joint held to a multiple of another joint's position; without play, exactly, and both ways.
+    r"""A joint held to multiples of the positions of one other joint, or two; without play, and both ways.
 
-    .. math:: \phi_\text{follower} = m\, \phi_\text{leader} + \phi_0
+    .. math:: \phi_\text{follower} = m\, \phi_\text{leader} + m_2\, \phi_\text{second} + \phi_0
 
-    It is held by constraint: a torque :math:`\lambda` acts about the follower's axis and :math:`-m \lambda`
-    about the leader's, each with its reaction on the joint's parent. It does no work and keeps momentum.
-    Angles count whole turns.
+    It is held by constraint: a torque :math:`\lambda` acts about the follower's axis, :math:`-m \lambda`
+    about the leader's and :math:`-m_2 \lambda` about the second's, each with its reaction on the joint's
+    parent: a housing that carries all of them on axes in parallel takes :math:`-(1 - m - m_2) \lambda`. It
+    does no work and keeps momentum. Angles count whole turns.
 
     Attributes:
         follower: Name of the joint that follows: revolute, continuous or prismatic, without play.
         leader: Name of the joint that it follows; of the same kinds, or one that does not move, at zero.
         multiplier: m [-]; of a sliding follower of a turning leader [m/rad], the other way round [rad/m].
-        offset: phi_0, the follower's position where the leader's is zero [rad] ([m]).
+        offset: phi_0, the follower's position where those of the leaders are zero [rad] ([m]).
+        second: Name of a second joint that it follows, of the kinds of the leader; None for none.
+        second_multiplier: m_2, in units as m.
     """
 
     follower: str
     leader: str
     multiplier: float = parameter("1", default=1.0)
     offset: float = parameter("rad", sliding="m", default=0.0)
+    second: str | None = None
+    second_multiplier: float = parameter("1", default=1.0)
+
+    @classmethod
+    def differential(cls, *, carrier: str, first: str, second: str) -> Self:
+        """Return that of a differential: its carrier turns by the mean of what its two sides turn by."""
+        return cls(follower=carrier, leader=first, multiplier=0.5, second=second, second_multiplier=0.5)
+
+    @classmethod
+    def planetary(cls, *, carrier: str, sun: str, ring: str, ratio: float) -> Self:
+        """Return that of a planetary gear: (1 + ratio) carrier = sun + ratio ring, all in the housing.
+
+        Args:
+            carrier: Joint of the planets' carrier.
+            sun: Joint of the sun.
+            ring: Joint of the ring.
+            ratio: Teeth of the ring over those of the sun, above 1.
+
+        Raises:
+            InvalidParameterError: The ratio is another.
+        """
+        if not ratio > 1.0:
+            raise InvalidParameterError("Coupling.planetary", "ratio", "ring over sun, above 1", ratio)
+        m = 1.0 / (1.0 + ratio)
+        return cls(follower=carrier, leader=sun, multiplier=m, second=ring, second_multiplier=ratio * m)
+
+    @property
+    def leaders(self) -> tuple[str, ...]:
+        """The joints that it follows."""
+        return (self.leader,) if self.second is None else (self.leader, self.second)
 
     def __post_init__(self) -> None:
         """Check the numbers, and that there are two joints."""
         check(self)
         if self.follower == self.leader:
             raise InvalidParameterError(self, "leader", "another joint than the follower", self.leader)
+        if self.second in (self.follower, self.leader):
+            raise InvalidParameterError(self, "second", "a third joint", self.second)
 
-    def led(self, position: float) -> float:
-        """Return the follower's position for one of the leader's [rad] ([m])."""
-        return self.multiplier * position + self.offset
+    def led(self, position: float, second: float = 0.0) -> float:
+        """Return the follower's position for those of the leaders [rad] ([m])."""
+        return self.multiplier * position + self._further(second)
 
-    def leading(self, position: float) -> float:
-        """Return the leader's position for one of the follower's; the multiplier is not zero."""
-        return (position - self.offset) / self.multiplier
+    def leading(self, position: float, second: float = 0.0) -> float:
+        """Return the leader's position for the follower's and the second's; the multiplier is not zero."""
+        return (position - self._further(second)) / self.multiplier
+
+    def _further(self, second: float) -> float:
+        return self.offset if self.second is None else self.offset + self.second_multiplier * second
 
 
 def check_order(couplings: Mapping[str, Coupling]) -> None:
@@ -56,7 +95,7 @@ def check_order(couplings: Mapping[str, Coupling]) -> None:
     """
     leaders: dict[str, list[str]] = {}
     for one in couplings.values():
-        leaders.setdefault(one.follower, []).append(one.leader)
+        leaders.setdefault(one.follower, []).extend(one.leaders)
     done: set[str] = set()
 
     def visit(joint: str, path: tuple[str, ...]) -> None:
@@ -78,7 +117,8 @@ def check_order(couplings: Mapping[str, Coupling]) -> None:
 def spread(couplings: Collection[Coupling], known: Collection[str]) -> Iterator[tuple[Coupling, bool]]:
     """Yield couplings by which what is known of some joints tells of others, in an order in which it does.
 
-    Where nothing is known of joints that hang together, the first leader counts as known.
+    Where nothing is known of joints that hang together, the first leader counts as known. A second leader
+    is told of by no coupling of its own: it counts as known where nothing else tells of it.
 
     Args:
         couplings: Without circles.
@@ -99,11 +139,14 @@ def spread(couplings: Collection[Coupling], known: Collection[str]) -> Iterator[
         else:
             # Both ends are told of, or neither.
             followers = {one.follower for one in left}
-            told.add(next((one.leader for one in left if one.leader not in followers | told), ""))
-        left = [one for one in left if not {one.follower, one.leader} <= told]
+            leaders = (name for one in left for name in one.leaders)
+            told.add(next((name for name in leaders if name not in followers | told), ""))
+        left = [one for one in left if not {one.follower, *one.leaders} <= told]
 
 
 def _tells(one: Coupling, told: Collection[str], forward: bool) -> bool:
+    if one.second is not None and one.second not in told:
+        return False
     if forward:
         return one.leader in told and one.follower not in told
     return one.follower in told and one.leader not in told and one.multiplier != 0.0

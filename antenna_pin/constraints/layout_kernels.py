@@ -80,7 +80,8 @@ CLOSURE_WORDS = words_of(CLOSURE)
 
 #: A motion: its row, starts of its joint's q and v, whether the joint slides, place of its turned angle in x
 #: (-1: an angle that is known itself), the kind of its element, where in the program the element's own record
-#: begins, and where in x its works are.
+#: begins, and where in x its works are; of a joint that does more than turn about its axis, as one with play,
+#: how it moves (PLANE or RIGID, else 0) and axes of which z is the joint's, in the joint's frame (columns).
 DRIVEN = layout(
     ("row", "i8"),
     ("q", "i8"),
@@ -90,6 +91,8 @@ DRIVEN = layout(
     ("kind", "i8"),
     ("words", "i8"),
     ("x", "i8"),
+    ("moves", "i8"),
+    ("axes", "f8", (3, 3)),
 )
 DRIVEN_WORDS = words_of(DRIVEN)
 
@@ -101,11 +104,12 @@ COUPLED = layout(
     ("row", "i8"),
     ("slides", "i8"),
     ("multiplier", "f8"),
+    ("second", "f8"),
     ("offset", "f8"),
     ("scale", "f8"),
-    ("q", "i8", (2,)),
-    ("v", "i8", (2,)),
-    ("turn", "i8", (2,)),
+    ("q", "i8", (3,)),
+    ("v", "i8", (3,)),
+    ("turn", "i8", (3,)),
 )
 COUPLED_WORDS = words_of(COUPLED)
 

@@ -79,7 +79,7 @@ def _bear(y: Any, program: Any, plan: Any, work: Any, effort: Any, bias: Any, ra
     for j in range(n):
         tau[j] = 0.0
         own = hold_at(plan, j)
-        if elements.drag(own.kind, program, own.words, y[head.nq + own.v]) == 0.0:
+        if elements.rub(own.kind, program, own.words, y[head.nq + own.v]) == 0.0:
             continue
         slipping += 1
         total[own.v] += 1.0
@@ -116,7 +116,7 @@ def _newton(y: Any, program: Any, plan: Any, carried: Any, tau: Any, room: Any) 
         positive = True
         for i in range(n):
             own, row = hold_at(plan, i), i * (n + 1)
-            factor = elements.drag(own.kind, program, own.words, y[head.nq + own.v])
+            factor = elements.rub(own.kind, program, own.words, y[head.nq + own.v])
             burden = 0.0
             if factor != 0.0:
                 burden, _ = _burden(program, plan, own, carried, tau, i, -1)

@@ -14,12 +14,15 @@ from antenna_pin.constraints.carried_kernels import room_for
 from antenna_pin.constraints.closure import Anchor, Closure
 from antenna_pin.constraints.coupling import Coupling
 from antenna_pin.errors import MechanismError, UnknownNameError
-from antenna_pin.mechanism import WORLD, Mechanism, body_tree
-from antenna_pin.records import words_of
+from antenna_pin.mechanism import WORLD, Mechanism, body_tree, frame_aligning_z
+from antenna_pin.records import PLANE, RIGID, words_of
 
 __all__ = ["DrivenJoint", "Plan", "make_plan", "on_body"]
 
 Array = NDArray[np.float64]
+
+# Joints that do more than turn about their axis.
+_MORE = {"planar": PLANE, "floating": RIGID}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -177,6 +180,9 @@ def _driven(mechanism: Mechanism, joints: Sequence[DrivenJoint], row: int) -> ND
         record["row"], record["q"], record["v"] = row + k, slot.q.start, slot.v.start
         record["slides"], record["turn"] = slot.kind == "prismatic", one.turn
         record["kind"], record["words"], record["x"] = one.kind, one.words, one.x
+        if slot.kind in _MORE:
+            record["moves"] = _MORE[slot.kind]
+            record["axes"] = np.eye(3) if slot.kind == "planar" else frame_aligning_z(slot.axis)
     return records
 
 
@@ -186,14 +192,21 @@ def _coupled(
     """Return the records of couplings whose rows begin at one."""
     records = np.zeros(len(couplings), dtype=_layout.COUPLED)
     for k, (record, coupling) in enumerate(zip(records, couplings.values(), strict=True)):
-        moves = coupling.leader in mechanism.joints
-        names = coupling.follower, coupling.leader if moves else coupling.follower
+        own = coupling.follower
+        # One that is missing, or does not move, stands for nothing: the follower, times zero.
+        first, second = (
+            name if name in mechanism.joints else None for name in (coupling.leader, coupling.second)
+        )
+        names = own, first or own, second or own
         slots = [mechanism.joint(name) for name in names]
-        multiplier = coupling.multiplier if moves else 0.0
-        follower, leader = (1.0 if slot.kind == "prismatic" else length for slot in slots)
+        multiplier = coupling.multiplier if first else 0.0
+        further = coupling.second_multiplier if second else 0.0
+        follower, leader, third = (1.0 if slot.kind == "prismatic" else length for slot in slots)
+        largest = max(abs(multiplier) * follower / leader, abs(further) * follower / third)
         record["row"], record["slides"] = row + k, slots[0].kind == "prismatic"
         record["multiplier"], record["offset"] = multiplier, coupling.offset
-        record["scale"] = 1.0 / max(1.0, abs(multiplier) * follower / leader)
+        record["second"] = further
+        record["scale"] = 1.0 / max(1.0, largest)
         record["q"], record["v"] = [slot.q.start for slot in slots], [slot.v.start for slot in slots]
         record["turn"] = [turns.get(name, -1) for name in names]
     return records

@@ -7,8 +7,8 @@ count in metres.
 The row of an element that holds its joint is that of a motion to where it is held;
 of zeros while it does not.
 
-A coupling's is ``follower - multiplier leader = offset`` in the positions of two joints, multiplied by what
-makes the larger of its two numbers that of a turn or way alone.
+A coupling's is ``follower - multiplier leader - second further = offset`` in the positions of two or three
+joints, multiplied by what makes the largest of its numbers that of a turn or way alone.
 
 Of a closure let A and B be its frames, d the way from A's origin to B's, n an axis of A, w angular velocities
 and v_r = v_B - v_A - w_A x d the velocity of B's origin as seen from A. Held along n::
@@ -34,6 +34,7 @@ from typing import Any
 
 from antenna_pin._compile import inlined, kernel
 from antenna_pin.constraints.column_kernels import closure_columns
+from antenna_pin.constraints.driven_kernels import driven_rate, twist_row
 from antenna_pin.constraints.layout_kernels import (
     BODY_WORDS,
     PLACE_WORDS,
@@ -131,6 +132,11 @@ def _position(y: Any, x: int, q: int, turn: int) -> float:
 def _motion_row(t: float, y: Any, program: Any, plan: Any, work: Any, driven: Any) -> None:
     head = plan_of(plan)
     wanted, rate, acceleration = elements.motion(driven.kind, program, driven.words, t)
+    if driven.moves != 0:
+        angle, bias = twist_row(y, plan, work, driven)
+        speed = driven_rate(y, plan, work, driven) - rate
+        _note(plan, work, driven.row, True, angle - wanted, speed, acceleration - bias)
+        return
     angle = _position(y, head.nq + head.nv, driven.q, driven.turn)
     turns = driven.slides == 0
     work[head.jacobian + driven.v * head.width + driven.row] = head.length if turns else 1.0
@@ -162,14 +168,20 @@ def _coupling_row(y: Any, plan: Any, work: Any, coupled: Any) -> None:
     q, v, turn, x = coupled.q, coupled.v, coupled.turn, head.nq + head.nv
     follower = _position(y, x, q[0], turn[0])
     led = coupled.multiplier * _position(y, x, q[1], turn[1])
-    gap = follower - led - coupled.offset
+    other = 0.0
+    if coupled.second != 0.0:
+        other = coupled.second * _position(y, x, q[2], turn[2])
+    gap = follower - led - other - coupled.offset
     # Of angles of many turns round-off is more than what counts as closed, and is no residual.
-    if abs(gap) <= _ROUND_OFF * (abs(follower) + abs(led) + abs(coupled.offset)):
+    if abs(gap) <= _ROUND_OFF * (abs(follower) + abs(led) + abs(other) + abs(coupled.offset)):
         gap = 0.0
     speed = y[head.nq + v[0]] - coupled.multiplier * y[head.nq + v[1]]
+    if coupled.second != 0.0:
+        speed -= coupled.second * y[head.nq + v[2]]
     turns = coupled.slides == 0
     number = coupled.scale * (head.length if turns else 1.0)
     at = head.jacobian + coupled.row
+    work[at + v[2] * head.width] = -number * coupled.second
     work[at + v[1] * head.width] = -number * coupled.multiplier
     work[at + v[0] * head.width] = number
     _note(plan, work, coupled.row, turns, coupled.scale * gap, coupled.scale * speed, 0.0)

@@ -13,6 +13,7 @@ from typing import Any
 
 from antenna_pin._compile import inlined, kernel
 from antenna_pin._lanes import LANES, lane, put_lane, same_lane, sum_of_lane
+from antenna_pin.constraints.driven_kernels import driven_rate
 from antenna_pin.constraints.factor_kernels import add_multiple, inner_product
 from antenna_pin.constraints.layout_kernels import driven_at, found_in, plan_of
 from antenna_pin.constraints.root_kernels import solve_back, solve_forth
@@ -113,7 +114,7 @@ def solve_rows(y: Any, program: Any, plan: Any, work: Any, effort: Any, bias: An
         work[head.force + int(work[head.order + j])] = factors[j]
     for m in range(head.motions):
         driven = driven_at(plan, m)
-        rate = y[head.nq + driven.v]
+        rate = driven_rate(y, plan, work, driven)
         scale = 1.0 if driven.slides != 0 else head.length
         power = scale * work[head.force + driven.row] * rate
         write_work(program, driven.words, rate, power, rates, nv + driven.x)

@@ -174,22 +174,29 @@ def _slot(mechanism: Mechanism, joint: ClearanceJoint) -> JointSlot:
 
 
 def check_motion(
-    place: str, mechanism: Mechanism, drives: Mapping[str, Element], own: str, motion: Motion
+    place: str,
+    mechanism: Mechanism,
+    turning: Collection[str],
+    drives: Mapping[str, Element],
+    own: str,
+    motion: Motion,
 ) -> None:
-    """Refuse a motion of a joint with play, or one beside another motion or a drive.
+    """Refuse a motion of a joint without axis, of a slider with play, or one beside a motion or a drive.
 
     Args:
         place: What it is, for the refusal.
         mechanism: The mechanism.
+        turning: Joints that turn without end, with play or without.
         drives: All drives, the motion among them.
         own: The motion's name.
         motion: The motion.
     """
     slot = mechanism.joint(motion.joint)
-    if slot.kind not in ("revolute", "continuous", "prismatic"):
+    if slot.kind not in ("revolute", "continuous", "prismatic") and motion.joint not in turning:
         raise MechanismError(
-            f"{place}: joint {motion.joint!r} is {slot.kind} here, and only a revolute, continuous or "
-            "prismatic joint without play can be made to follow a motion; drive another joint"
+            f"{place}: joint {motion.joint!r} is {slot.kind} here, and only a revolute or continuous joint, "
+            "with play or without, or a prismatic one without can be made to follow a motion; "
+            "drive another joint"
         )
     for name, other in drives.items():
         if name != own and other.joint == motion.joint:

@@ -15,14 +15,18 @@ Array = NDArray[np.float64]
 Answer = Callable[[float], None]
 
 
-def accelerations_of(model: Any, data: Any, y: Array, effort: Array, out: Array) -> Answer:
-    """Return what writes the acceleration at a state under a generalized force, all in arrays, (nv,)."""
+def accelerations_of(model: Any, data: Any, y: Array, effort: Array) -> tuple[Answer, Array]:
+    """Return what finds the acceleration at a state under a generalized force, and where it stands, (nv,).
+
+    That is Pinocchio's own array: what ``pin.aba`` returns would be a copy of it, and cost a tenth more. The
+    answer has to be kept as long as the array is read.
+    """
     q, v, aba = y[: model.nq], y[model.nq : model.nq + model.nv], pin.aba
 
     def answer(t: float) -> None:
-        out[:] = aba(model, data, q, v, effort)
+        aba(model, data, q, v, effort)
 
-    return answer
+    return answer, data.ddq
 
 
 def terms_of(model: Any, data: Any, y: Array, mass: Array, bias: Array) -> Answer:

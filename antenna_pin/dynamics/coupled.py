@@ -57,12 +57,14 @@ def couplings_of(
 
 def _check(mechanism: Mechanism, place: str, coupling: Coupling, way_out: str) -> None:
     written = {joint.name: joint.type for joint in mechanism.urdf.robot.joints}
-    for role in ("follower", "leader"):
+    for role in ("follower", "leader", "second"):
         joint = getattr(coupling, role)
+        if joint is None:
+            continue
         if joint not in written:
             raise UnknownNameError(place, "joint", joint, written)
         kind = mechanism.joints[joint].kind if joint in mechanism.joints else "fixed"
-        if kind in _ONE_AXIS or (kind == "fixed" and role == "leader"):
+        if kind in _ONE_AXIS or (kind == "fixed" and role != "follower"):
             continue
         rule = "joint without play can follow another" if role == "follower" else "joint can be followed"
         raise MechanismError(
@@ -79,6 +81,7 @@ def facts_of_couplings(mechanism: Mechanism, couplings: Mapping[str, Coupling]) 
             **dataclasses.asdict(one),
             "slides": one.follower in sliding,
             "leader_slides": one.leader in sliding,
+            "second_slides": one.second in sliding,
         }
         for name, one in couplings.items()
     }
@@ -97,12 +100,13 @@ def put_followers(
             that hang together, the first leader is at zero.
     """
     places = dict(known or {})
-    fixed = {one.leader for one in couplings} - set(mechanism.joints)
+    fixed = {name for one in couplings for name in one.leaders} - set(mechanism.joints)
     for one, forward in spread(couplings, {*places, *fixed}):
+        second = places.get(one.second or "", 0.0)
         if forward:
-            name, place = one.follower, one.led(places.get(one.leader, 0.0))
+            name, place = one.follower, one.led(places.get(one.leader, 0.0), second)
         else:
-            name, place = one.leader, one.leading(places[one.follower])
+            name, place = one.leader, one.leading(places[one.follower], second)
         places[name] = place
         slot = mechanism.joint(name)
         q[slot.q] = (math.cos(place), math.sin(place)) if slot.kind == "continuous" else place
@@ -131,8 +135,9 @@ def fit_turns(
             return 0.0
         return float(x[turn_x[name]] if name in turn_x else y[mechanism.joint(name).q][0])
 
-    exact = {name for one in couplings for name in (one.follower, one.leader) if name not in turn_x}
+    exact = {name for one in couplings for name in (one.follower, *one.leaders) if name not in turn_x}
     for one, forward in spread(couplings, {*told, *exact}):
         name = one.follower if forward else one.leader
-        wanted = one.led(place(one.leader)) if forward else one.leading(place(one.follower))
+        second = place(one.second or "")
+        wanted = one.led(place(one.leader), second) if forward else one.leading(place(one.follower), second)
         x[turn_x[name]] += math.tau * round((wanted - place(name)) / math.tau)

@@ -48,8 +48,9 @@ ABOUT_MOTION = 2
 
 #: Head of an element: how its joint moves if it has no play (``FIXED_AXIS``, ... of ``records``), starts of
 #: the joint's slices of q and v and of its own in x, block of the joint with play or -1, what it acts about
-#: (its place in ``ABOUTS``), place of the turned angle in x or -1, whether it depends on the joint's motion,
-#: whether it is on (0 or 1).
+#: (its place in ``ABOUTS``), place of the turned angle in x or -1, whether it depends on the joint's motion;
+#: of one between two joints how far behind this head that of its output stands, else 0; whether it is on
+#: (0 or 1).
 ELEMENT = layout(
     ("kind", "i8"),
     ("length", "i8"),
@@ -61,6 +62,7 @@ ELEMENT = layout(
     ("about", "i8"),
     ("turn", "i8"),
     ("senses", "i8"),
+    ("partner", "i8"),
     ("on", "f8"),
 )
 PARAMETERS = words_of(ELEMENT)
@@ -89,7 +91,23 @@ def element_at(program: Any, b: int) -> Any:
 
 @kernel
 def joint_motion(p: Any, b: int, y: Any, nq: int) -> tuple[float, float, float, float]:
-    """Angle (or way) and its rate of the joint of an element block, and gx, gy of :func:`motion_angle`."""
+    """Angle (or way) and its rate that an element sees, and its slopes.
+
+    Of an element at a joint gx and gy of :func:`motion_angle`; of one between two joints its deflection, the
+    rate of that, and its derivatives over the positions of the two.
+    """
+    e = element_at(p, b)
+    angle, rate, gx, gy = own_motion(p, b, y, nq)
+    if e.partner == 0:
+        return angle, rate, gx, gy
+    other, other_rate, _, _ = own_motion(p, b + e.partner, y, nq)
+    x, speed, over, over_other = elements.between(e.kind, p, b + PARAMETERS, angle, rate, other, other_rate)
+    return x, speed, over, over_other
+
+
+@kernel
+def own_motion(p: Any, b: int, y: Any, nq: int) -> tuple[float, float, float, float]:
+    """Angle (or way) and its rate of the joint of a head, and gx, gy of :func:`motion_angle`."""
     e = element_at(p, b)
     k = nq + e.v
     if e.play < 0 and e.joint != CIRCLE:
@@ -153,21 +171,44 @@ def _element(p: Any, b: int, t: float, y: Any, head: Any, tau: Any, rates: Any) 
     motion angle; at one that slides a force along the axis, at the journal's centre.
     """
     e, nq = element_at(p, b), head.nq
+    if e.partner != 0:
+        _between(p, b, t, y, head, tau, rates)
+        return
     angle, rate, gx, gy = 0.0, 0.0, 0.0, 0.0
     if e.senses != 0:
-        angle, rate, gx, gy = joint_motion(p, b, y, nq)
+        angle, rate, gx, gy = own_motion(p, b, y, nq)
     effort = e.on * elements.effort(e.kind, p, b + PARAMETERS, t, angle, rate)
+    power = effort * _act(p, b, effort, (gx, gy), y, nq, tau)
+    elements.write_rates(e.kind, p, b + PARAMETERS, e.on * rate, power, rates, head.nv + e.x)
+
+
+@inlined
+def _act(p: Any, b: int, effort: float, slope: Any, y: Any, nq: int, tau: Any) -> float:
+    """Add an effort at the joint of a head to tau; return the rate of that along which it acts."""
+    e = element_at(p, b)
     if e.play < 0:
         tau[e.v] += effort
-        power = effort * y[nq + e.v]
-    else:
-        j = joint_at(p, e.play)
-        if j.planar != 0:
-            tau[e.v + 2] += effort
-            power = effort * y[nq + e.v + 2]
-        else:
-            power = effort * _push(j, e, effort, (gx, gy), y, nq, tau)
-    elements.write_rates(e.kind, p, b + PARAMETERS, e.on * rate, power, rates, head.nv + e.x)
+        return float(y[nq + e.v])
+    j = joint_at(p, e.play)
+    if j.planar != 0:
+        tau[e.v + 2] += effort
+        return float(y[nq + e.v + 2])
+    return float(_push(j, e, effort, slope, y, nq, tau))
+
+
+@kernel
+def _between(p: Any, b: int, t: float, y: Any, head: Any, tau: Any, rates: Any) -> None:
+    """Add the generalized force of an element between two joints, and write the rate of its loss."""
+    e, nq, at = element_at(p, b), head.nq, b + PARAMETERS
+    angle, rate, gx, gy = own_motion(p, b, y, nq)
+    other, other_rate, ox, oy = own_motion(p, b + e.partner, y, nq)
+    x, speed, over, over_other = elements.between(e.kind, p, at, angle, rate, other, other_rate)
+    effort = e.on * elements.effort(e.kind, p, at, t, x, speed)
+    drag = elements.drag(e.kind, p, at, effort * over, rate)
+    _act(p, b, effort * over + drag, (gx, gy), y, nq, tau)
+    _act(p, b + e.partner, effort * over_other, (ox, oy), y, nq, tau)
+    lost = e.on * elements.dissipation(e.kind, p, at, x, speed) - drag * rate
+    rates[head.nv + e.x] = lost
 
 
 @kernel

@@ -76,8 +76,7 @@ class System:
             clearance).
         clearances: Joints with play.
         drives: Torques, and motions that joints are made to follow, by name.
-        springs: What stores and loses energy, by name: springs, dampers and friction at joints
-            (:class:`antenna_pin.elements.JointSpring`, ``JointFriction``), springs between points.
+        springs: What stores and loses energy, by name: springs, dampers, friction, springs between points.
         held: Floating joints of the tree that are held by constraint to what they are ideally, by name.
         closures: Joints that close loops, by name.
         couplings: Joints that follow others, by name, beside those that the URDF couples (``<mimic>``).
@@ -161,9 +160,9 @@ class System:
         )
         self.damper_x = places_in_x(self.program, self.springs, self.spring_blocks, LOSS)
         #: The same of the losses of elements of further families, one family after another.
-        places = ((self.families[one], self.element_blocks[one]) for one in self.others)
-        found = [places_in_x(self.program, *one, LOSS) for one in places]
-        self.element_x = np.concatenate([np.zeros(0, dtype=int), *found])
+        own = ((self.families[one], self.element_blocks[one]) for one in self.others)
+        losses = (places_in_x(self.program, *one, LOSS) for one in own)
+        self.element_x = np.concatenate([np.zeros(0, dtype=int), *losses])
         head = self.program[: kernels.HEADER].view(PROGRAM)
         head["nq"], head["nv"] = self.model.nq, self.model.nv
         head["contacts"], head["rows"], head["points"] = len(self.contact_names), self.rows, points
@@ -238,21 +237,22 @@ class System:
         for table, elements in self.families.items():
             family, places = FAMILIES[table].word, self.element_blocks[table]
             for name, element in elements.items():
-                if not isinstance(element, Element):
+                if isinstance(element, BetweenPoints):
                     continue
                 check_booked(family, name, element)
-                x = blocks.x
-                block = element_block(self, f"{family} {name!r}", element, x)
+                x, place = blocks.x, f"{family} {name!r}"
+                block = element_block(self, place, element, x)
                 places[name] = at = blocks.add(block, len(element.integrals))
+                if not isinstance(element, Element):
+                    continue
                 own = at + int(kernels.PARAMETERS)
                 if element.in_python:
-                    asked = element.asked(f"{family} {name!r}", self.slides(element.joint))
+                    asked = element.asked(place, self.slides(element.joint))
                     self.callables.append(InPython(at, slice(own, at + len(block)), element, asked))
-                holds = isinstance(element, Modal) and element.holds
-                if holds:
-                    check_holds(f"{family} {name!r}", self.mechanism, element, self.point_springs)
+                if holds := isinstance(element, Modal) and element.holds:
+                    check_holds(place, self.mechanism, element, self.point_springs)
                 elif isinstance(element, Motion):
-                    check_motion(f"{family} {name!r}", self.mechanism, self.drives, name, element)
+                    check_motion(place, self.mechanism, self.turn_x, self.drives, name, element)
                 else:
                     continue
                 (self.holds if holds else self.motions).append(

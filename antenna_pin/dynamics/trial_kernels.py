@@ -12,7 +12,7 @@ from antenna_pin.dynamics.outside_kernels import ask, ask_at
 from antenna_pin.integrate.kernels import dense_joint, dense_plain
 from antenna_pin.integrate.manifold_kernels import factor_of
 from antenna_pin.joints.kernels import contact_forces, contact_geometry, contact_rates
-from antenna_pin.joints.layout_kernels import CLEARANCE, FORCES_GIVEN, joint_at
+from antenna_pin.joints.layout_kernels import BRISTLES, CLEARANCE, FORCES_GIVEN, joint_at
 from antenna_pin.joints.pose_kernels import journal_state
 
 # What is known of a contact at a point of a step.
@@ -87,12 +87,15 @@ def contacts_at(theta: float, trial: Any, contact: int, with_forces: bool) -> No
     program, layout = trial.program, trial.layout
     head = head_of(program)
     nq, nv = head.nq, head.nv
-    dense_plain(theta, layout, trial.dense, trial.work, trial.start, trial.out)
     b = HEADER
     number = 0  # of the joint with play: the layout lists them in the order of their blocks
+    plain = False
     while b < program.shape[0] and block_at(program, b).kind == CLEARANCE:
         j = joint_at(program, b)
         if contact < 0 or j.row <= contact < j.row + j.contacts:
+            if j.stride > BRISTLES and not plain:  # of x nothing but bristles is looked at
+                dense_plain(theta, layout, trial.dense, trial.work, trial.start, trial.out)
+                plain = True
             factor = factor_of(layout, number)
             dense_joint(theta, factor, nq, nv, trial.dense, trial.work, trial.start, trial.out)
             _look(b, trial.out[0], nq, nv, trial)

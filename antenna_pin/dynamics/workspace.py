@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.constraints import Constraints
-from antenna_pin.dynamics import kernels, point_kernels, trial_kernels
+from antenna_pin.dynamics import kernels, point_kernels, query_kernels, trial_kernels
 from antenna_pin.dynamics.system import System
 from antenna_pin.joints import PythonPath
 from antenna_pin.joints.kernels import unit_normal_force
@@ -60,11 +61,13 @@ class Workspace:
         nv, contacts = self.model.nv, len(system.contact_names)
         first = nv + words_of(POSE)
         table = first + words_of(MEMORY) * contacts
-        self._work = np.zeros(table + system.rows * words_of(CONTACT))
-        self.tau = self._work[:nv]
-        self._pose = self._work[nv:first].view(POSE)
-        self.memory = self._work[first:table].view(MEMORY)
-        self.table = self._work[table:].view(CONTACT)
+        end = table + system.rows * words_of(CONTACT)
+        # Behind the table is room for what may be asked of coal.
+        room = np.zeros(end + len(system.clearances) * query_kernels.QUERIED_WORDS)
+        self.tau = room[:nv]
+        self._pose = room[nv:first].view(POSE)
+        self.memory = room[first:table].view(MEMORY)
+        self.table = room[table:end].view(CONTACT)
         if memory is not None:
             self.memory[:] = memory_records(memory)
         self.paths: list[PythonPath] = []
@@ -73,8 +76,16 @@ class Workspace:
             head = self.program[start : start + JOINT_WORDS].view(JOINT)
             block = self.program[start : start + int(head["length"][0])]
             path = joint.python_path(block, self.memory, self.table, self.model.nq)
-            if path is not None:
-                self.paths.append(path)
+            if path is None:
+                continue
+            self.paths.append(path)
+            if path.queried is None:
+                continue
+            stretch = room[end : end + query_kernels.QUERIED_WORDS]
+            stretch[: query_kernels.HEAD].view(query_kernels.QUERIED)["block"] = start
+            path.queried.take(stretch[query_kernels.HEAD :])
+            end += query_kernels.QUERIED_WORDS
+        self._work = room[:end]
         #: Those whose gaps are what a backend measures and nothing else.
         self.measured = [path for path in self.paths if path.measured]
         #: Those whose laws no compiled look at a contact can ask: in Python, or on gaps that are measured.
@@ -160,6 +171,22 @@ class Workspace:
         for path in self.paths:
             path.prepare(y)
         self.prepare_motions(t, y)
+
+    def asked_in_steps(self) -> Callable[[float, Array], None]:
+        """Return what does as :meth:`prepare` where coal's queries are set out and taken in by kernels."""
+        queried = [path.queried.answer for path in self.paths if path.queried is not None]
+        paths = [path.prepare for path in self.paths if path.queried is None]
+        motions = self.prepare_motions if self.system.callables else None
+
+        def ask(t: float, y: Array) -> None:
+            for answer in queried:
+                answer()
+            for prepare in paths:
+                prepare(y)
+            if motions is not None:
+                motions(t, y)
+
+        return ask
 
     def apply_elements(self, t: float, y: Array, rates: Array) -> None:
         """Evaluate the elements: ``tau``, the contacts' ``table``, and x rates behind rates[nv]."""

@@ -1,15 +1,26 @@
 """Force elements: drives, a controller, springs and dampers at joints, springs between points."""
 
+from antenna_pin.elements.belt import Belt, Cable
+from antenna_pin.elements.between_joints import BetweenJoints
 from antenna_pin.elements.between_points import BetweenPoints, Point
 from antenna_pin.elements.constant import ConstantDrive
 from antenna_pin.elements.element import GROSS_WORK, LOSS, WORK, About, Drive, Element, ForceElement, Integral
 from antenna_pin.elements.given import CallableDrive
 from antenna_pin.elements.joint_friction import JointFriction
+from antenna_pin.elements.mesh import Gear, Spline
 from antenna_pin.elements.modal import Change, Met, Modal
 from antenna_pin.elements.pd import PDController
 from antenna_pin.elements.point_spring import PointSpring
 from antenna_pin.elements.prescribed import CallableMotion, DistanceMotion, Motion, PrescribedMotion
-from antenna_pin.elements.registry import DRIVES, ELEMENTS, FAMILIES, SPRINGS, Family, kind_of
+from antenna_pin.elements.registry import (
+    DRIVES,
+    ELEMENTS,
+    FAMILIES,
+    GEARS,
+    SPRINGS,
+    Family,
+    kind_of,
+)
 from antenna_pin.elements.rigid_latch import RigidLatch
 from antenna_pin.elements.rigid_stop import RigidStop
 from antenna_pin.elements.sine import SineDrive
@@ -21,12 +32,16 @@ __all__ = [
     "DRIVES",
     "ELEMENTS",
     "FAMILIES",
+    "GEARS",
     "GROSS_WORK",
     "LOSS",
     "SPRINGS",
     "WORK",
     "About",
+    "Belt",
+    "BetweenJoints",
     "BetweenPoints",
+    "Cable",
     "CallableDrive",
     "CallableMotion",
     "Change",
@@ -36,6 +51,7 @@ __all__ = [
     "Element",
     "Family",
     "ForceElement",
+    "Gear",
     "Integral",
     "JointFriction",
     "JointSpring",
@@ -50,6 +66,7 @@ __all__ = [
     "RigidStop",
     "SineDrive",
     "StickingFriction",
+    "Spline",
     "TableDrive",
     "kind_of",
 ]

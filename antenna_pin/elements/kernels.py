@@ -54,6 +54,10 @@ def _no_reference(asked: int, words: Any, at: int, t: float) -> tuple[float, flo
     return math.nan, math.nan
 
 
+def _no_deflection(asked: int, *arguments: Any) -> tuple[float, float, float, float]:
+    return math.nan, math.nan, math.nan, math.nan
+
+
 def _no_motion(asked: int, words: Any, at: int, t: float) -> tuple[float, float, float]:
     return math.nan, math.nan, math.nan
 
@@ -91,8 +95,12 @@ mode = _chain("mode", _no_mode)
 # Of dry friction.
 grip = _chain("grip", _nothing)
 bearing = _chain("bearing", _bears_nothing)
-drag = _chain("drag", _nothing)
+rub = _chain("rub", _nothing)
 bear = _chain("bear", _not_told)
+# Of those between two joints.
+between = _chain("between", _no_deflection)
+dissipation = _chain("dissipation", _no_kind)
+drag = _chain("drag", _nothing)
 # Of those between points.
 tension = _chain("tension", _no_kind)
 loss = _chain("loss", _no_kind)

@@ -19,7 +19,7 @@ Numbers3 = tuple[float, float, float]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Motion(Element):
-    """Base of the motions that a joint without play is made to follow, exactly.
+    """Base of the motions that a joint is made to follow, exactly.
 
     What holds it there is a force of constraint, which stands among the drives' in a result, with its work.
     """

@@ -10,10 +10,12 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import NamedTuple
 
+from antenna_pin.elements.belt import Belt, Cable
 from antenna_pin.elements.constant import ConstantDrive
 from antenna_pin.elements.element import Element, ForceElement
 from antenna_pin.elements.given import CallableDrive
 from antenna_pin.elements.joint_friction import JointFriction
+from antenna_pin.elements.mesh import Gear, Spline
 from antenna_pin.elements.pd import PDController
 from antenna_pin.elements.point_spring import PointSpring
 from antenna_pin.elements.prescribed import CallableMotion, DistanceMotion, PrescribedMotion
@@ -25,7 +27,7 @@ from antenna_pin.elements.sticking_friction import StickingFriction
 from antenna_pin.elements.tabulated import TableDrive
 from antenna_pin.errors import UnknownNameError
 
-__all__ = ["DRIVES", "ELEMENTS", "FAMILIES", "SPRINGS", "Family", "kind_of"]
+__all__ = ["DRIVES", "ELEMENTS", "FAMILIES", "GEARS", "SPRINGS", "Family", "kind_of"]
 
 
 class Family(NamedTuple):
@@ -71,6 +73,15 @@ LATCHES: Mapping[str, type[ForceElement]] = MappingProxyType({"rigid": RigidLatc
 
 FRICTIONS: Mapping[str, type[ForceElement]] = MappingProxyType({"sticking": StickingFriction})
 """Friction of joints by its ``kind`` in ``[frictions.NAME]``."""
+GEARS: Mapping[str, type[ForceElement]] = MappingProxyType(
+    {
+        "gear": Gear,
+        "spline": Spline,
+        "belt": Belt,
+        "cable": Cable,
+    }
+)
+"""What goes from one joint to another by its ``kind`` in ``[gears.NAME]``."""
 
 FAMILIES: Mapping[str, Family] = MappingProxyType(
     {
@@ -79,6 +90,7 @@ FAMILIES: Mapping[str, Family] = MappingProxyType(
         "stops": Family("stop", STOPS),
         "latches": Family("latch", LATCHES),
         "frictions": Family("friction", FRICTIONS, "sticking"),
+        "gears": Family("gear", GEARS, "gear"),
     }
 )
 """Families by the table ``[FAMILY.NAME]`` that a scenario has for each; the order is that of programs."""

@@ -1,7 +1,7 @@
 """Dry friction of a joint that holds what it sticks, compiled.
 
 What depends on the load is not in ``effort``: where rows are solved, it is added by what :func:`bearing`,
-:func:`drag` and :func:`bear` say of it (:mod:`antenna_pin.constraints.loaded_kernels`).
+:func:`rub` and :func:`bear` say of it (:mod:`antenna_pin.constraints.loaded_kernels`).
 """
 
 from __future__ import annotations
@@ -117,7 +117,7 @@ def bearing(words: Any, at: int) -> tuple[float, float, float, float]:
 
 
 @inlined
-def drag(words: Any, at: int, rate: float) -> float:
+def rub(words: Any, at: int, rate: float) -> float:
     """Torque by load, with its sign [-]."""
     law = record(words[at : at + SIZE], LAYOUT)
     level = law.coefficient + (law.static_coefficient - law.coefficient) * _fade(law, rate)

@@ -95,7 +95,8 @@ def give_python(answers: Answers, workspace: Workspace, table: NDArray[Any]) -> 
     """
     state, asked = answers.outside.state, answers.outside.asked
     if workspace.paths or workspace.system.callables:
-        answers.give("elements", lambda t: workspace.prepare(t, state))
+        ask = workspace.asked_in_steps()
+        answers.give("elements", lambda t: ask(t, state))
         # Forces of laws in Python are zero again only once they have been asked after a release.
         compiled = all(path.compiled for path in workspace.paths)
         asked["touching"] = compiled and not workspace.system.callables
@@ -116,8 +117,10 @@ def give_pinocchio(answers: Answers, workspace: Workspace, mass: Array, bias: Ar
         mass: Mass matrix, (nv, nv), written.
         bias: (nv,), written.
     """
-    outside, tree = answers.outside, (workspace.model, workspace.data, answers.outside.state)
+    tree = workspace.model, workspace.data, answers.outside.state
     if workspace.constraints is None:
-        answers.give("acceleration", accelerations_of(*tree, outside.effort, outside.acceleration))
+        function, acceleration = accelerations_of(*tree, answers.outside.effort)
+        answers.outside = answers.outside._replace(acceleration=acceleration)
+        answers.give("acceleration", function)
     else:
         answers.give("terms", terms_of(*tree, mass, bias))

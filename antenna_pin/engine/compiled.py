@@ -72,6 +72,10 @@ class Compiled:
             tree = body_tree(system.mechanism)
         plan, nq, nv, size = system.plan, model.nq, model.nv, system.manifold.size
         self.answers = Answers(size, nv)
+        mass, bias, table = np.zeros((nv, nv)), np.zeros(nv), np.zeros_like(workspace.table)
+        give_python(self.answers, workspace, table)
+        if engine != "compiled":
+            give_pinocchio(self.answers, workspace, mass, bias)
         self.numbers = Numbers(
             program=workspace.program,
             work=workspace.work,
@@ -81,11 +85,11 @@ class Compiled:
             places=np.zeros(len(tree) + 1, PLACE),
             plan=np.zeros(0) if plan is None else plan.words,
             held=np.zeros(0 if plan is None else plan.size),
-            mass=np.zeros((nv, nv)),
-            bias=np.zeros(nv),
+            mass=mass,
+            bias=bias,
             step=np.zeros(nv),
             pose=np.zeros(1, POSE),
-            table=np.zeros_like(workspace.table),
+            table=table,
             own=workspace.table,
             memory=workspace.memory,
             rates=np.zeros((2, nv + system.manifold.nx)),
@@ -95,9 +99,6 @@ class Compiled:
             booked=-1 if plan is None else nq + nv + int(system.projection_x[0]),
             outside=self.answers.outside,
         )
-        give_python(self.answers, workspace, self.numbers.table)
-        if engine != "compiled":
-            give_pinocchio(self.answers, workspace, self.numbers.mass, self.numbers.bias)
 
 
 class CompiledStepper(Stepper):

@@ -77,54 +77,34 @@ def _add(values: Any, side: float, point: int, step: float, room: Any, k: int, o
 
 
 @kernel
-def write_slopes(t: float, y: Any, ways: Any, steps: Any, room: Any, out: Any) -> None:
-    """Write central differences of the rates along displacements.
+def write_slopes(t: float, y: Any, ways: Any, steps: Any, of_speeds: bool, room: Any, out: Any) -> None:
+    """Write central differences along displacements: of the rates, or of how fast constraints are violated.
 
     Args:
         t: Time [s].
         y: State.
         ways: Displacements, row by row, (k, displacement).
         steps: Of the differences, over a displacement, (k,).
+        of_speeds: Whether it is of the speeds of constraints.
         room: What to compute with.
-        out: To write to, (kinds, k, nv + nx).
+        out: To write to, (kinds, k, rates or rows of constraints).
     """
-    rates, numbers = room.rows[1, : out.shape[2]], room.numbers
+    state, found, numbers = room.rows[0], room.rows[1, : out.shape[2]], room.numbers
+    if of_speeds:
+        speed = plan_of(numbers.plan).speed
+        found = numbers.held[speed : speed + out.shape[2]]
     _copy_memory(numbers.memory, room.kept)
     out[:] = 0.0
     for k in range(ways.shape[0]):
         for point in range(room.weights.shape[1]):
             for side in (1.0, -1.0):
                 h = side * (point + 1.0) * steps[k]
-                _displace(y, ways[k], h, room)
-                derivative(t + h * ways[k, ways.shape[1] - 1], room.rows[0], numbers, rates, False)
-                _add(rates, side, point, steps[k], room, k, out)
-    _copy_memory(room.kept, numbers.memory)
-
-
-@kernel
-def write_speed_slopes(t: float, y: Any, ways: Any, steps: Any, room: Any, out: Any) -> None:
-    """Write central differences of how fast constraints are violated along displacements.
-
-    Args:
-        t: Time [s].
-        y: State.
-        ways: As for :func:`write_slopes`.
-        steps: Likewise.
-        room: Likewise.
-        out: To write to, (kinds, k, rows).
-    """
-    numbers = room.numbers
-    speed = plan_of(numbers.plan).speed
-    speeds = numbers.held[speed : speed + out.shape[2]]
-    _copy_memory(numbers.memory, room.kept)
-    out[:] = 0.0
-    for k in range(ways.shape[0]):
-        for point in range(room.weights.shape[1]):
-            for side in (1.0, -1.0):
-                h = side * (point + 1.0) * steps[k]
-                _displace(y, ways[k], h, room)
                 time = t + h * ways[k, ways.shape[1] - 1]
-                set_motions(time, room.rows[0], numbers)
-                write_rows(time, room.rows[0], numbers.program, numbers.plan, numbers.held)
-                _add(speeds, side, point, steps[k], room, k, out)
+                _displace(y, ways[k], h, room)
+                if of_speeds:
+                    set_motions(time, state, numbers)
+                    write_rows(time, state, numbers.program, numbers.plan, numbers.held)
+                else:
+                    derivative(time, state, numbers, found, False)
+                _add(found, side, point, steps[k], room, k, out)
     _copy_memory(room.kept, numbers.memory)

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.constraints.layout_kernels import plan_of
 from antenna_pin.engine.compiled import CompiledStepper
-from antenna_pin.engine.slope_kernels import Room, write_slopes, write_speed_slopes
+from antenna_pin.engine.slope_kernels import Room, write_slopes
 from antenna_pin.records import MEMORY
 
 __all__ = ["Slopes"]
@@ -50,16 +48,17 @@ class Slopes:
             ways: Displacements as :mod:`antenna_pin.engine.slope_kernels` lays them out, (displacement, k).
             steps: Of the differences, over a displacement, (k,).
         """
-        return self._written(write_slopes, self._rates, time, y, ways, steps)
+        return self._written(False, self._rates, time, y, ways, steps)
 
     def speeds(self, time: float, y: Array, ways: Array, steps: Array) -> Array:
         """Return the derivatives of how fast constraints are violated, (kinds, rows, k), as :meth:`rates`."""
-        return self._written(write_speed_slopes, self._held, time, y, ways, steps)
+        return self._written(True, self._held, time, y, ways, steps)
 
     def _written(
-        self, write: Callable[..., None], count: int, time: float, y: Array, ways: Array, steps: Array
+        self, of_speeds: bool, count: int, time: float, y: Array, ways: Array, steps: Array
     ) -> Array:
         out = np.zeros((len(self._room.weights), ways.shape[1], count))
-        write(time, np.ascontiguousarray(y), np.ascontiguousarray(ways.T), steps, self._room, out)
+        y, ways = np.ascontiguousarray(y), np.ascontiguousarray(ways.T)
+        write_slopes(time, y, ways, steps, of_speeds, self._room, out)
         self._answers.check()
         return np.asarray(out.transpose(0, 2, 1))

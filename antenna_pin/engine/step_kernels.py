@@ -15,7 +15,9 @@ from antenna_pin.constraints.rows_kernels import write_rows
 from antenna_pin.dynamics.kernels import evaluate, head_of
 from antenna_pin.dynamics.outside_kernels import ask_at, has_failed
 from antenna_pin.dynamics.point_kernels import add_forces
+from antenna_pin.dynamics.query_kernels import has_queries, set_out_queries, take_in_queries
 from antenna_pin.engine.hold_kernels import AS_IT_WAS, LOST, MOVED, factorize_rows, project
+from antenna_pin.geometry.coal_kernels import MOST_QUERIES
 from antenna_pin.integrate.explicit_kernels import (
     ASK,
     error_of,
@@ -112,8 +114,16 @@ def ask_elements(t: float, y: Any, numbers: Any) -> None:
     due = asked.touching == 0
     for c in range(numbers.memory.shape[0]):
         due = due or numbers.memory[c].touching != 0.0
-    if due:
+    if not due:
+        return
+    if not has_queries(numbers.program, numbers.work):
         ask_at(numbers.outside, asked.elements, t, y)
+        return
+    set_out_queries(y, numbers.program, numbers.work)
+    for _ in range(MOST_QUERIES):
+        ask_at(numbers.outside, asked.elements, t, y)
+        if take_in_queries(y, numbers.program, numbers.work):
+            return
 
 
 @inlined

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 from antenna_pin._lazy import loaded_when_used
 
 if TYPE_CHECKING:
+    from antenna_pin.geometry.cylindrical import CylindricalClearance
     from antenna_pin.geometry.look import Look
     from antenna_pin.geometry.looks import LOOKS
     from antenna_pin.geometry.planar import PlanarClearance
@@ -20,6 +21,7 @@ __all__ = [
     "ClearanceGeometry",
     "ContactPlace",
     "ContactPoint",
+    "CylindricalClearance",
     "Distances",
     "Look",
     "PlanarClearance",
@@ -34,6 +36,7 @@ loaded_when_used(
     __name__,
     {
         "shape": "ClearanceGeometry ContactPlace ContactPoint Distances pose_of",
+        "cylindrical": "CylindricalClearance",
         "look": "Look",
         "looks": "LOOKS",
         "planar": "PlanarClearance",

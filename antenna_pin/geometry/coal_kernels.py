@@ -1,5 +1,11 @@
 """What the coal backend of the revolute joint needs around its queries, compiled.
 
+Who asks calls :func:`coal_set_out` with a pose, has coal fill in the answers of the rows that are still
+``asked``, and calls :func:`coal_take_in`, again and again until nothing is asked any more: nearly always
+once, since the search on a bore's end circle starts where the closed form has its deepest point, and there
+the gap is stationary. What is taken is coal's own gap and normal; where they do not agree that the point is
+the deepest one, the search goes on from there.
+
 The journal frame J used here has its z axis along the journal and an arbitrary rotation about it.
 """
 
@@ -8,17 +14,18 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numpy as np
-
 from antenna_pin._compile import inlined, kernel, record
 from antenna_pin.geometry.revolute_kernels import REVOLUTE, bore_contact, flange_contact
 from antenna_pin.records import layout, words_of
 
+#: Rows, as bits (1, 2: the bore's circles at +z and at -z; 4, 8: the flanges there): those wanted, and of
+#: them those about which coal is still to be asked.
+QUERY = layout(("wanted", "i8"), ("asked", "i8"))
 #: Placement of H in J.
 FRAME = layout(("rotation", "f8", (3, 3)), ("origin", "f8", (3,)))
 #: The search on an end circle: the point asked, in J (read by coal) and in H [m]; where the circle stands, in
 #: half lengths, and the point's angle on it [rad]; whether the journal's axis passes through the circle;
-#: normal in H and gap [m], infinite until it is asked.
+#: normal in H and gap [m]; coal's last answer, distance [m] and normal in J.
 END = layout(
     ("in_journal", "f8", (3,)),
     ("in_bearing", "f8", (3,)),
@@ -27,24 +34,31 @@ END = layout(
     ("inside", "i8"),
     ("normal", "f8", (3,)),
     ("gap", "f8"),
+    ("answer", "f8"),
+    ("direction", "f8", (3,)),
 )
-#: coal's answer about a flange, in J: distance [m], infinite until it is asked, normal from bearing to
-#: journal, nearest point [m].
+#: coal's answer about a flange, in J: distance [m], normal from bearing to journal, nearest point [m].
 FLANGE_ANSWER = layout(("gap", "f8"), ("normal", "f8", (3,)), ("point", "f8", (3,)))
 
 # What the kernels are given is one flat array with all of that in it: each array that Python hands over takes
-# its time, twice that if it is one of records. Where REVOLUTE, FRAME, END at +z and at -z, and the
+# its time, twice that if it is one of records. Where QUERY, REVOLUTE, FRAME, END at +z and at -z, and the
 # FLANGE_ANSWERs begin in it, and its size.
-SHAPE_AT = 0
+SHAPE_AT = words_of(QUERY)
 FRAME_AT = SHAPE_AT + words_of(REVOLUTE)
 END_WORDS = words_of(END)
 ENDS_AT = FRAME_AT + words_of(FRAME)
 ANSWER_WORDS = words_of(FLANGE_ANSWER)
 ANSWERS_AT = ENDS_AT + 2 * END_WORDS
 WORDS = ANSWERS_AT + 2 * ANSWER_WORDS
-# Which END is which, in a type that coal_start is compiled for once.
-_UPPER: Any = np.int64(0)
-_LOWER: Any = np.int64(1)
+FLANGES = 12  # the bits of both
+MOST_QUERIES = 12  # about one pose
+_APPROACH = 6  # Newton steps at most to where coal is asked first
+
+
+@inlined
+def query_in(work: Any) -> Any:
+    """Return what is wanted of coal."""
+    return record(work[:SHAPE_AT], QUERY)
 
 
 @inlined
@@ -68,19 +82,17 @@ def _answer_in(work: Any, k: int) -> Any:
 
 
 @kernel
-def coal_place(work: Any, pose: Any) -> tuple[bool, bool]:
-    """Place the bearing in the journal frame and start the search on both end circles.
+def coal_set_out(work: Any, pose: Any, wanted: int) -> None:
+    """Place the bearing in the journal frame and say what is to be asked of coal.
 
     Args:
-        work: Flat, WORDS; its FRAME and ENDs are filled: at +z, at -z.
+        work: Flat, WORDS; its QUERY, FRAME and the ENDs that are asked about are filled.
         pose: POSE, (1,).
-
-    Returns:
-        Whether the journal's axis passes through the circles, so that there is something to ask.
+        wanted: Rows, as bits.
     """
-    at = _frame_in(work)
-    for k in range(2):
-        _answer_in(work, k).gap = math.inf
+    query, at = query_in(work), _frame_in(work)
+    query.wanted = wanted
+    query.asked = wanted & FLANGES
     ox, oy, oz = pose[0].centre[0], pose[0].centre[1], pose[0].centre[2]
     zx, zy, zz = pose[0].axis[0], pose[0].axis[1], pose[0].axis[2]
     # Smallest rotation taking the z axis to z: R = I + [k] + [k]^2 / (1 + zz), k = e_z x z.
@@ -107,7 +119,9 @@ def coal_place(work: Any, pose: Any) -> tuple[bool, bool]:
     at.rotation[2, 2] = zz
     for i in range(3):
         at.origin[i] = -(at.rotation[i, 0] * ox + at.rotation[i, 1] * oy + at.rotation[i, 2] * oz)
-    return coal_start(work, _UPPER, 1.0, pose), coal_start(work, _LOWER, -1.0, pose)
+    for k in range(2):
+        if wanted >> k & 1 and coal_start(work, k, 1.0 - 2.0 * k, pose):
+            query.asked |= 1 << k
 
 
 @kernel
@@ -123,14 +137,15 @@ def coal_start(work: Any, k: int, side: float, pose: Any) -> bool:
     cy = oy + lift * zy
     inside = bool(zz != 0.0 and cx * cx + cy * cy <= radius * radius)
     end.side = side
-    end.gap = math.inf
-    end.angle = math.atan2(cy, cx) if (cx != 0.0 or cy != 0.0) else 0.0
     end.inside = 1 if inside else 0
+    end.angle = math.atan2(cy, cx) if (cx != 0.0 or cy != 0.0) else 0.0
     _place_point(shape, _frame_in(work), end)
+    if inside:
+        _approach(shape, _frame_in(work), end)
     return inside
 
 
-@kernel
+@inlined
 def _place_point(shape: Any, frame: Any, end: Any) -> None:
     end.in_bearing[0] = shape.bearing_radius * math.cos(end.angle)
     end.in_bearing[1] = shape.bearing_radius * math.sin(end.angle)
@@ -144,44 +159,74 @@ def _place_point(shape: Any, frame: Any, end: Any) -> None:
         )
 
 
-@kernel
-def coal_turn(work: Any, k: int, normal: Any, gap: float) -> bool:
-    """Make one Newton step of d gap / d phi = 0 in END k from coal's gap and normal (in J); True when done.
+@inlined
+def _in_bearing(at: Any, x: float, y: float, z: float) -> tuple[float, float, float]:
+    """Return a direction of J in H."""
+    return (
+        at.rotation[0, 0] * x + at.rotation[1, 0] * y + at.rotation[2, 0] * z,
+        at.rotation[0, 1] * x + at.rotation[1, 1] * y + at.rotation[2, 1] * z,
+        at.rotation[0, 2] * x + at.rotation[1, 2] * y + at.rotation[2, 2] * z,
+    )
 
-    The derivative of the gap along the circle is -n . dQ/dphi; its own derivative follows from the curvature
-    of the distance to a line. Once the step is below 1e-5 rad, gap and normal are carried over it to second
-    and first order, which is exact to 1e-10 in the normal and far below round-off in the gap: no further
-    query is needed. Where the minimum is so flat that its angle is lost in round-off the gap decides.
+
+@inlined
+def _newton(shape: Any, at: Any, end: Any, normal: Any, gap: float) -> tuple[float, float, float]:
+    """Return a Newton step of d gap / d phi = 0 in an END [rad], what the gap loses by it [m], and the slope.
+
+    The derivative of the gap along the circle is -n . dQ/dphi, n the normal in H; its own derivative follows
+    from the curvature of the distance to a line,
+    dist'' = (|t_perp|^2 - (n.t)^2) / dist - n . Q'' with t_perp the part of the tangent t = dQ/dphi square to
+    the journal axis and Q'' = -(qx, qy, 0).
     """
-    shape, at, end = _shape_in(work), _frame_in(work), _end_in(work, k)
-    nx, ny, nz = normal[0], normal[1], normal[2]
-    hx = at.rotation[0, 0] * nx + at.rotation[1, 0] * ny + at.rotation[2, 0] * nz
-    hy = at.rotation[0, 1] * nx + at.rotation[1, 1] * ny + at.rotation[2, 1] * nz
-    hz = at.rotation[0, 2] * nx + at.rotation[1, 2] * ny + at.rotation[2, 2] * nz
+    hx, hy, _ = normal
     radius = shape.bearing_radius
     qx, qy = end.in_bearing[0], end.in_bearing[1]
     tx = -qy
     ty = qx
     slope = -(hx * tx + hy * ty)
-    # dist'' = (|t_perp|^2 - (n.t)^2) / dist - n . Q'' with t_perp the tangent's part square to the journal
-    # axis and Q'' = -(qx, qy, 0).
-    zx, zy, zz = at.rotation[2, 0], at.rotation[2, 1], at.rotation[2, 2]
-    along = tx * zx + ty * zy
+    along = tx * at.rotation[2, 0] + ty * at.rotation[2, 1]
     span = gap + shape.journal_radius
     curvature = (radius * radius - along * along - slope * slope) / span + hx * qx + hy * qy
     if curvature > 0.0:
-        step = -slope / curvature
-        gain = 0.5 * slope * slope / curvature
-        if step > 0.5:
-            step = 0.5
-        elif step < -0.5:
-            step = -0.5
-    else:
-        step = -0.5 if slope > 0.0 else 0.5
-        gain = 1.0
+        return min(0.5, max(-0.5, -slope / curvature)), 0.5 * slope * slope / curvature, slope
+    return (-0.5 if slope > 0.0 else 0.5), 1.0, slope
+
+
+@inlined
+def _approach(shape: Any, at: Any, end: Any) -> None:
+    """Bring the point of an END to where the closed form has the least gap, so that coal is asked once."""
+    for _ in range(_APPROACH):
+        x, y = end.in_journal[0], end.in_journal[1]
+        distance = math.sqrt(x * x + y * y)
+        if distance == 0.0:
+            return
+        normal = _in_bearing(at, -x / distance, -y / distance, 0.0)
+        step, gain, _ = _newton(shape, at, end, normal, distance - shape.journal_radius)
+        # A step from here on is one that coal's answer is carried over.
+        if abs(step) < 1e-7 or gain < 1e-24:
+            return
+        end.angle += step
+        _place_point(shape, at, end)
+
+
+@kernel
+def coal_turn(work: Any, k: int) -> bool:
+    """Make one Newton step of d gap / d phi = 0 in END k from coal's answer; True when done.
+
+    Once the step is below 1e-5 rad, gap and normal are carried over it to second and first order, which is
+    exact to 1e-10 in the normal and far below round-off in the gap: no further query is needed. Where the
+    minimum is so flat that its angle is lost in round-off the gap decides.
+    """
+    shape, at, end = _shape_in(work), _frame_in(work), _end_in(work, k)
+    gap = end.answer
+    hx, hy, hz = _in_bearing(at, end.direction[0], end.direction[1], end.direction[2])
+    step, gain, slope = _newton(shape, at, end, (hx, hy, hz), gap)
     done = bool(abs(step) < 1e-5 or gain < 1e-24)
     # n changes by -(t_perp - (n.t) n) / dist per radian.
-    f = step / span if done else 0.0
+    f = step / (gap + shape.journal_radius) if done else 0.0
+    zx, zy, zz = at.rotation[2, 0], at.rotation[2, 1], at.rotation[2, 2]
+    tx, ty = -end.in_bearing[1], end.in_bearing[0]
+    along = tx * zx + ty * zy
     hx -= f * (tx - along * zx + slope * hx)
     hy -= f * (ty - along * zy + slope * hy)
     hz -= f * (-along * zz + slope * hz)
@@ -196,33 +241,48 @@ def coal_turn(work: Any, k: int, normal: Any, gap: float) -> bool:
 
 
 @kernel
-def coal_collect(work: Any, pose: Any, table: Any, row: int) -> None:
-    """Turn coal's answers into the four rows of the table, in H.
+def coal_take_in(work: Any, pose: Any, table: Any, row: int) -> bool:
+    """Turn coal's answers into the rows of the table that are wanted, in H; whether they are final.
+
+    If not, coal is to be asked again.
+    """
+    query = query_in(work)
+    query.asked &= ~FLANGES
+    for k in range(2):
+        if query.asked >> k & 1 and coal_turn(work, k):
+            query.asked &= ~(1 << k)
+    _collect(work, pose, table, row)
+    return bool(query.asked == 0)
+
+
+@inlined
+def _collect(work: Any, pose: Any, table: Any, row: int) -> None:
+    """Write the rows that are wanted, in H.
 
     The bore's stand in the ENDs of ``work``, the flanges' in its FLANGE_ANSWERs. Of a cylinder exactly
     parallel to the normal, up to a tilt of some 1e-12, coal takes the middle of the end face for the nearest
     point, 1e-10 of half its length too far out: that is put right. Where the axis of the journal passes
-    outside an end circle, which parts cannot do, the closed form's gap stands. A row that was not asked for
+    outside an end circle, which parts cannot do, the closed form's gap stands. A row that is not wanted
     stays as it is.
     """
-    dimensions, at = _shape_in(work), _frame_in(work)
+    dimensions, at, wanted = _shape_in(work), _frame_in(work), query_in(work).wanted
     for k in range(2):
+        if not wanted >> k & 1:
+            continue
         out = table[row + k]
         end = _end_in(work, k)
         if end.inside == 0:
             bore_contact(dimensions, 1.0 - 2.0 * k, pose[0], out)
-            continue
-        if end.gap == math.inf:
             continue
         out.gap = end.gap
         for i in range(3):
             out.normal[i] = end.normal[i]
             out.point[i] = end.in_bearing[i]
     for k in range(2):
+        if not wanted >> (2 + k) & 1:
+            continue
         out = table[row + 2 + k]
         answer = _answer_in(work, k)
-        if answer.gap == math.inf:
-            continue
         out.gap = answer.gap
         nx, ny, nz = answer.normal[0], answer.normal[1], answer.normal[2]
         for i in range(3):

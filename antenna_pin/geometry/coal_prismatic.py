@@ -1,4 +1,8 @@
-"""Distances between a slider's corners and its guide's walls by coal: balls and half-spaces."""
+"""Distances between a slider and its guide by coal: balls, half-spaces and cylinders.
+
+Which parts of the two are next to each other, and where, is found in closed form
+(:mod:`antenna_pin.geometry.guide_kernels`); how far they are apart, coal says.
+"""
 
 from __future__ import annotations
 
@@ -9,46 +13,124 @@ import coal
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.geometry import kernels
 from antenna_pin.geometry.corner_kernels import CORNER
+from antenna_pin.geometry.guide_kernels import EDGE
+from antenna_pin.geometry.revolute_kernels import REVOLUTE
+from antenna_pin.geometry.shape import pose_of
 
 __all__ = ["CoalPrismatic"]
+
+_LONG = 10.0  # of a cylinder whose ends must not count, over the bearing's radius
 
 
 class CoalPrismatic:
     """Distances of a slider in a guide by coal.
 
     Args:
-        candidates: The corners on walls as the kernels have them, (contacts, CANDIDATE).
+        candidates: Those of the joint as the kernels have them, (contacts, CANDIDATE).
     """
 
     def __init__(self, candidates: NDArray[np.float64]) -> None:
         """Build shapes, functors and buffers once."""
-        corners = np.ascontiguousarray(candidates).view(CORNER)[:, 0]
-        self._corners = corners["corner"].copy()
-        self._balls = [coal.Sphere(float(radius)) for radius in corners["radius"]]
-        # A half-space is {x : n.x <= d}; the material behind a wall whose normal points into the hollow.
-        self._walls = [
-            coal.Halfspace(np.array(wall), -float(distance))
-            for wall, distance in zip(corners["wall"], corners["distance"], strict=True)
-        ]
-        pairs = zip(self._balls, self._walls, strict=True)
-        self._functors = [coal.ComputeDistance(ball, wall) for ball, wall in pairs]
-        self._request = coal.DistanceRequest()
-        self._result = coal.DistanceResult()
-        self._at_ball = coal.Transform3s()
-        self._at_wall = coal.Transform3s()
+        self._rows = [_PAIRS[int(words.view(CORNER)["primitive"][0])](words) for words in candidates]
 
     def query(
         self, pose: NDArray[Any], table: NDArray[Any], row: int, wanted: Sequence[float] | None = None
     ) -> None:
-        """Fill the corners' rows (see :class:`antenna_pin.geometry.Distances`)."""
-        centres = pose["centre"][0] + self._corners @ pose["rotation"][0].T
-        for k, functor in enumerate(self._functors):
-            if wanted is not None and not wanted[k]:
-                continue
-            self._at_ball.setTranslation(centres[k])
-            self._result.clear()
-            table["gap"][row + k] = functor(self._at_ball, self._at_wall, self._request, self._result)
-            # coal's normal runs from the slider to the wall.
-            table["normal"][row + k] = -self._result.normal
-            table["point"][row + k] = self._result.getNearestPoint1()
+        """Fill the joint's rows (see :class:`antenna_pin.geometry.Distances`)."""
+        for k, pair in enumerate(self._rows):
+            if wanted is None or wanted[k]:
+                pair.ask(pose, table[row + k : row + k + 1])
+
+
+class _Asked:
+    """Two shapes of coal's, and what asks for their distance."""
+
+    def __init__(self, first: Any, second: Any) -> None:
+        self._shapes = first, second  # a functor keeps none
+        self._functor = coal.ComputeDistance(first, second)
+        self._request = coal.DistanceRequest()
+        self._result = coal.DistanceResult()
+        self._places = coal.Transform3s(), coal.Transform3s()
+
+    def distance(self, first: NDArray[Any], second: NDArray[Any], turn: NDArray[Any] | None = None) -> float:
+        """Return the distance [m] of the shapes at two places, the second turned."""
+        for place, at in zip(self._places, (first, second), strict=True):
+            place.setTranslation(at)
+        if turn is not None:
+            self._places[1].setRotation(turn)
+        self._result.clear()
+        return float(self._functor(*self._places, self._request, self._result))
+
+    @property
+    def found(self) -> tuple[NDArray[Any], NDArray[Any]]:
+        """Normal from the first to the second, and nearest point of the first."""
+        return self._result.normal, self._result.getNearestPoint1()
+
+
+class _CornerOnWall:
+    """The ball of a corner's rounding against a wall."""
+
+    def __init__(self, words: NDArray[np.float64]) -> None:
+        shape = words.view(CORNER)[0]
+        self._corner = shape["corner"].copy()
+        # A half-space is {x : n.x <= d}; the material behind a wall whose normal points into the hollow.
+        wall = coal.Halfspace(np.array(shape["wall"]), -float(shape["distance"]))
+        self._asked = _Asked(coal.Sphere(float(shape["radius"])), wall)
+
+    def ask(self, pose: NDArray[Any], out: NDArray[Any]) -> None:
+        centre = pose["centre"][0] + self._corner @ pose["rotation"][0].T
+        out["gap"] = self._asked.distance(centre, np.zeros(3))
+        normal, out["point"][0] = self._asked.found
+        out["normal"] = -normal  # coal's runs from the slider to the wall
+
+
+class _EdgeInGuide:
+    """The ball of a corner's rounding, or of the edge at a mouth, against the plane that it is pressed on."""
+
+    def __init__(self, words: NDArray[np.float64]) -> None:
+        self._words = words.copy()
+        shape = words.view(EDGE)[0]
+        self._radius, self._reach = float(shape["radius"]), float(shape["reach"])
+        self._wall = np.append(-shape["distance"] * shape["wall"], 0.0)
+        self._ball = coal.Sphere(self._radius)
+
+    def ask(self, pose: NDArray[Any], out: NDArray[Any]) -> None:
+        kernels.fill(self._words, pose, out)
+        normal, point = out["normal"][0].copy(), out["point"][0]
+        self._wall[2] = np.copysign(self._reach, point[2])  # the mouth's edge, as far as it counts
+        asked = _Asked(self._ball, coal.Halfspace(normal, float(normal @ self._wall)))
+        out["gap"] = asked.distance(point + self._radius * normal, np.zeros(3))
+        out["normal"] = -asked.found[0]
+
+
+class _RodInGuide:
+    """A point of the slider's rim in the guide as a cylinder, or one of the mouth against the slider."""
+
+    def __init__(self, words: NDArray[np.float64]) -> None:
+        self._words = words.copy()
+        shape = words.view(REVOLUTE)[0]
+        self._reach = float(shape["half_length"])
+        long = _LONG * (shape["bearing_radius"] + 2.0 * shape["half_distance"])
+        self._guide = _Asked(coal.Sphere(0.0), coal.Cylinder(float(shape["bearing_radius"]), long))
+        self._slider = _Asked(coal.Sphere(0.0), coal.Cylinder(float(shape["journal_radius"]), long))
+
+    def ask(self, pose: NDArray[Any], out: NDArray[Any]) -> None:
+        kernels.fill(self._words, pose, out)
+        point, normal = out["point"][0], out["normal"][0]
+        if abs(normal[2]) == 1.0:
+            return  # out of the guide: nothing round is asked for
+        if abs(point[2]) != self._reach:
+            out["gap"] = -self._guide.distance(point, np.array([0.0, 0.0, point[2]]))
+            return
+        turn = pose_of((0.0, 0.0, 0.0), pose["axis"][0])["rotation"][0]
+        out["gap"] = self._slider.distance(point, pose["centre"][0], turn)
+        out["normal"] = self._slider.found[0]
+
+
+_PAIRS: dict[int, Any] = {
+    kernels.CORNER_ON_WALL: _CornerOnWall,
+    kernels.EDGE_IN_GUIDE: _EdgeInGuide,
+    kernels.ROD_IN_GUIDE: _RodInGuide,
+}

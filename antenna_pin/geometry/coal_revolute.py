@@ -6,7 +6,9 @@ coal's own normal. Axial: a flange's half-space against the bearing's cylinder, 
 against the half-space of the bearing's end face. All of these pairs are closed forms inside coal; pairs that
 go through GJK would be off by up to a micrometre.
 
-Functors are built once; a query only moves a transform.
+Functors are built once; a query only moves a transform. What is asked and answered stands in one array of
+numbers (:mod:`antenna_pin.geometry.coal_kernels`), so that compiled code can set out a pose, have coal asked
+(:meth:`CoalRevolute.answer`), and take the answers in.
 """
 
 from __future__ import annotations
@@ -23,8 +25,8 @@ from antenna_pin.geometry.patch_kernels import APART, sector_contacts, strip_con
 
 __all__ = ["CoalRevolute"]
 
-_MAX_QUERIES = 12
 _ALL = (1.0, 1.0, 1.0, 1.0)
+_Question = Callable[[], None]
 
 
 class CoalRevolute:
@@ -32,10 +34,13 @@ class CoalRevolute:
 
     Args:
         dimensions: The joint's, as the kernels' record, (1,).
+
+    Attributes:
+        work: What is asked and answered, (WORDS,).
     """
 
     def __init__(self, dimensions: NDArray[Any]) -> None:
-        """Build shapes, functors and buffers once."""
+        """Build shapes and functors once."""
         self._shape = dimensions
         names = ("bearing_radius", "half_length", "outer_radius", "journal_radius", "flange_radius")
         bore, end, outer, journal, flange = (float(dimensions[name][0]) for name in names)
@@ -60,62 +65,69 @@ class CoalRevolute:
         self._radial = coal.ComputeDistance(self._point, self._journal)
         self._sector_functors = tuple(coal.ComputeDistance(self._point, f) for f in self._faces)
         self._request = coal.DistanceRequest()
-        self._result = coal.DistanceResult()
         self._identity = coal.Transform3s()
         self._at_point = coal.Transform3s()
         self._at_bearing = coal.Transform3s()
-        # All that the kernels read and write, and parts of it by name.
-        self._work = np.zeros(kernels.WORDS)
-        self._work[kernels.SHAPE_AT : kernels.FRAME_AT] = dimensions.view(np.float64)
-        frame = self._work[kernels.FRAME_AT : kernels.ENDS_AT].view(kernels.FRAME)
+        self._result = coal.DistanceResult()
+        self.take(np.zeros(kernels.WORDS))
+
+    def take(self, work: NDArray[np.float64]) -> None:
+        """Ask and answer in an array from now on, (WORDS,), as one that compiled code has at hand."""
+        self.work = work
+        work[kernels.SHAPE_AT : kernels.FRAME_AT] = self._shape.view(np.float64)
+        self._asked = work[: kernels.SHAPE_AT].view(kernels.QUERY)["asked"]
+        frame = work[kernels.FRAME_AT : kernels.ENDS_AT].view(kernels.FRAME)
         self._rotation: NDArray[np.float64] = frame["rotation"][0]
         self._origin: NDArray[np.float64] = frame["origin"][0]
-        self._ends = self._work[kernels.ENDS_AT : kernels.ANSWERS_AT].view(kernels.END)
-        answers = self._work[kernels.ANSWERS_AT :].view(kernels.FLANGE_ANSWER)
-        self._gaps = answers["gap"]
-        self._normals = tuple(answers["normal"])
-        self._points = tuple(answers["point"])
-        self._search = self._searching()
+        self._ends = work[kernels.ENDS_AT : kernels.ANSWERS_AT].view(kernels.END)
+        self._answers = work[kernels.ANSWERS_AT :].view(kernels.FLANGE_ANSWER)
+        flange = self._large_flange if self._covers else self._small_flange
+        rows = (self._end(0), self._end(1), flange(0), flange(1))
+        # By the bits of what is asked: looked up, not decided, for each evaluation asks.
+        self._questions = [
+            tuple(question for k, question in enumerate(rows) if bits >> k & 1)
+            for bits in range(1 << len(rows))
+        ]
 
     def query(
         self, pose: NDArray[Any], table: NDArray[Any], row: int, wanted: Sequence[float] | None = None
     ) -> None:
         """Fill the four rows (see :class:`antenna_pin.geometry.Distances`)."""
-        if wanted is None:
-            wanted = _ALL
-        elif not any(wanted):
+        bits = sum(1 << k for k, one in enumerate(_ALL if wanted is None else wanted) if one)
+        if bits == 0:
             return
-        upper, lower = kernels.coal_place(self._work, pose)
-        if upper and wanted[0]:
-            self._search(0)
-        if lower and wanted[1]:
-            self._search(1)
-        if wanted[2] or wanted[3]:
-            if self._covers:
-                self._query_large_flanges(wanted)
-            else:
-                self._query_small_flanges(wanted)
-        kernels.coal_collect(self._work, pose, table, row)
+        kernels.coal_set_out(self.work, pose, bits)
+        for _ in range(kernels.MOST_QUERIES):
+            self.answer()
+            if kernels.coal_take_in(self.work, pose, table, row):
+                break
 
-    def _searching(self) -> Callable[[int], None]:
-        """Return what finds the deepest point of an end circle, from where END k is.
+    def answer(self) -> None:
+        """Ask coal what is asked in ``work``, and write its answers there."""
+        for question in self._questions[self._asked.item()]:
+            question()
 
-        What it needs is looked at once: it is called for each contact of each evaluation.
+    def _end(self, k: int) -> _Question:
+        """Return what asks coal about the point of END k.
+
+        What it needs is looked at once; coal's normal is read where it stands.
         """
-        work, asked, identity = self._work, tuple(self._ends["in_journal"]), self._identity
-        at_point, result, request, radial = self._at_point, self._result, self._request, self._radial
-        turn = kernels.coal_turn
+        point, answers, direction = (
+            self._ends["in_journal"][k],
+            self._ends["answer"],
+            self._ends["direction"][k],
+        )
+        place, at_point, identity = self._at_point.setTranslation, self._at_point, self._identity
+        result, request, radial = coal.DistanceResult(), self._request, self._radial
+        clear, normal = result.clear, result.normal
 
-        def search(k: int) -> None:
-            point = asked[k]
-            for _ in range(_MAX_QUERIES):
-                at_point.setTranslation(point)
-                result.clear()
-                gap = radial(at_point, identity, request, result)
-                if turn(work, k, result.normal, gap):
-                    break
+        def ask() -> None:
+            place(point)
+            clear()
+            answers[k] = radial(at_point, identity, request, result)
+            direction[:] = normal
 
-        return search
+        return ask
 
     def query_patches(
         self,
@@ -142,15 +154,18 @@ class CoalRevolute:
             first: Row of the first strip.
         """
         shape = self._shape
-        kernels.coal_place(self._work, pose)
+        kernels.coal_set_out(self.work, pose, 0)
         strip_contacts(shape[0], strips, pose[0], table, row, first)
         for k in range(strips):
             if table["gap"][first + k] == APART:
                 continue
             side = (2.0 * k + 1.0) / strips - 1.0
-            if not kernels.coal_start(self._work, 0, side, pose):
+            if not kernels.coal_start(self.work, 0, side, pose):
                 continue
-            self._search(0)
+            for _ in range(kernels.MOST_QUERIES):
+                self._questions[1][0]()
+                if kernels.coal_turn(self.work, 0):
+                    break
             table["gap"][first + k] = self._ends["gap"][0]
             table["normal"][first + k] = self._ends["normal"][0]
             table["point"][first + k] = self._ends["in_bearing"][0]
@@ -172,31 +187,40 @@ class CoalRevolute:
                 table["gap"][r] = functor(self._at_point, self._identity, self._request, self._result)
                 table["normal"][r] = rotation.T @ self._result.normal
 
-    def _query_large_flanges(self, wanted: Sequence[float]) -> None:
-        self._at_bearing.setTransform(self._rotation, self._origin)
-        result = self._result
-        for k, functor in enumerate(self._axial):
-            if not wanted[2 + k]:
-                continue
-            result.clear()
-            self._gaps[k] = functor(self._at_bearing, self._identity, self._request, result)
-            # coal's normal runs from the bearing to the flange's half-space: that is into the journal.
-            self._normals[k][:] = result.normal
-            self._points[k][:] = result.getNearestPoint1()
+    def _large_flange(self, k: int) -> _Question:
+        """Return what asks coal about a flange that covers the bearing's end."""
+        answer, functor, rotation, origin = self._answers[k], self._axial[k], self._rotation, self._origin
+        gaps, to_normal, to_point = self._answers["gap"], answer["normal"], answer["point"]
+        at_bearing, identity, request = self._at_bearing, self._identity, self._request
+        result = coal.DistanceResult()
+        clear, normal, nearest = result.clear, result.normal, result.getNearestPoint1
 
-    def _query_small_flanges(self, wanted: Sequence[float]) -> None:
-        # Solid discs behind each flange face, asked against the half-spaces inside the bearing's end faces.
-        # Both are asked in H, where the half-spaces stand, and the answers carried to J.
-        rotation = self._rotation  # of H in J
-        centre = -rotation.T @ self._origin  # journal centre in H
-        axis = rotation[2]
-        for k, (functor, side) in enumerate(zip(self._axial, (1.0, -1.0), strict=True)):
-            if not wanted[2 + k]:
-                continue
-            self._at_bearing.setTransform(
-                np.ascontiguousarray(rotation.T), centre + side * self._to_disc * axis
-            )
-            self._result.clear()
-            self._gaps[k] = functor(self._at_bearing, self._identity, self._request, self._result)
-            self._normals[k][:] = -(rotation @ self._result.normal)
-            self._points[k][:] = rotation @ self._result.getNearestPoint1() + self._origin
+        def ask() -> None:
+            at_bearing.setTransform(rotation, origin)
+            clear()
+            gaps[k] = functor(at_bearing, identity, request, result)
+            # coal's normal runs from the bearing to the flange's half-space: that is into the journal.
+            to_normal[:] = normal
+            to_point[:] = nearest()
+
+        return ask
+
+    def _small_flange(self, k: int) -> _Question:
+        """Return what asks coal about a flange smaller than the bearing's end.
+
+        Solid discs behind each flange face, asked against the half-spaces inside the bearing's end faces.
+        Both are asked in H, where the half-spaces stand, and the answers carried to J.
+        """
+        answer, functor, rotation, origin = self._answers[k], self._axial[k], self._rotation, self._origin
+        at_disc, identity, request = self._at_bearing, self._identity, self._request
+        result, to_disc = coal.DistanceResult(), (1.0 - 2.0 * k) * self._to_disc
+
+        def ask() -> None:  # rotation is that of H in J
+            centre = -rotation.T @ origin + to_disc * rotation[2]
+            at_disc.setTransform(np.ascontiguousarray(rotation.T), centre)
+            result.clear()
+            answer["gap"] = functor(at_disc, identity, request, result)
+            answer["normal"][:] = -(rotation @ result.normal)
+            answer["point"][:] = rotation @ result.getNearestPoint1() + origin
+
+        return ask

@@ -11,6 +11,7 @@ from typing import Any
 
 from antenna_pin._compile import inlined, kernel, record
 from antenna_pin.geometry.corner_kernels import CORNER, corner_contact
+from antenna_pin.geometry.guide_kernels import EDGE, edge_contact, rod_contact
 from antenna_pin.geometry.revolute_kernels import REVOLUTE, bore_contact, flange_contact
 from antenna_pin.geometry.round_kernels import ROUND, ball_contact, circle_contact
 from antenna_pin.records import words_of
@@ -23,6 +24,8 @@ FLANGE = 2
 CIRCLE_IN_CIRCLE = 3
 BALL = 4
 CORNER_ON_WALL = 5
+EDGE_IN_GUIDE = 6
+ROD_IN_GUIDE = 7
 
 
 @inlined
@@ -41,6 +44,10 @@ def candidate_contact(words: Any, at: int, pose: Any, out: Any) -> None:
         ball_contact(record(shape, ROUND), pose, out)
     elif primitive == CORNER_ON_WALL:
         corner_contact(record(shape, CORNER), pose, out)
+    elif primitive == EDGE_IN_GUIDE:
+        edge_contact(record(shape, EDGE), pose, out)
+    elif primitive == ROD_IN_GUIDE:
+        rod_contact(revolute, pose, out)
     else:
         out.gap = math.nan  # no such primitive
 

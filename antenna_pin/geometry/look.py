@@ -20,7 +20,7 @@ __all__ = ["Across", "Look", "Picture", "Row", "Sizes", "across_centre", "circle
 Array = NDArray[np.float64]
 Sizes = Mapping[str, float]
 """The dimensions of a shape by the names that its class has for them, [m] and [rad]."""
-Picture = Literal["journal", "ball", "slider"]
+Picture = Literal["journal", "ball", "slider", "rod"]
 """Which close-up of :mod:`antenna_pin.record` shows it."""
 Row = Literal["radial", "axial", "transverse", "contact"]
 """What is drawn of a joint's forces: their sizes across the axis (by two names), along it, or as a whole."""

@@ -1,11 +1,12 @@
-"""A rectangular slider in a rectangular guide."""
+"""A rectangular slider in a rectangular guide, and what it shares with a round one."""
 
 from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,6 +16,7 @@ from antenna_pin.errors import InvalidParameterError
 from antenna_pin.geometry import kernels
 from antenna_pin.geometry.coal_prismatic import CoalPrismatic
 from antenna_pin.geometry.corner_kernels import CORNER
+from antenna_pin.geometry.guide_kernels import EDGE
 from antenna_pin.geometry.shape import (
     ContactPlace,
     Motion,
@@ -23,9 +25,46 @@ from antenna_pin.geometry.shape import (
     require_lengths,
 )
 
-__all__ = ["PrismaticClearance"]
+__all__ = ["PrismaticClearance", "check_guide_length", "walls", "within"]
 
 _SIGNS = ((1.0, "+"), (-1.0, "-"))
+Vector = NDArray[np.float64]
+
+
+class _Guided(Protocol):
+    """What slides in a guide."""
+
+    @property
+    def guide_length(self) -> float: ...
+
+
+def check_guide_length(shape: _Guided) -> None:
+    """Refuse a guide's length that is none: of a guide without end it is 0."""
+    if not 0.0 <= shape.guide_length < math.inf:
+        raise InvalidParameterError(shape, "guide_length", "a length [m], or 0 for a guide without end")
+
+
+def within(slider: float, guide: float) -> float:
+    """Return how much of a slider is within its guide when it is in the middle, from their lengths [m]."""
+    return min(slider, guide) if guide else slider
+
+
+def walls(
+    corners: Iterable[tuple[Vector, Vector, float]], radius: float, guide: float
+) -> NDArray[np.float64]:
+    """Return the records of corners on walls as flat numbers, (corners, CANDIDATE).
+
+    Args:
+        corners: Centre of each corner's rounding in the child's axes [m], its wall's normal into the hollow
+            and the wall's distance from the bearing's centre [m].
+        radius: Of the roundings [m].
+        guide: Its length [m]; 0 for one without end.
+    """
+    if guide:
+        kind, half = kernels.EDGE_IN_GUIDE, 0.5 * guide
+        return flat(EDGE, *((kind, corner, wall[:2], at, radius, half) for corner, wall, at in corners))
+    kind = kernels.CORNER_ON_WALL
+    return flat(CORNER, *((kind, corner, wall, at, radius) for corner, wall, at in corners))
 
 
 @takes()
@@ -36,7 +75,12 @@ class PrismaticClearance(Shape):
     The slider may touch each of the guide's four walls with the four corners of its own on that side: sixteen
     candidates, of which one is a tilt's edge contact, two a line along or across the wall, four a surface.
     Candidate ``wall+x+y-z`` is the wall at +x and there the corner at +y, -z. The gap between a corner and a
-    wall is exact at any tilt and roll; the guide is taken to be longer than the slider's way.
+    wall is exact at any tilt and roll.
+
+    A guide that ends, of whichever length, touches what is within it: where the slider reaches out of a
+    mouth, the candidate is no longer the corner there but the mouth's edge against the slider's flank, at the
+    slider's own long edge. Nothing stops the slider along the axis, and one that has left is free of the
+    guide, but for its block's face.
 
     Attributes:
         guide_width: Of the hollow, along the section's x [m].
@@ -46,6 +90,7 @@ class PrismaticClearance(Shape):
         slider_length: Along the axis [m].
         corner_radius: Of the rounding of the slider's edges, 0 or more, below half of each of its sides [m].
         roll: Of the section about the axis, from the x axis of the bearing frame [rad].
+        guide_length: Along the axis, 0 for a guide that is longer than the slider's way [m].
 
     References:
         Flores, Leine and Glocker (2010), Multibody Syst. Dyn. 23, 165-190 (recalled): planar, with sharp
@@ -63,6 +108,7 @@ class PrismaticClearance(Shape):
     slider_length: float
     corner_radius: float = 0.0
     roll: float = 0.0
+    guide_length: float = 0.0
 
     def __post_init__(self) -> None:
         """Check the dimensions."""
@@ -78,6 +124,7 @@ class PrismaticClearance(Shape):
             )
         if not math.isfinite(self.roll):
             raise InvalidParameterError(self, "roll", "finite [rad]")
+        check_guide_length(self)
 
     @property
     def radial_clearance(self) -> float:
@@ -91,8 +138,8 @@ class PrismaticClearance(Shape):
 
     @property
     def half_length(self) -> float:
-        """Half the slider's length [m]."""
-        return 0.5 * self.slider_length
+        """Half of what of the slider is within the guide when it is in the middle [m]."""
+        return 0.5 * within(self.slider_length, self.guide_length)
 
     @property
     def contact_places(self) -> tuple[ContactPlace, ...]:
@@ -119,12 +166,10 @@ class PrismaticClearance(Shape):
         in_child = np.asarray(axes, dtype=float)
         c, s = math.cos(self.roll), math.sin(self.roll)
         turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-        return flat(
-            CORNER,
-            *(
-                (kernels.CORNER_ON_WALL, in_child @ turn @ corner, turn @ wall, distance, self.corner_radius)
-                for _, corner, wall, distance in self._corners()
-            ),
+        return walls(
+            [(in_child @ turn @ corner, turn @ wall, at) for _, corner, wall, at in self._corners()],
+            self.corner_radius,
+            self.guide_length,
         )
 
     def coal(self, axes: ArrayLike) -> CoalPrismatic:

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any
 
+from antenna_pin.geometry.cylindrical import CylindricalClearance
 from antenna_pin.geometry.planar import PlanarClearance
 from antenna_pin.geometry.prismatic import PrismaticClearance
 from antenna_pin.geometry.revolute import RevoluteClearance
@@ -16,6 +17,12 @@ __all__ = ["SHAPES"]
 SHAPES: Mapping[str, type[Any]] = MappingProxyType(
     {
         shape.kind: shape
-        for shape in (RevoluteClearance, PlanarClearance, SphericalClearance, PrismaticClearance)
+        for shape in (
+            RevoluteClearance,
+            PlanarClearance,
+            SphericalClearance,
+            PrismaticClearance,
+            CylindricalClearance,
+        )
     }
 )

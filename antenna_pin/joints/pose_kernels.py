@@ -15,6 +15,7 @@ from typing import Any
 from antenna_pin._compile import inlined, kernel
 from antenna_pin.joints.layout_kernels import joint_at
 from antenna_pin.mechanism.tree_kernels import unwrapped
+from antenna_pin.mechanism.twist_kernels import twist_angle
 
 
 @inlined
@@ -194,14 +195,7 @@ def wrapped_angle(j: Any, y: Any) -> tuple[float, float, float]:
     hx = j.axes[0, 0] * qx + j.axes[1, 0] * qy + j.axes[2, 0] * qz
     hy = j.axes[0, 1] * qx + j.axes[1, 1] * qy + j.axes[2, 1] * qz
     hz = j.axes[0, 2] * qx + j.axes[1, 2] * qy + j.axes[2, 2] * qz
-    square = hz * hz + qw * qw
-    if qw < 0.0:
-        angle = 2.0 * math.atan2(-hz, -qw)
-    else:
-        angle = 2.0 * math.atan2(hz, qw)
-    if square == 0.0:
-        return angle, 0.0, 0.0
-    return angle, (hz * hx - qw * hy) / square, (qw * hx + hz * hy) / square
+    return twist_angle(hx, hy, hz, qw)
 
 
 @kernel

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Sequence
 from typing import Any
@@ -118,8 +119,7 @@ class PythonPath:
         self.measured = measured
         #: Whether all its laws are compiled.
         self.compiled = friction is None
-        #: Its laws, one for each contact.
-        self.laws = tuple(LawInRun(*law) for law in laws)
+        self._given_laws = laws
         self._friction: Any = None if friction is None else friction[0]
         self._coefficient = None
         if friction is not None and not has_code(friction[0]):
@@ -132,12 +132,21 @@ class PythonPath:
         self._distributed = bool(head["distributed"][0])
         self._pose = np.zeros(1, POSE)
         self._distances = distances
+        #: What asks coal, where that is all that is done in Python while contacts touch.
+        self.queried: CoalRevolute | None = None
+        if self.compiled and not self._distributed and isinstance(distances, CoalRevolute):
+            self.queried = distances
         self._table = table
         # The joint's rows by name, looked up once: a look-up costs as much as a query of coal.
-        rows = slice(self.row, self.row + len(self.laws))
+        rows = slice(self.row, self.row + len(laws))
         self._memory = memory[rows]
         self._touching: Array = memory["touching"][rows]
         self._rows: dict[str, Array] = {name: table[name][rows] for name in _ROW}
+
+    @functools.cached_property
+    def laws(self) -> tuple[LawInRun, ...]:
+        """Its laws, one for each contact; made when they are asked for: most runs' are asked by kernels."""
+        return tuple(LawInRun(*law) for law in self._given_laws)
 
     def locate(self, y: Array, table: NDArray[Any]) -> None:
         """Fill gap, normal, point, rate and slip of all of the joint's rows, as the backend measures them."""
@@ -148,7 +157,7 @@ class PythonPath:
 
     def __contains__(self, contact: int) -> bool:
         """Whether a contact, by its number, is one of the joint's."""
-        return self.row <= contact < self.row + len(self.laws)
+        return self.row <= contact < self.row + len(self._given_laws)
 
     def ask_laws(self, table: NDArray[Any], contact: int) -> None:
         """Write the normal forces of a contact, or of all (-1), to a table whose gaps are there."""

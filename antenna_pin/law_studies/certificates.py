@@ -102,6 +102,16 @@ def _damping_ratio(code: NDArray[np.float64], mass: float) -> float | None:
     return None
 
 
+def _damping_of(
+    asked: str, law: CompiledNormalLaw, mass: float, speed: float
+) -> tuple[NDArray[np.float64], float | None, float | None]:
+    """Return a law's numbers, and chi or zeta if there is one."""
+    check_impact(asked, mass, speed)
+    code = law.code()
+    chi = _hysteresis(code, speed)
+    return code, chi, None if chi is not None else _damping_ratio(code, mass)
+
+
 def _decay(zeta: float) -> float:
     """``zeta arccos(zeta) / sqrt(1 - zeta^2)``: what a damped oscillator loses to its peak, as exponent."""
     if abs(zeta - 1.0) < 1e-8:
@@ -120,17 +130,13 @@ def closed_form_restitution(law: CompiledNormalLaw, *, mass: float, speed: float
         mass: Effective mass of the bodies [kg]: 1/m = 1/m_1 + 1/m_2.
         speed: Approach speed [m/s].
     """
-    check_impact("closed_form_restitution", mass, speed)
-    code = law.code()
-    chi = _hysteresis(code, speed)
+    code, chi, zeta = _damping_of("closed_form_restitution", law, mass, speed)
+    kind = record(code, NORMAL_LAW).dissipation
     if chi is not None:
-        approach_only = record(code, NORMAL_LAW).dissipation == _damping.HYSTERETIC_LOADING
-        return delivered_restitution(chi, approach_only=bool(approach_only))
-    zeta = _damping_ratio(code, mass)
+        return delivered_restitution(chi, approach_only=bool(kind == _damping.HYSTERETIC_LOADING))
     if zeta is None:
         return None
-    only_loading = record(code, NORMAL_LAW).dissipation == _damping.SECANT_LOADING
-    return math.exp(-_decay(zeta) if only_loading else -2.0 * _decay(zeta))
+    return math.exp(-_decay(zeta) if kind == _damping.SECANT_LOADING else -2.0 * _decay(zeta))
 
 
 @takes()
@@ -142,12 +148,9 @@ def closed_form_peak_depth(law: CompiledNormalLaw, *, mass: float, speed: float)
         mass: Effective mass of the bodies [kg]: 1/m = 1/m_1 + 1/m_2.
         speed: Approach speed [m/s].
     """
-    check_impact("closed_form_peak_depth", mass, speed)
-    code = law.code()
-    chi = _hysteresis(code, speed)
+    code, chi, zeta = _damping_of("closed_form_peak_depth", law, mass, speed)
     if chi is not None:
         return depth_of_energy(law, mass * speed**2 * stored_share(chi))
-    zeta = _damping_ratio(code, mass)
     if zeta is None:
         return None
     spring = record(code, POWER_LAW)

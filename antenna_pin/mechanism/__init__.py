@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING
 
 from antenna_pin._lazy import loaded_when_used
-from antenna_pin.changes import JOINT_VARIANTS, JointChange, JointVariant, LinkChange, ShapeChange
+from antenna_pin.changes import JOINT_VARIANTS, JointChange, JointVariant, LinkChange, Rotor, ShapeChange
 
 if TYPE_CHECKING:
     from antenna_pin.mechanism._size import check_size
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from antenna_pin.mechanism.kinematics import link_motion, link_poses, link_twists
     from antenna_pin.mechanism.loads import transmitted_wrenches
     from antenna_pin.mechanism.model import WORLD, Base, JointKind, JointSlot, Mechanism, build_mechanism
+    from antenna_pin.mechanism.rotors import rotor_joint, with_rotor
     from antenna_pin.mechanism.tree import BODY, PLACE, body_tree
     from antenna_pin.mechanism.urdf import Urdf
     from antenna_pin.mechanism.written import PassedOver, WrittenJoint, WrittenUrdf
@@ -35,6 +36,7 @@ __all__ = [
     "PLACE",
     "PassedOver",
     "ROOM",
+    "Rotor",
     "ShapeChange",
     "TreeDynamics",
     "Urdf",
@@ -52,7 +54,9 @@ __all__ = [
     "quaternions",
     "roll_pitch_yaw",
     "rotation",
+    "rotor_joint",
     "transmitted_wrenches",
+    "with_rotor",
 ]
 
 loaded_when_used(
@@ -64,6 +68,7 @@ loaded_when_used(
         "kinematics": "link_motion link_poses link_twists",
         "loads": "transmitted_wrenches",
         "model": "WORLD Base JointKind JointSlot Mechanism build_mechanism",
+        "rotors": "rotor_joint with_rotor",
         "tree": "BODY PLACE body_tree",
         "urdf": "Urdf",
         "written": "PassedOver WrittenJoint WrittenUrdf",

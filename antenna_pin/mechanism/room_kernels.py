@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from antenna_pin._compile import inlined
-from antenna_pin.mechanism.tree_kernels import relative
+from antenna_pin.mechanism.tree_kernels import PLACE_FIELDS, relative
 from antenna_pin.records import layout
 
 #: Room for a body, to be written to. Whether it carries any inertia. Its place in the body that it is on; its
@@ -22,14 +22,7 @@ from antenna_pin.records import layout
 #: It does not begin as PLACE does: Numba would take it for one, which it warns of.
 ROOM = layout(
     ("carries", np.int64),
-    ("rotation", np.float64, (3, 3)),
-    ("origin", np.float64, (3,)),
-    ("velocity", np.float64, (3,)),
-    ("spin", np.float64, (3,)),
-    ("slide", np.float64, (3,)),
-    ("turn", np.float64, (3,)),
-    ("bias", np.float64, (3,)),
-    ("bias_spin", np.float64, (3,)),
+    *PLACE_FIELDS,
     ("linear", np.float64, (3,)),
     ("angular", np.float64, (3,)),
     ("force", np.float64, (3,)),

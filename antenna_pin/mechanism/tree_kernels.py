@@ -34,7 +34,7 @@ BODY = layout(
 # Where a body is in the world, or by its joint: rotation and origin [m], velocity of the origin [m/s] and
 # angular velocity [rad/s]; what its joint adds to these two, in world axes; acceleration of the origin and
 # angular acceleration that velocities alone make [m/s^2, rad/s^2] (:func:`bias_accelerations`).
-PLACE = layout(
+PLACE_FIELDS = (
     ("rotation", np.float64, (3, 3)),
     ("origin", np.float64, (3,)),
     ("velocity", np.float64, (3,)),
@@ -44,6 +44,7 @@ PLACE = layout(
     ("bias", np.float64, (3,)),
     ("bias_spin", np.float64, (3,)),
 )
+PLACE = layout(*PLACE_FIELDS)
 
 
 @inlined

@@ -274,7 +274,9 @@ def figure_bore_load(
         stacked: dict[tuple[str, str], Array] = {}
         for contact, taken in zip(load["contact"].values, factor * impulse, strict=True):
             kind, end = kinds[str(contact)], ends[str(contact)]
-            key = ("radial", end[-2:-1]) if kind == "wall" else (kind, end)  # the corner's end of the slider
+            key = (
+                ("radial", end[-2:-1]) if kind in ("wall", "key") else (kind, end)
+            )  # the corner's end of the slider
             look = looks.get(key, (kind + end, COLOURS[2]))
             stacked[look] = stacked.get(look, 0.0) + taken
         below = np.zeros(sectors)

@@ -46,7 +46,7 @@ class SliderPicture(JointPicture):
         )
         self.ends = [place["contacts"][name]["end"] for name in self.contacts]
         self.placed = shape.slider(self.position, self.attitude)
-        self.length = 1.5 * float(shape.size[2])
+        self.length = shape.length or 1.5 * float(shape.size[2])
         self._draw_guide()
         self._draw_slider()
 
@@ -101,7 +101,10 @@ class SliderPicture(JointPicture):
         return np.stack([self.shape.point(end, self.position, self.attitude) for end in self.ends], axis=1)
 
     def extent(self) -> Array:
-        half = np.append(0.5 * self.shape.guide + 0.12 * self.radius, 0.5 * self.length)
+        long = 0.5 * self.length
+        if self.shape.length:
+            long = max(long, float(np.abs(self.placed[:, 2, 3]).max()) + 0.5 * float(self.shape.size[2]))
+        half = np.append(0.5 * self.shape.guide + 0.12 * self.radius, long)
         signs = np.array([[x, y, z] for x in _SIGNS for y in _SIGNS for z in _SIGNS])
         return np.asarray((signs * half) @ self.shape.turn.T)
 
@@ -128,6 +131,6 @@ class SliderPicture(JointPicture):
         )
         return [
             f"{self.name}: play, displacement, tilt and turn drawn {factor:g} times as large",
-            "slider's size as it is; the picture goes along with it",
+            "slider's size as it is" + ("" if self.shape.length else "; the picture goes along with it"),
             f"play to each side: along the width {width}, along the height {height}",
         ]

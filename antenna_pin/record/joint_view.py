@@ -12,6 +12,7 @@ from antenna_pin.geometry import LOOKS
 from antenna_pin.record._ball_picture import BallPicture
 from antenna_pin.record._joint_picture import JointPicture
 from antenna_pin.record._journal_picture import JournalPicture
+from antenna_pin.record._rod_picture import RodPicture
 from antenna_pin.record._slider_picture import SliderPicture
 from antenna_pin.record.key_frames import Impacts, KeyFrames
 from antenna_pin.record.triad import triad
@@ -24,6 +25,7 @@ PICTURES: dict[str, type[JointPicture]] = {
     "journal": JournalPicture,
     "ball": BallPicture,
     "slider": SliderPicture,
+    "rod": RodPicture,
 }
 
 _DIRECTIONS = 300  # of gravity that a page carries, for bearings that turn

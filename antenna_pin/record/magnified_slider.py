@@ -8,7 +8,7 @@ the slider and M times the play. The centre of a corner's rounding, at c in the 
 
 across the axis, with the slider's place p and rotation R, and the rounding of radius r about it. A corner's
 gap to a wall is then M times the real one at any tilt, and what is drawn is an affine picture of the slider.
-Along the axis nothing is magnified, and the picture goes along with the slider.
+Along the axis nothing is magnified; where the guide has no end the picture goes along with the slider.
 """
 
 from __future__ import annotations
@@ -36,6 +36,7 @@ class MagnifiedSlider:
         guide: Width and height of the drawn guide, (2,) [m].
         corner_radius: Of the slider's edges [m].
         roll: Of the section, from the bearing's axes [rad].
+        length: Of the guide [m]; 0 for one without end.
     """
 
     factor: float
@@ -43,6 +44,7 @@ class MagnifiedSlider:
     guide: Array
     corner_radius: float
     roll: float
+    length: float = 0.0
 
     @classmethod
     def of(cls, dimensions: dict[str, Any], factor: float) -> MagnifiedSlider:
@@ -60,6 +62,7 @@ class MagnifiedSlider:
             guide=size[:2] + factor * (guide - size[:2]),
             corner_radius=float(dimensions["corner_radius"]),
             roll=float(dimensions["roll"]),
+            length=float(dimensions.get("guide_length", 0.0)),
         )
 
     @property
@@ -73,7 +76,8 @@ class MagnifiedSlider:
         turn = self.turn
         real = turn.T @ Rotation.from_quat(attitude).as_matrix() @ turn
         stretch = np.array([self.factor, self.factor, 1.0])[:, None]
-        return np.eye(3) + stretch * (real - np.eye(3)), self.factor * (position @ turn) * [1.0, 1.0, 0.0]
+        along = 1.0 if self.length else 0.0
+        return np.eye(3) + stretch * (real - np.eye(3)), (position @ turn) * [self.factor, self.factor, along]
 
     def slider(self, position: Array, attitude: Array) -> Array:
         """Return the placement of the drawn slider, a box of its size in bearing axes, (n, 3, 4).
@@ -112,5 +116,8 @@ class MagnifiedSlider:
         signs, wall = np.array([sign[axis] for axis in "xyz"]), "xy".index(end[1])
         matrix, shift = self._affine(position, attitude)
         drawn = matrix @ (signs * (0.5 * self.size - self.corner_radius)) + shift
+        if self.length:  # beyond a mouth it is the mouth that touches
+            out = drawn[:, 2] - np.clip(drawn[:, 2], -0.5 * self.length, 0.5 * self.length)
+            drawn -= (out / matrix[:, 2, 2])[:, None] * matrix[:, :, 2]
         drawn[:, wall] = 0.5 * signs[wall] * self.guide[wall]
         return np.asarray(drawn @ self.turn.T)

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from antenna_pin.scenario.clearance import (
         ClearanceSpec,
         ContactClearance,
+        CylindricalClearance,
         IdealClearance,
         PlanarClearance,
         PrismaticClearance,
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
         AnySpring,
         DriveSpec,
         ElementSpec,
+        JointsSpec,
         PointsSpec,
     )
     from antenna_pin.scenario.events import AngleEvent, EventSpec, ForceEvent, GapEvent, RateEvent, TimeEvent
@@ -42,6 +44,7 @@ if TYPE_CHECKING:
     from antenna_pin.scenario.load import load_scenario
     from antenna_pin.scenario.mechanism import JointSpec, LinkSpec, MaterialSpec, MechanismSpec, ShapeSpec
     from antenna_pin.scenario.pointing import OrbitSpec, PointingSpec
+    from antenna_pin.scenario.rotors import RotorSpec
     from antenna_pin.scenario.scenario import Scenario
     from antenna_pin.scenario.shipped import (
         CaseSummary,
@@ -62,6 +65,7 @@ _HOMES = {
     "ClosureSpec": "closures",
     "ContactClearance": "clearance",
     "CouplingSpec": "couplings",
+    "RotorSpec": "rotors",
     "DRIVE_SPECS": "drives",
     "FAMILY_SPECS": "drives",
     "SPRING_SPECS": "drives",
@@ -70,6 +74,7 @@ _HOMES = {
     "FlexibleSpec": "flexible",
     "ForceEvent": "events",
     "ElementSpec": "drives",
+    "JointsSpec": "drives",
     "GapEvent": "events",
     "IdealClearance": "clearance",
     "InitialBaseSpec": "initial",
@@ -93,6 +98,7 @@ _HOMES = {
     "PlanarClearance": "clearance",
     "PointsSpec": "drives",
     "PointingSpec": "pointing",
+    "CylindricalClearance": "clearance",
     "PrismaticClearance": "clearance",
     "RateEvent": "events",
     "ScalesSpec": "integrator",
@@ -123,11 +129,13 @@ __all__ = [
     "ClosureSpec",
     "ContactClearance",
     "CouplingSpec",
+    "RotorSpec",
     "DriveSpec",
     "EventSpec",
     "FlexibleSpec",
     "ForceEvent",
     "ElementSpec",
+    "JointsSpec",
     "GapEvent",
     "IdealClearance",
     "InitialBaseSpec",
@@ -148,6 +156,7 @@ __all__ = [
     "OutputSpec",
     "PetalsSpec",
     "PlanarClearance",
+    "CylindricalClearance",
     "PrismaticClearance",
     "PlaceSpec",
     "PointsSpec",

@@ -67,6 +67,10 @@ class Clearance(Spec):
         slider_length: Along the axis [m].
         corner_radius: Of the rounding of the slider's edges [m]; None for none.
         roll: Of a guide's section about the axis [rad]; None for none.
+        guide_length: Along the axis [m]; None for a guide that is longer than the slider's way.
+        key_width: Of a key on a round slider, which keeps it from turning [m]; None for none.
+        keyway_width: Above the key's [m].
+        key_reach: From the axis to where the key's flanks bear [m].
         offset: Bearing centre along the joint's axis from the joint's origin [m].
         bearing_on: Which of the joint's links has the bearing; the other has the journal.
         geometry: What measures the gaps: coal's distance queries or the closed form.
@@ -105,6 +109,10 @@ class Clearance(Spec):
     slider_length: PositiveLength | None = None
     corner_radius: Annotated[float, Quantity("m", "zero or more")] | None = None
     roll: Annotated[float, Quantity("rad")] | None = None
+    guide_length: PositiveLength | None = None
+    key_width: PositiveLength | None = None
+    keyway_width: PositiveLength | None = None
+    key_reach: PositiveLength | None = None
     offset: Length = 0.0
     bearing_on: Literal["parent", "child"] = "parent"
     geometry: Literal["coal", "closed-form"] = "coal"

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 __all__ = [
     "ClearanceSpec",
     "ContactClearance",
+    "CylindricalClearance",
     "IdealClearance",
     "PlanarClearance",
     "PrismaticClearance",
@@ -229,7 +230,7 @@ class PrismaticClearance(TouchingSpec):
 
     def sizes(self) -> dict[str, float]:
         """Return the sides of guide and slider, what rounds the edges and how the section is turned."""
-        sizes = {"corner_radius": self.corner_radius or 0.0, "roll": self.roll or 0.0}
+        sizes = {name: getattr(self, name) or 0.0 for name in ("corner_radius", "roll", "guide_length")}
         for side in ("width", "height"):
             guide, slider = getattr(self, f"guide_{side}"), getattr(self, f"slider_{side}")
             sizes[f"guide_{side}"] = guide
@@ -260,7 +261,51 @@ class PrismaticClearance(TouchingSpec):
             refuse(error.reason, error.parameter)
 
 
-ClearanceSpec = ContactClearance | PlanarClearance | SphericalClearance | PrismaticClearance | IdealClearance
+class CylindricalClearance(TouchingSpec):
+    """A round slider in a round guide: slides along the joint's axis, and turns about it unless it has a key.
+
+    ``bearing_radius`` is the guide's, ``journal_radius`` the slider's. ``normal`` is the law of each of its
+    two ends, and of the key's flanks.
+    """
+
+    kind = "cylindrical"
+    kinds: ClassVar[tuple[Kind, ...]] = ("radial",)
+    no_line = "the end of a round slider"
+    of_types = ("prismatic",)
+    slides = True
+
+    model: Literal["cylindrical"]
+    bearing_radius: PositiveLength
+    slider_length: PositiveLength
+
+    def sizes(self) -> dict[str, float]:
+        """Return radii, lengths and what there is of a key."""
+        more = ("guide_length", "key_width", "keyway_width", "key_reach")
+        return {
+            "bearing_radius": self.bearing_radius,
+            "journal_radius": self.bearing_radius - self.radial_play,
+            "slider_length": self.slider_length,
+            **{name: getattr(self, name) or 0.0 for name in more},
+        }
+
+    def _check_plays(self) -> None:
+        check_play(self, RADIAL_PLAY)
+        if self.load != "point":
+            refuse(f"must be point for a slider, got {self.load!r}", "load", value=self.load)
+        try:
+            self.shape()
+        except InvalidParameterError as error:
+            refuse(error.reason, error.parameter)
+
+
+ClearanceSpec = (
+    ContactClearance
+    | PlanarClearance
+    | SphericalClearance
+    | PrismaticClearance
+    | CylindricalClearance
+    | IdealClearance
+)
 """A joint with play; ``model`` says which class it is."""
 
 TAGGED["clearance"] = tuple(

@@ -17,14 +17,16 @@ _RATIOS = ("1", "m/rad", "rad/m")
 
 
 class CouplingSpec(JointTable):
-    """A joint without play held to a multiple of another's position: a gear, a rack and pinion.
+    """A joint without play held to a multiple of another's position: a gear, a rack; of two: a differential.
 
     Attributes:
         follower: Name of the joint that follows.
         leader: Name of the joint that it follows.
         multiplier: Angle or way of the follower for one of the leader; negative the other way round. A bare
             number is in SI units of the two joints [-].
-        offset: The follower's position where the leader's is zero [rad] ([m]).
+        offset: The follower's position where those of the leaders are zero [rad] ([m]).
+        second: Name of a second joint that it follows, times its own multiplier.
+        second_multiplier: Angle or way of the follower for one of the second joint, in SI units [-].
         conversion: What the unit of the multiplier says; None if it came without one.
     """
 
@@ -32,6 +34,8 @@ class CouplingSpec(JointTable):
     leader: str
     multiplier: Annotated[float, Quantity(_RATIOS)] = 1.0
     offset: Annotated[float, Quantity(("rad", "m"))] = 0.0
+    second: str | None = None
+    second_multiplier: Annotated[float, Quantity("1")] = 1.0
     conversion: Literal["m/rad", "rad/m"] | None = None
 
     @model_validator(mode="before")
@@ -44,4 +48,6 @@ class CouplingSpec(JointTable):
     def _check_joints(self) -> Self:
         if self.leader == self.follower:
             refuse(f"must be another joint than the follower, got {self.leader!r}", "leader")
+        if self.second in (self.follower, self.leader):
+            refuse(f"must be a third joint, got {self.second!r}", "second")
         return self

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, Union
 
 from pydantic import Field, create_model, model_validator
 
-from antenna_pin.elements import DRIVES, FAMILIES, BetweenPoints, ForceElement, Modal
+from antenna_pin.elements import DRIVES, FAMILIES, BetweenJoints, BetweenPoints, ForceElement, Modal
 from antenna_pin.scenario._base import Spec, refuse
 from antenna_pin.scenario._joint import JointTable
 from antenna_pin.scenario._made import MadeSpec, reads
@@ -21,8 +21,10 @@ __all__ = [
     "DriveSpec",
     "ElementSpec",
     "FamilyTables",
+    "JointsSpec",
     "PointsSpec",
     "file_columns",
+    "is_at_joint",
     "is_between_points",
     "kind_in",
 ]
@@ -52,6 +54,10 @@ class _ForceSpec(MadeSpec):
 
 class ElementSpec(JointTable, _ForceSpec):
     """A table of a force element at a joint."""
+
+
+class JointsSpec(_ForceSpec):
+    """A table of a force element between two joints, ``input`` and ``output``."""
 
 
 class PointsSpec(_ForceSpec):
@@ -88,15 +94,16 @@ class PointsSpec(_ForceSpec):
 
 def _specs(
     kinds: Mapping[str, type[ForceElement]], default: bool
-) -> dict[str, type[ElementSpec] | type[PointsSpec]]:
+) -> dict[str, type[ElementSpec] | type[JointsSpec] | type[PointsSpec]]:
     """Return the tables of some kinds of elements by kind; with their kind as a default, or without."""
-    found: dict[str, type[ElementSpec] | type[PointsSpec]] = {}
+    found: dict[str, type[ElementSpec] | type[JointsSpec] | type[PointsSpec]] = {}
     for kind, cls in kinds.items():
         key: Any = (Literal[kind], kind if default else ...)
         between = issubclass(cls, BetweenPoints)
+        base = PointsSpec if between else JointsSpec if issubclass(cls, BetweenJoints) else ElementSpec
         bare: Any = create_model(
             f"{cls.__name__.removeprefix('Joint')}Spec",
-            __base__=PointsSpec if between else ElementSpec,
+            __base__=base,
             __doc__=cls.__doc__,
             __module__=__name__,
             kind=key,
@@ -158,6 +165,11 @@ def kind_in(family: str, table: Mapping[str, Any]) -> str | None:
     if between and not {"first", "second"}.isdisjoint(table):
         return between[0]
     return FAMILIES[family].default
+
+
+def is_at_joint(family: str, kind: object) -> bool:
+    """Whether elements of a kind are at one joint, which their table may be named after."""
+    return not isinstance(kind, str) or issubclass(FAMILY_SPECS[family].get(kind, ElementSpec), ElementSpec)
 
 
 def is_between_points(family: str, kind: object) -> bool:

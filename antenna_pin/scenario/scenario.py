@@ -22,6 +22,7 @@ from antenna_pin.scenario.drives import (
     AnySpring,
     DriveSpec,
     FamilyTables,
+    is_at_joint,
     is_between_points,
     kind_in,
 )
@@ -31,6 +32,7 @@ from antenna_pin.scenario.initial import InitialBaseSpec, InitialSpec
 from antenna_pin.scenario.integrator import IntegratorSpec, OutputSpec, settings_key
 from antenna_pin.scenario.mechanism import MaterialSpec, MechanismSpec
 from antenna_pin.scenario.pointing import PointingSpec
+from antenna_pin.scenario.rotors import RotorSpec
 from antenna_pin.scenario.shipped import tables
 from antenna_pin.units import shown
 
@@ -57,6 +59,7 @@ class Scenario(FamilyTables):
         flexible: Links that bend, by name.
         closures: Joints that close loops, by name.
         couplings: Joints that follow others, by name, beside those that the URDF couples.
+        rotors: Of motors, by name.
         drives: By name.
         springs: By name.
         events: What is looked for during the run, by name.
@@ -84,6 +87,7 @@ class Scenario(FamilyTables):
     flexible: dict[str, FlexibleSpec] = Field(default_factory=dict)
     closures: dict[str, ClosureSpec] = Field(default_factory=dict)
     couplings: dict[str, CouplingSpec] = Field(default_factory=dict)
+    rotors: dict[str, RotorSpec] = Field(default_factory=dict)
     drives: dict[str, Annotated[DriveSpec, Field(discriminator="kind")]] = Field(default_factory=dict)
     springs: dict[str, Annotated[AnySpring, Field(discriminator="kind")]] = Field(default_factory=dict)
     events: dict[str, Annotated[EventSpec, Field(discriminator="kind")]] = Field(default_factory=dict)
@@ -186,7 +190,7 @@ class Scenario(FamilyTables):
             tables = data.get(place)
             if isinstance(tables, Mapping):
                 done[place] = {name: _at_its_joint(place, name, table) for name, table in tables.items()}
-        for place, key in (("flexible", "link"), ("couplings", "follower")):
+        for place, key in (("flexible", "link"), ("couplings", "follower"), ("rotors", "joint")):
             tables = data.get(place)
             if isinstance(tables, Mapping):
                 done[place] = {
@@ -263,7 +267,7 @@ def _at_its_joint(place: str, name: str, table: object) -> object:
                 "joint",
             )
         return table
-    return {"joint": name, **table}
+    return {"joint": name, **table} if is_at_joint(place, table.get("kind")) else table
 
 
 def _check_choice(data: Mapping[str, Any], place: str, key: str, classes: tuple[type[Spec], ...]) -> None:

@@ -139,6 +139,9 @@ class _Coupling(BaseModel):
     offset: _Number
     slides: bool
     leader_slides: bool
+    second: str | None = None
+    second_multiplier: _Number = 1.0
+    second_slides: bool = False
 
 
 # Attributes that are text with JSON: what is in it, and along which dimension its names are.

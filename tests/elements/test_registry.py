@@ -8,10 +8,14 @@ import pytest
 from antenna_pin.elements import (
     ELEMENTS,
     FAMILIES,
+    GEARS,
+    Belt,
+    Cable,
     CallableDrive,
     CallableMotion,
     ConstantDrive,
     DistanceMotion,
+    Gear,
     JointFriction,
     JointSpring,
     PDController,
@@ -20,6 +24,7 @@ from antenna_pin.elements import (
     RigidLatch,
     RigidStop,
     SineDrive,
+    Spline,
     StickingFriction,
     TableDrive,
     kernels,
@@ -100,8 +105,52 @@ BETWEEN = PointSpring(
 )
 
 
+#: Each with its words, its torque or force at a deflection of 0.1 and a rate of 0.2, and the power it takes.
+MESHES = (
+    (
+        Gear(input="a", output="b", ratio=-50.0, stiffness=100.0, damping=5.0, play=0.1, efficiency=0.75),
+        "from a to b, ratio \N{MINUS SIGN}50, stiffness 100 N m/rad, damping 5 N m s/rad, "
+        "play 0.1 rad on the output side, efficiency 0.75, backward 1",
+        (-6.0, 0.2),
+    ),
+    (
+        Spline(input="a", output="b", stiffness=100.0),
+        "from a to b, stiffness 100 N m/rad",
+        (-10.0, 0.0),
+    ),
+    (
+        Belt(input="a", output="b", input_radius=0.5, output_radius=2.0, stiffness=100.0, pretension=20.0),
+        "from a to b, radii 0.5 m and 2 m, stiffness 100 N/m, pretension 20 N",
+        (-20.0, 0.0),
+    ),
+    (
+        Cable(
+            input="a",
+            output="b",
+            input_radius=0.5,
+            output_radius=2.0,
+            stiffness=100.0,
+            slack=0.5,
+            crossed=True,
+        ),
+        "from a to b, crossed, radii 0.5 m and 2 m, stiffness 100 N/m, slack 0.5 m",
+        (0.0, 0.0),
+    ),
+)
+
+
+@pytest.mark.parametrize(("element", "words", "expected"), MESHES, ids=lambda one: type(one).__name__)
+def test_an_element_between_joints_has_its_own_kernels_and_words(element, words, expected):
+    """Beyond half the play 0.05: 5 N m and a damper of 1 N m; two strands; one that is slack."""
+    assert element.words().replace("\N{NO-BREAK SPACE}", " ") == words
+    number, own = kind_of(type(element)), element.words_of_kernel()
+    found = kernels.effort(number, own, 0, 0.0, 0.1, 0.2), kernels.dissipation(number, own, 0, 0.1, 0.2)
+    assert found == pytest.approx(expected, rel=1e-14)
+    assert {type(one) for one, _, _ in MESHES} == set(GEARS.values())
+
+
 def test_every_element_has_an_example():
-    assert {*EXAMPLES, type(BETWEEN)} == set(ELEMENTS)
+    assert {*EXAMPLES, type(BETWEEN), *GEARS.values()} == set(ELEMENTS)
     assert len({kind_of(element) for element in ELEMENTS}) == len(ELEMENTS)
 
 

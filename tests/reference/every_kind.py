@@ -20,16 +20,20 @@ from antenna_pin.assemble import build_system, initial_state
 from antenna_pin.constraints import CLOSURES
 from antenna_pin.contact import CustomFriction, CustomNormal
 from antenna_pin.elements import (
+    Belt,
+    Cable,
     CallableDrive,
     CallableMotion,
     ConstantDrive,
     DistanceMotion,
+    Gear,
     JointFriction,
     JointSpring,
     PDController,
     PointSpring,
     PrescribedMotion,
     SineDrive,
+    Spline,
     TableDrive,
 )
 
@@ -67,6 +71,23 @@ SPRINGS = {
         damping=0.5,
     ),
 }
+_ROLLS = {"input_radius": 0.1, "output_radius": 0.2, "stiffness": 900.0}
+GEARS = {
+    "gear": Gear(
+        input="a",
+        output="c",
+        ratio=-2.0,
+        stiffness=40.0,
+        damping=0.2,
+        play=0.02,
+        efficiency=0.9,
+        error_angle=(0.0, 0.3, 0.5, 0.8, 1.0),
+        error=(0.0, 0.002, 0.003, -0.002, 0.0),
+    ),
+    "spline": Spline(input="c", output="d", stiffness=30.0, damping=0.1),
+    "belt": Belt(input="a", output="d", pretension=4.0, damping=2.0, **_ROLLS),
+    "cable": Cable(input="c", output="a", slack=0.01, **_ROLLS),
+}
 #: Shipped scenarios by joint with play: case, and a time in which its contacts touch [s].
 PLAY = {
     "contact": ("impact_pair", "contact", 1.02e-3),
@@ -87,10 +108,10 @@ def elements(drives):
         )
     couplings = {
         "gear": Coupling(follower="h", leader="a", multiplier=-3.0, offset=0.1),
-        "rack": Coupling(follower="i", leader="g", multiplier=0.05),
+        "rack": Coupling(follower="i", leader="g", multiplier=0.05, second="d", second_multiplier=0.01),
     }
     mechanism = build_mechanism(Urdf.from_text(f'<robot name="star">{text}</robot>', "star"), "free")
-    return System(mechanism, drives=drives, springs=SPRINGS, couplings=couplings)
+    return System(mechanism, drives=drives, springs=SPRINGS, couplings=couplings, elements={"gears": GEARS})
 
 
 def closed(kind):

@@ -1,0 +1,71 @@
+"""What is asked of coal at a state, set out and taken in by compiled code; only the asking is Python's.
+
+Behind the contact table, the work array of :func:`antenna_pin.dynamics.kernels.evaluate` has a stretch for
+each joint of which coal measures the gaps and nothing else is done in Python: where its block stands in the
+program, and what is asked and answered (:mod:`antenna_pin.geometry.coal_kernels`).
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from antenna_pin._compile import inlined, kernel, record
+from antenna_pin.dynamics.kernels import CONTACT_WORDS, MEMORY_WORDS, POSE_WORDS, head_of
+from antenna_pin.geometry.coal_kernels import WORDS, coal_set_out, coal_take_in
+from antenna_pin.joints.layout_kernels import joint_at
+from antenna_pin.joints.pose_kernels import journal_state
+from antenna_pin.records import CONTACT, MEMORY, POSE, layout, words_of
+
+#: The head of a joint's stretch: its block in the program.
+QUERIED = layout(("block", "i8"))
+HEAD = words_of(QUERIED)
+QUERIED_WORDS = HEAD + WORDS
+
+
+@inlined
+def _first(head: Any) -> int:
+    """Return where the first stretch begins."""
+    return int(head.nv + POSE_WORDS + MEMORY_WORDS * head.contacts + CONTACT_WORDS * head.rows)
+
+
+@inlined
+def has_queries(program: Any, work: Any) -> bool:
+    """Whether there is anything to be set out."""
+    return bool(_first(head_of(program)) < work.shape[0])
+
+
+@kernel
+def set_out_queries(y: Any, program: Any, work: Any) -> None:
+    """Set out what is to be asked of coal at the state y: the gaps of contacts that touch."""
+    head = head_of(program)
+    nv = head.nv
+    pose = work[nv : nv + POSE_WORDS].view(POSE)
+    memory = work[nv + POSE_WORDS : nv + POSE_WORDS + MEMORY_WORDS * head.contacts].view(MEMORY)
+    at = _first(head)
+    while at < work.shape[0]:
+        j = joint_at(program, record(work[at : at + HEAD], QUERIED).block)
+        wanted = 0
+        for k in range(j.contacts):
+            if memory[j.row + k].touching != 0.0:
+                wanted |= 1 << k
+        journal_state(j, y, head.nq, pose[0])
+        coal_set_out(work[at + HEAD : at + QUERIED_WORDS], pose, wanted)
+        at += QUERIED_WORDS
+
+
+@kernel
+def take_in_queries(y: Any, program: Any, work: Any) -> bool:
+    """Write coal's answers into the contact table; whether they are final, or coal is to be asked again."""
+    head = head_of(program)
+    nv = head.nv
+    pose = work[nv : nv + POSE_WORDS].view(POSE)
+    at = _first(head)
+    table = work[at - CONTACT_WORDS * head.rows : at].view(CONTACT)
+    final = True
+    while at < work.shape[0]:
+        j = joint_at(program, record(work[at : at + HEAD], QUERIED).block)
+        journal_state(j, y, head.nq, pose[0])
+        if not coal_take_in(work[at + HEAD : at + QUERIED_WORDS], pose, table, j.row):
+            final = False
+        at += QUERIED_WORDS
+    return final

@@ -1,0 +1,95 @@
+"""Belts and cables between two pulleys: strands that pull and never push."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from antenna_pin.elements.between_joints import BetweenJoints
+from antenna_pin.elements.mesh import mesh_numbers
+from antenna_pin.elements.mesh_kernels import TWO
+from antenna_pin.errors import InvalidParameterError
+from antenna_pin.parameters import parameter
+
+__all__ = ["Belt", "Cable"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Strands(BetweenJoints):
+    """Base of what pulls along between two pulleys.
+
+    Attributes:
+        input_radius: Of the pulley on the input's child [m].
+        output_radius: Of that on the output's child [m].
+        crossed: Whether the pulleys turn opposite ways.
+        stiffness: Of each strand [N/m].
+        damping: Of each strand, while it is taut [N*s/m].
+        pretension: Of each strand where both angles are zero [N].
+        slack: Of each strand there, if it has no pretension [m].
+        on: Whether it acts from the start on; an event may switch it.
+    """
+
+    kernels: ClassVar[str] = "mesh_kernels"
+    springs: ClassVar[int]
+
+    input_radius: float = parameter("m", rule="positive")
+    output_radius: float = parameter("m", rule="positive")
+    crossed: bool = False
+    stiffness: float = parameter("N/m", rule="positive")
+    damping: float = parameter("N*s/m", rule="zero or more", default=0.0)
+    pretension: float = parameter("N", rule="zero or more", default=0.0)
+    slack: float = parameter("m", rule="zero or more", default=0.0)
+    on: bool = True
+
+    def __post_init__(self) -> None:
+        """Check the numbers: what is slack has no tension."""
+        BetweenJoints.__post_init__(self)
+        if self.slack > 0.0 and self.pretension > 0.0:
+            raise InvalidParameterError(self, "slack", "zero beside a pretension", self.slack)
+
+    @property
+    def has_kinks(self) -> bool:
+        """Whether a strand may go slack, or become taut."""
+        return True
+
+    def values(self) -> dict[str, Any]:
+        """Return its numbers, by the names that its record has for them."""
+        return mesh_numbers(
+            self.input_radius,
+            -self.output_radius if self.crossed else self.output_radius,
+            self.pretension / self.stiffness - self.slack,
+            self.springs,
+            stiffness=self.stiffness,
+            damping=self.damping,
+        )
+
+    def words(self, slides: bool = False) -> str:
+        """Return what it is in words."""
+        said = [f"{self.ends()}{', crossed' if self.crossed else ''}"]
+        said.append(f"radii {self.said('input_radius', False)} and {self.said('output_radius', False)}")
+        words = {"stiffness": "stiffness", "damping": "damping", "pretension": "pretension", "slack": "slack"}
+        return ", ".join(said + self.said_of(words, False))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Belt(Strands):
+    r"""An open (or crossed) belt that does not slip: two strands, each of which pulls or is slack.
+
+    With the way :math:`u = r_\text{in} \phi_\text{in} - r_\text{out} \phi_\text{out}` that the input is ahead
+    the strand behind it is longer by u and the other one shorter. A taut strand pulls by its pretension and
+    :math:`k u`, and a damping force :math:`c \dot u` of at most as much. What it pulls on the bearings of the
+    pulleys is left to these: it is inside the mechanism, and does no work.
+    """
+
+    springs: ClassVar[int] = TWO
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Cable(Strands):
+    r"""A cable between two drums: one strand, which pulls the output along where the input is ahead.
+
+    It is taut where :math:`r_\text{in} \phi_\text{in} - r_\text{out} \phi_\text{out}` is above its slack (or
+    above minus what its pretension has stretched it by); otherwise as a strand of :class:`Belt`.
+    """
+
+    springs: ClassVar[int] = 1

@@ -1,0 +1,206 @@
+"""Gears and splines: what meshes with play between two joints."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any, ClassVar, Literal
+
+from antenna_pin.elements.between_joints import BetweenJoints
+from antenna_pin.elements.mesh_kernels import BOTH_WAYS, TWO
+from antenna_pin.errors import InvalidParameterError
+from antenna_pin.parameters import LEAST, parameter
+from antenna_pin.readable import number
+
+__all__ = ["Gear", "Spline", "mesh_numbers"]
+
+_NO_FRICTION = {"forward": 1.0, "backward": 1.0, "slow": 1.0}
+
+
+def mesh_numbers(a: float, b: float, room: float, springs: int, **more: Any) -> dict[str, Any]:
+    """Return the numbers of a mesh's record, without friction and errors unless ``more`` has them."""
+    return {
+        "a": a,
+        "b": b,
+        "room": room,
+        "springs": springs,
+        "rest": 0.0,
+        "points": 0,
+        **_NO_FRICTION,
+        **more,
+    }
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Gear(BetweenJoints):
+    r"""A pair of gears, or a whole gearbox, between two joints: elastic, with play, errors and friction.
+
+    Without play and deflection input = ratio * output + const, where an angle is that of a joint's child on
+    its parent, with all its turns; a negative ratio turns the output the other way. With the deflection,
+    measured on the output side (on the input side ``side`` = input: times the ratio)
+
+    .. math:: x = \phi_\text{in} / r - \phi_\text{out} - x_0 - e(\phi_\text{in})
+
+    nothing acts for :math:`|x| < b/2`, b the total play; beyond, by the excess s, :math:`k s` and a damping
+    torque :math:`c \dot s` that is at most as large as :math:`k s`, so that flanks never pull and torque does
+    not jump. Without play the mesh is a linear spring and damper.
+
+    The input gets the torque's part by the derivative of x over its angle, with its reaction on its own
+    parent, the output likewise: with axes in parallel on one housing this takes both. Friction acts on the
+    input, as a share of the torque that it has from the mesh: driving it gives 1 / ``efficiency`` of what the
+    mesh takes, driven it gets ``efficiency_back`` of what the mesh gives.
+
+    Attributes:
+        ratio: Angle of the input for one of the output; negative for opposite ways.
+        stiffness: Of the mesh, on the side that ``side`` says [N*m/rad].
+        damping: Likewise, in contact only [N*m*s/rad].
+        play: Total play (backlash), likewise [rad].
+        side: Which side deflection, stiffness, damping, play, offset and error are measured on.
+        offset: x_0, the deflection that is none: middle of the play where both angles are zero [rad].
+        efficiency: Share of the power that arrives where the input drives.
+        efficiency_back: Share of the power that arrives where the output drives; zero or more.
+        slow_rate: Rate of the input where friction is 71 % of its limit [rad/s].
+        error_angle: Angles of the input at which the static transmission error is given, increasing; from
+            the first to the last is a period [rad].
+        error: The error e at each, the last as the first; between them a periodic spline with a continuous
+            second derivative [rad].
+        on: Whether it acts from the start on; an event may switch it.
+
+    References:
+        Names as in Modelica's ElastoBacklash (total play, a damping torque that the spring's limits); the
+        ratio as in Simscape's Gear Box, input over output.
+    """
+
+    kernels: ClassVar[str] = "mesh_kernels"
+
+    ratio: float = parameter("1", default=1.0)
+    stiffness: float = parameter("N*m/rad", rule="positive")
+    damping: float = parameter("N*m*s/rad", rule="zero or more", default=0.0)
+    play: float = parameter("rad", rule="zero or more", default=0.0)
+    side: Literal["output", "input"] = "output"
+    offset: float = parameter("rad", default=0.0)
+    efficiency: float = parameter("1", rule="positive", default=1.0)
+    efficiency_back: float = parameter("1", rule="zero or more", default=1.0)
+    slow_rate: float = parameter("rad/s", rule="positive", default=1e-3)
+    error_angle: tuple[float, ...] | None = parameter("rad", sizes=(0,), default=None, repr=False)
+    error: tuple[float, ...] | None = parameter("rad", sizes=(0,), default=None, repr=False)
+    on: bool = True
+
+    def __post_init__(self) -> None:
+        """Check the numbers, and the table of the error."""
+        BetweenJoints.__post_init__(self)
+        if abs(self.ratio) < LEAST:
+            raise InvalidParameterError(self, "ratio", "other than zero", self.ratio)
+        for name in ("efficiency", "efficiency_back"):
+            if getattr(self, name) > 1.0:
+                raise InvalidParameterError(self, name, "at most 1", getattr(self, name))
+        self._check_error()
+
+    def _check_error(self) -> None:
+        angles, error = self.error_angle, self.error
+        if angles is None or error is None:
+            if angles is not error:
+                lacking, there = ("error", "error_angle") if error is None else ("error_angle", "error")
+                raise InvalidParameterError(self, lacking, f"given beside {there}", said="none")
+            return
+        if len(angles) < 4:
+            raise InvalidParameterError(self, "error_angle", "at least 4 numbers", said=f"{len(angles)}")
+        if len(error) != len(angles):
+            rule = f"as many numbers as error_angle, {len(angles)}"
+            raise InvalidParameterError(self, "error", rule, said=f"{len(error)}")
+        for k, (before, after) in enumerate(pairwise(angles), start=1):
+            if not after - before >= LEAST:
+                rule = f"above the one before, {before!r}"
+                raise InvalidParameterError(self, f"error_angle[{k}]", rule, after)
+        if error[0] != error[-1]:
+            rule = f"as the first, {error[0]!r}: the table is one period"
+            raise InvalidParameterError(self, f"error[{len(error) - 1}]", rule, error[-1])
+
+    @property
+    def has_kinks(self) -> bool:
+        """Whether it has play, at whose ends flanks meet and part."""
+        return self.play > 0.0
+
+    def values(self) -> dict[str, Any]:
+        """Return its numbers, by the names that its record has for them."""
+        a, b = (1.0, self.ratio) if self.side == "input" else (1.0 / self.ratio, 1.0)
+        return mesh_numbers(
+            a,
+            b,
+            -0.5 * self.play,
+            TWO if self.play > 0.0 else BOTH_WAYS,
+            rest=self.offset,
+            stiffness=self.stiffness,
+            damping=self.damping,
+            forward=self.efficiency,
+            backward=self.efficiency_back,
+            slow=self.slow_rate,
+            points=0 if self.error_angle is None else len(self.error_angle),
+        )
+
+    def tail(self) -> tuple[float, ...]:
+        """Return the curve of the error."""
+        if self.error_angle is None or self.error is None:
+            return ()
+        from scipy.interpolate import CubicSpline
+
+        found = CubicSpline(self.error_angle, self.error, bc_type="periodic").c.T
+        return (*self.error_angle, *found.ravel().tolist())
+
+    def words(self, slides: bool = False) -> str:
+        """Return what it is in words."""
+        said = [f"{self.ends()}, ratio {number(self.ratio)}"]
+        said += self.said_of({"stiffness": "stiffness", "damping": "damping", "play": "play"}, False)
+        said[-1] += f" on the {self.side} side"
+        if self.efficiency < 1.0 or self.efficiency_back < 1.0:
+            said.append(f"efficiency {number(self.efficiency)}, backward {number(self.efficiency_back)}")
+        if self.error is not None:
+            largest = max(abs(value) for value in self.error)
+            said.append(f"transmission error up to {number(largest)} rad in {len(self.error)} points")
+        return ", ".join(said)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Spline(BetweenJoints):
+    r"""Splined shafts on one axis: play between two joints that turn together.
+
+    The deflection is :math:`\phi_\text{in} - \phi_\text{out} - x_0`; beyond half the play its torque is that
+    of :class:`Gear`.
+
+    Attributes:
+        stiffness: Of the teeth [N*m/rad].
+        damping: In contact only [N*m*s/rad].
+        play: Total play about the axis [rad].
+        offset: x_0, the middle of the play [rad].
+        on: Whether it acts from the start on; an event may switch it.
+    """
+
+    kernels: ClassVar[str] = "mesh_kernels"
+
+    stiffness: float = parameter("N*m/rad", rule="positive")
+    damping: float = parameter("N*m*s/rad", rule="zero or more", default=0.0)
+    play: float = parameter("rad", rule="zero or more", default=0.0)
+    offset: float = parameter("rad", default=0.0)
+    on: bool = True
+
+    @property
+    def has_kinks(self) -> bool:
+        """Whether it has play, at whose ends teeth meet and part."""
+        return self.play > 0.0
+
+    def values(self) -> dict[str, Any]:
+        """Return its numbers, by the names that its record has for them."""
+        return mesh_numbers(
+            1.0,
+            1.0,
+            -0.5 * self.play,
+            TWO if self.play > 0.0 else BOTH_WAYS,
+            rest=self.offset,
+            stiffness=self.stiffness,
+            damping=self.damping,
+        )
+
+    def words(self, slides: bool = False) -> str:
+        """Return what it is in words."""
+        said = {"stiffness": "stiffness", "damping": "damping", "play": "play"}
+        return ", ".join([self.ends(), *self.said_of(said, False)])

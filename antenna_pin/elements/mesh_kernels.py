@@ -1,0 +1,137 @@
+"""Gears, splines, belts and cables, compiled: springs on either side of a deflection.
+
+The deflection is ``x = a input - b output - rest - e(input)``, with e a periodic curve. On the one side a
+spring is compressed by ``x + room``, on the other by ``-x + room``: a negative room is half the play between
+the flanks of teeth, a positive one the stretch at which strands were fitted. A spring pushes (pulls) one way
+only; its damper adds at most as much as the spring gives, so that the sum starts and ends at zero.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from antenna_pin._compile import inlined, kernel, record
+from antenna_pin.elements.curve_kernels import curve
+from antenna_pin.records import layout, words_of
+
+# Springs: 1 on the side of a positive deflection, 2 on both sides, 0 one that acts both ways, without room.
+BOTH_WAYS = 0
+TWO = 2
+
+LAYOUT = layout(
+    ("a", "f8"),
+    ("b", "f8"),
+    ("rest", "f8"),
+    ("stiffness", "f8"),
+    ("damping", "f8"),
+    ("room", "f8"),
+    ("springs", "i8"),
+    ("forward", "f8"),
+    ("backward", "f8"),
+    ("slow", "f8"),
+    ("points", "i8"),
+)
+SIZE = words_of(LAYOUT)
+
+
+@inlined
+def _pushes(mesh: Any, depth: float, rate: float) -> tuple[float, float]:
+    """Force of the spring on one side, and of its damper, by its compression and the rate of that."""
+    if depth <= 0.0:
+        return 0.0, 0.0
+    elastic = mesh.stiffness * depth
+    return elastic, min(max(mesh.damping * rate, -elastic), elastic)
+
+
+@inlined
+def _forces(mesh: Any, x: float, rate: float) -> tuple[float, float]:
+    """Force against the deflection: that of springs, and that of dampers."""
+    if mesh.springs == BOTH_WAYS:
+        return mesh.stiffness * x, mesh.damping * rate
+    elastic, damped = _pushes(mesh, x + mesh.room, rate)
+    if mesh.springs == TWO:
+        other, more = _pushes(mesh, mesh.room - x, -rate)
+        elastic -= other
+        damped -= more
+    return elastic, damped
+
+
+@kernel
+def between(
+    words: Any, at: int, angle: float, rate: float, other: float, other_rate: float
+) -> tuple[float, float, float, float]:
+    """Deflection, its rate, and its derivatives over the angles of input and output."""
+    mesh = record(words[at : at + SIZE], LAYOUT)
+    x = mesh.a * angle - mesh.b * other - mesh.rest
+    slope = mesh.a
+    if mesh.points > 0:
+        first = words[at + SIZE]
+        period = words[at + SIZE + mesh.points - 1] - first
+        turned = angle - first
+        turned -= period * math.floor(turned / period)
+        error, steep = curve(words, at + SIZE, mesh.points, first + turned)
+        x -= error
+        slope -= steep
+    return float(x), float(slope * rate - mesh.b * other_rate), float(slope), float(-mesh.b)
+
+
+@kernel
+def effort(words: Any, at: int, t: float, angle: float, rate: float) -> float:
+    """Torque [N m], or force [N], along the deflection."""
+    elastic, damped = _forces(record(words[at : at + SIZE], LAYOUT), angle, rate)
+    return float(-elastic - damped)
+
+
+@inlined
+def dissipation(words: Any, at: int, x: float, rate: float) -> float:
+    """Power that its dampers take [W]."""
+    _, damped = _forces(record(words[at : at + SIZE], LAYOUT), x, rate)
+    return float(damped * rate)
+
+
+@kernel
+def drag(words: Any, at: int, torque: float, rate: float) -> float:
+    """Torque of friction on the input, which turns at a rate, where the mesh gives it a torque [N m].
+
+    Driving (torque against the rate) the input gives 1 / forward of what the mesh takes, driven it gets
+    ``backward`` of what the mesh gives; near rest the share is rounded off.
+    """
+    mesh = record(words[at : at + SIZE], LAYOUT)
+    if mesh.forward == 1.0 and mesh.backward == 1.0:
+        return 0.0
+    share = rate / math.sqrt(rate * rate + mesh.slow * mesh.slow)
+    driving = 1.0 / mesh.forward - 1.0 if torque * rate < 0.0 else 1.0 - mesh.backward
+    return float(-abs(torque) * driving * share)
+
+
+@kernel
+def stored(words: Any, at: int, angle: float) -> float:
+    """Energy stored [J]."""
+    mesh = record(words[at : at + SIZE], LAYOUT)
+    if mesh.springs == BOTH_WAYS:
+        return float(0.5 * mesh.stiffness * angle * angle)
+    depth = max(angle + mesh.room, 0.0)
+    other = max(mesh.room - angle, 0.0) if mesh.springs == TWO else 0.0
+    return float(0.5 * mesh.stiffness * (depth * depth + other * other))
+
+
+@kernel
+def kink(words: Any, at: int, t: float, angle: float, rate: float) -> float:
+    """What changes sign where a spring begins or ceases to act, or its damper comes to its limit.
+
+    Of each side the depth times what the spring gives beyond its damper: positive apart, negative at the
+    limit, positive again below it.
+    """
+    mesh = record(words[at : at + SIZE], LAYOUT)
+    limit = mesh.damping * abs(rate)
+    depth, other = angle + mesh.room, mesh.room - angle
+    if mesh.springs != TWO:
+        other = 1.0
+        if limit == 0.0:
+            return float(depth)
+        return float(depth * (mesh.stiffness * depth - limit))
+    if mesh.damping == 0.0:
+        # One function of both sides' starts, positive where both or none act.
+        return float(depth * other)
+    return float(depth * other * (mesh.stiffness * depth - limit) * (mesh.stiffness * other - limit))

@@ -1,0 +1,124 @@
+"""A round slider in a round guide."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from antenna_pin.arguments import takes
+from antenna_pin.errors import InvalidParameterError
+from antenna_pin.geometry import kernels
+from antenna_pin.geometry.coal_prismatic import CoalPrismatic
+from antenna_pin.geometry.prismatic import check_guide_length, walls, within
+from antenna_pin.geometry.revolute_kernels import REVOLUTE
+from antenna_pin.geometry.shape import ContactPlace, Motion, RoundShape, flat, require_lengths
+
+__all__ = ["CylindricalClearance"]
+
+_SIGNS = ((1.0, "+"), (-1.0, "-"))
+_KEY = ("key_width", "keyway_width", "key_reach")
+
+
+@takes()
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CylindricalClearance(RoundShape):
+    r"""A round slider in a round guide: it slides along the axis, and turns about it unless a key holds it.
+
+    Candidates ``radial+`` and ``radial-`` are the two ends of what of the slider is within the guide: the rim
+    of the slider's end on the wall where it ends within, the mouth's edge on the slider's barrel where it
+    reaches out. Nothing stops the slider along the axis, and one that has left is free of the guide, but for
+    its block's face.
+
+    A key on the slider, at its +x, goes in a keyway with play of its own: candidate ``key+y-z`` is its flank
+    at +y, at the -z end.
+
+    Attributes:
+        bearing_radius: R_i, of the guide [m].
+        journal_radius: R_j, of the slider, below R_i [m].
+        slider_length: Along the axis [m].
+        guide_length: Along the axis, 0 for a guide that is longer than the slider's way [m].
+        key_width: Of the key, 0 for none [m].
+        keyway_width: Of the keyway, above the key's [m].
+        key_reach: From the axis to where the key's flanks bear [m].
+    """
+
+    kind: ClassVar[str] = "cylindrical"
+    planar: ClassVar[bool] = False
+    motion: ClassVar[Motion] = "slide"
+
+    bearing_radius: float
+    journal_radius: float
+    slider_length: float
+    guide_length: float = 0.0
+    key_width: float = 0.0
+    keyway_width: float = 0.0
+    key_reach: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Check the dimensions."""
+        require_lengths(self, "bearing_radius", "journal_radius", "slider_length")
+        if not self.journal_radius < self.bearing_radius:
+            raise InvalidParameterError(
+                self, "journal_radius", f"below bearing_radius = {self.bearing_radius:g} m"
+            )
+        check_guide_length(self)
+        if any(getattr(self, name) != 0.0 for name in _KEY):
+            require_lengths(self, *_KEY)
+            if not self.key_width < self.keyway_width:
+                raise InvalidParameterError(
+                    self, "key_width", f"below keyway_width = {self.keyway_width:g} m"
+                )
+
+    @property
+    def half_length(self) -> float:
+        """Half of what of the slider is within the guide when it is in the middle [m]."""
+        return 0.5 * within(self.slider_length, self.guide_length)
+
+    @property
+    def contact_places(self) -> tuple[ContactPlace, ...]:
+        """Both ends, then the key's flanks."""
+        keys = [ContactPlace("key", end) for end, *_ in self._flanks()]
+        return (ContactPlace("radial", "+"), ContactPlace("radial", "-"), *keys)
+
+    def _flanks(self) -> list[tuple[str, NDArray[np.float64], NDArray[np.float64], float]]:
+        """Return name, corner, inward normal and distance of the keyway's wall of the key's candidates."""
+        if not self.key_width:
+            return []
+        found = []
+        for (flank, w), (along, z) in itertools.product(_SIGNS, _SIGNS):
+            corner = np.array(
+                [self.key_reach, 0.5 * flank * self.key_width, 0.5 * along * self.slider_length]
+            )
+            found.append((f"{w}y{z}z", corner, np.array([0.0, -flank, 0.0]), 0.5 * self.keyway_width))
+        return found
+
+    def candidates(self, axes: ArrayLike) -> NDArray[np.float64]:
+        """Return the records of the candidate contacts as flat numbers, (2 or 6, CANDIDATE)."""
+        in_child = np.asarray(axes, dtype=float)
+        half = 0.5 * self.guide_length if self.guide_length else math.inf
+        ends = (
+            (
+                kernels.ROD_IN_GUIDE,
+                side,
+                self.bearing_radius,
+                half,
+                0.0,
+                self.journal_radius,
+                0.0,
+                0.5 * self.slider_length,
+                0.0,
+            )
+            for side, _ in _SIGNS
+        )
+        flanks = [(in_child @ corner, wall, at) for _, corner, wall, at in self._flanks()]
+        rows = [flat(REVOLUTE, *ends)]
+        return np.concatenate([*rows, walls(flanks, 0.0, self.guide_length)] if flanks else rows)
+
+    def coal(self, axes: ArrayLike) -> CoalPrismatic:
+        """Return what asks coal for the same distances."""
+        return CoalPrismatic(self.candidates(axes))

@@ -1,0 +1,92 @@
+"""Rotors of motors: bodies with an inertia about their axis alone, which a joint turns by a ratio.
+
+A motor's rotor sits on one of a joint's links, turns about the joint's axis ``ratio`` times as fast as the
+joint, and has a moment of inertia there. It is a body of its own, held to the joint as ``<mimic>`` holds a
+follower, so that all of it is exact: what the joint feels (ratio^2 inertia), what a link that turns about the
+axis feels of it and the joint of that (ratio inertia), the gyroscopic torque on a link that turns about
+another axis, energy and momenta. Its mass, and its inertia about other axes, belong to the link that carries
+it: in the URDF they are that link's, without the moment about the axis.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from lxml import etree
+
+from antenna_pin.changes import Rotor
+from antenna_pin.errors import MechanismError
+from antenna_pin.mechanism import _source
+from antenna_pin.mechanism._edits import named, text_of
+from antenna_pin.mechanism._parts import body_name
+from antenna_pin.mechanism.urdf import Urdf
+
+__all__ = ["rotor_joint", "with_rotor"]
+
+_HINGES = ("revolute", "continuous")
+
+
+def rotor_joint(name: str) -> str:
+    """Return the name of the joint that a rotor turns on; its link is ``<joint>_body``."""
+    return f"{name}_rotor"
+
+
+def with_rotor(urdf: Urdf, name: str, rotor: Rotor) -> Urdf:
+    """Return a copy with a rotor: a joint ``<name>_rotor`` that follows the rotor's joint, and its link.
+
+    Args:
+        urdf: The mechanism, its joints as they are to move.
+        name: Of the rotor.
+        rotor: Joint, inertia, ratio and carrier.
+
+    Raises:
+        UnknownNameError: There is no such joint.
+        MechanismError: The joint does not turn about an axis of its own, or a name is taken.
+    """
+    joint = urdf.joint(rotor.joint)
+    if joint.type not in _HINGES:
+        raise MechanismError(
+            f"{urdf.where}: rotor {name!r}: joint {rotor.joint!r} must be revolute or continuous, without "
+            f"play, got {joint.type}; put the rotor at a joint that turns"
+        )
+    own = rotor_joint(name)
+    robot = _source.parsed(urdf.text)
+    for kind, taken in (("joint", own), ("link", body_name(own))):
+        if any(element.get("name") == taken for element in robot.findall(kind)):
+            raise MechanismError(
+                f"{urdf.where}: {kind} name {taken!r} is needed for rotor {name!r}; rename yours, or "
+                "the rotor"
+            )
+    axis = urdf.axis(rotor.joint)
+    written = named(robot, "joint", rotor.joint)
+    made = etree.Element("joint", name=own, type="continuous")
+    etree.SubElement(made, "parent", link=joint.parent if rotor.carrier == "parent" else joint.child)
+    etree.SubElement(made, "child", link=body_name(own))
+    origin = written.find("origin")
+    if rotor.carrier == "parent" and origin is not None:
+        etree.SubElement(made, "origin", **dict(origin.attrib))
+    etree.SubElement(made, "axis", xyz=text_of(axis))
+    etree.SubElement(made, "mimic", joint=rotor.joint, multiplier=repr(float(rotor.ratio)))
+    last = written
+    for element in (made, _body(body_name(own), axis, rotor.inertia)):
+        element.tail, last.tail = last.tail, "\n\n  "
+        last.addnext(element)
+        last = element
+    allowed = (*urdf.allow_impossible_inertia, body_name(own))
+    return replace(urdf, text=_source.write(robot), allow_impossible_inertia=allowed)
+
+
+def _body(name: str, axis: Any, moment: float) -> Any:
+    """Return a link with a moment of inertia about an axis, and nothing else."""
+    link = etree.Element("link", name=name)
+    inertial = etree.SubElement(link, "inertial")
+    etree.SubElement(inertial, "mass", value="0")
+    unit = np.asarray(axis) / np.linalg.norm(axis)
+    inertia = moment * np.outer(unit, unit)
+    places = {"ixx": (0, 0), "ixy": (0, 1), "ixz": (0, 2), "iyy": (1, 1), "iyz": (1, 2), "izz": (2, 2)}
+    etree.SubElement(
+        inertial, "inertia", **{key: repr(float(inertia[place])) for key, place in places.items()}
+    )
+    return link

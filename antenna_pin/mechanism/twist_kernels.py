@@ -1,0 +1,48 @@
+"""How far a body is turned about an axis, compiled: its turn there as swing and twist.
+
+The vector part (hx, hy, hz) and the scalar qw of a rotation's quaternion, in axes of which z is the axis.
+"""
+
+from __future__ import annotations
+
+import math
+
+from antenna_pin._compile import inlined
+
+
+@inlined
+def twist_angle(hx: float, hy: float, hz: float, qw: float) -> tuple[float, float, float]:
+    """Return the twist about z [rad], in (-pi, pi], and gx, gy of its rate gx wx + gy wy + wz.
+
+    The angular velocity w is the turned body's, in its own axes.
+    """
+    square = hz * hz + qw * qw
+    if qw < 0.0:
+        angle = 2.0 * math.atan2(-hz, -qw)
+    else:
+        angle = 2.0 * math.atan2(hz, qw)
+    if square == 0.0:
+        return angle, 0.0, 0.0
+    return angle, (hz * hx - qw * hy) / square, (qw * hx + hz * hy) / square
+
+
+@inlined
+def twist_bias(h: tuple[float, float, float], qw: float, w: tuple[float, float, float]) -> float:
+    """Return what the twist accelerates by at constant w: gx' wx + gy' wy [rad/s^2].
+
+    By h' = (qw w + h x w) / 2 and qw' = -h . w / 2.
+    """
+    hx, hy, hz = h
+    wx, wy, wz = w
+    square = hz * hz + qw * qw
+    if square == 0.0:
+        return 0.0
+    dx = 0.5 * (qw * wx + hy * wz - hz * wy)
+    dy = 0.5 * (qw * wy + hz * wx - hx * wz)
+    dz = 0.5 * (qw * wz + hx * wy - hy * wx)
+    dw = -0.5 * (hx * wx + hy * wy + hz * wz)
+    grown = 2.0 * (hz * dz + qw * dw)
+    gx, gy = (hz * hx - qw * hy) / square, (qw * hx + hz * hy) / square
+    first = dz * hx + hz * dx - dw * hy - qw * dy - gx * grown
+    second = dw * hx + qw * dx + dz * hy + hz * dy - gy * grown
+    return (first * wx + second * wy) / square

@@ -1,0 +1,51 @@
+"""A slider in a guide as a scenario has it: round, with a key, in a guide that ends."""
+
+import pytest
+
+from antenna_pin import load_scenario
+from antenna_pin.errors import ScenarioError
+from antenna_pin.geometry import CylindricalClearance, PrismaticClearance
+
+ROUND = {
+    "model": "cylindrical", "bearing_radius": "20 mm", "radial_clearance": "0.1 mm", "slider_length": "80 mm",
+    "guide_length": "50 mm", "journal_material": "steel", "bearing_material": "steel", "replace": True,
+    "normal": {"law": "lankarani-nikravesh", "restitution": 0.5},
+}  # fmt: skip
+KEY = {"key_width": "4 mm", "keyway_width": "4.1 mm", "key_reach": "22 mm"}
+
+
+def spec(**changes):
+    over = {"clearance": {"slide": {**ROUND, **changes}}}
+    return load_scenario("slider", case="driven", overrides=over).clearance["slide"]
+
+
+def test_a_round_slider_is_read_with_its_key():
+    shape = spec(**KEY).shape()
+    assert shape == CylindricalClearance(
+        bearing_radius=0.02, journal_radius=0.02 - 1e-4, slider_length=0.08, guide_length=0.05,
+        key_width=4e-3, keyway_width=4.1e-3, key_reach=0.022,
+    )  # fmt: skip
+    assert len(spec().shape().contact_places) == 2
+
+
+def test_a_square_guide_may_end():
+    found = load_scenario("slider", case="driven", overrides=["clearance.slide.guide_length=30 mm"])
+    shape = found.clearance["slide"].shape()
+    assert isinstance(shape, PrismaticClearance)
+    assert shape.guide_length == 0.03
+    assert load_scenario("slider", case="driven").clearance["slide"].shape().guide_length == 0.0
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"key_width": "4 mm"}, "keyway_width must be a positive length"),
+        (KEY | {"key_width": "5 mm"}, "key_width must be below keyway_width = 0.0041 m"),
+        ({"guide_length": "-1 mm"}, "guide_length must be positive"),
+        ({"load": "distributed"}, "load must be point for a slider"),
+        ({"radial_clearance": "30 mm"}, "radial_clearance must be smaller than bearing_radius"),
+    ],
+)
+def test_refuses_in_one_line(changes, message):
+    with pytest.raises(ScenarioError, match=message):
+        spec(**changes)
