@@ -306,7 +306,8 @@ def scenario_table() -> str:
             rows(JointSpec, without=("motion",)),
             "A joint's own `damping` and `friction` are those of its `<dynamics>` in the URDF if they do "
             "not stand here: -c w - T w / sqrt(w² + w_r²), smooth, with the `regularisation_speed` w_r; "
-            "it does not stick. What they take is an entry `JOINT.dynamics` among the losses of springs "
+            "it does not stick, unless `sticks = true` makes it a friction of `[frictions]`. "
+            "What they take is an entry `JOINT.dynamics` among the losses of springs "
             "and dampers. At a joint with play or held by constraint they act about its axis all the "
             "same, *beside* the friction of its contacts: where that stands for all friction, set "
             "`friction = 0`. A joint made free or planar without contact, or written as floating or "

@@ -91,7 +91,7 @@ ARGUMENTS = 7
 """Arguments of a compiled function beyond which some of them belong together, in a record."""
 
 TOO_MANY = {
-    "constraints/solve_kernels.py: accelerate": 9,
+    "constraints/loaded_kernels.py: accelerate": 9,
     "dynamics/inspect_kernels.py: inspect_step": 9,
     "dynamics/trial_kernels.py: root_of": 8,
     "engine/episode_kernels.py: keep_peaks": 8,

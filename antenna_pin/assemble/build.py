@@ -44,7 +44,10 @@ def build_system(scenario: Scenario) -> System:
     mechanism = build_mechanism(urdf, scenario.mechanism.base, scenario.mechanism.gravity)
     found = {table: elements_of(scenario, mechanism, table) for table in scenario.families}
     drives, springs = found.pop("drives"), found.pop("springs")
-    frictions, left_out = frictions_of(scenario, mechanism, springs)
+    dry = found.pop("frictions", {})
+    frictions, sticking, left_out = frictions_of(scenario, mechanism, {**springs, **dry})
+    if dry or sticking:
+        found["frictions"] = {**dry, **sticking}
     for line in (*said_of_file(as_written(scenario), urdf), *left_out):
         warnings.warn(line, NotSimulatedWarning, stacklevel=2)
     types = types_as_written(scenario)

@@ -66,7 +66,7 @@ def scenario_facts(scenario: Scenario) -> dict[str, Any]:
         "passed_over": {kind.what: list(kind.lines) for kind in as_written(scenario).passed_over},
         "unbounded": list(system.mechanism.urdf.unbounded),
         "points": list(system.mechanism.urdf.points),
-        **({} if system.plan is None else _start(scenario, system, q)),
+        **({} if system.plan is None or system.plan.count == 0 else _start(scenario, system, q)),
     }
 
 
@@ -114,7 +114,7 @@ def _drive(system: System, name: str) -> str:
 
 
 def _residuals(system: System, y: Any) -> tuple[float, float]:
-    if system.plan is None:
+    if system.plan is None or system.plan.count == 0:
         return 0.0, 0.0
     workspace = Workspace(system)
     assert workspace.constraints is not None

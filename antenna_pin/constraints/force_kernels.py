@@ -164,5 +164,11 @@ def write_holding(plan: Any, work: Any, room: Any, forces: Any, closures: Any, j
         joints: To write to, as :func:`joint_forces` does, (motions + couplings + holds,).
     """
     least_forces(plan, work, room, forces)
+    head = plan_of(plan)
+    for k in range(head.holds):
+        own = hold_at(plan, k)
+        # Of a joint that is not held friction by load stands in the place of a multiplier.
+        if work[head.jacobian + own.v * head.width + own.row] == 0.0:
+            forces[own.row] = work[head.force + own.row]
     wrenches(plan, work, forces, closures)
     joint_forces(plan, forces, joints)

@@ -24,7 +24,7 @@ from antenna_pin.records import layout, words_of
 #: (rows, span); the triangle R without its diagonal, (rows, width), and that one's ``inverses``; the squares
 #: of the lengths that are left, by what these count, and which rows stand there, each (width,). L with
 #: inverses on the diagonal, (nv, nv); where its rows begin, (nv,); numbers for scratch, (2, max(span,
-#: width)); ``FOUND``.
+#: width)); ``FOUND``; room of friction by load, 0 where no joint has such; gravity [m/s^2].
 PLAN = layout(
     ("bodies", "i8"),
     ("closures", "i8"),
@@ -54,6 +54,8 @@ PLAN = layout(
     ("first", "i8"),
     ("scratch", "i8"),
     ("found", "i8"),
+    ("loaded", "i8"),
+    ("gravity", "f8", (3,)),
 )
 PLAN_WORDS = words_of(PLAN)
 

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from antenna_pin._lanes import LANES
 from antenna_pin.constraints import layout_kernels as _layout
+from antenna_pin.constraints.carried_kernels import room_for
 from antenna_pin.constraints.closure import Anchor, Closure
 from antenna_pin.constraints.coupling import Coupling
 from antenna_pin.errors import MechanismError, UnknownNameError
@@ -34,7 +35,8 @@ class DrivenJoint:
         turn: Place of the joint's turned angle in x, or -1.
         kind: Number of the kind of its element.
         words: Where in the program the element's own record begins.
-        x: Where in x its works are.
+        x: Where in x its works are, or its loss.
+        loaded: Whether it has friction by its own load.
     """
 
     name: str
@@ -43,6 +45,7 @@ class DrivenJoint:
     kind: int
     words: int
     x: int
+    loaded: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -147,6 +150,11 @@ def make_plan(
     tree = body_tree(mechanism)
     head = np.zeros(1, dtype=_layout.PLAN)
     size = _place_numbers(head, len(tree), row, model.nv)
+    if any(one.loaded for one in holding):
+        n = len(holding)
+        head["loaded"] = size
+        size += model.nv + n + 6 * n * (n + 1) + max(room_for(len(tree), len(closures), row), n * (n + 1))
+    head["gravity"] = model.gravity.linear
     head["bodies"], head["closures"], head["motions"] = len(tree), len(closures), len(motions)
     head["couplings"], head["holds"] = len(couplings), len(holding)
     head["rows"], head["nq"], head["nv"], head["length"] = row, model.nq, model.nv, length

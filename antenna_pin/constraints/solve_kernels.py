@@ -14,10 +14,9 @@ from typing import Any
 from antenna_pin._compile import inlined, kernel
 from antenna_pin._lanes import LANES, lane, put_lane, same_lane, sum_of_lane
 from antenna_pin.constraints.driven_kernels import driven_rate
-from antenna_pin.constraints.factor_kernels import add_multiple, factorize, inner_product
+from antenna_pin.constraints.factor_kernels import add_multiple, inner_product
 from antenna_pin.constraints.layout_kernels import driven_at, found_in, plan_of
 from antenna_pin.constraints.root_kernels import solve_back, solve_forth
-from antenna_pin.constraints.rows_kernels import write_rows
 from antenna_pin.elements.ledger_kernels import write_work
 
 # Residuals below which nothing is corrected, of ways over the plan's length, turns, and their rates: the
@@ -81,30 +80,12 @@ def correction(plan: Any, work: Any, of_speed: bool, out: Any) -> None:
 
 
 @kernel
-def accelerate(
-    t: float, y: Any, program: Any, plan: Any, work: Any, effort: Any, mass: Any, bias: Any, rates: Any
-) -> None:
-    """Write accelerations under constraints to rates[:nv], powers of motions behind; multipliers to work.
+def solve_rows(y: Any, program: Any, plan: Any, work: Any, effort: Any, bias: Any, rates: Any) -> None:
+    """Write accelerations, powers of motions and multipliers, once rows are written and factorized.
 
-    Args:
-        t: Time [s].
-        y: State [q, v, x].
-        program: Of the system's elements.
-        plan: Of the constraints.
-        work: To write to.
-        effort: Generalized force of the elements, (nv,).
-        mass: Mass matrix, (nv, nv).
-        bias: Generalized force of gravity and velocities, M a + bias = effort + J^T lambda, (nv,).
-        rates: To write to, (nv + nx,).
+    Its arguments are those of :func:`antenna_pin.constraints.loaded_kernels.accelerate`; friction of joints
+    by their load is not in it.
     """
-    write_rows(t, y, program, plan, work)
-    factorize(plan, work, mass)
-    solve(y, program, plan, work, effort, bias, rates)
-
-
-@kernel
-def solve(y: Any, program: Any, plan: Any, work: Any, effort: Any, bias: Any, rates: Any) -> None:
-    """Do what :func:`accelerate` does once rows are written and factorized, with its arguments."""
     head = plan_of(plan)
     nv, rows, width, root = head.nv, head.rows, head.width, head.root
     rank = found_in(plan, work).rank

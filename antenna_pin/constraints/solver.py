@@ -9,7 +9,13 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from antenna_pin.constraints import factor_kernels, force_kernels, rows_kernels, solve_kernels
+from antenna_pin.constraints import (
+    factor_kernels,
+    force_kernels,
+    loaded_kernels,
+    rows_kernels,
+    solve_kernels,
+)
 from antenna_pin.constraints import layout_kernels as _layout
 from antenna_pin.constraints.plan import Plan
 from antenna_pin.constraints.solve_kernels import CLOSED, NEAR, OPEN, ROUNDS
@@ -111,7 +117,7 @@ class Constraints:
         nq, model, data = self.model.nq, self.model, self.data
         mass, q, v = pin.crba(model, data, y[:nq]), y[:nq], y[nq : nq + self.nv]
         bias = pin.nonLinearEffects(model, data, q, v)
-        solve_kernels.accelerate(t, y, program, self.plan.words, self.work, effort, mass, bias, rates)
+        loaded_kernels.accelerate(t, y, program, self.plan.words, self.work, effort, mass, bias, rates)
 
     def observe(
         self, t: float, y: Array, program: Array, effort: Array, rates: Array, closures: Array, joints: Array
@@ -136,7 +142,7 @@ class Constraints:
         nq, model, data = self.model.nq, self.model, self.data
         q, v = y[:nq], y[nq : nq + self.nv]
         mass, bias = pin.crba(model, data, q), pin.nonLinearEffects(model, data, q, v)
-        solve_kernels.accelerate(t, y, program, plan, work, effort, mass, bias, rates)
+        loaded_kernels.accelerate(t, y, program, plan, work, effort, mass, bias, rates)
         force_kernels.write_holding(plan, work, self._room, self._least, closures, joints)
 
     def loads(self) -> Array:

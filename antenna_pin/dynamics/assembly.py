@@ -197,7 +197,7 @@ def constraint_counts(system: System, y: Array) -> dict[str, Any]:
     of each closure or coupling with equations that others imply, how many ``equations`` that are, and
     ``among`` which.
     """
-    if system.plan is None:
+    if system.plan is None or system.plan.count == 0:  # elements that may hold close nothing
         nv = system.model.nv
         zero = dict.fromkeys(("closure_equations", "closure_rank", "motions", "rank"), 0)
         return {**zero, "freedoms": nv, "mobility": nv, "freedoms_left": nv, "redundant": {}}

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from antenna_pin.answers import AskedFunction
 from antenna_pin.dynamics import kernels
 from antenna_pin.dynamics.held import held_slot
-from antenna_pin.elements import GROSS_WORK, LOSS, WORK, Element, ForceElement, Integral, Motion
+from antenna_pin.elements import GROSS_WORK, LOSS, WORK, Element, ForceElement, Integral, Modal, Motion
 from antenna_pin.errors import InvalidParameterError, MechanismError
 from antenna_pin.joints import ClearanceJoint
 from antenna_pin.joints import layout_kernels as _layout
@@ -207,14 +207,21 @@ def check_motion(
             )
 
 
-def check_holds(place: str, mechanism: Mechanism, joint: str) -> None:
-    """Refuse an element that is to hold a joint that no row of one equation holds.
+def check_holds(place: str, mechanism: Mechanism, element: Element, between: Collection[str]) -> None:
+    """Refuse an element that is to hold a joint that no one row holds, or whose load is not known.
 
     Args:
         place: What it is, for the refusal.
         mechanism: The mechanism.
-        joint: The joint's name.
+        element: The element.
+        between: Names of springs between points.
     """
+    joint = element.joint
+    if isinstance(element, Modal) and element.under_load and between:
+        raise MechanismError(
+            f"{place}: friction by the load of joint {joint!r} knows no forces between points, and there is "
+            f"spring {next(iter(between))!r}; put springs at joints, or take friction that no load makes"
+        )
     slot = mechanism.joint(joint)
     if slot.kind not in ("revolute", "continuous", "prismatic"):
         raise MechanismError(

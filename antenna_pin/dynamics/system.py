@@ -76,8 +76,7 @@ class System:
             clearance).
         clearances: Joints with play.
         drives: Torques, and motions that joints are made to follow, by name.
-        springs: What stores and loses energy, by name: springs, dampers and friction at joints
-            (:class:`antenna_pin.elements.JointSpring`, ``JointFriction``), springs between points.
+        springs: What stores and loses energy, by name: springs, dampers, friction, springs between points.
         held: Floating joints of the tree that are held by constraint to what they are ideally, by name.
         closures: Joints that close loops, by name.
         couplings: Joints that follow others, by name, beside those that the URDF couples (``<mimic>``).
@@ -251,7 +250,7 @@ class System:
                     asked = element.asked(place, self.slides(element.joint))
                     self.callables.append(InPython(at, slice(own, at + len(block)), element, asked))
                 if holds := isinstance(element, Modal) and element.holds:
-                    check_holds(place, self.mechanism, element.joint)
+                    check_holds(place, self.mechanism, element, self.point_springs)
                 elif isinstance(element, Motion):
                     check_motion(place, self.mechanism, self.turn_x, self.drives, name, element)
                 else:
@@ -264,6 +263,7 @@ class System:
                         kind=kind_of(type(element)),
                         words=own,
                         x=x,
+                        loaded=bool(getattr(element, "under_load", False)),
                     )
                 )
 

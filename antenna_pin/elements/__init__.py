@@ -28,6 +28,7 @@ from antenna_pin.elements.rigid_latch import RigidLatch
 from antenna_pin.elements.rigid_stop import RigidStop
 from antenna_pin.elements.sine import SineDrive
 from antenna_pin.elements.spring import JointSpring
+from antenna_pin.elements.sticking_friction import StickingFriction
 from antenna_pin.elements.stop import EndStop
 from antenna_pin.elements.tabulated import TableDrive
 from antenna_pin.elements.together import check_together
@@ -73,6 +74,7 @@ __all__ = [
     "RigidLatch",
     "RigidStop",
     "SineDrive",
+    "StickingFriction",
     "Spline",
     "TableDrive",
     "check_together",

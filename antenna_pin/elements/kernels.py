@@ -70,6 +70,14 @@ def _not_held(asked: int, words: Any, at: int) -> tuple[bool, float]:
     return False, 0.0
 
 
+def _bears_nothing(asked: int, words: Any, at: int) -> tuple[float, float, float, float]:
+    return 0.0, 0.0, 0.0, 0.0
+
+
+def _not_told(asked: int, words: Any, at: int, burden: float) -> None:
+    return None
+
+
 def _no_mode(asked: int, words: Any, at: int) -> int:
     return 0
 
@@ -84,6 +92,11 @@ motion = _chain("motion", _no_motion)
 switch = _chain("switch", _never)
 hold = _chain("hold", _not_held)
 mode = _chain("mode", _no_mode)
+# Of dry friction.
+grip = _chain("grip", _nothing)
+bearing = _chain("bearing", _bears_nothing)
+rub = _chain("rub", _nothing)
+bear = _chain("bear", _not_told)
 # Of those between two joints.
 between = _chain("between", _no_deflection)
 dissipation = _chain("dissipation", _no_kind)

@@ -83,8 +83,15 @@ class Modal(Element):
     # Fields beside ``mode`` that changes of mode write; whether it holds its joint in some mode.
     remembers: ClassVar[tuple[str, ...]] = ()
     holds: ClassVar[bool] = False
+    # Whether it is dry friction: what sticks and what slips is decided of all of them together.
+    together: ClassVar[bool] = False
 
     mode: int = field(default=0, repr=False)
+
+    @property
+    def under_load(self) -> bool:
+        """Whether it has friction that is that of its joint's own load."""
+        return False
 
     def first(self, met: Met) -> Change | None:
         """Return the mode that a run begins in, None for the present one; an impulse there is not made."""
@@ -101,6 +108,10 @@ class Modal(Element):
     def passed(self, k: int, met: Met) -> Change | None:
         """Return what happens where function k passes zero, by logic; None if nothing does."""
         raise NotImplementedError
+
+    def change_said(self, before: int) -> str:
+        """Return what is recorded of a mode decided together, with that before; "" where nothing is."""
+        return ""
 
     def bears(self, impulse: float) -> Change | None:
         """Return its change where holding took an impulse [N m s] on the child; None: it goes on."""

@@ -24,6 +24,7 @@ from antenna_pin.elements.rigid_latch import RigidLatch
 from antenna_pin.elements.rigid_stop import RigidStop
 from antenna_pin.elements.sine import SineDrive
 from antenna_pin.elements.spring import JointSpring
+from antenna_pin.elements.sticking_friction import StickingFriction
 from antenna_pin.elements.stop import EndStop
 from antenna_pin.elements.tabulated import TableDrive
 from antenna_pin.errors import UnknownNameError
@@ -72,6 +73,8 @@ STOPS: Mapping[str, type[Element]] = MappingProxyType({"compliant": EndStop, "ri
 LATCHES: Mapping[str, type[Element]] = MappingProxyType({"compliant": Latch, "rigid": RigidLatch})
 """Latches by their ``kind`` in ``[latches.NAME]``."""
 
+FRICTIONS: Mapping[str, type[ForceElement]] = MappingProxyType({"sticking": StickingFriction})
+"""Friction of joints by its ``kind`` in ``[frictions.NAME]``."""
 GEARS: Mapping[str, type[ForceElement]] = MappingProxyType(
     {
         "gear": Gear,
@@ -88,6 +91,7 @@ FAMILIES: Mapping[str, Family] = MappingProxyType(
         "springs": Family("spring", SPRINGS, "spring"),
         "stops": Family("stop", STOPS, "compliant"),
         "latches": Family("latch", LATCHES, "compliant"),
+        "frictions": Family("friction", FRICTIONS, "sticking"),
         "gears": Family("gear", GEARS, "gear"),
     }
 )

@@ -10,8 +10,8 @@ import math
 from typing import Any, NamedTuple
 
 from antenna_pin._compile import inlined, kernel
+from antenna_pin.constraints.loaded_kernels import solve
 from antenna_pin.constraints.rows_kernels import write_rows
-from antenna_pin.constraints.solve_kernels import solve
 from antenna_pin.dynamics.kernels import evaluate, head_of
 from antenna_pin.dynamics.outside_kernels import ask_at, has_failed
 from antenna_pin.dynamics.point_kernels import add_forces

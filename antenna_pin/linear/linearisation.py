@@ -13,7 +13,7 @@ from scipy.linalg import block_diag
 from antenna_pin.arguments import takes
 from antenna_pin.brief import brief
 from antenna_pin.constraints import directions
-from antenna_pin.dynamics import System, Workspace
+from antenna_pin.dynamics import System, Workspace, acting_in
 from antenna_pin.errors import MechanismError
 from antenna_pin.linear.constrained import held_by_constraints
 from antenna_pin.linear.forces import ForceDerivatives, Forces
@@ -138,6 +138,8 @@ def linearise(at: At) -> Linearisation:
     model = system.model
     nq, nv = model.nq, model.nv
     system.mechanism.check_pose(y[:nq], "linearise")
+    if not at.rest:
+        _check_loads(system)
     forces = Forces(system, at.time, y, at.memory, at.loads, at.adjusted)
     derived = forces.derivatives()
     held = held_by_constraints(system, at.time, y, forces, rest=at.rest)
@@ -199,6 +201,16 @@ def linearise(at: At) -> Linearisation:
         acceleration=acceleration,
         rigid=rigid,
     )
+
+
+def _check_loads(system: System) -> None:
+    """Refuse a moving joint with friction by its load, whose derivatives are not known."""
+    for one in acting_in(system):
+        if getattr(one.element, "under_load", False):
+            raise MechanismError(
+                f"modes: {one.label}: friction by a joint's own load is not linearised about a state that "
+                "moves; take the state at rest (moving = False), or friction that no load makes"
+            )
 
 
 def floats(system: System) -> bool:

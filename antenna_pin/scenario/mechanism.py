@@ -34,10 +34,13 @@ class JointSpec(JointTable, MadeSpec):
             ``planar``, free in the plane across its axis.
         regularisation_speed: Rate at which the joint's own Coulomb friction is 71 % of its limit; 1e-3 rad/s
             (1e-3 m/s) if left out [rad/s] ([m/s]).
+        sticks: Whether the joint's own Coulomb friction holds what it sticks, as ``[frictions.NAME]``,
+            in place of being rounded off.
     """
 
     kind: JointVariant | None = None
     regularisation_speed: Annotated[float, Quantity(("rad/s", "m/s"), "positive")] | None = None
+    sticks: bool | None = None
 
 
 class MechanismSpec(Spec):

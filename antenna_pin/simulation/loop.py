@@ -281,5 +281,7 @@ class Run:
         self.outcome = outcome
         if outcome in (Outcome.NOT_FINITE, Outcome.STEP_TOO_SMALL) and self.singular and self.singular.near:
             self.outcome, what = Outcome.NOT_CLOSED, self.singular.near
+        if outcome is Outcome.NOT_FINITE and (jammed := self.actions.modes.jammed(self.stepper.t, self.here)):
+            what = jammed
         self.message = f"at t = {self.stepper.t:.9g} s{what}: {self.outcome.value}"
         return False

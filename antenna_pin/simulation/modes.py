@@ -19,8 +19,10 @@ from numpy.typing import NDArray
 from antenna_pin.dynamics import Adjustments, System, Workspace, acting_in, first_modes, impulse, kernels
 from antenna_pin.dynamics.acting import Acting
 from antenna_pin.elements import FAMILIES, LOSS, Met, Modal
+from antenna_pin.errors import MechanismError
 from antenna_pin.simulation.events import STILL, Event, Switch
 from antenna_pin.simulation.moment import Moment
+from antenna_pin.simulation.sticking import NeverSettlesError, Settling, Shift
 
 __all__ = ["ZERO", "Changed", "Modes", "NeverSettlesError", "Switching", "switches_of"]
 
@@ -102,10 +104,6 @@ def switches_of(system: System) -> tuple[Event, ...]:
     )
 
 
-class NeverSettlesError(Exception):
-    """Changes of mode at one instant would never end; of which element."""
-
-
 class Modes:
     """The elements with modes of a run.
 
@@ -128,6 +126,7 @@ class Modes:
         }
         self._holds = [one.name for one in system.holds]
         self.changed: list[Changed] = []
+        self._dry = Settling(workspace, adjustments, self._acting)
         self._limit = _AT_MOST * (1 + len(self._acting))
         self._instant, self._taken = math.nan, 0
         self._places = [
@@ -160,6 +159,14 @@ class Modes:
         """Bring all into the modes that they have at the start of a run."""
         for place, value in first_modes(self._workspace.system, y, t):
             self._adjustments.set(place, value)
+        try:
+            self._settle(t, y)
+        except NeverSettlesError as error:
+            raise MechanismError(
+                f"{error}: what sticks and what slips at the start does not settle; give its friction a "
+                "Stribeck rate, by which it falls bit by bit as it begins to slip"
+            ) from None
+        self.changed.clear()
 
     def arm(self, place: str, t: float, y: Array) -> None:
         """Tell an element that is switched on where its joint is, if it has modes."""
@@ -182,29 +189,56 @@ class Modes:
         self._taken += 1
         if self._taken > self._limit:
             raise NeverSettlesError(action.place)
-        some = self._pass(action.place, action.number, t, y)
-        if not some:
+        if action.place in self._dry:
+            self._settle(t, y, action)
+        elif not self._pass(action.place, action.number, t, y):
             value, _ = self._moment.set(t, y).switch(self._acting[action.place].block, action.number, -1)
             if value < -ZERO and action.number not in self._element(action.place).loaded:
                 raise NeverSettlesError(action.place)
             return False
+        settled = action.place in self._dry
         for _ in range(self._limit):
-            due = self.due(t, y)
-            if due is None:
+            due = self.due(t, y, dry=False)
+            if due is not None:
+                self._pass(due.place, due.number, t, y)
+            elif settled:
                 return True
-            self._pass(due.place, due.number, t, y)
+            else:
+                self._settle(t, y)
+            settled = due is None
         raise NeverSettlesError(action.place)
+
+    def _settle(self, t: float, y: Array, action: Switch | None = None) -> None:
+        """Have joints with dry friction agree on what they do."""
+        for shift in self._dry.settle(t, y, action) if self._dry else ():
+            self._note(shift, t, y)
+
+    def _note(self, shift: Shift, t: float, y: Array) -> None:
+        """Record what has become of a joint with dry friction."""
+        element, met = self._element(shift.place), shift.met
+        what = element.change_said(shift.before)
+        if what:
+            one, rate = self._acting[shift.place], self._met(shift.place, t, y).rate
+            name = f"{FAMILIES[one.family].word} {one.name}: {what}"
+            mode = element.modes[element.mode]
+            self.changed.append(Changed(name, shift.place, t, mode, met.angle, met.rate, rate, 0.0, 0.0))
+
+    def jammed(self, t: float, y: Array) -> str:
+        """Return of which joints friction by load has no solution, as a part of a message; "" if of none."""
+        return self._dry.jammed(t, y) if self._dry else ""
 
     def lost(self, y: Array) -> float:
         """Return all that impulses and dampers of these elements have taken [J]."""
         at = self._workspace.model.nq + self._workspace.model.nv
         return float(sum(y[at + place] for place in self._places))
 
-    def due(self, t: float, y: Array) -> Switch | None:
-        """Return a function that passes at this state."""
+    def due(self, t: float, y: Array, *, dry: bool = True) -> Switch | None:
+        """Return a function that passes at this state; of dry friction only if that is asked for."""
         moment = self._moment.set(t, y)
         for place, one in self._acting.items():
             element = self._element(place)
+            if not dry and place in self._dry:
+                continue
             for k in range(element.switches):
                 hold = self._holds.index(place) if k in element.loaded else -1
                 value, slope = moment.switch(one.block, k, hold)

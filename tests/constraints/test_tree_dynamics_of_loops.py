@@ -5,7 +5,7 @@ import pytest
 
 from antenna_pin import load_scenario
 from antenna_pin.assemble import build_system, initial_state
-from antenna_pin.constraints import solve_kernels
+from antenna_pin.constraints import loaded_kernels
 from antenna_pin.dynamics import Workspace
 from antenna_pin.mechanism import TreeDynamics
 
@@ -20,7 +20,7 @@ def test_accelerations_under_constraints_are_those_with_pinocchios_matrix(model,
     held, tree, found = workspace.constraints, TreeDynamics(system.mechanism), expected.copy()
     found[:nv] = 0.0
     mass, bias = tree.mass_and_bias(y[:nq], y[nq : nq + nv])
-    solve_kernels.accelerate(
+    loaded_kernels.accelerate(
         0.01, y, workspace.program, held.plan.words, held.work, workspace.tau, mass, bias, found
     )
     assert np.abs(expected[:nv]).max() > 0.0

@@ -27,6 +27,7 @@ from antenna_pin.elements import (
     RigidStop,
     SineDrive,
     Spline,
+    StickingFriction,
     TableDrive,
     kernels,
     kind_of,
@@ -102,6 +103,12 @@ EXAMPLES = {
         "latch at 0.25 rad, window 0.2 rad to either side, stiffness 10 N m/rad, damping 0.5 N m s/rad, "
         "play 0.1 rad",
         10.0 * 0.1 - 0.5 * 0.2,
+    ),
+    StickingFriction: (
+        # Slipping forward.
+        StickingFriction(joint="a", coulomb=2.0, static=3.0, stribeck_rate=0.1, viscous=0.5, mode=1),
+        "Coulomb friction 2 N m, holds up to 3 N m, viscous 0.5 N m s/rad, Stribeck rate 0.1 rad/s",
+        -2.0 - math.exp(-4.0) - 0.5 * 0.2,
     ),
 }
 

@@ -1,0 +1,178 @@
+"""Dry friction of a joint that holds what it sticks: Coulomb's, static, Stribeck's, viscous, under load."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+from antenna_pin.elements.modal import Change, Met, Modal
+from antenna_pin.errors import InvalidParameterError
+from antenna_pin.parameters import parameter
+
+__all__ = ["StickingFriction"]
+
+_OF_TURNING = ("radius", "axial_radius")
+_OF_LOAD = ("static_coefficient", "radius", "axial_radius", "bending_arm", "middle")
+# In the order of their numbers in the kernels.
+_MODES = ("undecided", "forward", "backward", "sticks", "pushed", "pulled")
+_UNDECIDED, _FORWARD, _BACKWARD, _STUCK = range(4)
+# A joint is at rest for friction where its rate is round-off of one.
+_AT_REST = 1e-11
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StickingFriction(Modal):
+    r"""Dry friction of a joint without play; the units are those of a turning (sliding) joint.
+
+    While it slips
+
+    .. math::
+
+        \tau = -\mathrm{sign}(\dot\phi)\, (T_c + (T_s - T_c)\, g) - b\, \dot\phi, \qquad
+        g = e^{-(|\dot\phi| / \omega_s)^n}
+
+    and while it sticks it is held by a constraint, with whatever torque that takes up to :math:`T_s`: it
+    does not creep. It sticks where its rate passes zero and no more than :math:`T_s` is needed to hold it; it
+    slips where more is. Without a Stribeck rate g is zero as soon as it slips. Joints that come to rest
+    together, or that let go of one another, are decided together.
+
+    Under load :math:`T_c = T_{c0} + \mu N` and :math:`T_s = T_{s0} + \mu_s N`, with N of the force F and the
+    moment M that the joint carries now, in the middle of its bearing, friction included:
+    :math:`N = r (|F_\perp| + |M_\perp| / a) + r_a |F_\parallel|` of a turning joint,
+    :math:`N = |F_\perp| + |M| / a` of a sliding one. Where friction changes that load the equation is solved
+    in each evaluation, by Newton's method from no friction; where it has no solution (a joint that jams as in
+    Painleve's problem) a run ends.
+
+    Attributes:
+        coulomb: T_c0, of slipping, whatever the load [N*m] ([N]).
+        static: T_s0, up to which it holds, whatever the load; T_c0 if left out [N*m] ([N]).
+        viscous: b [N*m*s/rad] ([N*s/m]).
+        stribeck_rate: omega_s, over which friction falls from that at rest; if left out it falls at once
+            [rad/s] ([m/s]).
+        exponent: n of the Stribeck curve [-].
+        coefficient: mu, of slipping under load [-].
+        static_coefficient: mu_s, up to which it holds under load; mu if left out [-].
+        radius: r, at which a turning joint slips under radial load [m].
+        axial_radius: r_a, at which a turning joint slips under axial load [m].
+        bending_arm: a: a moment M presses like a force M / a, which is half their distance if two bearings,
+            or the ends of one, take it; if left out moments do not press [m].
+        middle: Where the bearing's middle is, from the joint's origin along its axis [m].
+        on: Whether it acts from the start on; an event may switch it.
+
+    References:
+        Names of the load as those of joint friction in Adams and MotionSolve: F radial and axial, a bending
+        arm, a preload torque (here ``coulomb``).
+    """
+
+    kernels: ClassVar[str] = "sticking_friction_kernels"
+    modes: ClassVar[tuple[str, ...]] = _MODES
+    switches: ClassVar[int] = 2
+    loaded: ClassVar[tuple[int, ...]] = (1,)
+    remembers: ClassVar[tuple[str, ...]] = ("where",)
+    holds: ClassVar[bool] = True
+    together: ClassVar[bool] = True
+    one_above_zero: ClassVar[tuple[str, ...]] = ("coulomb", "viscous", "coefficient")
+
+    coulomb: float = parameter("N*m", sliding="N", rule="zero or more", default=0.0)
+    static: float | None = parameter("N*m", sliding="N", rule="zero or more", default=None)
+    viscous: float = parameter("N*m*s/rad", sliding="N*s/m", rule="zero or more", default=0.0)
+    stribeck_rate: float | None = parameter("rad/s", sliding="m/s", rule="positive", default=None)
+    exponent: float = parameter(rule="positive", default=2.0)
+    coefficient: float = parameter(rule="zero or more", default=0.0)
+    static_coefficient: float | None = parameter(rule="zero or more", default=None)
+    radius: float | None = parameter("m", rule="positive", default=None)
+    axial_radius: float | None = parameter("m", rule="zero or more", default=None)
+    bending_arm: float | None = parameter("m", rule="positive", default=None)
+    middle: float | None = parameter("m", default=None)
+    on: bool = True
+    where: float = field(default=0.0, repr=False)
+
+    def __post_init__(self) -> None:
+        """Check the parameters together."""
+        Modal.__post_init__(self)
+        for low, high in (("coulomb", "static"), ("coefficient", "static_coefficient")):
+            least, most = getattr(self, low), getattr(self, high)
+            if most is not None and not most >= least:
+                raise InvalidParameterError(self, high, f"at least {low} = {least:g}, or left out", most)
+        for name in _OF_LOAD:
+            if self.coefficient == 0.0 and getattr(self, name) is not None and not self.static_coefficient:
+                rule = "left out without a coefficient of friction under load"
+                raise InvalidParameterError(self, name, rule, getattr(self, name))
+
+    def check_joint(self, place: str, slides: bool) -> None:
+        """Refuse what a joint of this kind has not, or lacks."""
+        if slides:
+            for name in _OF_TURNING:
+                if getattr(self, name) is not None:
+                    rule = f"left out: joint {self.joint!r} slides"
+                    raise InvalidParameterError(place, name, rule, getattr(self, name))
+        elif self.under_load and self.radius is None and self.axial_radius is None:
+            rule = f"given, or axial_radius: joint {self.joint!r} turns, and has friction under load"
+            raise InvalidParameterError(place, "radius", rule, None)
+        elif self.bending_arm is not None and self.radius is None:
+            raise InvalidParameterError(place, "radius", "given with a bending_arm", None)
+
+    @property
+    def under_load(self) -> bool:
+        """Whether its friction is that of a load."""
+        return self.coefficient > 0.0 or bool(self.static_coefficient)
+
+    def values(self) -> dict[str, Any]:
+        """Return its numbers, by the names that its record has for them."""
+        static = self.coulomb if self.static is None else self.static
+        on_load = self.coefficient if self.static_coefficient is None else self.static_coefficient
+        # A sliding joint has neither radius: there a force presses by itself.
+        slides = self.radius is None and self.axial_radius is None
+        radial = 1.0 if slides else self.radius or 0.0
+        return {
+            "mode": self.mode,
+            "where": self.where,
+            "coulomb": self.coulomb,
+            "static": static,
+            "viscous": self.viscous,
+            "stribeck_rate": self.stribeck_rate or 0.0,
+            "exponent": self.exponent,
+            "coefficient": self.coefficient,
+            "static_coefficient": on_load,
+            "radial": radial if self.under_load else 0.0,
+            "axial": self.axial_radius or 0.0,
+            "bending": radial / self.bending_arm if self.under_load and self.bending_arm else 0.0,
+            "middle": self.middle or 0.0,
+            "burden": 0.0,
+        }
+
+    def first(self, met: Met) -> Change:
+        """Slip if the joint moves, else stick: whether that holds is found next."""
+        return self.sticks(met) if abs(met.rate) <= _AT_REST else self.slips(math.copysign(1.0, met.rate))
+
+    def passed(self, k: int, met: Met) -> Change:
+        """Stick where the rate passes zero; let go where holding takes too much."""
+        return self.sticks(met) if k == 0 else self.slips(-math.copysign(1.0, met.load))
+
+    def sticks(self, met: Met) -> Change:
+        """Return the change by which it holds the joint where it is; one that holds it already stays."""
+        return Change(_STUCK, memory={"where": self.where if self.mode == _STUCK else met.angle})
+
+    def slips(self, direction: float) -> Change:
+        """Return the change by which it slips one way."""
+        return Change(_FORWARD if direction > 0.0 else _BACKWARD)
+
+    def change_said(self, before: int) -> str:
+        """Return what is recorded: that it sticks, or slips, having done something else."""
+        moves = self.mode in (_FORWARD, _BACKWARD)
+        if before == self.mode or not (moves or before in (_FORWARD, _BACKWARD, _UNDECIDED)):
+            return ""
+        return f"slips {self.modes[self.mode]}" if moves else "sticks"
+
+    def bears(self, impulse: float) -> Change | None:
+        """Let go: friction that is finite holds nothing against an impulse."""
+        return self.slips(-impulse) if impulse != 0.0 else None
+
+    def words(self, slides: bool) -> str:
+        """Return what it is in words."""
+        said = {"coulomb": "Coulomb friction", "static": "holds up to", "viscous": "viscous"}
+        said |= {"stribeck_rate": "Stribeck rate", "coefficient": "under load"}
+        said |= {"static_coefficient": "holds under load by", "radius": "at radius"}
+        said |= {"axial_radius": "at axial radius", "bending_arm": "bending arm"}
+        return ", ".join(self.said_of(said, slides))

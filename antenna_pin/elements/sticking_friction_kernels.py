@@ -1,0 +1,130 @@
+"""Dry friction of a joint that holds what it sticks, compiled.
+
+What depends on the load is not in ``effort``: where rows are solved, it is added by what :func:`bearing`,
+:func:`rub` and :func:`bear` say of it (:mod:`antenna_pin.constraints.loaded_kernels`).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from antenna_pin._compile import inlined, record
+from antenna_pin.records import layout, words_of
+
+#: The mode, where it sticks; friction of slipping and up to which it sticks, viscous friction, Stribeck's
+#: curve; the same by the load; by what radial force, axial force and moment make this, the bearing's middle;
+#: and the load at the last evaluation.
+LAYOUT = layout(
+    ("mode", "i8"),
+    ("where", "f8"),
+    ("coulomb", "f8"),
+    ("static", "f8"),
+    ("viscous", "f8"),
+    ("stribeck_rate", "f8"),
+    ("exponent", "f8"),
+    ("coefficient", "f8"),
+    ("static_coefficient", "f8"),
+    ("radial", "f8"),
+    ("axial", "f8"),
+    ("bending", "f8"),
+    ("middle", "f8"),
+    ("burden", "f8"),
+)
+SIZE = words_of(LAYOUT)
+
+# Modes. Slipping one way or the other; sticking; at rest and held by others, with all its friction pushing
+# as if it slipped forward, or backward.
+UNDECIDED = 0
+FORWARD = 1
+BACKWARD = 2
+STUCK = 3
+PUSHED = 4
+PULLED = 5
+
+
+@inlined
+def _direction(mode_now: int) -> float:
+    """Way along which it slips, or would; 0 where it does neither."""
+    if mode_now == FORWARD or mode_now == PUSHED:
+        return 1.0
+    return -1.0 if mode_now == BACKWARD or mode_now == PULLED else 0.0
+
+
+@inlined
+def _fade(law: Any, rate: float) -> float:
+    """What is left of the excess of static friction at a rate."""
+    if law.mode == PUSHED or law.mode == PULLED:
+        return 1.0
+    if law.stribeck_rate == 0.0:
+        return 0.0
+    return math.exp(-((abs(rate) / law.stribeck_rate) ** law.exponent))
+
+
+@inlined
+def effort(words: Any, at: int, t: float, angle: float, rate: float) -> float:
+    """Torque [N m], or force [N], whatever the load: zero while it sticks, for then a row carries it."""
+    law = record(words[at : at + SIZE], LAYOUT)
+    dry = law.coulomb + (law.static - law.coulomb) * _fade(law, rate)
+    return float(-_direction(law.mode) * dry - law.viscous * rate)
+
+
+@inlined
+def write_rates(words: Any, at: int, angle: float, rate: float, power: float, rates: Any, x: int) -> None:
+    """Power that it takes, whatever the load [W]."""
+    rates[x] = -power
+
+
+@inlined
+def mode(words: Any, at: int) -> int:
+    """Return the present mode."""
+    return int(record(words[at : at + SIZE], LAYOUT).mode)
+
+
+@inlined
+def hold(words: Any, at: int) -> tuple[bool, float]:
+    """Whether the joint sticks, and where."""
+    law = record(words[at : at + SIZE], LAYOUT)
+    return law.mode == STUCK, float(law.where)
+
+
+@inlined
+def grip(words: Any, at: int) -> float:
+    """Torque up to which it holds, under the load of the last evaluation [N m] ([N])."""
+    law = record(words[at : at + SIZE], LAYOUT)
+    return float(law.static + law.static_coefficient * law.burden)
+
+
+@inlined
+def switch(words: Any, at: int, k: int, motion: Any) -> tuple[float, float]:
+    """Rate in the direction of slipping; what is left of the grip while it sticks."""
+    law = record(words[at : at + SIZE], LAYOUT)
+    _, _, rate, load = motion
+    if k == 0:
+        if law.mode == FORWARD:
+            return float(rate), 0.0
+        if law.mode == UNDECIDED:
+            return -1.0, 0.0
+        return (float(-rate), 0.0) if law.mode == BACKWARD else (1.0, 0.0)
+    return (float(grip(words, at) - abs(load)), 0.0) if law.mode == STUCK else (1.0, 0.0)
+
+
+@inlined
+def bearing(words: Any, at: int) -> tuple[float, float, float, float]:
+    """What load is made of: by radial force, axial force [m] and moment [-], and the middle [m]."""
+    law = record(words[at : at + SIZE], LAYOUT)
+    return float(law.radial), float(law.axial), float(law.bending), float(law.middle)
+
+
+@inlined
+def rub(words: Any, at: int, rate: float) -> float:
+    """Torque by load, with its sign [-]."""
+    law = record(words[at : at + SIZE], LAYOUT)
+    level = law.coefficient + (law.static_coefficient - law.coefficient) * _fade(law, rate)
+    return float(-_direction(law.mode) * level)
+
+
+@inlined
+def bear(words: Any, at: int, burden: float) -> None:
+    """Take notice of the load [N m] ([N])."""
+    record(words[at : at + SIZE], LAYOUT).burden = burden
