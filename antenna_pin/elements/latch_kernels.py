@@ -40,7 +40,7 @@ def excess(latch: Any, angle: float) -> float:
 
 
 @inlined
-def grip(latch: Any, angle: float, rate: float) -> float:
+def held_torque(latch: Any, angle: float, rate: float) -> float:
     """Torque [N m], or force [N], of the spring and the damper; only back to the latched angle."""
     off = excess(latch, angle)
     if latch.half_play > 0.0 and off == 0.0:
@@ -55,7 +55,7 @@ def grip(latch: Any, angle: float, rate: float) -> float:
 def effort(words: Any, at: int, t: float, angle: float, rate: float) -> float:
     """Torque [N m], or force [N]."""
     latch = record(words[at : at + SIZE], LAYOUT)
-    return grip(latch, angle, rate) if latch.mode == HELD else 0.0
+    return held_torque(latch, angle, rate) if latch.mode == HELD else 0.0
 
 
 @inlined
@@ -120,7 +120,7 @@ def switch(words: Any, at: int, k: int, motion: Any) -> tuple[float, float]:
     if k < 2:
         return capture(latch, k, angle, rate)
     if latch.mode == HELD and not math.isinf(latch.holding):
-        return float(latch.holding - abs(grip(latch, angle, rate))), 0.0
+        return float(latch.holding - abs(held_torque(latch, angle, rate))), 0.0
     return 1.0, 0.0
 
 
