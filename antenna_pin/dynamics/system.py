@@ -22,6 +22,7 @@ from antenna_pin.dynamics.blocks import (
     held_block,
     places_in_x,
     slides,
+    states_in_x,
 )
 from antenna_pin.dynamics.configuration import make_unit, numbers, spaces
 from antenna_pin.dynamics.coordinates import coordinate_names
@@ -65,7 +66,7 @@ class System:
     The state is ``y = [q, v, x]``: Pinocchio's configuration and velocity, and in x the turned angles of
     joints that turn without end (see :meth:`turn_on`) and what the elements integrate (per contact impulse,
     work lost in normal direction and to friction, bristles; per drive work and gross work; per spring the
-    work lost in its damper).
+    work lost in its damper; what else an element's effort depends on).
 
     Beside it stands the contact memory, the contacts' discrete state, one record each
     (:data:`antenna_pin.records.MEMORY`: touching, approach speed, effective mass). It is not part of ``y``;
@@ -160,6 +161,9 @@ class System:
             places_in_x(self.program, self.drives, self.drive_blocks, one) for one in (WORK, GROSS_WORK)
         )
         self.damper_x = places_in_x(self.program, self.springs, self.spring_blocks, LOSS)
+        #: Where in x the states of elements are; with bristles, all that the derivative depends on.
+        self.state_x = states_in_x(self)
+        self.bristle_x = np.append(self.bristle_x, self.state_x)
         #: The same of the losses of elements of further families, one family after another.
         places = ((self.families[one], self.element_blocks[one]) for one in self.others)
         found = [places_in_x(self.program, *one, LOSS) for one in places]

@@ -1,9 +1,13 @@
 """Force elements: drives, a controller, springs and dampers at joints, springs between points."""
 
+from antenna_pin.elements.angle_table import Outside, TableSpring
 from antenna_pin.elements.between_points import BetweenPoints, Point
+from antenna_pin.elements.bouc_wen import BoucWen
 from antenna_pin.elements.constant import ConstantDrive
+from antenna_pin.elements.constant_spring import ConstantSpring
 from antenna_pin.elements.element import GROSS_WORK, LOSS, WORK, About, Drive, Element, ForceElement, Integral
 from antenna_pin.elements.given import CallableDrive
+from antenna_pin.elements.harness import HarnessSpring
 from antenna_pin.elements.joint_friction import JointFriction
 from antenna_pin.elements.modal import Change, Met, Modal
 from antenna_pin.elements.pd import PDController
@@ -26,21 +30,25 @@ __all__ = [
     "WORK",
     "About",
     "BetweenPoints",
+    "BoucWen",
     "CallableDrive",
     "CallableMotion",
     "Change",
     "ConstantDrive",
+    "ConstantSpring",
     "DistanceMotion",
     "Drive",
     "Element",
     "Family",
     "ForceElement",
+    "HarnessSpring",
     "Integral",
     "JointFriction",
     "JointSpring",
     "Met",
     "Modal",
     "Motion",
+    "Outside",
     "PDController",
     "Point",
     "PointSpring",
@@ -49,5 +57,6 @@ __all__ = [
     "RigidStop",
     "SineDrive",
     "TableDrive",
+    "TableSpring",
     "kind_of",
 ]

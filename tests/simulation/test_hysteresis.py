@@ -1,0 +1,249 @@
+"""Springs with hysteresis and harness tables: loop areas, energy, what they store, both engines."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import quad, solve_ivp
+from scipy.interpolate import PchipInterpolator
+from wheel import INERTIA, wheel_urdf
+
+from antenna_pin import RunSettings, simulate
+from antenna_pin.dynamics import System
+from antenna_pin.elements import (
+    BoucWen,
+    ConstantSpring,
+    HarnessSpring,
+    PrescribedMotion,
+    SineDrive,
+    TableSpring,
+)
+from antenna_pin.errors import AntennaPinError
+from antenna_pin.mechanism import build_mechanism
+
+TIGHT = RunSettings(rtol=1e-12, output_rate=50.0)
+ANGLES = (-1.0, -0.4, 0.1, 0.6, 1.0)
+UP = (1.5, 0.9, 0.2, -1.1, -2.0)
+BACK = (1.8, 1.3, 0.5, -0.7, -1.5)
+
+
+def _wheel(spring, **more):
+    mechanism = build_mechanism(wheel_urdf("revolute"), "fixed")
+    return System(mechanism, springs={"s": spring}, **more)
+
+
+def _swung(spring, duration, amplitude=0.8, settings=TIGHT, frequency=0.5):
+    """A joint led to and fro by a motion, with the spring."""
+    motion = PrescribedMotion(joint="axle", amplitude=amplitude, frequency=frequency)
+    rate = [2.0 * math.pi * frequency * amplitude]
+    return simulate(
+        _wheel(spring, drives={"m": motion}), q=[0.0], v=rate, duration=duration, settings=settings
+    )
+
+
+def _ledger(run):
+    return float(np.abs(run.data["energy_error"]).max())
+
+
+BOUC_WEN = BoucWen(joint="axle", alpha=0.2, stiffness=5.0, yield_angle=0.1, beta=0.6, gamma=0.3, exponent=1.5)
+
+
+@pytest.mark.parametrize("engine", ["compiled", "pinocchio"])
+def test_bouc_wen_against_another_integrator(engine):
+    """A wheel swings on it: the same equations by SciPy, restarted where the wheel turns back."""
+    spring = BOUC_WEN
+    settings = RunSettings(rtol=1e-12, engine=engine)
+    run = simulate(_wheel(spring), q=[0.0], v=[2.0], duration=3.0, settings=settings)
+
+    def rates(t, y):
+        q, v, z, lost = y
+        stiff = spring.stiffness * spring.yield_angle * (1 - spring.alpha)
+        yields = abs(z) ** spring.exponent * (spring.beta * abs(v) * math.copysign(1.0, z) + spring.gamma * v)
+        torque = -spring.alpha * spring.stiffness * q - stiff * z
+        return [v, torque / INERTIA, (v - yields) / spring.yield_angle, stiff * z * yields]
+
+    def turns(t, y):
+        return y[1]
+
+    turns.terminal = True
+    t, y, ends = 0.0, [0.0, 2.0, 0.0, 0.0], []
+    while t < 3.0:
+        turns.direction = -np.sign(y[1]) if abs(y[1]) > 1e-9 else np.sign(rates(t, y)[1]) * -1.0
+        found = solve_ivp(rates, (t, 3.0), y, rtol=1e-12, atol=1e-13, events=turns, method="DOP853")
+        ends.append(found)
+        t, y = found.t[-1], found.y[:, -1]
+    # Both integrate to 1e-12 a step, over some hundred steps of a motion of size 1.
+    assert float(run.data["motion_angle"][-1, 0]) == pytest.approx(y[0], abs=1e-9)
+    assert float(run.data["motion_rate"][-1, 0]) == pytest.approx(y[1], abs=1e-9)
+    assert float(run.data["dissipation_damper"][-1, 0]) == pytest.approx(y[3], abs=1e-9)
+    assert len(ends) > 4
+    assert _ledger(run) < 1e-9
+
+
+def test_bouc_wen_starts_with_its_stiffness_and_ends_at_its_strength():
+    """Skeleton curve with beta = gamma = 1/2, n = 1: z = 1 - exp(-q/D) on the way up, from rest."""
+    spring = BoucWen(joint="axle", alpha=0.1, stiffness=4.0, yield_angle=0.2)
+    run = _swung(spring, 0.5)
+    q = run.data["motion_angle"].values[:, 0]
+    stored = 0.5 * 4.0 * (0.1 * q**2 + 0.9 * 0.04 * (1.0 - np.exp(-q / 0.2)) ** 2)
+    np.testing.assert_allclose(run.data["energy_springs"], stored, rtol=0, atol=1e-11)
+
+
+def test_heat_of_a_cycle_is_the_area_of_the_loop():
+    """Once the loop has closed, work of the motion = heat, cycle after cycle."""
+    run = _swung(BOUC_WEN, 6.0)
+    time, heat = run.data["time"].values, run.data["dissipation_damper"].values[:, 0]
+    each = np.diff(np.interp([2.0, 4.0, 6.0], time, heat))
+    assert each[0] == pytest.approx(each[1], rel=1e-9)
+    assert _ledger(run) < 1e-10
+
+
+@pytest.mark.parametrize("outside", ["hold", "extend"])
+@pytest.mark.parametrize("interpolation", ["cubic", "linear"])
+def test_a_table_conserves_energy_within_and_beyond(outside, interpolation):
+    """A wheel thrown through both ends of the table: its energy is that of the table's integral."""
+    table = TableSpring(joint="axle", angle=ANGLES, torque=UP, outside=outside, interpolation=interpolation)
+    run = simulate(_wheel(table), q=[0.0], v=[3.2], duration=4.0, settings=TIGHT)
+    q, v = run.data["motion_angle"].values[:, 0], run.data["motion_rate"].values[:, 0]
+    assert q.max() > 1.05 and q.min() < -1.05
+    curve = PchipInterpolator(ANGLES, UP) if interpolation == "cubic" else None
+
+    def torque(x):
+        inside = min(max(x, -1.0), 1.0)
+        value = float(curve(inside)) if curve else float(np.interp(inside, ANGLES, UP))
+        if outside == "extend":
+            end = 1e-9 if x < 0 else -1e-9
+            slope = (
+                float(curve(inside, 1))
+                if curve
+                else (np.interp(inside + end, ANGLES, UP) - np.interp(inside, ANGLES, UP)) / end
+            )
+            value += slope * (x - inside)
+        return value
+
+    for k in (int(q.argmax()), int(q.argmin())):
+        given = quad(torque, 0.0, q[k], points=[a for a in ANGLES if a != 0], limit=200, epsabs=1e-12)[0]
+        # Of the quadrature, and of a slope by a difference of 1e-9 over 0.5 rad.
+        assert 0.5 * INERTIA * (v[k] ** 2 - 3.2**2) == pytest.approx(given, abs=3e-7 if not curve else 1e-9)
+    assert _ledger(run) < 1e-10
+
+
+def test_a_run_ends_where_its_table_does():
+    table = TableSpring(joint="axle", angle=ANGLES, torque=UP, outside="refuse")
+    run = simulate(_wheel(table), q=[0.0], v=[3.2], duration=4.0, settings=TIGHT)
+    assert float(run.data["motion_angle"][-1, 0]) == pytest.approx(1.0, abs=1e-10)
+    assert "spring 's' has no torque beyond 1" in str(run.data.attrs)
+    with pytest.raises(
+        AntennaPinError, match=r"spring 's': angle must be a table that covers the start, at 1.2"
+    ):
+        simulate(_wheel(table), q=[1.2], v=[0.0], duration=0.1)
+
+
+def test_heat_of_a_harness_is_what_lies_between_its_tables():
+    """With a reversal angle that goes to nothing the loop's area is that between the tables."""
+    span = quad(
+        lambda x: float(PchipInterpolator(ANGLES, BACK)(x) - PchipInterpolator(ANGLES, UP)(x)),
+        -0.8,
+        0.8,
+        points=ANGLES[1:-1],
+        epsabs=1e-12,
+    )[0]
+    lost = []
+    for reversal in (0.02, 0.01):
+        harness = HarnessSpring(
+            joint="axle", angle=ANGLES, torque=UP, torque_back=BACK, reversal=reversal, start=1.0
+        )
+        run = _swung(harness, 4.0)
+        time, heat = run.data["time"].values, run.data["dissipation_damper"].values[:, 0]
+        lost.append(float(np.diff(np.interp([2.0, 4.0], time, heat))[0]))
+        assert _ledger(run) < 1e-10
+    # Each turn leaves out some 2 delta H: linear in delta but for H's own slope.
+    assert 2.0 * lost[1] - lost[0] == pytest.approx(span, rel=2e-4)
+    assert lost[0] < lost[1] < span
+
+
+@pytest.mark.parametrize(
+    ("given", "q", "acts"),
+    [
+        ({"torque": 0.3}, 5.0, 0.3),
+        ({"torque": 0.3, "upper": 1.0}, 1.0 + 5e-4, 0.15),
+        ({"torque": -0.3, "lower": 0.2, "upper": 1.0}, 0.5, -0.3),
+        ({"torque": -0.3, "lower": 0.2}, 0.1, 0.0),
+    ],
+)
+def test_constant_torque_within_its_ends(given, q, acts):
+    spring = ConstantSpring(joint="axle", **given)
+    kernels, words = spring.compiled(), spring.words_of_kernel()
+    assert kernels.effort(words, 0, 0.0, q, 0.0) == pytest.approx(acts, abs=1e-12)
+
+
+@pytest.mark.parametrize("torque", [0.7, -0.7])
+@pytest.mark.parametrize("ends", [{}, {"lower": -0.3}, {"upper": 0.4}, {"lower": -0.3, "upper": 0.4}])
+def test_constant_torque_is_the_slope_of_what_it_stores(torque, ends):
+    """Central differences of a quadratic are exact but for round-off and where a ramp begins."""
+    spring = ConstantSpring(joint="axle", torque=torque, ramp=0.1, **ends)
+    kernels, words = spring.compiled(), spring.words_of_kernel()
+    for q in np.linspace(-0.9, 0.9, 37) + 0.0123:
+        slope = (kernels.stored(words, 0, q + 1e-4) - kernels.stored(words, 0, q - 1e-4)) / 2e-4
+        assert -slope == pytest.approx(kernels.effort(words, 0, 0.0, q, 0.0), abs=1e-10)
+    if (torque > 0) == ("upper" in ends) and ends:
+        end = 9.0 if torque > 0 else -9.0
+        assert kernels.stored(words, 0, end) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_a_tape_unrolls():
+    """Work of a constant torque over the way to its end is all the energy that the wheel has then."""
+    spring = ConstantSpring(joint="axle", torque=0.5, upper=1.0, ramp=0.01)
+    run = simulate(_wheel(spring), q=[0.0], v=[0.0], duration=3.0, settings=TIGHT)
+    rate = float(run.data["motion_rate"][-1, 0])
+    assert 0.5 * INERTIA * rate**2 == pytest.approx(0.5 * 1.005, rel=1e-10)
+    assert float(run.data["energy_springs"][-1]) == pytest.approx(0.0, abs=1e-12)
+    assert _ledger(run) < 1e-11
+
+
+@pytest.mark.parametrize("kind", ["bouc-wen", "harness"])
+def test_two_halves_are_the_whole(kind):
+    """Bit for bit: what they remember stands in the state."""
+    spring = (
+        BOUC_WEN
+        if kind == "bouc-wen"
+        else HarnessSpring(joint="axle", angle=ANGLES, torque=UP, torque_back=BACK, reversal=0.05)
+    )
+    system = _wheel(spring, drives={"d": SineDrive(joint="axle", amplitude=2.0, frequency=0.7)})
+    whole = simulate(system, q=[0.1], v=[0.5], duration=2.0)
+    half = simulate(system, q=[0.1], v=[0.5], duration=1.0)
+    rest = simulate(system, start=half.end, duration=1.0)
+    np.testing.assert_array_equal(whole.end.y, rest.end.y)
+
+
+@pytest.mark.parametrize(
+    ("make", "says"),
+    [
+        (
+            lambda: BoucWen(joint="a", alpha=1.5, stiffness=1.0, yield_angle=1.0),
+            "alpha must be at most 1, got 1.5",
+        ),
+        (
+            lambda: BoucWen(joint="a", alpha=0.5, stiffness=1.0, yield_angle=1.0, gamma=0.9),
+            "gamma must be at most beta = 0.5 in size",
+        ),
+        (
+            lambda: BoucWen(joint="a", alpha=0.5, stiffness=1.0, yield_angle=1.0, start=2.0),
+            "start must be at most 1 in size, where z ends, got 2.0",
+        ),
+        (lambda: TableSpring(joint="a", angle=(0.0, 0.0), torque=(1.0, 2.0)), r"angle\[1\] must be above"),
+        (
+            lambda: HarnessSpring(
+                joint="a", angle=(0.0, 1.0), torque=(1.0, 2.0), torque_back=(1.0, 1.5), reversal=0.1
+            ),
+            r"torque_back\[1\] must be at least torque there, 2.0",
+        ),
+        (
+            lambda: ConstantSpring(joint="a", torque=1.0, lower=1.0, upper=0.5),
+            "upper must be above lower = 1",
+        ),
+    ],
+)
+def test_refusals(make, says):
+    with pytest.raises(ValueError, match=says):
+        make()
