@@ -161,7 +161,7 @@ class System:
             places_in_x(self.program, self.drives, self.drive_blocks, one) for one in (WORK, GROSS_WORK)
         )
         self.damper_x = places_in_x(self.program, self.springs, self.spring_blocks, LOSS)
-        #: Where in x the states of elements are; with bristles, all that the derivative depends on.
+        #: The states of elements.
         self.state_x = states_in_x(self)
         self.bristle_x = np.append(self.bristle_x, self.state_x)
         #: The same of the losses of elements of further families, one family after another.
@@ -226,7 +226,8 @@ class System:
         self.lost_normal_x = starts + place_of(_layout.INTEGRALS, "lost_normal")
         self.lost_friction_x = starts + place_of(_layout.INTEGRALS, "lost_friction")
         bristles = [np.arange(a + _layout.BRISTLES, a + n) for a, n in zip(starts, strides, strict=True)]
-        self.bristle_x = np.concatenate([np.zeros(0, dtype=int), *bristles])
+        #: Where in x bristles are, and behind them the states of elements: the derivative depends on them.
+        self.bristle_x: NDArray[np.int_] = np.concatenate([np.zeros(0, dtype=int), *bristles])
 
     def _place_elements(self, blocks: Blocks) -> None:
         """Lay out the elements at joints."""

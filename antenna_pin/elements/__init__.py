@@ -9,6 +9,7 @@ from antenna_pin.elements.element import GROSS_WORK, LOSS, WORK, About, Drive, E
 from antenna_pin.elements.given import CallableDrive
 from antenna_pin.elements.harness import HarnessSpring
 from antenna_pin.elements.joint_friction import JointFriction
+from antenna_pin.elements.maxwell_slip import MaxwellSlip
 from antenna_pin.elements.modal import Change, Met, Modal
 from antenna_pin.elements.pd import PDController
 from antenna_pin.elements.point_spring import PointSpring
@@ -45,6 +46,7 @@ __all__ = [
     "Integral",
     "JointFriction",
     "JointSpring",
+    "MaxwellSlip",
     "Met",
     "Modal",
     "Motion",

