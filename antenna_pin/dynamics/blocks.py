@@ -28,6 +28,7 @@ __all__ = [
     "places_in_x",
     "slides",
     "states_in_x",
+    "turning",
 ]
 
 Array = NDArray[np.float64]
@@ -123,6 +124,15 @@ def places_in_x(
         own = element.integrals
         found.append(int(head["x"][0]) + own.index(integral) if integral in own else -1)
     return np.array(found, dtype=int)
+
+
+def turning(system: Any) -> dict[str, int]:
+    """Return the joints whose configuration knows their angle only but for whole turns, numbered."""
+    about_axis = {name for name, kind in system.held.items() if kind == "revolute"}
+    about_axis |= {j.name for j in system.clearances if j.geometry.motion == "turn"}
+    slots = system.mechanism.joints.values()
+    names = [slot.name for slot in slots if slot.kind == "continuous" or slot.name in about_axis]
+    return {name: k for k, name in enumerate(names)}
 
 
 def states_in_x(system: Any) -> NDArray[np.int_]:

@@ -39,6 +39,7 @@ class TableSpring(Element):
     """
 
     kernels: ClassVar[str] = "angle_table_kernels"
+    traced: ClassVar[bool] = True
     columns: ClassVar[tuple[str, ...]] = ("angle", "torque")
     senses: ClassVar[bool] = True
     integrals: ClassVar[tuple[Integral, ...]] = (LOSS,)

@@ -46,6 +46,7 @@ class BoucWen(Element):
     """
 
     kernels: ClassVar[str] = "bouc_wen_kernels"
+    traced: ClassVar[bool] = True
     senses: ClassVar[bool] = True
     integrals: ClassVar[tuple[Integral, ...]] = (LOSS, _Z)
     states: ClassVar[tuple[Integral, ...]] = (_Z,)

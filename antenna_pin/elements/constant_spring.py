@@ -31,6 +31,7 @@ class ConstantSpring(Element):
     """
 
     kernels: ClassVar[str] = "constant_spring_kernels"
+    traced: ClassVar[bool] = True
     senses: ClassVar[bool] = True
     integrals: ClassVar[tuple[Integral, ...]] = (LOSS,)
 

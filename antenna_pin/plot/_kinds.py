@@ -21,6 +21,7 @@ __all__ = [
     "SEVERAL_JOINTS",
     "SLIDING",
     "TOUCHING",
+    "TRACED",
     "TURNING",
     "JointKind",
     "RunKind",
@@ -85,6 +86,10 @@ LOOPED = JointKind(
 CLOSED = RunKind("a closure of a loop", lambda run: "closure" in run.data.sizes)
 COUPLED = RunKind("a coupling of joints", lambda run: "coupling" in run.data.sizes)
 FLEXIBLE = RunKind("flexible links", lambda run: "elastic_part" in run.data.sizes)
+TRACED = RunKind(
+    "a spring that has a table, hysteresis or a constant torque",
+    lambda run: "traced_spring" in run.data.sizes,
+)
 PRESCRIBED = RunKind("a prescribed motion", lambda run: "motion" in run.data.sizes)
 FREE_BASE = RunKind("a free base", lambda run: "base_position" in run.data)
 SEVERAL_JOINTS = RunKind("two joints that turn or more", lambda run: len(run.joints) > 1)

@@ -31,6 +31,7 @@ DIMENSIONS: dict[str, str] = {
     "controller": "drives that follow a reference, by name",
     "motion": "drives that prescribe their joint's motion, by name",
     "spring": "springs and dampers, and friction of joints, by name",
+    "traced_spring": "those of them at joints that have a table, hysteresis, or a constant torque",
     "element": "elements of further families (stops, latches), by family and name",
     "change": "changes of mode of these, in order of time, by element and what changed",
     "point_spring": "those of them that are between points",
@@ -49,6 +50,7 @@ COORDINATES: tuple[Coordinate, ...] = (
         "contact",
         "radial (in the bore), axial (at a flange), spherical (in a socket) or another",
     ),
+    Coordinate("traced_joint", "traced_spring", "joint that the spring acts at"),
     Coordinate("contact_end", "contact", "the bearing's end along its axis: +, - or none"),
 )
 
@@ -207,6 +209,10 @@ _ENERGIES: tuple[Variable, ...] = (
     *_rows(
         "ledger: time spring",
         ("dissipation_damper", "J", "energy lost in the damper, or to a joint's own friction", _TOTAL),
+    ),
+    *_rows(
+        "derivative: time traced_spring",
+        ("spring_torque", "N m", "torque about the joint's axis, on the child (a force [N])"),
     ),
     *_rows(
         "derivative: time element",
