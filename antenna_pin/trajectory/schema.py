@@ -59,6 +59,8 @@ _SIZE = Rule(least=0.0)
 _UNIT = Rule(unit=True)
 _ORDERED = Rule(rising=True)
 _TOTAL = Rule(least=0.0, summed=True)
+# May be below zero: where a table or a constant torque stores nothing is a matter of choice.
+_STORED = Rule(summed=True)
 _PRESSED = Rule(least=0.0, beside="touching")
 # Of contacts; none of them is sure to lose energy under a law of a user's.
 _LOST = Rule(least=0.0, summed=True, passive=True)
@@ -181,7 +183,7 @@ _ENERGIES: tuple[Variable, ...] = (
         "audit: time",
         ("kinetic_energy", "J", "kinetic energy", _TOTAL),
         ("contact_energy", "J", "energy stored in contacts"),
-        ("spring_energy", "J", "energy stored in springs, at joints and between points", _TOTAL),
+        ("spring_energy", "J", "energy stored in springs, at joints and between points", _STORED),
         ("gravity_energy", "J", "potential energy of gravity"),
     ),
     *_rows("audit: time elastic_part", ("elastic_energy", "J", "energy stored in the part's spring", _TOTAL)),
