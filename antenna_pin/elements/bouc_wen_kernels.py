@@ -21,7 +21,7 @@ LAYOUT = layout(
 )
 SIZE = words_of(LAYOUT)
 # Among what it integrates.
-LOST = 0
+HEAT = 0
 Z = 1
 
 
@@ -47,7 +47,7 @@ def write_rates_of(words: Any, at: int, motion: Any, own: Any, rates: Any, x: in
     sign = math.copysign(1.0, z)
     yields = size * (law.beta * abs(rate) * sign + law.gamma * rate)
     rates[x + Z] = (law.slope * rate - yields) / law.yield_angle
-    rates[x + LOST] = (1.0 - law.alpha) * law.stiffness * law.yield_angle * z * yields / law.slope
+    rates[x + HEAT] = (1.0 - law.alpha) * law.stiffness * law.yield_angle * z * yields / law.slope
 
 
 @inlined

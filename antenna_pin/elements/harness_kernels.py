@@ -12,7 +12,7 @@ from antenna_pin.records import layout, words_of
 LAYOUT = layout(("points", "i8"), ("goes_on", "i8"), ("reversal", "f8"), ("start", "f8"))
 SIZE = words_of(LAYOUT)
 # Among what it integrates.
-LOST = 0
+HEAT = 0
 Z = 1
 
 
@@ -43,7 +43,7 @@ def write_rates_of(words: Any, at: int, motion: Any, own: Any, rates: Any, x: in
     z = table.start + y[i + Z]
     half, slope = _half(words, at, angle)
     rates[x + Z] = (rate - abs(rate) * z) / table.reversal
-    rates[x + LOST] = z * z * (half * abs(rate) - 0.5 * slope * rate * table.reversal)
+    rates[x + HEAT] = z * z * (half * abs(rate) - 0.5 * slope * rate * table.reversal)
 
 
 @inlined

@@ -65,7 +65,7 @@ def figure_hysteresis(runs: Iterable[Run] | Run, *, width: Width = "page") -> Fi
 
 
 def _panel(axes: Axes, runs: Sequence[LabelledRun], name: str) -> None:
-    looks = styles(runs, next((run for run in runs if run.ideal), None))
+    looks = styles(runs, None)
     mine = [
         (run, look)
         for run, look in zip(runs, looks, strict=True)
@@ -82,6 +82,7 @@ def _panel(axes: Axes, runs: Sequence[LabelledRun], name: str) -> None:
         axes.plot(along * angle[:1], across * torque[:1], ".", color=look.get("color"), markersize=4)
     axes.set_xlabel(f"{'way' if slides else 'angle'} [{along_unit}]")
     axes.set_ylabel(f"{'force' if slides else 'torque'} [{across_unit}]")
+    axes.margins(0.03)
     few_ticks(axes, 5)
 
 

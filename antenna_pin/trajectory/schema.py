@@ -45,11 +45,7 @@ DIMENSIONS: dict[str, str] = {
 #: Labels of contacts beside their names.
 COORDINATES: tuple[Coordinate, ...] = (
     Coordinate("contact_joint", "contact", "clearance joint of the contact"),
-    Coordinate(
-        "contact_kind",
-        "contact",
-        "radial (in the bore), axial (at a flange), spherical (in a socket) or another",
-    ),
+    Coordinate("contact_kind", "contact", "radial (in the bore), axial (at a flange), spherical or another"),
     Coordinate("traced_joint", "traced_spring", "joint that the spring acts at"),
     Coordinate("contact_end", "contact", "the bearing's end along its axis: +, - or none"),
 )
@@ -212,10 +208,7 @@ _ENERGIES: tuple[Variable, ...] = (
         "ledger: time spring",
         ("dissipation_damper", "J", "energy lost in the damper, or to a joint's own friction", _TOTAL),
     ),
-    *_rows(
-        "derivative: time traced_spring",
-        ("spring_torque", "N m", "torque about the joint's axis, on the child (a force [N])"),
-    ),
+    *_rows("derivative: time traced_spring", ("spring_torque", "N m", "torque on the child (a force [N])")),
     *_rows(
         "derivative: time element",
         ("element_effort", "N m", "torque about the joint's axis, what holds it included (a force [N])"),

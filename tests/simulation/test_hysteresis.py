@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from scipy.integrate import quad, solve_ivp
 from scipy.interpolate import PchipInterpolator
-from wheel import INERTIA, wheel_urdf
+from wheel import INERTIA, wheel_text, wheel_urdf
 
-from antenna_pin import RunSettings, simulate
+from antenna_pin import RunSettings, build_system, load_scenario, modes, simulate
 from antenna_pin.dynamics import System
 from antenna_pin.elements import (
     BoucWen,
@@ -23,7 +23,9 @@ from antenna_pin.elements import (
 )
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.mechanism import build_mechanism
+from antenna_pin.plot import allowed_figures, figure_hysteresis
 from antenna_pin.simulation import Event, Set, Time
+from antenna_pin.trajectory import Trajectory
 
 TIGHT = RunSettings(rtol=1e-12, output_rate=50.0)
 # Work of a motion [J]: 1e-12 of some J in each of some hundred steps.
@@ -147,7 +149,7 @@ def test_a_run_ends_where_its_table_does():
 
 
 def test_heat_of_a_harness_is_what_lies_between_its_tables():
-    """Rate does not count: on its way z is 1 - 2 exp(-way / delta), and the heat of a cycle H z on the way."""
+    """Rate does not count: on a way z is 1 - 2 exp(-way / delta), and the heat of a cycle H z on the way."""
     reach, reversal = 0.8, 0.02
     half = [0.5 * (back - up) for up, back in zip(UP, BACK, strict=True)]
     curve = PchipInterpolator(ANGLES, half)
@@ -335,3 +337,60 @@ def test_slipping_springs_remember_where_they_are():
         rate[slipping], 1.0 - 1.4 / INERTIA * (time[slipping] - 1.5), rtol=0, atol=1e-10
     )
     assert _ledger(run) < 1e-10
+
+
+# --- with the rest ---
+
+
+def test_modes_swing_on_the_stiffness_of_the_start():
+    """At rest Bouc-Wen is a spring of stiffness k, slipping springs are all of them; and a table has a slope."""
+    wen = BoucWen(joint="axle", alpha=0.2, stiffness=5.0, yield_angle=0.1)
+    slip = MaxwellSlip(joint="axle", stiffness=(4.0, 2.0), slip=(0.4, 1.0))
+    table = TableSpring(joint="axle", angle=(-1.0, 1.0), torque=(3.0, -3.0))
+    for spring, stiffness in ((wen, 5.0), (slip, 6.0), (table, 3.0)):
+        found = modes(_wheel(spring), q=[0.0])
+        # Of central differences of sixth order.
+        assert 2.0 * math.pi * found.frequency[-1] == pytest.approx(math.sqrt(stiffness / INERTIA), rel=1e-9)
+
+
+@pytest.mark.parametrize("kind", ["table", "harness"])
+def test_tables_stand_in_files(tmp_path, kind):
+    """As those of drives; what is wrong is told with file and line."""
+    (tmp_path / "wheel.urdf").write_text(wheel_text("revolute"))
+    both = kind == "harness"
+    rows = [*zip(ANGLES, UP, BACK, strict=True)] if both else [*zip(ANGLES, UP, strict=True)]
+    header = "angle,torque,torque_back" if both else "angle,torque"
+    lines = [header, *(",".join(map(repr, row)) for row in rows)]
+    (tmp_path / "cable.csv").write_text("\n".join(lines))
+    (tmp_path / "scenario.toml").write_text(
+        'format = 1\nduration = "1 s"\n[mechanism]\nurdf = "wheel.urdf"\nbase = "fixed"\n'
+        f'[springs.axle]\nkind = "{kind}"\nfile = "cable.csv"\n' + ("reversal = 0.1\n" if both else "")
+    )
+    spring = build_system(load_scenario(tmp_path / "scenario.toml")).springs["axle"]
+    assert spring.angle == ANGLES and spring.torque == UP
+    assert not both or spring.torque_back == BACK
+    assert "of cable.csv: 5 points from -1 to 1 rad" in spring.words(slides=False)
+    (tmp_path / "cable.csv").write_text("\n".join([*lines, lines[-1]]))
+    with pytest.raises(
+        AntennaPinError, match=r"cable.csv, line 7: angle must increase strictly, got 1.0 after 1"
+    ):
+        load_scenario(tmp_path / "scenario.toml")
+    with pytest.raises(AntennaPinError, match=r"must have either file, or angle.* and torque.*, got both"):
+        load_scenario(tmp_path / "scenario.toml", overrides=["springs.axle.angle=[0, 1]"])
+
+
+def test_results_tell_the_torque_and_a_figure_shows_it(tmp_path):
+    """Also read back: what a table stores may be below zero."""
+    spring = TableSpring(joint="axle", angle=ANGLES, torque=UP)
+    run = _swung(spring, 0.5)
+    angle = run.data["motion_angle"].values[:, 0]
+    np.testing.assert_allclose(
+        run.data["spring_torque"].values[:, 0], PchipInterpolator(ANGLES, UP)(angle), rtol=0, atol=1e-12
+    )
+    assert run.data["traced_joint"].values.tolist() == ["axle"]
+    run.save(tmp_path / "run.nc")
+    assert float(Trajectory.load(tmp_path / "run.nc").data["spring_energy"].min()) < 0.0
+    assert "hysteresis" in [one.figure.name for one in allowed_figures([run])]
+    (axes,) = figure_hysteresis([run]).axes
+    drawn = axes.lines[0].get_xydata()
+    np.testing.assert_allclose(drawn[:, 0], angle, rtol=0, atol=1e-12)
