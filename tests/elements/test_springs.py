@@ -109,7 +109,7 @@ def test_friction_brings_the_wheel_to_rest(wheel):
     [
         (
             "springs.axle={kind='fricton', friction=1}",
-            "must be one of spring, friction, between-points, bouc-wen, maxwell-slip",
+            "must be one of spring, friction, between-points, bouc-wen",
         ),
         ("springs.axle={kind='friction'}", "springs.axle must have a friction or a damping above zero"),
         ("springs.axle={kind='friction', stiffness=1}", "springs.axle.stiffness is unknown"),
