@@ -46,6 +46,7 @@ class BoucWen(Element):
     """
 
     kernels: ClassVar[str] = "bouc_wen_kernels"
+    at_start: ClassVar[tuple[str, ...]] = ("start",)
     traced: ClassVar[bool] = True
     senses: ClassVar[bool] = True
     integrals: ClassVar[tuple[Integral, ...]] = (LOSS, _Z)

@@ -39,6 +39,7 @@ class HarnessSpring(TableSpring):
     """
 
     kernels: ClassVar[str] = "harness_kernels"
+    at_start: ClassVar[tuple[str, ...]] = ("start",)
     columns: ClassVar[tuple[str, ...]] = ("angle", "torque", "torque_back")
     integrals: ClassVar[tuple[Integral, ...]] = (LOSS, _Z)
     states: ClassVar[tuple[Integral, ...]] = (_Z,)

@@ -43,6 +43,7 @@ class MaxwellSlip(Modal):
     """
 
     kernels: ClassVar[str] = "maxwell_slip_kernels"
+    at_start: ClassVar[tuple[str, ...]] = ("rest_angle",)
     traced: ClassVar[bool] = True
     modes: ClassVar[tuple[str, ...]] = ("held", "up", "down")
     switches: ClassVar[int] = 2

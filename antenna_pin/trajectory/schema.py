@@ -55,8 +55,7 @@ _SIZE = Rule(least=0.0)
 _UNIT = Rule(unit=True)
 _ORDERED = Rule(rising=True)
 _TOTAL = Rule(least=0.0, summed=True)
-# May be below zero: where a table or a constant torque stores nothing is a matter of choice.
-_STORED = Rule(summed=True)
+_STORED = Rule(summed=True)  # below zero of a table: where it stores nothing is a matter of choice
 _PRESSED = Rule(least=0.0, beside="touching")
 # Of contacts; none of them is sure to lose energy under a law of a user's.
 _LOST = Rule(least=0.0, summed=True, passive=True)

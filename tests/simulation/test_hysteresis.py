@@ -392,3 +392,21 @@ def test_results_tell_the_torque_and_a_figure_shows_it(tmp_path):
     (axes,) = figure_hysteresis([run]).axes
     drawn = axes.lines[0].get_xydata()
     np.testing.assert_allclose(drawn[:, 0], angle, rtol=0, atol=1e-12)
+
+
+def test_what_says_how_a_spring_starts_is_not_set_later():
+    set_start = Event(name="late", when=Time(0.1), action=Set("springs.s.start", 0.5))
+    with pytest.raises(AntennaPinError, match="'start'"):
+        simulate(_wheel(BOUC_WEN), q=[0.0], v=[1.0], duration=0.2, events=[set_start])
+
+
+@pytest.mark.parametrize("method", ["radau5", "rk4"])
+def test_implicit_and_fixed_steps_know_the_states(method):
+    """Their runs are those of explicit steps to their own accuracy."""
+    spring = dataclasses.replace(BOUC_WEN, exponent=1.0)
+    start = {"q": [0.0], "v": [2.0], "duration": 1.0}
+    expected = simulate(_wheel(spring), **start, settings=TIGHT).data["motion_angle"].values[-1, 0]
+    own = {"rtol": 1e-9} if method == "radau5" else {"step": 1e-3}
+    found = simulate(_wheel(spring), **start, settings=RunSettings(method=method, **own))
+    assert float(found.data["motion_angle"][-1, 0]) == pytest.approx(expected, abs=1e-8)
+    assert _ledger(found) < 1e-7
