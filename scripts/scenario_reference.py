@@ -212,6 +212,34 @@ _SPRINGS = {
         " between points",
         "Draws two points together, or apart ([more](closed-loops.md#springs-between-points)).",
     ),
+    "bouc-wen": (
+        " with hysteresis (Bouc and Wen)",
+        "Torque on the child -alpha k (φ - φ₀) - (1 - alpha) k D z with D z' = A φ' - beta |φ'| |z|ⁿ⁻¹ z "
+        "- gamma φ' |z|ⁿ, at any rate the same. It stores alpha k (φ - φ₀)²/2 + (1 - alpha) k D² z²/2A; "
+        "the rest is heat, the area of its loop.",
+    ),
+    "maxwell-slip": (
+        " with hysteresis (Maxwell)",
+        "Springs side by side, each of which slips at a torque of its own: of a cycle of amplitude X the "
+        "heat is the sum of 4 s (X - s/k) of those that slip. It holds at rest, without creep. `orbit` "
+        "and `lyapunov` refuse it, as all that changes its mode.",
+    ),
+    "constant-torque": (
+        " of constant torque",
+        "A tape spring, or a clock's: the same torque from `lower` to `upper`, which falls to none within "
+        "`ramp` beyond.",
+    ),
+    "table": (
+        " with a table of torque over angle",
+        "Either `file`, a CSV file with the header `angle,torque`, or `angle` and `torque`. The torque is "
+        "that on the child; what is stored is its integral.",
+    ),
+    "harness": (
+        " with a table for each direction",
+        "Either `file`, a CSV file with the header `angle,torque,torque_back`, or the three as numbers. "
+        "On turning back the torque goes from one table to the other within some `reversal`; at rest it "
+        "stays where it is, between the two.",
+    ),
 }
 
 

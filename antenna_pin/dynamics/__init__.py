@@ -1,6 +1,6 @@
 """Free-floating equations of motion, joints held by constraint, force elements, audits."""
 
-from antenna_pin.dynamics.acting import acting_in
+from antenna_pin.dynamics.acting import acting_in, check_begins
 from antenna_pin.dynamics.adjust import Adjustments, first_modes, joints_held
 from antenna_pin.dynamics.assembly import (
     BASE,
@@ -59,6 +59,7 @@ __all__ = [
     "assemble",
     "assembled",
     "audit",
+    "check_begins",
     "check_closed",
     "check_motions",
     "contact_memory",

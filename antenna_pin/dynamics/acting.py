@@ -5,10 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
+from antenna_pin.dynamics import kernels
 from antenna_pin.dynamics.system import System
 from antenna_pin.elements import FAMILIES, ForceElement
 
-__all__ = ["Acting", "acting_in"]
+__all__ = ["Acting", "acting_in", "check_begins"]
 
 
 class Acting(NamedTuple):
@@ -35,6 +39,14 @@ class Acting(NamedTuple):
     def place(self) -> str:
         """Where it stands in a scenario."""
         return f"{self.family}.{self.name}"
+
+
+def check_begins(system: System, y: NDArray[np.float64]) -> None:
+    """Refuse a start [q, v, x] at which an element cannot act."""
+    for one in acting_in(system):
+        if one.element.acts_at is not None and one.element.ends:
+            angle, _, _, _ = kernels.joint_motion(system.program, one.block, y, system.model.nq)
+            one.element.check_begin(one.label, float(angle))
 
 
 def acting_in(system: System) -> Iterator[Acting]:

@@ -60,6 +60,7 @@ class Adjustments:
             raise UnknownNameError("Set", "element", element or place, self._blocks)
         source = self.elements[element]
         keys = [name for name, parameter in parameters_of(type(source)).items() if not parameter.sizes]
+        keys = [key for key in keys if key not in source.at_start]
         if hasattr(source, _ON):
             keys.append(_ON)
         elif key == _ON:

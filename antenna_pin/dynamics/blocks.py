@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +27,8 @@ __all__ = [
     "held_block",
     "places_in_x",
     "slides",
+    "states_in_x",
+    "turning",
 ]
 
 Array = NDArray[np.float64]
@@ -122,6 +124,26 @@ def places_in_x(
         own = element.integrals
         found.append(int(head["x"][0]) + own.index(integral) if integral in own else -1)
     return np.array(found, dtype=int)
+
+
+def turning(system: Any) -> dict[str, int]:
+    """Return the joints whose configuration knows their angle only but for whole turns, numbered."""
+    about_axis = {name for name, kind in system.held.items() if kind == "revolute"}
+    about_axis |= {j.name for j in system.clearances if j.geometry.motion == "turn"}
+    slots = system.mechanism.joints.values()
+    names = [slot.name for slot in slots if slot.kind == "continuous" or slot.name in about_axis]
+    return {name: k for k, name in enumerate(names)}
+
+
+def states_in_x(system: Any) -> NDArray[np.int_]:
+    """Return where in x all that elements of a system integrate and their efforts depend on stands."""
+    found = [
+        places_in_x(system.program, {name: element}, system.element_blocks[table], own)
+        for table, elements in system.families.items()
+        for name, element in elements.items()
+        for own in element.states
+    ]
+    return np.concatenate([np.zeros(0, dtype=int), *found])
 
 
 def clearance_block(mechanism: Mechanism, joint: ClearanceJoint, row: int, x: int, turn: int) -> Array:

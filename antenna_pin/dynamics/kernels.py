@@ -138,7 +138,8 @@ def element_state(p: Any, b: int, t: float, y: Any, nq: int) -> tuple[float, flo
     angle, rate, _, _ = joint_motion(p, b, y, nq)
     e = element_at(p, b)
     wanted, _ = elements.reference(e.kind, p, b + PARAMETERS, t)
-    effort = e.on * elements.effort(e.kind, p, b + PARAMETERS, t, angle, rate)
+    own = y, nq + head_of(p).nv + e.x
+    effort = e.on * elements.effort_of(e.kind, p, b + PARAMETERS, (t, angle, rate), own)
     return effort, wanted, wanted - angle
 
 
@@ -177,9 +178,11 @@ def _element(p: Any, b: int, t: float, y: Any, head: Any, tau: Any, rates: Any) 
     angle, rate, gx, gy = 0.0, 0.0, 0.0, 0.0
     if e.senses != 0:
         angle, rate, gx, gy = own_motion(p, b, y, nq)
-    effort = e.on * elements.effort(e.kind, p, b + PARAMETERS, t, angle, rate)
+    own = y, nq + head.nv + e.x
+    effort = e.on * elements.effort_of(e.kind, p, b + PARAMETERS, (t, angle, rate), own)
     power = effort * _act(p, b, effort, (gx, gy), y, nq, tau)
-    elements.write_rates(e.kind, p, b + PARAMETERS, angle, e.on * rate, power, rates, head.nv + e.x)
+    motion = angle, e.on * rate, power
+    elements.write_rates_of(e.kind, p, b + PARAMETERS, motion, own, rates, head.nv + e.x)
 
 
 @inlined
@@ -286,7 +289,8 @@ def stored_energy(y: Any, program: Any, memory: Any, table: Any) -> tuple[float,
             e = element_at(program, b)
             if e.senses != 0:
                 angle, _, _, _ = joint_motion(program, b, y, nq)
-                springs += e.on * elements.stored(e.kind, program, b + PARAMETERS, angle)
+                own = y, nq + head.nv + e.x
+                springs += e.on * elements.stored_of(e.kind, program, b + PARAMETERS, angle, own)
         b += block.length
     return contacts, springs
 

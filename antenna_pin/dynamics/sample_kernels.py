@@ -216,7 +216,7 @@ def observe(first: int, last: int, given: bool, samples: Any, whole: Any, sights
 def look_at_elements(first: int, last: int, samples: Any, blocks: Any, whole: Any, out: Any) -> None:
     """Write what elements do at samples first to last, ``DONE``, (n, blocks)."""
     program = whole.program
-    nq = head_of(program).nq
+    nq, nv = head_of(program).nq, head_of(program).nv
     for i in range(first, last):
         t, y = samples.times[i], samples.states[i]
         for k in range(blocks.shape[0]):
@@ -224,7 +224,8 @@ def look_at_elements(first: int, last: int, samples: Any, blocks: Any, whole: An
             e = element_at(program, b)
             angle, _, _, _ = joint_motion(program, b, y, nq)
             own.effort, _, _ = element_state(program, b, t, y, nq)
-            own.energy = e.on * elements.stored(e.kind, program, b + PARAMETERS, angle)
+            states = y, nq + nv + e.x
+            own.energy = e.on * elements.stored_of(e.kind, program, b + PARAMETERS, angle, states)
             own.mode = elements.mode(e.kind, program, b + PARAMETERS)
 
 

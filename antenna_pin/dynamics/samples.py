@@ -42,6 +42,7 @@ class Observed:
         audit: Energies and momenta, with the names and units of :class:`antenna_pin.dynamics.Audit`, AUDIT,
             (n,).
         done: Of the elements of further families, in order, ``DONE``, (n, elements).
+        traced: Of the springs whose torque is told, likewise.
         stretch: Of the springs between points ``length`` [m], ``tension`` that draws the points together [N]
             and ``force`` on the second one's link, world axes [N], ``STRETCH``, (n, springs).
         closure: Force [N] and moment [N m] of each closure (n, closures, 2, 3), by
@@ -60,6 +61,7 @@ class Observed:
     effort: NDArray[Any]
     audit: NDArray[Any]
     done: NDArray[Any]
+    traced: NDArray[Any]
     stretch: NDArray[Any]
     closure: Array
     coupling: Array
@@ -111,7 +113,9 @@ def observed(
         for first, last in pairwise(changes):
             workspace.program[:] = programs[first]
             sample_kernels.observe(first, last, False, samples, whole, sights)
-    done = _done(workspace, samples, programs, whole)
+    others = [place for table in system.others for place in system.element_blocks[table].values()]
+    traced = [system.spring_blocks[name] for name in system.traced]
+    done, told = (_done(workspace, samples, programs, whole, blocks) for blocks in (others, traced))
     if workspace.constraints is None:
         free = system.mechanism.base == "free"
         accelerations, closure = _accelerations(model, states, sights.forces, free), np.zeros((n, 0, 2, 3))
@@ -128,6 +132,7 @@ def observed(
         effort=sights.efforts,
         audit=sights.audits,
         done=done,
+        traced=told,
         stretch=sights.stretches,
         closure=closure,
         coupling=coupling,
@@ -173,10 +178,10 @@ def _done(
     samples: sample_kernels.Samples,
     programs: Sequence[Array],
     whole: sample_kernels.Whole,
+    blocks: Sequence[int],
 ) -> NDArray[Any]:
-    """Return what elements of further families do, ``DONE``, (n, elements)."""
-    system, n = workspace.system, len(samples.times)
-    blocks = [place for table in system.others for place in system.element_blocks[table].values()]
+    """Return what elements do whose blocks stand at these places, ``DONE``, (n, elements)."""
+    n = len(samples.times)
     found = np.zeros((n, len(blocks)), sample_kernels.DONE)
     if blocks:
         changes = [0, *compress(range(1, n), map(operator.is_not, programs[1:], programs)), n]

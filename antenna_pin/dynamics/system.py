@@ -22,6 +22,8 @@ from antenna_pin.dynamics.blocks import (
     held_block,
     places_in_x,
     slides,
+    states_in_x,
+    turning,
 )
 from antenna_pin.dynamics.configuration import make_unit, numbers, spaces
 from antenna_pin.dynamics.coordinates import coordinate_names
@@ -65,7 +67,7 @@ class System:
     The state is ``y = [q, v, x]``: Pinocchio's configuration and velocity, and in x the turned angles of
     joints that turn without end (see :meth:`turn_on`) and what the elements integrate (per contact impulse,
     work lost in normal direction and to friction, bristles; per drive work and gross work; per spring the
-    work lost in its damper).
+    work lost in its damper; what else an element's effort depends on).
 
     Beside it stands the contact memory, the contacts' discrete state, one record each
     (:data:`antenna_pin.records.MEMORY`: touching, approach speed, effective mass). It is not part of ``y``;
@@ -107,6 +109,8 @@ class System:
         self.springs = springs_and_parts(springs or {}, self.elastic)
         #: All elements by family, then by name.
         self.families = families_of(self.drives, self.springs, elements or {})
+        #: Those whose torque results tell.
+        self.traced = tuple(name for name, spring in self.springs.items() if spring.traced)
         #: Those between points.
         self.point_springs = {n: s for n, s in self.springs.items() if isinstance(s, BetweenPoints)}
         self.held = dict(held or {})
@@ -138,7 +142,7 @@ class System:
         #: Names of the numbers of q and of v, as a result has them.
         self.names_q, self.names_v = coordinate_names(self.mechanism)
         #: Place in x of the turned angle of each joint that has one, by name.
-        self.turn_x = self._turning()
+        self.turn_x = turning(self)
         blocks = Blocks(len(self.turn_x))
         self._place_joints(blocks)
         self._place_integrals_of_contacts()
@@ -159,6 +163,9 @@ class System:
             places_in_x(self.program, self.drives, self.drive_blocks, one) for one in (WORK, GROSS_WORK)
         )
         self.damper_x = places_in_x(self.program, self.springs, self.spring_blocks, LOSS)
+        self.state_x = states_in_x(self)
+        #: What the derivative depends on: bristles of contacts, and behind them states of elements.
+        self.bristle_x: NDArray[np.int_] = np.append(self._bristles, self.state_x)
         #: The same of the losses of elements of further families, one family after another.
         own = ((self.families[one], self.element_blocks[one]) for one in self.others)
         losses = (places_in_x(self.program, *one, LOSS) for one in own)
@@ -176,14 +183,6 @@ class System:
             dtype=kernels.TURN,
         )
         self.manifold = Manifold(spaces(self.model), blocks.x)
-
-    def _turning(self) -> dict[str, int]:
-        """Return the joints whose configuration knows their angle only but for whole turns, numbered."""
-        about_axis = {name for name, kind in self.held.items() if kind == "revolute"}
-        about_axis |= {j.name for j in self.clearances if j.geometry.motion == "turn"}
-        slots = self.mechanism.joints.values()
-        names = [slot.name for slot in slots if slot.kind == "continuous" or slot.name in about_axis]
-        return {name: k for k, name in enumerate(names)}
 
     def _place_joints(self, blocks: Blocks) -> None:
         """Lay out the joints with play and those held by constraint."""
@@ -221,7 +220,7 @@ class System:
         self.lost_normal_x = starts + place_of(_layout.INTEGRALS, "lost_normal")
         self.lost_friction_x = starts + place_of(_layout.INTEGRALS, "lost_friction")
         bristles = [np.arange(a + _layout.BRISTLES, a + n) for a, n in zip(starts, strides, strict=True)]
-        self.bristle_x = np.concatenate([np.zeros(0, dtype=int), *bristles])
+        self._bristles: NDArray[np.int_] = np.concatenate([np.zeros(0, dtype=int), *bristles])
 
     def _place_elements(self, blocks: Blocks) -> None:
         """Lay out the elements at joints."""

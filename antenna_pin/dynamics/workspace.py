@@ -110,7 +110,7 @@ class Workspace:
 
     @property
     def coupled(self) -> NDArray[np.int64]:
-        """Places in x of what the derivative depends on: bristles; the rest are integrals."""
+        """Places in x of what the derivative depends on: bristles, states; the rest are integrals."""
         return np.asarray(self.system.bristle_x, dtype=np.int64)
 
     def acceleration(self, t: float, y: Array, tau: Array) -> Array:

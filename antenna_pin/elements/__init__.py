@@ -1,15 +1,20 @@
 """Force elements: drives, a controller, springs and dampers at joints, springs between points."""
 
+from antenna_pin.elements.angle_table import Outside, TableSpring
 from antenna_pin.elements.belt import Belt, Cable
 from antenna_pin.elements.between_joints import BetweenJoints
 from antenna_pin.elements.between_points import BetweenPoints, Point
+from antenna_pin.elements.bouc_wen import BoucWen
 from antenna_pin.elements.capture import Capture
 from antenna_pin.elements.constant import ConstantDrive
+from antenna_pin.elements.constant_spring import ConstantSpring
 from antenna_pin.elements.element import GROSS_WORK, LOSS, WORK, About, Drive, Element, ForceElement, Integral
 from antenna_pin.elements.given import CallableDrive
+from antenna_pin.elements.harness import HarnessSpring
 from antenna_pin.elements.joint_friction import JointFriction
 from antenna_pin.elements.latch import Latch
 from antenna_pin.elements.limits import Limits
+from antenna_pin.elements.maxwell_slip import MaxwellSlip
 from antenna_pin.elements.mesh import Gear, Spline
 from antenna_pin.elements.modal import Change, Met, Modal
 from antenna_pin.elements.pd import PDController
@@ -47,11 +52,13 @@ __all__ = [
     "BetweenJoints",
     "BetweenPoints",
     "Cable",
+    "BoucWen",
     "CallableDrive",
     "CallableMotion",
     "Capture",
     "Change",
     "ConstantDrive",
+    "ConstantSpring",
     "DistanceMotion",
     "Drive",
     "Element",
@@ -64,9 +71,15 @@ __all__ = [
     "JointSpring",
     "Latch",
     "Limits",
+    "HarnessSpring",
+    "Integral",
+    "JointFriction",
+    "JointSpring",
+    "MaxwellSlip",
     "Met",
     "Modal",
     "Motion",
+    "Outside",
     "PDController",
     "Point",
     "PointSpring",
@@ -78,5 +91,6 @@ __all__ = [
     "Spline",
     "TableDrive",
     "check_together",
+    "TableSpring",
     "kind_of",
 ]

@@ -65,7 +65,7 @@ class Strands(BetweenJoints):
 
     def words(self, slides: bool = False) -> str:
         """Return what it is in words."""
-        said = [f"{self.ends()}{', crossed' if self.crossed else ''}"]
+        said = [f"{self.between_said()}{', crossed' if self.crossed else ''}"]
         said.append(f"radii {self.said('input_radius', False)} and {self.said('output_radius', False)}")
         words = {"stiffness": "stiffness", "damping": "damping", "pretension": "pretension", "slack": "slack"}
         return ", ".join(said + self.said_of(words, False))

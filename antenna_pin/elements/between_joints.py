@@ -42,7 +42,7 @@ class BetweenJoints(ForceElement):
         if self.input == self.output:
             raise InvalidParameterError(self, "output", "another joint than the input", self.output)
 
-    def ends(self) -> str:
+    def between_said(self) -> str:
         """Return between which joints it is, in words."""
         return f"from {self.input} to {self.output}"
 

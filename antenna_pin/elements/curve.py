@@ -1,4 +1,4 @@
-"""Tables over time, and the curves through their points."""
+"""Tables over time or angle, and the curves through their points."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from antenna_pin.parameters import LARGEST, LEAST
 
 __all__ = [
     "Interpolation",
+    "areas",
     "check_covers",
     "check_table",
     "cubics",
@@ -22,22 +23,29 @@ __all__ = [
 Interpolation = Literal["linear", "cubic"]
 
 
-def check_table(owner: object, values: str) -> None:
-    """Refuse times of ``owner`` that do not increase, and values, by their field's name, without a time."""
-    time: tuple[float, ...] = owner.time  # type: ignore[attr-defined]
+def check_table(owner: object, values: str, over: str = "time", unit: str = "s") -> None:
+    """Refuse times of ``owner`` that do not increase, and values, by their field's name, without a time.
+
+    Args:
+        owner: Whose table it is.
+        values: Field of the values.
+        over: Field of what they are over, where that is not time.
+        unit: Its unit.
+    """
+    time: tuple[float, ...] = getattr(owner, over)
     given = getattr(owner, values)
     if len(time) < 2:
-        raise InvalidParameterError(owner, "time", "at least 2 numbers", said=f"{len(time)}")
+        raise InvalidParameterError(owner, over, "at least 2 numbers", said=f"{len(time)}")
     if len(given) != len(time):
-        rule = f"as many numbers as time, {len(time)}"
+        rule = f"as many numbers as {over}, {len(time)}"
         raise InvalidParameterError(owner, values, rule, said=f"{len(given)}")
     for i, (before, after) in enumerate(pairwise(time), start=1):
         if not after > before:
             rule = f"above the one before, {before!r}"
-            raise InvalidParameterError(owner, f"time[{i}]", rule, said=repr(after))
+            raise InvalidParameterError(owner, f"{over}[{i}]", rule, said=repr(after))
         if not after - before >= LEAST:
-            rule = f"{LEAST:g} s or more above the one before, {before!r}"
-            raise InvalidParameterError(owner, f"time[{i}]", rule, said=repr(after))
+            rule = f"{LEAST:g} {unit} or more above the one before, {before!r}"
+            raise InvalidParameterError(owner, f"{over}[{i}]", rule, said=repr(after))
         slope = (given[i] - given[i - 1]) / (after - before)
         if not abs(slope) <= LARGEST:
             rule = (
@@ -101,3 +109,13 @@ def cubics(
         coefficients[:, 3] = y[:-1]
     assert math.isfinite(float(coefficients.sum()))
     return (*t.tolist(), *coefficients.ravel().tolist())
+
+
+def areas(curve: Sequence[float], points: int) -> tuple[float, ...]:
+    """Return the integral of a curve, as :func:`cubics` has it, from its first point to each, (points,)."""
+    found = [0.0]
+    for k in range(points - 1):
+        s = curve[k + 1] - curve[k]
+        a, b, c, d = curve[points + 4 * k : points + 4 * k + 4]
+        found.append(found[-1] + (((a / 4.0 * s + b / 3.0) * s + c / 2.0) * s + d) * s)
+    return tuple(found)

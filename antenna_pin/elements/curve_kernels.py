@@ -38,3 +38,13 @@ def curvature(words: Any, at: int, points: int, t: float) -> float:
     low = _piece(words, at, points, t)
     c = at + points + 4 * low
     return float(6.0 * words[c] * (t - words[at + low]) + 2.0 * words[c + 1])
+
+
+@inlined
+def area(words: Any, at: int, points: int, t: float) -> float:
+    """Integral up to t of the curve at words[at:], behind which stands that up to each of its points."""
+    low = _piece(words, at, points, t)
+    s = t - words[at + low]
+    c = at + points + 4 * low
+    own = (((words[c] / 4.0 * s + words[c + 1] / 3.0) * s + words[c + 2] / 2.0) * s + words[c + 3]) * s
+    return float(words[at + points + 4 * (points - 1) + low] + own)

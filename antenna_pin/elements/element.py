@@ -15,6 +15,13 @@ file of their own, which the class names in ``kernels``:
 - if it follows a reference ``reference(words, at, t)``: the reference and its rate;
 - if it prescribes the joint's motion ``motion(words, at, t)``: position, rate and acceleration.
 
+One whose torque depends on what it integrates (``states``) has instead of the first three
+
+- ``effort_of(words, at, motion, own)``, with ``motion = (t, angle, rate)`` and ``own = (y, i)``: what it
+  integrates stands at ``y[i:]``;
+- ``write_rates_of(words, at, motion, own, rates, x)``, with ``motion = (angle, rate, power)``;
+- ``stored_of(words, at, angle, own)``.
+
 It enters by one line of :mod:`antenna_pin.elements.registry`; everything else follows from there.
 """
 
@@ -68,6 +75,12 @@ class ForceElement:
     # Its kernels, by the name of their module; what it integrates.
     kernels: ClassVar[str]
     integrals: ClassVar[tuple[Integral, ...]] = ()
+    # Those of its integrals, the last ones, that its effort depends on; each is of size 1 by its unit.
+    states: ClassVar[tuple[Integral, ...]] = ()
+    # Parameters that say how it starts: no event sets them later.
+    at_start: ClassVar[tuple[str, ...]] = ()
+    # Whether a result has its torque over time, as it has that of all but springs.
+    traced: ClassVar[bool] = False
     # Parameters of which a scenario asks that one is above zero: without, it would do nothing.
     one_above_zero: ClassVar[tuple[str, ...]] = ()
 
@@ -126,6 +139,19 @@ class ForceElement:
         for name, value in self.values().items():
             record[name] = value
         return np.concatenate([record.view(np.float64), np.array(self.tail(), dtype=float)])
+
+    @property
+    def ends(self) -> tuple[float, ...]:
+        """Angles of its joint at which a run ends, for it knows nothing of what is beyond [rad] ([m])."""
+        return ()
+
+    def check_begin(self, place: str, angle: float) -> None:
+        """Refuse a start at which it cannot act.
+
+        Args:
+            place: Its name, for the message.
+            angle: Of its joint [rad] ([m]).
+        """
 
     def check_span(self, place: str, begin: float, end: float) -> None:
         """Refuse a run that goes beyond the times that it knows of.

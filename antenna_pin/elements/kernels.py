@@ -85,6 +85,26 @@ def _no_mode(asked: int, words: Any, at: int) -> int:
 effort = _chain("effort", _no_kind)
 write_rates = _chain("write_rates", _no_rates)
 stored = _chain("stored", _nothing)
+
+
+def _effort(asked: int, words: Any, at: int, motion: Any, own: Any) -> float:
+    t, angle, rate = motion
+    return float(effort(asked, words, at, t, angle, rate))
+
+
+def _write_rates(asked: int, words: Any, at: int, motion: Any, own: Any, rates: Any, x: int) -> None:
+    _, rate, power = motion
+    write_rates(asked, words, at, rate, power, rates, x)
+
+
+def _stored(asked: int, words: Any, at: int, angle: float, own: Any) -> float:
+    return float(stored(asked, words, at, angle))
+
+
+# Of all, those with states of their own among them.
+effort_of = _chain("effort_of", _effort)
+write_rates_of = _chain("write_rates_of", _write_rates)
+stored_of = _chain("stored_of", _stored)
 kink = _chain("kink", _no_kind)
 reference = _chain("reference", _no_reference)
 motion = _chain("motion", _no_motion)

@@ -149,7 +149,7 @@ class Gear(BetweenJoints):
 
     def words(self, slides: bool = False) -> str:
         """Return what it is in words."""
-        said = [f"{self.ends()}, ratio {number(self.ratio)}"]
+        said = [f"{self.between_said()}, ratio {number(self.ratio)}"]
         said += self.said_of({"stiffness": "stiffness", "damping": "damping", "play": "play"}, False)
         said[-1] += f" on the {self.side} side"
         if self.efficiency < 1.0 or self.efficiency_back < 1.0:
@@ -203,4 +203,4 @@ class Spline(BetweenJoints):
     def words(self, slides: bool = False) -> str:
         """Return what it is in words."""
         said = {"stiffness": "stiffness", "damping": "damping", "play": "play"}
-        return ", ".join([self.ends(), *self.said_of(said, False)])
+        return ", ".join([self.between_said(), *self.said_of(said, False)])

@@ -10,12 +10,17 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import NamedTuple
 
+from antenna_pin.elements.angle_table import TableSpring
 from antenna_pin.elements.belt import Belt, Cable
+from antenna_pin.elements.bouc_wen import BoucWen
 from antenna_pin.elements.constant import ConstantDrive
+from antenna_pin.elements.constant_spring import ConstantSpring
 from antenna_pin.elements.element import Element, ForceElement
 from antenna_pin.elements.given import CallableDrive
+from antenna_pin.elements.harness import HarnessSpring
 from antenna_pin.elements.joint_friction import JointFriction
 from antenna_pin.elements.latch import Latch
+from antenna_pin.elements.maxwell_slip import MaxwellSlip
 from antenna_pin.elements.mesh import Gear, Spline
 from antenna_pin.elements.pd import PDController
 from antenna_pin.elements.point_spring import PointSpring
@@ -63,6 +68,11 @@ SPRINGS: Mapping[str, type[ForceElement]] = MappingProxyType(
         "spring": JointSpring,
         "friction": JointFriction,
         "between-points": PointSpring,
+        "bouc-wen": BoucWen,
+        "maxwell-slip": MaxwellSlip,
+        "constant-torque": ConstantSpring,
+        "table": TableSpring,
+        "harness": HarnessSpring,
     }
 )
 """What stores and loses energy by its ``kind`` in ``[springs.NAME]``."""

@@ -178,10 +178,12 @@ class Forces:
                 of_bristles[k][:, v] += own[nv:] / sizes
                 rough |= {joint.name} if kinks.any() else set()
 
-        def bent(change: Array) -> Array:
-            return np.concatenate(self.contacts(self.displaced(zero, None, change)))
-
-        by_bristle, _ = gradient(bent, np.eye(bristles), [_BRISTLE])
+        by_bristle, _ = gradient(
+            lambda change: np.concatenate(self.contacts(self.displaced(zero, None, change))),
+            np.eye(bristles),
+            [_BRISTLE],
+        )
+        self._add_states(by_bristle, of_bristles)
         return ForceDerivatives(
             position=position,
             rate=rate,
@@ -190,6 +192,30 @@ class Forces:
             parts={"joints": position - points, "points": points},
             rough=tuple(sorted(rough)),
         )
+
+    def _add_states(self, by_bristle: Array, of_bristles: tuple[Array, Array]) -> None:
+        """Add what the states of elements do, and what changes them; each is of size 1.
+
+        Where a joint rests its state grows by another slope either way: the mean of the two counts.
+        """
+        nv, zero = self.system.model.nv, np.zeros(self.system.model.nv)
+        own = [i for i, at in enumerate(self.system.bristle_x) if at in self.system.state_x]
+        if not own:
+            return
+        every = np.eye(nv)
+        ways = np.eye(len(self.system.bristle_x))[:, own]
+
+        def seen(y: Array) -> Array:
+            self._elements.apply_elements(self.time, y, self._rates)
+            rates = self._rates[nv + self.system.bristle_x]
+            return np.concatenate([self._elements.tau, rates])
+
+        found, _ = gradient(lambda change: seen(self.displaced(zero, None, change)), ways, STEPS)
+        by_bristle[:, own] = found
+        at, _ = gradient(lambda step: seen(self.displaced(step)), every, STEPS)
+        moving, _ = gradient(lambda change: seen(self.displaced(zero, change)), every, STEPS)
+        for whole, part in zip(of_bristles, (at, moving), strict=True):
+            whole[own] = part[nv:][own]
 
     def _at(self, step: Array) -> Array:
         return np.concatenate(self.contacts(self.displaced(step)))

@@ -36,6 +36,7 @@ if TYPE_CHECKING:
         save_figures,
     )
     from antenna_pin.plot.forces import figure_contact_forces
+    from antenna_pin.plot.hysteresis import figure_hysteresis
     from antenna_pin.plot.loads import figure_joint_load, figure_steady_force
     from antenna_pin.plot.motion import QUANTITIES, figure_motion
     from antenna_pin.plot.orbit import figure_bore_load, figure_orbit
@@ -97,6 +98,7 @@ __all__ = [
     "figure_contact_forces",
     "figure_contact_width",
     "figure_deflection",
+    "figure_hysteresis",
     "figure_drive_efforts",
     "figure_eccentricity",
     "figure_energy",
@@ -149,6 +151,7 @@ loaded_when_used(
         "contact": "figure_force_curves figure_restitution save_contact_figures",
         "eccentricity": "figure_eccentricity",
         "elastic": "figure_deflection",
+        "hysteresis": "figure_hysteresis",
         "experiment": "figure_contact_width figure_experiment figures_of_experiment",
         "exponents": "figure_exponents",
         "files": "FORMATS folder_for_figures processes_to_draw rendered save_figure save_figures",

@@ -23,6 +23,7 @@ __all__ = [
     "SLIDING",
     "STOPPED",
     "TOUCHING",
+    "TRACED",
     "TURNING",
     "JointKind",
     "RunKind",
@@ -87,6 +88,10 @@ LOOPED = JointKind(
 CLOSED = RunKind("a closure of a loop", lambda run: "closure" in run.data.sizes)
 COUPLED = RunKind("a coupling of joints", lambda run: "coupling" in run.data.sizes)
 FLEXIBLE = RunKind("flexible links", lambda run: "elastic_part" in run.data.sizes)
+TRACED = RunKind(
+    "a spring that has a table, hysteresis or a constant torque",
+    lambda run: "traced_spring" in run.data.sizes,
+)
 PRESCRIBED = RunKind("a prescribed motion", lambda run: "motion" in run.data.sizes)
 STOPPED = RunKind("an end stop or a latch", lambda run: any(stops_and_latches(run.data)))
 FREE_BASE = RunKind("a free base", lambda run: "base_position" in run.data)

@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 
 from pydantic import ValidationError
 
+from antenna_pin.elements import FAMILIES
 from antenna_pin.errors import ScenarioError, nearest
 from antenna_pin.files import absence, decoded
 from antenna_pin.flexible.modal_text import BadModalTableError, read_modal_table
@@ -115,9 +116,11 @@ def built(kind: type[S], carried: dict[str, Any], source: Source) -> S:
     data = source.merged()
     check_keys(kind, data, source)
     folder = Path(carried["folder"])
-    drives = data.get("drives")
-    if isinstance(drives, Mapping):
-        data = data | {"drives": {name: _with_table(name, drives[name], folder, source) for name in drives}}
+    for family in FAMILIES:
+        of_family = data.get(family)
+        if isinstance(of_family, Mapping):
+            read = {name: _with_table((family, name), of_family[name], folder, source) for name in of_family}
+            data = data | {family: read}
     flexible = data.get("flexible")
     if isinstance(flexible, Mapping):
         data = data | {
@@ -142,31 +145,32 @@ def check_keys(kind: type[Spec], data: Mapping[str, Any], source: Source) -> Non
 
 
 def check_drives(data: Mapping[str, Any], source: Source) -> None:
-    """Refuse a table drive, or an appendage's modal data, that has its numbers twice."""
+    """Refuse an element with a table, or an appendage's modal data, that has its numbers twice."""
     for name, table in tables(data.get("flexible")).items():
         if has_modal_file(table) and table.keys() & modal_stand_in().keys():
             rule = "must have either file, or frequency and participation, got both"
             raise source.error(rule, "flexible", name)
-    for name, table in tables(data.get("drives")).items():
-        columns = file_columns(table) or ("time", "torque")
-        if "file" in tables(table) and table.keys() & {*columns}:
-            rule = f"must have either file, or {columns[0]} and {columns[1]}, got both"
-            raise source.error(rule, "drives", name)
+    for family in FAMILIES:
+        for name, table in tables(data.get(family)).items():
+            columns = file_columns(table, family) or (("time", "torque") if family == "drives" else ())
+            if "file" in tables(table) and table.keys() & {*columns}:
+                rule = f"must have either file, or {', '.join(columns[:-1])} and {columns[-1]}, got both"
+                raise source.error(rule, family, name)
 
 
-def stand_in(table: object) -> dict[str, tuple[float, ...]]:
-    """Return the least that a drive needs in place of a file that is not to be read."""
-    return dict.fromkeys(file_columns(table) or (), (0.0, 1.0))
+def stand_in(table: object, family: str) -> dict[str, tuple[float, ...]]:
+    """Return the least that an element needs in place of a file that is not to be read."""
+    return dict.fromkeys(file_columns(table, family) or (), (0.0, 1.0))
 
 
-def _with_table(name: str, table: Any, folder: Path, source: Source) -> Any:
-    """Return a drive with the numbers of the file it names, if it names one and has none."""
-    columns = file_columns(table)
+def _with_table(element: tuple[str, str], table: Any, folder: Path, source: Source) -> Any:
+    """Return an element, by family and name, with the numbers of the file it names, if it has none."""
+    columns = file_columns(table, element[0])
     if columns is None or "file" not in table or table.keys() & {*columns}:
         return table
     if not isinstance(table["file"], str):
-        return table | stand_in(table)  # refused for its file
-    place = ("drives", name, "file")
+        return table | stand_in(table, element[0])  # refused for its file
+    place = (*element, "file")
     text = _read_file(table["file"], folder, source, *place)
     try:
         numbers = read_table(text, columns)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, Union
 
 from pydantic import Field, create_model, model_validator
 
-from antenna_pin.elements import DRIVES, FAMILIES, BetweenJoints, BetweenPoints, ForceElement, Modal
+from antenna_pin.elements import FAMILIES, BetweenJoints, BetweenPoints, ForceElement, Modal
 from antenna_pin.scenario._base import Spec, refuse
 from antenna_pin.scenario._joint import JointTable
 from antenna_pin.scenario._made import MadeSpec, reads
@@ -40,7 +40,7 @@ class _ForceSpec(MadeSpec):
         columns = getattr(cls.fills, "columns", ())
         needed = [name for name in columns if cls.model_fields[name].is_required()]
         if needed and isinstance(data, Mapping) and not data.keys() & {"file", *needed}:
-            refuse(f"must have either file, or {' and '.join(needed)}, got neither")
+            refuse(f"must have either file, or {', '.join(needed[:-1])} and {needed[-1]}, got neither")
         return data
 
     @model_validator(mode="after")
@@ -177,8 +177,8 @@ def is_between_points(family: str, kind: object) -> bool:
     return isinstance(kind, str) and issubclass(FAMILY_SPECS[family].get(kind, ElementSpec), PointsSpec)
 
 
-def file_columns(table: object) -> tuple[str, str] | None:
-    """Return the columns of the file that a drive's table may name instead of numbers; None if it may not."""
+def file_columns(table: object, family: str) -> tuple[str, ...] | None:
+    """Return the columns of the file that an element's table may name instead of numbers; None if none."""
     if not isinstance(table, Mapping) or not isinstance(table.get("kind"), str):
         return None
-    return getattr(DRIVES.get(table["kind"]), "columns", None)
+    return getattr(FAMILIES[family].kinds.get(table["kind"]), "columns", None)

@@ -171,10 +171,11 @@ def number_to_set(event: EventSpec, tables: Mapping[str, Mapping[str, Spec]], *p
 
 
 def _quantities(table: Spec) -> dict[str, Quantity]:
-    """Return the numbers that a table has, by key."""
+    """Return the numbers that a table has and that may change, by key."""
     found = {}
+    at_start = getattr(getattr(table, "fills", None), "at_start", ())
     for key, field in type(table).model_fields.items():
         for item in (*field.metadata, *get_args(field.annotation)):
-            if isinstance(item, Quantity):
+            if isinstance(item, Quantity) and key not in at_start:
                 found[key] = item
     return found

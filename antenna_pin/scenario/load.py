@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 from pydantic import ValidationError
 
 from antenna_pin.arguments import takes
+from antenna_pin.elements import FAMILIES
 from antenna_pin.errors import AntennaPinError, ScenarioError, UnknownNameError
 from antenna_pin.scenario._explained import dotted, explained_line, located_lines
 from antenna_pin.scenario._layers import (
@@ -131,13 +132,16 @@ def _check_case(source: Source, overrides: Mapping[str, Any]) -> None:
 
 def _problem_of_case(source: Source, data: dict[str, Any]) -> AntennaPinError | None:
     check_keys(Scenario, data, source)
-    drives = data.get("drives")
     check_drives(data, source)
-    if isinstance(drives, Mapping):
-        data["drives"] = {
-            name: table | stand_in(table) if file_columns(table) and "file" in table else table
-            for name, table in drives.items()
-        }
+    for family in FAMILIES:
+        of_family = data.get(family)
+        if isinstance(of_family, Mapping):
+            data[family] = {
+                name: table | stand_in(table, family)
+                if file_columns(table, family) and "file" in table
+                else table
+                for name, table in of_family.items()
+            }
     flexible = data.get("flexible")
     if isinstance(flexible, Mapping):
         data["flexible"] = {

@@ -1,4 +1,4 @@
-"""Numbers over time from CSV text."""
+"""Numbers over time, or over an angle, from CSV text."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ class BadTableError(FileFormatError):
     """What is wrong in which line of a table."""
 
 
-def read_table(text: str, columns: tuple[str, str]) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Return two columns of CSV text, of which the first is time; blank lines and lines with # are skipped.
+def read_table(text: str, columns: tuple[str, ...]) -> tuple[tuple[float, ...], ...]:
+    """Return columns of CSV text, of which the first increases; blank lines and lines with # are skipped.
 
     Args:
         text: The file's text.
@@ -30,11 +30,10 @@ def read_table(text: str, columns: tuple[str, str]) -> tuple[tuple[float, ...], 
         raise BadTableError(f"line {rows.line_num}: cannot be read: {error}") from None
 
 
-def _columns(rows: Any, columns: tuple[str, str]) -> tuple[tuple[float, ...], tuple[float, ...]]:
+def _columns(rows: Any, columns: tuple[str, ...]) -> tuple[tuple[float, ...], ...]:
     wanted = ",".join(columns)
     header: list[str] | None = None
-    times: list[float] = []
-    values: list[float] = []
+    found: list[tuple[float, ...]] = []
     for row in rows:
         if not row or row[0].lstrip().startswith("#"):
             continue
@@ -44,18 +43,20 @@ def _columns(rows: Any, columns: tuple[str, str]) -> tuple[tuple[float, ...], tu
             if header != [*columns]:
                 raise BadTableError(f"{line}: the header must be {wanted}, got {shown(','.join(header))}")
             continue
-        if len(row) != 2:
-            raise BadTableError(f"{line}: must have 2 values, got {len(row)}")
-        time, value = (_number(cell, name, line) for cell, name in zip(row, header, strict=True))
-        if times and not time > times[-1]:
-            raise BadTableError(f"{line}: time must increase strictly, got {time!r} after {times[-1]!r}")
-        times.append(time)
-        values.append(value)
+        if len(row) != len(columns):
+            raise BadTableError(f"{line}: must have {len(columns)} values, got {len(row)}")
+        numbers = tuple(_number(cell, name, line) for cell, name in zip(row, header, strict=True))
+        if found and not numbers[0] > found[-1][0]:
+            last = found[-1][0]
+            raise BadTableError(
+                f"{line}: {columns[0]} must increase strictly, got {numbers[0]!r} after {last!r}"
+            )
+        found.append(numbers)
     if header is None:
         raise BadTableError(f"line 1: the header must be {wanted}, got an empty file")
-    if len(times) < 2:
-        raise BadTableError(f"line {rows.line_num}: must have at least 2 rows of numbers, got {len(times)}")
-    return tuple(times), tuple(values)
+    if len(found) < 2:
+        raise BadTableError(f"line {rows.line_num}: must have at least 2 rows of numbers, got {len(found)}")
+    return tuple(zip(*found, strict=True))
 
 
 def _number(cell: str, name: str, line: str) -> float:

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from antenna_pin.dynamics import System, acting_in
-from antenna_pin.simulation.events import Event, Kink
+from antenna_pin.simulation.events import Angle, Event, Kink, Stop
 from antenna_pin.simulation.moment import Moment
 
-__all__ = ["Passing", "kinks_of"]
+__all__ = ["Passing", "ends_of", "kinks_of"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,6 +24,16 @@ class Passing:
     def __call__(self, moment: Moment) -> float:
         """Return how far it is past the kink."""
         return moment.kink(self.block)
+
+
+def ends_of(system: System) -> tuple[Event, ...]:
+    """Return the events at which a run ends, for an element knows nothing of what is beyond."""
+    return tuple(
+        Event(name=f"{one.label} has no torque beyond {end:g}", when=Angle(joint, end), action=Stop())
+        for one in acting_in(system)
+        if (joint := one.element.acts_at) is not None
+        for end in one.element.ends
+    )
 
 
 def kinks_of(system: System) -> tuple[Event, ...]:

@@ -201,6 +201,8 @@ def _labels(seen: Seen) -> dict[str, Any]:
         ("motion", [name for name, drive in system.drives.items() if isinstance(drive, Motion)]),
         ("spring", [name for name in system.springs if name not in system.elastic]),
         ("element", [f"{table}.{name}" for table in system.others for name in system.families[table]]),
+        ("traced_spring", list(system.traced)),
+        ("traced_joint", [str(system.springs[name].acts_at) for name in system.traced]),
         ("elastic_part", list(system.elastic)),
         ("point_spring", list(system.point_springs)),
         ("closure", list(system.closures)),

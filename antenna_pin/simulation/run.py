@@ -16,7 +16,15 @@ from numpy.typing import ArrayLike
 
 from antenna_pin.arguments import takes
 from antenna_pin.assemble import build_system, initial_angles, initial_state
-from antenna_pin.dynamics import System, Workspace, acting_in, check_closed, check_motions, first_modes
+from antenna_pin.dynamics import (
+    System,
+    Workspace,
+    acting_in,
+    check_begins,
+    check_closed,
+    check_motions,
+    first_modes,
+)
 from antenna_pin.engine import check_compiled
 from antenna_pin.errors import InvalidParameterError, ScenarioError
 from antenna_pin.geometry import RevoluteClearance
@@ -244,6 +252,7 @@ def check_start(system: System, y: np.ndarray) -> None:
     """Refuse an initial pose that the parts cannot have, or in which a joint moves without any inertia."""
     system.mechanism.check_pose(y[: system.model.nq], "initial pose")
     first_modes(system, y)
+    check_begins(system, y)
     table = np.zeros(system.rows, CONTACT)
     Workspace(system).locate(y, table)
     for joint in system.clearances:

@@ -62,10 +62,12 @@ def scale_vector(system: System, scales: ErrorScales) -> NDArray[np.float64]:
     x[energies] = sum(i.mass for i in moving) * slow**2
     if not any(i.mass for i in moving):  # rotors that have an inertia alone
         x[energies] = sum(float(np.trace(i.inertia)) for i in moving) * scales.angular_velocity**2
-    x[system.bristle_x] = [
+    bristles = [
         scale
         for joint in system.clearances
         for _ in joint.contact_names
         for scale in getattr(joint.friction, "state_scales", ())
     ]
+    # Those of elements are numbers of size 1.
+    x[system.bristle_x] = bristles + [1.0] * (len(system.bristle_x) - len(bristles))
     return np.concatenate([position, velocity, x])

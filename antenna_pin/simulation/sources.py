@@ -40,6 +40,7 @@ def _derivative(seen: Seen) -> Values:
         "element_effort": seen.found.done["effort"],
         "element_energy": seen.found.done["energy"],
         "element_mode": seen.found.done["mode"].astype(np.int8),
+        "spring_torque": seen.found.traced["effort"],
         "spring_length": stretch["length"],
         "spring_tension": stretch["tension"],
         "spring_force": stretch["force"],

@@ -97,7 +97,12 @@ def _labels(data: xr.Dataset) -> Iterator[str]:
     for coordinate in COORDINATES:
         if coordinate.dim in data.sizes and coordinate.name not in data.variables:
             yield f"no variable {coordinate.name!r}"
-    for inner, outer in (("contact_joint", "clearance_joint"), ("controller", "drive"), ("motion", "drive")):
+    for inner, outer in (
+        ("contact_joint", "clearance_joint"),
+        ("controller", "drive"),
+        ("motion", "drive"),
+        ("traced_spring", "spring"),
+    ):
         unknown = set(names_along(data, inner)) - set(names_along(data, outer))
         if unknown:
             yield f"{min(unknown)!r} in {inner!r} but not in {outer!r}"

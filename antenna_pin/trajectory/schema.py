@@ -31,6 +31,7 @@ DIMENSIONS: dict[str, str] = {
     "controller": "drives that follow a reference, by name",
     "motion": "drives that prescribe their joint's motion, by name",
     "spring": "springs and dampers, and friction of joints, by name",
+    "traced_spring": "those of them at joints that have a table, hysteresis, or a constant torque",
     "element": "elements of further families (stops, latches), by family and name",
     "change": "changes of mode of these, in order of time, by element and what changed",
     "point_spring": "those of them that are between points",
@@ -44,11 +45,8 @@ DIMENSIONS: dict[str, str] = {
 #: Labels of contacts beside their names.
 COORDINATES: tuple[Coordinate, ...] = (
     Coordinate("contact_joint", "contact", "clearance joint of the contact"),
-    Coordinate(
-        "contact_kind",
-        "contact",
-        "radial (in the bore), axial (at a flange), spherical (in a socket) or another",
-    ),
+    Coordinate("contact_kind", "contact", "radial (in the bore), axial (at a flange), spherical or another"),
+    Coordinate("traced_joint", "traced_spring", "joint that the spring acts at"),
     Coordinate("contact_end", "contact", "the bearing's end along its axis: +, - or none"),
 )
 
@@ -57,6 +55,7 @@ _SIZE = Rule(least=0.0)
 _UNIT = Rule(unit=True)
 _ORDERED = Rule(rising=True)
 _TOTAL = Rule(least=0.0, summed=True)
+_STORED = Rule(summed=True)  # below zero of a table: where it stores nothing is a matter of choice
 _PRESSED = Rule(least=0.0, beside="touching")
 # Of contacts; none of them is sure to lose energy under a law of a user's.
 _LOST = Rule(least=0.0, summed=True, passive=True)
@@ -179,7 +178,7 @@ _ENERGIES: tuple[Variable, ...] = (
         "audit: time",
         ("kinetic_energy", "J", "kinetic energy", _TOTAL),
         ("contact_energy", "J", "energy stored in contacts"),
-        ("spring_energy", "J", "energy stored in springs, at joints and between points", _TOTAL),
+        ("spring_energy", "J", "energy stored in springs, at joints and between points", _STORED),
         ("gravity_energy", "J", "potential energy of gravity"),
     ),
     *_rows("audit: time elastic_part", ("elastic_energy", "J", "energy stored in the part's spring", _TOTAL)),
@@ -208,6 +207,7 @@ _ENERGIES: tuple[Variable, ...] = (
         "ledger: time spring",
         ("dissipation_damper", "J", "energy lost in the damper, or to a joint's own friction", _TOTAL),
     ),
+    *_rows("derivative: time traced_spring", ("spring_torque", "N m", "torque on the child (a force [N])")),
     *_rows(
         "derivative: time element",
         ("element_effort", "N m", "torque about the joint's axis, what holds it included (a force [N])"),

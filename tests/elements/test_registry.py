@@ -10,16 +10,20 @@ from antenna_pin.elements import (
     FAMILIES,
     GEARS,
     Belt,
+    BoucWen,
     Cable,
     CallableDrive,
     CallableMotion,
     ConstantDrive,
+    ConstantSpring,
     DistanceMotion,
     EndStop,
     Gear,
+    HarnessSpring,
     JointFriction,
     JointSpring,
     Latch,
+    MaxwellSlip,
     PDController,
     PointSpring,
     PrescribedMotion,
@@ -29,6 +33,7 @@ from antenna_pin.elements import (
     Spline,
     StickingFriction,
     TableDrive,
+    TableSpring,
     kernels,
     kind_of,
 )
@@ -78,6 +83,34 @@ EXAMPLES = {
         JointFriction(joint="a", damping=0.5, friction=2.0, regularisation_speed=0.15),
         "damping 0.5 N m s/rad, friction 2 N m, rounded off below 0.15 rad/s",
         -0.5 * 0.2 - 2.0 * 0.8,
+    ),
+    BoucWen: (
+        BoucWen(joint="a", alpha=0.25, stiffness=4.0, yield_angle=0.5, start=0.125),
+        "Bouc-Wen, stiffness 4 N m/rad, yields at 0.5 rad, alpha 0.25, A 1, beta 0.5, gamma 0.5, n 1",
+        -0.25 * 4.0 * 0.1 - 0.75 * 4.0 * 0.5 * 0.125,
+    ),
+    MaxwellSlip: (
+        MaxwellSlip(joint="a", stiffness=(2.0, 8.0), slip=(1.0, 0.5)),
+        "2 springs that slip at 1, 0.5 N m, stiffness 10 N m/rad in all",
+        -2.0 * 0.1 - 0.5,
+    ),
+    TableSpring: (
+        TableSpring(joint="a", angle=(0.0, 2.0), torque=(1.0, -3.0), interpolation="linear"),
+        "table: 2 points from 0 to 2 rad, linear between them, held beyond, up to 3 N m",
+        0.8,
+    ),
+    HarnessSpring: (
+        HarnessSpring(
+            joint="a", angle=(0.0, 2.0), torque=(1.0, -3.0), torque_back=(2.0, -2.0), reversal=0.5, start=0.5
+        ),
+        "both ways, table: 2 points from 0 to 2 rad, cubic between them, held beyond, up to 3 N m, goes over "
+        "within 0.5 rad",
+        1.5 - 0.2 - 0.25,
+    ),
+    ConstantSpring: (
+        ConstantSpring(joint="a", torque=0.5, upper=1.5, ramp=0.25),
+        "constant 0.5 N m, to 1.5 rad, ceases within 0.25 rad",
+        0.5,
     ),
     RigidStop: (
         RigidStop(joint="a", lower=0.05, upper=1.5, restitution=0.25),
@@ -177,10 +210,11 @@ def test_an_element_has_its_own_kernels_and_words(kind):
     element, words, expected = EXAMPLES[kind]
     assert element.words(slides=False).replace("\N{NO-BREAK SPACE}", " ") == words
     number, own = kind_of(kind), element.words_of_kernel()
-    torque = kernels.effort(number, own, 0, 0.0, 0.1, 0.2)
+    states = np.zeros(len(element.integrals)), 0
+    torque = kernels.effort_of(number, own, 0, (0.0, 0.1, 0.2), states)
     assert torque == pytest.approx(expected, rel=1e-15, abs=1e-15)  # round-off
     rates = np.full(len(element.integrals) + 1, np.nan)
-    kernels.write_rates(number, own, 0, 0.1, 0.2, 0.2 * torque, rates, 0)
+    kernels.write_rates_of(number, own, 0, (0.1, 0.2, 0.2 * torque), states, rates, 0)
     assert np.isnan(rates).tolist() == [False] * len(element.integrals) + [True]
 
 

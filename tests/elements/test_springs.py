@@ -85,7 +85,8 @@ def test_every_kind_is_reached_by_its_name(wheel):
         named = f"kind='{kind}', " if kind else ""
         spring = build_system(wheel(f"springs.axle={{{named}{given}}}")).springs["axle"]
         assert spring == made if made else isinstance(spring, PointSpring)
-    assert set(SPRINGS) == {"spring", "friction", "between-points"}
+    others = {"bouc-wen", "maxwell-slip", "constant-torque", "table", "harness"}
+    assert set(SPRINGS) == {"spring", "friction", "between-points", *others}
 
 
 def test_friction_brings_the_wheel_to_rest(wheel):
@@ -106,7 +107,10 @@ def test_friction_brings_the_wheel_to_rest(wheel):
 @pytest.mark.parametrize(
     ("table", "says"),
     [
-        ("springs.axle={kind='fricton', friction=1}", "must be one of spring, friction, between-points, got"),
+        (
+            "springs.axle={kind='fricton', friction=1}",
+            "must be one of spring, friction, between-points, bouc-wen",
+        ),
         ("springs.axle={kind='friction'}", "springs.axle must have a friction or a damping above zero"),
         ("springs.axle={kind='friction', stiffness=1}", "springs.axle.stiffness is unknown"),
         ("springs.axle={stiffness=1, on='maybe'}", "springs.axle.on must be true or false, got 'maybe'"),

@@ -21,20 +21,25 @@ from antenna_pin.constraints import CLOSURES
 from antenna_pin.contact import CustomFriction, CustomNormal
 from antenna_pin.elements import (
     Belt,
+    BoucWen,
     Cable,
     CallableDrive,
     CallableMotion,
     ConstantDrive,
+    ConstantSpring,
     DistanceMotion,
     Gear,
+    HarnessSpring,
     JointFriction,
     JointSpring,
+    MaxwellSlip,
     PDController,
     PointSpring,
     PrescribedMotion,
     SineDrive,
     Spline,
     TableDrive,
+    TableSpring,
 )
 
 LINK = (
@@ -63,6 +68,13 @@ IN_PYTHON = {
 SPRINGS = {
     "spring": JointSpring(joint="g", stiffness=3.0, damping=0.2, rest_angle=0.4),
     "friction": JointFriction(joint="g", damping=0.1, friction=0.2),
+    "wen": BoucWen(joint="g", alpha=0.3, stiffness=2.0, yield_angle=0.1, exponent=1.5),
+    "slips": MaxwellSlip(joint="g", stiffness=(2.0, 1.0), slip=(0.05, 0.2)),
+    "cable": TableSpring(joint="g", angle=(-1.0, 0.0, 1.0), torque=(1.0, 0.2, -1.0)),
+    "harness": HarnessSpring(
+        joint="g", angle=(-1.0, 1.0), torque=(0.2, -0.4), torque_back=(0.3, -0.2), reversal=0.05
+    ),
+    "tape": ConstantSpring(joint="g", torque=0.3, upper=0.5, ramp=0.1),
     "strut": PointSpring(
         first=("base", (0.0, 0.0, 0.5)),
         second=("g_link", (0.1, 0.0, 0.0)),

@@ -1,0 +1,98 @@
+"""Springs whose torque is a table over the joint's angle."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar, Literal
+
+from antenna_pin.elements.curve import Interpolation, areas, check_table, cubics
+from antenna_pin.elements.element import LOSS, Element, Integral
+from antenna_pin.errors import InvalidParameterError
+from antenna_pin.parameters import parameter
+from antenna_pin.readable import number, readable
+
+__all__ = ["Outside", "TableSpring"]
+
+Outside = Literal["hold", "extend", "refuse"]
+"""What follows beyond a table: its last torque, that with its slope there, or the end of the run."""
+
+# How ``outside`` stands in records: whether the slope goes on.
+_GOES_ON = {"hold": 0, "extend": 1, "refuse": 1}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TableSpring(Element):
+    """A spring whose torque is a table over the joint's angle, such as that of a harness.
+
+    Between points the torque is a monotone cubic: no overshoot, its slope is continuous; or a straight line.
+    What it stores is the integral of the torque, from the table's first angle on: it conserves energy.
+    Angles count whole turns.
+
+    Attributes:
+        file: Where the table came from, relative to the scenario's folder; None if given as numbers.
+        interpolation: ``cubic`` or ``linear``.
+        angle: Strictly increasing, at least two [rad] ([m]).
+        torque: On the child, one for each angle [N*m] ([N]).
+        outside: Beyond the table ``hold`` has its last torque, ``extend`` that with its slope there;
+            ``refuse`` ends the run there.
+        on: Whether it acts from the start on; an event may switch it.
+    """
+
+    kernels: ClassVar[str] = "angle_table_kernels"
+    traced: ClassVar[bool] = True
+    columns: ClassVar[tuple[str, ...]] = ("angle", "torque")
+    senses: ClassVar[bool] = True
+    integrals: ClassVar[tuple[Integral, ...]] = (LOSS,)
+
+    file: str | None = None
+    interpolation: Interpolation = "cubic"
+    angle: tuple[float, ...] = parameter("rad", sliding="m", sizes=(0,), repr=False)
+    torque: tuple[float, ...] = parameter("N*m", sliding="N", sizes=(0,), repr=False)
+    outside: Outside = "hold"
+    on: bool = True
+
+    def __post_init__(self) -> None:
+        """Check the table."""
+        Element.__post_init__(self)
+        for name in self.columns[1:]:
+            check_table(self, name, "angle", "rad")
+
+    @property
+    def ends(self) -> tuple[float, ...]:
+        """Angles at which a run must end [rad] ([m])."""
+        return (self.angle[0], self.angle[-1]) if self.outside == "refuse" else ()
+
+    @property
+    def has_kinks(self) -> bool:
+        """Where the table ends, if the run does not."""
+        return self.outside != "refuse"
+
+    def check_begin(self, place: str, angle: float) -> None:
+        """Refuse a start beyond a table that has nothing there."""
+        if self.ends and not self.angle[0] <= angle <= self.angle[-1]:
+            rule = f"a table that covers the start, at {angle:g}; extend it, or choose what is outside"
+            raise InvalidParameterError(place, "angle", rule, (self.angle[0], self.angle[-1]))
+
+    def values(self) -> dict[str, Any]:
+        """Return its numbers, by the names that its record has for them."""
+        return {"points": len(self.angle), "goes_on": _GOES_ON[self.outside]}
+
+    def tail(self) -> tuple[float, ...]:
+        """Return the curve through its points, and its integral up to each."""
+        return self.curve_of(self.torque)
+
+    def curve_of(self, torque: tuple[float, ...]) -> tuple[float, ...]:
+        """Return the curve through some torques at the angles, and its integral up to each."""
+        curve = cubics(self.angle, torque, self.interpolation)
+        return (*curve, *areas(curve, len(self.angle)))
+
+    def words(self, slides: bool) -> str:
+        """Return what it is in words."""
+        torques = [value for name in self.columns[1:] for value in getattr(self, name)]
+        largest = readable(max(map(abs, torques)), self.unit("torque", slides))
+        where = "" if self.file is None else f" of {self.file}"
+        unit = self.unit("angle", slides)
+        span = f"{number(self.angle[0])} to {number(self.angle[-1])} {unit}"
+        beyond = {"hold": "held", "extend": "extended", "refuse": "refused"}[self.outside]
+        points = f"{len(self.angle)} points from {span}, {self.interpolation} between them, {beyond} beyond"
+        return f"table{where}: {points}, up to {largest}"

@@ -1,0 +1,71 @@
+"""A torque from a table over the joint's angle, compiled."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from antenna_pin._compile import inlined, record
+from antenna_pin.elements.curve_kernels import area, curve
+from antenna_pin.records import layout, words_of
+
+#: Behind it stands the curve, with its integral up to each point. ``goes_on``: its slope does, beyond it.
+LAYOUT = layout(("points", "i8"), ("goes_on", "i8"))
+SIZE = words_of(LAYOUT)
+
+
+@inlined
+def torque_at(words: Any, at: int, shape: tuple[int, bool], angle: float) -> tuple[float, float]:
+    """Torque and its slope at an angle, of the curve at words[at:]; ``shape``: points, whether it goes on."""
+    points, goes_on = shape
+    inside = min(max(angle, words[at]), words[at + points - 1])
+    value, slope = curve(words, at, points, inside)
+    if angle != inside:
+        slope = slope if goes_on else 0.0
+        value += slope * (angle - inside)
+    return float(value), float(slope)
+
+
+@inlined
+def given_at(words: Any, at: int, shape: tuple[int, bool], angle: float) -> float:
+    """Integral of the torque up to an angle [J]."""
+    points, goes_on = shape
+    inside = min(max(angle, words[at]), words[at + points - 1])
+    found = area(words, at, points, inside)
+    if angle != inside:
+        beyond = angle - inside
+        value, slope = curve(words, at, points, inside)
+        found += value * beyond + (0.5 * slope * beyond * beyond if goes_on else 0.0)
+    return float(found)
+
+
+@inlined
+def ends_at(words: Any, at: int, points: int, angle: float) -> float:
+    """Product of the ways to the table's ends: it passes zero there."""
+    return float((angle - words[at]) * (angle - words[at + points - 1]))
+
+
+@inlined
+def effort(words: Any, at: int, t: float, angle: float, rate: float) -> float:
+    """Torque [N m], or force [N]."""
+    table = record(words[at : at + SIZE], LAYOUT)
+    value, _ = torque_at(words, at + SIZE, (table.points, table.goes_on != 0), angle)
+    return value
+
+
+@inlined
+def write_rates(words: Any, at: int, rate: float, power: float, rates: Any, x: int) -> None:
+    """Nothing is lost."""
+    rates[x] = 0.0
+
+
+@inlined
+def stored(words: Any, at: int, angle: float) -> float:
+    """Energy stored [J]."""
+    table = record(words[at : at + SIZE], LAYOUT)
+    return -given_at(words, at + SIZE, (table.points, table.goes_on != 0), angle)
+
+
+@inlined
+def kink(words: Any, at: int, t: float, angle: float, rate: float) -> float:
+    """Where the table ends."""
+    return ends_at(words, at + SIZE, record(words[at : at + SIZE], LAYOUT).points, angle)

@@ -1,0 +1,95 @@
+"""A spring with hysteresis after Bouc and Wen."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from antenna_pin.elements.element import LOSS, Element, Integral
+from antenna_pin.errors import InvalidParameterError
+from antenna_pin.parameters import parameter
+
+__all__ = ["BoucWen"]
+
+_Z = Integral("z", "1")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BoucWen(Element):
+    r"""A spring with hysteresis after Bouc and Wen; the units are those of a turning (sliding) joint.
+
+    .. math:: \tau = -\alpha k (\phi - \phi_0) - (1 - \alpha) k D z, \quad
+        D \dot z = A \dot\phi - \beta |\dot\phi| |z|^{n-1} z - \gamma \dot\phi |z|^n
+
+    z is a number; it ends at :math:`\pm (A / (\beta + \gamma))^{1/n}`. With the defaults D is the angle at
+    which it yields. Nothing depends on how fast it goes: time does not count, only the way.
+
+    Of the energy :math:`\alpha k (\phi - \phi_0)^2 / 2 + (1 - \alpha) k D^2 z^2 / (2 A)` is stored; what is
+    lost, :math:`(1 - \alpha) k D |z|^n (\beta |\dot\phi z| + \gamma \dot\phi z) / A` at a time, is never
+    negative if :math:`|\gamma| \le \beta`, which is asked for: others make energy in small cycles.
+
+    Attributes:
+        alpha: Share of the stiffness that is elastic, up to 1.
+        stiffness: k, of the start [N*m/rad] ([N/m]).
+        yield_angle: D [rad] ([m]).
+        slope: A, what z grows by at first per yield angle [-].
+        beta: How fast it yields on the way out; the larger, the thicker is the loop [-].
+        gamma: How that differs on the way back, at most beta in size; above zero the loop bulges [-].
+        exponent: n; the larger, the sharper is the knee [-].
+        rest_angle: Where the elastic part is at rest [rad] ([m]).
+        start: z at the start of a run [-].
+        on: Whether it acts from the start on; an event may switch it.
+
+    References:
+        Wen, Y.-K.: Method for random vibration of hysteretic systems. J. Engineering Mechanics Division 102
+        (1976), 249-263.
+    """
+
+    kernels: ClassVar[str] = "bouc_wen_kernels"
+    at_start: ClassVar[tuple[str, ...]] = ("start",)
+    traced: ClassVar[bool] = True
+    senses: ClassVar[bool] = True
+    integrals: ClassVar[tuple[Integral, ...]] = (LOSS, _Z)
+    states: ClassVar[tuple[Integral, ...]] = (_Z,)
+
+    alpha: float = parameter(rule="zero or more")
+    stiffness: float = parameter("N*m/rad", sliding="N/m", rule="positive")
+    yield_angle: float = parameter("rad", sliding="m", rule="positive")
+    slope: float = parameter(rule="positive", default=1.0)
+    beta: float = parameter(rule="zero or more", default=0.5)
+    gamma: float = parameter(default=0.5)
+    exponent: float = parameter(rule="1 or more", default=1.0)
+    rest_angle: float = parameter("rad", sliding="m", default=0.0)
+    start: float = parameter(default=0.0)
+    on: bool = True
+
+    def __post_init__(self) -> None:
+        """Check the parameters together."""
+        Element.__post_init__(self)
+        if not self.alpha <= 1.0:
+            raise InvalidParameterError(self, "alpha", "at most 1", self.alpha)
+        if not abs(self.gamma) <= self.beta:
+            rule = f"at most beta = {self.beta:g} in size, or small cycles would make energy; raise beta"
+            raise InvalidParameterError(self, "gamma", rule, self.gamma)
+        if not self.beta + self.gamma > 0.0:
+            rule = "above -beta, or it would never yield; take a spring with no hysteresis"
+            raise InvalidParameterError(self, "gamma", rule, self.gamma)
+        if not abs(self.start) <= self.limit:
+            rule = f"at most {self.limit:g} in size, where z ends"
+            raise InvalidParameterError(self, "start", rule, self.start)
+
+    @property
+    def limit(self) -> float:
+        """Where z ends [-]."""
+        return float((self.slope / (self.beta + self.gamma)) ** (1.0 / self.exponent))
+
+    @property
+    def has_kinks(self) -> bool:
+        """Where it turns back."""
+        return True
+
+    def words(self, slides: bool) -> str:
+        """Return what it is in words."""
+        said = {"stiffness": "stiffness", "yield_angle": "yields at", "rest_angle": "at rest at"}
+        shape = f"alpha {self.alpha:g}, A {self.slope:g}, beta {self.beta:g}, gamma {self.gamma:g}"
+        return f"Bouc-Wen, {', '.join(self.said_of(said, slides))}, {shape}, n {self.exponent:g}"

@@ -1,0 +1,67 @@
+"""A spring with hysteresis after Bouc and Wen, compiled."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from antenna_pin._compile import inlined, record
+from antenna_pin.records import layout, words_of
+
+LAYOUT = layout(
+    ("alpha", "f8"),
+    ("stiffness", "f8"),
+    ("yield_angle", "f8"),
+    ("slope", "f8"),
+    ("beta", "f8"),
+    ("gamma", "f8"),
+    ("exponent", "f8"),
+    ("rest_angle", "f8"),
+    ("start", "f8"),
+)
+SIZE = words_of(LAYOUT)
+# Among what it integrates.
+HEAT = 0
+Z = 1
+
+
+@inlined
+def effort_of(words: Any, at: int, motion: Any, own: Any) -> float:
+    """Torque [N m], or force [N]."""
+    law = record(words[at : at + SIZE], LAYOUT)
+    _, angle, _ = motion
+    y, i = own
+    z = law.start + y[i + Z]
+    elastic = law.alpha * law.stiffness * (angle - law.rest_angle)
+    return float(-elastic - (1.0 - law.alpha) * law.stiffness * law.yield_angle * z)
+
+
+@inlined
+def write_rates_of(words: Any, at: int, motion: Any, own: Any, rates: Any, x: int) -> None:
+    """Power that is lost [W], and the rate of z [1/s]."""
+    law = record(words[at : at + SIZE], LAYOUT)
+    _, rate, _ = motion
+    y, i = own
+    z = law.start + y[i + Z]
+    size = math.pow(abs(z), law.exponent)
+    sign = math.copysign(1.0, z)
+    yields = size * (law.beta * abs(rate) * sign + law.gamma * rate)
+    rates[x + Z] = (law.slope * rate - yields) / law.yield_angle
+    rates[x + HEAT] = (1.0 - law.alpha) * law.stiffness * law.yield_angle * z * yields / law.slope
+
+
+@inlined
+def stored_of(words: Any, at: int, angle: float, own: Any) -> float:
+    """Energy stored [J]."""
+    law = record(words[at : at + SIZE], LAYOUT)
+    y, i = own
+    z = law.yield_angle * (law.start + y[i + Z])
+    turned = angle - law.rest_angle
+    elastic = law.alpha * turned * turned + (1.0 - law.alpha) * z * z / law.slope
+    return float(0.5 * law.stiffness * elastic)
+
+
+@inlined
+def kink(words: Any, at: int, t: float, angle: float, rate: float) -> float:
+    """Its rate: where the joint turns back, z goes another way."""
+    return rate

@@ -1,0 +1,66 @@
+"""A spring of constant torque, compiled."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from antenna_pin._compile import inlined, record
+from antenna_pin.records import layout, words_of
+
+#: Ends are infinite where there is none.
+LAYOUT = layout(("torque", "f8"), ("lower", "f8"), ("upper", "f8"), ("ramp", "f8"))
+SIZE = words_of(LAYOUT)
+
+
+@inlined
+def effort(words: Any, at: int, t: float, angle: float, rate: float) -> float:
+    """Torque [N m], or force [N]."""
+    spring = record(words[at : at + SIZE], LAYOUT)
+    beyond = max(spring.lower - angle, angle - spring.upper, 0.0) / spring.ramp
+    return float(spring.torque * max(1.0 - beyond, 0.0))
+
+
+@inlined
+def write_rates(words: Any, at: int, rate: float, power: float, rates: Any, x: int) -> None:
+    """Nothing is lost."""
+    rates[x] = 0.0
+
+
+@inlined
+def _way(lower: float, upper: float, ramp: float, angle: float) -> float:
+    """Integral of the share of its torque that acts, up to an angle, but for a constant."""
+    found = min(angle, upper)
+    if not math.isinf(lower):
+        s = min(max(1.0 - (lower - angle) / ramp, 0.0), 1.0)
+        found = 0.5 * ramp * s * s + max(found - lower, 0.0)
+    if not math.isinf(upper):
+        s = min(max((angle - upper) / ramp, 0.0), 1.0)
+        found += ramp * s * (1.0 - 0.5 * s)
+    return found
+
+
+@inlined
+def stored(words: Any, at: int, angle: float) -> float:
+    """Energy stored [J]: what the torque gives from here to its end, or to angle zero."""
+    spring = record(words[at : at + SIZE], LAYOUT)
+    lower, upper, ramp = float(spring.lower), float(spring.upper), float(spring.ramp)
+    if spring.torque > 0.0 and not math.isinf(upper):
+        end = _way(lower, upper, ramp, upper + ramp)
+    elif spring.torque < 0.0 and not math.isinf(lower):
+        end = 0.0  # below its ramp
+    else:
+        end = _way(lower, upper, ramp, 0.0)
+    return float(spring.torque * (end - _way(lower, upper, ramp, angle)))
+
+
+@inlined
+def kink(words: Any, at: int, t: float, angle: float, rate: float) -> float:
+    """Product of the ways to where its ramps begin and end."""
+    spring = record(words[at : at + SIZE], LAYOUT)
+    found = 1.0
+    if not math.isinf(spring.lower):
+        found *= (angle - spring.lower) * (angle - spring.lower + spring.ramp)
+    if not math.isinf(spring.upper):
+        found *= (angle - spring.upper) * (angle - spring.upper - spring.ramp)
+    return float(found)

@@ -1,0 +1,81 @@
+"""A harness: one table of torque over angle for each direction of motion."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from antenna_pin.elements.angle_table import TableSpring
+from antenna_pin.elements.element import LOSS, Integral
+from antenna_pin.errors import InvalidParameterError
+from antenna_pin.parameters import parameter
+
+__all__ = ["HarnessSpring"]
+
+_Z = Integral("z", "1")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class HarnessSpring(TableSpring):
+    r"""A spring with a table of torque over angle for each direction of motion, such as that of a harness.
+
+    With T the torque while the angle grows and T_b that while it falls, M their mean and
+    :math:`H = (T_b - T) / 2`, never negative,
+
+    .. math:: \tau = M(\phi) - H(\phi) z, \quad \delta \dot z = \dot\phi - |\dot\phi| z
+
+    so that z comes to 1 on the way up and to -1 on the way down: it changes by :math:`1 - e^{-1}` of what is
+    left for each reversal angle. At rest the torque stays where it is, anywhere between the two: it does not
+    creep.
+
+    Stored is the integral of M and :math:`H \delta z^2 / 2`; the rest of what is put in is lost,
+    :math:`H |\dot\phi| z^2 - H' \dot\phi \delta z^2 / 2` at a time, the loop's area in a cycle.
+
+    Attributes:
+        torque: On the child while the angle grows, one for each angle [N*m] ([N]).
+        torque_back: On the child while it falls, never below torque [N*m] ([N]).
+        reversal: Angle in which the torque goes from one table to the other, delta [rad] ([m]).
+        start: z at the start of a run, from -1 to 1 [-].
+    """
+
+    kernels: ClassVar[str] = "harness_kernels"
+    at_start: ClassVar[tuple[str, ...]] = ("start",)
+    columns: ClassVar[tuple[str, ...]] = ("angle", "torque", "torque_back")
+    integrals: ClassVar[tuple[Integral, ...]] = (LOSS, _Z)
+    states: ClassVar[tuple[Integral, ...]] = (_Z,)
+
+    torque_back: tuple[float, ...] = parameter("N*m", sliding="N", sizes=(0,), repr=False)
+    reversal: float = parameter("rad", sliding="m", rule="positive")
+    start: float = parameter(default=0.0)
+
+    def __post_init__(self) -> None:
+        """Check tables and start."""
+        TableSpring.__post_init__(self)
+        for k, (up, back) in enumerate(zip(self.torque, self.torque_back, strict=True)):
+            if back < up:
+                rule = f"at least torque there, {up!r}, or each cycle would make energy; exchange the two"
+                raise InvalidParameterError(self, f"torque_back[{k}]", rule, back)
+        if not abs(self.start) <= 1.0:
+            raise InvalidParameterError(self, "start", "from -1 to 1", self.start)
+
+    @property
+    def has_kinks(self) -> bool:
+        """Where it turns back, and where the tables end."""
+        return True
+
+    def values(self) -> dict[str, Any]:
+        """Return its numbers, by the names that its record has for them."""
+        return {**TableSpring.values(self), "reversal": self.reversal, "start": self.start}
+
+    def tail(self) -> tuple[float, ...]:
+        """Return the curves of the mean and of half the difference."""
+        pairs = tuple(zip(self.torque, self.torque_back, strict=True))
+        mean = tuple(0.5 * (up + back) for up, back in pairs)
+        half = tuple(0.5 * (back - up) for up, back in pairs)
+        return (*self.curve_of(mean), *self.curve_of(half))
+
+    def words(self, slides: bool) -> str:
+        """Return what it is in words."""
+        return (
+            f"both ways, {TableSpring.words(self, slides)}, goes over within {self.said('reversal', slides)}"
+        )

@@ -1,0 +1,63 @@
+"""A harness with a table for each direction of motion, compiled."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from antenna_pin._compile import inlined, record
+from antenna_pin.elements.angle_table_kernels import ends_at, given_at, torque_at
+from antenna_pin.records import layout, words_of
+
+#: Behind it stand the curves of the mean and of half the difference, each with its integral up to each point.
+LAYOUT = layout(("points", "i8"), ("goes_on", "i8"), ("reversal", "f8"), ("start", "f8"))
+SIZE = words_of(LAYOUT)
+# Among what it integrates.
+HEAT = 0
+Z = 1
+
+
+@inlined
+def _half(words: Any, at: int, angle: float) -> tuple[float, float]:
+    """Half the difference of the tables, H, and its slope, which do not go on beyond them."""
+    points = record(words[at : at + SIZE], LAYOUT).points
+    return torque_at(words, at + SIZE + 6 * points - 4, (points, False), angle)
+
+
+@inlined
+def effort_of(words: Any, at: int, motion: Any, own: Any) -> float:
+    """Torque [N m], or force [N]."""
+    table = record(words[at : at + SIZE], LAYOUT)
+    _, angle, _ = motion
+    y, i = own
+    mean, _ = torque_at(words, at + SIZE, (table.points, table.goes_on != 0), angle)
+    half, _ = _half(words, at, angle)
+    return float(mean - half * (table.start + y[i + Z]))
+
+
+@inlined
+def write_rates_of(words: Any, at: int, motion: Any, own: Any, rates: Any, x: int) -> None:
+    """Power that is lost [W], and the rate of z [1/s]."""
+    table = record(words[at : at + SIZE], LAYOUT)
+    angle, rate, _ = motion
+    y, i = own
+    z = table.start + y[i + Z]
+    half, slope = _half(words, at, angle)
+    rates[x + Z] = (rate - abs(rate) * z) / table.reversal
+    rates[x + HEAT] = z * z * (half * abs(rate) - 0.5 * slope * rate * table.reversal)
+
+
+@inlined
+def stored_of(words: Any, at: int, angle: float, own: Any) -> float:
+    """Energy stored [J]."""
+    table = record(words[at : at + SIZE], LAYOUT)
+    y, i = own
+    z = table.start + y[i + Z]
+    half, _ = _half(words, at, angle)
+    mean = given_at(words, at + SIZE, (table.points, table.goes_on != 0), angle)
+    return float(0.5 * half * table.reversal * z * z - mean)
+
+
+@inlined
+def kink(words: Any, at: int, t: float, angle: float, rate: float) -> float:
+    """Where it turns back, and where the tables end."""
+    return rate * ends_at(words, at + SIZE, record(words[at : at + SIZE], LAYOUT).points, angle)

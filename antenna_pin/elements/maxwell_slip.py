@@ -1,0 +1,126 @@
+"""Springs that slip, side by side: hysteresis after Maxwell."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+from antenna_pin.elements.element import Element
+from antenna_pin.elements.modal import Change, Met, Modal
+from antenna_pin.errors import InvalidParameterError
+from antenna_pin.parameters import parameter
+
+__all__ = ["MaxwellSlip"]
+
+_MOST = 8
+_ANCHORS = tuple(f"anchor_{k}" for k in range(1, _MOST + 1))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MaxwellSlip(Modal):
+    r"""Springs side by side, each of which slips at a torque of its own: hysteresis after Maxwell.
+
+    .. math:: \tau = -\sum_i k_i z_i, \quad z_i = \phi - a_i \text{ within } \pm s_i / k_i
+
+    An anchor :math:`a_i` stays where it is until its spring has its slip torque, and is dragged along from
+    there on until the joint turns back. Nothing depends on how fast it goes, and nothing creeps: at rest the
+    torque stays as it is. Where springs slip, and where the joint turns back then, steps end; the torque is
+    exact between.
+
+    Stored is :math:`\sum k_i z_i^2 / 2`; lost is what slip torques do on the way that anchors are dragged,
+    in a cycle of amplitude X :math:`\sum 4 s_i (X - s_i / k_i)` of those that slip.
+
+    Attributes:
+        stiffness: Of each, k, at most 8 [N*m/rad] ([N/m]).
+        slip: Torque at which each slips, s [N*m] ([N]).
+        rest_angle: Where none is bent at the start, as far as none has to slip for that [rad] ([m]); None for
+            where the joint starts.
+        on: Whether it acts from the start on; an event may switch it.
+
+    References:
+        Iwan, W. D.: A distributed-element model for hysteresis and its steady-state dynamic response. J.
+        Applied Mechanics 33 (1966), 893-900.
+    """
+
+    kernels: ClassVar[str] = "maxwell_slip_kernels"
+    at_start: ClassVar[tuple[str, ...]] = ("rest_angle",)
+    traced: ClassVar[bool] = True
+    modes: ClassVar[tuple[str, ...]] = ("held", "up", "down")
+    switches: ClassVar[int] = 2
+    remembers: ClassVar[tuple[str, ...]] = _ANCHORS
+
+    stiffness: tuple[float, ...] = parameter("N*m/rad", sliding="N/m", rule="positive", sizes=(0,))
+    slip: tuple[float, ...] = parameter("N*m", sliding="N", rule="positive", sizes=(0,))
+    rest_angle: float | None = parameter("rad", sliding="m", default=None)
+    on: bool = True
+    anchor_1: float = field(default=0.0, repr=False)
+    anchor_2: float = field(default=0.0, repr=False)
+    anchor_3: float = field(default=0.0, repr=False)
+    anchor_4: float = field(default=0.0, repr=False)
+    anchor_5: float = field(default=0.0, repr=False)
+    anchor_6: float = field(default=0.0, repr=False)
+    anchor_7: float = field(default=0.0, repr=False)
+    anchor_8: float = field(default=0.0, repr=False)
+
+    def __post_init__(self) -> None:
+        """Check that there are as many slip torques as springs."""
+        Element.__post_init__(self)
+        if not 1 <= len(self.stiffness) <= _MOST:
+            rule = f"1 to {_MOST} numbers; put further ones into another spring of this kind at the joint"
+            raise InvalidParameterError(self, "stiffness", rule, said=f"{len(self.stiffness)}")
+        if len(self.slip) != len(self.stiffness):
+            rule = f"as many numbers as stiffness, {len(self.stiffness)}"
+            raise InvalidParameterError(self, "slip", rule, said=f"{len(self.slip)}")
+
+    @property
+    def has_kinks(self) -> bool:
+        """Where one begins to slip."""
+        return True
+
+    @property
+    def reaches(self) -> tuple[float, ...]:
+        """By how much each is bent where it slips [rad] ([m])."""
+        return tuple(s / k for s, k in zip(self.slip, self.stiffness, strict=True))
+
+    @property
+    def anchors(self) -> tuple[float, ...]:
+        """Where each is not bent at present [rad] ([m])."""
+        return tuple(getattr(self, name) for name in _ANCHORS[: len(self.stiffness)])
+
+    def values(self) -> dict[str, Any]:
+        """Return its numbers, by the names that its record has for them."""
+        return {"count": len(self.stiffness), "mode": self.mode}
+
+    def tail(self) -> tuple[float, ...]:
+        """Return stiffness, reach and anchor of each."""
+        each = zip(self.stiffness, self.reaches, self.anchors, strict=True)
+        return tuple(number for one in each for number in one)
+
+    def first(self, met: Met) -> Change:
+        """Bend all from the rest angle to where the joint starts; those that cannot have slipped there."""
+        rest = met.angle if self.rest_angle is None else self.rest_angle
+        return Change(0, memory=self._dragged((rest,) * len(self.slip), met.angle))
+
+    def passed(self, k: int, met: Met) -> Change:
+        """Slip the way that one is bent that far; where the joint turns back then, drag anchors no more."""
+        if k == 1:
+            return Change(3 - self.mode, memory=self._dragged(self.anchors, met.angle))
+        if self.mode:
+            return Change(3 - self.mode)
+        bent = [met.angle - anchor for anchor in self.anchors]
+        beyond = [abs(z) - reach for z, reach in zip(bent, self.reaches, strict=True)]
+        return Change(1 if bent[beyond.index(max(beyond))] > 0.0 else 2)
+
+    def _dragged(self, anchors: tuple[float, ...], angle: float) -> dict[str, float]:
+        return {
+            name: angle - min(max(angle - anchor, -reach), reach)
+            for name, anchor, reach in zip(_ANCHORS, anchors, self.reaches, strict=False)
+        }
+
+    def words(self, slides: bool) -> str:
+        """Return what it is in words."""
+        torques = ", ".join(f"{one:g}" for one in self.slip)
+        stiff = sum(self.stiffness)
+        units = self.unit("slip", slides), self.unit("stiffness", slides)
+        many = f"{len(self.slip)} springs that slip" if len(self.slip) > 1 else "a spring that slips"
+        return f"{many} at {torques} {units[0]}, stiffness {stiff:g} {units[1]} in all"

@@ -1,0 +1,100 @@
+"""Springs that slip, side by side, compiled."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from antenna_pin._compile import inlined, record
+from antenna_pin.records import layout, words_of
+
+#: Behind it stand stiffness, reach and anchor of each.
+LAYOUT = layout(("count", "i8"), ("mode", "i8"))
+SIZE = words_of(LAYOUT)
+EACH = 3
+# Modes: none slips; some slip, or did last, as the angle grows, or as it falls.
+HELD = 0
+UP = 1
+# Share of its reach by which one is bent further before its mode follows: one that has just been let go is
+# not told from one that slips. The torque is right either way.
+_SLACK = 1e-9
+
+
+@inlined
+def _bent(words: Any, one: int, angle: float) -> float:
+    """By how much one spring is bent, and at most can be."""
+    reach = words[one + 1]
+    return float(min(max(angle - words[one + 2], -reach), reach))
+
+
+@inlined
+def effort(words: Any, at: int, t: float, angle: float, rate: float) -> float:
+    """Torque [N m], or force [N]."""
+    found = 0.0
+    for k in range(record(words[at : at + SIZE], LAYOUT).count):
+        one = at + SIZE + EACH * k
+        found -= words[one] * _bent(words, one, angle)
+    return found
+
+
+@inlined
+def write_rates_of(words: Any, at: int, motion: Any, own: Any, rates: Any, x: int) -> None:
+    """Power of those that slip [W]."""
+    angle, rate, _ = motion
+    found = 0.0
+    for k in range(record(words[at : at + SIZE], LAYOUT).count):
+        one = at + SIZE + EACH * k
+        if abs(angle - words[one + 2]) > words[one + 1]:
+            found += words[one] * _bent(words, one, angle) * rate
+    rates[x] = found
+
+
+@inlined
+def stored(words: Any, at: int, angle: float) -> float:
+    """Energy stored [J]."""
+    found = 0.0
+    for k in range(record(words[at : at + SIZE], LAYOUT).count):
+        one = at + SIZE + EACH * k
+        z = _bent(words, one, angle)
+        found += 0.5 * words[one] * z * z
+    return found
+
+
+@inlined
+def kink(words: Any, at: int, t: float, angle: float, rate: float) -> float:
+    """Product of what is left to each until it slips, as shares: one begins to where it passes zero."""
+    found = 1.0
+    for k in range(record(words[at : at + SIZE], LAYOUT).count):
+        one = at + SIZE + EACH * k
+        found *= 1.0 - abs(angle - words[one + 2]) / words[one + 1]
+    return found
+
+
+@inlined
+def mode(words: Any, at: int) -> int:
+    """Return the present mode."""
+    return int(record(words[at : at + SIZE], LAYOUT).mode)
+
+
+@inlined
+def switch(words: Any, at: int, k: int, motion: Any) -> tuple[float, float]:
+    """What is left until one slips (the other way), and the rate at which those go that slip."""
+    springs = record(words[at : at + SIZE], LAYOUT)
+    _, angle, rate, _ = motion
+    way = 1.0 if springs.mode == UP else -1.0
+    left, slope, slips = 1.0, 0.0, False
+    for i in range(springs.count):
+        one = at + SIZE + EACH * i
+        bent, reach = angle - words[one + 2], words[one + 1]
+        if springs.mode == HELD:
+            back = -1.0 if bent > 0.0 else 1.0
+        else:
+            back = way
+            slips = slips or way * bent > reach
+        own = (1.0 + _SLACK) * reach + back * bent
+        if i == 0 or own < left:
+            left, slope = own, back * rate
+    if k == 0:
+        return float(left), float(slope)
+    if slips:
+        return float(way * rate), 0.0
+    return 1.0, 0.0
