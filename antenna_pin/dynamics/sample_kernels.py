@@ -17,10 +17,10 @@ from antenna_pin.dynamics.kernels import (
     POSE_WORDS,
     block_at,
     element_at,
+    element_energy,
     element_state,
     evaluate,
     head_of,
-    joint_motion,
     stored_energy,
 )
 from antenna_pin.elements import kernels as elements
@@ -222,9 +222,8 @@ def look_at_elements(first: int, last: int, samples: Any, blocks: Any, whole: An
         for k in range(blocks.shape[0]):
             b, own = blocks[k], out[i, k]
             e = element_at(program, b)
-            angle, _, _, _ = joint_motion(program, b, y, nq)
             own.effort, _, _ = element_state(program, b, t, y, nq)
-            own.energy = e.on * elements.stored(e.kind, program, b + PARAMETERS, angle)
+            own.energy = e.on * element_energy(program, b, y, nq)
             own.mode = elements.mode(e.kind, program, b + PARAMETERS)
 
 

@@ -1,5 +1,7 @@
 """Force elements: drives, a controller, springs and dampers at joints, springs between points."""
 
+from antenna_pin.elements.ball_bearing import BallBearing
+from antenna_pin.elements.bearing import AxialPreload, Bearing, StiffnessBearing, moved
 from antenna_pin.elements.between_points import BetweenPoints, Point
 from antenna_pin.elements.constant import ConstantDrive
 from antenna_pin.elements.element import GROSS_WORK, LOSS, WORK, About, Drive, Element, ForceElement, Integral
@@ -25,6 +27,9 @@ __all__ = [
     "SPRINGS",
     "WORK",
     "About",
+    "AxialPreload",
+    "BallBearing",
+    "Bearing",
     "BetweenPoints",
     "CallableDrive",
     "CallableMotion",
@@ -48,6 +53,8 @@ __all__ = [
     "RigidLatch",
     "RigidStop",
     "SineDrive",
+    "StiffnessBearing",
     "TableDrive",
     "kind_of",
+    "moved",
 ]

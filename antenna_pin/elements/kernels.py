@@ -70,6 +70,14 @@ def _no_mode(asked: int, words: Any, at: int) -> int:
     return 0
 
 
+def _no_press(asked: int, words: Any, at: int, pose: Any) -> float:
+    return math.nan
+
+
+def _no_place(asked: int, words: Any, at: int, place: Any) -> tuple[float, float, float, float, float, float]:
+    return math.nan, math.nan, math.nan, math.nan, math.nan, math.nan
+
+
 effort = _chain("effort", _no_kind)
 write_rates = _chain("write_rates", _no_rates)
 stored = _chain("stored", _nothing)
@@ -80,6 +88,10 @@ motion = _chain("motion", _no_motion)
 switch = _chain("switch", _never)
 hold = _chain("hold", _not_held)
 mode = _chain("mode", _no_mode)
+# Of those that act on a journal's whole pose.
+press = _chain("press", _no_press)
+kept = _chain("kept", _no_kind)
+coordinates = _chain("coordinates", _no_place)
 # Of those between points.
 tension = _chain("tension", _no_kind)
 loss = _chain("loss", _no_kind)

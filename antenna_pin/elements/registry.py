@@ -10,6 +10,8 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import NamedTuple
 
+from antenna_pin.elements.ball_bearing import BallBearing
+from antenna_pin.elements.bearing import AxialPreload, StiffnessBearing
 from antenna_pin.elements.constant import ConstantDrive
 from antenna_pin.elements.element import Element, ForceElement
 from antenna_pin.elements.given import CallableDrive
@@ -68,12 +70,18 @@ STOPS: Mapping[str, type[ForceElement]] = MappingProxyType({"rigid": RigidStop})
 LATCHES: Mapping[str, type[ForceElement]] = MappingProxyType({"rigid": RigidLatch})
 """Latches by their ``kind`` in ``[latches.NAME]``."""
 
+BEARINGS: Mapping[str, type[Element]] = MappingProxyType(
+    {"stiffness": StiffnessBearing, "balls": BallBearing, "preload": AxialPreload}
+)
+"""Bearings, and what preloads them, by their ``kind`` in ``[bearings.NAME]``."""
+
 FAMILIES: Mapping[str, Family] = MappingProxyType(
     {
         "drives": Family("drive", DRIVES),
         "springs": Family("spring", SPRINGS, "spring"),
         "stops": Family("stop", STOPS),
         "latches": Family("latch", LATCHES),
+        "bearings": Family("bearing", BEARINGS),
     }
 )
 """Families by the table ``[FAMILY.NAME]`` that a scenario has for each; the order is that of programs."""

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from antenna_pin.dynamics import observed
+from antenna_pin.dynamics import bearing_names, observed
 from antenna_pin.elements import Motion
 from antenna_pin.simulation.blocks import blocks_of, count_of
 from antenna_pin.simulation.carried import mechanism_attributes
@@ -201,6 +201,7 @@ def _labels(seen: Seen) -> dict[str, Any]:
         ("motion", [name for name, drive in system.drives.items() if isinstance(drive, Motion)]),
         ("spring", [name for name in system.springs if name not in system.elastic]),
         ("element", [f"{table}.{name}" for table in system.others for name in system.families[table]]),
+        ("bearing", bearing_names(system)),
         ("elastic_part", list(system.elastic)),
         ("point_spring", list(system.point_springs)),
         ("closure", list(system.closures)),
