@@ -143,6 +143,14 @@ class BallBearing(Bearing):
         """Contact angle under the preload [rad]."""
         return math.atan2(self._along, self._open * math.cos(self.contact_angle))
 
+    @property
+    def scale(self) -> tuple[float, float] | None:
+        """Depth at which balls are pressed in by the preload, and the radius of their circle [m]."""
+        if self.by == "linear":
+            return None
+        way = math.hypot(self._open * math.cos(self.contact_angle), self._along)
+        return way - self._open, 0.5 * self.pitch_diameter
+
     def balls(self) -> Array:
         """Return the balls of all rows, as the kernels' ``BALL``, (n, 8)."""
         angle, along, hertz = self.contact_angle, self._along, self.hertz

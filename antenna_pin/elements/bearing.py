@@ -59,6 +59,11 @@ class Bearing(Element):
         """What it acts about at a joint with play."""
         return "pose"
 
+    @property
+    def scale(self) -> tuple[float, float] | None:
+        """Way over which its stiffness changes much, and the lever that makes it a tilt [m]; None: neither."""
+        return None
+
     def check_joint(self, place: str, slides: bool) -> None:
         """Refuse a joint that slides."""
         if slides:
