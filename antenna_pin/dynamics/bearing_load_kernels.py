@@ -13,7 +13,9 @@ from antenna_pin.records import layout
 
 #: A bearing at a sample, bearing axes: place of the journal at the reference point [m], tilt of its axis
 #: (size: the sine), force on it [N] and moment about the reference point there [N m].
-BEARING_LOAD = layout(("place", "f8", (3,)), ("tilt", "f8", (3,)), ("force", "f8", (3,)), ("moment", "f8", (3,)))
+BEARING_LOAD = layout(
+    ("place", "f8", (3,)), ("tilt", "f8", (3,)), ("force", "f8", (3,)), ("moment", "f8", (3,))
+)
 
 
 @kernel

@@ -87,7 +87,9 @@ class BallBearing(Bearing):
         """Check that it is a bearing."""
         Bearing.__post_init__(self)
         if not self.count >= 3:
-            raise InvalidParameterError(self, "count", "3 or more, or a direction would not be held", self.count)
+            raise InvalidParameterError(
+                self, "count", "3 or more, or a direction would not be held", self.count
+            )
         if not self.contact_angle < 0.5 * math.pi:
             raise InvalidParameterError(self, "contact_angle", "below a right angle", self.contact_angle)
         if not self.ball_diameter < self.pitch_diameter * math.sin(math.pi / self.count):
@@ -177,7 +179,9 @@ class BallBearing(Bearing):
         total = np.zeros((5, 5))
         for c, s, height, radius, off, along, rest, hertz in self.balls():
             # How the way from groove to groove changes, off and along the axis.
-            change = np.array([[c, s, 0.0, -height * s, height * c], [0.0, 0.0, 1.0, radius * s, -radius * c]])
+            change = np.array(
+                [[c, s, 0.0, -height * s, height * c], [0.0, 0.0, 1.0, radius * s, -radius * c]]
+            )
             way = math.hypot(off, along)
             unit = np.array([off, along]) / way
             depth = way - rest

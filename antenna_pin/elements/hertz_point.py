@@ -56,7 +56,10 @@ def point_stiffness(first: float, second: float, softness: float) -> float:
         def lack(log: float) -> float:
             square = math.exp(2.0 * log)
             whole = ellipe(1.0 - 1.0 / square)
-            return float(((square + 1.0) * whole - 2.0 * ellipkm1(1.0 / square)) / ((square - 1.0) * whole)) - uneven
+            return (
+                float(((square + 1.0) * whole - 2.0 * ellipkm1(1.0 / square)) / ((square - 1.0) * whole))
+                - uneven
+            )
 
         ratio = math.exp(root_between(lack, 1e-6, math.log(_LONGEST), absolute=1e-15))
     first_kind, second_kind = float(ellipkm1(ratio**-2)), float(ellipe(1.0 - ratio**-2))

@@ -241,7 +241,9 @@ def _notes(linear: Linearisation, eigen: Eigen) -> Sequence[str]:
             'presses flat has one under load = "point"'
         )
     for joint in rotors(linear.system, linear.at.v):
-        notes.append(f"motions of {joint}, which spins, are seen in axes that do not: whirl as the bearing feels it")
+        notes.append(
+            f"motions of {joint}, which spins, are seen in axes that do not: whirl as the bearing feels it"
+        )
     if "unstable" in eigen.kind:
         count = eigen.kind.count("unstable")
         modes = "1 mode runs" if count == 1 else f"{count} modes run"

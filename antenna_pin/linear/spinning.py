@@ -43,7 +43,7 @@ def rotors(system: System, v: Array) -> dict[str, float]:
 
 
 def turning(system: System, v: Array) -> Array:
-    """Return how fast the axes that rotors' motions are seen in turn in the rotors' own, as a matrix, (nv, nv).
+    """Return how fast the axes of rotors' motions turn in the rotors' own, as a matrix, (nv, nv).
 
     With u = R(spin t) xi, u' = R xi' + turning u.
     """

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterator
-from typing import Any
 
 from antenna_pin.geometry import AxialScenario, RadialScenario
 from antenna_pin.trajectory.columns import Coordinate, Rule, Variable
