@@ -108,8 +108,8 @@ def _on_bearings(scenario: Scenario, urdf: WrittenUrdf) -> dict[str, JointVarian
         change = scenario.mechanism.joints.get(spec.joint)
         if change is not None and change.kind is not None:
             raise MechanismError(
-                f"{where(scenario, 'mechanism', 'joints', spec.joint, 'kind')}: must be left out, for bearing "
-                f"{name!r} decides it, got {change.kind!r}"
+                f"{where(scenario, 'mechanism', 'joints', spec.joint, 'kind')}: must be left out, for "
+                f"bearing {name!r} decides it, got {change.kind!r}"
             )
         if spec.fills.frees:
             found[spec.joint] = "free"

@@ -61,7 +61,7 @@ class Bearing(Element):
 
     @property
     def scale(self) -> tuple[float, float] | None:
-        """Way over which its stiffness changes much, and the lever that makes it a tilt [m]; None: neither."""
+        """Way over which its stiffness changes, and a lever that makes it a tilt [m]; None: it does not."""
         return None
 
     def check_joint(self, place: str, slides: bool) -> None:

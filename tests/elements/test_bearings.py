@@ -103,7 +103,8 @@ def test_a_pair_is_two_rows_in_parallel(arrangement):
 def test_back_to_back_is_stiffer_in_tilt_than_face_to_face():
     """Its lines of load meet the axis further apart."""
     back, face = (
-        BallBearing(**BALLS, arrangement=one, spread=0.02).stiffness for one in ("back-to-back", "face-to-face")
+        BallBearing(**BALLS, arrangement=one, spread=0.02).stiffness
+        for one in ("back-to-back", "face-to-face")
     )
     assert back[3, 3] > 2.0 * face[3, 3]
     assert back[:3, :3] == pytest.approx(face[:3, :3], rel=1e-12, abs=1e-6)
@@ -133,7 +134,10 @@ def test_a_reference_point_moves_along_the_axis():
         ({"radial": 1e6, "tilt": 10.0, "coupling": 4e3}, "coupling must be no larger than"),
         ({}, "radial must be above zero, or axial or tilt, or matrix given"),
         ({"matrix": tuple(np.eye(5).ravel()), "radial": 1.0}, "matrix must be left out beside radial"),
-        ({"matrix": tuple(np.diag([1.0, 1, 1, 1, -1]).ravel())}, "matrix must be without negative eigenvalues"),
+        (
+            {"matrix": tuple(np.diag([1.0, 1, 1, 1, -1]).ravel())},
+            "matrix must be without negative eigenvalues",
+        ),
         ({"matrix": tuple((np.eye(5) + np.eye(5, k=1)).ravel())}, "matrix must be symmetric"),
         ({"radial": 1.0, "damping_time": 1.0, "damping_matrix": (0.0,) * 25}, "left out beside damping_time"),
         ({"radial": math.nan}, "radial must be"),
