@@ -31,8 +31,8 @@ def test_equal_curvatures_are_a_ball_on_a_plane():
 def test_the_ellipse_of_contact_bears_its_load(uneven):
     """Hertz's pressure over the ellipse sinks surfaces in as their curvatures ask for: by quadrature.
 
-    Under p0 sqrt(1 - (x/a)^2 - (y/b)^2) both surfaces together sink in by eta p0 a b / 2 times the integral of
-    (1 - x^2 / (a^2 + w) - y^2 / (b^2 + w)) / sqrt((a^2 + w)(b^2 + w) w) over all w > 0 (Johnson 1985, 3.61).
+    Under p0 sqrt(1 - (x/a)^2 - (y/b)^2) both surfaces together sink in by eta p0 a b / 2 times the integral
+    of (1 - x^2 / (a^2 + w) - y^2 / (b^2 + w)) / sqrt((a^2 + w)(b^2 + w) w) over all w > 0 (Johnson, 3.61).
     """
     from scipy.integrate import quad
     from scipy.optimize import brentq
@@ -46,7 +46,7 @@ def test_the_ellipse_of_contact_bears_its_load(uneven):
 
         return quad(part, 0.0, np.inf, epsabs=0.0, epsrel=1e-12)[0]
 
-    # Curvatures are in the ratio of the integrals over x^2 and y^2; the longer axis lies along the flatter way.
+    # Curvatures are in the ratio of the integrals over x^2 and y^2; a lies along the flatter way.
     def lack(b):
         return integral(1.0, b, lambda w: 1.0 + w) * first - integral(1.0, b, lambda w: b * b + w) * second
 

@@ -1,4 +1,4 @@
-"""A rotor on bearings: forward and backward whirl against the characteristic equation, with gyroscopic splitting."""
+"""A rotor on bearings: forward and backward whirl against the characteristic equation."""
 
 import numpy as np
 import pinocchio as pin
