@@ -65,7 +65,9 @@ def kinds_about_axis(held: Mapping[str, HeldKind], carried: Collection[str]) -> 
         held: What those are held to that are held by constraint, by name.
         carried: Those on bearings.
     """
-    found = {**held, **dict.fromkeys(carried, "revolute")}
+    found: dict[str, HeldKind] = {**held}
+    for name in carried:
+        found[name] = "revolute"
     return {name: kind for name, kind in found.items() if kind != "spherical"}
 
 
@@ -99,7 +101,8 @@ def _depth(place: str, preload: AxialPreload, joint: ClearanceJoint) -> float:
     """Return how deep a flange is pressed on by a preload [m]."""
     law, force = joint.axial, abs(preload.force)
     assert law is not None
-    most = min(joint.maximum_depth or math.inf, 0.01 * joint.geometry.section_radius, law.depth_limit)
+    places = zip(joint.depth_limits, joint.geometry.contact_places, strict=True)
+    most = min(limit for limit, of in places if of.kind == "axial")
     if not law.elastic_force(most) > force:
         rule = f"below {law.elastic_force(most):g} N, at which the flange is pressed in by {most:g} m"
         raise InvalidParameterError(place, "force", rule, preload.force)

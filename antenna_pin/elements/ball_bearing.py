@@ -131,7 +131,8 @@ class BallBearing(Bearing):
 
         def lack(along: float) -> float:
             way = math.hypot(off, along)
-            return self.count * stiffness * max(way - rest, 0.0) ** 1.5 * along / way - self.preload
+            depth = max(way - rest, 0.0)
+            return self.count * stiffness * depth * math.sqrt(depth) * along / way - self.preload
 
         start = rest * math.sin(angle)
         # Enough at which a ball's load alone, on a line that is no steeper, is all.

@@ -145,7 +145,7 @@ def _effort(at: At, source: str) -> tuple[Array, str]:
     drive: Any = at.system.drives[source.removeprefix("drives.")]
     unit = ConstantDrive(joint=drive.joint, value=1.0, axis=drive.axis)
     # Only the drive acts: what bearings carry counts as held, for all that it takes is an axis.
-    held = {**at.system.held, **dict.fromkeys(at.system.on_bearings, "revolute")}
+    held = {**at.system.held, **at.system.free_with_axis}
     alone = System(at.system.mechanism, clearances=at.system.clearances, held=held, drives={"unit": unit})
     workspace = Workspace(alone)
     y = alone.state(at.q, np.zeros(nv))
