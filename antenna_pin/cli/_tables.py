@@ -77,6 +77,7 @@ _PLAIN_GROUPS = (
     "closures",
     "motions",
     "couplings",
+    "bearings",
 )
 
 
