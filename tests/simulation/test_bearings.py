@@ -77,6 +77,18 @@ def test_momentum_and_energy(engine):
         assert np.abs(momentum - momentum[0]).max() < 1e-9 * scale
 
 
+@pytest.mark.parametrize("by", ["balls", "linear"])
+def test_ledgers_at_the_default_tolerance(by):
+    """Deflections of micrometres are resolved, though steps know of no play."""
+    system = on_balls(by)
+    q, v = start(system)
+    data = simulate(system, q=q, v=v, duration=0.02, settings=RunSettings(output_rate=1e3)).data
+    assert np.abs(data.energy_error).max() < 1e-5 * data.total_element_loss[0]
+    momentum = data.linear_momentum.values
+    # Steps are good to 1e-8 of 10 mm/s and of what moves; with scales of a metre this is 1e-6.
+    assert np.abs(momentum - momentum[0]).max() < 1e-7 * data.momentum_scale.max()
+
+
 def test_engines_agree():
     """Both work out the same motion."""
     found = []
