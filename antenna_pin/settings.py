@@ -58,7 +58,8 @@ class ErrorScales:
         velocity: [m/s].
         angular_velocity: [rad/s].
         clearance: Position scale of a joint with play, in multiples of its own clearance; the tilt's scale is
-            that over half the bearing's length [-].
+            that over half the bearing's length [-]. A joint on ball bearings counts as one of 0.1 mm and a
+            half length of 10 mm.
         clearance_velocity: Velocity scale of a joint with play; over half the length for the tilt's rate
             [m/s].
         base: Factor on the scales of a free base [-]; None for the mass of the other bodies over the whole

@@ -52,6 +52,8 @@ def frictions_of(
                     "that is not rounded off; leave out one of the two"
                 )
             numbers[name]["regularisation_speed"] = change.regularisation_speed
+    # Those have an axis though they are free.
+    with_axis = {*scenario.clearance, *(one.joint for one in scenario.families.get("bearings", {}).values())}
     found: dict[str, JointFriction] = {}
     sticking: dict[str, StickingFriction] = {}
     left_out = list(urdf.not_simulated)
@@ -61,7 +63,7 @@ def frictions_of(
         slot = mechanism.joint(name)
         if name in scenario.mechanism.joints:
             check_motion(scenario, slot, scenario.mechanism.joints[name].motion, "mechanism", "joints", name)
-        if slot.kind in ("floating", "planar") and name not in scenario.clearance:
+        if slot.kind in ("floating", "planar") and name not in with_axis:
             left_out.append(
                 f"{urdf.where}: joint {name!r}: its damping and friction are not simulated, for it is made "
                 f"{slot.kind} from {types[name]} and has no axis"

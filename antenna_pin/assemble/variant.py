@@ -77,6 +77,7 @@ def variant_and_parts(scenario: Scenario) -> tuple[Urdf, tuple[ElasticPart, ...]
         # A ball joint has no URDF type: a joint written as floating is taken as it is.
         if kind != "floating":
             variants[name] = clearance.variant
+    variants |= _on_bearings(scenario, urdf)
     changed = urdf.variant(
         joints=variants,
         links={name: change.build() for name, change in spec.links.items()},
@@ -85,6 +86,35 @@ def variant_and_parts(scenario: Scenario) -> tuple[Urdf, tuple[ElasticPart, ...]
         },
     )
     return with_flexible_links(scenario, with_rotors(scenario, changed))
+
+
+def _on_bearings(scenario: Scenario, urdf: WrittenUrdf) -> dict[str, JointVariant]:
+    """Return what becomes of the joints that bearings carry: without play they are free."""
+    found: dict[str, JointVariant] = {}
+    for name, spec in scenario.families.get("bearings", {}).items():
+        place = where(scenario, "bearings", name)
+        check_known(scenario, [spec.joint], "joint", urdf.joints, "bearings", name, "joint")
+        kind, play = urdf.joints[spec.joint].type, scenario.clearance.get(spec.joint)
+        if kind not in ("revolute", "continuous"):
+            raise MechanismError(
+                f"{place}: a bearing's joint must be revolute or continuous in the URDF, got {kind}; name "
+                "another joint or change the URDF"
+            )
+        model = "none" if play is None else play.model
+        if model in ("planar", "constraint"):
+            raise MechanismError(
+                f"{place}: clearance.{spec.joint}.model must leave the joint all its freedoms or be ideal, "
+                f"got {model!r}; take one of the two away"
+            )
+        change = scenario.mechanism.joints.get(spec.joint)
+        if change is not None and change.kind is not None:
+            raise MechanismError(
+                f"{where(scenario, 'mechanism', 'joints', spec.joint, 'kind')}: must be left out, for "
+                f"bearing {name!r} decides it, got {change.kind!r}"
+            )
+        if spec.fills.frees:
+            found[spec.joint] = "free"
+    return found
 
 
 def _check_bounds(scenario: Scenario, urdf: WrittenUrdf) -> None:

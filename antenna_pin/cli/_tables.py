@@ -85,6 +85,7 @@ _PLAIN_GROUPS = (
     "closures",
     "motions",
     "couplings",
+    "bearings",
 )
 
 

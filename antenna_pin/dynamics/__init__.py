@@ -13,6 +13,7 @@ from antenna_pin.dynamics.assembly import (
 )
 from antenna_pin.dynamics.attitudes import journal_attitudes
 from antenna_pin.dynamics.audit import Audit, audit
+from antenna_pin.dynamics.bearing_loads import bearing_loads, bearing_names
 from antenna_pin.dynamics.coupled import facts_of_couplings, put_followers
 from antenna_pin.dynamics.deflection import Deflections, deflections
 from antenna_pin.dynamics.evaluate import acceleration, contact_memory
@@ -60,6 +61,8 @@ __all__ = [
     "assembled",
     "audit",
     "check_begins",
+    "bearing_loads",
+    "bearing_names",
     "check_closed",
     "check_motions",
     "contact_memory",

@@ -94,8 +94,11 @@ class Adjustments:
             self.values[f"{element}.{key}"] = float(value)
 
     def _write(self, element: str, changed: ForceElement) -> None:
-        self.elements[element] = changed
         words = changed.words_of_kernel()
+        if len(words) != len(self.elements[element].words_of_kernel()):
+            rule = "left alone: of how many parts an element is cannot change in a run"
+            raise InvalidParameterError("Set", f"number of {element}", rule, said="another")
+        self.elements[element] = changed
         first = self._blocks[element] + kernels.PARAMETERS
         self._program[first : first + len(words)] = words
 

@@ -128,7 +128,7 @@ def places_in_x(
 
 def turning(system: Any) -> dict[str, int]:
     """Return the joints whose configuration knows their angle only but for whole turns, numbered."""
-    about_axis = {name for name, kind in system.held.items() if kind == "revolute"}
+    about_axis = {name for name, kind in system.free_with_axis.items() if kind == "revolute"}
     about_axis |= {j.name for j in system.clearances if j.geometry.motion == "turn"}
     slots = system.mechanism.joints.values()
     names = [slot.name for slot in slots if slot.kind == "continuous" or slot.name in about_axis]

@@ -28,7 +28,10 @@ from antenna_pin.joints.pose_kernels import (
     along_bearing,
     axis_of_parent,
     journal_centre,
+    journal_place,
+    journal_state,
     motion_angle,
+    onto_joint,
     wrapped_angle,
 )
 from antenna_pin.mechanism.tree_kernels import unwrapped
@@ -42,9 +45,10 @@ MEMORY_WORDS = words_of(MEMORY)
 CONTACT_WORDS = words_of(CONTACT)
 
 # What an element acts about at a joint with play, by its number.
-ABOUTS = ("bearing", "journal", "motion")
+ABOUTS = ("bearing", "journal", "motion", "pose")
 ABOUT_JOURNAL = 1
 ABOUT_MOTION = 2
+ABOUT_POSE = 3
 
 #: Head of an element: how its joint moves if it has no play (``FIXED_AXIS``, ... of ``records``), starts of
 #: the joint's slices of q and v and of its own in x, block of the joint with play or -1, what it acts about
@@ -244,6 +248,31 @@ def _push(j: Any, e: Any, effort: float, slope: Any, y: Any, nq: int, tau: Any) 
     return float(rate + nx * y[nq + k] + ny * y[nq + k + 1] + nz * y[nq + k + 2])
 
 
+@inlined
+def _bearing(p: Any, b: int, y: Any, head: Any, pose: Any, tau: Any, rates: Any) -> None:
+    """Add the generalized force of an element that acts on a journal's whole pose."""
+    e = element_at(p, b)
+    rates[head.nv + e.x] = 0.0
+    if e.on == 0.0:
+        return
+    j = joint_at(p, e.play)
+    journal_state(j, y, head.nq, pose)
+    rates[head.nv + e.x] = elements.press(e.kind, p, b + PARAMETERS, pose)
+    force, moment = pose.force, pose.moment
+    onto_joint(j, pose, (force[0], force[1], force[2]), (moment[0], moment[1], moment[2]), tau)
+
+
+@inlined
+def element_energy(p: Any, b: int, y: Any, nq: int) -> float:
+    """Energy stored in the element block at b, whether it is on or not [J]."""
+    e = element_at(p, b)
+    if e.about == ABOUT_POSE:
+        return float(elements.kept(e.kind, p, b + PARAMETERS, journal_place(joint_at(p, e.play), y)))
+    angle, _, _, _ = joint_motion(p, b, y, nq)
+    own = y, nq + head_of(p).nv + e.x
+    return float(elements.stored_of(e.kind, p, b + PARAMETERS, angle, own))
+
+
 @kernel
 def evaluate(t: float, y: Any, program: Any, work: Any, rates: Any) -> None:
     """Write the generalized force of all elements into work, and the rates of x behind rates[nv].
@@ -262,11 +291,12 @@ def evaluate(t: float, y: Any, program: Any, work: Any, rates: Any) -> None:
     for k in range(nv):
         tau[k] = 0.0
     b = HEADER
-    end = head.points
-    while b < end:
+    while b < head.points:
         block = block_at(program, b)
         if block.kind == CLEARANCE:
             clearance_joint(program, b, y, nq, nv, memory, table, pose, tau, rates)
+        elif element_at(program, b).about == ABOUT_POSE:
+            _bearing(program, b, y, head, pose, tau, rates)
         else:
             _element(program, b, t, y, head, tau, rates)
         b += block.length
@@ -277,8 +307,7 @@ def stored_energy(y: Any, program: Any, memory: Any, table: Any) -> tuple[float,
     """Energy stored in touching contacts (compiled laws; gaps from the table) and in joint springs [J]."""
     head = head_of(program)
     nq = head.nq
-    contacts = 0.0
-    springs = 0.0
+    contacts = springs = 0.0
     b = HEADER
     while b < head.points:
         block = block_at(program, b)
@@ -288,9 +317,7 @@ def stored_energy(y: Any, program: Any, memory: Any, table: Any) -> tuple[float,
         else:
             e = element_at(program, b)
             if e.senses != 0:
-                angle, _, _, _ = joint_motion(program, b, y, nq)
-                own = y, nq + head.nv + e.x
-                springs += e.on * elements.stored_of(e.kind, program, b + PARAMETERS, angle, own)
+                springs += e.on * element_energy(program, b, y, nq)
         b += block.length
     return contacts, springs
 

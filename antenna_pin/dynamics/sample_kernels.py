@@ -17,10 +17,10 @@ from antenna_pin.dynamics.kernels import (
     POSE_WORDS,
     block_at,
     element_at,
+    element_energy,
     element_state,
     evaluate,
     head_of,
-    joint_motion,
     stored_energy,
 )
 from antenna_pin.elements import kernels as elements
@@ -216,16 +216,14 @@ def observe(first: int, last: int, given: bool, samples: Any, whole: Any, sights
 def look_at_elements(first: int, last: int, samples: Any, blocks: Any, whole: Any, out: Any) -> None:
     """Write what elements do at samples first to last, ``DONE``, (n, blocks)."""
     program = whole.program
-    nq, nv = head_of(program).nq, head_of(program).nv
+    nq = head_of(program).nq
     for i in range(first, last):
         t, y = samples.times[i], samples.states[i]
         for k in range(blocks.shape[0]):
             b, own = blocks[k], out[i, k]
             e = element_at(program, b)
-            angle, _, _, _ = joint_motion(program, b, y, nq)
             own.effort, _, _ = element_state(program, b, t, y, nq)
-            states = y, nq + nv + e.x
-            own.energy = e.on * elements.stored_of(e.kind, program, b + PARAMETERS, angle, states)
+            own.energy = e.on * element_energy(program, b, y, nq)
             own.mode = elements.mode(e.kind, program, b + PARAMETERS)
 
 

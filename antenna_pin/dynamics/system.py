@@ -30,6 +30,7 @@ from antenna_pin.dynamics.coordinates import coordinate_names
 from antenna_pin.dynamics.coupled import couplings_of, fit_turns, put_followers
 from antenna_pin.dynamics.element_block import element_block
 from antenna_pin.dynamics.held import HeldKind, closures_by_name
+from antenna_pin.dynamics.mounted import kinds_about_axis, on_bearings, with_preloads_placed
 from antenna_pin.dynamics.parts import families_of, springs_and_parts
 from antenna_pin.dynamics.points import point_spring_block
 from antenna_pin.elements import (
@@ -74,8 +75,7 @@ class System:
     whoever advances the system changes it, at located events only.
 
     Args:
-        mechanism: Its joints named by clearance joints and held ones must be floating (planar for a planar
-            clearance).
+        mechanism: Joints with play, held or on bearings must be floating there (planar for a planar play).
         clearances: Joints with play.
         drives: Torques, and motions that joints are made to follow, by name.
         springs: What stores and loses energy, by name: springs, dampers, friction, springs between points.
@@ -103,12 +103,16 @@ class System:
         self.mechanism = mechanism
         self.model = mechanism.model
         self.clearances = tuple(clearances)
+        names = [joint.name for joint in self.clearances]
+        if len(set(names)) != len(names):
+            raise InvalidParameterError("System", "clearances", "of different joints", names)
         self.drives = dict(drives or {})
         #: Elastic parts of flexible links by name; their springs stand behind all others.
         self.elastic = dict(elastic or {})
         self.springs = springs_and_parts(springs or {}, self.elastic)
         #: All elements by family, then by name.
-        self.families = families_of(self.drives, self.springs, elements or {})
+        own = families_of(self.drives, self.springs, elements or {})
+        self.families = with_preloads_placed(own, self.clearances)
         #: Those whose torque results tell.
         self.traced = tuple(name for name, spring in self.springs.items() if spring.traced)
         #: Those between points.
@@ -118,6 +122,9 @@ class System:
         self.closures = closures_by_name(mechanism, self.held, closures or {})
         #: All couplings by name, those of the URDF first.
         self.couplings = couplings_of(mechanism, couplings or {}, self.closures)
+        #: Joints without play that bearings carry; what they and those held are about their axis, by name.
+        self.on_bearings = on_bearings(mechanism, self.families, names, self.held)
+        self.free_with_axis = kinds_about_axis(self.held, self.on_bearings)
         self._compose()
 
     def __setstate__(self, state: dict[str, Any]) -> None:
@@ -136,9 +143,6 @@ class System:
     # --- layout ---------------------------------------------------------------------------------------------
 
     def _compose(self) -> None:
-        names = [joint.name for joint in self.clearances]
-        if len(set(names)) != len(names):
-            raise InvalidParameterError("System", "clearances", "of different joints", names)
         #: Names of the numbers of q and of v, as a result has them.
         self.names_q, self.names_v = coordinate_names(self.mechanism)
         #: Place in x of the turned angle of each joint that has one, by name.
@@ -185,7 +189,7 @@ class System:
         self.manifold = Manifold(spaces(self.model), blocks.x)
 
     def _place_joints(self, blocks: Blocks) -> None:
-        """Lay out the joints with play and those held by constraint."""
+        """Lay out the joints with play, and those held by constraint or carried by bearings."""
         self.contact_names = tuple(name for joint in self.clearances for name in joint.contact_names)
         #: Where in the program the block of each joint with play, or held one with an axis, stands.
         self.clearance_blocks: dict[str, int] = {}
@@ -195,11 +199,10 @@ class System:
             own.append(clearance_block(self.mechanism, joint, row, blocks.x, turn))
             self.clearance_blocks[joint.name] = blocks.add(own[-1], joint.contacts * joint.stride)
             row += joint.contacts
-        for name, kind in self.held.items():
-            if kind != "spherical":
-                slides = kind == "prismatic"
-                block = held_block(self.mechanism, name, slides, row, blocks.x, self.turn_x.get(name, -1))
-                self.clearance_blocks[name] = blocks.add(block, 0)
+        for name, kind in self.free_with_axis.items():
+            slides = kind == "prismatic"
+            block = held_block(self.mechanism, name, slides, row, blocks.x, self.turn_x.get(name, -1))
+            self.clearance_blocks[name] = blocks.add(block, 0)
         # Strips and sectors of joints with distributed load have their rows behind those of all contacts.
         for joint, block in zip(self.clearances, own, strict=True):
             row += joint.place_strips(block, row)
@@ -287,14 +290,12 @@ class System:
     @property
     def closed_to_world(self) -> bool:
         """Whether a closure holds it to the world."""
-        links = {side.link for closure in self.closures.values() for side in (closure.first, closure.second)}
-        return WORLD in links
+        return WORLD in {side.link for one in self.closures.values() for side in (one.first, one.second)}
 
     @property
     def sprung_to_world(self) -> bool:
         """Whether a spring between points is fixed to the world."""
-        springs = self.point_springs.values()
-        return WORLD in {link for one in springs for link, _ in (one.first, one.second)}
+        return WORLD in {link for one in self.point_springs.values() for link, _ in (one.first, one.second)}
 
     @property
     def keeps_momentum(self) -> bool:

@@ -1,6 +1,8 @@
 """Force elements: drives, a controller, springs and dampers at joints, springs between points."""
 
 from antenna_pin.elements.angle_table import Outside, TableSpring
+from antenna_pin.elements.ball_bearing import BallBearing
+from antenna_pin.elements.bearing import AxialPreload, Bearing, StiffnessBearing, moved
 from antenna_pin.elements.belt import Belt, Cable
 from antenna_pin.elements.between_joints import BetweenJoints
 from antenna_pin.elements.between_points import BetweenPoints, Point
@@ -48,11 +50,14 @@ __all__ = [
     "SPRINGS",
     "WORK",
     "About",
+    "AxialPreload",
+    "BallBearing",
+    "Bearing",
     "Belt",
     "BetweenJoints",
     "BetweenPoints",
-    "Cable",
     "BoucWen",
+    "Cable",
     "CallableDrive",
     "CallableMotion",
     "Capture",
@@ -66,15 +71,12 @@ __all__ = [
     "Family",
     "ForceElement",
     "Gear",
+    "HarnessSpring",
     "Integral",
     "JointFriction",
     "JointSpring",
     "Latch",
     "Limits",
-    "HarnessSpring",
-    "Integral",
-    "JointFriction",
-    "JointSpring",
     "MaxwellSlip",
     "Met",
     "Modal",
@@ -87,10 +89,12 @@ __all__ = [
     "RigidLatch",
     "RigidStop",
     "SineDrive",
-    "StickingFriction",
     "Spline",
+    "StickingFriction",
+    "StiffnessBearing",
     "TableDrive",
-    "check_together",
     "TableSpring",
+    "check_together",
     "kind_of",
+    "moved",
 ]

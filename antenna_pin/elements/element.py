@@ -44,9 +44,9 @@ if TYPE_CHECKING:
 
 __all__ = ["GROSS_WORK", "LOSS", "WORK", "About", "Drive", "Element", "ForceElement", "Integral"]
 
-About = Literal["bearing", "journal", "motion"]
+About = Literal["bearing", "journal", "motion", "pose"]
 """What an element acts about at a joint with play: the bearing's axis, the journal's, or as the gradient of
-the motion angle, which conserves energy under tilt."""
+the motion angle, which conserves energy under tilt; or on all but the turn, as a bearing does."""
 
 
 @takes()

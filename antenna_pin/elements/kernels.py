@@ -82,6 +82,14 @@ def _no_mode(asked: int, words: Any, at: int) -> int:
     return 0
 
 
+def _no_press(asked: int, words: Any, at: int, pose: Any) -> float:
+    return math.nan
+
+
+def _no_place(asked: int, words: Any, at: int, place: Any) -> tuple[float, float, float, float, float, float]:
+    return math.nan, math.nan, math.nan, math.nan, math.nan, math.nan
+
+
 effort = _chain("effort", _no_kind)
 write_rates = _chain("write_rates", _no_rates)
 stored = _chain("stored", _nothing)
@@ -121,6 +129,10 @@ bear = _chain("bear", _not_told)
 between = _chain("between", _no_deflection)
 dissipation = _chain("dissipation", _no_kind)
 drag = _chain("drag", _nothing)
+# Of those that act on a journal's whole pose.
+press = _chain("press", _no_press)
+kept = _chain("kept", _no_kind)
+coordinates = _chain("coordinates", _no_place)
 # Of those between points.
 tension = _chain("tension", _no_kind)
 loss = _chain("loss", _no_kind)

@@ -11,6 +11,8 @@ from types import MappingProxyType
 from typing import NamedTuple
 
 from antenna_pin.elements.angle_table import TableSpring
+from antenna_pin.elements.ball_bearing import BallBearing
+from antenna_pin.elements.bearing import AxialPreload, StiffnessBearing
 from antenna_pin.elements.belt import Belt, Cable
 from antenna_pin.elements.bouc_wen import BoucWen
 from antenna_pin.elements.constant import ConstantDrive
@@ -94,6 +96,10 @@ GEARS: Mapping[str, type[ForceElement]] = MappingProxyType(
     }
 )
 """What goes from one joint to another by its ``kind`` in ``[gears.NAME]``."""
+BEARINGS: Mapping[str, type[Element]] = MappingProxyType(
+    {"stiffness": StiffnessBearing, "balls": BallBearing, "preload": AxialPreload}
+)
+"""Bearings, and what preloads them, by their ``kind`` in ``[bearings.NAME]``."""
 
 FAMILIES: Mapping[str, Family] = MappingProxyType(
     {
@@ -103,6 +109,7 @@ FAMILIES: Mapping[str, Family] = MappingProxyType(
         "latches": Family("latch", LATCHES, "compliant"),
         "frictions": Family("friction", FRICTIONS, "sticking"),
         "gears": Family("gear", GEARS, "gear"),
+        "bearings": Family("bearing", BEARINGS),
     }
 )
 """Families by the table ``[FAMILY.NAME]`` that a scenario has for each; the order is that of programs."""

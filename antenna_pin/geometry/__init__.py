@@ -10,12 +10,13 @@ if TYPE_CHECKING:
     from antenna_pin.geometry.looks import LOOKS
     from antenna_pin.geometry.planar import PlanarClearance
     from antenna_pin.geometry.prismatic import PrismaticClearance
-    from antenna_pin.geometry.revolute import RevoluteClearance
+    from antenna_pin.geometry.revolute import HARDEST, RevoluteClearance
     from antenna_pin.geometry.scenarios import AxialScenario, RadialScenario
     from antenna_pin.geometry.shape import ClearanceGeometry, ContactPlace, ContactPoint, Distances, pose_of
     from antenna_pin.geometry.spherical import SphericalClearance
 
 __all__ = [
+    "HARDEST",
     "LOOKS",
     "AxialScenario",
     "ClearanceGeometry",
@@ -41,7 +42,7 @@ loaded_when_used(
         "looks": "LOOKS",
         "planar": "PlanarClearance",
         "prismatic": "PrismaticClearance",
-        "revolute": "RevoluteClearance",
+        "revolute": "HARDEST RevoluteClearance",
         "scenarios": "AxialScenario RadialScenario",
         "spherical": "SphericalClearance",
     },

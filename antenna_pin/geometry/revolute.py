@@ -25,7 +25,11 @@ from antenna_pin.geometry.shape import (
 )
 from antenna_pin.records import CONTACT
 
-__all__ = ["AxialScenario", "RadialScenario", "RevoluteClearance"]
+__all__ = ["HARDEST", "AxialScenario", "RadialScenario", "RevoluteClearance"]
+
+
+#: Greatest depth of a hard preload, over the bearing's radius: that at which contact stiffness still applies.
+HARDEST = 0.01
 
 
 @takes()
@@ -48,7 +52,8 @@ class RevoluteClearance(RoundShape):
         bearing_radius: R_i, of the bore [m].
         journal_radius: R_j, below R_i [m].
         bearing_length: L_i [m].
-        flange_distance: L_j, between the flanges' inner faces, at least L_i [m].
+        flange_distance: L_j, between the flanges' inner faces [m]. Below L_i both faces are pressed by
+            -C_a in the centred place, a hard preload; by at most a hundredth of R_i.
         bearing_outer_radius: R_io, above R_i [m].
         flange_radius: R_f, above R_i [m].
 
@@ -77,9 +82,13 @@ class RevoluteClearance(RoundShape):
                 self, "journal_radius", f"below bearing_radius = {self.bearing_radius:g} m"
             )
         # A difference of round-off size is an axial clearance of zero.
-        if not self.flange_distance >= self.bearing_length * (1.0 - 1e-12):
+        hardest = 2.0 * HARDEST * self.bearing_radius + 1e-12 * self.bearing_length
+        if not self.flange_distance >= self.bearing_length - hardest:
             raise InvalidParameterError(
-                self, "flange_distance", f"at least bearing_length = {self.bearing_length:g} m"
+                self,
+                "flange_distance",
+                f"at least bearing_length = {self.bearing_length:g} m, or for a hard preload less by at most "
+                f"{2.0 * HARDEST:g} bearing_radius",
             )
         for name in ("bearing_outer_radius", "flange_radius"):
             if not getattr(self, name) > self.bearing_radius:

@@ -112,6 +112,36 @@ def journal_on_parent(j: Any, y: Any, nq: int, pose: Any) -> None:
     pose.sine = math.sqrt(pose.axis[0] * pose.axis[0] + pose.axis[1] * pose.axis[1])
 
 
+@inlined
+def journal_place(j: Any, y: Any) -> tuple[float, float, float, float, float, float]:
+    """Return the journal's centre [m] and axis in bearing axes."""
+    i = j.q
+    if j.planar != 0:
+        x, z = y[i], y[i + 1]
+        if j.on_child != 0:
+            x, z, _ = centre_from_child(j, y)
+        return x, z, 0.0, 0.0, 0.0, 1.0
+    qx, qy, qz, qw = y[i + 3], y[i + 4], y[i + 5], y[i + 6]
+    cx, cy, cz = j.centre[0], j.centre[1], j.centre[2]
+    if j.on_child != 0:
+        qx, qy, qz = -qx, -qy, -qz
+        px, py, pz = centre_from_child(j, y)
+    else:
+        px, py, pz = rotated(qx, qy, qz, qw, cx, cy, cz)
+        px, py, pz = px + y[i], py + y[i + 1], pz + y[i + 2]
+    px, py, pz = px - cx, py - cy, pz - cz
+    ux, uy, uz = rotated(qx, qy, qz, qw, j.axes[0, 2], j.axes[1, 2], j.axes[2, 2])
+    a = j.axes
+    return (
+        a[0, 0] * px + a[1, 0] * py + a[2, 0] * pz,
+        a[0, 1] * px + a[1, 1] * py + a[2, 1] * pz,
+        a[0, 2] * px + a[1, 2] * py + a[2, 2] * pz,
+        a[0, 0] * ux + a[1, 0] * uy + a[2, 0] * uz,
+        a[0, 1] * ux + a[1, 1] * uy + a[2, 1] * uz,
+        a[0, 2] * ux + a[1, 2] * uy + a[2, 2] * uz,
+    )
+
+
 @kernel
 def place_journal(program: Any, block: int, y: Any, nq: int, pose: Any) -> None:
     """:func:`journal_state`, called from outside: of the joint whose block stands there; POSE, (1,)."""

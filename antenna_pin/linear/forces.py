@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from antenna_pin.differences import STEPS, gradient
 from antenna_pin.dynamics import Adjustments, System, Workspace
 from antenna_pin.dynamics import kernels as _program
+from antenna_pin.dynamics.mounted import bearings_in
 from antenna_pin.joints.kernels import unit_normal_force
 from antenna_pin.joints.pose_kernels import place_journal
 from antenna_pin.records import CONTACT, POSE
@@ -231,8 +232,24 @@ class Forces:
         speed, kinked = gradient(
             lambda change: self.elements(self.displaced(np.zeros_like(change), change)), every, STEPS
         )
+        for joint, depth, lever in self._fine():
+            v = self.system.mechanism.joint(joint).v
+            sizes = np.repeat([1.0, 1.0 / lever], 3)
+            steps = [share * depth for share in _SHARES]
+            look = (lambda step: self.elements(self.displaced(step)), every[:, v] * sizes, steps)
+            place[:, v], bent[v] = gradient(*look)
+            place[:, v] /= sizes
         rough |= {names[k] for k in np.flatnonzero(bent | kinked)}
         return place, speed
+
+    def _fine(self) -> list[tuple[str, float, float]]:
+        """Return joints on bearings whose stiffness changes over small ways: that way, and a lever [m]."""
+        found = []
+        for _, _, one in bearings_in(self.system.families):
+            if one.scale is not None:
+                depth, lever = one.scale
+                found.append((one.joint, depth, lever))
+        return found
 
     def _switch_points(self, on: bool) -> None:
         for head, own in zip(self._points, self._points_on, strict=True):

@@ -18,6 +18,7 @@ from antenna_pin.errors import MechanismError
 from antenna_pin.linear.constrained import held_by_constraints
 from antenna_pin.linear.forces import ForceDerivatives, Forces
 from antenna_pin.linear.play import At
+from antenna_pin.linear.spinning import turning
 
 __all__ = ["Linearisation", "linearise"]
 
@@ -174,8 +175,10 @@ def linearise(at: At) -> Linearisation:
         lack_place, lack_speed = held.lack
         shift_place = rest @ back @ (lack_place @ n + lack_speed @ shift)
         shift_speed = rest @ back @ lack_speed @ n
-    brackets = n.T @ twist_brackets(system, v) @ n
-    gyroscopic = n.T @ (by_speed @ n + mass @ shift_speed)
+    # Rotors in axes that do not spin: one and the same turning of places and of velocities.
+    turned = n.T @ turning(system, v) @ n
+    brackets = n.T @ twist_brackets(system, v) @ n - turned
+    gyroscopic = n.T @ (by_speed @ n + mass @ shift_speed) - n.T @ mass @ n @ turned
     stiffness = n.T @ (
         (by_place - derived.position - held.force) @ n
         + (by_speed - derived.rate) @ shift

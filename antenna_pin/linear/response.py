@@ -59,7 +59,7 @@ def targets_of(modes: Modes) -> list[str]:
     found = [BORESIGHT] if modes.scenario is not None and modes.scenario.pointing is not None else []
     ball = {joint.name for joint in system.clearances if joint.geometry.motion is None}
     held = {name for name, kind in system.held.items() if kind == "spherical"}
-    with_play = {joint.name for joint in system.clearances} | set(system.held)
+    with_play = {joint.name for joint in system.clearances} | {*system.held, *system.on_bearings}
     for name, slot in system.mechanism.joints.items():
         axis = slot.kind in ("revolute", "continuous", "prismatic") or name in with_play
         if axis and name not in ball | held:
@@ -144,9 +144,9 @@ def _effort(at: At, source: str) -> tuple[Array, str]:
         return np.eye(nv)[k], "N" if k < 3 else "N m"
     drive: Any = at.system.drives[source.removeprefix("drives.")]
     unit = ConstantDrive(joint=drive.joint, value=1.0, axis=drive.axis)
-    alone = System(
-        at.system.mechanism, clearances=at.system.clearances, held=at.system.held, drives={"unit": unit}
-    )
+    # Only the drive acts: what bearings carry counts as held, for all that it takes is an axis.
+    held = {**at.system.held, **at.system.free_with_axis}
+    alone = System(at.system.mechanism, clearances=at.system.clearances, held=held, drives={"unit": unit})
     workspace = Workspace(alone)
     y = alone.state(at.q, np.zeros(nv))
     workspace.apply_elements(at.time, y, np.zeros(nv + alone.manifold.nx))

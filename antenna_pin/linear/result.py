@@ -17,6 +17,7 @@ from antenna_pin.linear.eigen import Eigen, solve
 from antenna_pin.linear.linearisation import Linearisation, linearise
 from antenna_pin.linear.play import At
 from antenna_pin.linear.shares import bodies_of, kinetic_shares, strain_shares
+from antenna_pin.linear.spinning import rotors
 from antenna_pin.readable import number
 from antenna_pin.scenario import Scenario
 
@@ -238,6 +239,10 @@ def _notes(linear: Linearisation, eigen: Eigen) -> Sequence[str]:
         notes.append(
             f"at {joint} a force has a kink here, and no derivative: its stiffness is a guess; a flange that "
             'presses flat has one under load = "point"'
+        )
+    for joint in rotors(linear.system, linear.at.v):
+        notes.append(
+            f"motions of {joint}, which spins, are seen in axes that do not: whirl as the bearing feels it"
         )
     if "unstable" in eigen.kind:
         count = eigen.kind.count("unstable")

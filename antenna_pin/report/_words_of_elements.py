@@ -7,10 +7,11 @@ from collections.abc import Iterator
 
 from antenna_pin.analysis import drives_of
 from antenna_pin.elements import FAMILIES, ForceElement, JointFriction
+from antenna_pin.readable import readable
 from antenna_pin.report._runs import ReportedRun
 from antenna_pin.scenario import Scenario
 
-__all__ = ["names_of_elements", "words_of_elements", "words_of_friction"]
+__all__ = ["names_of_elements", "words_of_bearings", "words_of_elements", "words_of_friction"]
 
 
 def words_of_elements(scenario: Scenario) -> Iterator[tuple[str, str]]:
@@ -22,13 +23,27 @@ def words_of_elements(scenario: Scenario) -> Iterator[tuple[str, str]]:
             if element.acts_at not in (None, name):
                 text += f", at {element.acts_at}"
             clearance = scenario.clearance.get(element.acts_at or "")
-            if element.about != "motion" and clearance is not None and clearance.model != "ideal":
+            if (
+                element.about in ("bearing", "journal")
+                and clearance is not None
+                and clearance.model != "ideal"
+            ):
                 text += f", about the {element.about}'s axis"
             yield f"{FAMILIES[table].word} {name}", text + _off(element)
 
 
 def _off(element: ForceElement) -> str:
     return "" if element.acts else ", off at the start"
+
+
+def words_of_bearings(run: ReportedRun) -> Iterator[tuple[str, str]]:
+    """Yield what bearings of a run carried."""
+    for k, name in enumerate(run.names("bearing")):
+        force, moment = (float(run.data[f"peak_bearing_{what}"][k]) for what in ("force", "moment"))
+        yield (
+            f"load of bearing {name}",
+            f"at most {readable(force, 'N')} and {readable(moment, 'N m')} at a sample",
+        )
 
 
 def words_of_friction(run: ReportedRun) -> Iterator[tuple[str, str]]:

@@ -19,7 +19,12 @@ from antenna_pin.report._words_of_clearance import (
     words_of_clearances,
 )
 from antenna_pin.report._words_of_closures import words_of_closures, words_of_couplings
-from antenna_pin.report._words_of_elements import names_of_elements, words_of_elements, words_of_friction
+from antenna_pin.report._words_of_elements import (
+    names_of_elements,
+    words_of_bearings,
+    words_of_elements,
+    words_of_friction,
+)
 from antenna_pin.report._words_of_flexible import words_of_flexible
 from antenna_pin.report._words_of_laws import words_of_laws
 from antenna_pin.scenario import PointingSpec, Scenario
@@ -96,10 +101,16 @@ def _words(run: ReportedRun) -> Iterator[tuple[str, Words]]:
     yield "Flexible links", dict(words_of_flexible(run))
     if scenario is not None:
         yield "Clearance", dict(words_of_clearances(scenario))
-        yield "Drives and springs", dict((*words_of_elements(scenario), *words_of_friction(run)))
+        yield (
+            "Drives and springs",
+            dict((*words_of_elements(scenario), *words_of_bearings(run), *words_of_friction(run))),
+        )
     else:
         yield "Clearance", dict(words_of_carried_clearances(run))
-        yield "Drives and springs", dict((*names_of_elements(run), *words_of_friction(run)))
+        yield (
+            "Drives and springs",
+            dict((*names_of_elements(run), *words_of_bearings(run), *words_of_friction(run))),
+        )
     yield "Contact and friction", dict(words_of_laws(run))
     yield "Start", dict(_start(run, mechanism))
     yield "Computation", dict(_computation(run))
@@ -174,6 +185,10 @@ def _joints(
             text += "; with play, held by contact"
         elif name in closures:
             text += "; without play, held by constraint"
+        if scenario is not None:
+            bearings = scenario.families.get("bearings", {})
+            if own := [one for one, spec in bearings.items() if spec.joint == name]:
+                text += f"; on bearing{'s' if own[1:] else ''} {', '.join(own)}"
         yield name, text
     locked = (
         [] if scenario is None else [n for n, j in scenario.mechanism.joints.items() if j.kind == "locked"]

@@ -39,12 +39,10 @@ _ORDER = (
     ("journal_radius", "smaller than", "bearing_radius"),
     ("bearing_outer_radius", "larger than", "bearing_radius"),
     ("flange_radius", "larger than", "bearing_radius"),
-    ("flange_distance", "at least", "bearing_length"),
 )
 _HOLDS: dict[str, Callable[[float, float], bool]] = {
     "smaller than": operator.lt,
     "larger than": operator.gt,
-    "at least": operator.ge,
 }
 
 
@@ -56,7 +54,8 @@ class Clearance(Spec):
         radial_clearance: C_r = R_i - R_j, if not given by the journal's radius [m].
         journal_radius: R_j, if not given by the clearance [m].
         bearing_length: L_i [m].
-        axial_clearance: C_a, play at each flange when centred, 0 or more, if not given by the flanges [m].
+        axial_clearance: C_a, play at each flange when centred, below 0 for a hard preload by that depth,
+            if not given by the flanges [m].
         flange_distance: L_j = L_i + 2 C_a, between the flanges' inner faces, if not given by C_a [m].
         bearing_outer_radius: R_io [m].
         flange_radius: R_f [m].
@@ -98,7 +97,7 @@ class Clearance(Spec):
     radial_clearance: PositiveLength | None = None
     journal_radius: PositiveLength | None = None
     bearing_length: PositiveLength | None = None
-    axial_clearance: Annotated[float, Quantity("m", "zero or more")] | None = None
+    axial_clearance: Length | None = None
     flange_distance: PositiveLength | None = None
     bearing_outer_radius: PositiveLength | None = None
     flange_radius: PositiveLength | None = None

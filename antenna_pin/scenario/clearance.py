@@ -209,6 +209,20 @@ class ContactClearance(TouchingSpec):
     def _check_plays(self) -> None:
         check_play(self, RADIAL_PLAY)
         check_play(self, AXIAL_PLAY)
+        if self.axial_play < 0.0:
+            self._check_hard()
+
+    def _check_hard(self) -> None:
+        """Refuse a hard preload that presses deeper than contact stiffness applies."""
+        from antenna_pin.geometry import HARDEST
+
+        key, least, ends = "axial_clearance", "zero", 1
+        if self.axial_clearance is None:
+            key, least, ends = "flange_distance", f"bearing_length = {self.bearing_length:g} m", 2
+        deepest, value = HARDEST * self.bearing_radius, getattr(self, key)
+        if self.axial_play < -deepest * (1.0 + 1e-9):
+            rule = f"must be at least {least}, or for a hard preload less by at most {ends * deepest:g} m"
+            refuse(f"{rule}, got {value:g} m", key, value=value)
 
 
 class PrismaticClearance(TouchingSpec):

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from antenna_pin.dynamics import observed
+from antenna_pin.dynamics import bearing_names, observed
 from antenna_pin.elements import Motion
 from antenna_pin.simulation.blocks import blocks_of, count_of
 from antenna_pin.simulation.carried import mechanism_attributes
@@ -203,6 +203,7 @@ def _labels(seen: Seen) -> dict[str, Any]:
         ("element", [f"{table}.{name}" for table in system.others for name in system.families[table]]),
         ("traced_spring", list(system.traced)),
         ("traced_joint", [str(system.springs[name].acts_at) for name in system.traced]),
+        ("bearing", bearing_names(system)),
         ("elastic_part", list(system.elastic)),
         ("point_spring", list(system.point_springs)),
         ("closure", list(system.closures)),

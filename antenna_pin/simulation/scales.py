@@ -10,7 +10,11 @@ from numpy.typing import NDArray
 from antenna_pin.dynamics import System
 from antenna_pin.settings import ErrorScales
 
-__all__ = ["scale_vector"]
+__all__ = ["BEARING_LEVER", "BEARING_PLAY", "scale_vector"]
+
+#: What counts as the play of a joint on bearings, which has none and deflects by micrometres, and as half its
+#: length [m].
+BEARING_PLAY, BEARING_LEVER = 1e-4, 0.01
 
 
 def scale_vector(system: System, scales: ErrorScales) -> NDArray[np.float64]:
@@ -54,11 +58,21 @@ def scale_vector(system: System, scales: ErrorScales) -> NDArray[np.float64]:
             velocity[start + 3 : start + 6] = np.where(
                 about, scales.angular_velocity, scales.clearance_velocity / half
             )
+    for name in system.on_bearings:
+        # As play is counted in plays, in what stands for one.
+        slot = system.mechanism.joint(name)
+        start = slot.v.start
+        position[start : start + 3] = scales.clearance * BEARING_PLAY
+        velocity[start : start + 3] = scales.clearance_velocity
+        about = np.abs(slot.axis) > 1.0 - 1e-9
+        tilt = scales.clearance * BEARING_PLAY / BEARING_LEVER, scales.clearance_velocity / BEARING_LEVER
+        position[start + 3 : start + 6] = np.where(about, scales.angle, tilt[0])
+        velocity[start + 3 : start + 6] = np.where(about, scales.angular_velocity, tilt[1])
     x = np.full(system.manifold.nx, math.inf)
     booked = (system.lost_normal_x, system.lost_friction_x, system.work_x, system.damper_x, system.element_x)
     energies = np.concatenate([places[places >= 0] for places in booked])
     moving = list(model.inertias)[2 if system.mechanism.base == "free" else 1 :]
-    slow = scales.clearance_velocity if system.clearances else scales.velocity
+    slow = scales.clearance_velocity if system.clearances or system.on_bearings else scales.velocity
     x[energies] = sum(i.mass for i in moving) * slow**2
     if not any(i.mass for i in moving):  # rotors that have an inertia alone
         x[energies] = sum(float(np.trace(i.inertia)) for i in moving) * scales.angular_velocity**2

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from antenna_pin.dynamics import bearing_loads
 from antenna_pin.elements import Motion
 from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.seen import Seen
@@ -64,6 +65,11 @@ def _contact(seen: Seen) -> Values:
         "radial_scenario": seen.found.scenario[:, :, 0],
         "axial_scenario": seen.found.scenario[:, :, 1],
     }
+
+
+def _bearing(seen: Seen) -> Values:
+    loads = bearing_loads(seen.system, seen.states, seen.programs)
+    return {f"bearing_{name}": loads[name] for name in loads.dtype.names or ()}
 
 
 def _ledger(seen: Seen) -> Values:
@@ -130,6 +136,8 @@ def sizes_of(seen: Seen, values: Values) -> Values:
         "peak_slide_acceleration": np.abs(values["slide_acceleration"]),
         "peak_deflection": np.abs(values["deflection"]),
         "peak_elastic_energy": values["elastic_energy"],
+        "peak_bearing_force": np.linalg.norm(values["bearing_force"], axis=2),
+        "peak_bearing_moment": np.linalg.norm(values["bearing_moment"], axis=2),
         "peak_spin": seen.elastic.spin,
         "peak_energy_error": np.abs(values["energy_error"]),
         "peak_residual": seen.found.residual,
@@ -172,4 +180,12 @@ def _changes_of(run: Run) -> Values:
 
 
 #: The series, by source: all variables of each.
-SERIES: tuple[Callable[[Seen], Values], ...] = (_state, _derivative, _contact, _audit, _ledger, _motion)
+SERIES: tuple[Callable[[Seen], Values], ...] = (
+    _state,
+    _derivative,
+    _contact,
+    _bearing,
+    _audit,
+    _ledger,
+    _motion,
+)

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["ANY", "ROUND_OFF", "Breach", "Coordinate", "Rule", "Variable", "first_not_finite"]
+__all__ = ["ANY", "ROUND_OFF", "Breach", "Coordinate", "Rule", "Variable", "first_not_finite", "rows"]
 
 Numbers = NDArray[Any]
 
@@ -208,3 +208,20 @@ class Variable:
             found["flag_values"] = np.array([value for value, _ in self.flags], dtype=np.int8)
             found["flag_meanings"] = " ".join(word for _, word in self.flags)
         return found
+
+
+def rows(
+    of: str, *found: tuple[str, str, str] | tuple[str, str, str, Rule], **more: Any
+) -> tuple[Variable, ...]:
+    """Return variables of one source along the same dimensions: names, units, meanings and rules.
+
+    Args:
+        of: The source, and behind a colon the dimensions.
+        *found: One for each.
+        **more: What else holds for all.
+    """
+    source, dims = of.split(": ")
+    return tuple(
+        Variable(name, tuple(dims.split()), units, meaning, source, rule[0] if rule else ANY, **more)
+        for name, units, meaning, *rule in found
+    )

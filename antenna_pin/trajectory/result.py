@@ -180,6 +180,8 @@ class Trajectory:
         if "coupling" in data.sizes:
             result["couplings"] = _couplings(data)
         result |= met_by_elements(data)
+        if "bearing" in data.sizes:
+            result["bearings"] = _by_label(data, "bearing", _BEARINGS)
         if "contact" not in data.sizes:
             return result
         index = data["episode_contact"].values
@@ -225,6 +227,7 @@ def _scenario(text: str) -> Scenario:
 
 # Entries of a summary by their variables.
 _MOTION = {"angle": "final_angle", "rate": "final_rate", "peak_acceleration": "peak_acceleration"}
+_BEARINGS = {"peak_force": "peak_bearing_force", "peak_moment": "peak_bearing_moment"}
 _SLIDES = {
     "position": "final_position",
     "slide_rate": "final_slide_rate",

@@ -9,10 +9,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterator
-from typing import Any
 
 from antenna_pin.geometry import AxialScenario, RadialScenario
-from antenna_pin.trajectory.columns import ANY, Coordinate, Rule, Variable
+from antenna_pin.trajectory.columns import Coordinate, Rule, Variable
+from antenna_pin.trajectory.columns import rows as _rows
 
 __all__ = ["COORDINATES", "DIMENSIONS", "TIME", "VARIABLES", "variables_of"]
 
@@ -32,8 +32,9 @@ DIMENSIONS: dict[str, str] = {
     "motion": "drives that prescribe their joint's motion, by name",
     "spring": "springs and dampers, and friction of joints, by name",
     "traced_spring": "those of them at joints that have a table, hysteresis, or a constant torque",
-    "element": "elements of further families (stops, latches), by family and name",
+    "element": "elements of further families (stops, latches, bearings), by family and name",
     "change": "changes of mode of these, in order of time, by element and what changed",
+    "bearing": "ball bearings and preloads, by name",
     "point_spring": "those of them that are between points",
     "elastic_part": "elastic parts of flexible links, by name",
     "closure": "joints that close loops, or are held by constraint, by name",
@@ -61,23 +62,6 @@ _PRESSED = Rule(least=0.0, beside="touching")
 _LOST = Rule(least=0.0, summed=True, passive=True)
 #: What the times of samples may be.
 TIME = _ORDERED
-
-
-def _rows(
-    of: str, *rows: tuple[str, str, str] | tuple[str, str, str, Rule], **more: Any
-) -> tuple[Variable, ...]:
-    """Return variables of one source along the same dimensions: names, units, meanings and rules.
-
-    Args:
-        of: The source, and behind a colon the dimensions.
-        *rows: One for each.
-        **more: What else holds for all.
-    """
-    source, dims = of.split(": ")
-    return tuple(
-        Variable(name, tuple(dims.split()), units, meaning, source, rule[0] if rule else ANY, **more)
-        for name, units, meaning, *rule in rows
-    )
 
 
 def _scenario_rows(name: str, kinds: type[RadialScenario | AxialScenario]) -> tuple[Variable, ...]:
@@ -168,6 +152,13 @@ _CONTACTS: tuple[Variable, ...] = (
             "angle between the axes of journal and bearing",
             Rule(least=0.0, most=math.pi),
         ),
+    ),
+    *_rows(
+        "bearing: time bearing axis",
+        ("bearing_place", "m", "journal at the bearing's reference point, bearing axes"),
+        ("bearing_tilt", "1", "tilt of the journal's axis, z x axis; its size is the sine"),
+        ("bearing_force", "N", "force of the bearing on the journal, bearing axes"),
+        ("bearing_moment", "N m", "its moment about the reference point, bearing axes"),
     ),
     *_scenario_rows("radial", RadialScenario),
     *_scenario_rows("axial", AxialScenario),
@@ -289,6 +280,11 @@ _SUMMARIES: tuple[Variable, ...] = (
     *_rows(
         "summary: spring",
         ("total_damper_loss", "J", "energy lost in the damper, or to a joint's own friction, in all", _TOTAL),
+    ),
+    *_rows(
+        "summary: bearing",
+        ("peak_bearing_force", "N", "largest force of the bearing at a sample", _SIZE),
+        ("peak_bearing_moment", "N m", "largest moment of the bearing at a sample", _SIZE),
     ),
     *_rows("summary: element", ("total_element_loss", "J", "energy lost in it in all", _TOTAL)),
     *_rows(

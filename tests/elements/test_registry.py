@@ -9,6 +9,8 @@ from antenna_pin.elements import (
     ELEMENTS,
     FAMILIES,
     GEARS,
+    AxialPreload,
+    BallBearing,
     Belt,
     BoucWen,
     Cable,
@@ -32,6 +34,7 @@ from antenna_pin.elements import (
     SineDrive,
     Spline,
     StickingFriction,
+    StiffnessBearing,
     TableDrive,
     TableSpring,
     kernels,
@@ -199,8 +202,33 @@ def test_an_element_between_joints_has_its_own_kernels_and_words(element, words,
     assert {type(one) for one, _, _ in MESHES} == set(GEARS.values())
 
 
+BEARINGS = {
+    StiffnessBearing: (
+        StiffnessBearing(joint="a", radial=2e6, tilt=5.0, offset=0.25, damping_time=1e-4),
+        "ball bearing, radial stiffness 2 MN/m, tilt 5 N m/rad, damped in proportion by 0.1 ms, "
+        "reference point at 0.25 m",
+    ),
+    BallBearing: (
+        BallBearing(
+            joint="a",
+            count=9,
+            ball_diameter=6e-3,
+            pitch_diameter=0.04,
+            contact_angle=0.25,
+            preload=50.0,
+        ),
+        "ball bearing, single row, 9 balls of 6 mm, pitch diameter 40 mm, contact angle 0.25 rad, "
+        "preload 50 N, stiffness at the preload",
+    ),
+    AxialPreload: (
+        AxialPreload(joint="a", force=-30.0, stiffness=2e4),
+        "preload \N{MINUS SIGN}30 N, stiffness 20 kN/m, force given where the face touches",
+    ),
+}
+
+
 def test_every_element_has_an_example():
-    assert {*EXAMPLES, type(BETWEEN), *GEARS.values()} == set(ELEMENTS)
+    assert {*EXAMPLES, type(BETWEEN), *GEARS.values(), *BEARINGS} == set(ELEMENTS)
     assert len({kind_of(element) for element in ELEMENTS}) == len(ELEMENTS)
 
 
@@ -216,6 +244,14 @@ def test_an_element_has_its_own_kernels_and_words(kind):
     rates = np.full(len(element.integrals) + 1, np.nan)
     kernels.write_rates_of(number, own, 0, (0.1, 0.2, 0.2 * torque), states, rates, 0)
     assert np.isnan(rates).tolist() == [False] * len(element.integrals) + [True]
+
+
+@pytest.mark.parametrize("kind", BEARINGS, ids=lambda kind: kind.__name__)
+def test_a_bearing_says_what_it_is(kind):
+    """And has no torque about its axis."""
+    element, words = BEARINGS[kind]
+    assert element.words(slides=False).replace("\N{NO-BREAK SPACE}", " ") == words
+    assert kernels.effort(kind_of(kind), element.words_of_kernel(), 0, 0.0, 0.1, 0.2) == 0.0
 
 
 def test_a_kind_that_there_is_not_gives_no_number():

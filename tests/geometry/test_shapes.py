@@ -118,8 +118,9 @@ def test_refuses_what_is_no_length(length, value):
             "RevoluteClearance: journal_radius must be below bearing_radius = 0.01 m, got 0.02",
         ),
         (
-            {"flange_distance": 0.0499},
-            "RevoluteClearance: flange_distance must be at least bearing_length = 0.05 m, got 0.0499",
+            {"flange_distance": 0.0497},
+            "RevoluteClearance: flange_distance must be at least bearing_length = 0.05 m, or for a hard "
+            "preload less by at most 0.02 bearing_radius, got 0.0497",
         ),
         (
             {"bearing_outer_radius": 0.01},

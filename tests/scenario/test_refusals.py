@@ -171,7 +171,11 @@ REFUSALS = [
         {H + "radial_clearance": DELETED, H + "journal_radius": "11 mm"},
         "clearance.hinge.journal_radius must be smaller than bearing_radius = 0.01 m, got 0.011 m",
     ),
-    ({H + "axial_clearance": "-1 um"}, "clearance.hinge.axial_clearance must be zero or more, got '-1 um'"),
+    (
+        {H + "axial_clearance": "-0.2 mm"},
+        "clearance.hinge.axial_clearance must be at least zero, or for a hard preload less by at most "
+        "0.0001 m, got -0.0002 m",
+    ),
     (
         {H + "axial_clearance": DELETED},
         "clearance.hinge must have exactly one of axial_clearance and flange_distance, got neither",
@@ -182,7 +186,8 @@ REFUSALS = [
     ),
     (
         {H + "axial_clearance": DELETED, H + "flange_distance": "40 mm"},
-        "clearance.hinge.flange_distance must be at least bearing_length = 0.05 m, got 0.04 m",
+        "clearance.hinge.flange_distance must be at least bearing_length = 0.05 m, or for a hard preload "
+        "less by at most 0.0002 m, got 0.04 m",
     ),
     ({H + "bearing_radius": DELETED}, "clearance.hinge.bearing_radius is missing; give a length [m]"),
     ({H + "bearing_radius": "0 mm"}, "clearance.hinge.bearing_radius must be positive, got '0 mm'"),

@@ -1,0 +1,219 @@
+"""A ball bearing by its balls and grooves."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from antenna_pin.elements.bearing import Bearing
+from antenna_pin.elements.hertz_point import groove_contact, in_series
+from antenna_pin.errors import InvalidParameterError
+from antenna_pin.parameters import parameter
+from antenna_pin.roots import root_between
+
+__all__ = ["BallBearing"]
+
+Array = NDArray[np.float64]
+
+# Ball's record, by the names of its layout.
+_COSINE, _SINE, _HEIGHT, _RADIUS, _OFF, _ALONG, _REST, _HERTZ = range(8)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BallBearing(Bearing):
+    r"""A preloaded angular-contact ball bearing, or a pair, by its dimensions: quasi-static, without speed.
+
+    Each ball is pressed between the grooves of both raceways, whose centres of curvature are
+    A = (f_i + f_o - 1) D apart unloaded, at the contact angle; it stands on the line between them, and its
+    load follows from how far they are further apart,
+
+    .. math:: Q = K \delta^{3/2}, \quad \delta = s - A, \quad K^{-2/3} = K_i^{-2/3} + K_o^{-2/3}
+
+    with Hertz's point contacts K_i, K_o. The inner ring is rigid, its groove's centres move with place and
+    tilt to first order; energy is the sum of 2/5 K delta^(5/2). Balls stand at fixed, even azimuths, the
+    first on the bearing's x axis; centrifugal force, gyroscopic torque of balls and friction are left out.
+
+    The preload is an axial force: of a pair that of each row on the other, of a single row one that an
+    outside force of that size balances, which counts as part of it. ``linear`` takes the stiffness at the
+    preload; ``balls`` sums over the balls at every instant, and contacts open.
+
+    Attributes:
+        count: Balls in a row.
+        ball_diameter: D [m].
+        pitch_diameter: d_m, of the circle of the balls' centres [m].
+        contact_angle: Between load and the plane of the balls, unloaded [rad].
+        preload: Axial force of each row [N].
+        inner_conformity: f_i, groove radius over ball diameter [-].
+        outer_conformity: f_o, likewise [-].
+        modulus: Of elasticity, of rings and balls [Pa].
+        poisson: Poisson's ratio of rings and balls [-].
+        ball_modulus: Of the balls, if another (ceramic) [Pa].
+        ball_poisson: Poisson's ratio of the balls, if another [-].
+        arrangement: A ``single`` row that takes an axial force on the inner ring along +z, or a pair
+            ``back-to-back`` (loads spread apart towards the axis) or ``face-to-face``.
+        spread: Distance of a pair's planes of balls [m].
+        offset: Reference point, in the plane of the balls or midway between a pair's, along the joint's axis
+            from the joint's origin [m].
+        damping_time: beta, of damping in proportion to the stiffness at the preload [s].
+        by: ``linear`` or ``balls``.
+
+    References:
+        Harris and Kotzalas, Rolling Bearing Analysis; Jones (1960), A general theory for elastically
+        constrained ball and radial roller bearings.
+    """
+
+    count: int = parameter(rule="positive")
+    ball_diameter: float = parameter("m", rule="positive")
+    pitch_diameter: float = parameter("m", rule="positive")
+    contact_angle: float = parameter("rad", rule="zero or more")
+    preload: float = parameter("N", rule="positive")
+    inner_conformity: float = parameter(rule="positive", default=0.52)
+    outer_conformity: float = parameter(rule="positive", default=0.52)
+    modulus: float = parameter("Pa", rule="positive", default=2.06e11)
+    poisson: float = parameter(rule="above -1 and at most 0.5", default=0.3)
+    ball_modulus: float | None = parameter("Pa", rule="positive", default=None)
+    ball_poisson: float | None = parameter(rule="above -1 and at most 0.5", default=None)
+    arrangement: Literal["single", "back-to-back", "face-to-face"] = "single"
+    spread: float = parameter("m", rule="zero or more", default=0.0)
+    offset: float = parameter("m", default=0.0)
+    damping_time: float = parameter("s", rule="zero or more", default=0.0)
+    by: Literal["linear", "balls"] = "linear"
+
+    def __post_init__(self) -> None:
+        """Check that it is a bearing."""
+        Bearing.__post_init__(self)
+        if not self.count >= 3:
+            raise InvalidParameterError(
+                self, "count", "3 or more, or a direction would not be held", self.count
+            )
+        if not self.contact_angle < 0.5 * math.pi:
+            raise InvalidParameterError(self, "contact_angle", "below a right angle", self.contact_angle)
+        if not self.ball_diameter < self.pitch_diameter * math.sin(math.pi / self.count):
+            most = self.pitch_diameter * math.sin(math.pi / self.count)
+            rule = f"below {most:g} m, at which {self.count} balls touch one another"
+            raise InvalidParameterError(self, "ball_diameter", rule, self.ball_diameter)
+        for name in ("inner_conformity", "outer_conformity"):
+            if not getattr(self, name) > 0.5:
+                rule = "above 0.5: a groove is wider than its ball"
+                raise InvalidParameterError(self, name, rule, getattr(self, name))
+        if self.arrangement == "single" and self.spread:
+            raise InvalidParameterError(self, "spread", "left out of a single row", self.spread)
+        way = math.hypot(self._open * math.cos(self.contact_angle), self._along) - self._open
+        if not way < 0.1 * self.ball_diameter:
+            rule = "small: it presses balls in by more than a tenth of their diameter"
+            raise InvalidParameterError(self, "preload", rule, self.preload)
+
+    @property
+    def _open(self) -> float:
+        """A, distance of the grooves' centres unloaded [m]."""
+        return (self.inner_conformity + self.outer_conformity - 1.0) * self.ball_diameter
+
+    @property
+    def hertz(self) -> float:
+        """K of a ball between its raceways [N/m^1.5]."""
+        softness = (1.0 - self.poisson**2) / self.modulus
+        poisson = self.poisson if self.ball_poisson is None else self.ball_poisson
+        softness += (1.0 - poisson**2) / (self.modulus if self.ball_modulus is None else self.ball_modulus)
+        gamma = self.ball_diameter * math.cos(self.contact_angle) / self.pitch_diameter
+        inner = groove_contact(self.ball_diameter, self.inner_conformity, gamma, softness)
+        outer = groove_contact(self.ball_diameter, self.outer_conformity, -gamma, softness)
+        return in_series(inner, outer)
+
+    @property
+    def _along(self) -> float:
+        """Axial distance of the grooves' centres under the preload [m]."""
+        rest, angle, stiffness = self._open, self.contact_angle, self.hertz
+        off = rest * math.cos(angle)
+
+        def lack(along: float) -> float:
+            way = math.hypot(off, along)
+            depth = max(way - rest, 0.0)
+            return self.count * stiffness * depth * math.sqrt(depth) * along / way - self.preload
+
+        start = rest * math.sin(angle)
+        # Enough at which a ball's load alone, on a line that is no steeper, is all.
+        far = start + rest
+        while lack(far) < 0.0:
+            far *= 2.0
+        return root_between(lack, start, far, absolute=1e-20)
+
+    @property
+    def loaded_angle(self) -> float:
+        """Contact angle under the preload [rad]."""
+        return math.atan2(self._along, self._open * math.cos(self.contact_angle))
+
+    @property
+    def scale(self) -> tuple[float, float] | None:
+        """Depth at which balls are pressed in by the preload, and the radius of their circle [m]."""
+        if self.by == "linear":
+            return None
+        way = math.hypot(self._open * math.cos(self.contact_angle), self._along)
+        return way - self._open, 0.5 * self.pitch_diameter
+
+    def balls(self) -> Array:
+        """Return the balls of all rows, as the kernels' ``BALL``, (n, 8)."""
+        angle, along, hertz = self.contact_angle, self._along, self.hertz
+        inner = (self.inner_conformity - 0.5) * self.ball_diameter
+        # The sense in which a row takes load from the inner ring, and its plane.
+        rows = {
+            "single": ((1.0, 0.0),),
+            "back-to-back": ((-1.0, 0.5 * self.spread), (1.0, -0.5 * self.spread)),
+            "face-to-face": ((1.0, 0.5 * self.spread), (-1.0, -0.5 * self.spread)),
+        }[self.arrangement]
+        found = np.zeros((len(rows), self.count, 8))
+        azimuth = 2.0 * math.pi * np.arange(self.count) / self.count
+        for row, (sense, plane) in zip(found, rows, strict=True):
+            row[:, _COSINE], row[:, _SINE] = np.cos(azimuth), np.sin(azimuth)
+            row[:, _HEIGHT] = plane + sense * inner * math.sin(angle)
+            row[:, _RADIUS] = 0.5 * self.pitch_diameter + inner * math.cos(angle)
+            row[:, _OFF], row[:, _ALONG] = self._open * math.cos(angle), sense * along
+            row[:, _REST], row[:, _HERTZ] = self._open, hertz
+        return found.reshape(-1, 8)
+
+    @property
+    def stiffness(self) -> Array:
+        """K at the preload, over place and tilt at the reference point, (5, 5)."""
+        total = np.zeros((5, 5))
+        for c, s, height, radius, off, along, rest, hertz in self.balls():
+            # How the way from groove to groove changes, off and along the axis.
+            change = np.array(
+                [[c, s, 0.0, -height * s, height * c], [0.0, 0.0, 1.0, radius * s, -radius * c]]
+            )
+            way = math.hypot(off, along)
+            unit = np.array([off, along]) / way
+            depth = way - rest
+            line = np.outer(unit, unit)
+            bend = hertz * (1.5 * depth**0.5 * line + depth**1.5 / way * (np.eye(2) - line))
+            total += change.T @ bend @ change
+        return total
+
+    def values(self) -> dict[str, Any]:
+        """Return its numbers, by the names that its record has for them."""
+        found, stiffness = Bearing.values(self), self.stiffness
+        found |= {"damping": self.damping_time * stiffness, "offset": self.offset}
+        if self.by == "linear":
+            return {**found, "stiffness": stiffness}
+        if self.arrangement == "single":
+            found["push"][2] = self.preload
+        return {**found, "balls": len(self.balls())}
+
+    def tail(self) -> tuple[float, ...]:
+        """Return the balls' numbers, if they are summed over."""
+        return tuple(self.balls().ravel()) if self.by == "balls" else ()
+
+    def words(self, slides: bool) -> str:
+        """Return what it is in words."""
+        kind = "single row" if self.arrangement == "single" else f"{self.arrangement} pair"
+        said = {
+            "ball_diameter": f"{self.count} balls of",
+            "pitch_diameter": "pitch diameter",
+            "contact_angle": "contact angle",
+            "preload": "preload",
+            "damping_time": "damped in proportion by",
+        }
+        law = "stiffness at the preload" if self.by == "linear" else "summed over its balls"
+        return f"ball bearing, {kind}, {', '.join(self.said_of(said, slides))}, {law}"

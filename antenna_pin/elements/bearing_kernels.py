@@ -1,0 +1,142 @@
+"""A bearing as springs, compiled: what it does to its inner ring in a pose, and what it stores.
+
+Coordinates are those of :mod:`antenna_pin.elements.bearing`: the place of the journal's point at the
+bearing's reference point, and the tilt z x a of its axis a, in bearing axes.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from antenna_pin._compile import inlined, kernel, record
+from antenna_pin.records import layout, words_of
+
+#: Matrices over (x, y, z, tilt about x, tilt about y); what pushes in its centred place; energy there [J];
+#: the reference point along the axis from the joint's [m]; balls, whose records stand behind.
+LAYOUT = layout(
+    ("stiffness", "f8", (5, 5)),
+    ("damping", "f8", (5, 5)),
+    ("push", "f8", (5,)),
+    ("energy", "f8"),
+    ("offset", "f8"),
+    ("balls", "i8"),
+)
+SIZE = words_of(LAYOUT)
+
+#: A ball: its azimuth; the inner raceway's groove centre in the centred place, along the axis from the
+#: reference point and off the axis [m]; the way to it from the outer raceway's, off and along the axis [m];
+#: the length of that way unloaded [m], and force over elongation^1.5 [N/m^1.5].
+BALL = layout(
+    ("cosine", "f8"),
+    ("sine", "f8"),
+    ("height", "f8"),
+    ("radius", "f8"),
+    ("off", "f8"),
+    ("along", "f8"),
+    ("rest", "f8"),
+    ("hertz", "f8"),
+)
+BALL_SIZE = words_of(BALL)
+
+
+@inlined
+def effort(words: Any, at: int, t: float, angle: float, rate: float) -> float:
+    """Zero: a bearing has no torque about its axis."""
+    return 0.0
+
+
+@inlined
+def _ball(words: Any, at: int, k: int) -> Any:
+    first = at + SIZE + k * BALL_SIZE
+    return record(words[first : first + BALL_SIZE], BALL)
+
+
+@inlined
+def _coordinates(offset: float, place: Any) -> tuple[float, float, float, float, float]:
+    """Return the five coordinates of a journal's centre and axis."""
+    x, y, z, ax, ay, az = place
+    # 1 - cos of the tilt without cancellation.
+    sunk = (ax * ax + ay * ay) / (1.0 + az) if az > 0.0 else 1.0 - az
+    return x + offset * ax, y + offset * ay, z - offset * sunk, -ay, ax
+
+
+@inlined
+def _elongation(ball: Any, q: Any) -> tuple[float, float, float]:
+    """Return how far a ball is compressed [m], and the direction of its load, off and along the axis."""
+    x, y, z, tx, ty = q
+    tilt = ball.cosine * ty - ball.sine * tx
+    off = ball.off + ball.cosine * x + ball.sine * y + ball.height * tilt
+    along = ball.along + z - ball.radius * tilt
+    way = math.sqrt(off * off + along * along)
+    return way - ball.rest, off / way, along / way
+
+
+@kernel
+def press(words: Any, at: int, pose: Any) -> float:
+    """Write force and moment on the journal about its centre into its pose; return the power lost [W]."""
+    b = record(words[at : at + SIZE], LAYOUT)
+    s = b.offset
+    ax, ay, az = pose.axis[0], pose.axis[1], pose.axis[2]
+    q = _coordinates(s, (pose.centre[0], pose.centre[1], pose.centre[2], ax, ay, az))
+    wx, wy, wz = pose.spin[0], pose.spin[1], pose.spin[2]
+    # a' = w x a.
+    dx, dy, dz = wy * az - wz * ay, wz * ax - wx * az, wx * ay - wy * ax
+    v = (pose.velocity[0] + s * dx, pose.velocity[1] + s * dy, pose.velocity[2] + s * dz, -dy, dx)
+    fx, fy, fz, mx, my = b.push[0], b.push[1], b.push[2], b.push[3], b.push[4]
+    lost = 0.0
+    for k in range(5):
+        elastic, damped = q[k], v[k]
+        fx -= b.stiffness[0, k] * elastic + b.damping[0, k] * damped
+        fy -= b.stiffness[1, k] * elastic + b.damping[1, k] * damped
+        fz -= b.stiffness[2, k] * elastic + b.damping[2, k] * damped
+        mx -= b.stiffness[3, k] * elastic + b.damping[3, k] * damped
+        my -= b.stiffness[4, k] * elastic + b.damping[4, k] * damped
+        for i in range(5):
+            lost += v[i] * b.damping[i, k] * damped
+    for k in range(b.balls):
+        ball = _ball(words, at, k)
+        depth, off, along = _elongation(ball, q)
+        if depth > 0.0:
+            load = ball.hertz * depth * math.sqrt(depth)
+            fx -= load * off * ball.cosine
+            fy -= load * off * ball.sine
+            fz -= load * along
+            turn = load * (ball.height * off - ball.radius * along)
+            mx += turn * ball.sine
+            my -= turn * ball.cosine
+    pose.force[0], pose.force[1], pose.force[2] = fx, fy, fz
+    # Tilts change by w x a, so that their torques are these; then the force's about the journal's centre.
+    pose.moment[0] = mx * az + s * (ay * fz - az * fy)
+    pose.moment[1] = my * az + s * (az * fx - ax * fz)
+    pose.moment[2] = -mx * ax - my * ay + s * (ax * fy - ay * fx)
+    return float(lost)
+
+
+@kernel
+def kept(words: Any, at: int, place: Any) -> float:
+    """Energy stored [J] with the journal's centre and axis, six numbers, where ``place`` says."""
+    b = record(words[at : at + SIZE], LAYOUT)
+    q = _coordinates(b.offset, place)
+    total = float(b.energy)
+    for i in range(5):
+        total -= b.push[i] * q[i]
+        for k in range(5):
+            total += 0.5 * q[i] * b.stiffness[i, k] * q[k]
+    for k in range(b.balls):
+        ball = _ball(words, at, k)
+        depth, _, _ = _elongation(ball, q)
+        if depth > 0.0:
+            total += 0.4 * ball.hertz * depth * depth * math.sqrt(depth)
+    return float(total)
+
+
+@kernel
+def coordinates(words: Any, at: int, place: Any) -> tuple[float, float, float, float, float, float]:
+    """Return the five coordinates with the journal's centre and axis where ``place`` says [m], [1].
+
+    Behind them stands where the reference point is along the axis [m].
+    """
+    offset = float(record(words[at : at + SIZE], LAYOUT).offset)
+    x, y, z, tx, ty = _coordinates(offset, place)
+    return x, y, z, tx, ty, offset
