@@ -46,7 +46,8 @@ def test_runs_without_the_compiler_give_the_same_numbers(without):
 def test_every_kind_runs_without_the_compiler():
     """A new element, joint with play or closure takes its place among them."""
     parts = [*every_kind.DRIVES.values(), *every_kind.IN_PYTHON.values(), *every_kind.SPRINGS.values()]
-    parts += every_kind.GEARS.values()
+    for more in (every_kind.GEARS, every_kind.STOPS, every_kind.LATCHES):
+        parts += more.values()
     assert {type(part) for part in parts} == {*ELEMENTS, PointSpring}
     models = {
         model for cls in get_args(ClearanceSpec) for model in get_args(cls.model_fields["model"].annotation)

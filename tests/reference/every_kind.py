@@ -32,6 +32,8 @@ from antenna_pin.elements import (
     PDController,
     PointSpring,
     PrescribedMotion,
+    RigidLatch,
+    RigidStop,
     SineDrive,
     Spline,
     TableDrive,
@@ -88,6 +90,9 @@ GEARS = {
     "belt": Belt(input="a", output="d", pretension=4.0, damping=2.0, **_ROLLS),
     "cable": Cable(input="c", output="a", slack=0.01, **_ROLLS),
 }
+#: Both are armed: looked at in each step.
+STOPS = {"stop": RigidStop(joint="a", lower=-1.0, upper=1.0)}
+LATCHES = {"latch": RigidLatch(joint="g", angle=0.3)}
 #: Shipped scenarios by joint with play: case, and a time in which its contacts touch [s].
 PLAY = {
     "contact": ("impact_pair", "contact", 1.02e-3),
@@ -110,8 +115,9 @@ def elements(drives):
         "gear": Coupling(follower="h", leader="a", multiplier=-3.0, offset=0.1),
         "rack": Coupling(follower="i", leader="g", multiplier=0.05, second="d", second_multiplier=0.01),
     }
+    more = {"gears": GEARS, "stops": STOPS, "latches": LATCHES}
     mechanism = build_mechanism(Urdf.from_text(f'<robot name="star">{text}</robot>', "star"), "free")
-    return System(mechanism, drives=drives, springs=SPRINGS, couplings=couplings, elements={"gears": GEARS})
+    return System(mechanism, drives=drives, springs=SPRINGS, couplings=couplings, elements=more)
 
 
 def closed(kind):
