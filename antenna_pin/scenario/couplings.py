@@ -99,4 +99,8 @@ class PlanetarySpec(Spec):
 AnyCoupling = Annotated[CouplingSpec | DifferentialSpec | PlanetarySpec, Field(discriminator="kind")]
 
 #: Tables of couplings by their kind; the first is that of a table that does not say.
-COUPLING_SPECS = {"ratio": CouplingSpec, "differential": DifferentialSpec, "planetary": PlanetarySpec}
+COUPLING_SPECS: dict[str, type[CouplingSpec] | type[DifferentialSpec] | type[PlanetarySpec]] = {
+    "ratio": CouplingSpec,
+    "differential": DifferentialSpec,
+    "planetary": PlanetarySpec,
+}

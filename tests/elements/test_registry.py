@@ -139,7 +139,7 @@ MESHES = (
 
 @pytest.mark.parametrize(("element", "words", "expected"), MESHES, ids=lambda one: type(one).__name__)
 def test_an_element_between_joints_has_its_own_kernels_and_words(element, words, expected):
-    """Beyond half the play 0.05: 5 N m and a damper of 1 N m, or of 8 N m that is let 5; strands; one slack."""
+    """Beyond half the play 0.05: 5 N m and a damper of 1 N m, or of 8 N m that gives 5; strands; slack."""
     assert element.words().replace("\N{NO-BREAK SPACE}", " ") == words
     number, own = kind_of(type(element)), element.words_of_kernel()
     found = kernels.effort(number, own, 0, 0.0, 0.1, 0.2), kernels.dissipation(number, own, 0, 0.1, 0.2)
