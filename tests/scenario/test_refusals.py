@@ -23,8 +23,8 @@ WHOLE = "law lankarani-nikravesh brings its own; elastic laws are " + ", ".join(
     name for name in contact.NORMAL_LAWS if contact.is_elastic(name)
 )
 TOP = (
-    "stops, latches, gears, format, title, source, duration, mechanism, materials, clearance, flexible, closures, couplings, "
-    "rotors, drives, springs, events, initial, integrator, output, pointing"
+    "stops, latches, gears, format, title, source, duration, mechanism, materials, clearance, flexible, "
+    "closures, couplings, rotors, drives, springs, events, initial, integrator, output, pointing"
 )
 
 REFUSALS = [
