@@ -23,8 +23,8 @@ WHOLE = "law lankarani-nikravesh brings its own; elastic laws are " + ", ".join(
     name for name in contact.NORMAL_LAWS if contact.is_elastic(name)
 )
 TOP = (
-    "format, title, source, duration, mechanism, materials, clearance, flexible, closures, couplings, "
-    "drives, springs, stops, latches, events, initial, integrator, output, pointing"
+    "format, title, source, duration, mechanism, materials, clearance, flexible, closures, couplings, rotors, "
+    "drives, springs, stops, latches, frictions, gears, bearings, events, initial, integrator, output, pointing"
 )
 
 REFUSALS = [
@@ -133,12 +133,12 @@ REFUSALS = [
     ),
     (
         {H + "model": "contac"},
-        "clearance.hinge.model must be one of contact, planar, spherical, prismatic, ideal, constraint, "
+        "clearance.hinge.model must be one of contact, planar, spherical, prismatic, cylindrical, ideal, constraint, "
         "got 'contac'; did you mean contact?",
     ),
     (
         {H + "model": 3},
-        "clearance.hinge.model must be one of contact, planar, spherical, prismatic, ideal, constraint, "
+        "clearance.hinge.model must be one of contact, planar, spherical, prismatic, cylindrical, ideal, constraint, "
         "got 3",
     ),
     (
