@@ -8,7 +8,7 @@ ball bearings. Both engines run it at default tolerances. What must hold:
 - the run completes, by both;
 - linear and angular momentum stay, over the largest they are made of (``--momentum``);
 - the ledger of energy closes, over the kinetic energy at the start (``--energy``);
-- the engines come to the same changes of mode, and to the same configuration (``--apart``), as long as motions
+- the engines come to the same changes of mode and the same configuration (``--apart``), as long as motions
   are not so sensitive that round-off of theirs has grown by then.
 
 Exit code 1 on any failure; each is told with its number, which with the seed repeats it.
