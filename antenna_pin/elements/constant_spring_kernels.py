@@ -22,7 +22,7 @@ def effort(words: Any, at: int, t: float, angle: float, rate: float) -> float:
 
 
 @inlined
-def write_rates(words: Any, at: int, rate: float, power: float, rates: Any, x: int) -> None:
+def write_rates(words: Any, at: int, angle: float, rate: float, power: float, rates: Any, x: int) -> None:
     """Nothing is lost."""
     rates[x] = 0.0
 

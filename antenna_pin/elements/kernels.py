@@ -101,8 +101,8 @@ def _effort(asked: int, words: Any, at: int, motion: Any, own: Any) -> float:
 
 
 def _write_rates(asked: int, words: Any, at: int, motion: Any, own: Any, rates: Any, x: int) -> None:
-    _, rate, power = motion
-    write_rates(asked, words, at, rate, power, rates, x)
+    angle, rate, power = motion
+    write_rates(asked, words, at, angle, rate, power, rates, x)
 
 
 def _stored(asked: int, words: Any, at: int, angle: float, own: Any) -> float:
