@@ -24,12 +24,12 @@ def test_the_readme_names_every_case(model, case):
 
 def assert_momentum_stays(run, share):
     assert run.completed, run.message
-    for name, scale in (("linear_momentum", "momentum_scale"), ("angular_momentum", "angular_momentum_scale")):
-        momentum = run.data[name].values
+    for name, scale in (("linear", "momentum_scale"), ("angular", "angular_momentum_scale")):
+        momentum = run.data[f"{name}_momentum"].values
         assert np.abs(momentum - momentum[0]).max() < share * float(run.data[scale].max())
 
 
-# --- reaction wheel ------------------------------------------------------------------------------------------
+# --- reaction wheel -----------------------------------------------------------------------------------------
 
 WHEEL, SATELLITE, SPIN = 3.0, 100.0, 100 * np.pi
 STATIC, DYNAMIC = 1e-5, 1e-7
@@ -52,7 +52,8 @@ def rigid():
 
 def test_a_rigid_shaft_carries_m_e_w2(rigid):
     """The satellite's velocity swings by m e w / (M + m), so that the force is m e w^2 M / (M + m)."""
-    assert_momentum_stays(rigid, 1e-9)
+    # Steps are good to 1e-10 of 1 m/s: 3e-10 kg m/s of the wheel, beside 3e-3 that the imbalance has.
+    assert_momentum_stays(rigid, 1e-7)
     # The satellite has turned by some microradians, and the wheel's speed swings as little.
     assert swing(rigid, 0) == pytest.approx(STATIC * SPIN / (SATELLITE + WHEEL), rel=1e-4)
     assert swing(rigid, 1) == pytest.approx(STATIC * SPIN / (SATELLITE + WHEEL), rel=1e-4)
@@ -79,7 +80,7 @@ def test_bearings_enlarge_the_force(rigid):
     # The torque tilts the wheel against its own gyration: the faster it runs, the less it tilts.
     tilting = build_system(scenario).families["bearings"]["shaft"].stiffness[3, 3]
     lessened = 1 / (1 + (ALONG - ACROSS) * SPIN**2 / tilting)
-    # A per cent; the satellite, a thousand times the wheel's inertia, gives way by a tenth of a per cent of it.
+    # A per cent; the satellite gives way by a thousandth of that.
     assert swing(run, 3) / swing(rigid, 3) - 1 == pytest.approx(lessened - 1, rel=0.02)
 
 
@@ -91,7 +92,7 @@ def test_play_adds_to_the_imbalance(rigid):
     assert swing(run, 0) / swing(rigid, 0) == pytest.approx(1 + 5e-6 / (STATIC / WHEEL), rel=0.02)
 
 
-# --- solar array ---------------------------------------------------------------------------------------------
+# --- solar array --------------------------------------------------------------------------------------------
 
 HINGES = ("root", "first", "second", "third")
 OPENING = np.array([1.0, -2.0, 2.0, -2.0])
@@ -104,13 +105,11 @@ def ideal():
 
 def captures(run):
     events = latch_events(run)
-    return {
-        name: float(events.time.values[i]) for i, name in enumerate(events.latch.values.astype(str))
-    }
+    return {name: float(events.time.values[i]) for i, name in enumerate(events.latch.values.astype(str))}
 
 
 def time_of_deployment():
-    """Time from stowed to straight, on cables that do not give: one freedom, its inertia, the springs' energy."""
+    """Time from stowed to straight, of one freedom with the wing's inertia and the springs' energy."""
     model = pin.buildModelFromUrdf(
         str(models_path() / "solar_array" / "array.urdf"), pin.JointModelFreeFlyer()
     )
@@ -133,14 +132,26 @@ def time_of_deployment():
     return quad(slowness, 1e-6, np.sqrt(np.pi / 2), epsabs=1e-8)[0]
 
 
-def test_it_deploys_when_one_freedom_would(ideal):
-    """Cables hold the four hinges together, so that inertia and springs' energy tell the time."""
+def test_the_hinges_arrive_together(ideal):
+    """Cables hold the four together, as far as they stretch."""
     assert_momentum_stays(ideal, 1e-8)
     caught = captures(ideal)
-    assert set(caught) == set(HINGES)
-    # Cables of 500 N m/rad give by torque over that, some milliradians, at some rad/s.
+    assert {name.split(".")[-1] for name in caught} == set(HINGES)
+    # At the last moment tips are pulled by 180 N m, which stretches cables of 500 N m/rad by some tenths of
+    # a radian over all; at some rad/s.
     assert max(caught.values()) - min(caught.values()) < 0.02
-    assert caught["root"] == pytest.approx(time_of_deployment(), abs=0.02)
+
+
+def test_it_deploys_when_one_freedom_would():
+    """On cables a hundred times as stiff inertia and the springs' energy tell the time."""
+    stiff = [
+        f"gears.{gear}.{key}={value}"
+        for gear in ("root_first", "first_second", "second_third")
+        for key, value in (("stiffness", 1e7), ("damping", 5e3))
+    ]
+    run = simulate(load_scenario("solar_array", case="ideal", overrides=stiff), duration=8.6)
+    # The shipped cables let it come 27 ms early, ten times as stiff ones 5.8 ms, these 0.5 ms.
+    assert captures(run)["latches.root"] == pytest.approx(time_of_deployment(), abs=1e-3)
 
 
 def test_the_energy_of_the_springs_goes_into_stops_latches_and_swinging(ideal):
@@ -152,7 +163,7 @@ def test_the_energy_of_the_springs_goes_into_stops_latches_and_swinging(ideal):
 
 
 def test_without_cables_hinges_come_one_by_one(ideal):
-    """Each springs open by itself: seconds apart, and the satellite turns three times as fast at the least."""
+    """Each springs open by itself: seconds apart, and the satellite turns three times as fast."""
     run = simulate(load_scenario("solar_array", case="uncoupled"))
     assert_momentum_stays(run, 1e-8)
     caught = captures(run)
