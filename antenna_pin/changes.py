@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Literal, get_args
 
 from antenna_pin.directions import A_DIRECTION
+from antenna_pin.errors import InvalidParameterError
 from antenna_pin.parameters import check, parameter
 
 __all__ = ["JOINT_VARIANTS", "JointChange", "JointVariant", "LinkChange", "Rotor", "ShapeChange"]
@@ -93,23 +94,32 @@ class JointChange:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Rotor:
-    """The rotor of a motor at a joint that turns: a body on the joint's axis, geared to the joint, exactly.
+    """The rotor of a motor at a joint that turns, geared to it: as a body, exactly, or as plain armature.
+
+    Exactly it is a body on the joint's axis: what carries it takes its reaction, and its spin bends with it.
+    As armature the joint's rate alone feels :math:`r^2 J`: nothing reacts on the carrier, there is no
+    gyroscopic torque, and of a free base the momentum that is kept is that without the rotor's. Both are
+    one on a base that stands still.
 
     Its mass, and its inertia across the axis, are those of the link that carries it, in the URDF. The moment
     about the axis is the rotor's alone: the link's must not have it once more.
 
     Attributes:
         joint: Name of the joint, revolute or continuous, without play.
+        kind: A body geared to the joint (``exact``), or ``armature`` that the joint's rate alone feels.
         inertia: Moment of inertia about the axis [kg*m^2].
         ratio: Turns of the rotor on its carrier for one of the joint; negative the other way round.
-        carrier: Which of the joint's links carries the motor.
+        carrier: Which of the joint's links carries the motor; of armature the parent only.
     """
 
     joint: str
+    kind: Literal["exact", "armature"] = "exact"
     inertia: float = parameter("kg*m^2", rule="positive")
     ratio: float = parameter("1", default=1.0)
     carrier: Literal["parent", "child"] = "parent"
 
     def __post_init__(self) -> None:
-        """Check the numbers."""
+        """Check the numbers, and that armature is where it can be."""
         check(self)
+        if self.kind == "armature" and self.carrier != "parent":
+            raise InvalidParameterError(self, "carrier", "parent for armature", self.carrier)

@@ -34,6 +34,7 @@ from antenna_pin.scenario import (
     ClosureSpec,
     ContactClearance,
     CouplingSpec,
+    DifferentialSpec,
     ForceEvent,
     GapEvent,
     InitialBaseSpec,
@@ -51,6 +52,7 @@ from antenna_pin.scenario import (
     OutputSpec,
     PetalsSpec,
     PlaceSpec,
+    PlanetarySpec,
     PointingSpec,
     RateEvent,
     RotorSpec,
@@ -292,6 +294,12 @@ def flexible_rows() -> list[str]:
     return lines
 
 
+def _coupling_rows(kind: str, cls: type[Any]) -> list[str]:
+    """Return the rows of a coupling of three joints."""
+    lines = rows(cls, "carrier", required="the coupling's name") + rows(cls, without=("kind", "carrier"))
+    return [line.replace("| `", f"| `{kind}`: `", 1) for line in lines]
+
+
 def event_rows() -> list[str]:
     """Return the rows of an event: what all have, then what each kind has."""
     kinds = {"angle": AngleEvent, "rate": RateEvent, "time": TimeEvent, "gap": GapEvent, "force": ForceEvent}
@@ -366,7 +374,11 @@ def scenario_table() -> str:
             "[couplings.NAME]",
             [
                 "| `follower` | text | the coupling's name | Name of the joint that follows |",
-                *rows(CouplingSpec, without=("follower", "motion", "conversion")),
+                "| `kind` | `ratio`, `differential`, `planetary` | `ratio` | `ratio`: the keys below; "
+                "`differential`, `planetary`: their own |",
+                *rows(CouplingSpec, without=("kind", "follower", "motion", "conversion")),
+                *_coupling_rows("differential", DifferentialSpec),
+                *_coupling_rows("planetary", PlanetarySpec),
             ],
             "A joint that follows another, beside those that the URDF couples by `<mimic>`"
             " ([more](closed-loops.md#coupled-joints)). With a `follower` that the scenario locks it is"

@@ -12,6 +12,7 @@ from antenna_pin.assemble.flexible import by_name
 from antenna_pin.assemble.friction import frictions_of
 from antenna_pin.assemble.laws import clearance_joint
 from antenna_pin.assemble.places import check_known, check_motion
+from antenna_pin.assemble.rotors import armature_of
 from antenna_pin.assemble.variant import as_written, types_as_written, variant_and_parts
 from antenna_pin.dynamics import HeldKind, System
 from antenna_pin.errors import NotSimulatedWarning
@@ -41,7 +42,8 @@ def build_system(scenario: Scenario) -> System:
         AntennaPinError: Names, dimensions or laws that do not go together; one line that says where.
     """
     urdf, parts = variant_and_parts(scenario)
-    mechanism = build_mechanism(urdf, scenario.mechanism.base, scenario.mechanism.gravity)
+    said = scenario.mechanism
+    mechanism = build_mechanism(urdf, said.base, said.gravity, armature_of(scenario))
     found = {table: elements_of(scenario, mechanism, table) for table in scenario.families}
     drives, springs = found.pop("drives"), found.pop("springs")
     dry = found.pop("frictions", {})

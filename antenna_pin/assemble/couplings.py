@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from antenna_pin.assemble.places import check_known, check_motion, where
 from antenna_pin.constraints import Coupling
-from antenna_pin.errors import ScenarioError
+from antenna_pin.errors import InvalidParameterError, ScenarioError
 from antenna_pin.mechanism import Mechanism
-from antenna_pin.scenario import CouplingSpec, Scenario
+from antenna_pin.scenario import CouplingSpec, DifferentialSpec, PlanetarySpec, Scenario
 
 __all__ = ["couplings_of"]
 
@@ -21,10 +21,10 @@ def couplings_of(scenario: Scenario, mechanism: Mechanism) -> dict[str, Coupling
     found = {}
     for name, spec in scenario.couplings.items():
         place = ("couplings", name)
-        for role in ("follower", "leader", "second"):
-            if (joint := getattr(spec, role)) is not None:
-                check_known(scenario, [joint], "joint", joints, *place, role)
-        change = scenario.mechanism.joints.get(spec.follower)
+        for key in spec.roles.values():
+            if (joint := getattr(spec, key)) is not None:
+                check_known(scenario, [joint], "joint", joints, *place, key)
+        change = scenario.mechanism.joints.get(getattr(spec, spec.roles["follower"]))
         if change is not None and change.kind == "locked":
             continue
         for what, taken in (("closure", scenario.closures), ("joint with <mimic>", mechanism.urdf.mimics)):
@@ -32,16 +32,29 @@ def couplings_of(scenario: Scenario, mechanism: Mechanism) -> dict[str, Coupling
                 raise ScenarioError(
                     f"{where(scenario, *place)}: must have another name; there is a {what} {name!r}"
                 )
-        _check_units(scenario, mechanism, spec, *place)
-        found[name] = Coupling(
-            follower=spec.follower,
-            leader=spec.leader,
-            multiplier=spec.multiplier,
-            offset=spec.offset,
-            second=spec.second,
-            second_multiplier=spec.second_multiplier,
-        )
+        if isinstance(spec, CouplingSpec):
+            _check_units(scenario, mechanism, spec, *place)
+        try:
+            found[name] = _built(spec)
+        except InvalidParameterError as error:
+            key = spec.roles.get(error.parameter, error.parameter)
+            raise ScenarioError(f"{where(scenario, *place, key)}: {error.reason}") from None
     return found
+
+
+def _built(spec: CouplingSpec | DifferentialSpec | PlanetarySpec) -> Coupling:
+    if isinstance(spec, DifferentialSpec):
+        return Coupling.differential(carrier=spec.carrier, first=spec.first, second=spec.second)
+    if isinstance(spec, PlanetarySpec):
+        return Coupling.planetary(carrier=spec.carrier, sun=spec.sun, ring=spec.ring, ratio=spec.ratio)
+    return Coupling(
+        follower=spec.follower,
+        leader=spec.leader,
+        multiplier=spec.multiplier,
+        offset=spec.offset,
+        second=spec.second,
+        second_multiplier=spec.second_multiplier,
+    )
 
 
 def _check_units(scenario: Scenario, mechanism: Mechanism, spec: CouplingSpec, *place: str) -> None:

@@ -105,7 +105,10 @@ def _lever(body: Any, own: Any) -> tuple[float, float, float]:
 def _momenta(
     body: Any, own: Any, sx: float, sy: float, sz: float
 ) -> tuple[float, float, float, float, float, float, float]:
-    """Linear and angular momentum of a body about its own mass centre, in the world, and kinetic energy."""
+    """Linear and angular momentum of a body about its own mass centre, in the world, and kinetic energy.
+
+    That of the armature at its joint is in the energy, and in no momentum.
+    """
     wx, wy, wz = own.spin[0], own.spin[1], own.spin[2]
     ux = own.velocity[0] + wy * sz - wz * sy
     uy = own.velocity[1] + wz * sx - wx * sz
@@ -119,6 +122,7 @@ def _momenta(
     hx = inertia[0, 0] * ax + inertia[0, 1] * ay + inertia[0, 2] * az
     hy = inertia[1, 0] * ax + inertia[1, 1] * ay + inertia[1, 2] * az
     hz = inertia[2, 0] * ax + inertia[2, 1] * ay + inertia[2, 2] * az
+    tx, ty, tz = own.turn[0], own.turn[1], own.turn[2]
     px, py, pz = body.mass * ux, body.mass * uy, body.mass * uz
     return (
         px,
@@ -127,5 +131,6 @@ def _momenta(
         r[0, 0] * hx + r[0, 1] * hy + r[0, 2] * hz,
         r[1, 0] * hx + r[1, 1] * hy + r[1, 2] * hz,
         r[2, 0] * hx + r[2, 1] * hy + r[2, 2] * hz,
-        0.5 * (px * ux + py * uy + pz * uz + ax * hx + ay * hy + az * hz),
+        0.5 * (px * ux + py * uy + pz * uz + ax * hx + ay * hy + az * hz)
+        + 0.5 * body.armature * (tx * tx + ty * ty + tz * tz),
     )

@@ -92,7 +92,8 @@ def contacts_at(theta: float, trial: Any, contact: int, with_forces: bool) -> No
     plain = False
     while b < program.shape[0] and block_at(program, b).kind == CLEARANCE:
         j = joint_at(program, b)
-        if contact < 0 or j.row <= contact < j.row + j.contacts:
+        # (Of those that are held or carried, which have no contact, the layout knows nothing.)
+        if j.contacts > 0 and (contact < 0 or j.row <= contact < j.row + j.contacts):
             if j.stride > BRISTLES and not plain:  # of x nothing but bristles is looked at
                 dense_plain(theta, layout, trial.dense, trial.work, trial.start, trial.out)
                 plain = True

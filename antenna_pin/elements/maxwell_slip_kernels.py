@@ -77,7 +77,7 @@ def mode(words: Any, at: int) -> int:
 
 @inlined
 def switch(words: Any, at: int, k: int, motion: Any) -> tuple[float, float]:
-    """What is left until one slips (the other way), and the rate at which those go that slip."""
+    """What is left until one slips (the other way), and the rate at which those go that slip, or soon do."""
     springs = record(words[at : at + SIZE], LAYOUT)
     _, angle, rate, _ = motion
     way = 1.0 if springs.mode == UP else -1.0
@@ -89,7 +89,8 @@ def switch(words: Any, at: int, k: int, motion: Any) -> tuple[float, float]:
             back = -1.0 if bent > 0.0 else 1.0
         else:
             back = way
-            slips = slips or way * bent > reach
+            # From half way on, well before it slips: where the joint turns back, nothing jumps that is seen.
+            slips = slips or way * bent > 0.5 * reach
         own = (1.0 + _SLACK) * reach + back * bent
         if i == 0 or own < left:
             left, slope = own, back * rate

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from antenna_pin.mechanism.kinematics import link_motion, link_poses, link_twists
     from antenna_pin.mechanism.loads import transmitted_wrenches
     from antenna_pin.mechanism.model import WORLD, Base, JointKind, JointSlot, Mechanism, build_mechanism
-    from antenna_pin.mechanism.rotors import rotor_joint, with_rotor
+    from antenna_pin.mechanism.rotors import check_turns, rotor_joint, with_rotor
     from antenna_pin.mechanism.tree import BODY, PLACE, body_tree
     from antenna_pin.mechanism.urdf import Urdf
     from antenna_pin.mechanism.written import PassedOver, WrittenJoint, WrittenUrdf
@@ -46,6 +46,7 @@ __all__ = [
     "body_tree",
     "build_mechanism",
     "check_size",
+    "check_turns",
     "frame_aligning_z",
     "link_motion",
     "link_poses",
@@ -68,7 +69,7 @@ loaded_when_used(
         "kinematics": "link_motion link_poses link_twists",
         "loads": "transmitted_wrenches",
         "model": "WORLD Base JointKind JointSlot Mechanism build_mechanism",
-        "rotors": "rotor_joint with_rotor",
+        "rotors": "check_turns rotor_joint with_rotor",
         "tree": "BODY PLACE body_tree",
         "urdf": "Urdf",
         "written": "PassedOver WrittenJoint WrittenUrdf",

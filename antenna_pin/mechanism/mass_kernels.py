@@ -48,6 +48,7 @@ def mass_and_bias(tree: Any, places: Any, gravity: Any, room: Any, mass: Any, bi
         if body.parent >= 0:
             _hand_on(own, room[body.parent])
         _columns(tree, places, room, b, mass)
+        mass[body.v, body.v] += body.armature
 
 
 @inlined

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any, Literal, cast
 
 import numpy as np
@@ -147,7 +149,12 @@ class Mechanism:
 
 
 @takes()
-def build_mechanism(urdf: Urdf, base: Base = "free", gravity: Sequence[float] = (0.0, 0.0, 0.0)) -> Mechanism:
+def build_mechanism(
+    urdf: Urdf,
+    base: Base = "free",
+    gravity: Sequence[float] = (0.0, 0.0, 0.0),
+    armature: Mapping[str, float] = MappingProxyType({}),
+) -> Mechanism:
     """Build the Pinocchio model of a URDF.
 
     A root link called ``world`` is on a fixed base, and is the world wherever a place is named.
@@ -156,6 +163,8 @@ def build_mechanism(urdf: Urdf, base: Base = "free", gravity: Sequence[float] = 
         urdf: The variant to build.
         base: ``free`` lets the root link float in the world, ``fixed`` holds it there.
         gravity: (3,) in world axes [m/s^2].
+        armature: Moment of inertia that a joint feels by its rate alone [kg*m^2], by the names of revolute
+            and continuous joints: ratio^2 times that of a motor's rotor. Nothing reacts on what carries it.
     """
     if base not in ("free", "fixed"):
         raise InvalidParameterError("build_mechanism", "base", "'free' or 'fixed'", base)
@@ -182,15 +191,33 @@ def build_mechanism(urdf: Urdf, base: Base = "free", gravity: Sequence[float] = 
     check_regular(model, urdf.where, moved, _ROOT_JOINT)
     model.gravity = pin.Motion(acceleration, np.zeros(3))
     moving = list(model.names)[1:]
+    joints = {name: _slot(model, urdf, name) for name in moving if name != _ROOT_JOINT}
+    _put_armature(model, joints, armature)
     return Mechanism(
         name=urdf.name,
         model=model,
         urdf=urdf,
         base=base,
-        joints={name: _slot(model, urdf, name) for name in moving if name != _ROOT_JOINT},
+        joints=joints,
         base_body=groups[urdf.root].name,
         bodies=tuple(moved[name].name for name in moving),
     )
+
+
+def _put_armature(model: Any, joints: Mapping[str, JointSlot], armature: Mapping[str, float]) -> None:
+    """Give joints the inertia that their rates alone feel."""
+    given = np.zeros(model.nv)
+    for name, inertia in armature.items():
+        slot = joints.get(name)
+        if slot is None or slot.kind not in ("revolute", "continuous"):
+            turning = ", ".join(one for one, own in joints.items() if own.kind in ("revolute", "continuous"))
+            rule = f"at a joint that turns, without play ({turning or 'there is none'})"
+            raise InvalidParameterError("build_mechanism", "armature", rule, name)
+        if not 0.0 <= inertia < math.inf:
+            rule = "zero or more and finite [kg*m^2]"
+            raise InvalidParameterError("build_mechanism", f"armature[{name!r}]", rule, inertia)
+        given[slot.v] = inertia
+    model.armature = given
 
 
 def _moved(urdf: Urdf, groups: Mapping[str, RigidGroup]) -> dict[str, RigidGroup]:

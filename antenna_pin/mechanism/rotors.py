@@ -6,6 +6,9 @@ follower, so that all of it is exact: what the joint feels (ratio^2 inertia), wh
 axis feels of it and the joint of that (ratio inertia), the gyroscopic torque on a link that turns about
 another axis, energy and momenta. Its mass, and its inertia about other axes, belong to the link that carries
 it: in the URDF they are that link's, without the moment about the axis.
+
+As plain armature (:func:`antenna_pin.mechanism.build_mechanism`) there is no body: the joint's own entry of
+the mass matrix has ratio^2 inertia more, and nothing else.
 """
 
 from __future__ import annotations
@@ -23,7 +26,7 @@ from antenna_pin.mechanism._edits import named, text_of
 from antenna_pin.mechanism._parts import body_name
 from antenna_pin.mechanism.urdf import Urdf
 
-__all__ = ["rotor_joint", "with_rotor"]
+__all__ = ["check_turns", "rotor_joint", "with_rotor"]
 
 _HINGES = ("revolute", "continuous")
 
@@ -31,6 +34,21 @@ _HINGES = ("revolute", "continuous")
 def rotor_joint(name: str) -> str:
     """Return the name of the joint that a rotor turns on; its link is ``<joint>_body``."""
     return f"{name}_rotor"
+
+
+def check_turns(urdf: Urdf, name: str, rotor: Rotor) -> None:
+    """Refuse a rotor at a joint that does not turn about an axis of its own.
+
+    Raises:
+        UnknownNameError: There is no such joint.
+        MechanismError: The joint is of another kind.
+    """
+    joint = urdf.joint(rotor.joint)
+    if joint.type not in _HINGES:
+        raise MechanismError(
+            f"{urdf.where}: rotor {name!r}: joint {rotor.joint!r} must be revolute or continuous, without "
+            f"play, got {joint.type}; put the rotor at a joint that turns"
+        )
 
 
 def with_rotor(urdf: Urdf, name: str, rotor: Rotor) -> Urdf:
@@ -45,12 +63,8 @@ def with_rotor(urdf: Urdf, name: str, rotor: Rotor) -> Urdf:
         UnknownNameError: There is no such joint.
         MechanismError: The joint does not turn about an axis of its own, or a name is taken.
     """
+    check_turns(urdf, name, rotor)
     joint = urdf.joint(rotor.joint)
-    if joint.type not in _HINGES:
-        raise MechanismError(
-            f"{urdf.where}: rotor {name!r}: joint {rotor.joint!r} must be revolute or continuous, without "
-            f"play, got {joint.type}; put the rotor at a joint that turns"
-        )
     own = rotor_joint(name)
     robot = _source.parsed(urdf.text)
     for kind, taken in (("joint", own), ("link", body_name(own))):

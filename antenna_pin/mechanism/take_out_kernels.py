@@ -136,7 +136,7 @@ def take_out_axis(body: Any, own: Any, tau: Any) -> None:
             b[6] * x + b[7] * y + b[8] * z,
         )
         tx, ty, tz = symmetric_times(d, x, y, z)
-        inverse = 1.0 / (x * tx + y * ty + z * tz)
+        inverse = 1.0 / (x * tx + y * ty + z * tz + body.armature)
         left = tau[body.v] - x * m[0] - y * m[1] - z * m[2]
     rx, ry, rz, sx, sy, sz = (
         ux * inverse,

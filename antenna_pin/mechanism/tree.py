@@ -36,6 +36,8 @@ def body_tree(mechanism: Mechanism) -> NDArray[Any]:
     tree = np.zeros(model.njoints - 1, dtype=_bodies.BODY)
     for i, body in enumerate(tree, start=1):
         placement, inertia = model.jointPlacements[i], model.inertias[i]
+        if kinds[i][0] in (FIXED_AXIS, CIRCLE):
+            body["armature"] = model.armature[model.idx_vs[i]]
         body["parent"] = model.parents[i] - 1
         body["kind"], body["axis"] = kinds[i]
         body["q"], body["v"] = model.idx_qs[i], model.idx_vs[i]

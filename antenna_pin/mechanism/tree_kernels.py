@@ -16,7 +16,7 @@ from antenna_pin.records import CIRCLE, FIXED_AXIS, RIGID, ROTATION, SLIDE, layo
 # A moving body and the joint that moves it: index of the body that it is on (-1: the world), how the joint
 # moves (``FIXED_AXIS``, ``CIRCLE``, ... of ``records``), starts in q and v, whether the body counts in the
 # scales of momentum; the joint's axis, its frame in the parent's; mass [kg], centre of mass [m] and inertia
-# about it [kg m^2] in the joint's frame.
+# about it [kg m^2] in the joint's frame; what a turning joint feels beside it (armature) [kg m^2].
 BODY = layout(
     ("parent", np.int64),
     ("kind", np.int64),
@@ -29,6 +29,7 @@ BODY = layout(
     ("mass", np.float64),
     ("centre", np.float64, (3,)),
     ("inertia", np.float64, (3, 3)),
+    ("armature", np.float64),
 )
 
 # Where a body is in the world, or by its joint: rotation and origin [m], velocity of the origin [m/s] and

@@ -25,7 +25,13 @@ if TYPE_CHECKING:
         TouchingSpec,
     )
     from antenna_pin.scenario.closures import AnchorSpec, ClosureSpec, PlaceSpec
-    from antenna_pin.scenario.couplings import CouplingSpec
+    from antenna_pin.scenario.couplings import (
+        COUPLING_SPECS,
+        AnyCoupling,
+        CouplingSpec,
+        DifferentialSpec,
+        PlanetarySpec,
+    )
     from antenna_pin.scenario.drives import (
         DRIVE_SPECS,
         FAMILY_SPECS,
@@ -65,7 +71,11 @@ _HOMES = {
     "TouchingSpec": "clearance",
     "ClosureSpec": "closures",
     "ContactClearance": "clearance",
+    "AnyCoupling": "couplings",
+    "COUPLING_SPECS": "couplings",
     "CouplingSpec": "couplings",
+    "DifferentialSpec": "couplings",
+    "PlanetarySpec": "couplings",
     "RotorSpec": "rotors",
     "DRIVE_SPECS": "drives",
     "FAMILY_SPECS": "drives",
@@ -130,7 +140,11 @@ __all__ = [
     "ClearanceSpec",
     "ClosureSpec",
     "ContactClearance",
+    "AnyCoupling",
+    "COUPLING_SPECS",
     "CouplingSpec",
+    "DifferentialSpec",
+    "PlanetarySpec",
     "RotorSpec",
     "DriveSpec",
     "EventSpec",

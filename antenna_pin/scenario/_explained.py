@@ -29,6 +29,7 @@ Location = tuple[str | int, ...]
 # Tables whose entries are one of several classes; pydantic puts the class into the location, after the name.
 TAGGED: dict[str, tuple[str, ...]] = {
     **{table: tuple(family.kinds) for table, family in FAMILIES.items()},
+    "couplings": ("ratio", "differential", "planetary"),
     "flexible": ("modes", "petals", "modal-data"),
 }
 _BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
-from pydantic import model_validator
+from pydantic import Field, model_validator
 
-from antenna_pin.scenario._base import Quantity, refuse
+from antenna_pin.scenario._base import Quantity, Spec, refuse
 from antenna_pin.scenario._joint import JointTable
 from antenna_pin.units import matching_unit
 
-__all__ = ["CouplingSpec"]
+__all__ = ["COUPLING_SPECS", "AnyCoupling", "CouplingSpec", "DifferentialSpec", "PlanetarySpec"]
 
 _RATIOS = ("1", "m/rad", "rad/m")
 
@@ -20,6 +20,7 @@ class CouplingSpec(JointTable):
     """A joint without play held to a multiple of another's position: a gear, a rack; of two: a differential.
 
     Attributes:
+        kind: Which of the tables it is.
         follower: Name of the joint that follows.
         leader: Name of the joint that it follows.
         multiplier: Angle or way of the follower for one of the leader; negative the other way round. A bare
@@ -30,6 +31,10 @@ class CouplingSpec(JointTable):
         conversion: What the unit of the multiplier says; None if it came without one.
     """
 
+    # The key of each joint, by the name that it has in a coupling.
+    roles: ClassVar[Mapping[str, str]] = {"follower": "follower", "leader": "leader", "second": "second"}
+
+    kind: Literal["ratio"] = "ratio"
     follower: str
     leader: str
     multiplier: Annotated[float, Quantity(_RATIOS)] = 1.0
@@ -51,3 +56,51 @@ class CouplingSpec(JointTable):
         if self.second in (self.follower, self.leader):
             refuse(f"must be a third joint, got {self.second!r}", "second")
         return self
+
+
+class DifferentialSpec(Spec):
+    """A differential: its carrier turns by the mean of what its two sides turn by.
+
+    Attributes:
+        kind: Which of the tables it is.
+        carrier: Name of the joint of the carrier.
+        first: Name of the joint of one side.
+        second: Name of the joint of the other side.
+    """
+
+    roles: ClassVar[Mapping[str, str]] = {"follower": "carrier", "leader": "first", "second": "second"}
+
+    kind: Literal["differential"]
+    carrier: str
+    first: str
+    second: str
+
+
+class PlanetarySpec(Spec):
+    """A planetary gear, (1 + ratio) carrier = sun + ratio ring, of three joints on one housing.
+
+    Attributes:
+        kind: Which of the tables it is.
+        carrier: Name of the joint of the planets' carrier.
+        sun: Name of the joint of the sun.
+        ring: Name of the joint of the ring.
+        ratio: Teeth of the ring over those of the sun, above 1.
+    """
+
+    roles: ClassVar[Mapping[str, str]] = {"follower": "carrier", "leader": "sun", "second": "ring"}
+
+    kind: Literal["planetary"]
+    carrier: str
+    sun: str
+    ring: str
+    ratio: Annotated[float, Quantity("1")]
+
+
+AnyCoupling = Annotated[CouplingSpec | DifferentialSpec | PlanetarySpec, Field(discriminator="kind")]
+
+#: Tables of couplings by their kind; the first is that of a table that does not say.
+COUPLING_SPECS: dict[str, type[CouplingSpec] | type[DifferentialSpec] | type[PlanetarySpec]] = {
+    "ratio": CouplingSpec,
+    "differential": DifferentialSpec,
+    "planetary": PlanetarySpec,
+}

@@ -16,7 +16,7 @@ from antenna_pin.scenario._clearance import law_tables
 from antenna_pin.scenario._layers import Source, built, check_drives, read_layer
 from antenna_pin.scenario.clearance import ClearanceSpec
 from antenna_pin.scenario.closures import ClosureSpec
-from antenna_pin.scenario.couplings import CouplingSpec
+from antenna_pin.scenario.couplings import COUPLING_SPECS, AnyCoupling
 from antenna_pin.scenario.drives import (
     FAMILY_SPECS,
     AnySpring,
@@ -87,7 +87,7 @@ class Scenario(FamilyTables):
     clearance: dict[str, Annotated[ClearanceSpec, Field(discriminator="model")]] = Field(default_factory=dict)
     flexible: dict[str, FlexibleSpec] = Field(default_factory=dict)
     closures: dict[str, ClosureSpec] = Field(default_factory=dict)
-    couplings: dict[str, CouplingSpec] = Field(default_factory=dict)
+    couplings: dict[str, AnyCoupling] = Field(default_factory=dict)
     rotors: dict[str, RotorSpec] = Field(default_factory=dict)
     drives: dict[str, Annotated[DriveSpec, Field(discriminator="kind")]] = Field(default_factory=dict)
     springs: dict[str, Annotated[AnySpring, Field(discriminator="kind")]] = Field(default_factory=dict)
@@ -201,13 +201,17 @@ class Scenario(FamilyTables):
             tables = done.get(place)
             if isinstance(tables, Mapping):
                 done[place] = {name: _at_its_joint(place, name, table) for name, table in tables.items()}
-        for place, key in (("flexible", "link"), ("couplings", "follower"), ("rotors", "joint")):
+        for place, key in (("flexible", "link"), ("rotors", "joint")):
             tables = data.get(place)
             if isinstance(tables, Mapping):
                 done[place] = {
                     name: {key: name, **table} if isinstance(table, Mapping) else table
                     for name, table in tables.items()
                 }
+        couplings = data.get("couplings")
+        if isinstance(couplings, Mapping):
+            done["couplings"] = {name: _at_its_carrier(name, table) for name, table in couplings.items()}
+        _check_choice(done, "couplings", "kind", tuple(COUPLING_SPECS.values()))
         _check_choice(done, "flexible", "kind", get_args(get_args(FlexibleSpec)[0]))
         _check_choice(done, "clearance", "model", get_args(ClearanceSpec))
         for table, specs in FAMILY_SPECS.items():
@@ -279,6 +283,15 @@ def _at_its_joint(place: str, name: str, table: object) -> object:
             )
         return table
     return {"joint": name, **table} if is_at_joint(place, table.get("kind")) else table
+
+
+def _at_its_carrier(name: str, table: object) -> object:
+    """Return the table of a coupling with its kind, and the follower that it is named after."""
+    if not isinstance(table, Mapping):
+        return table
+    table = {"kind": next(iter(COUPLING_SPECS)), **table}
+    spec = COUPLING_SPECS.get(str(table["kind"]))
+    return table if spec is None else {spec.roles["follower"]: name, **table}
 
 
 def _check_choice(data: Mapping[str, Any], place: str, key: str, classes: tuple[type[Spec], ...]) -> None:

@@ -172,6 +172,11 @@ MESHES = (
         (-10.0, 0.0),
     ),
     (
+        Spline(input="a", output="b", stiffness=100.0, damping=40.0, play=0.1),
+        "from a to b, stiffness 100 N m/rad, damping 40 N m s/rad, play 0.1 rad",
+        (-10.0, 1.0),
+    ),
+    (
         Belt(input="a", output="b", input_radius=0.5, output_radius=2.0, stiffness=100.0, pretension=20.0),
         "from a to b, radii 0.5 m and 2 m, stiffness 100 N/m, pretension 20 N",
         (-20.0, 0.0),
@@ -194,7 +199,7 @@ MESHES = (
 
 @pytest.mark.parametrize(("element", "words", "expected"), MESHES, ids=lambda one: type(one).__name__)
 def test_an_element_between_joints_has_its_own_kernels_and_words(element, words, expected):
-    """Beyond half the play 0.05: 5 N m and a damper of 1 N m; two strands; one that is slack."""
+    """Beyond half the play 0.05: 5 N m and a damper of 1 N m, or of 8 N m that gives 5; strands; slack."""
     assert element.words().replace("\N{NO-BREAK SPACE}", " ") == words
     number, own = kind_of(type(element)), element.words_of_kernel()
     found = kernels.effort(number, own, 0, 0.0, 0.1, 0.2), kernels.dissipation(number, own, 0, 0.1, 0.2)

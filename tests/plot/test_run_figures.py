@@ -50,7 +50,17 @@ from antenna_pin.plot import (
     save_figures,
 )
 from antenna_pin.plot._compared import Curve, Panel, panels_figure
-from antenna_pin.plot._kinds import CLOSED, COUPLED, FLEXIBLE, LOOPED, MOVING, PRESCRIBED, SLIDING, TOUCHING
+from antenna_pin.plot._kinds import (
+    CLOSED,
+    COUPLED,
+    FLEXIBLE,
+    LOOPED,
+    MOVING,
+    PRESCRIBED,
+    SLIDING,
+    TOUCHING,
+    TRACED,
+)
 
 
 @pytest.fixture(scope="module")
@@ -424,10 +434,12 @@ def test_the_steady_force_is_that_of_the_second_half(runs):
 MADE_UP = ("motion_angle", "motion_rate", "motion_acceleration", "contact_forces", "energy", "momentum")
 SLIDES = [name for name, figure in CATALOGUE.items() if figure.of is SLIDING]
 CLOSURES = [
-    name for name, figure in CATALOGUE.items() if figure.needs in (CLOSED, COUPLED, PRESCRIBED, FLEXIBLE)
+    name
+    for name, figure in CATALOGUE.items()
+    if figure.needs in (CLOSED, COUPLED, PRESCRIBED, FLEXIBLE, TRACED)
 ]
 LOOPS = [*CLOSURES, *(name for name, figure in CATALOGUE.items() if figure.of is LOOPED)]
-# Other files have those of made-up runs, of closures and of flexible links.
+# Other files have those of made-up runs, of closures, of flexible links and of hysteresis.
 FIGURES = [name for name in CATALOGUE if name not in (*MADE_UP, *SLIDES, *CLOSURES)]
 STANDARD = [name for name, figure in CATALOGUE.items() if figure.standard and name not in (*SLIDES, *LOOPS)]
 

@@ -18,8 +18,10 @@ from antenna_pin import (
 )
 from antenna_pin.assemble import build_system, initial_state
 from antenna_pin.constraints import CLOSURES
-from antenna_pin.contact import CustomFriction, CustomNormal
+from antenna_pin.contact import CustomFriction, CustomNormal, Hertz
 from antenna_pin.elements import (
+    AxialPreload,
+    BallBearing,
     Belt,
     BoucWen,
     Cable,
@@ -28,19 +30,27 @@ from antenna_pin.elements import (
     ConstantDrive,
     ConstantSpring,
     DistanceMotion,
+    EndStop,
     Gear,
     HarnessSpring,
     JointFriction,
     JointSpring,
+    Latch,
     MaxwellSlip,
     PDController,
     PointSpring,
     PrescribedMotion,
+    RigidLatch,
+    RigidStop,
     SineDrive,
     Spline,
+    StickingFriction,
+    StiffnessBearing,
     TableDrive,
     TableSpring,
 )
+from antenna_pin.geometry import RevoluteClearance
+from antenna_pin.joints import ClearanceJoint
 
 LINK = (
     '<link name="{0}"><inertial><origin xyz="0.1 0.05 0"/><mass value="1"/>'
@@ -100,6 +110,31 @@ GEARS = {
     "belt": Belt(input="a", output="d", pretension=4.0, damping=2.0, **_ROLLS),
     "cable": Cable(input="c", output="a", slack=0.01, **_ROLLS),
 }
+#: Elements with modes: pressed in, near, captured, locked, stuck; and those that act on a whole joint.
+WITH_MODES = {
+    "stops": {
+        "soft": EndStop(joint="a", lower=0.01, stiffness=30.0, restitution=0.5),
+        "hard": RigidStop(joint="b", upper=0.05, restitution=0.5),
+    },
+    "latches": {
+        "soft": Latch(joint="c", angle=0.0, width=0.2, stiffness=20.0, damping=0.1),
+        "hard": RigidLatch(joint="d", angle=0.0, width=0.2),
+    },
+    "frictions": {"dry": StickingFriction(joint="e", coulomb=0.2, static=0.3, viscous=0.1)},
+    "bearings": {
+        "springs": StiffnessBearing(joint="g", radial=2e3, axial=1e3, tilt=5.0, damping_time=1e-4),
+        "balls": BallBearing(
+            joint="h",
+            count=5,
+            ball_diameter=6e-3,
+            pitch_diameter=0.04,
+            contact_angle=0.3,
+            preload=0.1,
+            by="balls",
+        ),
+        "push": AxialPreload(joint="j", force=3.0, stiffness=100.0, given_at="centred"),
+    },
+}
 #: Shipped scenarios by joint with play: case, and a time in which its contacts touch [s].
 PLAY = {
     "contact": ("impact_pair", "contact", 1.02e-3),
@@ -126,6 +161,26 @@ def elements(drives):
     return System(mechanism, drives=drives, springs=SPRINGS, couplings=couplings, elements={"gears": GEARS})
 
 
+def with_modes():
+    """A body with an element that has modes, or a bearing, at each of its joints; the last has play."""
+    text = LINK.format("base") + "".join(
+        JOINT.format(name, "continuous", "base") + LINK.format(f"{name}_link") for name in "abcdeghj"
+    )
+    urdf = Urdf.from_text(f'<robot name="modes">{text}</robot>', "modes")
+    mechanism = build_mechanism(urdf.variant(joints=dict.fromkeys("ghj", "free")), "free")
+    shape = RevoluteClearance.from_clearances(
+        bearing_radius=0.01,
+        radial_clearance=1e-3,
+        bearing_length=0.02,
+        axial_clearance=1e-3,
+        bearing_outer_radius=0.015,
+        flange_radius=0.014,
+    )
+    law = Hertz(stiffness=1e5)
+    joint = ClearanceJoint(name="j", geometry=shape, radial=law, axial=law, backend="closed-form")
+    return System(mechanism, clearances=[joint], elements=WITH_MODES)
+
+
 def closed(kind):
     """A body that a closure of a kind holds to the world, and one that hangs on it."""
     text = LINK.format("base") + JOINT.format("free", "floating", "base") + LINK.format("free_link")
@@ -148,6 +203,7 @@ def started(system):
 def systems():
     """Yield the name of each system, with the engine that it runs with."""
     yield "elements", (elements(DRIVES), "compiled")
+    yield "modes", (with_modes(), "compiled")
     yield "in Python", (elements(IN_PYTHON), "pinocchio")
     for kind in CLOSURES:
         yield f"{kind} closure", (closed(kind), "compiled")

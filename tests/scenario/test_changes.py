@@ -130,8 +130,8 @@ def test_what_an_override_sets_is_told_as_such(folder):
         ),
         (
             "clearance.hing.geometry=coal",
-            "clearance.hing.model is missing; give one of contact, planar, spherical, prismatic, ideal, "
-            "constraint (or did you mean clearance.hinge?) (set by an override)",
+            "clearance.hing.model is missing; give one of contact, planar, spherical, prismatic, "
+            "cylindrical, ideal, constraint (or did you mean clearance.hinge?) (set by an override)",
         ),
     ):
         assert folder.refusal(overrides=[text]) == message

@@ -24,7 +24,8 @@ WHOLE = "law lankarani-nikravesh brings its own; elastic laws are " + ", ".join(
 )
 TOP = (
     "format, title, source, duration, mechanism, materials, clearance, flexible, closures, couplings, "
-    "drives, springs, stops, latches, events, initial, integrator, output, pointing"
+    "rotors, drives, springs, stops, latches, frictions, gears, bearings, events, initial, integrator, "
+    "output, pointing"
 )
 
 REFUSALS = [
@@ -54,7 +55,7 @@ REFUSALS = [
     (
         {"cases.tight.clearance.hing": {"geometry": "coal"}},
         "cases.tight.clearance.hing.model is missing; give one of contact, planar, spherical, prismatic, "
-        "ideal, constraint (or did you mean clearance.hinge?)",
+        "cylindrical, ideal, constraint (or did you mean clearance.hinge?)",
     ),
     (
         {"cases.tight.clearance.hinge.replace": "yes"},
@@ -128,18 +129,18 @@ REFUSALS = [
     ({H + "clearence": 1}, "clearance.hinge.clearence is unknown; did you mean radial_clearance?"),
     (
         {H + "model": DELETED},
-        "clearance.hinge.model is missing; give one of contact, planar, spherical, prismatic, ideal, "
-        "constraint",
+        "clearance.hinge.model is missing; give one of contact, planar, spherical, prismatic, "
+        "cylindrical, ideal, constraint",
     ),
     (
         {H + "model": "contac"},
-        "clearance.hinge.model must be one of contact, planar, spherical, prismatic, ideal, constraint, "
-        "got 'contac'; did you mean contact?",
+        "clearance.hinge.model must be one of contact, planar, spherical, prismatic, cylindrical, ideal, "
+        "constraint, got 'contac'; did you mean contact?",
     ),
     (
         {H + "model": 3},
-        "clearance.hinge.model must be one of contact, planar, spherical, prismatic, ideal, constraint, "
-        "got 3",
+        "clearance.hinge.model must be one of contact, planar, spherical, prismatic, cylindrical, ideal, "
+        "constraint, got 3",
     ),
     (
         {H + "radial_clearance": "0.2 N"},

@@ -344,6 +344,35 @@ def test_gears_of_a_scenario(tmp_path: Path) -> None:
             build_system(load_scenario(tmp_path / "scenario.toml", overrides=[more]))
 
 
+def test_couplings_of_three_joints_in_a_scenario(tmp_path: Path) -> None:
+    """Tables by the names of the parts are those of Python; what they refuse is said by the table's keys."""
+    text = LINK.format("base", 0.5, 0)
+    for name in "abc":
+        text += JOINT.format(name, 0.1, "0 0 0", "continuous", "base") + LINK.format(f"{name}_link", 0.1, 0)
+    (tmp_path / "three.urdf").write_text(f'<robot name="three">{text}</robot>')
+    head = 'format = 1\nduration = "0.1 s"\n[mechanism]\nurdf = "three.urdf"\nbase = "fixed"\n[couplings.c]\n'
+    from antenna_pin import build_system
+
+    planetary = 'kind = "planetary"\nsun = "a"\nring = "b"\nratio = 2.5\n'
+    differential = 'kind = "differential"\ncarrier = "c"\nfirst = "a"\nsecond = "b"\n'
+    for table, expected in (
+        (planetary, Coupling.planetary(carrier="c", sun="a", ring="b", ratio=2.5)),
+        (differential, Coupling.differential(carrier="c", first="a", second="b")),
+    ):
+        (tmp_path / "scenario.toml").write_text(head + table)
+        assert build_system(load_scenario(tmp_path / "scenario.toml")).couplings == {"c": expected}
+    for table, says in (
+        (planetary.replace("2.5", "1"), r"couplings\.c\.ratio: must be ring over sun, above 1, got 1"),
+        (planetary.replace('"b"', '"a"'), r"couplings\.c\.ring: must be a third joint, got 'a'"),
+        (differential.replace('"a"', '"x"'), r"couplings\.c\.first.*'x'"),
+        (differential + "offset = 1\n", r"couplings\.c\.offset"),
+        (planetary.replace("planetary", "planet"), "couplings.c.kind must be one of ratio, differential, pl"),
+    ):
+        (tmp_path / "scenario.toml").write_text(head + table)
+        with pytest.raises(AntennaPinError, match=says):
+            build_system(load_scenario(tmp_path / "scenario.toml"))
+
+
 @pytest.mark.parametrize(
     ("numbers", "says"),
     [

@@ -305,7 +305,7 @@ def test_slipping_springs_swing_out_to_rest_with_damping():
         build_mechanism(wheel_urdf("revolute"), "fixed"),
         springs={"s": springs, "d": JointSpring(joint="axle", damping=3.0)},
     )
-    run = simulate(system, q=[0.0], v=[2.0], duration=60.0)
+    run = simulate(system, q=[0.0], v=[2.0], duration=600.0)
     q = run.data["motion_angle"].values[:, 0]
     assert q[-1] == pytest.approx(q[-len(q) // 4], abs=1e-12)
     assert abs(float(run.data["motion_rate"][-1, 0])) < 1e-12

@@ -128,3 +128,46 @@ def test_rotors_of_a_scenario(tmp_path: Path) -> None:
         with pytest.raises(AntennaPinError, match=says):
             build_system(load_scenario(tmp_path / "scenario.toml", overrides=[more]))
     assert math.isclose(scenario.rotors["j"].ratio, 30.0)
+    plain = ["rotors.j.inertia=1e-3", "rotors.j.kind=armature"]
+    system = build_system(load_scenario(tmp_path / "scenario.toml", overrides=plain))
+    assert not system.couplings
+    assert system.model.armature == pytest.approx([RATIO**2 * ROTOR], rel=1e-14)
+    with pytest.raises(AntennaPinError, match="carrier must be parent for armature, got 'child'"):
+        load_scenario(tmp_path / "scenario.toml", overrides=[*plain, "rotors.j.carrier=child"])
+
+
+@pytest.mark.parametrize("engine", ["compiled", "pinocchio"])
+def test_armature_is_felt_by_the_joint_alone(engine: str) -> None:
+    """tau = (I + r^2 J) q'' at rest of the base; free, the base turns as if there were no rotor at all."""
+    reflected, torque = RATIO**2 * ROTOR, 0.7
+    urdf = Urdf.from_text(TEXT.format(at="0 0 0", turned="0 0 0"), "r.urdf")
+    drives = {"motor": ConstantDrive(joint="j", value=torque)}
+    settings = RunSettings(rtol=1e-11, engine=engine)
+    fixed = System(build_mechanism(urdf, "fixed", armature={"j": reflected}), drives=drives)
+    run = simulate(fixed, duration=0.5, settings=settings)
+    assert run.data.a.values[:, 0] == pytest.approx(torque / (ARM + reflected), rel=1e-12)
+    exact = simulate(_system("fixed", torque=torque), duration=0.5, settings=settings)
+    # On a base that stands still both are one; round-off of the correction of the rotor's angle.
+    assert run.data.motion_angle.values[:, 0] == pytest.approx(
+        exact.data.motion_angle.values[:, 0], rel=1e-11
+    )
+    assert float(run.data.kinetic_energy[-1]) == pytest.approx(
+        float(exact.data.kinetic_energy[-1]), rel=1e-11
+    )
+    assert np.abs(run.data.energy_error).max() < 1e-12
+    free = System(build_mechanism(urdf, "free", armature={"j": reflected}), drives=drives)
+    run = simulate(free, duration=0.5, settings=settings)
+    # (B + I) w + I q' = 0 and I (w + q') + r^2 J q' = tau t about the axis.
+    rate, spin = run.data.v.values[-1, 6], run.data.v.values[-1, 3:6]
+    assert rate == pytest.approx(0.5 * torque / (ARM + reflected - ARM**2 / (BASE + ARM)), rel=1e-10)
+    assert spin == pytest.approx(-ARM / (BASE + ARM) * rate * AXIS, rel=1e-10, abs=1e-12)
+    # What is kept is the links' momentum; the rotor has none.
+    assert np.abs(run.data.angular_momentum).max() < 1e-11
+    assert np.abs(run.data.energy_error).max() < 1e-10
+
+
+@pytest.mark.parametrize(("name", "value", "says"), [("k", 1.0, "'k'|k"), ("j", -1.0, "zero or more.*-1")])
+def test_bad_armature_is_refused(name: str, value: float, says: str) -> None:
+    urdf = Urdf.from_text(TEXT.format(at="0 0 0", turned="0 0 0"), "r.urdf")
+    with pytest.raises(AntennaPinError, match=says):
+        build_mechanism(urdf, "fixed", armature={name: value})
