@@ -80,8 +80,10 @@ def test_list_has_one_line_per_case(cli):
         "chen2021",
         "impact_pair",
         "pendulum",
+        "reaction_wheel",
         "slider",
         "slider_crank",
+        "solar_array",
         "spherical_pendulum",
         "you2010",
     ]
