@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 from lxml import etree
 
+from antenna_pin.arguments import takes
 from antenna_pin.changes import Rotor
 from antenna_pin.errors import MechanismError
 from antenna_pin.mechanism import _source
@@ -31,11 +32,13 @@ __all__ = ["check_turns", "rotor_joint", "with_rotor"]
 _HINGES = ("revolute", "continuous")
 
 
+@takes()
 def rotor_joint(name: str) -> str:
     """Return the name of the joint that a rotor turns on; its link is ``<joint>_body``."""
     return f"{name}_rotor"
 
 
+@takes()
 def check_turns(urdf: Urdf, name: str, rotor: Rotor) -> None:
     """Refuse a rotor at a joint that does not turn about an axis of its own.
 
@@ -51,6 +54,7 @@ def check_turns(urdf: Urdf, name: str, rotor: Rotor) -> None:
         )
 
 
+@takes()
 def with_rotor(urdf: Urdf, name: str, rotor: Rotor) -> Urdf:
     """Return a copy with a rotor: a joint ``<name>_rotor`` that follows the rotor's joint, and its link.
 

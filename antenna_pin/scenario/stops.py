@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 from xml.etree import ElementTree as ET
 
+from antenna_pin.arguments import takes
 from antenna_pin.scenario._base import read_quantity, refuse
 from antenna_pin.scenario.shipped import tables
 
@@ -18,6 +19,7 @@ _SIDES = ("lower", "upper")
 _UNITS = {"revolute": "rad", "prismatic": "m"}
 
 
+@takes()
 def joint_limits(urdf: str) -> dict[str, tuple[float, float]]:
     """Return lower and upper limit of each joint of a URDF that turns or slides between limits, by name.
 

@@ -58,6 +58,7 @@ from antenna_pin.plot._kinds import (
     MOVING,
     PRESCRIBED,
     SLIDING,
+    STOPPED,
     TOUCHING,
     TRACED,
 )
@@ -436,10 +437,10 @@ SLIDES = [name for name, figure in CATALOGUE.items() if figure.of is SLIDING]
 CLOSURES = [
     name
     for name, figure in CATALOGUE.items()
-    if figure.needs in (CLOSED, COUPLED, PRESCRIBED, FLEXIBLE, TRACED)
+    if figure.needs in (CLOSED, COUPLED, PRESCRIBED, FLEXIBLE, TRACED, STOPPED)
 ]
 LOOPS = [*CLOSURES, *(name for name, figure in CATALOGUE.items() if figure.of is LOOPED)]
-# Other files have those of made-up runs, of closures, of flexible links and of hysteresis.
+# Other files have those of made-up runs, closures, flexible links, hysteresis and stops.
 FIGURES = [name for name in CATALOGUE if name not in (*MADE_UP, *SLIDES, *CLOSURES)]
 STANDARD = [name for name, figure in CATALOGUE.items() if figure.standard and name not in (*SLIDES, *LOOPS)]
 

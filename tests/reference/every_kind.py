@@ -49,7 +49,7 @@ from antenna_pin.elements import (
     TableDrive,
     TableSpring,
 )
-from antenna_pin.geometry import RevoluteClearance
+from antenna_pin.geometry import CylindricalClearance, RevoluteClearance
 from antenna_pin.joints import ClearanceJoint
 
 LINK = (
@@ -145,6 +145,10 @@ PLAY = {
 }
 
 
+#: One that no shipped scenario has.
+ROUND = "cylindrical"
+
+
 def elements(drives):
     """A body with an element at each of its joints, and two joints that follow others."""
     kinds = dict.fromkeys("abcdegh", "continuous") | {"f": "prismatic", "i": "prismatic"}
@@ -209,6 +213,20 @@ def systems():
         yield f"{kind} closure", (closed(kind), "compiled")
 
 
+def round_slider():
+    """Run the rig of a slider with a round one on the floor of its guide."""
+    scenario = load_scenario("slider", case="rest")
+    system = build_system(scenario)
+    shape = CylindricalClearance(
+        bearing_radius=0.02, journal_radius=0.02 - 5e-5, slider_length=0.1, guide_length=0.05
+    )
+    joint = dataclasses.replace(system.clearances[0], geometry=shape)
+    q, v = initial_state(scenario, system)
+    system = System(system.mechanism, clearances=[joint])
+    settings = RunSettings(engine="compiled", rtol=1e-3)
+    return simulate(system, duration=1e-4, q=q, v=v, settings=settings)
+
+
 def asked_outside():
     """Run a closed loop through an impact, with all that is asked outside: Pinocchio, coal, laws."""
     scenario = load_scenario("slider_crank", case="planar", overrides=["integrator.rtol=1e-3"])
@@ -228,6 +246,7 @@ def asked_outside():
 def ends():
     """Yield the name of each run, and the run."""
     yield "asked outside", asked_outside()
+    yield ROUND, round_slider()
     for name, (system, engine) in systems():
         q, v = started(system)
         settings = RunSettings(engine=engine, max_step=1e-3, rtol=1e-3)
