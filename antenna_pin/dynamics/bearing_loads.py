@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import operator
 from collections.abc import Sequence
-from itertools import compress, pairwise
 from typing import Any
 
 import numpy as np
@@ -12,6 +10,7 @@ from numpy.typing import NDArray
 
 from antenna_pin.dynamics.bearing_load_kernels import BEARING_LOAD, look_at_bearings
 from antenna_pin.dynamics.mounted import bearings_in
+from antenna_pin.dynamics.program_parts import program_parts
 from antenna_pin.dynamics.system import System
 from antenna_pin.records import POSE
 
@@ -37,8 +36,7 @@ def bearing_loads(system: System, states: Array, programs: Sequence[Array]) -> N
     found = np.zeros((len(states), len(blocks)), BEARING_LOAD)
     if not blocks:
         return found
-    changes = [0, *compress(range(1, len(states)), map(operator.is_not, programs[1:], programs)), len(states)]
     pose = np.zeros(1, POSE)
-    for first, last in pairwise(changes):
+    for first, last in program_parts(programs):
         look_at_bearings(programs[first], states[first:last], np.array(blocks), pose, found[first:last])
     return found

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import operator
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import compress, pairwise
 from typing import Any
 
 import numpy as np
@@ -14,6 +12,7 @@ from numpy.typing import NDArray
 
 from antenna_pin.dynamics import audit_kernels, point_kernels, sample_kernels
 from antenna_pin.dynamics.audit import energy_of_python_laws
+from antenna_pin.dynamics.program_parts import program_parts
 from antenna_pin.dynamics.system import System
 from antenna_pin.dynamics.workspace import Workspace
 from antenna_pin.errors import FunctionError
@@ -108,9 +107,7 @@ def observed(
                     if part is not sights.scenarios:
                         part[i : i + 1].view(np.float64)[:] = np.nan
     else:
-        changed = map(operator.is_not, programs[1:], programs)
-        changes = [0, *compress(range(1, n), changed), n]
-        for first, last in pairwise(changes):
+        for first, last in program_parts(programs):
             workspace.program[:] = programs[first]
             sample_kernels.observe(first, last, False, samples, whole, sights)
     others = [place for table in system.others for place in system.element_blocks[table].values()]
@@ -181,11 +178,9 @@ def _done(
     blocks: Sequence[int],
 ) -> NDArray[Any]:
     """Return what elements do whose blocks stand at these places, ``DONE``, (n, elements)."""
-    n = len(samples.times)
-    found = np.zeros((n, len(blocks)), sample_kernels.DONE)
+    found = np.zeros((len(samples.times), len(blocks)), sample_kernels.DONE)
     if blocks:
-        changes = [0, *compress(range(1, n), map(operator.is_not, programs[1:], programs)), n]
-        for first, last in pairwise(changes):
+        for first, last in program_parts(programs):
             workspace.program[:] = programs[first]
             sample_kernels.look_at_elements(first, last, samples, np.array(blocks), whole, found)
     return found
