@@ -29,6 +29,8 @@ JOBS: tuple[Job, ...] = (
     ("bai2020", "case3", (CLOSED.format("elevation"), COMPILED)),
     ("slider_crank", "planar", (CLOSED.format("pin"),)),
     ("bai2020", "case2-planar", ()),
+    ("solar_array", "play", ()),
+    ("reaction_wheel", "bearings", ()),
     ("bai2020", "case3", (CLOSED.format("elevation"), "integrator.method=radau5")),
     ("bai2020", "case3", (CLOSED.format("elevation"), "integrator.method=radau5", COMPILED)),
 )
@@ -46,8 +48,11 @@ def begin(made: Synchronized[int]) -> None:
 
 def make(job: Job) -> None:
     """Make the run of a job, and what it does not need yet."""
-    from antenna_pin import build_system, load_scenario, simulate
+    import numpy as np
+
+    from antenna_pin import build_system, initial_state, load_scenario, simulate
     from antenna_pin._kernel_cache import told_of_compiling
+    from antenna_pin.dynamics import Workspace
     from antenna_pin.mechanism import TreeDynamics
 
     def counted() -> None:
@@ -58,7 +63,10 @@ def make(job: Job) -> None:
     with told_of_compiling(counted):
         scenario = load_scenario(model, case=case, overrides=list(changes))
         simulate(scenario, duration=min(DURATION, scenario.duration))
-        TreeDynamics(build_system(scenario).mechanism)
+        system = build_system(scenario)
+        TreeDynamics(system.mechanism)
+        y = system.state(*initial_state(scenario, system))
+        Workspace(system).derivative(0.0, y, np.zeros(system.model.nv + system.manifold.nx))
 
 
 def show(text: str, last: bool = False) -> None:

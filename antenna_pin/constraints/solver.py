@@ -78,8 +78,9 @@ class Constraints:
         self.shares = part("shares", rows)
         self._found = part("found", _layout.FOUND_WORDS).view(_layout.FOUND)
         self._step = np.zeros(nv)
-        self._room = np.zeros(2 * every * (every + 1))
-        self._least = np.zeros(every)
+        #: Room for the least forces, and those, of redundant rows (``force_kernels.least_forces``).
+        self.least_room = np.zeros(2 * every * (every + 1))
+        self.least = np.zeros(every)
         #: All of J, in metres, rows of elements that hold included, and the residuals of velocity.
         self.every_row = part("jacobian", nv, int(head["width"]))[:, :every].T
         self.every_speed = part("speed", every)
@@ -118,32 +119,6 @@ class Constraints:
         mass, q, v = pin.crba(model, data, y[:nq]), y[:nq], y[nq : nq + self.nv]
         bias = pin.nonLinearEffects(model, data, q, v)
         loaded_kernels.accelerate(t, y, program, self.plan.words, self.work, effort, mass, bias, rates)
-
-    def observe(
-        self, t: float, y: Array, program: Array, effort: Array, rates: Array, closures: Array, joints: Array
-    ) -> None:
-        """Write accelerations, and forces of closures, motions and couplings: of redundant rows the least.
-
-        Redundant rows share what their independent ones would carry alone. A turn's row counts with its
-        moment over the plan's length.
-
-        Args:
-            t: Time [s].
-            y: State [q, v, x].
-            program: Of the system's elements.
-            effort: Generalized force of the elements, (nv,).
-            rates: To write to: accelerations and rates of x, (nv + nx,).
-            closures: To write to: force [N] and moment [N m] of each closure on its second link, in axes of
-                the first side's frame, the moment about the second side's point, (closures, 2, 3).
-            joints: To write to: the forces [N] and torques [N m] that hold the motions, then those of the
-                couplings on their followers, then of the elements that hold, (motions + couplings + holds,).
-        """
-        plan, work = self.plan.words, self.work
-        nq, model, data = self.model.nq, self.model, self.data
-        q, v = y[:nq], y[nq : nq + self.nv]
-        mass, bias = pin.crba(model, data, q), pin.nonLinearEffects(model, data, q, v)
-        loaded_kernels.accelerate(t, y, program, plan, work, effort, mass, bias, rates)
-        force_kernels.write_holding(plan, work, self._room, self._least, closures, joints)
 
     def loads(self) -> Array:
         """Return what elements that hold carry in the state solved last, (holds,) [N m] or [N]."""

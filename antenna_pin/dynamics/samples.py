@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from antenna_pin.dynamics import audit_kernels, point_kernels, sample_kernels
 from antenna_pin.dynamics.audit import energy_of_python_laws
+from antenna_pin.dynamics.held_samples import held_samples
 from antenna_pin.dynamics.program_parts import program_parts
 from antenna_pin.dynamics.system import System
 from antenna_pin.dynamics.workspace import Workspace
@@ -118,8 +119,8 @@ def observed(
         accelerations, closure = _accelerations(model, states, sights.forces, free), np.zeros((n, 0, 2, 3))
         coupling, residual = np.zeros((n, 0)), np.zeros((n, 4))
     else:
-        accelerations, closure, coupling, residual = _held(
-            workspace, times, states, sights.forces, programs, sights.efforts, done, failures
+        accelerations, closure, coupling, residual = held_samples(
+            workspace, samples, whole, sights.forces, programs, sights.efforts, done, failures
         )
     return Observed(
         acceleration=accelerations,
@@ -184,49 +185,6 @@ def _done(
             workspace.program[:] = programs[first]
             sample_kernels.look_at_elements(first, last, samples, np.array(blocks), whole, found)
     return found
-
-
-def _held(
-    workspace: Workspace,
-    times: Array,
-    states: Array,
-    forces: Array,
-    programs: Sequence[Array],
-    effort: NDArray[Any],
-    done: NDArray[Any],
-    failures: dict[int, FunctionError],
-) -> tuple[Array, Array, Array, Array]:
-    """Return accelerations, closures' wrenches, couplings' forces, residuals.
-
-    What holds motions goes to ``effort``, what elements hold with to ``done``.
-    """
-    system, constraints = workspace.system, workspace.constraints
-    assert constraints is not None
-    accelerations = np.zeros((len(times), system.model.nv))
-    wrenches = np.zeros((len(times), len(constraints.plan.closures), 2, 3))
-    residuals = np.zeros((len(times), 4))
-    names, couplings = constraints.plan.motions, constraints.plan.couplings
-    own, holds = len(names) + len(couplings), constraints.plan.holds
-    joints = np.zeros((len(times), own + len(holds)))
-    rates = np.zeros(system.model.nv + system.manifold.nx)
-    for i, (t, y, force) in enumerate(zip(times, states, forces, strict=True)):
-        workspace.program[:] = programs[i]
-        try:
-            workspace.prepare_motions(t, y)
-        except FunctionError as error:
-            failures[i] = error
-        if i in failures:
-            for part in (accelerations, wrenches, joints, residuals):
-                part[i] = np.nan
-            continue
-        constraints.observe(t, y, workspace.program, force, rates, wrenches[i], joints[i])
-        accelerations[i] = rates[: system.model.nv]
-        residuals[i] = constraints.residual
-    drives = list(system.drives)
-    effort["effort"][:, [drives.index(name) for name in names]] = joints[:, : len(names)]
-    others = [f"{table}.{name}" for table in system.others for name in system.families[table]]
-    done["effort"][:, [others.index(name) for name in holds]] += joints[:, own:]
-    return accelerations, wrenches, joints[:, len(names) : own], residuals
 
 
 def _accelerations(model: Any, states: Array, forces: Array, free_base: bool) -> Array:

@@ -3,6 +3,7 @@
 import numpy as np
 import pinocchio as pin
 import pytest
+from observed_once import observed_once
 from scipy.spatial.transform import Rotation
 
 from antenna_pin import simulate
@@ -112,9 +113,10 @@ def test_forces_of_closures_are_those_that_move_the_tree(kind, count):
         workspace, a = accelerations(system, y)
         constraints = workspace.constraints
         assert constraints.found.rank == CLOSURES[kind].rows
-        again, wrenches = np.zeros(model.nv + system.manifold.nx), np.zeros((count, 2, 3))
-        constraints.observe(0.3, y, workspace.program, workspace.tau, again, wrenches, np.zeros(0))
-        assert np.array_equal(again[: model.nv], a)
+        found = observed_once(system, 0.3, y)
+        wrenches = found.closure[0]
+        # Mass matrix and bias are the tree's own there, Pinocchio's here: round-off apart.
+        assert found.acceleration[0] == pytest.approx(a, rel=1e-11, abs=1e-11 * np.abs(a).max())
         assert wrenches == pytest.approx(np.array([wrenches[0]] * count), rel=1e-9, abs=1e-9)
         q, v = y[:nq], y[nq : nq + nv]
         pin.framesForwardKinematics(model, data, q)

@@ -7,10 +7,11 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from coupled import Coupled, tree_text
+from observed_once import observed_once
 
 from antenna_pin import Coupling, System, Urdf, build_mechanism
 from antenna_pin.changes import JointChange
-from antenna_pin.dynamics import JointSpring, Workspace, constraint_counts
+from antenna_pin.dynamics import ConstantDrive, JointSpring, Workspace, constraint_counts
 from antenna_pin.errors import AntennaPinError, InvalidParameterError, UnknownNameError
 
 LINK = (
@@ -30,9 +31,9 @@ def urdf_of(*joints):
     return Urdf.from_text(f'<robot name="r">{"".join(parts)}</robot>', "r.urdf")
 
 
-def system_of(*joints, couplings=None):
+def system_of(*joints, **parts):
     """A system of such joints on a fixed base."""
-    return System(build_mechanism(urdf_of(*joints), "fixed"), couplings=couplings)
+    return System(build_mechanism(urdf_of(*joints), "fixed"), **parts)
 
 
 def mimic(leader, multiplier=1, offset=0):
@@ -65,8 +66,7 @@ def test_accelerations_and_torques_are_those_of_fewer_coordinates(seed, base):
         expected = g @ np.linalg.solve(g.T @ mass @ g, g.T @ (tau - bias))
         scale = np.abs(expected).max()
         assert rates[: model.nv] == pytest.approx(expected, rel=1e-10, abs=1e-11 * scale)
-        closures, torques = np.zeros((0, 2, 3)), np.zeros(len(system.couplings))
-        workspace.constraints.observe(0.0, y, workspace.program, tau, rates, closures, torques)
+        (torques,) = observed_once(system, 0.0, y).coupling
         lack = pin.rnea(model, data, q, v, rates[: model.nv]) - tau
         put = np.zeros(model.nv)
         for torque, one in zip(torques, system.couplings.values(), strict=True):
@@ -162,14 +162,13 @@ def test_the_last_digit_of_a_fast_follower_is_no_residual():
 def test_a_coupling_twice_is_one_equation_and_one_torque():
     """Of redundant rows the least: half of the torque each; the count tells that there are two."""
     joints = (("a", "revolute", ""), ("b", "revolute", mimic("a", 2)))
-    twice = system_of(*joints, couplings={"again": Coupling(follower="b", leader="a", multiplier=2)})
-    once, torques = system_of(*joints), []
-    for system in (once, twice):
-        workspace = Workspace(system)
-        y, tau = system.state([0.0, 0.0], [0.0, 0.0]), np.array([1.0, 0.0])
-        rates, found = np.zeros(3), np.zeros(len(system.couplings))
-        workspace.constraints.observe(0.0, y, workspace.program, tau, rates, np.zeros((0, 2, 3)), found)
-        torques.append(found)
+    again = Coupling(follower="b", leader="a", multiplier=2)
+    drives = {"motor": ConstantDrive(joint="a", value=1.0)}
+    twice = system_of(*joints, couplings={"again": again}, drives=drives)
+    torques = []
+    for system in (system_of(*joints, drives=drives), twice):
+        y = system.state([0.0, 0.0], [0.0, 0.0])
+        torques.append(observed_once(system, 0.0, y).coupling[0])
     assert torques[1] == pytest.approx([0.5 * torques[0][0]] * 2, rel=1e-12)
     counts = constraint_counts(twice, y)
     assert (counts["closure_equations"], counts["couplings"], counts["closure_rank"]) == (2, 2, 1)

@@ -1,0 +1,84 @@
+"""What constraints do at the samples of a run, compiled: accelerations, forces, residuals."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from antenna_pin._compile import kernel
+from antenna_pin.constraints.factor_kernels import factorize
+from antenna_pin.constraints.force_kernels import write_holding
+from antenna_pin.constraints.layout_kernels import PLACE_WORDS, found_in, plan_of
+from antenna_pin.constraints.loaded_kernels import solve
+from antenna_pin.constraints.rows_kernels import write_rows
+from antenna_pin.mechanism.mass_kernels import mass_and_bias
+from antenna_pin.mechanism.tree_kernels import PLACE
+
+
+class Held(NamedTuple):
+    """Constraints, and room for their solution.
+
+    Attributes:
+        plan: The constraints.
+        work: Their work array.
+        mass: Mass matrix, (nv, nv), scratch.
+        bias: (nv,), scratch.
+        room: Of the tree's dynamics, ROOM, (bodies + 1,).
+        least: Of :func:`antenna_pin.constraints.force_kernels.least_forces`, (2 rows (rows + 1),), scratch.
+        multipliers: (rows,), scratch.
+    """
+
+    plan: Any
+    work: Any
+    mass: Any
+    bias: Any
+    room: Any
+    least: Any
+    multipliers: Any
+
+
+class Holding(NamedTuple):
+    """What holds a system at each of n samples, with its motion.
+
+    Attributes:
+        rates: Generalized accelerations, and behind them powers of motions, (n, nv + nx).
+        closures: Force [N] and moment [N m] of each closure, (n, closures, 2, 3).
+        joints: What holds motions, then couplings' followers, then joints that elements hold, (n, all).
+        residuals: Largest of positions [m], [rad] and of rates [m/s], [rad/s], (n, 4).
+    """
+
+    rates: Any
+    closures: Any
+    joints: Any
+    residuals: Any
+
+
+@kernel
+def observe_held(first: int, last: int, samples: Any, whole: Any, held: Any, forces: Any, out: Any) -> None:
+    """Solve the constraints at samples first to last.
+
+    Args:
+        first: First sample.
+        last: One behind the last.
+        samples: :class:`antenna_pin.dynamics.sample_kernels.Samples`.
+        whole: :class:`antenna_pin.dynamics.sample_kernels.Whole`; its program is that of these samples.
+        held: ``Held``.
+        forces: Generalized forces of the elements, (n, nv).
+        out: ``Holding``, to write to.
+    """
+    plan, work = held.plan, held.work
+    found = found_in(plan, work)
+    places = work[: PLACE_WORDS * (plan_of(plan).bodies + 1)].view(PLACE)
+    for i in range(first, last):
+        t, y = samples.times[i], samples.states[i]
+        write_rows(t, y, whole.program, plan, work)
+        mass_and_bias(whole.tree, places, whole.gravity, held.room, held.mass, held.bias)
+        factorize(plan, work, held.mass)
+        solve(y, whole.program, plan, work, forces[i], held.bias, out.rates[i])
+        write_holding(plan, work, held.least, held.multipliers, out.closures[i], out.joints[i])
+        residuals = out.residuals[i]
+        residuals[0], residuals[1], residuals[2], residuals[3] = (
+            found.gap,
+            found.turn,
+            found.speed,
+            found.spin,
+        )
