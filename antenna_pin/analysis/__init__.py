@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 from antenna_pin._lazy import loaded_when_used
 
 if TYPE_CHECKING:
+    from antenna_pin.analysis.at_a_glance import Answer, Line, answer
     from antenna_pin.analysis.attitude import interpolate_attitude, interpolation_error
     from antenna_pin.analysis.base import base_motion
     from antenna_pin.analysis.between import between_samples
@@ -103,6 +104,7 @@ __all__ = [
     "SCENARIO_COLUMNS",
     "SPIN_WITHIN",
     "STEADY",
+    "Answer",
     "Antenna",
     "Chaos",
     "ChaosTest",
@@ -111,6 +113,7 @@ __all__ = [
     "DeviationMeasures",
     "Growth",
     "JournalPose",
+    "Line",
     "Orbit",
     "Periods",
     "PhasePortrait",
@@ -125,6 +128,7 @@ __all__ = [
     "StabilitySpan",
     "TiltRange",
     "UniformSignal",
+    "answer",
     "base_motion",
     "bearing_up",
     "beside",
@@ -219,6 +223,7 @@ __all__ = [
 loaded_when_used(
     __name__,
     {
+        "at_a_glance": "Answer Line answer",
         "attitude": "interpolate_attitude interpolation_error",
         "base": "base_motion",
         "between": "between_samples",

@@ -20,6 +20,8 @@ _ENTRIES = {
     "relocated": ("steps cut to a change of contact", ""),
     "wall_seconds": ("wall time", "s"),
     "energy_error": ("energy balance error", "J"),
+    "energy_scale": ("energy scale", "J"),
+    "energy_scale_of": ("energy scale is", ""),
     "energy_error_relative": ("energy balance error, relative", "-"),
     "gross_work": ("gross work of the drives", "J"),
     "linear_momentum_drift": ("linear momentum drift", "kg m/s"),
@@ -69,9 +71,23 @@ _ENTRIES = {
     "elastic_loss": ("energy lost in the damper", "J"),
 }
 # What stands where an entry has no number, but for a dash.
-_WITHOUT = {"energy balance error, relative [-]": "no work"}
+_WITHOUT = {"energy balance error, relative [-]": "nothing moves"}
 # Entries that tables leave out: what they say is said in a sentence.
 _SAID = ("title", "message", "redundant", "singular")
+# Groups of a summary whose entries are named things, each a row: what they are called.
+_NAMED = {
+    "motion": "joints",
+    "slides": "sliding joints",
+    "contacts": "contacts",
+    "elastic_parts": "elastic parts",
+    "closures": "closures",
+    "motions": "motions",
+    "couplings": "couplings",
+    "bearings": "bearings",
+    "stops": "stops",
+    "latches": "latches",
+    "blows": "surfaces",
+}
 # Groups of a summary whose name says nothing that their entries do not say.
 _PLAIN_GROUPS = (
     "counts",
@@ -113,6 +129,37 @@ def print_summaries(
     _print(Table(title="; ".join(filter(None, titles)), head=head, rows=rows, sparse=True), pipe=_PAGE)
 
 
+def print_summary(
+    label: str, summary: Mapping[str, Any], text: Callable[[Any, str], str] | None = None
+) -> None:
+    """Print all of one summary: a table of the run, then one for each kind of thing, a row for each of them.
+
+    Args:
+        label: Of the run.
+        summary: The summary.
+        text: Returns a number of a row as it stands there.
+    """
+    told = text or (lambda value, name: text_of(value))
+    print_summaries([(label, {key: one for key, one in summary.items() if key not in _NAMED})], text)
+    for key, title in _NAMED.items():
+        named = summary.get(key)
+        if not named:
+            continue
+        entries = list(dict.fromkeys(entry for one in named.values() for entry in one))
+        units = {entry: _named(entry) for entry in entries}
+        head = (title, *units.values())
+        rows = [
+            [name, *(told(one.get(entry), units[entry]) for entry in entries)] for name, one in named.items()
+        ]
+        print_rows("", head, rows)
+
+
+def _named(entry: str) -> str:
+    """Return the name of an entry in tables, with its unit."""
+    name, unit = _ENTRIES.get(entry, (entry.replace("_", " "), ""))
+    return name + (f" [{unit}]" if unit else "")
+
+
 def print_rows(title: str, head: Sequence[str], rows: Sequence[Sequence[str]], numbers: bool = True) -> None:
     """Print a table; ``numbers``: those of all columns but the first stand at the right."""
     _print(Table(title=title, head=head, rows=rows, numbers=numbers), pipe=_ENDLESS)
@@ -141,8 +188,7 @@ def _rows(summary: Mapping[str, Any], group: str = "") -> Iterator[tuple[str, An
         if isinstance(value, dict):
             yield from _rows(value, group if key in _PLAIN_GROUPS else f"{group}{key} ")
         else:
-            name, unit = _ENTRIES.get(key, (key.replace("_", " "), ""))
-            yield f"{group}{name}" + (f" [{unit}]" if unit else ""), value
+            yield f"{group}{_named(key)}", value
 
 
 def text_of(value: Any) -> str:

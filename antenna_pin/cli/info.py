@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from antenna_pin.cli._answers import say_answer
 from antenna_pin.cli._common import (
     CaseOption,
     FilesArgument,
@@ -25,7 +26,7 @@ from antenna_pin.cli._common import (
     say_spin,
 )
 from antenna_pin.cli._export import CsvOption, csv_target, rows_of, say_json, write_csv
-from antenna_pin.cli._tables import flat, print_summaries
+from antenna_pin.cli._tables import flat, print_summaries, print_summary
 from antenna_pin.cli._zeros import Zeros
 from antenna_pin.errors import InvalidParameterError
 
@@ -39,12 +40,15 @@ def info(
     ],
     case: CaseOption = None,
     settings: SetOption = None,
+    everything: Annotated[
+        bool, typer.Option("--all", help="All numbers, by kind of thing; of several results side by side.")
+    ] = False,
     as_json: Annotated[
         bool, typer.Option("--json", help="Print one JSON object per file, each on one line.")
     ] = False,
     csv: CsvOption = None,
 ) -> None:
-    """Say what results are: how they ended, counts, peaks, conservation; or what a scenario is.
+    """Say what results are: how they ended, what happened, what is kept; or what a scenario is.
 
     Of a scenario with closed loops: whether they can be closed, and how many freedoms are left. A CSV file
     has a row for each result.
@@ -64,7 +68,8 @@ def info(
         if given:
             refuse(f"{option}: is for scenarios only, and {files[0]} is a result; leave it out")
     runs = [(path, load_result(path, scenario=False)) for path in map(Path, files)]
-    facts = [_facts(trajectory) for _, trajectory in runs]
+    if everything or as_json or target is not None:
+        facts = [_facts(trajectory) for _, trajectory in runs]
     if target is not None:
         flats = [{"file": str(path), **flat(each)} for (path, _), each in zip(runs, facts, strict=True)]
         write_csv(target, *rows_of(flats), silent=as_json)
@@ -74,25 +79,34 @@ def info(
     if as_json or target is not None:
         return
     labels = labels_of([path for path, _ in runs])
-    zeros = Zeros(trajectory for _, trajectory in runs)
-    print_summaries(list(zip(labels, facts, strict=True)), zeros.text)
-    zeros.say()
+    if everything:
+        zeros = Zeros(trajectory for _, trajectory in runs)
+        if len(runs) == 1:
+            print_summary(labels[0], facts[0], zeros.text)
+        else:
+            print_summaries(list(zip(labels, facts, strict=True)), zeros.text)
+        zeros.say()
     for label, (_, trajectory) in zip(labels, runs, strict=True):
-        if trajectory.outcome.name != "COMPLETED":
-            say(f"{label}: {trajectory.message}")
-        elif trajectory.advice:
-            say(f"{label}: the run was {trajectory.advice}")
-        say_spin(trajectory, f"{label}: ")
-        say_limits(trajectory, f"{label}: ")
-    held = [(label, trajectory.constraints) for label, (_, trajectory) in zip(labels, runs, strict=True)]
-    if any(counts for _, counts in held):
+        if not everything:
+            say_answer(trajectory, label if len(runs) > 1 else "")
+        _say_notes(label, trajectory, everything)
+
+
+def _say_notes(label: str, trajectory: Trajectory, everything: bool) -> None:
+    """Say what a run's reader has to know besides its numbers."""
+    if trajectory.outcome.name != "COMPLETED":
+        say(f"{label}: {trajectory.message}")
+    elif trajectory.advice:
+        say(f"{label}: the run was {trajectory.advice}")
+    say_spin(trajectory, f"{label}: ")
+    say_limits(trajectory, f"{label}: ")
+    if counts := trajectory.constraints:
         from antenna_pin.analysis import said_of_constraints, said_of_singular
 
-        for label, counts in held:
-            if counts:
-                say(f"{label}: {said_of_constraints(counts)}")
-            if singular := said_of_singular(counts):
-                say(f"{label}: {singular}")
+        if everything:
+            say(f"{label}: {said_of_constraints(counts)}")
+        if singular := said_of_singular(counts):
+            say(f"{label}: {singular}")
 
 
 def _facts(trajectory: Trajectory) -> dict[str, Any]:

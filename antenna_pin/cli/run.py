@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import contextlib
 import json
+import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from antenna_pin.cli._answers import say_answer
 from antenna_pin.cli._common import (
     ENDED_EARLY,
     SIGNALLED,
@@ -17,7 +19,6 @@ from antenna_pin.cli._common import (
     Geometry,
     SetOption,
     complain,
-    label_of,
     load,
     not_interrupted,
     refuse,
@@ -31,8 +32,7 @@ from antenna_pin.cli._common import (
 from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, rows_of, say_json, write_csv
 from antenna_pin.cli._progress import progress_bar
 from antenna_pin.cli._quantities import positive_quantity
-from antenna_pin.cli._tables import flat, print_summaries
-from antenna_pin.cli._zeros import Zeros
+from antenna_pin.cli._tables import flat
 from antenna_pin.interruption import ended_by
 from antenna_pin.numerals import decimal_in
 
@@ -155,18 +155,17 @@ def run(
             except UnsavedError as error:
                 save_elsewhere(error.trajectory, path, error)
             stack.enter_context(not_interrupted())
-        found = trajectory.summary()
+        found = trajectory.summary() if target is not None or as_json else {}
         if target is not None:
             write_csv(target, *rows_of([{"file": str(path), **flat(found)}]), silent=quiet or as_json)
         if as_json:
             say_json({"file": str(path), **found})
         quiet = quiet or as_json
         if summary and not quiet and target is None:
-            zeros = Zeros([trajectory])
-            print_summaries([(label_of(trajectory, path), found)], zeros.text)
-            zeros.say()
+            say_answer(trajectory)
         if not quiet:
-            typer.echo(f"saved {path}")
+            next_one = f"; all numbers: antenna-pin info --all {shlex.quote(str(path))}"
+            typer.echo(f"saved {path}{next_one if summary and target is None else ''}")
             say_spin(trajectory, "note: ")
             say_limits(trajectory, "note: ")
         outcome = trajectory.outcome.name

@@ -80,7 +80,7 @@ class Recording:
         self._totals: dict[str, Any] = {}
         self._peaks: dict[str, Any] = {}
         self._audit: dict[str, Any] = {}
-        self._largest_energy = 0.0
+        self._largest_energy = self._largest_kinetic = 0.0
 
     def blocks(self) -> Iterator[tuple[int, Values]]:
         """Yield the number of a block's first sample, and the series there by name, ``time`` among them."""
@@ -124,6 +124,7 @@ class Recording:
             self._peaks[name] = np.maximum(self._peaks.get(name, most), most)
         sizes = [np.abs(part).max(initial=0.0) for name, part in values.items() if name in _ENERGIES]
         self._largest_energy = max(self._largest_energy, *map(float, sizes))
+        self._largest_kinetic = max(self._largest_kinetic, float(values["kinetic_energy"].max(initial=0.0)))
         if not self._audit:
             self._audit = {name: seen.found.audit[name][0] for name in ("linear", "angular")}
         for name in ("linear", "angular"):
@@ -162,9 +163,12 @@ class Recording:
         result: dict[str, Any] = {"energy_error": float(self._peaks["peak_energy_error"])}
         gross = float(self._totals["total_gross_work"].sum())
         result["gross_work"] = gross
-        # Work that is zero to round-off is none to compare with.
+        # Work that is zero to round-off is none to compare with: what is let go, or driven by springs.
         done = gross > ROUND_OFF * self._largest_energy
-        result["energy_error_relative"] = result["energy_error"] / gross if done else None
+        result["energy_scale"] = gross if done else self._largest_kinetic
+        result["energy_scale_of"] = "gross work of the drives" if done else "largest kinetic energy"
+        moved = result["energy_scale"] > 0.0
+        result["energy_error_relative"] = result["energy_error"] / result["energy_scale"] if moved else None
         conserved = self.run.system.keeps_momentum
         for name in ("linear", "angular"):
             scale, drift = (float(self._audit[f"{name}_{kind}"]) for kind in ("scale", "drift"))

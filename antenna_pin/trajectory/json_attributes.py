@@ -39,6 +39,8 @@ _Seven = Annotated[list[_Finite], Field(min_length=7, max_length=7), AfterValida
 class _Conservation(BaseModel):
     energy_error: _Number | None
     gross_work: _Number | None
+    energy_scale: _Number | None
+    energy_scale_of: Literal["gross work of the drives", "largest kinetic energy"]
     energy_error_relative: _Number | None
     linear_momentum_drift: _Number | None
     linear_momentum_scale: _Number | None

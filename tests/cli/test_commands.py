@@ -176,9 +176,12 @@ def test_a_standard_output_that_takes_nothing_is_named(arguments, redirected, co
 def test_run_saves_and_summarises(cli, tmp_path):
     said = cli("run", "bai2020", "--case", "case3", *SHORT)
     assert said.code == 0, said.err
-    assert "saved bai2020-case3.nc" in said.out
-    assert "simulated time [s]" in said.out
-    assert "COMPLETED" in said.out
+    first, *between, last = said.out.splitlines()
+    assert (
+        first.endswith("steps") and ", case case3: completed, 20\N{NO-BREAK SPACE}ms simulated in " in first
+    )
+    assert [line.split()[0] for line in between if line[2] != " "] == ["elevation", "energy"]
+    assert last == "saved bai2020-case3.nc; all numbers: antenna-pin info --all bai2020-case3.nc"
     saved = Trajectory.load(tmp_path / "bai2020-case3.nc")
     assert saved.outcome is Outcome.COMPLETED
     assert float(saved.data["time"][-1]) == pytest.approx(0.02, rel=1e-12)
@@ -347,7 +350,7 @@ def test_ctrl_c_outside_a_run_is_no_traceback(cli, monkeypatch):
 
 
 def test_info_sets_results_side_by_side(cli, results):
-    said = cli("info", results / "case1.nc", results / "case3.nc")
+    said = cli("info", "--all", results / "case1.nc", results / "case3.nc")
     assert said.code == 0
     header, *rows = [line for line in said.out.splitlines() if line.strip()][1:]
     assert header.split() == ["case1", "case3"]

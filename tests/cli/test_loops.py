@@ -96,7 +96,7 @@ def test_info_takes_one_scenario_or_results(cli, folder):
 
 
 def test_info_tells_what_closures_and_motions_carried(cli, folder):
-    said = printed(cli("info", folder / "ideal.nc", folder / "play.nc"))
+    said = printed(cli("info", "--all", folder / "ideal.nc", folder / "play.nc"))
     for row in (
         "equations of closures",
         "freedoms that closures and motions leave",
@@ -203,7 +203,7 @@ def test_singular_positions_that_were_passed_are_named(cli, folder, singular):
     counts = run.constraints | {"singular": singular}
     data = run.data.assign_attrs(constraints=json.dumps(counts))
     dataclasses.replace(run, data=data).save("passed.nc")
-    last = printed(cli("info", "passed.nc")).splitlines()[-1]
+    last = printed(cli("info", "--all", "passed.nc")).splitlines()[-1]
     text = (
         "passed: passed 2 singular positions, at 0.25 s, 0.5 s: loops could go on in more ways than one there"
     )
@@ -230,6 +230,6 @@ def test_commands_tell_what_is_coupled_and_what_that_carried(cli, tmp_path):
     assert [(one["of"], one["units"]) for one in found] == [("finger", "N m"), ("rack", "N")]
     assert found[0]["peak_torque"] == facts["finger"]["peak_torque"] > 0.0
     assert found[1]["peak_torque"] == facts["rack"]["peak_force"] > 0.0
-    assert cli("info", tmp_path / "fingers.nc").out.count("those of couplings") == 1
+    assert cli("info", "--all", tmp_path / "fingers.nc").out.count("those of couplings") == 1
     said = printed(cli("urdf", path, "--out", "tree.urdf"))
     assert said.splitlines()[-1] == "note: the couplings of the scenario are not in it: rack"

@@ -66,7 +66,9 @@ def test_a_title_cannot_command_the_terminal(cli, tmp_path):
     for words in (["info", file], ["info", "pendulum", *at_set], ["modes", "pendulum", *at_set]):
         said = cli(*words)
         assert said.code == 0, said.err
-        assert r"t\x1b]0;owned\x07" in said.out and said.out.replace("\n", "").isprintable()
+        assert (
+            r"t\x1b]0;owned\x07" in said.out and re.sub(r"[\n\N{NO-BREAK SPACE}]", "", said.out).isprintable()
+        )
 
 
 def test_a_long_name_of_a_file_does_not_widen_its_column():

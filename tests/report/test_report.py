@@ -183,7 +183,7 @@ def test_every_number_is_printed_as_it_is(both):
 
 def test_conservation_is_that_of_the_runs(both, ideal, play):
     for row, key in (
-        ("energy: error over gross work", "energy_error_relative"),
+        ("energy: error over scale", "energy_error_relative"),
         ("linear momentum: drift over scale", "linear_momentum_drift_relative"),
         ("angular momentum, about the mass centre: drift", "angular_momentum_drift"),
     ):

@@ -1,0 +1,213 @@
+"""What a run has come to, in as many lines as one sees at a glance."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from antenna_pin.arguments import takes
+from antenna_pin.geometry.looks import LOOKS
+from antenna_pin.readable import number, readable
+from antenna_pin.trajectory import (
+    Trajectory,
+    blow_counts,
+    contact_joints,
+    is_lean,
+    names_along,
+)
+
+__all__ = ["Answer", "Line", "answer"]
+
+# Joints with play that have a line of their own: the others share one.
+_JOINTS = 3
+
+
+class Line(NamedTuple):
+    """One thing that is said of a run.
+
+    Attributes:
+        about: What it is about, such as the name of a joint.
+        text: What is said of it.
+    """
+
+    about: str
+    text: str
+
+
+class Answer(NamedTuple):
+    """A run at a glance.
+
+    Attributes:
+        title: What was run.
+        ended: How it ended.
+        lines: What has happened, at most nine.
+    """
+
+    title: str
+    ended: str
+    lines: tuple[Line, ...]
+
+
+@takes()
+def answer(run: Trajectory) -> Answer:
+    """Return what a run has come to: blows, peaks, losses, pointing, and how well its books close.
+
+    Args:
+        run: The run. Of a lean one there is nothing on how far its journals went.
+    """
+    data, summary = run.data, run.summary()
+    case = f"case {summary['case']}" if summary["case"] else ""
+    title = ", ".join(filter(None, (str(summary["title"]), case)))
+    counts, simulated = run.counts, readable(summary["time"], "s")
+    ended = (
+        f"{summary['outcome'].lower().replace('_', ' ')}, {simulated} simulated in "
+        f"{readable(counts.wall_seconds, 's', 3)}, {counts.accepted:,} steps"
+    )
+    lines = (*_joints(data), *_elements(summary), *_held(summary), *_pointing(run), _books(data, summary))
+    return Answer(title or "a system built in Python", ended, lines)
+
+
+def _joints(data: xr.Dataset) -> Iterator[Line]:
+    """Yield what the joints with play took, the hardest hit first."""
+    yield from _of_hits([_Hit.of(data, name) for name in names_along(data, "clearance_joint")])
+
+
+def _of_hits(hits: Sequence[_Hit]) -> Iterator[Line]:
+    told = sorted(hits, key=lambda hit: -hit.force)
+    own = _JOINTS if len(told) > _JOINTS + 1 else len(told)
+    for hit in told[:own]:
+        yield Line(hit.joint, hit.words)
+    if others := told[own:]:
+        blows, lost = sum(hit.blows for hit in others), sum(hit.lost for hit in others)
+        text = f"{_counted(blows, 'blow')}, at most {readable(others[0].force, 'N')}; {_lost(lost)}"
+        yield Line(f"{len(others)} other joints with play", text)
+
+
+class _Hit(NamedTuple):
+    """What a joint with play took."""
+
+    joint: str
+    blows: int
+    force: float
+    lost: float
+    words: str
+
+    @classmethod
+    def of(cls, data: xr.Dataset, joint: str) -> _Hit:
+        """Return that of a joint by name."""
+        owners = list(contact_joints(data).values())
+        contacts = [k for k, owner in enumerate(owners) if owner == joint]
+        blows = sum(n for name, n in blow_counts(data).items() if name.rpartition(".")[0] == joint)
+        mine = np.isin(data["episode_contact"].values, contacts)
+        losses = (data[name].values[contacts] for name in ("total_normal_loss", "total_friction_loss"))
+        lost = float(sum(one.sum() for one in losses))
+        if not mine.any():
+            return cls(joint, 0, 0.0, lost, f"no contact{_apart(data, joint)}")
+        forces = data["peak_force"].values[mine]
+        force, depth = float(forces.max()), float(data["peak_depth"].values[mine].max())
+        when = float(data["peak_time"].values[mine][int(forces.argmax())])
+        at = f" at {readable(when, 's', 6)}" if np.isfinite(when) else ""
+        text = (
+            f"{_counted(blows, 'blow')}, at most {readable(force, 'N')}{at}, {readable(depth, 'm', 3)} deep"
+        )
+        return cls(joint, blows, force, lost, f"{text}; {_lost(lost)}{_apart(data, joint)}")
+
+
+def _apart(data: xr.Dataset, joint: str) -> str:
+    """Return how far a journal was from where an ideal joint has it."""
+    if is_lean(data) or "journal_position" not in data:
+        return ""
+    place = names_along(data, "clearance_joint").index(joint)
+    part = LOOKS[json.loads(data.attrs["clearance_joints"])[joint]["kind"]].picture
+    # Along a guide a slider is to move, and a ball is to turn.
+    axes = 2 if part in ("slider", "rod") else 3
+    off = float(np.linalg.norm(data["journal_position"].values[:, place, :axes], axis=-1).max())
+    text = f"; {part} up to {readable(off, 'm', 3)} off"
+    if "journal_tilt" in data and part != "ball":
+        tilt = float(np.abs(data["journal_tilt"].values[:, place]).max())
+        text += f", {readable(tilt, 'rad', 3)} askew" if tilt > 0.0 else ""
+    return text
+
+
+def _elements(summary: Mapping[str, Any]) -> Iterator[Line]:
+    """Yield what stops and latches met."""
+    stops = summary.get("stops", {})
+    if stops:
+        touches = sum(one["touches"] for one in stops.values())
+        name, hardest = max(stops.items(), key=lambda item: item[1]["fastest_touch"])
+        unit = "m/s" if "peak_force" in hardest else "rad/s"
+        text = _counted(touches, "touch", "touches")
+        if touches:
+            text += f", fastest {readable(hardest['fastest_touch'], unit)} at {name}"
+            text += f"; {_lost(sum(one['element_loss'] for one in stops.values()))}"
+        yield Line("stops", text)
+    latches = summary.get("latches", {})
+    if latches:
+        caught = {name: one["last_capture"] for name, one in latches.items() if one["captures"]}
+        refused = sum(one["refusals"] for one in latches.values())
+        text = f"{len(caught)} of {len(latches)} latched"
+        if caught:
+            last = max(caught, key=lambda name: caught[name])
+            text += f", the last ({last}) at {readable(caught[last], 's', 6)}"
+        yield Line("latches", text + (f"; {_counted(refused, 'refusal')}" if refused else ""))
+
+
+def _held(summary: Mapping[str, Any]) -> Iterator[Line]:
+    """Yield what closures carried, and how well they were held."""
+    closures = summary.get("closures", {})
+    if closures:
+        name = max(closures, key=lambda one: closures[one]["peak_force"])
+        force = readable(closures[name]["peak_force"], "N")
+        held = readable(summary["constraints"]["position_residual"], "m", 2)
+        yield Line("closures", f"at most {force}, at {name}; held to {held}")
+
+
+def _pointing(run: Trajectory) -> Iterator[Line]:
+    """Yield how far off an antenna looked, where its scenario commands a direction."""
+    data = run.data
+    if is_lean(data) or not _is_commanded(run):
+        return
+    # Rotations by SciPy, and the mechanism: longer to load than all else here.
+    from antenna_pin.analysis.pointing import pointing_error
+
+    error = pointing_error(run)["half_cone"].values
+    when = float(data["time"].values[int(error.argmax())])
+    rms = readable(float(np.sqrt(np.mean(error**2))), "rad", 3)
+    most = readable(float(error.max()), "rad", 3)
+    yield Line("pointing", f"off by at most {most} at {readable(when, 's', 6)}, rms of samples {rms}")
+
+
+def _is_commanded(run: Trajectory) -> bool:
+    """Whether the scenario says where something is to look; of one in a file nothing else is read."""
+    if run.scenario is not None:
+        return run.scenario.pointing is not None and run.scenario.pointing.commanded != "ideal"
+    text = str(run.data.attrs.get("scenario") or "{}")
+    return bool(((json.loads(text) or {}).get("pointing") or {}).get("commanded", "ideal") != "ideal")
+
+
+def _books(data: xr.Dataset, summary: Mapping[str, Any]) -> Line:
+    """Return what drives did, and how well energy and momentum are kept."""
+    kept = summary["conservation"]
+    done = (
+        f"drives did {readable(float(data['total_work'].values.sum()), 'J')}; " if kept["gross_work"] else ""
+    )
+    text = f"{done}balance closes to {readable(kept['energy_error'], 'J', 2)}"
+    if kept["energy_error_relative"] is not None:
+        text += f", {number(kept['energy_error_relative'], 2)} of the {kept['energy_scale_of']}"
+    drifts = [kept[f"{name}_momentum_drift_relative"] for name in ("linear", "angular")]
+    if all(one is not None for one in drifts):
+        linear, angular = (number(one, 2) for one in drifts)
+        text += f"; momentum kept to {linear} (linear), {angular} (angular)"
+    return Line("energy", text)
+
+
+def _counted(count: int, one: str, many: str = "") -> str:
+    return f"{count} {one if count == 1 else many or one + 's'}"
+
+
+def _lost(energy: float) -> str:
+    return f"{readable(energy, 'J', 3)} lost"

@@ -1,0 +1,92 @@
+"""A run at a glance says what its numbers are, in few lines."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from antenna_pin import list_scenarios, load_scenario, simulate
+from antenna_pin.analysis import answer
+from antenna_pin.readable import readable
+from antenna_pin.trajectory import Trajectory
+
+
+@pytest.fixture(scope="module")
+def antenna():
+    return simulate(load_scenario("bai2020", case="case3", overrides=["duration=0.05"]))
+
+
+def told(run):
+    """What is said about each thing."""
+    return {line.about: line.text.replace("\N{NO-BREAK SPACE}", " ") for line in answer(run).lines}
+
+
+def test_a_joint_says_its_hardest_blow_when_it_was_and_what_was_lost(antenna):
+    data = antenna.data
+    hardest = int(data["peak_force"].values.argmax())
+    text = told(antenna)["elevation"]
+    for name, unit, digits in (("peak_force", "N", 4), ("peak_time", "s", 6)):
+        said = readable(float(data[name][hardest]), unit, digits).replace("\N{NO-BREAK SPACE}", " ")
+        assert said in text, name
+    lost = float(data["total_normal_loss"].sum() + data["total_friction_loss"].sum())
+    assert f"; {readable(lost, 'J', 3)} lost".replace("\N{NO-BREAK SPACE}", " ") in text
+    off = float(np.linalg.norm(data["journal_position"], axis=-1).max())
+    assert f"journal up to {readable(off, 'm', 3)} off".replace("\N{NO-BREAK SPACE}", " ") in text
+
+
+def test_the_books_are_those_of_the_summary(antenna):
+    kept = antenna.summary()["conservation"]
+    text = told(antenna)["energy"]
+    assert f"{readable(kept['energy_error'], 'J', 2)}".replace("\N{NO-BREAK SPACE}", " ") in text
+    assert "of the gross work of the drives; momentum kept to " in text
+
+
+def test_what_is_let_go_is_measured_by_its_kinetic_energy():
+    run = simulate(load_scenario("pendulum", case="contact", overrides=["duration=0.05"]))
+    kept = run.summary()["conservation"]
+    largest = float(run.data["kinetic_energy"].max())
+    assert kept["gross_work"] == 0.0 and kept["energy_scale"] == largest
+    assert kept["energy_error_relative"] == kept["energy_error"] / largest < 1e-6
+    assert "of the largest kinetic energy" in told(run)["energy"]
+
+
+def test_many_joints_share_a_line():
+    run = simulate(load_scenario("solar_array", case="play", overrides=["duration=5 ms"]))
+    assert len([about for about in told(run) if about in ("root", "first", "second", "third")]) == 4
+    # Five or more: three lines of their own, and one for the rest.
+    from antenna_pin.analysis import at_a_glance
+
+    hits = [at_a_glance._Hit(f"j{k}", k, 10.0 * k, 0.5, "hit") for k in range(6)]
+    lines = list(at_a_glance._of_hits(hits))
+    assert [line.about for line in lines] == ["j5", "j4", "j3", "3 other joints with play"]
+    assert lines[-1].text.replace("\N{NO-BREAK SPACE}", " ") == "3 blows, at most 20 N; 1.5 J lost"
+
+
+def test_a_commanded_antenna_says_how_far_off_it_looks(antenna, tmp_path):
+    from antenna_pin.analysis import pointing_error
+
+    overrides = ["duration=0.01", "pointing.commanded=world", "pointing.direction=[1, 0, 0]"]
+    run = simulate(load_scenario("bai2020", case="case1", overrides=overrides))
+    most = float(pointing_error(run)["half_cone"].max())
+    said = f"off by at most {readable(most, 'rad', 3)}".replace("\N{NO-BREAK SPACE}", " ")
+    assert told(run)["pointing"].startswith(said)
+    file = run.save(tmp_path / "run.nc")
+    assert told(Trajectory.load(file, scenario=False)) == told(run)
+    assert "pointing" not in told(antenna)
+
+
+def test_a_lean_run_says_what_it_knows(antenna):
+    lean = simulate(load_scenario("bai2020", case="case3", overrides=["duration=0.05", "output.form=lean"]))
+    full, short = told(antenna)["elevation"], told(lean)["elevation"]
+    assert full.startswith(short) and "off" not in short
+
+
+@pytest.mark.parametrize("name", [one.name for one in list_scenarios()])
+def test_every_shipped_case_is_told_in_ten_lines(name):
+    """With title and the line of the file these are twelve at most."""
+    for case, _ in next(one.cases for one in list_scenarios() if one.name == name):
+        scenario = load_scenario(name, case=case)
+        run = simulate(scenario, duration=min(2e-3, scenario.duration))
+        found = answer(dataclasses.replace(run, scenario=None))
+        assert 1 <= len(found.lines) <= 10 and all(line.about and line.text for line in found.lines)
+        assert found.title and "simulated in" in found.ended
