@@ -6,7 +6,9 @@ from collections import Counter
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from antenna_pin.cli._tables import number_text
+from antenna_pin.cli._common import say
+from antenna_pin.cli._tables import number_text, print_rows
+from antenna_pin.readable import number, prefixed
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -14,6 +16,7 @@ if TYPE_CHECKING:
     from antenna_pin.sweep import Design
 
 _SHOWN = 12  # runs of a dry run's table
+_GRID = 40  # runs of a grid, a row each
 
 
 def run_rows(design: Design) -> tuple[list[str], list[list[str]]]:
@@ -49,6 +52,60 @@ def outcome_rows(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:
         mean = float(mine.mean()) if np.isfinite(mine).all() else float("nan")
         rows.append([outcome, str(count), number_text(mean) if np.isfinite(mean) else ""])
     return ["", "runs", "time of one [s]"], rows
+
+
+def is_grid(table: xr.Dataset) -> bool:
+    """Whether all combinations of chosen values were run; statistics say something of drawn ones only."""
+    return str(table.attrs["method"]) == "grid"
+
+
+def grid_rows(table: xr.Dataset) -> tuple[list[str], list[list[str]], int]:
+    """Return head and rows of a grid's runs, values against responses, and how many are not shown.
+
+    A column has one prefix for all of its numbers.
+    """
+    like = table["outcome"]
+    head, columns = ["run"], [list(map(str, range(min(like.size, _GRID))))]
+    for name in (*parameters_of(table), *responses_of(table)):
+        values = table[name].broadcast_like(like).transpose(*like.dims).values.ravel()[:_GRID].tolist()
+        units, title = str(table[name].attrs.get("units", "")), name
+        if table[name].dtype.kind in "fi":
+            factor, unit = prefixed(units, values)
+            title += f" [{unit}]" if unit else ""
+            columns.append([number(float(value) * factor) for value in values])
+        else:
+            columns.append(list(map(str, values)))
+        head.append(title)
+    outcomes = like.values.ravel()[:_GRID].tolist()
+    if set(outcomes) != {"COMPLETED"}:
+        head.append("outcome")
+        columns.append(outcomes)
+    return head, [list(row) for row in zip(*columns, strict=True)], max(like.size - _GRID, 0)
+
+
+def print_grid(name: str, table: xr.Dataset) -> None:
+    """Print what the runs of a grid came to, a row each."""
+    head, rows, more = grid_rows(table)
+    print_rows(f"{name}: {table['outcome'].size} runs", head, rows)
+    if more:
+        say(f"... and {more} more; --csv of antenna-pin study show has all")
+
+
+def responses_of(table: xr.Dataset) -> list[str]:
+    """Return the names of a study's responses."""
+    import json
+
+    return list(json.loads(table.attrs["responses"]))
+
+
+def print_outcomes(name: str, table: xr.Dataset) -> None:
+    """Print how runs ended: in a line where all came to their end."""
+    head, rows = outcome_rows(table)
+    if len(rows) == 1 and rows[0][0] == "COMPLETED":
+        said = f", {rows[0][2]} s each" if rows[0][2] else ""
+        say(f"{name}: {table['outcome'].size} runs completed{said}")
+    else:
+        print_rows(f"{name}: how {table['outcome'].size} runs ended", head, rows)
 
 
 def failures(table: xr.Dataset) -> Iterator[tuple[int, str, str, str]]:

@@ -21,7 +21,14 @@ from antenna_pin.cli._common import (
     writable_file,
 )
 from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, exported
-from antenna_pin.cli._study_tables import failures, outcome_rows, parameters_of
+from antenna_pin.cli._study_tables import (
+    failures,
+    is_grid,
+    parameters_of,
+    print_grid,
+    print_outcomes,
+    responses_of,
+)
 from antenna_pin.cli._tables import number_text, print_rows
 from antenna_pin.errors import UnknownNameError
 
@@ -68,7 +75,7 @@ def show(
         exported({"file": str(store), **about, "runs": rows}, rows, as_json, target)
         return
     name = json.loads(table.attrs["study"])["name"]
-    print_rows(f"{name}: how {table['outcome'].size} runs ended", *outcome_rows(table))
+    print_outcomes(name, table)
     bad = list(failures(table))
     if bad:
         shown = bad if failed else bad[:_FAILURES]
@@ -76,9 +83,12 @@ def show(
         print_rows(f"{name}: what did not reach its end", ("run", "", "outcome", "why"), rows_, numbers=False)
         if len(bad) > len(shown):
             typer.echo(f"... and {len(bad) - len(shown)} more; --failed lists all")
+    if is_grid(table):
+        print_grid(name, table)
+        return
     head = ("", "smallest", *(f"{100.0 * share:g} %" for share in _SHARES), "largest", "mean")
     rows_ = []
-    for response in _responses(table):
+    for response in responses_of(table):
         values = np.ravel(table[response].values).astype(float)
         values = values[np.isfinite(values)]
         if values.size:
@@ -87,7 +97,7 @@ def show(
             rows_.append([_with_unit(table[response]), *(number_text(float(one)) for one in numbers)])
     print_rows(f"{name}: responses", head, rows_)
     if table.attrs["method"] in ("morris", "saltelli"):
-        for response in _responses(table):
+        for response in responses_of(table):
             found = sensitivities(table, response)
             columns = list(map(str, found.data_vars))
             lines = [
@@ -157,17 +167,13 @@ def _figures(table: xr.Dataset) -> dict[str, tuple[str, Any]]:
 
     found = {one.name: (one.title, one.draw) for one in study_figures(table)}
     if table.attrs["method"] in ("morris", "saltelli"):
-        for response in _responses(table):
+        for response in responses_of(table):
 
             def drawn(name: str = response, **more: Any) -> Any:
                 return study_sensitivities(sensitivities(table, name), name, **more)
 
             found[f"{response}-sensitivities"] = (f"{response}: what it depends on", drawn)
     return found
-
-
-def _responses(table: xr.Dataset) -> list[str]:
-    return list(json.loads(table.attrs["responses"]))
 
 
 def _with_unit(response: xr.DataArray) -> str:
@@ -180,7 +186,7 @@ def _rows(table: xr.Dataset) -> list[dict[str, Any]]:
     import numpy as np
 
     like = table["outcome"]
-    names = ["run", *parameters_of(table), *_responses(table), "outcome", "message", "end_time", "steps"]
+    names = ["run", *parameters_of(table), *responses_of(table), "outcome", "message", "end_time", "steps"]
     names += ["evaluations", "seed", "wall_time"]
     columns = {
         name: np.ravel(table[name].broadcast_like(like).transpose(*like.dims).values).tolist()

@@ -10,7 +10,7 @@ import typer
 
 from antenna_pin.cli._common import complain, refuse, say
 from antenna_pin.cli._progress import study_bar
-from antenna_pin.cli._study_tables import outcome_rows, run_rows, said_of_time
+from antenna_pin.cli._study_tables import is_grid, print_grid, print_outcomes, run_rows, said_of_time
 from antenna_pin.cli._tables import print_rows
 
 if TYPE_CHECKING:
@@ -98,7 +98,9 @@ def sweep(
                 f"with each run: antenna-pin study show {table.attrs['path']} --csv runs.csv"
             )
     if not quiet:
-        print_rows(f"{loaded.name}: how {table['outcome'].size} runs ended", *outcome_rows(table))
+        if is_grid(table):
+            print_grid(loaded.name, table)
+        print_outcomes(loaded.name, table)
         say(f"saved {table.attrs['path']}")
 
 

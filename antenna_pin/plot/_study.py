@@ -10,21 +10,36 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
+from matplotlib.ticker import NullLocator
 
 from antenna_pin.errors import UnknownNameError
 from antenna_pin.plot._style import Array, literal, prefixed
 
-__all__ = ["Quantity", "broken", "label_axis", "left_out", "names_of", "quantity_of"]
+__all__ = ["Quantity", "broken", "cell_edges", "label_axis", "left_out", "names_of", "quantity_of"]
+
+# Values of a parameter that its axis has room for.
+_MOST_TICKS = 7
 
 
 @dataclass(frozen=True, slots=True)
 class Quantity:
-    """A parameter or response of all runs, in a unit that suits it."""
+    """A parameter or response of all runs, in a unit that suits it.
+
+    Attributes:
+        name: Its name.
+        label: What its axis is called, with the unit.
+        values: Of all runs, (runs,).
+        texts: Of a parameter that is words.
+        ticks: The values of a parameter that has few.
+        logarithmic: Whether it is a parameter whose values are spaced by factors.
+    """
 
     name: str
     label: str
     values: Array
     texts: tuple[str, ...] = ()
+    ticks: tuple[float, ...] = ()
+    logarithmic: bool = False
 
 
 def names_of(study: xr.Dataset, what: str) -> list[str]:
@@ -49,8 +64,35 @@ def quantity_of(study: xr.Dataset, name: str) -> Quantity:
         )
     values = np.ravel(found.broadcast_like(like).transpose(*like.dims).values).astype(float)
     sizes = np.abs(values[np.isfinite(values)])
-    factor, unit = prefixed(str(found.attrs.get("units", "")), float(sizes.max()) if sizes.size else 0.0)
-    return Quantity(name, f"{text} [{unit}]" if unit not in ("", "-", "1") else text, factor * values)
+    chosen = name in names_of(study, "parameters")
+    by_factors = chosen and is_spaced_by_factors(values)
+    # On a logarithmic axis the middle is what is read, on another its end.
+    size = float(np.median(sizes) if by_factors else sizes.max()) if sizes.size else 0.0
+    factor, unit = prefixed(str(found.attrs.get("units", "")), size)
+    label = f"{text} [{unit}]" if unit not in ("", "-", "1") else text
+    own = np.unique(factor * values[np.isfinite(values)])
+    ticks = tuple(own.tolist()) if chosen and own.size <= _MOST_TICKS else ()
+    return Quantity(name, label, factor * values, ticks=ticks, logarithmic=by_factors)
+
+
+def is_spaced_by_factors(values: Array) -> bool:
+    """Whether values lie more evenly by their logarithms, over a decade or nearly so."""
+    own = np.unique(values[np.isfinite(values)])
+    if own.size < 3 or own[0] <= 0.0 or own[-1] < 8.0 * own[0]:
+        return False
+    steps, factors = np.diff(own), np.diff(np.log(own))
+    return bool(np.std(factors) / np.mean(factors) < np.std(steps) / np.mean(steps))
+
+
+def cell_edges(values: Array, logarithmic: bool) -> Array:
+    """Return the edges of cells around ascending values, halfway between two, by factors or not."""
+    own = np.log(values) if logarithmic else values
+    middles = 0.5 * (own[1:] + own[:-1])
+    if not middles.size:
+        edges = own[0] + max(0.5 * abs(own[0]), 0.5) * np.array([-1.0, 1.0])
+    else:
+        edges = np.concatenate([[2.0 * own[0] - middles[0]], middles, [2.0 * own[-1] - middles[-1]]])
+    return np.exp(edges) if logarithmic else edges
 
 
 def left_out(*quantities: Quantity) -> tuple[Any, str]:
@@ -68,6 +110,12 @@ def broken(label: str, length: int = 32) -> str:
 def label_axis(axes: Axes, quantity: Quantity, along: str) -> None:
     """Label an axis; a parameter of words has them as ticks."""
     (axes.set_xlabel if along == "x" else axes.set_ylabel)(broken(quantity.label))
+    if quantity.logarithmic:
+        (axes.set_xscale if along == "x" else axes.set_yscale)("log")
+    if quantity.ticks:
+        axis = axes.xaxis if along == "x" else axes.yaxis
+        axis.set_minor_locator(NullLocator())
+        axis.set_ticks(quantity.ticks, [f"{value:.4g}" for value in quantity.ticks])
     if quantity.texts:
         axis = axes.xaxis if along == "x" else axes.yaxis
         axis.set_ticks(np.arange(len(quantity.texts)), [literal(text) for text in quantity.texts])

@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from antenna_pin.arguments import takes
-from antenna_pin.plot._study import broken, label_axis, left_out, names_of, quantity_of
+from antenna_pin.plot._study import broken, cell_edges, label_axis, left_out, names_of, quantity_of
 from antenna_pin.plot._style import (
     COLOURS,
     PEAK,
@@ -104,7 +104,7 @@ def study_response(study: xr.Dataset, response: str, parameter: str, *, width: W
         legend_above(figure, [axes])
     label_axis(axes, x, "x")
     label_axis(axes, y, "y")
-    if not x.texts:
+    if not x.texts and not x.ticks:
         few_ticks(axes)
     footnote(figure, said)
     return figure
@@ -154,9 +154,8 @@ def study_map(
         columns, rows = np.unique(x.values), np.unique(y.values)
         field = np.full((rows.size, columns.size), np.nan)
         field[np.searchsorted(rows, y.values), np.searchsorted(columns, x.values)] = z.values
-        shown: Any = axes.pcolormesh(
-            columns, rows, np.ma.masked_invalid(field), cmap=SEQUENTIAL, shading="nearest"
-        )
+        edges = (cell_edges(columns, x.logarithmic), cell_edges(rows, y.logarithmic))
+        shown: Any = axes.pcolormesh(*edges, np.ma.masked_invalid(field), cmap=SEQUENTIAL)
         if min(field.shape) > 1 and np.isfinite(field).all() and np.ptp(field) > 0.0:
             lines = axes.contour(columns, rows, field, levels=6, colors="white", linewidths=0.7)
             axes.clabel(lines, fmt="%.4g", fontsize=6.0)
