@@ -27,6 +27,7 @@ from antenna_pin.parameters import attribute_docs, parameters_of
 from antenna_pin.scenario import (
     DRIVE_SPECS,
     FAMILY_SPECS,
+    REFERENCE_SPECS,
     SPRING_SPECS,
     AnchorSpec,
     AngleEvent,
@@ -198,6 +199,20 @@ def drive_rows() -> list[str]:
         for line in rows(cls, without=("joint", "axis", "on", "motion", "kind")):
             # A list that a file may give instead is required unless there is one.
             line = re.sub(r"(\| list of [^|]*\|) required", r"\1 unless `file`", line)
+            lines.append(line.replace("| `", f"| `{kind}`: `", 1))
+    return lines
+
+
+def reference_rows() -> list[str]:
+    """Return the rows of a reference: its kind, then what each kind has."""
+    lines = [f"| `kind` | {', '.join(f'`{kind}`' for kind in REFERENCE_SPECS)} | required | What it is |"]
+    for kind, cls in REFERENCE_SPECS.items():
+        for line in rows(cls, without=("motion", "kind")):
+            line = (
+                re.sub(r"(\| list of [^|]*\|) required", r"\1 unless `file`", line)
+                if kind == "table"
+                else line
+            )
             lines.append(line.replace("| `", f"| `{kind}`: `", 1))
     return lines
 
@@ -393,6 +408,12 @@ def scenario_table() -> str:
             "The rotor of a motor: a body of its own on a joint `NAME_rotor`, geared to the joint, with a"
             " moment of inertia about the axis alone: what the joint, its carrier and gyroscopic"
             " torques feel of it is exact.",
+        ),
+        section(
+            "[references.NAME]",
+            reference_rows(),
+            'A course over time that a drive follows, by `follows = "NAME"` of `motion` and `pd`'
+            " ([more](references.md)). Units are those of the joint that follows it.",
         ),
         section("[drives.NAME]", drive_rows()),
         *spring_sections(),

@@ -6,6 +6,7 @@ from typing import Any
 
 from antenna_pin.assemble.closures import link_of
 from antenna_pin.assemble.places import check_known, check_motion
+from antenna_pin.assemble.references import reference_for
 from antenna_pin.mechanism import Mechanism
 from antenna_pin.scenario import JointsSpec, PointsSpec, Scenario
 
@@ -35,6 +36,9 @@ def elements_of(scenario: Scenario, mechanism: Mechanism, family: str) -> dict[s
         else:
             place = (family, name)
             check_known(scenario, [spec.joint], "moving joint", mechanism.joints, *place, "joint")
-            check_motion(scenario, mechanism.joint(spec.joint), spec.motion, *place)
-            found[name] = spec.build()
+            slot = mechanism.joint(spec.joint)
+            check_motion(scenario, slot, spec.motion, *place)
+            follows = getattr(spec, "follows", None)
+            more = {} if follows is None else {"follows": reference_for(scenario, follows, slot)}
+            found[name] = spec.build(**more)
     return found

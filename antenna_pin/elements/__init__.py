@@ -10,6 +10,7 @@ from antenna_pin.elements.bouc_wen import BoucWen
 from antenna_pin.elements.capture import Capture
 from antenna_pin.elements.constant import ConstantDrive
 from antenna_pin.elements.constant_spring import ConstantSpring
+from antenna_pin.elements.courses import Chirp, Constant, Polynomial, Ramp, Sine, Sines, Sum, Table
 from antenna_pin.elements.element import GROSS_WORK, LOSS, WORK, About, Drive, Element, ForceElement, Integral
 from antenna_pin.elements.given import CallableDrive
 from antenna_pin.elements.harness import HarnessSpring
@@ -22,6 +23,8 @@ from antenna_pin.elements.modal import Change, Met, Modal
 from antenna_pin.elements.pd import PDController
 from antenna_pin.elements.point_spring import PointSpring
 from antenna_pin.elements.prescribed import CallableMotion, DistanceMotion, Motion, PrescribedMotion
+from antenna_pin.elements.reference import Reference
+from antenna_pin.elements.reference_registry import REFERENCES
 from antenna_pin.elements.registry import (
     DRIVES,
     ELEMENTS,
@@ -34,6 +37,7 @@ from antenna_pin.elements.registry import (
 from antenna_pin.elements.rigid_latch import RigidLatch
 from antenna_pin.elements.rigid_stop import RigidStop
 from antenna_pin.elements.sine import SineDrive
+from antenna_pin.elements.slews import RestToRest, SCurve, Slew, Trapezoid
 from antenna_pin.elements.spring import JointSpring
 from antenna_pin.elements.sticking_friction import StickingFriction
 from antenna_pin.elements.stop import EndStop
@@ -41,6 +45,20 @@ from antenna_pin.elements.tabulated import TableDrive
 from antenna_pin.elements.together import check_together
 
 __all__ = [
+    "Trapezoid",
+    "Slew",
+    "SCurve",
+    "RestToRest",
+    "Reference",
+    "Table",
+    "Sum",
+    "Sines",
+    "Sine",
+    "Ramp",
+    "Polynomial",
+    "Constant",
+    "Chirp",
+    "REFERENCES",
     "DRIVES",
     "ELEMENTS",
     "FAMILIES",

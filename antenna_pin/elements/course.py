@@ -8,10 +8,16 @@ from typing import Any, ClassVar, Literal
 
 from antenna_pin.elements.curve import Interpolation, check_covers, check_table, cubics, points_and_middles
 from antenna_pin.elements.element import ForceElement
+from antenna_pin.elements.reference import Reference
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.readable import GIVEN, number
 
 __all__ = ["Course", "Swing"]
+
+
+def eighth_of_period(frequency: float | None) -> float:
+    """Return the step that resolves what swings [s]; infinite where nothing does."""
+    return math.inf if frequency is None else 0.125 / frequency
 
 
 class Swing(ForceElement):
@@ -25,7 +31,7 @@ class Swing(ForceElement):
     @property
     def longest_step(self) -> float:
         """An eighth of the period [s]."""
-        return math.inf if self.frequency is None else 0.125 / self.frequency
+        return eighth_of_period(self.frequency)
 
     @property
     def angular_frequency(self) -> float:
@@ -45,11 +51,12 @@ class Swing(ForceElement):
 class Course(Swing):
     r"""Base of the elements that follow a course over time.
 
-    .. math:: \phi_0 + \omega t + A \sin(2 \pi f t + \varphi) + \text{table}(t)
+    .. math:: \phi_0 + \omega t + A \sin(2 \pi f t + \varphi) + \text{table}(t) + \text{reference}(t)
     """
 
     __slots__ = ()
 
+    follows: Reference | None
     rate: float
     amplitude: float
     phase: float
@@ -64,8 +71,15 @@ class Course(Swing):
 
     @property
     def instants(self) -> tuple[float, ...]:
-        """Points of the table, where a derivative jumps, and the middles between them [s]."""
-        return () if self.time is None else points_and_middles(self.time)
+        """Points of the table, where a derivative jumps, middles between them, those of a reference [s]."""
+        own = () if self.time is None else points_and_middles(self.time)
+        return own if self.follows is None else tuple(sorted({*own, *self.follows.instants}))
+
+    @property
+    def longest_step(self) -> float:
+        """An eighth of the period, and what resolves the reference that it follows [s]."""
+        own = eighth_of_period(self.frequency)
+        return own if self.follows is None else min(own, self.follows.longest_step)
 
     def check_course(self) -> None:
         """Refuse a course of which something is missing."""
@@ -84,6 +98,8 @@ class Course(Swing):
         """Refuse a run that the table does not cover."""
         if self.time is not None:
             check_covers(self.time, place, begin, end)
+        if self.follows is not None:
+            check_covers(self.follows.known, f"{place}: reference", begin, end)
 
     def values(self) -> dict[str, Any]:
         """Return the numbers of the course, by the names that records have for them."""
@@ -94,13 +110,17 @@ class Course(Swing):
             "angular_frequency": self.angular_frequency,
             "phase": self.phase,
             "points": 0 if self.time is None else len(self.time),
+            "terms": len(self._terms()),
         }
 
     def tail(self) -> tuple[float, ...]:
-        """Return the curve through the points of the table."""
+        """Return the terms of what it follows, then the curve through the points of the table."""
         if self.time is None:
-            return ()
-        return cubics(self.time, getattr(self, self.columns[1]), self.joined)
+            return self._terms()
+        return (*self._terms(), *cubics(self.time, getattr(self, self.columns[1]), self.joined))
+
+    def _terms(self) -> tuple[float, ...]:
+        return () if self.follows is None else self.follows.terms()
 
     def course_words(self, slides: bool, powers: Sequence[str] = ()) -> str:
         """Return the parts of the course in words.
@@ -120,4 +140,6 @@ class Course(Swing):
         if self.time is not None:
             where = "" if self.file is None else f" of {self.file}"
             parts.append(f"a table{where} of {len(self.time)} points")
+        if self.follows is not None:
+            parts.append(self.follows.words(slides))
         return " + ".join(parts)

@@ -76,7 +76,10 @@ def points_and_middles(time: Sequence[float]) -> tuple[float, ...]:
 
 
 def cubics(
-    time: Sequence[float], values: Sequence[float], interpolation: Interpolation | Literal["smooth"]
+    time: Sequence[float],
+    values: Sequence[float],
+    interpolation: Interpolation | Literal["smooth"],
+    periodic: bool = False,
 ) -> tuple[float, ...]:
     """Return a curve through points as kernels take it: the times, then four coefficients for each interval.
 
@@ -86,6 +89,7 @@ def cubics(
         interpolation: "linear", or "cubic" (monotone between points: no overshoot; its slope is continuous),
             or "smooth" (a spline whose second derivative is continuous, too; its third at the second and the
             last but one point).
+        periodic: Whether a smooth one comes again after its last point, and is smooth there too.
     """
     import numpy as np
 
@@ -102,7 +106,7 @@ def cubics(
         with warnings.catch_warnings():
             # Of three points; its rows differ in size by that of the steps, which does no harm.
             warnings.simplefilter("ignore", LinAlgWarning)
-            coefficients = CubicSpline(t, y, bc_type="not-a-knot").c.T
+            coefficients = CubicSpline(t, y, bc_type="periodic" if periodic else "not-a-knot").c.T
     else:
         coefficients = np.zeros((t.size - 1, 4))
         coefficients[:, 2] = np.diff(y) / np.diff(t)

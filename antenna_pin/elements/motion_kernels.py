@@ -8,9 +8,11 @@ from typing import Any
 from antenna_pin._compile import inlined, record
 from antenna_pin.elements.curve_kernels import curvature, curve
 from antenna_pin.elements.ledger_kernels import write_work
+from antenna_pin.elements.term_kernels import course
 from antenna_pin.records import layout, words_of
 
-#: Behind it stand the coefficients of t^2 and higher powers, then, if it has points, the curve through them.
+#: Behind it stand the coefficients of t^2 and higher powers, then ``terms`` words of what it follows, then,
+#: if it has points, the curve through them.
 LAYOUT = layout(
     ("position", "f8"),
     ("rate", "f8"),
@@ -19,6 +21,7 @@ LAYOUT = layout(
     ("phase", "f8"),
     ("powers", "i8"),
     ("points", "i8"),
+    ("terms", "i8"),
 )
 SIZE = words_of(LAYOUT)
 # Its power is known once the forces of constraint are.
@@ -40,8 +43,14 @@ def motion(words: Any, at: int, t: float) -> tuple[float, float, float]:
     position = m.position + m.rate * t + value * t * t + sine
     rate = m.rate + (slope * t + 2.0 * value) * t + m.angular_frequency * cosine
     acceleration = (bend * t + 4.0 * slope) * t + 2.0 * value - m.angular_frequency**2 * sine
+    start = at + SIZE + m.powers
+    if m.terms > 0:
+        own = course(words, start, start + m.terms, t)
+        position += own[0]
+        rate += own[1]
+        acceleration += own[2]
+        start += m.terms
     if m.points > 0:
-        start = at + SIZE + m.powers
         along, speed = curve(words, start, m.points, t)
         position += along
         rate += speed

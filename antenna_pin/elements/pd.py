@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 from antenna_pin.elements.course import Course
 from antenna_pin.elements.curve import Interpolation
 from antenna_pin.elements.element import Drive
+from antenna_pin.elements.reference import Reference
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.parameters import check, parameter
 
@@ -21,7 +22,7 @@ class PDController(Course, Drive):
 
     .. math:: \tau = k_p (\phi_r - \phi) + k_d (\dot\phi_r - \dot\phi), \quad |\tau| \le \tau_{max}
 
-    .. math:: \phi_r = \phi_0 + \omega t + A \sin(2 \pi f t + \varphi) + \text{table}(t)
+    .. math:: \phi_r = \phi_0 + \omega t + A \sin(2 \pi f t + \varphi) + \text{table}(t) + \text{reference}(t)
 
     with the reference's exact derivative. At a joint with play phi is the motion angle. Angles count whole
     turns. Where the torque reaches its limit or leaves it, it has a kink; steps end there.
@@ -30,6 +31,7 @@ class PDController(Course, Drive):
         kp: Proportional gain [N*m/rad] ([N/m]).
         kd: Derivative gain [N*m*s/rad] ([N*s/m]).
         limit: Largest torque either way [N*m] ([N]); None for no limit.
+        follows: A reference, such as a slew; None for none.
         angle: Constant part of the reference, phi_0 [rad] ([m]).
         rate: Of the part that grows with time, omega [rad/s] ([m/s]).
         amplitude: Of the part that swings, A [rad] ([m]).
@@ -51,6 +53,7 @@ class PDController(Course, Drive):
     kp: float = parameter("N*m/rad", sliding="N/m", rule="zero or more", default=0.0)
     kd: float = parameter("N*m*s/rad", sliding="N*s/m", rule="zero or more", default=0.0)
     limit: float | None = parameter("N*m", sliding="N", rule="positive", default=None)
+    follows: Reference | None = None
     angle: float = parameter("rad", sliding="m", default=0.0)
     rate: float = parameter("rad/s", sliding="m/s", default=0.0)
     amplitude: float = parameter("rad", sliding="m", default=0.0)

@@ -8,9 +8,10 @@ from typing import Any
 from antenna_pin._compile import inlined, record
 from antenna_pin.elements.curve_kernels import curve
 from antenna_pin.elements.ledger_kernels import write_work
+from antenna_pin.elements.term_kernels import course
 from antenna_pin.records import layout, words_of
 
-#: Behind it stands, if it has points, the curve through the reference's table.
+#: Behind it stand ``terms`` words of what it follows, then, if it has points, the curve through the table.
 LAYOUT = layout(
     ("kp", "f8"),
     ("kd", "f8"),
@@ -21,6 +22,7 @@ LAYOUT = layout(
     ("angular_frequency", "f8"),
     ("phase", "f8"),
     ("points", "i8"),
+    ("terms", "i8"),
 )
 SIZE = words_of(LAYOUT)
 write_rates = write_work
@@ -34,8 +36,14 @@ def reference(words: Any, at: int, t: float) -> tuple[float, float]:
     turned = omega * t + pd.phase
     angle = pd.angle + pd.rate * t + pd.amplitude * math.sin(turned)
     rate = pd.rate + pd.amplitude * omega * math.cos(turned)
+    start = at + SIZE
+    if pd.terms > 0:
+        own = course(words, start, start + pd.terms, t)
+        angle += own[0]
+        rate += own[1]
+        start += pd.terms
     if pd.points > 0:
-        value, slope = curve(words, at + SIZE, pd.points, t)
+        value, slope = curve(words, start, pd.points, t)
         angle += value
         rate += slope
     return angle, rate

@@ -8,6 +8,7 @@ from typing import Any, ClassVar, Literal
 
 from antenna_pin.elements.course import Course, Swing
 from antenna_pin.elements.element import GROSS_WORK, WORK, Element, Integral
+from antenna_pin.elements.reference import Reference
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.parameters import check, parameter
 from antenna_pin.readable import GIVEN, number
@@ -43,8 +44,10 @@ class PrescribedMotion(Course, Motion):
     .. math::
 
         \phi(t) = \phi_0 + \omega t + \sum_k c_k t^{k + 2} + A \sin(2 \pi f t + \varphi) + \text{table}(t)
+            + \text{reference}(t)
 
     Attributes:
+        follows: A reference, such as a slew; None for none.
         position: Constant part, phi_0 [rad] ([m]).
         rate: Of the part that grows with time, omega [rad/s] ([m/s]).
         coefficients: Of t^2, t^3 and so on, c_k, in SI units [rad/s^2, ...] ([m/s^2, ...]).
@@ -63,6 +66,7 @@ class PrescribedMotion(Course, Motion):
     columns: ClassVar[tuple[str, str]] = ("time", "positions")
     joined: ClassVar[Literal["smooth"]] = "smooth"
 
+    follows: Reference | None = None
     position: float = parameter("rad", sliding="m", default=0.0)
     rate: float = parameter("rad/s", sliding="m/s", default=0.0)
     coefficients: tuple[float, ...] = parameter("1", sizes=(0,), default=())

@@ -92,7 +92,8 @@ def cell_edges(values: Array, logarithmic: bool) -> Array:
         edges = own[0] + max(0.5 * abs(own[0]), 0.5) * np.array([-1.0, 1.0])
     else:
         edges = np.concatenate([[2.0 * own[0] - middles[0]], middles, [2.0 * own[-1] - middles[-1]]])
-    return np.exp(edges) if logarithmic else edges
+    found: Array = np.exp(edges) if logarithmic else edges
+    return found
 
 
 def left_out(*quantities: Quantity) -> tuple[Any, str]:

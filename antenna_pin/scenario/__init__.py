@@ -50,6 +50,7 @@ if TYPE_CHECKING:
     from antenna_pin.scenario.load import load_scenario
     from antenna_pin.scenario.mechanism import JointSpec, LinkSpec, MaterialSpec, MechanismSpec, ShapeSpec
     from antenna_pin.scenario.pointing import OrbitSpec, PointingSpec
+    from antenna_pin.scenario.references import REFERENCE_SPECS, ReferenceSpec
     from antenna_pin.scenario.rotors import RotorSpec
     from antenna_pin.scenario.scenario import Scenario
     from antenna_pin.scenario.shipped import (
@@ -76,6 +77,8 @@ _HOMES = {
     "CouplingSpec": "couplings",
     "DifferentialSpec": "couplings",
     "PlanetarySpec": "couplings",
+    "REFERENCE_SPECS": "references",
+    "ReferenceSpec": "references",
     "RotorSpec": "rotors",
     "DRIVE_SPECS": "drives",
     "FAMILY_SPECS": "drives",
@@ -133,6 +136,8 @@ __all__ = [
     "TouchingSpec",
     "DRIVE_SPECS",
     "FAMILY_SPECS",
+    "REFERENCE_SPECS",
+    "ReferenceSpec",
     "SPRING_SPECS",
     "AnchorSpec",
     "AngleEvent",

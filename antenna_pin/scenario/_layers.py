@@ -10,13 +10,12 @@ from typing import Any, TypeVar
 
 from pydantic import ValidationError
 
-from antenna_pin.elements import FAMILIES
 from antenna_pin.errors import ScenarioError, nearest
 from antenna_pin.files import absence, decoded
 from antenna_pin.flexible.modal_text import BadModalTableError, read_modal_table
 from antenna_pin.scenario._base import Spec, unknown_key
 from antenna_pin.scenario._explained import Location, Place, dotted, explained
-from antenna_pin.scenario.drives import file_columns
+from antenna_pin.scenario.drives import WITH_FILES, file_columns
 from antenna_pin.scenario.flexible import has_modal_file, modal_stand_in
 from antenna_pin.scenario.merge import Overrides, merge, read_overrides
 from antenna_pin.scenario.shipped import tables
@@ -116,7 +115,7 @@ def built(kind: type[S], carried: dict[str, Any], source: Source) -> S:
     data = source.merged()
     check_keys(kind, data, source)
     folder = Path(carried["folder"])
-    for family in FAMILIES:
+    for family in WITH_FILES:
         of_family = data.get(family)
         if isinstance(of_family, Mapping):
             read = {name: _with_table((family, name), of_family[name], folder, source) for name in of_family}
@@ -150,7 +149,7 @@ def check_drives(data: Mapping[str, Any], source: Source) -> None:
         if has_modal_file(table) and table.keys() & modal_stand_in().keys():
             rule = "must have either file, or frequency and participation, got both"
             raise source.error(rule, "flexible", name)
-    for family in FAMILIES:
+    for family in WITH_FILES:
         for name, table in tables(data.get(family)).items():
             columns = file_columns(table, family) or (("time", "torque") if family == "drives" else ())
             if "file" in tables(table) and table.keys() & {*columns}:

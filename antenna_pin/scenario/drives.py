@@ -12,11 +12,13 @@ from antenna_pin.scenario._base import Spec, refuse
 from antenna_pin.scenario._joint import JointTable
 from antenna_pin.scenario._made import MadeSpec, reads
 from antenna_pin.scenario.closures import PlaceSpec
+from antenna_pin.scenario.references import reference_file_columns
 
 __all__ = [
     "DRIVE_SPECS",
     "FAMILY_SPECS",
     "SPRING_SPECS",
+    "WITH_FILES",
     "AnySpring",
     "DriveSpec",
     "ElementSpec",
@@ -32,6 +34,10 @@ __all__ = [
 
 class _ForceSpec(MadeSpec):
     """A table of a force element."""
+
+    def build(self, **more: Any) -> Any:
+        """Return the element; the reference that it ``follows`` has to be given."""
+        return super().build(**({"follows": None} if "follows" in type(self).model_fields else {}) | more)
 
     @model_validator(mode="before")
     @classmethod
@@ -109,7 +115,8 @@ def _specs(
             kind=key,
         )
         own = cls.own_keys() if issubclass(cls, Modal) else ()
-        found[kind] = reads(cls, without=("first", "second") if between else own)(bare)
+        named: dict[str, Any] = {"follows": str | None} if "follows" in cls.__dataclass_fields__ else {}
+        found[kind] = reads(cls, without=("first", "second") if between else own, **named)(bare)
     return found
 
 
@@ -159,6 +166,10 @@ else:
     )
 
 
+WITH_FILES = (*FAMILIES, "references")
+"""The tables of a scenario in which numbers may come from files."""
+
+
 def kind_in(family: str, table: Mapping[str, Any]) -> str | None:
     """Return the kind of a table that names none, if its family has one: with an end it is between points."""
     between = [kind for kind in FAMILIES[family].kinds if is_between_points(family, kind)]
@@ -178,7 +189,14 @@ def is_between_points(family: str, kind: object) -> bool:
 
 
 def file_columns(table: object, family: str) -> tuple[str, ...] | None:
-    """Return the columns of the file that an element's table may name instead of numbers; None if none."""
+    """Return the columns of the file that a table may name instead of numbers; None if none.
+
+    Args:
+        table: Of an element, or of a reference.
+        family: The table that it stands in, of ``WITH_FILES``.
+    """
     if not isinstance(table, Mapping) or not isinstance(table.get("kind"), str):
         return None
+    if family == "references":
+        return reference_file_columns(table["kind"])
     return getattr(FAMILIES[family].kinds.get(table["kind"]), "columns", None)

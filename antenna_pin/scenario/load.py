@@ -9,7 +9,6 @@ from typing import Any, NamedTuple
 from pydantic import ValidationError
 
 from antenna_pin.arguments import takes
-from antenna_pin.elements import FAMILIES
 from antenna_pin.errors import AntennaPinError, ScenarioError, UnknownNameError
 from antenna_pin.scenario._explained import dotted, explained_line, located_lines
 from antenna_pin.scenario._layers import (
@@ -21,7 +20,7 @@ from antenna_pin.scenario._layers import (
     read_layer,
     stand_in,
 )
-from antenna_pin.scenario.drives import file_columns
+from antenna_pin.scenario.drives import WITH_FILES, file_columns
 from antenna_pin.scenario.flexible import has_modal_file, modal_stand_in
 from antenna_pin.scenario.merge import Overrides, merge
 from antenna_pin.scenario.scenario import Scenario
@@ -133,7 +132,7 @@ def _check_case(source: Source, overrides: Mapping[str, Any]) -> None:
 def _problem_of_case(source: Source, data: dict[str, Any]) -> AntennaPinError | None:
     check_keys(Scenario, data, source)
     check_drives(data, source)
-    for family in FAMILIES:
+    for family in WITH_FILES:
         of_family = data.get(family)
         if isinstance(of_family, Mapping):
             data[family] = {

@@ -32,6 +32,7 @@ from antenna_pin.scenario.initial import InitialBaseSpec, InitialSpec
 from antenna_pin.scenario.integrator import IntegratorSpec, OutputSpec, settings_key
 from antenna_pin.scenario.mechanism import MaterialSpec, MechanismSpec
 from antenna_pin.scenario.pointing import PointingSpec
+from antenna_pin.scenario.references import REFERENCE_SPECS, AnyReference, check_references
 from antenna_pin.scenario.rotors import RotorSpec
 from antenna_pin.scenario.shipped import tables
 from antenna_pin.scenario.stops import with_urdf_limits
@@ -61,6 +62,7 @@ class Scenario(FamilyTables):
         closures: Joints that close loops, by name.
         couplings: Joints that follow others, by name, beside those that the URDF couples.
         rotors: Of motors, by name.
+        references: Courses over time that drives follow, by name.
         drives: By name.
         springs: By name.
         events: What is looked for during the run, by name.
@@ -89,6 +91,7 @@ class Scenario(FamilyTables):
     closures: dict[str, ClosureSpec] = Field(default_factory=dict)
     couplings: dict[str, AnyCoupling] = Field(default_factory=dict)
     rotors: dict[str, RotorSpec] = Field(default_factory=dict)
+    references: dict[str, Annotated[AnyReference, Field(discriminator="kind")]] = Field(default_factory=dict)
     drives: dict[str, Annotated[DriveSpec, Field(discriminator="kind")]] = Field(default_factory=dict)
     springs: dict[str, Annotated[AnySpring, Field(discriminator="kind")]] = Field(default_factory=dict)
     events: dict[str, Annotated[EventSpec, Field(discriminator="kind")]] = Field(default_factory=dict)
@@ -179,6 +182,7 @@ class Scenario(FamilyTables):
         for below, above in (
             *((data[table], layer.get(table)) for table in FAMILY_SPECS),
             (data["couplings"], layer.get("couplings")),
+            (data["references"], layer.get("references")),
             (data["initial"]["joints"], joints),
         ):
             for name in tables(above).keys() & below.keys():
@@ -212,6 +216,7 @@ class Scenario(FamilyTables):
         if isinstance(couplings, Mapping):
             done["couplings"] = {name: _at_its_carrier(name, table) for name, table in couplings.items()}
         _check_choice(done, "couplings", "kind", tuple(COUPLING_SPECS.values()))
+        _check_choice(done, "references", "kind", tuple(REFERENCE_SPECS.values()))
         _check_choice(done, "flexible", "kind", get_args(get_args(FlexibleSpec)[0]))
         _check_choice(done, "clearance", "model", get_args(ClearanceSpec))
         for table, specs in FAMILY_SPECS.items():
@@ -234,6 +239,13 @@ class Scenario(FamilyTables):
                 text = f"must be left out: clearance.{joint}.model decides it, got {shown(change.kind)}"
                 refuse(text, "mechanism", "joints", joint, "kind", value=change.kind)
         self._check_pace()
+        followed: dict[tuple[str, ...], str] = {
+            (table, name, "follows"): spec.follows
+            for table, named in self.families.items()
+            for name, spec in named.items()
+            if getattr(spec, "follows", None) is not None
+        }
+        check_references(self.references, followed)
         for name in self.events:
             self.to_set(name)
         for name, link in self.flexible.items():

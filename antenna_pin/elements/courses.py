@@ -1,0 +1,356 @@
+"""References that are no slews: constant, ramp, polynomial, sine, chirp, sum of sines, table, sum."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar, Literal
+
+import numpy as np
+
+from antenna_pin.elements import term_kernels as kernels
+from antenna_pin.elements.curve import check_table, cubics, points_and_middles
+from antenna_pin.elements.reference import Reference, pieces, term
+from antenna_pin.errors import InvalidParameterError
+from antenna_pin.parameters import check, parameter
+from antenna_pin.readable import GIVEN, number
+
+__all__ = ["Chirp", "Constant", "Polynomial", "Ramp", "Sine", "Sines", "Sum", "Table"]
+
+_TURN = 2.0 * math.pi
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Constant(Reference):
+    """A value that stays.
+
+    Attributes:
+        value: [rad] ([m]).
+    """
+
+    value: float = parameter("rad", sliding="m")
+
+    def terms(self) -> tuple[float, ...]:
+        """Return it for kernels."""
+        return pieces([0.0, math.inf], [[self.value]])
+
+    def words(self, slides: bool = False) -> str:
+        """Return what it is in words."""
+        return self.said("value", slides)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ramp(Reference):
+    """A value that grows at a rate, from a time on, for ever or for a while.
+
+    Its rate jumps: a motion cannot follow it from ``start`` on, unless the run begins there.
+
+    Attributes:
+        begin: Value before it [rad] ([m]).
+        rate: [rad/s] ([m/s]).
+        start: When it begins [s].
+        duration: How long it grows [s]; for ever if not given.
+    """
+
+    begin: float = parameter("rad", sliding="m", default=0.0)
+    rate: float = parameter("rad/s", sliding="m/s")
+    start: float = parameter("s", default=0.0)
+    duration: float | None = parameter("s", rule="positive", default=None)
+
+    @property
+    def instants(self) -> tuple[float, ...]:
+        """Where it begins and ends [s]."""
+        return (self.start,) if self.duration is None else (self.start, self.start + self.duration)
+
+    def terms(self) -> tuple[float, ...]:
+        """Return it for kernels."""
+        grows = [self.begin, self.rate]
+        if self.duration is None:
+            return pieces([self.start, math.inf], [grows])
+        times = [self.start, self.start + self.duration, math.inf]
+        return pieces(times, [grows, [self.begin + self.rate * self.duration]])
+
+    def words(self, slides: bool = False) -> str:
+        """Return what it is in words."""
+        until = "" if self.duration is None else f" for {self.said('duration', slides)}"
+        when = f" from {self.said('start', slides)} on" if self.start else ""
+        return f"{self.said('begin', slides)} + a ramp of {self.said('rate', slides)}{when}{until}"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Polynomial(Reference):
+    """A polynomial of the time since ``start``.
+
+    Attributes:
+        coefficients: Of the powers 0, 1, 2 and so on, up to eight, in SI units [rad, rad/s, ...] ([m, ...]).
+        start: When it begins; before, its first value is held [s].
+    """
+
+    coefficients: tuple[float, ...] = parameter("1", sizes=(0,))
+    start: float = parameter("s", default=0.0)
+
+    def __post_init__(self) -> None:
+        """Check how many there are."""
+        check(self)
+        if not 1 <= len(self.coefficients) <= kernels.POWERS:
+            rule = f"1 to {kernels.POWERS} numbers"
+            raise InvalidParameterError(self, "coefficients", rule, said=f"{len(self.coefficients)}")
+
+    @property
+    def instants(self) -> tuple[float, ...]:
+        """Where it begins [s]."""
+        return (self.start,)
+
+    def terms(self) -> tuple[float, ...]:
+        """Return it for kernels."""
+        return pieces([self.start, math.inf], [self.coefficients])
+
+    def words(self, slides: bool = False) -> str:
+        """Return what it is in words."""
+        parts = [
+            f"{number(c, GIVEN)}{f' · t^{k}' if k else ''}" for k, c in enumerate(self.coefficients) if c
+        ]
+        return " + ".join(parts) or "0"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sine(Reference):
+    """``mean + amplitude sin(2 pi frequency t + phase)``.
+
+    Attributes:
+        mean: [rad] ([m]).
+        amplitude: [rad] ([m]).
+        frequency: [Hz].
+        phase: At t = 0 [rad].
+    """
+
+    mean: float = parameter("rad", sliding="m", default=0.0)
+    amplitude: float = parameter("rad", sliding="m")
+    frequency: float = parameter("Hz", rule="positive")
+    phase: float = parameter("rad", default=0.0)
+
+    @property
+    def longest_step(self) -> float:
+        """An eighth of the period [s]."""
+        return 0.125 / self.frequency
+
+    def terms(self) -> tuple[float, ...]:
+        """Return it for kernels."""
+        own = term(kernels.SINE, amount=self.amplitude, first=_TURN * self.frequency, phase=self.phase)
+        return (*pieces([0.0, math.inf], [[self.mean]]), *own) if self.mean else own
+
+    def words(self, slides: bool = False) -> str:
+        """Return what it is in words."""
+        mean = f"{self.said('mean', slides)} + " if self.mean else ""
+        return f"{mean}a sine of {self.said('amplitude', slides)} at {self.said('frequency', slides)}"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Chirp(Reference):
+    r"""A sine whose frequency goes from one to another; its angle is the exact integral of 2 pi f.
+
+    .. math:: f = f_0 + (f_1 - f_0) s / T \quad\text{or}\quad f = f_0 (f_1 / f_0)^{s / T}
+
+    with s the time since ``start``. Before, it stands at its first value; behind, it goes on at ``last``.
+
+    Attributes:
+        mean: [rad] ([m]).
+        amplitude: [rad] ([m]).
+        first: Frequency it begins with, f_0 [Hz].
+        last: Frequency it ends with, f_1 [Hz].
+        duration: How long it takes, T [s].
+        spacing: How the frequency grows: by equal steps, or by equal factors (octaves a minute).
+        start: When it begins [s].
+        phase: Of the sine at its begin [rad].
+    """
+
+    mean: float = parameter("rad", sliding="m", default=0.0)
+    amplitude: float = parameter("rad", sliding="m")
+    first: float = parameter("Hz", rule="positive")
+    last: float = parameter("Hz", rule="positive")
+    duration: float = parameter("s", rule="positive")
+    spacing: Literal["linear", "logarithmic"] = "linear"
+    start: float = parameter("s", default=0.0)
+    phase: float = parameter("rad", default=0.0)
+
+    @property
+    def octaves_a_minute(self) -> float:
+        """How fast the frequency grows, on the average [1/min]."""
+        return 60.0 * math.log2(self.last / self.first) / self.duration
+
+    @property
+    def instants(self) -> tuple[float, ...]:
+        """Where it begins and ends [s]."""
+        return self.start, self.start + self.duration
+
+    @property
+    def longest_step(self) -> float:
+        """An eighth of the shortest period [s]."""
+        return 0.125 / max(self.first, self.last)
+
+    def terms(self) -> tuple[float, ...]:
+        """Return it for kernels."""
+        # By factors of one the frequency stays, as it does by steps of none.
+        linear = self.spacing == "linear" or self.last == self.first
+        growth = (
+            _TURN * (self.last - self.first) / self.duration
+            if linear
+            else math.log(self.last / self.first) / self.duration
+        )
+        own = term(
+            kernels.CHIRP if linear else kernels.SWEEP,
+            begin=self.start,
+            span=self.duration,
+            amount=self.amplitude,
+            first=_TURN * self.first,
+            second=growth,
+            phase=self.phase,
+        )
+        return (*pieces([0.0, math.inf], [[self.mean]]), *own) if self.mean else own
+
+    def words(self, slides: bool = False) -> str:
+        """Return what it is in words."""
+        ends = f"{self.said('first', slides)} to {self.said('last', slides)}"
+        return (
+            f"a {self.spacing} chirp of {self.said('amplitude', slides)} from {ends} in "
+            f"{self.said('duration', slides)}"
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sines(Reference):
+    """A sum of many sines, as of a random vibration.
+
+    Attributes:
+        amplitudes: In SI units [rad] ([m]).
+        frequencies: One for each [Hz].
+        phases: One for each, at t = 0 [rad].
+    """
+
+    amplitudes: tuple[float, ...] = parameter("rad", sliding="m", sizes=(0,), repr=False)
+    frequencies: tuple[float, ...] = parameter("Hz", rule="positive", sizes=(0,), repr=False)
+    phases: tuple[float, ...] = parameter("rad", sizes=(0,), repr=False)
+
+    def __post_init__(self) -> None:
+        """Check that there are as many of each."""
+        check(self)
+        if not self.amplitudes:
+            raise InvalidParameterError(self, "amplitudes", "at least 1 number", said="none")
+        for name in ("frequencies", "phases"):
+            if len(getattr(self, name)) != len(self.amplitudes):
+                rule = f"as many numbers as amplitudes, {len(self.amplitudes)}"
+                raise InvalidParameterError(self, name, rule, said=f"{len(getattr(self, name))}")
+
+    @property
+    def longest_step(self) -> float:
+        """An eighth of the shortest period [s]."""
+        return 0.125 / max(self.frequencies)
+
+    def terms(self) -> tuple[float, ...]:
+        """Return it for kernels."""
+        rows = zip(self.amplitudes, self.frequencies, self.phases, strict=True)
+        own = [number for a, f, p in rows for number in (a, _TURN * f, p)]
+        return term(kernels.SINES, own, count=len(self.amplitudes))
+
+    def words(self, slides: bool = False) -> str:
+        """Return what it is in words."""
+        low, high = (number(f(self.frequencies), 4) for f in (min, max))
+        return f"a sum of {len(self.amplitudes)} sines from {low} to {high} Hz"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Table(Reference):
+    """Values at times, and what joins them.
+
+    Attributes:
+        file: Where it came from, relative to the scenario's folder; None if it is given as numbers.
+        time: Strictly increasing, at least two [s].
+        values: One for each [rad] ([m]).
+        interpolation: ``linear``; ``cubic``, monotone between points, of continuous slope; ``smooth``, a
+            spline whose second derivative is continuous.
+        periodic: Whether it comes again and again; its first and last values are the same then. A run must
+            lie within the times of one that does not.
+    """
+
+    columns: ClassVar[tuple[str, str]] = ("time", "values")
+
+    file: str | None = None
+    time: tuple[float, ...] = parameter("s", sizes=(0,), repr=False)
+    values: tuple[float, ...] = parameter("rad", sliding="m", sizes=(0,), repr=False)
+    interpolation: Literal["linear", "cubic", "smooth"] = "smooth"
+    periodic: bool = False
+
+    def __post_init__(self) -> None:
+        """Check the points."""
+        check(self)
+        check_table(self, "values")
+        if self.periodic and self.values[0] != self.values[-1]:
+            rule = f"such that the last is the first, {self.values[0]!r}, of a periodic table"
+            raise InvalidParameterError(self, "values", rule, said=repr(self.values[-1]))
+
+    @property
+    def known(self) -> tuple[float, float]:
+        """From its first time to its last [s]; always if it comes again."""
+        return (-math.inf, math.inf) if self.periodic else (self.time[0], self.time[-1])
+
+    @property
+    def instants(self) -> tuple[float, ...]:
+        """Points and the middles between them [s]; none if it comes again (``longest_step``)."""
+        return () if self.periodic else points_and_middles(self.time)
+
+    @property
+    def longest_step(self) -> float:
+        """Of one that comes again, the least distance of its points [s]."""
+        return float(np.diff(self.time).min()) if self.periodic else math.inf
+
+    def terms(self) -> tuple[float, ...]:
+        """Return it for kernels."""
+        n = len(self.time)
+        curve = cubics(self.time, self.values, self.interpolation, self.periodic)
+        rows = [curve[n + 4 * k : n + 4 * k + 4][::-1] for k in range(n - 1)]
+        return pieces(self.time, rows, self.time[-1] - self.time[0] if self.periodic else 0.0)
+
+    def words(self, slides: bool = False) -> str:
+        """Return what it is in words."""
+        where = "" if self.file is None else f" of {self.file}"
+        again = ", again and again" if self.periodic else ""
+        return f"a table{where} of {len(self.time)} points{again}"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sum(Reference):
+    """The sum of other references.
+
+    Attributes:
+        parts: The references.
+    """
+
+    parts: tuple[Reference, ...]
+
+    def __post_init__(self) -> None:
+        """Check that there are some."""
+        if not self.parts or not all(isinstance(part, Reference) for part in self.parts):
+            raise InvalidParameterError(self, "parts", "one or more references", said=f"{len(self.parts)}")
+
+    @property
+    def instants(self) -> tuple[float, ...]:
+        """Those of its parts [s]."""
+        return tuple(sorted({t for part in self.parts for t in part.instants}))
+
+    @property
+    def longest_step(self) -> float:
+        """The shortest of its parts [s]."""
+        return min(part.longest_step for part in self.parts)
+
+    @property
+    def known(self) -> tuple[float, float]:
+        """When all of its parts are known [s]."""
+        return max(part.known[0] for part in self.parts), min(part.known[1] for part in self.parts)
+
+    def terms(self) -> tuple[float, ...]:
+        """Return it for kernels."""
+        return tuple(number for part in self.parts for number in part.terms())
+
+    def words(self, slides: bool = False) -> str:
+        """Return what it is in words."""
+        return " + ".join(part.words(slides) for part in self.parts)

@@ -1,0 +1,90 @@
+"""References: what motions and controllers follow over time, with exact first and second derivatives."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from antenna_pin.elements import term_kernels as kernels
+from antenna_pin.parameters import check, parameters_of
+from antenna_pin.readable import GIVEN, readable
+
+__all__ = ["Reference", "pieces", "term"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Reference:
+    """Base of the references: a sum of terms that kernels know.
+
+    Angles of a joint that turns [rad], or ways of one that slides [m]; or what else who follows it takes.
+    """
+
+    def __post_init__(self) -> None:
+        """Check the parameters."""
+        check(self)
+
+    def terms(self) -> tuple[float, ...]:
+        """Return it for kernels (:mod:`antenna_pin.elements.term_kernels`)."""
+        raise NotImplementedError
+
+    @property
+    def instants(self) -> tuple[float, ...]:
+        """Times at which a derivative jumps, or a step would be too long: steps end there [s]."""
+        return ()
+
+    @property
+    def longest_step(self) -> float:
+        """Step that still resolves it [s]."""
+        return math.inf
+
+    @property
+    def known(self) -> tuple[float, float]:
+        """From when to when it is known [s]."""
+        return -math.inf, math.inf
+
+    def at(self, t: float) -> tuple[float, float, float]:
+        """Return value, rate and acceleration at time t [s]."""
+        return self.over_time()(t)
+
+    def over_time(self) -> Callable[[float], tuple[float, float, float]]:
+        """Return value, rate and acceleration as a function of time [s], for many times."""
+        words = np.array(self.terms())
+        return lambda t: kernels.course(words, 0, words.size, float(t))
+
+    def words(self, slides: bool = False) -> str:
+        """Return what it is in words, numbers with units; of what slides or turns."""
+        raise NotImplementedError
+
+    def said(self, name: str, slides: bool) -> str:
+        """Return one of its parameters with its unit."""
+        found = parameters_of(type(self))[name]
+        unit = found.sliding if slides and found.sliding else found.unit
+        return readable(getattr(self, name), unit.replace("*", " "), GIVEN)
+
+
+def term(kind: int, more: Sequence[float] = (), **numbers: float) -> tuple[float, ...]:
+    """Return a term for kernels: its record, then further numbers."""
+    record = np.zeros(1, dtype=kernels.TERM)
+    record["kind"], record["length"] = kind, kernels.SIZE + len(more)
+    for name, value in numbers.items():
+        record[name] = value
+    return (*record.view(np.float64).tolist(), *more)
+
+
+def pieces(
+    times: Sequence[float], coefficients: Sequence[Sequence[float]], again: float = 0.0
+) -> tuple[float, ...]:
+    """Return pieces of polynomials for kernels.
+
+    Args:
+        times: Between which the pieces are, one more than these [s].
+        coefficients: Of each piece, from the constant on, of the time since its begin.
+        again: After what time all comes again [s]; 0: never, the end is held.
+    """
+    padded = [list(row) + [0.0] * (kernels.POWERS - len(row)) for row in coefficients]
+    own = (*times, *itertools.chain.from_iterable(padded))
+    return term(kernels.PIECES, own, count=len(padded), begin=times[0], span=again)
