@@ -8,9 +8,10 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from antenna_pin.record.contact_arrows import sparse
+from antenna_pin.record.framing import camera, nice
 from antenna_pin.record.key_frames import Impacts, KeyFrames
-from antenna_pin.record.mechanism_view import camera, nice
-from antenna_pin.record.scene import Scene, packed_doubles, packed_floats
+from antenna_pin.record.scene import Scene, packed_doubles
 from antenna_pin.record.shapes import lathe
 from antenna_pin.trajectory import contacts_of
 
@@ -141,8 +142,7 @@ class JointPicture:
                     {
                         "name": name,
                         "path": "run",
-                        "force": packed_floats(self.force[:, k]),
-                        "point": packed_floats(points[:, k]),
+                        **sparse(self.force[:, k], points[:, k]),
                     }
                     for k, name in enumerate(self.contacts)
                 ],

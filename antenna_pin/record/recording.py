@@ -53,7 +53,7 @@ class Recording:
 
     def __repr__(self) -> str:
         """Return one line: title, key frames, impacts."""
-        frames, impacts = len(self.frames.indices), len(self.data["impacts"])
+        frames, impacts = len(self.frames.indices), len(self.frames.impacts.times)
         return f"<Recording {self.data['title']!r}: {frames} key frames, {impacts} impacts>"
 
     @property
@@ -320,6 +320,6 @@ def _moving_bytes(data: dict[str, Any]) -> int:
     for actor in data["actors"]:
         texts += [actor["times"], *(track["data"] for track in actor["tracks"])]
     for item in data["contacts"]["items"] if data["contacts"] else ():
-        texts += [item["force"], item["point"]]
+        texts += [item["frames"], item["force"], item["point"]]
     texts += [trail[name] for trail in data["trails"] for name in ("times", "points")]
     return sum(map(len, texts))

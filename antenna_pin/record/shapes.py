@@ -11,12 +11,25 @@ from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.mechanism import Urdf
 
-__all__ = ["Box", "Cylinder", "Geometry", "Mesh", "Shape", "Sphere", "corners", "lathe", "visual_shapes"]
+__all__ = [
+    "Box",
+    "Cylinder",
+    "Geometry",
+    "Mesh",
+    "Shape",
+    "Sphere",
+    "corners",
+    "grid",
+    "lathe",
+    "surface",
+    "visual_shapes",
+]
 
 Array = NDArray[np.float64]
 
 _GREY = (0.62, 0.65, 0.69, 1.0)
 _SMOOTH = np.radians(35.0)  # edges sharper than that stay edges
+_FEWEST_POINTS, _MOST_POINTS = 20, 20_000  # on the surface of a shape
 _FARTHEST = 1e9  # of a vertex [m]; pictures are drawn in single precision, where squares must not overflow
 
 
@@ -192,6 +205,34 @@ def corners(geometry: Geometry) -> Array:
     )
 
 
+def surface(geometry: Geometry, size: float) -> Array:
+    """Return points spread over a shape's surface in its own frame, (n, 3) [m], the same ones each time.
+
+    Args:
+        geometry: The shape.
+        size: Of the whole that it is part of [m]: a square of a fortieth of it gets about two points.
+    """
+    if isinstance(geometry, Mesh):
+        mesh = trimesh.Trimesh(geometry.vertices, geometry.faces, process=False)
+    elif isinstance(geometry, Box):
+        mesh = trimesh.creation.box(geometry.size)
+    elif isinstance(geometry, Cylinder):
+        mesh = trimesh.creation.cylinder(geometry.radius, geometry.length, sections=24)
+    else:
+        mesh = trimesh.creation.icosphere(2, geometry.radius)
+    area = np.cumsum(mesh.area_faces)
+    if not area[-1] > 0.0:
+        return np.asarray(mesh.vertices, dtype=float)
+    count = int(np.clip(2.0 * area[-1] / (size / 40.0) ** 2, _FEWEST_POINTS, _MOST_POINTS))
+    # Even steps of area, and within triangles an even sequence of two dimensions (Roberts).
+    k = np.arange(count) + 0.5
+    triangles = mesh.triangles[np.searchsorted(area, k / count * area[-1])]
+    u, v = (0.7548776662466927 * k) % 1.0, (0.5698402909980532 * k) % 1.0
+    u, v = np.where(u + v > 1.0, 1.0 - u, u), np.where(u + v > 1.0, 1.0 - v, v)
+    weights = np.stack([1.0 - u - v, u, v], axis=1)
+    return np.asarray(np.einsum("nk,nki->ni", weights, triangles))
+
+
 def lathe(
     inner: ArrayLike, outer: ArrayLike, start: float = 0.0, end: float = 2.0 * np.pi, segments: int = 96
 ) -> Mesh:
@@ -226,17 +267,17 @@ def _turned(line: Array, angles: Array) -> Mesh:
     x = np.cos(angles)[:, None] * line[:, 0]
     y = np.sin(angles)[:, None] * line[:, 0]
     vertices = np.stack([x, y, np.broadcast_to(line[:, 1], (m, n))], axis=2).reshape(-1, 3)
-    return Mesh(vertices, _grid(m, n))
+    return Mesh(vertices, grid(m, n))
 
 
 def _cut(inner: Array, outer: Array, angle: float, first: bool) -> Mesh:
     lines = np.stack([inner, outer] if first else [outer, inner])
     x, y = lines[..., 0] * np.cos(angle), lines[..., 0] * np.sin(angle)
     vertices = np.stack([x, y, lines[..., 1]], axis=2).reshape(-1, 3)
-    return Mesh(vertices, _grid(2, lines.shape[1]))
+    return Mesh(vertices, grid(2, lines.shape[1]))
 
 
-def _grid(rows: int, columns: int) -> NDArray[np.int64]:
+def grid(rows: int, columns: int) -> NDArray[np.int64]:
     """Return the triangles of a grid of vertices, row by row, (m, 3)."""
     i, k = np.meshgrid(np.arange(rows - 1), np.arange(columns - 1), indexing="ij")
     a = (i * columns + k).ravel()
