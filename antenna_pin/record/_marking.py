@@ -48,7 +48,7 @@ class Marking:
         return np.asarray(self.run.data["time"].values, dtype=float)[self.samples]
 
     def path(self, link: str) -> str:
-        """Return what a thing on a link is put below; of the world, or of a link that is not drawn, its own."""
+        """Return what a thing on a link is put below; one of the world's stands by itself."""
         return self.paths.get(link, "world")
 
     def seat(self, joint: str) -> tuple[str, Array]:

@@ -1,4 +1,4 @@
-"""Springs: a coil about the axis of each joint that has one, and a coil between two points that follows them."""
+"""Springs: a coil about the axis of each joint that has one, and one between two points that follows them."""
 
 from __future__ import annotations
 
@@ -18,8 +18,10 @@ Array = NDArray[np.float64]
 
 SPRING = "#117733"
 
-# As shares of the mechanism's size: radius of a coil about a joint, its length; radius of one between points; wire.
-_COIL = (0.018, 0.04)
+# As shares of the mechanism's size: radius and length of a coil about a joint; radius of one between points, and of
+# the wire.
+_COIL = (0.012, 0.03)
+_ASIDE = 0.045  # along the axis, from the joint, where stops and latches are
 _BETWEEN = 0.009
 _WIRE = 0.0018
 _TURNS, _STEPS, _SIDES = 4, 24, 6  # of a coil; of each of its turns; of the wire
@@ -42,10 +44,11 @@ def mark_springs(marking: Marking) -> Mark | None:
         if joint in marking.mechanism.joints:
             on, place = marking.seat(joint)
             found.append(f"{on}/spring {name}")
-            marking.scene.add(
-                found[-1], coil(_COIL[0] * size, _COIL[1] * size, _WIRE * size), rgb(SPRING), place
-            )
-            x, y, z = map(float, place[:3, 3])
+            aside = place.copy()
+            aside[:3, 3] += _ASIDE * size * place[:3, 2]
+            shape = coil(_COIL[0] * size, _COIL[1] * size, _WIRE * size)
+            marking.scene.add(found[-1], shape, rgb(SPRING), aside)
+            x, y, z = map(float, aside[:3, 3])
             labels.append(Label(name, on, (x, y, z)))
             continue
         ends = [_places(marking, getattr(spring, side, None)) for side in ("first", "second")]
@@ -62,7 +65,7 @@ def mark_springs(marking: Marking) -> Mark | None:
 
 
 def _places(marking: Marking, side: Any) -> Array | None:
-    """Return where one end of a spring is at the key frames, (frames, 3) [m]; None where that is not known."""
+    """Return where one end of a spring is at the key frames, (frames, 3) [m]; None if not known."""
     link = getattr(side, "link", None) or getattr(side, "frame", None)
     if link is None:
         return None
@@ -79,9 +82,8 @@ def _places(marking: Marking, side: Any) -> Array | None:
 def _between(first: Array, second: Array) -> Array:
     """Return the placements that lay z from 0 to 1 along lines between points, (n, 3, 4)."""
     along = second - first
-    helper = np.where(
-        np.abs(along[:, :1]) < 0.9 * np.linalg.norm(along, axis=1)[:, None], [[1.0, 0, 0]], [[0, 1.0, 0]]
-    )
+    level = np.abs(along[:, :1]) < 0.9 * np.linalg.norm(along, axis=1)[:, None]
+    helper = np.where(level, [[1.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]])
     x = np.cross(helper, along)
     x /= np.maximum(np.linalg.norm(x, axis=1), 1e-300)[:, None]
     y = np.cross(along, x)

@@ -24,7 +24,7 @@ _FRAMED = 300  # arrows that are framed, of each contact
 
 
 def sparse(force: Array, point: Array) -> dict[str, str]:
-    """Return forces and points of a contact at the key frames at which it bears load, as the player takes them.
+    """Return forces and points of a contact where it bears load, and the key frames at which it does.
 
     Args:
         force: At all key frames, (frames, 3) [N].

@@ -14,8 +14,8 @@ __all__ = ["camera", "clearest", "nice"]
 
 Array = NDArray[np.float64]
 
-# Views that are compared: so many around, at these heights over the horizon [rad]. The first is the one that is kept
-# unless another shows more than so much in addition [-].
+# Views that are compared: so many around, at these heights over the horizon [rad]. The first is kept unless
+# another shows so much more [-].
 _AROUND = 12
 _HEIGHTS = (0.41, 0.75)
 _BETTER = 0.05
@@ -54,13 +54,14 @@ def camera(points: Array, direction: ArrayLike, upright: ArrayLike | None = None
 def clearest(places: Sequence[Array], first: ArrayLike, upright: Array) -> Array:
     """Return the direction from which the bodies hide one another least, (3,) [-].
 
-    Of each direction it is counted, at some instants, in how many cells of a coarse picture each body lies in front,
-    as a share of the most that any direction has of it. The mean of the shares' square roots counts: a body that is
-    not seen at all weighs more than a tenth of each that is hidden.
+    Of each direction it is counted, at some instants, in how many cells of a coarse picture each body lies in
+    front, as a share of the most that any direction has of it. The mean of the shares' square roots counts: a
+    body that is not seen at all weighs more than a tenth of many that is hidden.
 
     Args:
         places: Points of the surface of each body at the instants, (instants, points, 3) each [m].
-        first: Direction that is taken where no other shows more, (3,) [-]; in axes of which z points up, as the result.
+        first: Direction that is taken where no other shows more, (3,) [-]; as the result, in axes of which z
+            points up.
         upright: Rotation from the points' axes to those, (3, 3) [-].
     """
     some = [points @ upright.T for points in places if points.size]

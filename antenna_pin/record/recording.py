@@ -18,6 +18,7 @@ from antenna_pin.errors import InvalidParameterError
 from antenna_pin.files import check_writable, replacing
 from antenna_pin.pages import in_frame
 from antenna_pin.record import page
+from antenna_pin.record.curves import curves_of
 from antenna_pin.record.joint_view import joint_view
 from antenna_pin.record.key_frames import KeyFrames, impacts_of, key_frames, rate_of_turns
 from antenna_pin.record.mechanism_view import mechanism_view
@@ -32,6 +33,7 @@ View = Literal["mechanism", "joint"]
 # Key frames per second of a run, and of one that is drawn as a ghost; more where bodies turn fast [Hz].
 _RATE, _GHOST_RATE = 500.0, 200.0
 _TRIAL = 10_000  # key frames
+_CURVES = 1.0  # what the curves under the slider take at most [MB]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -42,7 +44,7 @@ class Recording:
         data: What the player takes, as JSON would hold it: texts (``title``, ``subtitle``, ``facts``,
             ``warnings``), ``times`` of the key frames and the ``impacts`` marked on the slider, the viewer's
             ``commands`` that build the scene, ``actors`` whose ``tracks`` move parts of it (poses of seven
-            numbers, or placements of twelve), ``contacts``, ``trails``, ``camera``, ``speed``, and the time
+            numbers, or placements of twelve), ``contacts``, ``trails``, ``camera``, ``curves``, ``speed``, and the time
             of its ``poster`` for paper. Numbers in bulk are base64 of little-endian floats, 64 bits for times
             and 32 for the rest.
         frames: The samples of the run that became key frames.
@@ -101,6 +103,7 @@ def record(
     start: float | None = None,
     end: float | None = None,
     max_megabytes: float = 20.0,
+    curves: Iterable[str] | None = None,
     package_path: Iterable[str | Path] = (),
 ) -> Recording:
     """Return a recording of a run.
@@ -125,11 +128,13 @@ def record(
         start: First time recorded [s]; the run's start if left out.
         end: Last time recorded [s]; the run's end if left out.
         max_megabytes: Size of the page that is not exceeded [MB]; key frames are thinned to keep to it.
+        curves: Names of quantities (:func:`antenna_pin.analysis.quantity`) that the curve under the slider shows
+            first; if left out, the greatest contact force. Others are offered beside; none of them if empty.
         package_path: Folders to look for packages of ``package://`` in, before those of the run.
 
     Raises:
         InvalidParameterError: Values that make no sense, or a joint's view of a run without clearance.
-        UnknownNameError: A body or joint that there is not.
+        UnknownNameError: A body, joint or quantity that there is not.
         FileFormatError: The run does not carry what its bodies were.
     """
     if view not in ("mechanism", "joint"):
@@ -150,6 +155,9 @@ def record(
     line = _boresight(run, body, boresight)
     places = _places(run)
     impacts = impacts_of(run.data, first, last)
+    own = None if view == "mechanism" else joint or next(iter(places), None)
+    share = min(_CURVES, 0.2 * max_megabytes)
+    under = curves_of(run, first, last, wanted=curves, joint=own, megabytes=share)
     times = np.asarray(run.data["time"].values, dtype=float)
     turning = rate_of_turns(run.data)
     fps = max(_RATE, turning) if fps is None else fps
@@ -167,6 +175,7 @@ def record(
                 None if ideal is None else (ideal, _ghost_frames(ideal, frames, turning, first, last, most))
             )
             seen = mechanism_view(run, frames, frames.impacts, places, ghost, line, magnify)
+        seen["curves"] = under
         recording = Recording(_data(run, view, frames, seen, fps, speed, first, last), frames)
         size = len(recording.html.encode())
         if size <= limit and not trial:

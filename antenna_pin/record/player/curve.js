@@ -16,7 +16,7 @@ class Curve {
     const groups = new Map();
     this.series.forEach((one, k) => {
       if (!groups.has(one.group)) {
-        groups.set(one.group, element("optgroup", "", this.select, {label: one.group + bracketed(one.unit)}));
+        groups.set(one.group, element("optgroup", "", this.select, {label: one.group}));
       }
       element("option", "", groups.get(one.group), {value: k}).textContent = one.text;
     });

@@ -69,5 +69,3 @@ function written(value, unit) {
   const text = size && (size < 1e-3 || size >= 1e5) ? value.toExponential(2).replace("e+", "e") : Number(value.toPrecision(4));
   return `${text}${unit ? " " + unit : ""}`.replace("-", "\u2212");
 }
-
-const bracketed = (unit) => (unit ? ` [${unit}]` : "");

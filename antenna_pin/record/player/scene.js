@@ -8,7 +8,7 @@ class Actor {
     this.tracks = data.tracks.map((track) => ({
       kind: track.kind,
       name: track.name,
-      data: floats(track.data),
+      data: track.kind === "shown" ? doubles(track.data) : floats(track.data),
       object: node(viewer, track.path),
     }));
   }

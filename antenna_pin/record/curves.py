@@ -1,0 +1,164 @@
+"""The curves under a recording's slider: series of the run, thinned so that no peak is lost."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from antenna_pin.analysis import Quantity, QuantityName, quantities, quantity
+from antenna_pin.readable import printed_unit
+from antenna_pin.record.scene import packed_doubles
+from antenna_pin.trajectory import Trajectory
+
+__all__ = ["curves_of", "thinned"]
+
+Array = NDArray[np.float64]
+
+# What is offered by itself: variables in this order, then others as the run has them, so many series at most.
+_FIRST = (
+    "contact_force",
+    "motion_angle",
+    "slide_position",
+    "motion_rate",
+    "slide_rate",
+    "drive_torque",
+    "element_effort",
+    "joint_force",
+    "closure_force",
+    "coupling_torque",
+    "motion_acceleration",
+    "gap",
+    "journal_tilt",
+    "kinetic_energy",
+)
+_MOST = 40
+# Variables that stand in a result for others to use, or that bodies show by themselves.
+_NOT = ("q", "v", "a", "base_attitude", "journal_attitude", "contact_point")
+_BYTES = 2 * 8 * 4 / 3  # of a sample, its time and its value in base64
+_STRETCHES = 400  # of the time, at most; the slider is about as many pixels wide, twice
+_FEWEST = 50
+
+
+def curves_of(
+    run: Trajectory,
+    start: float,
+    end: float,
+    *,
+    wanted: Iterable[str] | None = None,
+    joint: str | None = None,
+    megabytes: float = 1.0,
+) -> dict[str, Any]:
+    """Return the series that a page offers, as the player takes them, and which of them it shows first.
+
+    Times and values are those of the run's samples to the last bit.
+
+    Args:
+        run: The run.
+        start: Of the recording [s].
+        end: Of the recording [s].
+        wanted: Names of quantities (:func:`antenna_pin.analysis.quantity`) that come first; none at all if empty,
+            the strongest contact's force first if left out.
+        joint: Clearance joint whose series alone are offered by themselves; all if left out.
+        megabytes: What they may take [MB].
+
+    Raises:
+        UnknownNameError: The run has no such quantity.
+        InvalidParameterError: A name leaves open which quantity it is.
+    """
+    asked = None if wanted is None else [quantity(run, name) for name in wanted]
+    if asked is not None and not asked:
+        return {"series": [], "first": 0}
+    found = list(asked or ())
+    known = {one.name for one in found}
+    for name in _offered(run, joint):
+        if len(found) >= max(_MOST, len(known)):
+            break
+        one = quantity(run, name)
+        if name not in known and _moves(one.values):
+            found.append(one)
+    stretches = int(1e6 * megabytes / _BYTES / max(len(found), 1) / 2)
+    stretches = min(max(stretches, _FEWEST), _STRETCHES)
+    series = [_packed(run, one, start, end, stretches) for one in found]
+    return {"series": series, "first": 0 if asked else _strongest(found)}
+
+
+def thinned(times: Array, values: Array, stretches: int) -> NDArray[np.intp]:
+    """Return which samples draw a curve: of each stretch of time its least and its greatest.
+
+    First and last samples are among them, and of numbers that are none the first of each stretch.
+
+    Args:
+        times: Of the samples, not decreasing, (n,) [s].
+        values: (n,).
+        stretches: Of equal length.
+    """
+    if len(times) <= 2 * stretches:
+        return np.arange(len(times))
+    edges = np.searchsorted(times, np.linspace(times[0], times[-1], stretches + 1)[1:-1])
+    known = np.isfinite(values)
+    low, high = np.where(known, values, np.inf), np.where(known, values, -np.inf)
+    kept = [0, len(times) - 1]
+    for first, last in zip([0, *edges], [*edges, len(times)], strict=True):
+        if first == last:
+            continue
+        kept += [first + int(np.argmin(low[first:last])), first + int(np.argmax(high[first:last]))]
+        if not known[first:last].all():
+            kept.append(first + int(np.argmin(known[first:last])))
+    return np.unique(kept)
+
+
+def _offered(run: Trajectory, joint: str | None) -> Iterator[str]:
+    """Yield names of quantities in the order in which they are of interest; of a vector its length alone."""
+    ranked: list[tuple[int, int, str]] = []
+    for number, name in enumerate(quantities(run)):
+        said = QuantityName.parse(name)
+        recorded = said.variable in run.data.data_vars
+        vector = recorded and run.data[said.variable].dims[-1] in ("axis", "quaternion")
+        if not recorded or said.variable in _NOT or (vector and not said.size):
+            continue
+        if joint is not None and not any(one == joint or one.startswith(f"{joint}.") for one in said.labels):
+            continue
+        rank = _FIRST.index(said.variable) if said.variable in _FIRST else len(_FIRST)
+        ranked.append((rank, number, name))
+    for _, _, name in sorted(ranked):
+        yield name
+
+
+def _moves(values: Array) -> bool:
+    some = values[np.isfinite(values)]
+    return bool(some.size) and bool(np.ptp(some) > 0.0)
+
+
+def _strongest(found: list[Quantity]) -> int:
+    """Return which series is shown first: the greatest force of a contact, else the first of all."""
+    forces = [k for k, one in enumerate(found) if one.name.startswith("|contact_force")]
+    return max(forces, key=lambda k: float(np.nanmax(found[k].values)), default=0)
+
+
+def _packed(run: Trajectory, one: Quantity, start: float, end: float, stretches: int) -> dict[str, Any]:
+    said = QuantityName.parse(one.name)
+    unit = printed_unit(one.units)
+    bracket = f" [{unit}]" if unit else ""
+    group, text = "others", f"{one.name}{bracket}"
+    if said.variable in run.data.data_vars:
+        meaning = str(run.data[said.variable].attrs.get("long_name", said.variable))
+        group, text = (
+            (f"{meaning}{bracket}", ", ".join(said.labels))
+            if said.labels
+            else ("of the whole", meaning + bracket)
+        )
+    inside = (one.time >= start) & (one.time <= end)
+    times, values = one.time[inside], np.asarray(one.values, dtype=float)[inside]
+    kept = thinned(times, values, stretches)
+    return {
+        "name": one.name,
+        "group": group,
+        "text": text,
+        "unit": unit,
+        "samples": len(times),
+        "times": packed_doubles(times[kept]),
+        "values": packed_doubles(values[kept]),
+    }
