@@ -62,9 +62,11 @@ class JointPicture:
     Attributes:
         radius: Of the bore or socket as drawn [m].
         clearance: Radial, as it is [m].
+        factor: How many times as wide gaps are drawn [-].
     """
 
     radius: float
+    factor: float
     clearance: float
 
     def __init__(
@@ -100,6 +102,7 @@ class JointPicture:
             float(np.linalg.norm(self.force, axis=2).max(initial=0.0)),
             float(impacts.peaks[here].max(initial=0.0)),
         )
+        self.poster = impacts.only(np.flatnonzero(here)).hardest(0.5 * float(self.times[0] + self.times[-1]))
         self.spin = self._spin(chosen, name)
         self._build(place, magnify)
 
@@ -168,6 +171,7 @@ class JointPicture:
             "trails": self.trails(),
             "camera": camera(turned, DIRECTION),
             "facts": facts,
+            "poster": self.poster,
             "warnings": self.warnings,
         }
 
@@ -181,7 +185,7 @@ class JointPicture:
 
 def length_text(metres: float) -> str:
     """Return a length [m] with three digits and the unit that suits it."""
-    for limit, unit in ((1e-3, "mm"), (1e-6, "µm")):
+    for limit, unit in ((1.0, "m"), (1e-3, "mm"), (1e-6, "µm")):
         if metres >= 0.9995 * limit:
             return f"{metres / limit:.3g} {unit}"
     return f"{metres * 1e9:.3g} nm"

@@ -18,8 +18,8 @@ Array = NDArray[np.float64]
 
 SPRING = "#117733"
 
-# As shares of the mechanism's size: radius and length of a coil about a joint; radius of one between points, and of
-# the wire.
+# As shares of the mechanism's size: radius and length of a coil about a joint, radius of one between points,
+# radius of the wire.
 _COIL = (0.012, 0.03)
 _ASIDE = 0.045  # along the axis, from the joint, where stops and latches are
 _BETWEEN = 0.009
@@ -51,12 +51,12 @@ def mark_springs(marking: Marking) -> Mark | None:
             x, y, z = map(float, aside[:3, 3])
             labels.append(Label(name, on, (x, y, z)))
             continue
-        ends = [_places(marking, getattr(spring, side, None)) for side in ("first", "second")]
-        if ends[0] is None or ends[1] is None:
+        first, second = (_places(marking, getattr(spring, side, None)) for side in ("first", "second"))
+        if first is None or second is None:
             continue
         found.append(f"world/spring {name}")
         marking.scene.add(f"{found[-1]}/coil", coil(_BETWEEN * size, 1.0, _WIRE * size), rgb(SPRING))
-        data = packed_floats(_between(*ends).reshape(-1, 12))
+        data = packed_floats(_between(first, second).reshape(-1, 12))
         tracks.append({"kind": "matrix", "name": f"spring {name}", "path": found[-1], "data": data})
         labels.append(Label(name, found[-1], (0.0, 0.0, 0.5)))
     if not found:

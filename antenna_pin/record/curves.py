@@ -1,7 +1,9 @@
-"""The curves under a recording's slider: series of the run, thinned so that no peak is lost."""
+"""The curves under a recording's slider: series of the run, thinned so that peaks are kept."""
 
 from __future__ import annotations
 
+import heapq
+import itertools
 from collections.abc import Iterable, Iterator
 from typing import Any
 
@@ -38,8 +40,9 @@ _MOST = 40
 # Variables that stand in a result for others to use, or that bodies show by themselves.
 _NOT = ("q", "v", "a", "base_attitude", "journal_attitude", "contact_point")
 _BYTES = 2 * 8 * 4 / 3  # of a sample, its time and its value in base64
-_STRETCHES = 400  # of the time, at most; the slider is about as many pixels wide, twice
-_FEWEST = 50
+_SAMPLES = (100, 1000)  # of a series, at least and at most
+_OFF = 1e-4  # of the range, by which no sample may be off the curve
+_LOOKED_AT = 5000  # stretches of a long run of which the least and greatest samples are looked at
 
 
 def curves_of(
@@ -59,8 +62,8 @@ def curves_of(
         run: The run.
         start: Of the recording [s].
         end: Of the recording [s].
-        wanted: Names of quantities (:func:`antenna_pin.analysis.quantity`) that come first; none at all if empty,
-            the strongest contact's force first if left out.
+        wanted: Names of quantities (:func:`antenna_pin.analysis.quantity`) that come first; no series at
+            all if empty, the strongest contact's force first if left out.
         joint: Clearance joint whose series alone are offered by themselves; all if left out.
         megabytes: What they may take [MB].
 
@@ -79,25 +82,68 @@ def curves_of(
         one = quantity(run, name)
         if name not in known and _moves(one.values):
             found.append(one)
-    stretches = int(1e6 * megabytes / _BYTES / max(len(found), 1) / 2)
-    stretches = min(max(stretches, _FEWEST), _STRETCHES)
-    series = [_packed(run, one, start, end, stretches) for one in found]
+    most = int(np.clip(1e6 * megabytes / _BYTES / max(len(found), 1), *_SAMPLES))
+    series = [_packed(run, one, start, end, most) for one in found]
     return {"series": series, "first": 0 if asked else _strongest(found)}
 
 
-def thinned(times: Array, values: Array, stretches: int) -> NDArray[np.intp]:
-    """Return which samples draw a curve: of each stretch of time its least and its greatest.
+def thinned(times: Array, values: Array, most: int) -> tuple[NDArray[np.intp], float]:
+    """Return which samples draw a curve, and by how much others lie off it at most.
 
-    First and last samples are among them, and of numbers that are none the first of each stretch.
+    The curve goes straight from one to the next. To the ends and the least and greatest of all, that sample is
+    added which lies farthest off (Ramer, Douglas and Peucker, along the values), until no other is off by more than
+    a ten-thousandth of the range, or there are enough.
 
     Args:
         times: Of the samples, not decreasing, (n,) [s].
         values: (n,).
-        stretches: Of equal length.
+        most: How many of them, at least 4.
     """
-    if len(times) <= 2 * stretches:
-        return np.arange(len(times))
-    edges = np.searchsorted(times, np.linspace(times[0], times[-1], stretches + 1)[1:-1])
+    every = np.arange(len(times))
+    if len(times) <= 4:
+        return every, 0.0
+    known = np.flatnonzero(np.isfinite(values))
+    if len(known) < len(times):  # a gap would have no least or greatest
+        kept = _extremes(times, values, most // 4)
+    else:
+        some = _extremes(times, values, _LOOKED_AT) if len(times) > 4 * _LOOKED_AT else every
+        kept = some[_farthest_first(times[some], values[some], most)]
+    sure = kept[np.isfinite(values[kept])]
+    once = known[np.append(True, np.diff(times[known]) > 0.0) & np.append(np.diff(times[known]) > 0.0, True)]
+    off = np.abs(np.interp(times[once], times[sure], values[sure]) - values[once])
+    return kept, float(off.max(initial=0.0))
+
+
+def _farthest_first(times: Array, values: Array, most: int) -> NDArray[np.intp]:
+    kept = sorted({0, int(np.argmin(values)), int(np.argmax(values)), len(times) - 1})
+    waiting: list[tuple[float, int, int, int]] = []
+    least = _OFF * float(np.ptp(values))
+
+    def look(first: int, last: int) -> None:
+        """Note the sample between two that lies farthest off the line through them."""
+        if last - first < 2:
+            return
+        span = times[last] - times[first]
+        inside = slice(first + 1, last)
+        share = (times[inside] - times[first]) / span if span > 0.0 else np.zeros(last - first - 1)
+        off = np.abs(values[first] + share * (values[last] - values[first]) - values[inside])
+        k = int(np.argmax(off))
+        if off[k] > least:
+            heapq.heappush(waiting, (-float(off[k]), first, first + 1 + k, last))
+
+    for first, last in itertools.pairwise(kept):
+        look(first, last)
+    while waiting and len(kept) < most:
+        _, first, middle, last = heapq.heappop(waiting)
+        kept.append(middle)
+        look(first, middle)
+        look(middle, last)
+    return np.array(sorted(kept))
+
+
+def _extremes(times: Array, values: Array, stretches: int) -> NDArray[np.intp]:
+    """Return the samples that are least and greatest in stretches of time, its ends, and ends of gaps."""
+    edges = np.searchsorted(times, np.linspace(times[0], times[-1], max(stretches, 1) + 1)[1:-1])
     known = np.isfinite(values)
     low, high = np.where(known, values, np.inf), np.where(known, values, -np.inf)
     kept = [0, len(times) - 1]
@@ -138,27 +184,26 @@ def _strongest(found: list[Quantity]) -> int:
     return max(forces, key=lambda k: float(np.nanmax(found[k].values)), default=0)
 
 
-def _packed(run: Trajectory, one: Quantity, start: float, end: float, stretches: int) -> dict[str, Any]:
+def _packed(run: Trajectory, one: Quantity, start: float, end: float, most: int) -> dict[str, Any]:
     said = QuantityName.parse(one.name)
     unit = printed_unit(one.units)
     bracket = f" [{unit}]" if unit else ""
     group, text = "others", f"{one.name}{bracket}"
     if said.variable in run.data.data_vars:
-        meaning = str(run.data[said.variable].attrs.get("long_name", said.variable))
-        group, text = (
-            (f"{meaning}{bracket}", ", ".join(said.labels))
-            if said.labels
-            else ("of the whole", meaning + bracket)
-        )
+        meaning = str(run.data[said.variable].attrs.get("long_name", said.variable)).partition(" (")[0]
+        group, text = "of the whole", f"{meaning}{bracket}"
+        if said.labels:
+            group, text = text, f"{', '.join(said.labels)}: {text}"
     inside = (one.time >= start) & (one.time <= end)
     times, values = one.time[inside], np.asarray(one.values, dtype=float)[inside]
-    kept = thinned(times, values, stretches)
+    kept, off = thinned(times, values, most)
     return {
         "name": one.name,
         "group": group,
         "text": text,
         "unit": unit,
         "samples": len(times),
+        "off": off,
         "times": packed_doubles(times[kept]),
         "values": packed_doubles(values[kept]),
     }

@@ -65,7 +65,7 @@ def clearest(places: Sequence[Array], first: ArrayLike, upright: Array) -> Array
         upright: Rotation from the points' axes to those, (3, 3) [-].
     """
     some = [points @ upright.T for points in places if points.size]
-    start = np.asarray(first, dtype=float) / np.linalg.norm(first)
+    start: Array = np.asarray(first, dtype=float) / np.linalg.norm(first)
     if len(some) < 2:
         return start
     azimuth = np.arctan2(start[1], start[0])
@@ -79,7 +79,8 @@ def clearest(places: Sequence[Array], first: ArrayLike, upright: Array) -> Array
     counted = most > 0.0
     score = np.sqrt(seen / np.where(counted, most, 1.0)).sum(axis=(1, 2)) / max(counted.sum(), 1)
     best = int(np.argmax(score))
-    return ways[best] if score[best] > score[0] + _BETTER else start
+    chosen: Array = ways[best] if score[best] > score[0] + _BETTER else start
+    return chosen
 
 
 def _in_front(places: Sequence[Array], way: Array) -> Array:

@@ -28,7 +28,8 @@ __all__ = ["Boresight", "mechanism_view"]
 Array = NDArray[np.float64]
 
 BORESIGHT = "#0072B2"
-GHOST = (0.25, 0.30, 0.38, 0.22)
+GHOST = "#AA4499"
+_CLEAR = 0.32  # opacity of the ghost
 _TRAIL = 1500  # points of a trace
 _FRAMED = 300  # key frames looked at to frame the motion
 _LOOKED_AT = 7  # of which it is looked at who hides whom
@@ -91,16 +92,16 @@ def mechanism_view(
         extent.append(motion.tips)
     actors = [motion.actor()]
     if ideal is not None:
-        ghost = _Body(*ideal, "ideal", scene, GHOST, factor)
+        ghost = _Body(*ideal, "ideal", scene, (*rgb(GHOST), _CLEAR), factor)
         if not (set(ghost.names) <= set(motion.names) or set(motion.names) <= set(ghost.names)):
             raise InvalidParameterError(
                 "recording", "ideal", "a run of the same mechanism", f"one of {', '.join(ghost.names)}"
             )
         actors.append(ghost.actor())
         text = f"ideal run ({_case(ideal[0])}), translucent"
-        facts.append({"text": text, "colour": "#8A94A3", "paths": [ghost.run]})
+        facts.append({"text": text, "colour": GHOST, "paths": [ghost.run]})
         if line is not None and line.body in ghost.names:
-            trails.append(ghost.draw_boresight(line, reach, "#6B7684", size))
+            trails.append(ghost.draw_boresight(line, reach, GHOST, size))
             extent.append(ghost.tips)
         motion.warnings += [text for text in ghost.warnings if text not in motion.warnings]
         extent.append(ghost.extent)

@@ -44,9 +44,10 @@ class Recording:
         data: What the player takes, as JSON would hold it: texts (``title``, ``subtitle``, ``facts``,
             ``warnings``), ``times`` of the key frames and the ``impacts`` marked on the slider, the viewer's
             ``commands`` that build the scene, ``actors`` whose ``tracks`` move parts of it (poses of seven
-            numbers, or placements of twelve), ``contacts``, ``trails``, ``camera``, ``curves``, ``speed``, and the time
-            of its ``poster`` for paper. Numbers in bulk are base64 of little-endian floats, 64 bits for times
-            and 32 for the rest.
+            numbers, placements of twelve, or times from which and until which it is shown), ``bodies``,
+            ``contacts``, ``trails``, ``camera``, ``curves``, ``speed``, and the time of its ``poster``
+            for paper. Numbers in bulk are base64 of little-endian floats, 64 bits for times and series and 32
+            for the rest.
         frames: The samples of the run that became key frames.
     """
 
@@ -116,7 +117,8 @@ def record(
         ideal: A run whose bodies are drawn as a ghost beside, usually with ideal joints. For the mechanism.
         view: ``mechanism``, all bodies in the world, or ``joint``, a clearance joint close up.
         joint: Which clearance joint; the first one if left out. For a joint.
-        magnify: Of a joint how many times wider gaps are drawn [-], 100 to 1000 by its play if left out; of a
+        magnify: Of a joint how many times wider gaps are drawn [-], so many that its play is drawn
+            a third as wide as its pin if left out; of a
             mechanism with flexible links how many times larger their deflections are drawn, 1 if left out.
         body: Link whose boresight is drawn; the scenario's pointing body if left out. For the mechanism.
         boresight: Its direction in the link's frame, (3,) [-]; the scenario's, or x, if left out. For the
@@ -128,8 +130,8 @@ def record(
         start: First time recorded [s]; the run's start if left out.
         end: Last time recorded [s]; the run's end if left out.
         max_megabytes: Size of the page that is not exceeded [MB]; key frames are thinned to keep to it.
-        curves: Names of quantities (:func:`antenna_pin.analysis.quantity`) that the curve under the slider shows
-            first; if left out, the greatest contact force. Others are offered beside; none of them if empty.
+        curves: Names of quantities (:func:`antenna_pin.analysis.quantity`) that the curve under the slider
+            offers first; if left out, it begins with the greatest contact force. No curve if empty.
         package_path: Folders to look for packages of ``package://`` in, before those of the run.
 
     Raises:
@@ -309,9 +311,7 @@ def _data(
         "speed": float(speed),
         "times": packed_doubles(np.asarray(run.data["time"].values, dtype=float)[frames.indices]),
         "impacts": {"times": packed_doubles(impacts.times), "peaks": packed_floats(impacts.peaks)},
-        "poster": float(
-            impacts.times[np.argmax(impacts.peaks)] if len(impacts.times) else 0.5 * (first + last)
-        ),
+        "poster": impacts.hardest(0.5 * (first + last)),
         **seen,
         "warnings": warnings,
     }

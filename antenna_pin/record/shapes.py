@@ -27,7 +27,19 @@ __all__ = [
 
 Array = NDArray[np.float64]
 
-_GREY = (0.62, 0.65, 0.69, 1.0)
+# Of links without a colour: light grey, then pale ones that every kind of colour vision tells apart (of Tol's
+# "light" those that are not near a force or a boresight); darker from the second round on.
+_PALETTE = (
+    (0.74, 0.76, 0.79),
+    (0.47, 0.67, 0.87),
+    (0.93, 0.87, 0.53),
+    (0.27, 0.73, 0.60),
+    (1.00, 0.67, 0.73),
+    (0.73, 0.80, 0.20),
+    (0.60, 0.87, 1.00),
+    (0.67, 0.67, 0.00),
+)
+_DARKER = 0.75
 _SMOOTH = np.radians(35.0)  # edges sharper than that stay edges
 _FEWEST_POINTS, _MOST_POINTS = 20, 20_000  # on the surface of a shape
 _FARTHEST = 1e9  # of a vertex [m]; pictures are drawn in single precision, where squares must not overflow
@@ -102,7 +114,10 @@ class Shape:
 
 
 def visual_shapes(urdf: Urdf) -> tuple[list[Shape], list[str]]:
-    """Return the visual shapes of all links, and a line for each that cannot be drawn."""
+    """Return the visual shapes of all links, and a line for each that cannot be drawn.
+
+    Links without a colour of their own get one that tells them apart.
+    """
     colours = {
         material.name: tuple(map(float, material.color.rgba))
         for material in urdf.robot.materials
@@ -116,7 +131,10 @@ def visual_shapes(urdf: Urdf) -> tuple[list[Shape], list[str]]:
     shapes: list[Shape] = []
     warnings = [f"{link}: {problem}; not drawn" for link, problem in urdf.undrawn]
     missing: list[str] = []
+    bare = 0
     for link in urdf.robot.links:
+        own, plain = _palette_colour(bare), [_colour(one.material, colours) is None for one in link.visuals]
+        bare += any(plain)
         for visual in link.visuals:
             try:
                 geometry = _geometry(visual.geometry, urdf)
@@ -127,7 +145,8 @@ def visual_shapes(urdf: Urdf) -> tuple[list[Shape], list[str]]:
                 warnings.append(f"{link.name}: {error}; not drawn")
                 continue
             placement = np.eye(4) if visual.origin is None else np.array(visual.origin, dtype=float)
-            shapes.append(Shape(link.name, geometry, placement, _colour(visual.material, colours)))
+            colour = _colour(visual.material, colours) or own
+            shapes.append(Shape(link.name, geometry, placement, colour))
     if len(missing) > 1:  # one line of all
         missing = [f"{len(missing)} mesh files are missing and not drawn, such as that of {missing[0]}"]
     return shapes, missing + warnings
@@ -180,10 +199,20 @@ def _read_mesh(name: str, urdf: Urdf) -> Mesh:
     return Mesh(np.asarray(smooth.vertices, dtype=float), np.asarray(smooth.faces, dtype=np.int64))
 
 
-def _colour(material: Any, known: dict[str, tuple[float, ...]]) -> tuple[float, float, float, float]:
-    if material is None:
-        return _GREY
-    rgba = material.color.rgba if material.color is not None else known.get(material.name, _GREY)
+def _palette_colour(number: int) -> tuple[float, float, float, float]:
+    """Return the colour of the link that is so many links without a colour behind the first."""
+    dark = _DARKER ** (number // len(_PALETTE))
+    red, green, blue = (dark * part for part in _PALETTE[number % len(_PALETTE)])
+    return red, green, blue, 1.0
+
+
+def _colour(material: Any, known: dict[str, tuple[float, ...]]) -> tuple[float, float, float, float] | None:
+    """Return red, green, blue and opacity that a URDF gives; None if it gives none."""
+    rgba = None
+    if material is not None:
+        rgba = material.color.rgba if material.color is not None else known.get(material.name)
+    if rgba is None:
+        return None
     red, green, blue, alpha = (float(np.clip(value, 0.0, 1.0)) for value in rgba)
     return red, green, blue, alpha
 

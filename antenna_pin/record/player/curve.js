@@ -61,8 +61,10 @@ class Curve {
     const {unit} = this.shown;
     this.range.children[0].textContent = written(this.span[1], unit);
     this.range.children[1].textContent = written(this.span[0], unit);
-    const few = this.times.length < this.shown.samples;
-    this.row.title = few ? `${this.times.length} of ${this.shown.samples} samples: least and greatest of each stretch` : "";
+    this.few = this.times.length < this.shown.samples;
+    this.row.title = this.few
+      ? `${this.times.length} of ${this.shown.samples} samples; no other is off the line by more than ${written(this.shown.off, unit)}`
+      : "";
     this.hover = null;
     this.draw();
   }
@@ -162,7 +164,7 @@ class Curve {
     const unit = this.shown.unit ? ` ${this.shown.unit}` : "";
     value.classList.toggle("ap-exact", hover !== null);
     const text = hover === null
-      ? `${written(this.at(this.time), this.shown.unit)}`
+      ? `${this.few ? "\u2248 " : ""}${written(this.at(this.time), this.shown.unit)}`
       : `${this.values[hover]}${unit} at ${Number(this.times[hover].toPrecision(9))} s`;
     if (text !== value.textContent) value.textContent = text;
   }
