@@ -48,8 +48,6 @@ def mark_springs(marking: Marking) -> Mark | None:
             aside[:3, 3] += _ASIDE * size * place[:3, 2]
             shape = coil(_COIL[0] * size, _COIL[1] * size, _WIRE * size)
             marking.scene.add(found[-1], shape, rgb(SPRING), aside)
-            x, y, z = map(float, aside[:3, 3])
-            labels.append(Label(name, on, (x, y, z)))
             continue
         first, second = (_places(marking, getattr(spring, side, None)) for side in ("first", "second"))
         if first is None or second is None:

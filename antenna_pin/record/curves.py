@@ -90,9 +90,9 @@ def curves_of(
 def thinned(times: Array, values: Array, most: int) -> tuple[NDArray[np.intp], float]:
     """Return which samples draw a curve, and by how much others lie off it at most.
 
-    The curve goes straight from one to the next. To the ends and the least and greatest of all, that sample is
-    added which lies farthest off (Ramer, Douglas and Peucker, along the values), until no other is off by more than
-    a ten-thousandth of the range, or there are enough.
+    The curve goes straight from one to the next. To the ends and the least and greatest of all, that sample
+    is added which lies farthest off (Ramer, Douglas and Peucker, along the values), until no other is off by
+    more than a ten-thousandth of the range, or there are enough.
 
     Args:
         times: Of the samples, not decreasing, (n,) [s].

@@ -51,6 +51,8 @@ class Bar {
 
   show(t) {
     this.slider.value = t;
+    const {start, duration} = this.player;
+    this.slider.style.setProperty("--ap-done", `${duration > 0 ? 100 * (t - start) / duration : 0}%`);
     if (this.curve) this.curve.show(t);
   }
 
