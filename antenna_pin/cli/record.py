@@ -33,7 +33,7 @@ CurveOption = Annotated[
     list[str] | None,
     typer.Option(
         metavar="NAME",
-        help="Quantity that the curve under the slider offers first, a name of phase --list; can be repeated.",
+        help="Quantity that the curve under the slider offers first, one of phase --list; can be repeated.",
     ),
 ]
 
@@ -54,8 +54,8 @@ def record(
     magnify: Annotated[
         float | None,
         typer.Option(
-            help="How many times wider the joint's play is drawn, by itself so many that it is a third as wide as"
-            " its pin; of a mechanism how many times larger the deflections of flexible links are, 1 by itself."
+            help="How many times wider the joint's play is drawn, by itself a third as wide as its pin; of a"
+            " mechanism how many times larger deflections of flexible links are, 1 by itself."
         ),
     ] = None,
     body: Annotated[

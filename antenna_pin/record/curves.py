@@ -42,7 +42,8 @@ _NOT = ("q", "v", "a", "base_attitude", "journal_attitude", "contact_point")
 _BYTES = 2 * 8 * 4 / 3  # of a sample, its time and its value in base64
 _SAMPLES = (100, 1000)  # of a series, at least and at most
 _OFF = 1e-4  # of the range, by which no sample may be off the curve
-_LOOKED_AT = 5000  # stretches of a long run of which the least and greatest samples are looked at
+# So many samples are all looked at; of more those about the least and greatest of so many stretches.
+_ALL, _STRETCHES = 200_000, 20_000
 
 
 def curves_of(
@@ -106,7 +107,10 @@ def thinned(times: Array, values: Array, most: int) -> tuple[NDArray[np.intp], f
     if len(known) < len(times):  # a gap would have no least or greatest
         kept = _extremes(times, values, most // 4)
     else:
-        some = _extremes(times, values, _LOOKED_AT) if len(times) > 4 * _LOOKED_AT else every
+        some = every
+        if len(times) > _ALL:
+            peaks = _extremes(times, values, _STRETCHES)
+            some = np.unique(np.clip(np.concatenate([peaks - 1, peaks, peaks + 1]), 0, len(times) - 1))
         kept = some[_farthest_first(times[some], values[some], most)]
     sure = kept[np.isfinite(values[kept])]
     once = known[np.append(True, np.diff(times[known]) > 0.0) & np.append(np.diff(times[known]) > 0.0, True)]

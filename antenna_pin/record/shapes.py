@@ -27,17 +27,17 @@ __all__ = [
 
 Array = NDArray[np.float64]
 
-# Of links without a colour: light grey, then pale ones that every kind of colour vision tells apart (of Tol's
-# "light" those that are not near a force or a boresight); darker from the second round on.
+# Of links without a colour: such that people who see no red or no green tell them apart too, none near that of
+# a force, a boresight or a ghost; darker from the second round on.
 _PALETTE = (
-    (0.74, 0.76, 0.79),
-    (0.47, 0.67, 0.87),
-    (0.93, 0.87, 0.53),
-    (0.27, 0.73, 0.60),
-    (1.00, 0.67, 0.73),
-    (0.73, 0.80, 0.20),
-    (0.60, 0.87, 1.00),
-    (0.67, 0.67, 0.00),
+    (0.74, 0.76, 0.79),  # grey
+    (0.60, 0.87, 1.00),  # light blue
+    (0.93, 0.87, 0.53),  # sand
+    (0.27, 0.73, 0.60),  # teal
+    (0.55, 0.34, 0.29),  # brown
+    (0.67, 0.67, 0.00),  # olive
+    (0.16, 0.28, 0.35),  # slate
+    (0.96, 0.94, 0.88),  # cream
 )
 _DARKER = 0.75
 _SMOOTH = np.radians(35.0)  # edges sharper than that stay edges

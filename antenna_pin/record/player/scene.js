@@ -8,6 +8,7 @@ class Actor {
     this.tracks = data.tracks.map((track) => ({
       kind: track.kind,
       name: track.name,
+      path: track.path,
       data: track.kind === "shown" ? doubles(track.data) : floats(track.data),
       object: node(viewer, track.path),
     }));
