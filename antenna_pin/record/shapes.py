@@ -27,8 +27,8 @@ __all__ = [
 
 Array = NDArray[np.float64]
 
-# Of links without a colour: such that people who see no red or no green tell them apart too, none near that of
-# a force, a boresight or a ghost; darker from the second round on.
+# Of links without a colour: people who see no red or no green tell them apart too, and none is near that of a
+# force, a boresight or a ghost; darker from the second round on.
 _PALETTE = (
     (0.74, 0.76, 0.79),  # grey
     (0.60, 0.87, 1.00),  # light blue

@@ -201,11 +201,11 @@ def seen(page):
 @pytest.mark.parametrize("size", [(1400, 900), (390, 780)])
 @pytest.mark.parametrize("view", ["iso", "x", "y", "z"])
 def test_all_of_the_motion_is_in_the_picture(opened, clearance_run, view, size):
-    """Every corner of the dish at every moment, below the heading, and it fills the stage one way at least."""
+    """Whatever is reached at any time lies below the heading, and fills the stage one way at least."""
     page = opened(record(clearance_run), *size)
     page.run("recording.view(a[0]);", view)
     top, width, height = page.run(
-        "const head = recording.head.getBoundingClientRect(), stage = recording.stage.getBoundingClientRect();"
+        "const [head, stage] = [recording.head, recording.stage].map((one) => one.getBoundingClientRect());"
         "return [Math.max(head.bottom - stage.top, 0), stage.width, stage.height];"
     )
     framed = np.frombuffer(
@@ -229,8 +229,12 @@ def test_a_body_that_is_followed_stays_where_it_is(opened, clearance_run):
     # Single precision of three.js' matrices, over some 500 pixels.
     assert page.run(centre) == pytest.approx(before, abs=1e-3)
     moved, _ = seen(page)
+    # The camera has gone the way of the dish's middle.
     poses = body_poses(clearance_run, times=[0, -1]).sel(body="reflector")
-    assert np.linalg.norm(moved - position) > 0.5 * np.linalg.norm(np.diff(poses["position"].values, axis=0))
+    middle = page.run("return recording.eye.followed.centre.toArray();")
+    ends = poses["position"].values + Rotation.from_quat(poses["attitude"].values).apply(middle)
+    assert np.linalg.norm(ends[1] - ends[0]) > 1e-4
+    assert moved - position == pytest.approx(ends[1] - ends[0], abs=1e-6)  # 32-bit floats
     width, height = page.run("return [recording.stage.clientWidth, recording.stage.clientHeight];")
     assert before == pytest.approx([0.5 * width, before[1]]) and 0 < before[1] < height
     page.run("recording.follow(null);")
@@ -256,18 +260,22 @@ def test_the_value_below_the_pointer_is_the_results(opened, clearance_run, name)
     left, middle, width = place_of_curve(page)
     unit = "N" if name.startswith("|") else "rad"
     found = set()
-    for share in np.linspace(0.05, 0.95, 13):
-        page.point(left + share * width, middle)
+    peak = float(exact.time[np.argmax(exact.values)])
+    places = page.run(
+        "return a[0].map((t) => recording.curve.xAt(t));", [*np.linspace(0.002, 0.048, 13), peak]
+    )
+    for x in places:
+        page.point(left + x, middle)
         text = page.run("return recording.curve.value.textContent;")
         value, shown_unit, time = re.fullmatch(r"(\S+) (\S+) at (\S+) s", text).groups()
         assert shown_unit == unit
         at = np.flatnonzero(np.isclose(exact.time, float(time), rtol=1e-8, atol=0.0))  # nine digits are shown
         assert float(value) in exact.values[at]
-        reached = page.run("return recording.curve.timeAt(a[0]);", share * width)
+        reached = page.run("return recording.curve.timeAt(a[0]);", x)
         drawn = np.array(page.run("return Array.from(recording.curve.times);"))
         assert np.abs(drawn - reached).min() == pytest.approx(abs(float(time) - reached), abs=1e-9)
-        found.add(value)
-    assert len(found) > 3
+        found.add(float(value))
+    assert len(found) > 1 and max(found) == exact.values.max()
     page.point(left + 0.5 * width, middle - 200)
     assert " at " not in page.run("return recording.curve.value.textContent;")
     assert quiet(page)
@@ -350,7 +358,7 @@ def test_the_scale_bar_is_as_long_as_it_says(opened, clearance_run):
             " recording.scaleBar.bar.getBoundingClientRect().width];"
         )
         numbers = [
-            float(n) * {"m": 1.0, "mm": 1e-3, "µm": 1e-6}[u] for n, u in re.findall(r"(\S+) (m|mm|µm)", text)
+            float(n) * {"m": 1.0, "mm": 1e-3, "µm": 1e-6}[u] for n, u in re.findall(r"(\S+) (mm|µm|m)", text)
         ]
         position, target = seen(page)
         right = np.cross(target - position, [0.0, 0.0, 1.0])

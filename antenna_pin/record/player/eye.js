@@ -112,7 +112,9 @@ class Eye {
     if (this.followed) this.at = this.place(this.followed);
   }
 
+  // Where a body's middle is in three.js' world.
   place(body) {
+    body.object.updateWorldMatrix(true, false); // else it is that of the last picture
     return body.object.localToWorld(body.centre.clone());
   }
 

@@ -7,7 +7,7 @@ class Labels {
   // Each with a text, an object that it goes with and a place in its frame, and whether it is wanted.
   constructor(stage, items) {
     this.node = element("div", "ap-labels", stage, {"aria-hidden": "true"});
-    this.items = items.map((item) => ({...item, node: element("span", `ap-label ap-${item.kind}`, this.node)}));
+    this.items = items.map((item) => ({...item, node: element("span", `ap-label ap-label-${item.kind}`, this.node)}));
     for (const item of this.items) item.node.textContent = item.text;
     this.on = false;
   }
