@@ -84,8 +84,7 @@ def _browser() -> webbrowser.BaseBrowser:
 
 def _beside(recording: Recording, file: Path) -> Path:
     """Write the page beside the result, where browsers that see home folders only find it; else elsewhere."""
-    name = f"{file.stem}.view.html"
     try:
-        return recording.save(file.with_name(name))
+        return recording.save(file.with_name(f"{file.stem}.view.html"))
     except OutputError:
-        return recording.save(Path(tempfile.mkdtemp(prefix="antenna-pin-")) / name)
+        return recording.save(Path(tempfile.mkdtemp(prefix="antenna-pin-")) / "run.view.html")
