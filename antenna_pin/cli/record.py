@@ -88,7 +88,7 @@ def record(
     max_size: Annotated[
         float,
         typer.Option(metavar="MB", help="Size that a page keeps below; key frames are thinned to it."),
-    ] = 20.0,
+    ] = 5.0,
     package_path: PackagePathOption = None,
     progress: Annotated[bool, typer.Option(help="Show a progress bar while filming.")] = True,
 ) -> None:

@@ -19,7 +19,8 @@ __all__ = ["curves_of", "thinned"]
 
 Array = NDArray[np.float64]
 
-# What is offered by itself: variables in this order, then others as the run has them, so many series at most.
+# What is offered by itself: variables in this order, then others as the run has them. So many series, by the
+# bytes that they may take.
 _FIRST = (
     "contact_force",
     "motion_angle",
@@ -36,11 +37,11 @@ _FIRST = (
     "journal_tilt",
     "kinetic_energy",
 )
-_MOST = 40
+_FEWEST, _MOST = 4, 40
 # Variables that stand in a result for others to use, or that bodies show by themselves.
 _NOT = ("q", "v", "a", "base_attitude", "journal_attitude", "contact_point")
 _BYTES = 2 * 8 * 4 / 3  # of a sample, its time and its value in base64
-_SAMPLES = (100, 1000)  # of a series, at least and at most
+_SAMPLES = (200, 1000)  # of a series, at least and at most
 _OFF = 1e-4  # of the range, by which no sample may be off the curve
 # So many samples are all looked at; of more those about the least and greatest of so many stretches.
 _ALL, _STRETCHES = 200_000, 20_000
@@ -77,8 +78,10 @@ def curves_of(
         return {"series": [], "first": 0}
     found = list(asked or ())
     known = {one.name for one in found}
+    room = 1e6 * megabytes / _BYTES / _SAMPLES[0]  # series, with the fewest samples each
+    room = min(max(room, _FEWEST), _MOST)
     for name in _offered(run, joint):
-        if len(found) >= max(_MOST, len(known)):
+        if len(found) >= room:
             break
         one = quantity(run, name)
         if name not in known and _moves(one.values):

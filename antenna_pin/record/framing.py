@@ -18,8 +18,8 @@ Array = NDArray[np.float64]
 # another shows so much more [-].
 _AROUND = 12
 _HEIGHTS = (0.41, 0.75)
-_BETTER = 0.05
-_CELLS = 48  # of the picture in which it is counted who hides whom, each way
+_BETTER = 0.1
+_CELLS = 48  # over the greatest way of all that moves, by which it is counted who hides whom
 
 
 def nice(value: float) -> float:
@@ -74,7 +74,9 @@ def clearest(places: Sequence[Array], first: ArrayLike, upright: Array) -> Array
         for height in _HEIGHTS
         for phi in azimuth + 2.0 * np.pi * np.arange(_AROUND) / _AROUND
     ]
-    seen = np.array([_in_front(some, way) for way in ways])  # (ways, instants, bodies)
+    every = np.concatenate([points.reshape(-1, 3) for points in some])
+    step = max(float(np.ptp(every, axis=0).max()), 1e-300) / _CELLS
+    seen = np.array([_in_front(some, way, step) for way in ways])  # (ways, instants, bodies)
     most = seen.max(axis=0)
     counted = most > 0.0
     score = np.sqrt(seen / np.where(counted, most, 1.0)).sum(axis=(1, 2)) / max(counted.sum(), 1)
@@ -83,8 +85,8 @@ def clearest(places: Sequence[Array], first: ArrayLike, upright: Array) -> Array
     return chosen
 
 
-def _in_front(places: Sequence[Array], way: Array) -> Array:
-    """Return in how many cells of the picture each body lies in front, (instants, bodies)."""
+def _in_front(places: Sequence[Array], way: Array, step: float) -> Array:
+    """Return in how many cells of the picture, a step wide, each body lies in front, (instants, bodies)."""
     right = np.cross([0.0, 0.0, 1.0], way)
     right /= np.linalg.norm(right)
     axes = np.stack([right, np.cross(way, right), way])
@@ -93,10 +95,9 @@ def _in_front(places: Sequence[Array], way: Array) -> Array:
     owner = np.repeat(np.arange(len(seen)), [points.shape[1] for points in seen])
     for k in range(count.shape[0]):
         points = np.concatenate([one[k] for one in seen])
-        low, high = points[:, :2].min(axis=0), points[:, :2].max(axis=0)
-        step = max(float((high - low).max()), 1e-300) / _CELLS
+        low = points[:, :2].min(axis=0)
         column, row = np.floor((points[:, :2] - low) / step).astype(int).T
-        cell = row * (_CELLS + 1) + column
+        cell = row * (2 * _CELLS) + column
         order = np.lexsort((points[:, 2], cell))  # of each cell the foremost comes last
         last = np.flatnonzero(np.diff(cell[order], append=-1))
         count[k] = np.bincount(owner[order[last]], minlength=len(seen))

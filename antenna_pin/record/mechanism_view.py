@@ -30,6 +30,7 @@ Array = NDArray[np.float64]
 BORESIGHT = "#0072B2"
 GHOST = "#AA4499"
 _CLEAR = 0.32  # opacity of the ghost
+_OPAQUE = 0.9  # what is less so hides nothing
 _TRAIL = 1500  # points of a trace
 _FRAMED = 300  # key frames looked at to frame the motion
 _LOOKED_AT = 7  # of which it is looked at who hides whom
@@ -214,7 +215,7 @@ class _Body:
             points = [
                 surface(shape.geometry, self.size) @ shape.placement[:3, :3].T + shape.placement[:3, 3]
                 for shape in self.shapes
-                if shape.body == body
+                if shape.body == body and shape.colour[3] > _OPAQUE
             ]
             turn = Rotation.from_quat(self.attitude[some, k]).as_matrix()
             local = np.concatenate([np.zeros((0, 3)), *points])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import html
 import json
 from collections.abc import Sequence
@@ -11,7 +12,7 @@ from typing import Any, NamedTuple
 from antenna_pin.pages import policy, script
 from antenna_pin.record.scene import viewer_licences, viewer_script
 
-__all__ = ["SharedHead", "embedded", "page", "page_of_several", "shared_head"]
+__all__ = ["SharedHead", "embedded", "page", "page_of_several", "shared_head", "viewer_megabytes"]
 
 
 # The parts of the player, in the order in which they need one another.
@@ -49,6 +50,12 @@ def shared_head() -> SharedHead:
         f"{running}",
         scripts,
     )
+
+
+@functools.cache
+def viewer_megabytes() -> float:
+    """Return what style and scripts take of a page [MB]."""
+    return 1e-6 * len(shared_head().html.encode())
 
 
 def embedded(data: dict[str, Any], identity: str, height: str = "26rem") -> str:

@@ -103,7 +103,7 @@ def record(
     speed: float | None = None,
     start: float | None = None,
     end: float | None = None,
-    max_megabytes: float = 20.0,
+    max_megabytes: float = 5.0,
     curves: Iterable[str] | None = None,
     package_path: Iterable[str | Path] = (),
 ) -> Recording:
@@ -158,7 +158,7 @@ def record(
     places = _places(run)
     impacts = impacts_of(run.data, first, last)
     own = None if view == "mechanism" else joint or next(iter(places), None)
-    share = min(_CURVES, 0.2 * max_megabytes)
+    share = min(_CURVES, 0.2 * max(max_megabytes - page.viewer_megabytes(), 0.0))
     under = curves_of(run, first, last, wanted=curves, joint=own, megabytes=share)
     times = np.asarray(run.data["time"].values, dtype=float)
     turning = rate_of_turns(run.data)

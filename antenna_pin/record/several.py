@@ -21,7 +21,7 @@ _FPS = 1e6
 
 @takes()
 def record_several(
-    runs: Iterable[Trajectory], path: str | os.PathLike[str], title: str, max_megabytes: float = 20.0
+    runs: Iterable[Trajectory], path: str | os.PathLike[str], title: str, max_megabytes: float = 5.0
 ) -> Path:
     """Write one page with a recording of each run, headed by its case; return its path.
 
