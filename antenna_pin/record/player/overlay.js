@@ -15,13 +15,15 @@ class Labels {
   draw(eye) {
     this.node.hidden = !this.on;
     if (!this.on) return;
-    const taken = [];
+    const seen = [];
     for (const {node, object, centre, wanted} of this.items) {
       const at = wanted() ? eye.pixels(object.localToWorld(centre.clone())) : null;
       node.hidden = !at;
-      if (!at) continue;
-      const wide = 7 * node.textContent.length; // names do not lie over one another
-      let [x, y] = at;
+      if (at) seen.push({node, at, wide: 7 * node.textContent.length});
+    }
+    const taken = []; // from above down, so that one that would lie over another goes below it
+    for (const {node, at: [x, height], wide} of seen.sort((one, other) => one.at[1] - other.at[1])) {
+      let y = height;
       while (taken.some(([a, b, w]) => Math.abs(a - x) < 0.5 * (w + wide) && Math.abs(b - y) < LINE)) y += LINE;
       taken.push([x, y, wide]);
       node.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px) translate(-50%, -50%)`;
