@@ -89,6 +89,7 @@ class Page:
         self._console.clear()
         self._requests.clear()
         self.resize(width, height)
+        self.prefer("light")
         self.browser.open(path.resolve().as_uri())
         # On a busy machine the driver was seen to return while a large page was still being read.
         self.run(
@@ -104,6 +105,25 @@ class Page:
     def run(self, code: str, *arguments: Any) -> Any:
         """Return what JavaScript returns: a function's body, which may ``await``; ``a`` are its arguments."""
         return self.browser.run(code, *arguments)
+
+    def press(self, key: str, *, shift: bool = False) -> None:
+        """Press a key as a person does: it goes to what has the focus."""
+        codes = {"End": 35, "Home": 36, "ArrowLeft": 37, "ArrowRight": 39, "Escape": 27}
+        text = {"text": key} if len(key) == 1 else {}
+        about = {"key": key, "windowsVirtualKeyCode": codes.get(key, ord(key[0].upper())), **text}
+        for kind in ("keyDown", "keyUp"):
+            self.browser.command("Input.dispatchKeyEvent", type=kind, modifiers=8 * shift, **about)
+
+    def point(self, x: float, y: float, *kinds: str) -> None:
+        """Move the mouse to a place of the view [px], or press ("mousePressed") and let go there."""
+        for kind in kinds or ("mouseMoved",):
+            held = {} if kind == "mouseMoved" else {"button": "left", "clickCount": 1}
+            self.browser.command("Input.dispatchMouseEvent", type=kind, x=x, y=y, **held)
+
+    def prefer(self, scheme: str) -> None:
+        """Have the page shown "light" or "dark"."""
+        features = [{"name": "prefers-color-scheme", "value": scheme}]
+        self.browser.command("Emulation.setEmulatedMedia", features=features)
 
     def pixels(self, selector: str = "canvas") -> np.ndarray:
         """Return what a canvas shows, (height, width, 3) of 0 to 255.

@@ -36,6 +36,7 @@ from antenna_pin.cli import (
     study,
     sweep,
     urdf,
+    view,
 )
 from antenna_pin.cli._common import (
     StandardOutput,
@@ -129,6 +130,7 @@ _COMMANDS: dict[str, Callable[..., None]] = {
     "lyapunov": lyapunov.lyapunov,
     "plot": info.plot,
     "figures": figures.figures,
+    "view": view.view,
     "record": record.record,
     "report": report.report,
     "urdf": urdf.urdf,

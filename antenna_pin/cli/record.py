@@ -24,6 +24,20 @@ class ViewName(StrEnum):
     JOINT = "joint"
 
 
+IdealOption = Annotated[
+    Path | None, typer.Option(metavar="FILE", help="Result with ideal joints, drawn as a ghost.")
+]
+ViewOption = Annotated[ViewName, typer.Option(help="The whole mechanism, or a clearance joint close up.")]
+JointOption = Annotated[str | None, typer.Option(help="Clearance joint to show; the first one if left out.")]
+CurveOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="NAME",
+        help="Quantity that the curve under the slider offers first, one of phase --list; can be repeated.",
+    ),
+]
+
+
 def record(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="Result file of a run.")],
     out: Annotated[
@@ -33,20 +47,15 @@ def record(
             " NAME.png, a picture; a name without suffix, a folder of frames."
         ),
     ],
-    ideal: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Result with ideal joints, drawn as a ghost.")
-    ] = None,
-    view: Annotated[
-        ViewName, typer.Option(help="The whole mechanism, or a clearance joint close up.")
-    ] = ViewName.MECHANISM,
-    joint: Annotated[
-        str | None, typer.Option(help="Clearance joint to show; the first one if left out.")
-    ] = None,
+    ideal: IdealOption = None,
+    view: ViewOption = ViewName.MECHANISM,
+    joint: JointOption = None,
+    curve: CurveOption = None,
     magnify: Annotated[
         float | None,
         typer.Option(
-            help="How many times wider the joint's play is drawn, 100 to 1000 by itself; of a mechanism how"
-            " many times larger the deflections of flexible links are, 1 by itself."
+            help="How many times wider the joint's play is drawn, by itself a third as wide as its pin; of a"
+            " mechanism how many times larger deflections of flexible links are, 1 by itself."
         ),
     ] = None,
     body: Annotated[
@@ -79,7 +88,7 @@ def record(
     max_size: Annotated[
         float,
         typer.Option(metavar="MB", help="Size that a page keeps below; key frames are thinned to it."),
-    ] = 20.0,
+    ] = 5.0,
     package_path: PackagePathOption = None,
     progress: Annotated[bool, typer.Option(help="Show a progress bar while filming.")] = True,
 ) -> None:
@@ -112,6 +121,7 @@ def record(
         start=_time(start, "--start"),
         end=_time(end, "--end"),
         max_megabytes=max_size,
+        curves=curve or None,
         package_path=packages,
     )
     for warning in recording.data["warnings"]:

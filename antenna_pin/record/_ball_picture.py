@@ -20,7 +20,7 @@ class BallPicture(JointPicture):
         dimensions = place["dimensions"]
         ball = float(dimensions["ball_radius"])
         self.clearance = float(dimensions["socket_radius"]) - ball
-        factor = default_magnification(ball, self.clearance) if magnify is None else magnify
+        factor = self.factor = default_magnification(ball, self.clearance) if magnify is None else magnify
         shape = self.shape = MagnifiedBall.of(dimensions, factor)
         self.radius = shape.socket_radius
         self.centre = shape.centre(

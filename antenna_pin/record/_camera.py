@@ -29,14 +29,16 @@ for (let k = 0; k < 600 && !begun(); k++) await new Promise((done) => setTimeout
 if (!begun()) return "a page whose script has not run within 30 s";
 const player = window.recording;
 if (player.failed) return player.stage.textContent;
-document.head.insertAdjacentHTML("beforeend", `<style>${a[0]} { display: none !important; }</style>`);
+const none = "{ display: none !important; }";
+if (a[0]) document.head.insertAdjacentHTML("beforeend", `<style>${a[0]} ${none}</style>`);
+else player.film();
 await player.ready;
 // The stage grows into the place of the controls with the next layout.
 await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
 player.pause();
 return "";
 """
-_CONTROLS, _SPEED = ".ap-bar", ".ap-rate"
+_OF_STILLS = ".ap-bar, .ap-rate"  # what a still picture goes without
 _SEEK = "window.recording.seek(a[0]); window.recording.render();"
 _ADVANCE = "window.recording.advance(a[0], a[1]); window.recording.render();"
 
@@ -96,12 +98,12 @@ def open_camera(
     still: bool = False,
     programs: BrowserPrograms | None = None,
 ) -> Iterator[Camera]:
-    """Show a recording in a browser, without its controls.
+    """Show a recording in a browser, of its controls the line of time only.
 
     Args:
         recording: What is filmed.
         size: Of the pictures, width and height [px].
-        still: Whether the speed is left out, as of a single picture.
+        still: Whether line of time and speed are left out, as of a single picture.
         programs: Browser and driver; found if not given.
 
     Raises:
@@ -117,7 +119,7 @@ def open_camera(
         page = recording.save(Path(folder) / "recording.html")
         browser.resize(int(width / scale), int(height / scale), scale=scale)
         browser.open(page.as_uri())
-        complaint = browser.run(_OPEN, f"{_CONTROLS}, {_SPEED}" if still else _CONTROLS)
+        complaint = browser.run(_OPEN, _OF_STILLS if still else "")
         if complaint:
             raise MissingToolError(
                 f"the browser must show 3D pictures without a graphics card, got: {complaint}"

@@ -8,9 +8,10 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from antenna_pin.record.contact_arrows import sparse
+from antenna_pin.record.framing import camera, nice
 from antenna_pin.record.key_frames import Impacts, KeyFrames
-from antenna_pin.record.mechanism_view import camera, nice
-from antenna_pin.record.scene import Scene, packed_doubles, packed_floats
+from antenna_pin.record.scene import Scene, packed_doubles
 from antenna_pin.record.shapes import lathe
 from antenna_pin.trajectory import contacts_of
 
@@ -61,9 +62,11 @@ class JointPicture:
     Attributes:
         radius: Of the bore or socket as drawn [m].
         clearance: Radial, as it is [m].
+        factor: How many times as wide gaps are drawn [-].
     """
 
     radius: float
+    factor: float
     clearance: float
 
     def __init__(
@@ -99,6 +102,7 @@ class JointPicture:
             float(np.linalg.norm(self.force, axis=2).max(initial=0.0)),
             float(impacts.peaks[here].max(initial=0.0)),
         )
+        self.poster = impacts.only(np.flatnonzero(here)).hardest(0.5 * float(self.times[0] + self.times[-1]))
         self.spin = self._spin(chosen, name)
         self._build(place, magnify)
 
@@ -141,8 +145,7 @@ class JointPicture:
                     {
                         "name": name,
                         "path": "run",
-                        "force": packed_floats(self.force[:, k]),
-                        "point": packed_floats(points[:, k]),
+                        **sparse(self.force[:, k], points[:, k]),
                     }
                     for k, name in enumerate(self.contacts)
                 ],
@@ -168,6 +171,7 @@ class JointPicture:
             "trails": self.trails(),
             "camera": camera(turned, DIRECTION),
             "facts": facts,
+            "poster": self.poster,
             "warnings": self.warnings,
         }
 
@@ -181,7 +185,7 @@ class JointPicture:
 
 def length_text(metres: float) -> str:
     """Return a length [m] with three digits and the unit that suits it."""
-    for limit, unit in ((1e-3, "mm"), (1e-6, "µm")):
+    for limit, unit in ((1.0, "m"), (1e-3, "mm"), (1e-6, "µm")):
         if metres >= 0.9995 * limit:
             return f"{metres / limit:.3g} {unit}"
     return f"{metres * 1e9:.3g} nm"

@@ -20,7 +20,7 @@ class JournalPicture(JointPicture):
         dimensions = place["dimensions"]
         journal = float(dimensions["journal_radius"])
         self.clearance = float(dimensions["bearing_radius"]) - journal
-        factor = default_magnification(journal, self.clearance) if magnify is None else magnify
+        factor = self.factor = default_magnification(journal, self.clearance) if magnify is None else magnify
         shape = self.shape = MagnifiedJournal.of(dimensions, factor)
         self.radius = shape.bore_radius
         radial = 2 if shape.flanges else 1
@@ -42,7 +42,12 @@ class JournalPicture(JointPicture):
         for end in ends:
             self.scene.add(f"run/rim {end:+.6f}", ring(shape.bore_radius, end, 0.008 * self.radius), RIM)
         # The shaft goes on behind one flange; the journal carries marks so that its spin is seen.
-        self.reach = half + 2.0 * shape.flange_gap + shape.flange_thickness + 0.35 * shape.length
+        self.reach = (
+            half
+            + 2.0 * shape.flange_gap
+            + shape.flange_thickness
+            + min(0.35 * shape.length, shape.bore_radius)
+        )
         start = self.start = -self.reach if not shape.flanges else -half - 1.02 * shape.flange_gap
         self.scene.add(
             "run/barrel/spin/body", lathe(*solid(shape.journal_radius, start, self.reach)), JOURNAL
@@ -113,7 +118,13 @@ class JournalPicture(JointPicture):
         some = np.unique(np.linspace(0, len(self.times) - 1, min(200, len(self.times))).astype(int))
         rim = np.vstack([shape.flange_radius * circle, np.zeros((1, 24)), np.ones((1, 24))])
         moving = [(placement[some] @ rim).transpose(0, 2, 1).reshape(-1, 3) for placement in self.flange]
-        ends = np.array([[0.0, 0.0, self.start, 1.0], [0.0, 0.0, 0.9 * self.reach, 1.0]]).T
+        ends = np.vstack(
+            [
+                np.tile(shape.journal_radius * circle, 2),
+                np.repeat([self.start, self.reach], 24),
+                np.ones(48),
+            ]
+        )
         moving.append((self.barrel[some] @ ends).transpose(0, 2, 1).reshape(-1, 3))
         return np.concatenate([*bearing, *moving])
 
@@ -144,6 +155,10 @@ class JournalPicture(JointPicture):
         else:
             what, true = "play and eccentricity", "journal's radius and spin"
         lines = [f"{self.name}: {what} drawn {factor:g} times as large", f"{true} as they are"]
+        if self.shape.shortened > 1.0:
+            real = self.shape.shortened * self.shape.length
+            drawn = f"length {length_text(real)} drawn {length_text(self.shape.length)}"
+            lines[1] = f"journal's radius and spin as they are; {drawn}"
         line = f"radial play {length_text(self.clearance)} drawn {length_text(factor * self.clearance)}"
         if self.shape.flanges:
             gap = self.shape.flange_gap

@@ -37,7 +37,7 @@ class SliderPicture(JointPicture):
         self.play = 0.5 * (guide - slider)
         self.clearance = float(self.play.min())
         half = 0.5 * float(slider.min())
-        factor = default_magnification(half, self.clearance) if magnify is None else magnify
+        factor = self.factor = default_magnification(half, self.clearance) if magnify is None else magnify
         shape = self.shape = MagnifiedSlider.of(dimensions, factor)
         self.radius = 0.5 * float(shape.guide.min())
         self.position, self.attitude = (

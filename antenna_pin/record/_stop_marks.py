@@ -14,11 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from antenna_pin.analysis import mechanism_of
 from antenna_pin.mechanism import frame_aligning_z
-from antenna_pin.record.scene import Scene, packed_floats
+from antenna_pin.record._marking import Mark, Marking, rgb
+from antenna_pin.record.scene import packed_doubles
 from antenna_pin.record.shapes import Box, Cylinder, Geometry
-from antenna_pin.trajectory import Trajectory, elements_of
+from antenna_pin.trajectory import elements_of
 
 __all__ = ["mark_stops"]
 
@@ -35,43 +35,37 @@ _WEDGE = (0.035, 0.02, 0.008)
 _THIN = 0.006
 _PIN = (0.006, 0.03)
 _HELD_MODE = 2  # of a latch
-_SMALLEST = 1e-6  # a part that is not seen is so small; none at all would have no inverse
 
 
-def mark_stops(
-    run: Trajectory, samples: NDArray[np.intp], scene: Scene, paths: Mapping[str, str], size: float
-) -> tuple[dict[str, Any] | None, list[dict[str, Any]]]:
-    """Put marks at joints with stops or latches; return what the player lists of them, and their tracks.
+def mark_stops(marking: Marking) -> Mark | None:
+    """Put marks at joints with stops or latches.
 
     Args:
-        run: The run.
-        samples: Those that are key frames.
-        scene: What they are put into.
-        paths: Of the links in the scene, by name.
-        size: Of the mechanism [m].
+        marking: What they are made of.
     """
+    run = marking.run
     found: list[str] = []
     tracks: list[dict[str, Any]] = []
     pointed: set[str] = set()
-    joints = mechanism_of(run).joints
     for place, one in elements_of(run.data).items():
-        if not place.startswith(("stops.", "latches.")) or one["joint"] not in joints:
+        joint = one["joint"]
+        if not place.startswith(("stops.", "latches.")) or joint not in marking.mechanism.joints:
             continue
-        marks = _Marks(run, one, scene, paths, size)
-        mode = np.asarray(run.data["element_mode"].sel(element=place).values)[samples]
+        marks = _Marks(marking, joint, bool(one["slides"]))
+        mode = np.asarray(run.data["element_mode"].sel(element=place).values)[marking.samples]
         name = place.replace("/", " ")
-        if one["joint"] not in pointed:
-            pointed.add(one["joint"])
-            found.append(marks.pointer(f"pointer {one['joint']}"))
-        for what, seat, shape, colours, active in _parts(place, one, size, mode):
+        if joint not in pointed:
+            pointed.add(joint)
+            found.append(marks.pointer(f"pointer {joint}"))
+        for what, seat, shape, colours, active in _parts(place, one, marking.size, mode):
+            path = f"{marks.parent}/{name} {what}"
+            found.append(path)
             for colour, seen in zip(colours, (~active, active), strict=True):
-                path, track = marks.put(f"{name} {what} {colour[1:]}", seat, shape, colour, seen)
-                found.append(path)
-                tracks.append(track)
+                tracks.append(marks.put(f"{path}/{colour[1:]}", seat, shape, colour, seen))
     if not found:
-        return None, []
+        return None
     words = "stops (orange: touched) and latches (green: holding)"
-    return {"text": words, "colour": STOP, "paths": found}, tracks
+    return Mark(words, STOP, tuple(found), tuple(tracks))
 
 
 def _parts(
@@ -93,18 +87,13 @@ def _parts(
 class _Marks:
     """Where the marks of one joint go."""
 
-    def __init__(
-        self, run: Trajectory, one: Mapping[str, Any], scene: Scene, paths: Mapping[str, str], size: float
-    ) -> None:
-        mechanism = mechanism_of(run)
-        joint = mechanism.urdf.joint(one["joint"])
-        self.scene, self.size, self.slides = scene, size, bool(one["slides"])
-        axis = np.eye(4)
-        axis[:3, :3] = frame_aligning_z(np.asarray(mechanism.joint(one["joint"]).axis, dtype=float))
-        self.in_child = axis
-        self.in_parent: Array = np.asarray(mechanism.urdf.placement(one["joint"])) @ axis
-        self.parent = paths.get(joint.parent, "stops")
-        self.child = paths.get(joint.child, "stops")
+    def __init__(self, marking: Marking, joint: str, slides: bool) -> None:
+        self.scene, self.size, self.slides = marking.scene, marking.size, slides
+        self.times = marking.times
+        self.parent, self.in_parent = marking.seat(joint)
+        self.in_child = np.eye(4)
+        self.in_child[:3, :3] = frame_aligning_z(np.asarray(marking.mechanism.joint(joint).axis, dtype=float))
+        self.child = marking.path(marking.mechanism.urdf.joint(joint).child)
 
     def _seat(self, way: float) -> Array:
         """Return where something sits at an angle (or a way) of the joint, in the frame of its axis."""
@@ -123,23 +112,18 @@ class _Marks:
         middle = np.eye(4)
         middle[0, 3] = 0.5 * _REACH * self.size
         bar = Box((_REACH * self.size, _THIN * self.size, _THIN * self.size))
-        self.scene.add(path, bar, _rgb(_POINTER), self.in_child @ middle)
+        self.scene.add(path, bar, rgb(_POINTER), self.in_child @ middle)
         return path
 
     def put(
-        self, name: str, way: float, shape: Geometry, colour: str, seen: NDArray[np.bool_]
-    ) -> tuple[str, dict[str, Any]]:
-        """Draw a part on the parent; return its path, and the track by which it is seen or not."""
-        path = f"{self.parent}/{name}"
-        place = self.in_parent @ self._seat(way)
-        self.scene.add(f"{path}/part", shape, _rgb(colour))
-        scale = np.where(seen, 1.0, _SMALLEST)
-        data = np.empty((len(seen), 3, 4))
-        data[:, :, :3] = scale[:, None, None] * place[None, :3, :3]
-        data[:, :, 3] = place[None, :3, 3]
-        return path, {"kind": "matrix", "name": name, "path": path, "data": packed_floats(data)}
-
-
-def _rgb(colour: str) -> tuple[float, float, float]:
-    red, green, blue = (int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5))
-    return red, green, blue
+        self, path: str, way: float, shape: Geometry, colour: str, seen: NDArray[np.bool_]
+    ) -> dict[str, Any]:
+        """Draw a part on the parent; return the track by which it is seen or not."""
+        self.scene.add(path, shape, rgb(colour), self.in_parent @ self._seat(way))
+        changes = self.times[np.flatnonzero(np.diff(seen, prepend=False))]
+        return {
+            "kind": "shown",
+            "name": path.rpartition("/")[0],
+            "path": path,
+            "data": packed_doubles(changes),
+        }

@@ -47,7 +47,7 @@ def joint_view(
         impacts: Contact episodes in the span.
         places: Shapes of the clearance joints (its attribute ``clearance_joints``).
         joint: Name of the joint; the first one with clearance if left out.
-        magnify: How many times wider gaps are drawn [-]; chosen from 100 to 1000 if left out.
+        magnify: How many times wider gaps are drawn [-]; chosen by the play if left out.
     """
     if not places or "gap" not in run.data:
         raise InvalidParameterError(
@@ -71,4 +71,7 @@ def joint_view(
     some = np.unique(np.linspace(0, count - 1, min(_DIRECTIONS, count)).astype(int))
     up = bearing_up(run, name, frames.indices[some]) if "mechanism" in run.data.attrs else None
     gravity = None if up is None else -up @ picture.turn.T
-    return seen | {"triad": triad("axes of the bearing", picture.turn.T, gravity, picture.times[some])}
+    drawn = {"play": picture.factor}
+    return (
+        seen | drawn | {"triad": triad("axes of the bearing", picture.turn.T, gravity, picture.times[some])}
+    )

@@ -37,6 +37,10 @@ class Impacts:
     contacts: NDArray[np.int64]
     events: Array
 
+    def hardest(self, otherwise: float) -> float:
+        """Return when the hardest of them is at its peak [s], or another time where there is none."""
+        return float(self.times[np.argmax(self.peaks)]) if len(self.times) else otherwise
+
     def only(self, chosen: Indices) -> Impacts:
         """Return some of the episodes, by their indices, in order of time."""
         kept = np.sort(chosen)

@@ -30,17 +30,24 @@ __all__ = ["MagnifiedBall", "MagnifiedJournal", "default_magnification"]
 
 Array = NDArray[np.float64]
 
+_DRAWN = 0.3  # play as drawn, as a share of the journal's radius
+_LONGEST = 10.0  # times its bore's radius a bearing is drawn long at most; beyond that its play is not seen
+
 
 def default_magnification(radius: float, clearance: float) -> float:
-    """Return a magnification from 100 to 1000 that draws the play about as wide as the journal's radius.
+    """Return a magnification that draws the play about a third as wide as the journal's radius, at least 1.
+
+    It is 1, 1.5, 2, 3, 5 or 7 times a power of ten. With more a ball would lie in a bowl; with less what it
+    does in its play is not seen.
 
     Args:
         radius: Of the journal or ball [m].
         clearance: Radial play [m].
     """
-    wanted = radius / clearance
-    steps = np.array([100.0, 150.0, 200.0, 300.0, 500.0, 700.0, 1000.0])
-    return float(steps[int(np.argmin(np.abs(np.log(steps / wanted))))])
+    wanted = max(_DRAWN * radius / clearance, 1.0)
+    power = 10.0 ** np.floor(np.log10(wanted))
+    steps = power * np.array([1.0, 1.5, 2.0, 3.0, 5.0, 7.0, 10.0])
+    return float(f"{steps[int(np.argmin(np.abs(np.log(steps / wanted))))]:.2g}")
 
 
 def _directions(points: Array) -> Array:
@@ -57,7 +64,8 @@ class MagnifiedJournal:
         factor: M [-].
         journal_radius: R_j, drawn as it is [m].
         bore_radius: Of the drawn bore [m].
-        length: Of bore and bearing, drawn as it is [m].
+        length: Of bore and bearing as drawn [m]: as it is, or that of a long one shortened.
+        shortened: How many times [-].
         edge_radius: Of the edge at which flanges touch, as it is [m]; 0 without flanges.
         drawn_edge: Of the same as drawn [m].
         outer_radius: Of the drawn bearing [m].
@@ -69,6 +77,7 @@ class MagnifiedJournal:
     journal_radius: float
     bore_radius: float
     length: float
+    shortened: float
     edge_radius: float
     drawn_edge: float
     outer_radius: float
@@ -93,6 +102,7 @@ class MagnifiedJournal:
                 journal_radius=journal,
                 bore_radius=bore,
                 length=max(1.6 * journal, 0.5 * bore),  # it has none of its own
+                shortened=1.0,
                 edge_radius=0.0,
                 drawn_edge=0.0,
                 outer_radius=1.16 * bore,
@@ -100,7 +110,8 @@ class MagnifiedJournal:
                 flange_gap=0.0,
             )
         real_outer, real_flange = (float(dimensions[k]) for k in ("bearing_outer_radius", "flange_radius"))
-        length = float(dimensions["bearing_length"])
+        real_length = float(dimensions["bearing_length"])
+        length = min(real_length, _LONGEST * bore)
         outer = max(real_outer + play, 1.16 * bore)
         covers = real_flange >= real_outer
         # A flange that covers the bearing's edge does so at every eccentricity, a smaller one at none.
@@ -112,11 +123,12 @@ class MagnifiedJournal:
             journal_radius=journal,
             bore_radius=bore,
             length=length,
+            shortened=real_length / length,
             edge_radius=min(real_outer, real_flange),
             drawn_edge=outer if covers else flange,
             outer_radius=outer,
             flange_radius=flange,
-            flange_gap=factor * 0.5 * (float(dimensions["flange_distance"]) - length),
+            flange_gap=factor * 0.5 * (float(dimensions["flange_distance"]) - real_length),
         )
 
     @property

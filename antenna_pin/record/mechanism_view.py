@@ -5,32 +5,35 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
 from antenna_pin.analysis import mechanism_of
 from antenna_pin.directions import direction
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
-from antenna_pin.mechanism import frame_aligning_z
-from antenna_pin.record._closure_marks import mark_closures
-from antenna_pin.record._stop_marks import mark_stops
+from antenna_pin.mechanism import Mechanism, Urdf, frame_aligning_z
+from antenna_pin.record._marking import Marking, rgb
 from antenna_pin.record.bending import check_bending, drawn_poses, said_of_bending
+from antenna_pin.record.contact_arrows import FORCE, contact_arrows, force_scale
+from antenna_pin.record.framing import camera, clearest
 from antenna_pin.record.key_frames import Impacts, KeyFrames
+from antenna_pin.record.marks import marks_of
 from antenna_pin.record.scene import Scene, packed_doubles, packed_floats
-from antenna_pin.record.shapes import Cylinder, Shape, Sphere, corners, visual_shapes
+from antenna_pin.record.shapes import Cylinder, Shape, Sphere, corners, surface, visual_shapes
 from antenna_pin.record.triad import triad
-from antenna_pin.trajectory import Trajectory, contact_joints
+from antenna_pin.trajectory import Trajectory
 
-__all__ = ["Boresight", "camera", "mechanism_view", "nice", "placement_of"]
+__all__ = ["Boresight", "mechanism_view"]
 
 Array = NDArray[np.float64]
 
-FORCE = "#D55E00"
 BORESIGHT = "#0072B2"
-GHOST = (0.25, 0.30, 0.38, 0.22)
+GHOST = "#AA4499"
+_CLEAR = 0.32  # opacity of the ghost
+_OPAQUE = 0.9  # what is less so hides nothing
 _TRAIL = 1500  # points of a trace
 _FRAMED = 300  # key frames looked at to frame the motion
+_LOOKED_AT = 7  # of which it is looked at who hides whom
 _DIRECTION = (1.0, -0.75, 0.55)  # from where the camera looks
 
 
@@ -90,38 +93,47 @@ def mechanism_view(
         extent.append(motion.tips)
     actors = [motion.actor()]
     if ideal is not None:
-        ghost = _Body(*ideal, "ideal", scene, GHOST, factor)
+        ghost = _Body(*ideal, "ideal", scene, (*rgb(GHOST), _CLEAR), factor)
         if not (set(ghost.names) <= set(motion.names) or set(motion.names) <= set(ghost.names)):
             raise InvalidParameterError(
                 "recording", "ideal", "a run of the same mechanism", f"one of {', '.join(ghost.names)}"
             )
         actors.append(ghost.actor())
         text = f"ideal run ({_case(ideal[0])}), translucent"
-        facts.append({"text": text, "colour": "#8A94A3", "paths": [ghost.run]})
+        facts.append({"text": text, "colour": GHOST, "paths": [ghost.run]})
         if line is not None and line.body in ghost.names:
-            trails.append(ghost.draw_boresight(line, reach, "#6B7684", size))
+            trails.append(ghost.draw_boresight(line, reach, GHOST, size))
             extent.append(ghost.tips)
         motion.warnings += [text for text in ghost.warnings if text not in motion.warnings]
         extent.append(ghost.extent)
-    marks = mark_closures(run, scene, motion.paths, mechanism_of(run).joints, size)
-    if marks is not None:
-        facts.append(marks)
-    stops, tracks = mark_stops(run, frames.indices, scene, motion.paths, size)
-    if stops is not None:
-        facts.append(stops)
-        actors[0]["tracks"] += tracks
-    contacts, arrow_tips = _contacts(run.data, frames, impacts, places, motion, scene, size)
+    marking = Marking(
+        run=run,
+        mechanism=mechanism_of(run),
+        samples=frames.indices,
+        scene=scene,
+        paths=motion.paths,
+        position=motion.position,
+        attitude=motion.attitude,
+        size=size,
+    )
+    for mark in marks_of(marking):
+        facts.append(mark.listed())
+        actors[0]["tracks"] += mark.tracks
+    contacts, arrow_tips = contact_arrows(marking, impacts, places)
     if contacts is not None:
         extent.append(arrow_tips)
         paths = sorted({item["path"] for item in contacts["items"]})
-        facts.insert(0, {"text": _force_scale(contacts), "colour": FORCE, "paths": paths})
+        facts.insert(0, {"text": force_scale(contacts), "colour": FORCE, "paths": paths})
+    upright = _upright(marking.mechanism)
+    way = clearest(motion.surfaces(), _DIRECTION, upright)
     return {
         "commands": scene.packed(),
         "actors": actors,
         "contacts": contacts,
         "trails": trails,
-        "camera": camera(np.concatenate(extent), _DIRECTION, _upright(run)),
-        "triad": triad("axes of the world", np.eye(3), mechanism_of(run).model.gravity.linear),
+        "camera": camera(np.concatenate(extent), way, upright),
+        "triad": triad("axes of the world", np.eye(3), marking.mechanism.model.gravity.linear),
+        "bodies": motion.listed(marking.mechanism.urdf),
         "facts": facts,
         "warnings": motion.warnings,
     }
@@ -195,6 +207,36 @@ class _Body:
             )
         return np.concatenate(found)
 
+    def surfaces(self) -> list[Array]:
+        """Return points on each body at some key frames, in the world, (instants, points, 3) each [m]."""
+        some = np.unique(np.linspace(0, len(self.times) - 1, _LOOKED_AT).astype(int))
+        found = []
+        for k, body in enumerate(self.names):
+            points = [
+                surface(shape.geometry, self.size) @ shape.placement[:3, :3].T + shape.placement[:3, 3]
+                for shape in self.shapes
+                if shape.body == body and shape.colour[3] > _OPAQUE
+            ]
+            turn = Rotation.from_quat(self.attitude[some, k]).as_matrix()
+            local = np.concatenate([np.zeros((0, 3)), *points])
+            found.append(np.einsum("tij,pj->tpi", turn, local) + self.position[some, k, None])
+        return found
+
+    def listed(self, urdf: Urdf) -> list[dict[str, Any]]:
+        """Return the links with what they hang on and their shapes, as the player takes them."""
+        parents = {joint.child: joint.parent for joint in urdf.robot.joints}
+        return [
+            {
+                "name": body,
+                "path": self.paths[body],
+                "parent": parents.get(body),
+                "shapes": [
+                    f"{self.paths[body]}/{k}" for k, shape in enumerate(self.shapes) if shape.body == body
+                ],
+            }
+            for body in self.names
+        ]
+
     def actor(self) -> dict[str, Any]:
         """Return the poses as the player takes them."""
         return {
@@ -215,14 +257,13 @@ class _Body:
         """Put the line and its tip onto its body; return the tip's trace."""
         k = self.names.index(line.body)
         path = self.paths[line.body]
-        rgb = tuple(int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5))
         placement = np.eye(4)
         placement[:3, :3] = Rotation.align_vectors([line.axis], [[0.0, 0.0, 1.0]])[0].as_matrix()
         placement[:3, 3] = 0.5 * reach * line.axis
         thin = 0.0016 * size
-        self.scene.add(f"{path}/line", Cylinder(thin, reach), rgb, placement, unlit=True)
+        self.scene.add(f"{path}/line", Cylinder(thin, reach), rgb(colour), placement, unlit=True)
         placement[:3, 3] = reach * line.axis
-        self.scene.add(f"{path}/tip", Sphere(5.0 * thin), rgb, placement, unlit=True)
+        self.scene.add(f"{path}/tip", Sphere(5.0 * thin), rgb(colour), placement, unlit=True)
         turn = Rotation.from_quat(self.attitude[:, k])
         self.tips = self.position[:, k] + turn.apply(reach * line.axis)
         some = np.unique(np.linspace(0, len(self.times) - 1, min(_TRAIL, len(self.times))).astype(int))
@@ -236,113 +277,7 @@ class _Body:
         }
 
 
-def _contacts(
-    data: xr.Dataset,
-    frames: KeyFrames,
-    impacts: Impacts,
-    places: dict[str, dict[str, Any]],
-    motion: _Body,
-    scene: Scene,
-    size: float,
-) -> tuple[dict[str, Any] | None, Array]:
-    """Return the forces as the player takes them, and tips of their arrows, (n, 3) [m]."""
-    nothing = np.zeros((0, 3))
-    if "contact_force" not in data or not places:
-        return None, nothing
-    force = np.asarray(data["contact_force"].isel(time=frames.indices).values, dtype=float)
-    point = np.asarray(data["contact_point"].isel(time=frames.indices).values, dtype=float)
-    largest = max(float(np.linalg.norm(force, axis=2).max()), float(impacts.peaks.max(initial=0.0)))
-    if largest == 0.0:
-        return None, nothing
-    reference = nice(largest)
-    length = nice(0.3 * size * np.sqrt(reference / largest))
-    items, tips = [], []
-    for k, (name, joint) in enumerate(contact_joints(data).items()):
-        place = places[joint]
-        path = f"{motion.paths[place['bearing_body']]}/bearing {joint}".replace("//", "/")
-        bearing = placement_of(place["bearing_placement"])
-        scene.place(path, bearing)
-        tips.append(
-            _arrow_tips(force[:, k], point[:, k], reference, length, bearing, motion, place["bearing_body"])
-        )
-        items.append(
-            {
-                "name": name,
-                "path": path,
-                "force": packed_floats(force[:, k]),
-                "point": packed_floats(point[:, k]),
-            }
-        )
-    contacts = {
-        "items": items,
-        "colour": FORCE,
-        "above": True,
-        "map": None,
-        "size": 0.004 * size,
-        "power": 0.5,
-        "reference": [reference, length],
-    }
-    return contacts, np.concatenate(tips)
-
-
-def _arrow_tips(
-    force: Array, point: Array, reference: float, length: float, bearing: Array, motion: _Body, body: str
-) -> Array:
-    """Return the tips of a contact's longest arrows in the world, (n, 3) [m]."""
-    size = np.linalg.norm(force, axis=1)
-    some = np.argsort(-size, kind="stable")[:_FRAMED]
-    some = some[size[some] > 0.0]
-    tips = point[some] + length * force[some] / np.sqrt(reference * size[some, None])
-    k = motion.names.index(body)
-    turn = Rotation.from_quat(motion.attitude[some, k]) if len(some) else Rotation.identity()
-    return np.asarray(turn.apply(tips @ bearing[:3, :3].T + bearing[:3, 3]) + motion.position[some, k])
-
-
-def _force_scale(contacts: dict[str, Any]) -> str:
-    force, length = contacts["reference"]
-    hundredth = f"{0.01 * force:g} N {0.1 * length:g} m"
-    return f"contact force on the journal: {force:g} N drawn {length:g} m, {hundredth} (square root)"
-
-
-def placement_of(seven: ArrayLike) -> Array:
-    """Return a position and a quaternion xyzw, (7,) [m, -], as a placement, (4, 4)."""
-    numbers = np.asarray(seven, dtype=float)
-    result = np.eye(4)
-    result[:3, :3] = Rotation.from_quat(numbers[3:]).as_matrix()
-    result[:3, 3] = numbers[:3]
-    return result
-
-
-def nice(value: float) -> float:
-    """Return the largest 1, 2 or 5 times a power of ten that is not above a positive value."""
-    power = 10.0 ** np.floor(np.log10(value))
-    digit = max(step for step in (1.0, 2.0, 5.0) if step * power <= value * (1.0 + 1e-12))
-    return float(f"{digit * power:.1g}")
-
-
-def _upright(run: Trajectory) -> Array:
+def _upright(mechanism: Mechanism) -> Array:
     """Return the rotation (3, 3) from the world to axes whose z points up: against gravity, if any."""
-    gravity = np.array(mechanism_of(run).model.gravity.linear)
+    gravity = np.array(mechanism.model.gravity.linear)
     return frame_aligning_z(-gravity).T if gravity.any() else np.eye(3)
-
-
-def camera(points: Array, direction: ArrayLike, upright: ArrayLike | None = None) -> dict[str, Any]:
-    """Return what the player frames: the outermost of the points, their middle, and from where it looks.
-
-    Args:
-        points: (n, 3) [m].
-        direction: From the middle to the camera, (3,) [-]; in axes of which z points up.
-        upright: Rotation from the points' axes to those, (3, 3) [-]; none if left out.
-    """
-    k = np.arange(256)
-    z = 1.0 - (2.0 * k + 1.0) / len(k)
-    phi = np.pi * (3.0 - np.sqrt(5.0)) * k
-    sphere = np.stack([np.sqrt(1.0 - z * z) * np.cos(phi), np.sqrt(1.0 - z * z) * np.sin(phi), z], axis=1)
-    outermost = np.unique([int(np.argmax(points @ direction)) for direction in sphere])
-    middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
-    return {
-        "points": packed_floats(points[outermost]),
-        "target": middle.tolist(),
-        "direction": np.asarray(direction, dtype=float).tolist(),
-        "upright": np.asarray(np.eye(3) if upright is None else upright, dtype=float).tolist(),
-    }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import html
 import json
 from collections.abc import Sequence
@@ -11,11 +12,21 @@ from typing import Any, NamedTuple
 from antenna_pin.pages import policy, script
 from antenna_pin.record.scene import viewer_licences, viewer_script
 
-__all__ = ["SharedHead", "embedded", "page", "page_of_several", "shared_head"]
+__all__ = ["SharedHead", "embedded", "page", "page_of_several", "shared_head", "viewer_megabytes"]
+
+
+# The parts of the player, in the order in which they need one another.
+_PARTS = ("numbers", "page", "triad", "scene", "eye", "overlay", "curve", "panel", "bar", "player", "slots")
 
 
 def _asset(name: str) -> str:
-    return files("antenna_pin.record").joinpath(name).read_text(encoding="utf-8")
+    return files("antenna_pin.record").joinpath("player", name).read_text(encoding="utf-8")
+
+
+def _player() -> str:
+    """Return the player as one script, whose names are its own."""
+    parts = "\n".join(_asset(f"{name}.js") for name in _PARTS)
+    return f'(function () {{\n"use strict";\n{parts}}})();\n'
 
 
 def _json(data: Any) -> str:
@@ -31,7 +42,7 @@ class SharedHead(NamedTuple):
 
 def shared_head() -> SharedHead:
     """Return style and scripts that recordings need, once per page, for its head."""
-    scripts = script(viewer_script()), script(_asset("player.js"))
+    scripts = script(viewer_script()), script(_player())
     running = "".join(f"<script>{text}</script>\n" for text in scripts)
     return SharedHead(
         f"<style>\n{_asset('player.css')}</style>\n"
@@ -39,6 +50,12 @@ def shared_head() -> SharedHead:
         f"{running}",
         scripts,
     )
+
+
+@functools.cache
+def viewer_megabytes() -> float:
+    """Return what style and scripts take of a page [MB]."""
+    return 1e-6 * len(shared_head().html.encode())
 
 
 def embedded(data: dict[str, Any], identity: str, height: str = "26rem") -> str:
@@ -69,7 +86,10 @@ def page(data: dict[str, Any]) -> str:
 {policy(*head.scripts)}<meta name="viewport" content="width=device-width, initial-scale=1">
 <link rel="icon" href="data:,">
 <title>{title}</title>
-<style>html, body {{ margin: 0; height: 100%; }} #recording {{ height: 100vh; height: 100dvh; }}</style>
+<style>
+html {{ color-scheme: light dark; }} html, body {{ margin: 0; height: 100%; }}
+#recording {{ height: 100vh; height: 100dvh; }}
+</style>
 {head.html}</head>
 <body>
 <div id="recording" class="ap-whole"></div>
@@ -100,6 +120,7 @@ def page_of_several(recordings: Sequence[tuple[str, dict[str, Any]]], title: str
 <link rel="icon" href="data:,">
 <title>{said}</title>
 <style>
+html {{ color-scheme: light dark; }}
 body {{ margin: 0 auto; max-width: 60rem; padding: 0 1rem 2rem; font: 1rem/1.4 system-ui, sans-serif; }}
 h1 {{ font-size: 1.3rem; }} h2 {{ font-size: 1rem; margin: 1.6rem 0 0.4rem; }}
 </style>

@@ -18,6 +18,7 @@ from antenna_pin.errors import InvalidParameterError
 from antenna_pin.files import check_writable, replacing
 from antenna_pin.pages import in_frame
 from antenna_pin.record import page
+from antenna_pin.record.curves import curves_of
 from antenna_pin.record.joint_view import joint_view
 from antenna_pin.record.key_frames import KeyFrames, impacts_of, key_frames, rate_of_turns
 from antenna_pin.record.mechanism_view import mechanism_view
@@ -32,6 +33,7 @@ View = Literal["mechanism", "joint"]
 # Key frames per second of a run, and of one that is drawn as a ghost; more where bodies turn fast [Hz].
 _RATE, _GHOST_RATE = 500.0, 200.0
 _TRIAL = 10_000  # key frames
+_CURVES = 1.0  # what the curves under the slider take at most [MB]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -42,9 +44,10 @@ class Recording:
         data: What the player takes, as JSON would hold it: texts (``title``, ``subtitle``, ``facts``,
             ``warnings``), ``times`` of the key frames and the ``impacts`` marked on the slider, the viewer's
             ``commands`` that build the scene, ``actors`` whose ``tracks`` move parts of it (poses of seven
-            numbers, or placements of twelve), ``contacts``, ``trails``, ``camera``, ``speed``, and the time
-            of its ``poster`` for paper. Numbers in bulk are base64 of little-endian floats, 64 bits for times
-            and 32 for the rest.
+            numbers, placements of twelve, or times from which and until which it is shown), ``bodies``,
+            ``contacts``, ``trails``, ``camera``, ``curves``, ``speed``, and the time of its ``poster``
+            for paper. Numbers in bulk are base64 of little-endian floats, 64 bits for times and series and 32
+            for the rest.
         frames: The samples of the run that became key frames.
     """
 
@@ -53,7 +56,7 @@ class Recording:
 
     def __repr__(self) -> str:
         """Return one line: title, key frames, impacts."""
-        frames, impacts = len(self.frames.indices), len(self.data["impacts"])
+        frames, impacts = len(self.frames.indices), len(self.frames.impacts.times)
         return f"<Recording {self.data['title']!r}: {frames} key frames, {impacts} impacts>"
 
     @property
@@ -100,7 +103,8 @@ def record(
     speed: float | None = None,
     start: float | None = None,
     end: float | None = None,
-    max_megabytes: float = 20.0,
+    max_megabytes: float = 5.0,
+    curves: Iterable[str] | None = None,
     package_path: Iterable[str | Path] = (),
 ) -> Recording:
     """Return a recording of a run.
@@ -113,7 +117,8 @@ def record(
         ideal: A run whose bodies are drawn as a ghost beside, usually with ideal joints. For the mechanism.
         view: ``mechanism``, all bodies in the world, or ``joint``, a clearance joint close up.
         joint: Which clearance joint; the first one if left out. For a joint.
-        magnify: Of a joint how many times wider gaps are drawn [-], 100 to 1000 by its play if left out; of a
+        magnify: Of a joint how many times wider gaps are drawn [-], so many that its play is drawn
+            a third as wide as its pin if left out; of a
             mechanism with flexible links how many times larger their deflections are drawn, 1 if left out.
         body: Link whose boresight is drawn; the scenario's pointing body if left out. For the mechanism.
         boresight: Its direction in the link's frame, (3,) [-]; the scenario's, or x, if left out. For the
@@ -125,11 +130,13 @@ def record(
         start: First time recorded [s]; the run's start if left out.
         end: Last time recorded [s]; the run's end if left out.
         max_megabytes: Size of the page that is not exceeded [MB]; key frames are thinned to keep to it.
+        curves: Names of quantities (:func:`antenna_pin.analysis.quantity`) that the curve under the slider
+            offers first; if left out, it begins with the greatest contact force. No curve if empty.
         package_path: Folders to look for packages of ``package://`` in, before those of the run.
 
     Raises:
         InvalidParameterError: Values that make no sense, or a joint's view of a run without clearance.
-        UnknownNameError: A body or joint that there is not.
+        UnknownNameError: A body, joint or quantity that there is not.
         FileFormatError: The run does not carry what its bodies were.
     """
     if view not in ("mechanism", "joint"):
@@ -150,6 +157,9 @@ def record(
     line = _boresight(run, body, boresight)
     places = _places(run)
     impacts = impacts_of(run.data, first, last)
+    own = None if view == "mechanism" else joint or next(iter(places), None)
+    share = min(_CURVES, 0.2 * max(max_megabytes - page.viewer_megabytes(), 0.0))
+    under = curves_of(run, first, last, wanted=curves, joint=own, megabytes=share)
     times = np.asarray(run.data["time"].values, dtype=float)
     turning = rate_of_turns(run.data)
     fps = max(_RATE, turning) if fps is None else fps
@@ -167,6 +177,7 @@ def record(
                 None if ideal is None else (ideal, _ghost_frames(ideal, frames, turning, first, last, most))
             )
             seen = mechanism_view(run, frames, frames.impacts, places, ghost, line, magnify)
+        seen["curves"] = under
         recording = Recording(_data(run, view, frames, seen, fps, speed, first, last), frames)
         size = len(recording.html.encode())
         if size <= limit and not trial:
@@ -300,9 +311,7 @@ def _data(
         "speed": float(speed),
         "times": packed_doubles(np.asarray(run.data["time"].values, dtype=float)[frames.indices]),
         "impacts": {"times": packed_doubles(impacts.times), "peaks": packed_floats(impacts.peaks)},
-        "poster": float(
-            impacts.times[np.argmax(impacts.peaks)] if len(impacts.times) else 0.5 * (first + last)
-        ),
+        "poster": impacts.hardest(0.5 * (first + last)),
         **seen,
         "warnings": warnings,
     }
@@ -320,6 +329,6 @@ def _moving_bytes(data: dict[str, Any]) -> int:
     for actor in data["actors"]:
         texts += [actor["times"], *(track["data"] for track in actor["tracks"])]
     for item in data["contacts"]["items"] if data["contacts"] else ():
-        texts += [item["force"], item["point"]]
+        texts += [item["frames"], item["force"], item["point"]]
     texts += [trail[name] for trail in data["trails"] for name in ("times", "points")]
     return sum(map(len, texts))

@@ -19,7 +19,7 @@ from scipy.spatial.transform import Rotation
 
 from antenna_pin.record import shapes
 
-__all__ = ["Scene", "packed_doubles", "packed_floats", "viewer_licences", "viewer_script"]
+__all__ = ["Scene", "packed_counts", "packed_doubles", "packed_floats", "viewer_licences", "viewer_script"]
 
 Array = NDArray[np.float64]
 
@@ -37,6 +37,11 @@ def packed_floats(values: ArrayLike) -> str:
 def packed_doubles(values: ArrayLike) -> str:
     """Return numbers as little-endian 64-bit floats in base64."""
     return base64.b64encode(np.ascontiguousarray(values, dtype="<f8").tobytes()).decode()
+
+
+def packed_counts(values: ArrayLike) -> str:
+    """Return counts as little-endian 32-bit integers in base64."""
+    return base64.b64encode(np.ascontiguousarray(values, dtype="<u4").tobytes()).decode()
 
 
 def _viewer_folder() -> Path:

@@ -21,11 +21,12 @@ _FPS = 1e6
 
 @takes()
 def record_several(
-    runs: Iterable[Trajectory], path: str | os.PathLike[str], title: str, max_megabytes: float = 20.0
+    runs: Iterable[Trajectory], path: str | os.PathLike[str], title: str, max_megabytes: float = 5.0
 ) -> Path:
     """Write one page with a recording of each run, headed by its case; return its path.
 
-    Every sample is a key frame: for runs of few samples, such as the swings of mode shapes.
+    Every sample is a key frame, and there are no curves: for runs of few samples, such as the swings of mode
+    shapes, which have no series but their motion.
 
     Args:
         runs: The runs, one or more.
@@ -43,7 +44,9 @@ def record_several(
     ]
     if not made:
         raise InvalidParameterError("recording", "runs", "at least one", 0)
-    parts = [(heading, record(run, fps=_FPS, max_megabytes=max_megabytes).data) for heading, run in made]
+    parts = [
+        (heading, record(run, fps=_FPS, curves=(), max_megabytes=max_megabytes).data) for heading, run in made
+    ]
     with replacing(target) as partial:
         partial.write_text(page_of_several(parts, title), encoding="utf-8")
     return target

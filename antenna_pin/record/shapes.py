@@ -11,12 +11,37 @@ from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.mechanism import Urdf
 
-__all__ = ["Box", "Cylinder", "Geometry", "Mesh", "Shape", "Sphere", "corners", "lathe", "visual_shapes"]
+__all__ = [
+    "Box",
+    "Cylinder",
+    "Geometry",
+    "Mesh",
+    "Shape",
+    "Sphere",
+    "corners",
+    "grid",
+    "lathe",
+    "surface",
+    "visual_shapes",
+]
 
 Array = NDArray[np.float64]
 
-_GREY = (0.62, 0.65, 0.69, 1.0)
+# Of links without a colour: people who see no red or no green tell them apart too, and none is near that of a
+# force, a boresight or a ghost; darker from the second round on.
+_PALETTE = (
+    (0.74, 0.76, 0.79),  # grey
+    (0.60, 0.87, 1.00),  # light blue
+    (0.93, 0.87, 0.53),  # sand
+    (0.27, 0.73, 0.60),  # teal
+    (0.55, 0.34, 0.29),  # brown
+    (0.67, 0.67, 0.00),  # olive
+    (0.16, 0.28, 0.35),  # slate
+    (0.96, 0.94, 0.88),  # cream
+)
+_DARKER = 0.75
 _SMOOTH = np.radians(35.0)  # edges sharper than that stay edges
+_FEWEST_POINTS, _MOST_POINTS = 20, 20_000  # on the surface of a shape
 _FARTHEST = 1e9  # of a vertex [m]; pictures are drawn in single precision, where squares must not overflow
 
 
@@ -89,7 +114,10 @@ class Shape:
 
 
 def visual_shapes(urdf: Urdf) -> tuple[list[Shape], list[str]]:
-    """Return the visual shapes of all links, and a line for each that cannot be drawn."""
+    """Return the visual shapes of all links, and a line for each that cannot be drawn.
+
+    Links without a colour of their own get one that tells them apart.
+    """
     colours = {
         material.name: tuple(map(float, material.color.rgba))
         for material in urdf.robot.materials
@@ -103,7 +131,10 @@ def visual_shapes(urdf: Urdf) -> tuple[list[Shape], list[str]]:
     shapes: list[Shape] = []
     warnings = [f"{link}: {problem}; not drawn" for link, problem in urdf.undrawn]
     missing: list[str] = []
+    bare = 0
     for link in urdf.robot.links:
+        own, plain = _palette_colour(bare), [_colour(one.material, colours) is None for one in link.visuals]
+        bare += any(plain)
         for visual in link.visuals:
             try:
                 geometry = _geometry(visual.geometry, urdf)
@@ -114,7 +145,8 @@ def visual_shapes(urdf: Urdf) -> tuple[list[Shape], list[str]]:
                 warnings.append(f"{link.name}: {error}; not drawn")
                 continue
             placement = np.eye(4) if visual.origin is None else np.array(visual.origin, dtype=float)
-            shapes.append(Shape(link.name, geometry, placement, _colour(visual.material, colours)))
+            colour = _colour(visual.material, colours) or own
+            shapes.append(Shape(link.name, geometry, placement, colour))
     if len(missing) > 1:  # one line of all
         missing = [f"{len(missing)} mesh files are missing and not drawn, such as that of {missing[0]}"]
     return shapes, missing + warnings
@@ -167,10 +199,20 @@ def _read_mesh(name: str, urdf: Urdf) -> Mesh:
     return Mesh(np.asarray(smooth.vertices, dtype=float), np.asarray(smooth.faces, dtype=np.int64))
 
 
-def _colour(material: Any, known: dict[str, tuple[float, ...]]) -> tuple[float, float, float, float]:
-    if material is None:
-        return _GREY
-    rgba = material.color.rgba if material.color is not None else known.get(material.name, _GREY)
+def _palette_colour(number: int) -> tuple[float, float, float, float]:
+    """Return the colour of the link that is so many links without a colour behind the first."""
+    dark = _DARKER ** (number // len(_PALETTE))
+    red, green, blue = (dark * part for part in _PALETTE[number % len(_PALETTE)])
+    return red, green, blue, 1.0
+
+
+def _colour(material: Any, known: dict[str, tuple[float, ...]]) -> tuple[float, float, float, float] | None:
+    """Return red, green, blue and opacity that a URDF gives; None if it gives none."""
+    rgba = None
+    if material is not None:
+        rgba = material.color.rgba if material.color is not None else known.get(material.name)
+    if rgba is None:
+        return None
     red, green, blue, alpha = (float(np.clip(value, 0.0, 1.0)) for value in rgba)
     return red, green, blue, alpha
 
@@ -190,6 +232,34 @@ def corners(geometry: Geometry) -> Array:
     return np.array(
         [[x, y, z] for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])]
     )
+
+
+def surface(geometry: Geometry, size: float) -> Array:
+    """Return points spread over a shape's surface in its own frame, (n, 3) [m], the same ones each time.
+
+    Args:
+        geometry: The shape.
+        size: Of the whole that it is part of [m]: a square of a fortieth of it gets about two points.
+    """
+    if isinstance(geometry, Mesh):
+        mesh = trimesh.Trimesh(geometry.vertices, geometry.faces, process=False)
+    elif isinstance(geometry, Box):
+        mesh = trimesh.creation.box(geometry.size)
+    elif isinstance(geometry, Cylinder):
+        mesh = trimesh.creation.cylinder(geometry.radius, geometry.length, sections=24)
+    else:
+        mesh = trimesh.creation.icosphere(2, geometry.radius)
+    area = np.cumsum(mesh.area_faces)
+    if not area[-1] > 0.0:
+        return np.asarray(mesh.vertices, dtype=float)
+    count = int(np.clip(2.0 * area[-1] / (size / 40.0) ** 2, _FEWEST_POINTS, _MOST_POINTS))
+    # Even steps of area, and within triangles an even sequence of two dimensions (Roberts).
+    k = np.arange(count) + 0.5
+    triangles = mesh.triangles[np.searchsorted(area, k / count * area[-1])]
+    u, v = (0.7548776662466927 * k) % 1.0, (0.5698402909980532 * k) % 1.0
+    u, v = np.where(u + v > 1.0, 1.0 - u, u), np.where(u + v > 1.0, 1.0 - v, v)
+    weights = np.stack([1.0 - u - v, u, v], axis=1)
+    return np.asarray(np.einsum("nk,nki->ni", weights, triangles))
 
 
 def lathe(
@@ -226,17 +296,17 @@ def _turned(line: Array, angles: Array) -> Mesh:
     x = np.cos(angles)[:, None] * line[:, 0]
     y = np.sin(angles)[:, None] * line[:, 0]
     vertices = np.stack([x, y, np.broadcast_to(line[:, 1], (m, n))], axis=2).reshape(-1, 3)
-    return Mesh(vertices, _grid(m, n))
+    return Mesh(vertices, grid(m, n))
 
 
 def _cut(inner: Array, outer: Array, angle: float, first: bool) -> Mesh:
     lines = np.stack([inner, outer] if first else [outer, inner])
     x, y = lines[..., 0] * np.cos(angle), lines[..., 0] * np.sin(angle)
     vertices = np.stack([x, y, lines[..., 1]], axis=2).reshape(-1, 3)
-    return Mesh(vertices, _grid(2, lines.shape[1]))
+    return Mesh(vertices, grid(2, lines.shape[1]))
 
 
-def _grid(rows: int, columns: int) -> NDArray[np.int64]:
+def grid(rows: int, columns: int) -> NDArray[np.int64]:
     """Return the triangles of a grid of vertices, row by row, (m, 3)."""
     i, k = np.meshgrid(np.arange(rows - 1), np.arange(columns - 1), indexing="ij")
     a = (i * columns + k).ravel()

@@ -127,9 +127,42 @@ def test_ball_joint():
     assert np.linalg.norm(shape.points(point[:, 0]), axis=1) == pytest.approx(shape.socket_radius, rel=1e-12)
 
 
-@pytest.mark.parametrize(("clearance", "factor"), [(0.2e-3, 100.0), (50e-6, 200.0), (1e-6, 1000.0)])
-def test_magnification_is_chosen_from_100_to_1000(clearance, factor):
+@pytest.mark.parametrize(
+    ("clearance", "factor"), [(0.2e-3, 15.0), (50e-6, 70.0), (1e-6, 3000.0), (5e-3, 1.0), (20e-3, 1.0)]
+)
+def test_play_is_drawn_about_a_third_as_wide_as_the_pin(clearance, factor):
+    """Steps are apart by a half or less: within a quarter of 0.3, unless the play is drawn as it is."""
     assert default_magnification(10e-3, clearance) == factor
+    assert factor == 1.0 or 0.24 < factor * clearance / 10e-3 < 0.375
+
+
+def test_a_long_bearing_is_drawn_short_with_its_gaps_as_they_are():
+    """A metre of hinge on 10 mm pins: gaps at its ends and its flanges are drawn as those of a short one."""
+    dimensions = COVERED | {"bearing_length": 1.0, "flange_distance": 1.0004}
+    shape = MagnifiedJournal.of(dimensions, M)
+    assert shape.length == pytest.approx(10.0 * shape.bore_radius)
+    assert shape.shortened * shape.length == pytest.approx(1.0)
+    assert shape.flange_gap == pytest.approx(M * 0.2e-3, rel=1e-9)
+    centre, axis = poses()
+    axis = np.column_stack([0.04 * axis[:, :2], axis[:, 2]])  # what a long bearing leaves room for
+    axis /= np.linalg.norm(axis, axis=1)[:, None]
+    gap, point = recorded(RevoluteClearance(**dimensions), centre, axis)
+    centres = shape.eccentricity(gap[:, :2], point[:, :2])
+    flanges = [shape.flange(s, gap[:, 2 + k], axis[:, :2], centres) for k, s in enumerate((1.0, -1.0))]
+    barrel = shape.barrel(centres, np.zeros(len(gap)))
+    for k, sign in enumerate((1.0, -1.0)):
+        at = drawn_journal_centre(barrel, 0.5 * sign * shape.length)
+        drawn = shape.bore_radius - shape.journal_radius - np.linalg.norm(at, axis=1)
+        assert drawn == pytest.approx(M * gap[:, k], rel=1e-9, abs=1e-12)  # round-off
+        # The flange over the bearing's edge: its face is nearest at M times the gap.
+        angle = np.linspace(0.0, 2.0 * np.pi, 3601)
+        rim = shape.outer_radius * np.array([np.cos(angle), np.sin(angle)])
+        for placement, real in zip(flanges[k], gap[:, 2 + k], strict=True):
+            # z of the face over the edge: p + A x, with x so that its place across is the rim's.
+            across = np.linalg.solve(placement[:2, :2], rim - placement[:2, 3:])
+            face = placement[2, 3] + placement[2, :2] @ across
+            nearest = (sign * face - 0.5 * shape.length).min()
+            assert nearest == pytest.approx(M * real, rel=1e-6, abs=1e-9)  # of 3600 places of the rim
 
 
 def test_slider(guide):

@@ -11,11 +11,13 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from antenna_pin.analysis import body_poses
+from antenna_pin.analysis import body_poses, quantity
 from antenna_pin.errors import InvalidParameterError, OutputError, UnknownNameError
 from antenna_pin.mechanism import Urdf
 from antenna_pin.record import record, shared_head
 from antenna_pin.record._joint_picture import BEARING, JOURNAL, LOAD_COLOURS, drawn_axes
+from antenna_pin.record.curves import thinned
+from antenna_pin.record.framing import clearest
 from antenna_pin.record.shapes import visual_shapes
 from antenna_pin.trajectory import Outcome, Trajectory
 
@@ -80,8 +82,12 @@ def test_forces_of_key_frames_and_their_bearing(clearance_run):
     contacts = recording.data["contacts"]
     force = clearance_run.data["contact_force"].values[recording.frames.indices]
     for k, item in enumerate(contacts["items"]):
-        assert np.array_equal(floats(item["force"], 3), force[:, k].astype("<f4"))
+        loaded = np.frombuffer(base64.b64decode(item["frames"]), dtype="<u4")
+        assert len(loaded) < len(force)
+        assert np.array_equal(floats(item["force"], 3), force[loaded, k].astype("<f4"))
+        assert not np.delete(force[:, k], loaded, axis=0).any()
         assert item["path"] == "run/1/bearing elevation"  # shaft1 is the second link
+    assert any(item["force"] for item in contacts["items"])
     assert "N drawn" in recording.data["facts"][0]["text"]
 
 
@@ -90,9 +96,9 @@ def test_joint_view_says_how_it_is_magnified(clearance_run, planar_run, ball_run
         record(run, view="joint").data["facts"][0]["text"] for run in (clearance_run, planar_run, ball_run)
     ]
     assert texts == [
-        "elevation: play, eccentricity and tilt drawn 100 times as large",
-        "hinge: play and eccentricity drawn 100 times as large",
-        "upper: play and eccentricity drawn 150 times as large",
+        "elevation: play, eccentricity and tilt drawn 15 times as large",
+        "hinge: play and eccentricity drawn 30 times as large",
+        "upper: play and eccentricity drawn 50 times as large",
     ]
     text = record(clearance_run, view="joint", magnify=300).data["facts"]
     assert "300 times" in text[0]["text"] and "200 µm drawn 60 mm" in text[2]["text"]
@@ -137,6 +143,105 @@ def test_loads_are_seen_on_bearing_and_journal():
         assert np.linalg.norm(colours - 255.0 * np.array(part), axis=1).min() > 80.0
 
 
+def seen_by(colours):
+    """Colours (n, 3) of 0 to 1 as who lacks the green-sensitive cones sees them, and who lacks the red ones.
+
+    In linear light, as Vienot, Brettel and Mollon (1999) have it, Color Research and Application 24(4).
+    """
+    to_cones = np.array(
+        [[17.8824, 43.5161, 4.11935], [3.45565, 27.1554, 3.86714], [0.0299566, 0.184309, 1.46709]]
+    )
+    no_red = np.array([[0.0, 2.02344, -2.52581], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+    no_green = np.array([[1.0, 0.0, 0.0], [0.494207, 0.0, 1.24827], [0.0, 0.0, 1.0]])
+    linear = colours**2.2
+    for lack in (np.eye(3), no_red, no_green):
+        yield np.clip(linear @ (np.linalg.inv(to_cones) @ lack @ to_cones).T, 0.0, 1.0) ** (1.0 / 2.2)
+
+
+def test_links_without_a_colour_are_told_apart():
+    """Eight of them, by every kind of eye: by a sixteenth of the way from black to white at least."""
+    shape = "<visual><geometry><sphere radius='1'/></geometry></visual>"
+    mass = "<inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial>"
+    links = "".join(f"<link name='l{k}'>{mass}{shape}{shape}</link>" for k in range(9))
+    joints = "".join(
+        f"<joint name='j{k}' type='fixed'><parent link='l{k}'/><child link='l{k + 1}'/></joint>"
+        for k in range(8)
+    )
+    shapes, _ = visual_shapes(Urdf.from_text(f"<robot name='r'>{links}{joints}</robot>", "r.urdf"))
+    own = np.array([each.colour[:3] for each in shapes])
+    assert np.array_equal(own[::2], own[1::2])  # a link has one colour
+    assert np.linalg.norm(own[16] - own[0]) > 0.1  # the ninth is darker
+    for colours in seen_by(own[:16:2]):
+        apart = np.linalg.norm(colours[:, None] - colours[None], axis=2) + np.eye(8)
+        assert apart.min() > np.sqrt(3.0) / 16.0
+
+
+def test_the_camera_looks_from_where_bodies_do_not_hide_one_another():
+    """A plate behind a cube, as seen from the usual side: the camera goes round until both are seen."""
+    side = np.linspace(-0.5, 0.5, 21)
+    face = np.array([(y, z) for y in side for z in side])
+    cube = np.concatenate([np.insert(face, axis, end, axis=1) for axis in range(3) for end in (-0.5, 0.5)])
+    behind = np.array([-1.0, 0.75, -0.55])
+    plate = 0.4 * np.insert(face, 0, 0.0, axis=1) + behind
+    first = -behind
+    chosen = clearest([cube[None], plate[None]], first, np.eye(3))
+    assert chosen @ first / np.linalg.norm(first) < 0.9
+    # From there the plate's middle is not in the shadow of the cube, a ball of its inradius.
+    beside = behind - (behind @ chosen) * chosen
+    assert np.linalg.norm(beside) > 0.5
+    assert clearest([cube[None], plate[None] - 4.0 * behind], first, np.eye(3)) == pytest.approx(
+        first / np.linalg.norm(first)
+    )
+
+
+def test_curves_hold_samples_of_the_run_and_say_what_they_leave_out(clearance_run):
+    data = record(clearance_run).data["curves"]
+    times, peaks = clearance_run.data["time"].values, {}
+    for one in data["series"]:
+        exact = quantity(clearance_run, one["name"])
+        at, values = doubles(one["times"]), doubles(one["values"])
+        assert set(zip(at, values, strict=True)) <= set(zip(times, exact.values, strict=True))
+        assert (at[0], at[-1]) == (times[0], times[-1])
+        assert (values.min(), values.max()) == (exact.values.min(), exact.values.max())
+        peaks[one["name"]] = values.max()
+        once = np.append(True, np.diff(times) > 0) & np.append(np.diff(times) > 0, True)
+        off = np.abs(np.interp(times[once], at, values) - exact.values[once]).max()
+        assert off == pytest.approx(one["off"], rel=1e-9, abs=1e-300)
+        # A tenth of a pixel of a curve that is 80 pixels high; all else has been looked at before.
+        assert off <= 1e-3 * np.ptp(exact.values)
+    first = data["series"][data["first"]]["name"]
+    forces = {name: peak for name, peak in peaks.items() if name.startswith("|contact_force")}
+    assert forces[first] == max(forces.values())
+    asked = record(clearance_run, curves=["|journal_velocity[elevation]|", "gap[elevation.axial+]"]).data[
+        "curves"
+    ]
+    assert asked["first"] == 0
+    assert [one["name"] for one in asked["series"][:2]] == [
+        "|journal_velocity[elevation]|",
+        "gap[elevation.axial+]",
+    ]
+    assert record(clearance_run, curves=()).data["curves"]["series"] == []
+    with pytest.raises(UnknownNameError, match="name 'sped'"):
+        record(clearance_run, curves=["sped"])
+
+
+@pytest.mark.parametrize("samples", [100_001, 300_001])
+def test_a_long_curve_keeps_its_peaks(samples):
+    """Needles one sample wide among very many, and numbers that are none, which break the line.
+
+    The sine's chords are off by h^2 / 8; 0.1 rad apart, where needles take no more than six, by 1.3e-3.
+    """
+    times = np.linspace(0.0, 10.0, samples)
+    values = np.sin(times)
+    values[[31_415, 70_000]] = [9.0, -9.0]
+    kept, off = thinned(times, values, 110)
+    assert len(kept) <= 110 and {0, 31_415, 70_000, samples - 1} <= set(kept)
+    assert off < 1.3e-3 * 2.0  # the best places are not even ones
+    values[500:600] = np.nan
+    kept, _ = thinned(times, values, 110)
+    assert {31_415, 70_000} <= set(kept) and np.isnan(values[kept]).any()
+
+
 def test_a_material_has_its_colour_wherever_it_is_named():
     """Given in a link, named by another before it: the name stands for one colour."""
     shape = "<visual><geometry><sphere radius='1'/></geometry>{}</visual>"
@@ -170,9 +275,9 @@ def test_the_frame_holds_the_traces(clearance_run, ideal_run):
 
 
 def test_a_small_limit_thins_the_key_frames(clearance_run):
-    full = record(clearance_run, view="joint", fps=1e6)
+    full = record(clearance_run, view="joint", fps=1e6, curves=())
     limit = len(full.html.encode()) - 8000
-    small = record(clearance_run, view="joint", fps=1e6, max_megabytes=1e-6 * limit)
+    small = record(clearance_run, view="joint", fps=1e6, curves=(), max_megabytes=1e-6 * limit)
     assert len(small.html.encode()) <= limit
     assert 10 < len(small.frames.indices) < len(full.frames.indices)
     with pytest.raises(InvalidParameterError, match="max_megabytes must be above"):

@@ -45,6 +45,12 @@ def difference(one, other):
     return np.abs(np.asarray(one, dtype=int) - np.asarray(other, dtype=int)).mean()
 
 
+def first_of(recording, folder):
+    """Return the first picture of a film as it is taken."""
+    save_frames(recording, folder, fps=5.0, size=SMALL)
+    return picture(folder / "frame_1.png")
+
+
 # --- times ---
 
 
@@ -75,13 +81,11 @@ def test_an_mp4_decodes_to_the_pictures_planned(recording, tmp_path, browser):
         assert stream.average_rate == 30 and (stream.width, stream.height) == SMALL
         frames = [frame.reformat(format="rgb24").to_ndarray() for frame in container.decode(stream)]
     assert len(frames) == done.frames == 7
-    first = picture(save_picture(recording, tmp_path / "first.png", size=SMALL))
+    first = first_of(recording, tmp_path / "frames")
     assert first.std() > 10  # not blank
-    assert (
-        difference(frames[0], first) < 3
-    )  # of 255: what compression leaves, and the speed, not on a picture
+    assert difference(frames[0], first) < 3  # of 255: what compression leaves
     assert np.abs(frames[0].astype(int) - frames[-1]).max() > 60  # it moves
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["a run.mp4", "first.png"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a run.mp4", "frames"]
 
 
 def test_a_gif_has_its_pictures_for_their_times(recording, tmp_path, browser):
@@ -95,10 +99,8 @@ def test_a_gif_has_its_pictures_for_their_times(recording, tmp_path, browser):
             shown.append(gif.info["duration"])
             pictures.append(np.asarray(gif.convert("RGB")))
     assert shown[:-1] == [30, 40, 30, 30, 40, 30] and shown[-1] == 1000
-    first = picture(save_picture(recording, tmp_path / "first.png", size=SMALL))
-    assert (
-        difference(pictures[0], first) < 5
-    )  # of 255: 256 colours for all, and the speed is not on a picture
+    first = first_of(recording, tmp_path / "frames")
+    assert difference(pictures[0], first) < 5  # of 255: 256 colours for all
     assert difference(pictures[0], pictures[-1]) > 0.1
     assert np.abs(pictures[0].astype(int) - pictures[-1]).max() > 60
 
@@ -110,6 +112,23 @@ def test_frames_are_pictures_with_a_table_of_their_times(recording, tmp_path, br
     pictures = [picture(tmp_path / "frames" / f"frame_{k}.png") for k in (1, 2, 3)]
     assert done.frames == 3 and {p.shape for p in pictures} == {(181, 321, 3)}
     assert difference(pictures[0], pictures[1]) > 0 and difference(pictures[1], pictures[2]) > 0
+
+
+@pytest.mark.parametrize("size", [(800, 450), SMALL])
+def test_a_film_has_a_line_of_time(recording, tmp_path, browser, size):
+    """At the bottom: blue from its left end up to the time, over a picture's width as over the run."""
+    save_frames(recording, tmp_path / "frames", fps=20.0, size=size)
+    done = []
+    for name in sorted((tmp_path / "frames").glob("*.png")):
+        below = picture(name)[-36:].astype(int)
+        blue = np.abs(below - [0x00, 0x72, 0xB2]).max(axis=2) < 40
+        columns = np.flatnonzero(blue.any(axis=0))
+        done.append((columns.min(), columns.max()))
+    starts, ends = np.array(done).T
+    assert len(ends) == 5 and len(set(starts[1:])) == 1
+    # The thumb, 16 pixels wide, goes even steps; a pixel of rounding each.
+    assert np.diff(ends) == pytest.approx(np.full(4, (ends[-1] - ends[0]) / 4), abs=2.0)
+    assert ends[-1] - ends[0] > 0.6 * size[0]
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,90 @@
+"""``antenna-pin view``: a run in 3D in the browser that pages are opened with, by one short command."""
+
+from __future__ import annotations
+
+import os
+import sys
+import tempfile
+import webbrowser
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from antenna_pin.cli._common import load_result, not_interrupted, say
+from antenna_pin.cli._packages import PackagePathOption, package_folders
+from antenna_pin.cli.record import CurveOption, IdealOption, JointOption, ViewName, ViewOption
+from antenna_pin.errors import MissingToolError, OutputError
+
+if TYPE_CHECKING:
+    from antenna_pin.record import Recording
+
+# Of systems with X or Wayland: one of these names the screen, or a browser is named that needs none.
+_SCREENS = ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER")
+
+
+def view(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="Result file of a run.")],
+    ideal: IdealOption = None,
+    view: ViewOption = ViewName.MECHANISM,
+    joint: JointOption = None,
+    curve: CurveOption = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="NAME.html", help="The page; if left out, beside the result, or in a temporary folder."
+        ),
+    ] = None,
+    package_path: PackagePathOption = None,
+    browser: Annotated[bool, typer.Option(help="Open the page, or only make it and print its path.")] = True,
+) -> None:
+    """Show a run in 3D in the browser: make its page and open it.
+
+    The page is one that record makes; it stays, and can be opened again.
+    """
+    from antenna_pin.files import check_writable
+
+    opened = _browser() if browser else None
+    target = check_writable(out) if out is not None else None
+    packages = package_folders(package_path)
+    run = load_result(file)
+    reference = None if ideal is None else load_result(ideal)
+
+    from antenna_pin.record import record as make
+
+    recording = make(
+        run,
+        reference,
+        view=view.value,
+        joint=joint,
+        curves=curve or None,
+        package_path=packages,
+    )
+    for warning in recording.data["warnings"]:
+        say(f"note: {warning}")
+    with not_interrupted():
+        page = recording.save(target) if target is not None else _beside(recording, file)
+        typer.echo(f"saved {page}")
+    if opened is not None and not opened.open(page.resolve().as_uri()):
+        raise MissingToolError(f"view: a browser must start, got none; open {page} in one")
+
+
+def _browser() -> webbrowser.BaseBrowser:
+    """Return the browser that pages are opened with, before any work is done."""
+    way_out = "--no-browser makes the page and prints its path"
+    if sys.platform not in ("win32", "darwin") and not any(os.environ.get(name) for name in _SCREENS):
+        raise MissingToolError(
+            f"view: a browser needs a screen, and none of {', '.join(_SCREENS)} is set; {way_out}"
+        )
+    try:
+        return webbrowser.get()
+    except webbrowser.Error:
+        raise MissingToolError(f"view: a browser must be installed, found none; {way_out}") from None
+
+
+def _beside(recording: Recording, file: Path) -> Path:
+    """Write the page beside the result, where browsers that see home folders only find it; else elsewhere."""
+    try:
+        return recording.save(file.with_name(f"{file.stem}.view.html"))
+    except OutputError:
+        return recording.save(Path(tempfile.mkdtemp(prefix="antenna-pin-")) / "run.view.html")

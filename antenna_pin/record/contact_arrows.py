@@ -1,0 +1,109 @@
+"""Contact forces as arrows: what the player takes of them, and how far they reach."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.spatial.transform import Rotation
+
+from antenna_pin.record._marking import Marking
+from antenna_pin.record.framing import nice
+from antenna_pin.record.key_frames import Impacts
+from antenna_pin.record.scene import packed_counts, packed_floats
+from antenna_pin.trajectory import contact_joints
+
+__all__ = ["FORCE", "contact_arrows", "force_scale", "placement_of", "sparse"]
+
+Array = NDArray[np.float64]
+
+FORCE = "#D55E00"
+_FRAMED = 300  # arrows that are framed, of each contact
+
+
+def sparse(force: Array, point: Array) -> dict[str, str]:
+    """Return forces and points of a contact where it bears load, and the key frames at which it does.
+
+    Args:
+        force: At all key frames, (frames, 3) [N].
+        point: Likewise [m].
+    """
+    some = np.flatnonzero(np.any(force != 0.0, axis=1))
+    return {
+        "frames": packed_counts(some),
+        "force": packed_floats(force[some]),
+        "point": packed_floats(point[some]),
+    }
+
+
+def contact_arrows(
+    marking: Marking, impacts: Impacts, places: Mapping[str, Mapping[str, Any]]
+) -> tuple[dict[str, Any] | None, Array]:
+    """Return the forces as the player takes them, and tips of their arrows in the world, (n, 3) [m].
+
+    Args:
+        marking: The scene, the links and their motion.
+        impacts: Contact episodes in the span.
+        places: Where bearings are (the run's attribute ``clearance_joints``).
+    """
+    data, size = marking.run.data, marking.size
+    nothing = np.zeros((0, 3))
+    if "contact_force" not in data or not places:
+        return None, nothing
+    force = np.asarray(data["contact_force"].isel(time=marking.samples).values, dtype=float)
+    point = np.asarray(data["contact_point"].isel(time=marking.samples).values, dtype=float)
+    largest = max(float(np.linalg.norm(force, axis=2).max()), float(impacts.peaks.max(initial=0.0)))
+    if largest == 0.0:
+        return None, nothing
+    reference = nice(largest)
+    length = nice(0.3 * size * np.sqrt(reference / largest))
+    items, tips = [], []
+    for k, (name, joint) in enumerate(contact_joints(data).items()):
+        place = places[joint]
+        body = place["bearing_body"]
+        path = f"{marking.paths[body]}/bearing {joint}".replace("//", "/")
+        bearing = placement_of(place["bearing_placement"])
+        marking.scene.place(path, bearing)
+        tips.append(_tips(force[:, k], point[:, k], reference, length, bearing, marking, body))
+        items.append({"name": name, "path": path, **sparse(force[:, k], point[:, k])})
+    contacts = {
+        "items": items,
+        "colour": FORCE,
+        "above": True,
+        "map": None,
+        "size": 0.004 * size,
+        "power": 0.5,
+        "reference": [reference, length],
+    }
+    return contacts, np.concatenate(tips)
+
+
+def _tips(
+    force: Array, point: Array, reference: float, length: float, bearing: Array, marking: Marking, body: str
+) -> Array:
+    """Return the tips of a contact's longest arrows in the world, (n, 3) [m]."""
+    size = np.linalg.norm(force, axis=1)
+    some = np.argsort(-size, kind="stable")[:_FRAMED]
+    some = some[size[some] > 0.0]
+    tips = point[some] + length * force[some] / np.sqrt(reference * size[some, None])
+    k = list(marking.paths).index(body)
+    turn = Rotation.from_quat(marking.attitude[some, k]) if len(some) else Rotation.identity()
+    return np.asarray(turn.apply(tips @ bearing[:3, :3].T + bearing[:3, 3]) + marking.position[some, k])
+
+
+def force_scale(contacts: Mapping[str, Any]) -> str:
+    """Return in words how long arrows are."""
+    force, length = contacts["reference"]
+    hundredth = f"{0.01 * force:g} N {0.1 * length:g} m"
+    return f"contact force on the journal: {force:g} N drawn {length:g} m, {hundredth} (square root)"
+
+
+def placement_of(seven: ArrayLike) -> Array:
+    """Return a position and a quaternion xyzw, (7,) [m, -], as a placement, (4, 4)."""
+    numbers = np.asarray(seven, dtype=float)
+    result = np.eye(4)
+    result[:3, :3] = Rotation.from_quat(numbers[3:]).as_matrix()
+    result[:3, 3] = numbers[:3]
+    return result

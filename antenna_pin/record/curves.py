@@ -1,0 +1,216 @@
+"""The curves under a recording's slider: series of the run, thinned so that peaks are kept."""
+
+from __future__ import annotations
+
+import heapq
+import itertools
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from antenna_pin.analysis import Quantity, QuantityName, quantities, quantity
+from antenna_pin.readable import printed_unit
+from antenna_pin.record.scene import packed_doubles
+from antenna_pin.trajectory import Trajectory
+
+__all__ = ["curves_of", "thinned"]
+
+Array = NDArray[np.float64]
+
+# What is offered by itself: variables in this order, then others as the run has them. So many series, by the
+# bytes that they may take.
+_FIRST = (
+    "contact_force",
+    "motion_angle",
+    "slide_position",
+    "motion_rate",
+    "slide_rate",
+    "drive_torque",
+    "element_effort",
+    "joint_force",
+    "closure_force",
+    "coupling_torque",
+    "motion_acceleration",
+    "gap",
+    "journal_tilt",
+    "kinetic_energy",
+)
+_FEWEST, _MOST = 4, 40
+# Variables that stand in a result for others to use, or that bodies show by themselves.
+_NOT = ("q", "v", "a", "base_attitude", "journal_attitude", "contact_point")
+_BYTES = 2 * 8 * 4 / 3  # of a sample, its time and its value in base64
+_SAMPLES = (200, 1000)  # of a series, at least and at most
+_OFF = 1e-4  # of the range, by which no sample may be off the curve
+# So many samples are all looked at; of more those about the least and greatest of so many stretches.
+_ALL, _STRETCHES = 200_000, 20_000
+
+
+def curves_of(
+    run: Trajectory,
+    start: float,
+    end: float,
+    *,
+    wanted: Iterable[str] | None = None,
+    joint: str | None = None,
+    megabytes: float = 1.0,
+) -> dict[str, Any]:
+    """Return the series that a page offers, as the player takes them, and which of them it shows first.
+
+    Times and values are those of the run's samples to the last bit.
+
+    Args:
+        run: The run.
+        start: Of the recording [s].
+        end: Of the recording [s].
+        wanted: Names of quantities (:func:`antenna_pin.analysis.quantity`) that come first; no series at
+            all if empty, the strongest contact's force first if left out.
+        joint: Clearance joint whose series alone are offered by themselves; all if left out.
+        megabytes: What they may take [MB].
+
+    Raises:
+        UnknownNameError: The run has no such quantity.
+        InvalidParameterError: A name leaves open which quantity it is.
+    """
+    asked = None if wanted is None else [quantity(run, name) for name in wanted]
+    if asked is not None and not asked:
+        return {"series": [], "first": 0}
+    found = list(asked or ())
+    known = {one.name for one in found}
+    room = 1e6 * megabytes / _BYTES / _SAMPLES[0]  # series, with the fewest samples each
+    room = min(max(room, _FEWEST), _MOST)
+    for name in _offered(run, joint):
+        if len(found) >= room:
+            break
+        one = quantity(run, name)
+        if name not in known and _moves(one.values):
+            found.append(one)
+    most = int(np.clip(1e6 * megabytes / _BYTES / max(len(found), 1), *_SAMPLES))
+    series = [_packed(run, one, start, end, most) for one in found]
+    return {"series": series, "first": 0 if asked else _strongest(found)}
+
+
+def thinned(times: Array, values: Array, most: int) -> tuple[NDArray[np.intp], float]:
+    """Return which samples draw a curve, and by how much others lie off it at most.
+
+    The curve goes straight from one to the next. To the ends and the least and greatest of all, that sample
+    is added which lies farthest off (Ramer, Douglas and Peucker, along the values), until no other is off by
+    more than a ten-thousandth of the range, or there are enough.
+
+    Args:
+        times: Of the samples, not decreasing, (n,) [s].
+        values: (n,).
+        most: How many of them, at least 4.
+    """
+    every = np.arange(len(times))
+    if len(times) <= 4:
+        return every, 0.0
+    known = np.flatnonzero(np.isfinite(values))
+    if len(known) < len(times):  # a gap would have no least or greatest
+        kept = _extremes(times, values, most // 4)
+    else:
+        some = every
+        if len(times) > _ALL:
+            peaks = _extremes(times, values, _STRETCHES)
+            some = np.unique(np.clip(np.concatenate([peaks - 1, peaks, peaks + 1]), 0, len(times) - 1))
+        kept = some[_farthest_first(times[some], values[some], most)]
+    sure = kept[np.isfinite(values[kept])]
+    once = known[np.append(True, np.diff(times[known]) > 0.0) & np.append(np.diff(times[known]) > 0.0, True)]
+    off = np.abs(np.interp(times[once], times[sure], values[sure]) - values[once])
+    return kept, float(off.max(initial=0.0))
+
+
+def _farthest_first(times: Array, values: Array, most: int) -> NDArray[np.intp]:
+    kept = sorted({0, int(np.argmin(values)), int(np.argmax(values)), len(times) - 1})
+    waiting: list[tuple[float, int, int, int]] = []
+    least = _OFF * float(np.ptp(values))
+
+    def look(first: int, last: int) -> None:
+        """Note the sample between two that lies farthest off the line through them."""
+        if last - first < 2:
+            return
+        span = times[last] - times[first]
+        inside = slice(first + 1, last)
+        share = (times[inside] - times[first]) / span if span > 0.0 else np.zeros(last - first - 1)
+        off = np.abs(values[first] + share * (values[last] - values[first]) - values[inside])
+        k = int(np.argmax(off))
+        if off[k] > least:
+            heapq.heappush(waiting, (-float(off[k]), first, first + 1 + k, last))
+
+    for first, last in itertools.pairwise(kept):
+        look(first, last)
+    while waiting and len(kept) < most:
+        _, first, middle, last = heapq.heappop(waiting)
+        kept.append(middle)
+        look(first, middle)
+        look(middle, last)
+    return np.array(sorted(kept))
+
+
+def _extremes(times: Array, values: Array, stretches: int) -> NDArray[np.intp]:
+    """Return the samples that are least and greatest in stretches of time, its ends, and ends of gaps."""
+    edges = np.searchsorted(times, np.linspace(times[0], times[-1], max(stretches, 1) + 1)[1:-1])
+    known = np.isfinite(values)
+    low, high = np.where(known, values, np.inf), np.where(known, values, -np.inf)
+    kept = [0, len(times) - 1]
+    for first, last in zip([0, *edges], [*edges, len(times)], strict=True):
+        if first == last:
+            continue
+        kept += [first + int(np.argmin(low[first:last])), first + int(np.argmax(high[first:last]))]
+        if not known[first:last].all():
+            kept.append(first + int(np.argmin(known[first:last])))
+    return np.unique(kept)
+
+
+def _offered(run: Trajectory, joint: str | None) -> Iterator[str]:
+    """Yield names of quantities in the order in which they are of interest; of a vector its length alone."""
+    ranked: list[tuple[int, int, str]] = []
+    for number, name in enumerate(quantities(run)):
+        said = QuantityName.parse(name)
+        recorded = said.variable in run.data.data_vars
+        vector = recorded and run.data[said.variable].dims[-1] in ("axis", "quaternion")
+        if not recorded or said.variable in _NOT or (vector and not said.size):
+            continue
+        if joint is not None and not any(one == joint or one.startswith(f"{joint}.") for one in said.labels):
+            continue
+        rank = _FIRST.index(said.variable) if said.variable in _FIRST else len(_FIRST)
+        ranked.append((rank, number, name))
+    for _, _, name in sorted(ranked):
+        yield name
+
+
+def _moves(values: Array) -> bool:
+    some = values[np.isfinite(values)]
+    return bool(some.size) and bool(np.ptp(some) > 0.0)
+
+
+def _strongest(found: list[Quantity]) -> int:
+    """Return which series is shown first: the greatest force of a contact, else the first of all."""
+    forces = [k for k, one in enumerate(found) if one.name.startswith("|contact_force")]
+    return max(forces, key=lambda k: float(np.nanmax(found[k].values)), default=0)
+
+
+def _packed(run: Trajectory, one: Quantity, start: float, end: float, most: int) -> dict[str, Any]:
+    said = QuantityName.parse(one.name)
+    unit = printed_unit(one.units)
+    bracket = f" [{unit}]" if unit else ""
+    group, text = "others", f"{one.name}{bracket}"
+    if said.variable in run.data.data_vars:
+        meaning = str(run.data[said.variable].attrs.get("long_name", said.variable)).partition(" (")[0]
+        group, text = "of the whole", f"{meaning}{bracket}"
+        if said.labels:
+            group, text = text, f"{', '.join(said.labels)}: {text}"
+    inside = (one.time >= start) & (one.time <= end)
+    times, values = one.time[inside], np.asarray(one.values, dtype=float)[inside]
+    kept, off = thinned(times, values, most)
+    return {
+        "name": one.name,
+        "group": group,
+        "text": text,
+        "unit": unit,
+        "samples": len(times),
+        "off": off,
+        "times": packed_doubles(times[kept]),
+        "values": packed_doubles(values[kept]),
+    }
