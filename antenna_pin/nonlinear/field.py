@@ -13,6 +13,7 @@ from antenna_pin.dynamics import System, Workspace
 from antenna_pin.engine import Slopes
 from antenna_pin.integrate import method_named
 from antenna_pin.nonlinear.frames import Frame, Lift, Rates, Units, frame_at, parts_of
+from antenna_pin.nonlinear.kept import Kept
 from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.scales import scale_vector
 from antenna_pin.simulation.stretches import stepper_of
@@ -36,6 +37,7 @@ _ROUND_OFF = 4.0 * float(np.finfo(float).eps)
 # Where rates are looked at for their round-off, in parts of a step.
 _MINUTE, _BESIDE = 1e-3, range(-6, 7)
 _SHALLOW = 0.1  # part of their size to which a depth cuts steps where kinks are looked for no more
+_SHARE_OF_KEPT = 1e-3  # of a rate that an element keeps, or of a unit
 _LOCATING = 0.01  # over a step of differences, that with which a kink is located: to the square of it
 
 
@@ -49,6 +51,7 @@ class Field:
     Attributes:
         workspace: Its contact memory and program are those of the moment.
         units: Of displacements.
+        kept: What elements keep.
         bristles: Where these stand in x, (bristles,).
         round_off: Of the rates near where it was last looked (:meth:`look_at`), in units per second.
     """
@@ -57,7 +60,8 @@ class Field:
         """Allocate once."""
         self.system = system
         self.workspace = Workspace(system)
-        self.units = Units.of(system)
+        self.units, self.kept = Units.of(system), Kept(system)
+        self._kept_units = self.kept.units(self.units.way, self.units.rate)
         scales = scale_vector(system, settings.scales)
         self._stepper = stepper_of(self.workspace, method_named(settings.method), scales, settings)
         self.bristles = np.asarray(system.bristle_x, dtype=int)
@@ -65,7 +69,7 @@ class Field:
         self._y = np.zeros(system.manifold.size)
         self._memory = self.workspace.memory.copy()
         #: Parts of a displacement, and its size.
-        self.parts = parts_of(system)
+        self.parts = parts_of(system, len(self.kept))
         self.displacement = self.parts[-1].stop
         self._coarse = self._coarseness()
         self._measured = any(joint.backend != "closed-form" for joint in system.clearances)
@@ -89,13 +93,15 @@ class Field:
 
     def frame(self, y: Array) -> Frame:
         """Return the axes of coordinates in a state, with the contacts of the moment."""
-        return frame_at(self.workspace, self.units, y, self.workspace.memory["touching"])
+        return frame_at(self.workspace, self.units, y, self.workspace.memory["touching"], self.kept)
 
     def _coarseness(self) -> Array:
         """Return over what a step of each part of a displacement must be one at most, (displacement,)."""
         units, (way, rate, bristles, *_) = self.units, self.parts
+        *_, kept, _ = self.parts
         out = np.zeros(self.displacement)
         out[way], out[rate], out[bristles] = 1.0 / units.way, 1.0 / units.rate, 1.0 / units.bristle
+        out[kept] = 1.0 / (_STEP * self._kept_units)
         steps, finer = np.full(self.system.model.nv, _STEP), _IN_LOOPS if self.system.plan else _IN_PLAY
         for joint in self.system.clearances:
             steps[self.system.mechanism.joint(joint.name).v] = finer
@@ -179,7 +185,24 @@ class Field:
 
     def _differences(self, time: float, y: Array, ways: Array, steps: Array) -> Array:
         """Return derivatives of the rates by differences of sixth and fourth order, (2, nv + nx, k)."""
-        return np.array(self._slopes.rates(time, y, np.ascontiguousarray(ways), steps))
+        found = np.array(self._slopes.rates(time, y, np.ascontiguousarray(ways), steps))
+        # Of what elements keep, but for that which rows hold by: rates go by it through the state alone.
+        first = self.parts[-2].start
+        for k, number in enumerate(self.kept.numbers):
+            if ways[first + k].any() and not number.holds(self.workspace.program):
+                found += self._over_kept(k, time, y)[:, :, None] * ways[first + k]
+        return found
+
+    def _over_kept(self, k: int, time: float, y: Array) -> Array:
+        """Return the derivatives of the rates over a number that an element keeps, (2, nv + nx)."""
+        own, unit = self.kept.words[k], float(self._kept_units[k])
+        size = abs(float(self.workspace.program[own])) if self.kept.numbers[k].of_rate else unit
+        way = np.zeros(self.displacement)
+        way[self.parts[-2].start + k] = step = _SHARE_OF_KEPT * min(size or unit, unit)
+        ahead, behind = (
+            np.array([self._at(self.rates, time, y, side * n * way) for n in (1, 2, 3)]) for side in (1, -1)
+        )
+        return np.asarray(WEIGHTS @ (ahead - behind) / step)
 
     def _weighed(self, rates: Array) -> Array:
         """Return derivatives of velocities and bristles in units, from (nv + nx, k)."""
@@ -248,8 +271,9 @@ class Field:
     def _at(self, function: Function, time: float, y: Array, displacement: Array) -> Array:
         """Return a function's value at a neighbour."""
         nq, nv = self.system.model.nq, self.system.model.nv
-        way, rate, bristles, speeds, masses, clock = (displacement[part] for part in self.parts)
-        memory, kept = self.workspace.memory, self._memory
+        way, rate, bristles, speeds, masses, own, clock = (displacement[part] for part in self.parts)
+        memory, kept, program = self.workspace.memory, self._memory, self.workspace.program
+        words = program[self.kept.words]
         self._y[:] = y
         self.workspace.retract(self._y, way)
         self._y[nq : nq + nv] += rate
@@ -257,10 +281,11 @@ class Field:
         kept[:] = memory
         memory["approach_speed"] *= np.exp(speeds)
         memory["effective_mass"] *= np.exp(masses)
+        program[self.kept.words] += own
         try:
             return np.array(function(time + float(clock[0]), self._y))
         finally:
-            memory[:] = kept
+            memory[:], program[self.kept.words] = kept, words
 
     # --- coordinates ----------------------------------------------------------------------------------------
 
@@ -273,16 +298,17 @@ class Field:
         if self._lifted is not None and self._lifted[0] is frame:
             return self._lifted[1]
         units, (way, rate, bristles, *remembered, _) = self.units, self.parts
-        n, nb, nm = frame.ways, len(self.bristles), len(frame.remembered)
-        up, down = (
-            np.zeros((self.displacement, 2 * n + nb + nm)),
-            np.zeros((2 * n + nb + nm, self.displacement)),
-        )
+        n, nb, nk, nm = frame.ways, len(self.bristles), len(frame.kept), len(frame.remembered)
+        size = 2 * n + nb + nk + nm
+        up, down = np.zeros((self.displacement, size)), np.zeros((size, self.displacement))
         ways, rates, own = slice(n), slice(n, 2 * n), slice(2 * n, 2 * n + nb)
         up[way, ways], down[ways, way] = units.way[:, None] * frame.free, frame.free.T / units.way
         up[rate, rates], down[rates, rate] = units.rate[:, None] * frame.free, frame.free.T / units.rate
         up[bristles, own], down[own, bristles] = np.diag(units.bristle), np.diag(1.0 / units.bristle)
-        for k, (contact, column) in enumerate(frame.remembered, 2 * n + nb):
+        for k, number in enumerate(frame.kept, 2 * n + nb):
+            at, unit = self.parts[-2].start + number, self._kept_units[number]
+            up[at, k], down[k, at] = unit, 1.0 / unit
+        for k, (contact, column) in enumerate(frame.remembered, 2 * n + nb + nk):
             at = remembered[column - 1].start + contact
             up[at, k] = down[k, at] = 1.0
         lift = Lift(up, down)
@@ -301,13 +327,36 @@ class Field:
 
         self.workspace.prepare_motions(time, y)
         constraints.residuals(time, y, program)
-        rows = constraints.jacobian.copy()
+        rows = constraints.every_row.copy()
         across = self.units.way[:, None] * frame.bound
-        up[way, :n] -= across @ np.linalg.lstsq(rows @ across, rows @ up[way, :n], rcond=_FAINT)[0]
-        turned = self._slopes.speeds(time, y, up[:, :n], self._steps(y, up[:, :n], False))[0]
+        first = 2 * n + len(self.bristles)
+        places = [*range(n), *range(first, first + len(frame.kept))]  # of what moves the configuration
+        off = np.hstack([rows @ up[way, :n], self._gaps_over_kept(frame, time, y)])
+        up[way, places] -= across @ np.linalg.lstsq(rows @ across, off, rcond=_FAINT)[0]
+        moved = up[:, places]
+        turned = self._slopes.speeds(time, y, moved, self._steps(y, moved, False))[0]
         across = self.units.rate[:, None] * frame.bound
-        wanted = np.hstack([turned, rows @ up[rate, n : 2 * n]])
-        up[rate, : 2 * n] -= across @ np.linalg.lstsq(rows @ across, wanted, rcond=_FAINT)[0]
+        off = np.hstack([turned, rows @ up[rate, n : 2 * n]])
+        up[rate, [*places, *range(n, 2 * n)]] -= across @ np.linalg.lstsq(rows @ across, off, rcond=_FAINT)[0]
+
+    def _gaps_over_kept(self, frame: Frame, time: float, y: Array) -> Array:
+        """Return by how much constraints are violated per unit of each number that elements keep, (rows, k).
+
+        A row that holds a joint goes with its place, linearly.
+        """
+        constraints, program = self.workspace.constraints, self.workspace.program
+        assert constraints is not None
+        columns = [np.zeros((len(constraints.every_row), 0))]
+        for number in frame.kept:
+            word, step = self.kept.words[number], float(self._kept_units[number])
+            kept, found = program[word], []
+            for side in (0.5, -0.5):
+                program[word] = kept + side * step
+                constraints.residuals(time, y, program)
+                found.append(constraints.every_gap.copy())
+            program[word] = kept
+            columns.append((found[0] - found[1])[:, None])
+        return np.hstack(columns)
 
     def matrix(self, frame: Frame, time: float, y: Array, way: Array) -> Rates:
         """Return the derivative of the coordinates' rates over the coordinates.

@@ -31,7 +31,6 @@ from antenna_pin.nonlinear.breaks import BETWEEN, SAMPLES, left_over, located
 from antenna_pin.nonlinear.field import Field
 from antenna_pin.nonlinear.frames import Frame
 from antenna_pin.nonlinear.missed import Kink, Missed, StepAnew
-from antenna_pin.nonlinear.no_modes import check_no_modes
 from antenna_pin.nonlinear.saltation import Carried, Onset, Saltation
 from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.stretches import stepper_of
@@ -112,7 +111,6 @@ class Carrier:
     def __init__(self, run: Run, first: Frame, ways: Array | None = None) -> None:
         """Begin in the run's first state."""
         system, settings = run.system, run.settings
-        check_no_modes("tangent", system)
         self.field = Field(system, settings)
         workspace = self.field.workspace
         workspace.memory[:], workspace.program[:] = run.workspace.memory, run.workspace.program
@@ -150,12 +148,12 @@ class Carrier:
         """Carry the displacements over the step and the changes since the last look."""
         touched, touching = self._own.memory["touching"], run.workspace.memory["touching"]
         flipped = np.flatnonzero(touched != touching).tolist()
-        happened = self._saltation.has_happened(run)
+        happened = self._saltation.has_happened()
         broken = any(one.last == run.stepper.t for one in run.watch.value())
         if run.stepper.t > self._time:
             self._step(run.stepper.t, run.stepper.h, bool(flipped) or happened, broken)
         if happened:
-            self._all = self._saltation.through_events(run, self._all, self._time, self._y)
+            self._all = self._saltation.through_events(self._all, self._time, self._y)
         for c in flipped:
             if touching[c] != 0.0:
                 now = self._all, self._time, self._y
