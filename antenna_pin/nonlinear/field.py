@@ -37,7 +37,6 @@ _ROUND_OFF = 4.0 * float(np.finfo(float).eps)
 # Where rates are looked at for their round-off, in parts of a step.
 _MINUTE, _BESIDE = 1e-3, range(-6, 7)
 _SHALLOW = 0.1  # part of their size to which a depth cuts steps where kinks are looked for no more
-_SHARE_OF_KEPT = 1e-3  # of a rate that an element keeps, or of a unit
 _LOCATING = 0.01  # over a step of differences, that with which a kink is located: to the square of it
 
 
@@ -138,11 +137,7 @@ class Field:
         out = np.zeros((len(WEIGHTS), len(function(time, y)), ways.shape[1]))
         used = self._steps(y, ways, of_forces) if steps is None else steps
         for k, (way, step) in enumerate(zip(ways.T, used, strict=True)):
-            ahead, behind = (
-                np.array([self._at(function, time, y, side * point * step * way) for point in (1, 2, 3)])
-                for side in (1, -1)
-            )
-            out[:, :, k] = WEIGHTS @ (ahead - behind) / step
+            out[:, :, k] = self._over(function, time, y, way, float(step))
         return out[0], out[1]
 
     def slopes(self, time: float, y: Array, ways: Array) -> tuple[Array, Array, Array]:
@@ -186,21 +181,18 @@ class Field:
     def _differences(self, time: float, y: Array, ways: Array, steps: Array) -> Array:
         """Return derivatives of the rates by differences of sixth and fourth order, (2, nv + nx, k)."""
         found = np.array(self._slopes.rates(time, y, np.ascontiguousarray(ways), steps))
-        # Of what elements keep, but for that which rows hold by: rates go by it through the state alone.
-        first = self.parts[-2].start
-        for k, number in enumerate(self.kept.numbers):
-            if ways[first + k].any() and not number.holds(self.workspace.program):
-                found += self._over_kept(k, time, y)[:, :, None] * ways[first + k]
+        # Compiled differences leave what elements keep as it is; what rows hold by rates do not go by.
+        own = [k for k, one in enumerate(self.kept.numbers) if not one.holds(self.workspace.program)]
+        kept = ways[self.parts[-2]][own]
+        for k in np.flatnonzero(kept.any(axis=0)).tolist() if own else ():
+            found[:, :, k] = self._over(self.rates, time, y, ways[:, k], float(steps[k]))
         return found
 
-    def _over_kept(self, k: int, time: float, y: Array) -> Array:
-        """Return the derivatives of the rates over a number that an element keeps, (2, nv + nx)."""
-        own, unit = self.kept.words[k], float(self._kept_units[k])
-        size = abs(float(self.workspace.program[own])) if self.kept.numbers[k].of_rate else unit
-        way = np.zeros(self.displacement)
-        way[self.parts[-2].start + k] = step = _SHARE_OF_KEPT * min(size or unit, unit)
+    def _over(self, function: Function, time: float, y: Array, way: Array, step: float) -> Array:
+        """Return the derivative of a function along a displacement, of sixth and of fourth order, (2, ...)."""
         ahead, behind = (
-            np.array([self._at(self.rates, time, y, side * n * way) for n in (1, 2, 3)]) for side in (1, -1)
+            np.array([self._at(function, time, y, side * point * step * way) for point in (1, 2, 3)])
+            for side in (1, -1)
         )
         return np.asarray(WEIGHTS @ (ahead - behind) / step)
 
@@ -249,6 +241,10 @@ class Field:
         if not of_forces:
             return np.asarray(steps)
         finest: Array = _FINEST * steps
+        for number, change in zip(self.kept.numbers, np.abs(ways[self.parts[-2]]), strict=True):
+            rate = abs(float(self.workspace.program[number.word]))
+            if number.of_rate and rate > 0.0:  # laws divide by it
+                steps = np.minimum(steps, _SHARE * rate / np.maximum(change, 1e-300))
         for c in np.flatnonzero(self.workspace.memory["touching"]).tolist():
             normal, gap = self.workspace.along_normal(y, c)
             opening = np.abs(normal @ ways[self.parts[0]])
