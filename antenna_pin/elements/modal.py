@@ -106,7 +106,7 @@ class Modal(Element):
         return None
 
     def in_another(self, met: Met) -> Change | None:
-        """Return how it goes on where its own numbers, or the joint's place, have become others; None: as it is.
+        """Return how it goes on where its own numbers or its joint's place are others; None: as it is.
 
         Raises:
             InvalidParameterError: It cannot.

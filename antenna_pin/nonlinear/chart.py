@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from antenna_pin.constraints import Constraints
+from antenna_pin.constraints import Constraints, directions
 from antenna_pin.dynamics import System, Workspace
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.nonlinear.frames import MEMORIES, Units, frame_at, way_between
@@ -40,8 +40,8 @@ class Chart:
     They are the freedoms that closures and motions leave, each in units of the run's error scales: ways
     first, then their rates; bristles; and of each contact that touches the logarithm of the approach speed
     that it remembers, which is a state too: a neighbour keeps its own, as it does of where a joint has begun
-    to stick, and of what else elements keep of a change that their motion goes by. What is integrated and acts on nothing
-    (works, impulses) is none of them, and neither are whole turns.
+    to stick, and of what else elements keep of a change that their motion goes by. What is integrated and
+    acts on nothing (works, impulses) is none of them, and neither are whole turns.
 
     Coordinates are components along the freedoms, of the way from the origin and of the change of velocity.
     Across them a neighbour is where closures and motions want it, so that those it is asked for at are those
@@ -89,6 +89,21 @@ class Chart:
     def size(self) -> int:
         """How many coordinates there are."""
         return len(self.names)
+
+    @property
+    def held(self) -> int:
+        """How many directions elements leave out that hold their joints in the state."""
+        constraints, program = self._workspace.constraints, self._workspace.program
+        if constraints is None:
+            return 0
+        free = int(directions(constraints, self.origin.y, program, motions=True).shape[1])
+        places = sum(self._kept.numbers[k].holds(program) for k in self.frame.kept)
+        return max(2 * (free - self.ways) - places, 0)
+
+    @property
+    def of_rates(self) -> tuple[int, ...]:
+        """Which of the numbers that elements keep are of rates, as that of an approach."""
+        return tuple(k for k in self.frame.kept if self._kept.numbers[k].of_rate)
 
     def _names(self, what: str) -> list[str]:
         model, free = self.system.model, self.frame.free
@@ -153,7 +168,7 @@ class Chart:
         )
 
     def _with_kept(self, changes: Array) -> tuple[tuple[str, float], ...]:
-        """Return what was adjusted of the origin, with what its elements keep changed, (kept of the frame,)."""
+        """Return what was adjusted of the origin, with what its elements keep changed, (frame's kept,)."""
         values = dict(self.origin.adjusted)
         for k, change in zip(self.frame.kept, changes.tolist(), strict=True):
             values[self._kept.numbers[k].key] += change
@@ -224,8 +239,8 @@ class Chart:
         ways = self.frame.free.T @ (way_between(self.system, origin.q, state.q) / self.units.way)
         rates = self.frame.free.T @ ((state.v - origin.v) / self.units.rate)
         bristles = (state.x - origin.x)[self._bristles] / self.units.bristle
-        here, there = (dict(one.adjusted) for one in (origin, state))
+        first, then = (dict(one.adjusted) for one in (origin, state))
         keys = [self._kept.numbers[k].key for k in self.frame.kept]
-        numbers = np.array([there[key] - here[key] for key in keys]) / self._own_units
+        numbers = np.array([then[key] - first[key] for key in keys]) / self._own_units
         memories = np.log(state.memory[self._remembered] / origin.memory[self._remembered])
         return np.concatenate([ways, rates, bristles, numbers, memories])

@@ -14,6 +14,7 @@ from antenna_pin.engine import Slopes
 from antenna_pin.integrate import method_named
 from antenna_pin.nonlinear.frames import Frame, Lift, Rates, Units, frame_at, parts_of
 from antenna_pin.nonlinear.kept import Kept
+from antenna_pin.nonlinear.lifts import Lifts
 from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.scales import scale_vector
 from antenna_pin.simulation.stretches import stepper_of
@@ -29,7 +30,6 @@ Function = Callable[[float, Array], Array]
 # contact's depth, down to a millionth of what they are else: a force that begins like depth^1.5 is smooth on
 # no other scale.
 _STEP, _IN_PLAY, _IN_LOOPS, _SHARE, _FINEST = 1e-4, 1e-6, 1e-5, 0.02, 1e-6
-_FAINT = 1e-10  # of what rows of constraints do, over the most: less is what round-off has left
 # Difference of the two orders over the largest derivative from which on a kink is straddled: then with steps
 # that are so much finer, as often at most. And round-off of rates, over these.
 _STRADDLES, _FINER, _OFTEN, _NOISY = 1e-8, 8.0, 8, 10.0
@@ -73,7 +73,7 @@ class Field:
         self._coarse = self._coarseness()
         self._measured = any(joint.backend != "closed-form" for joint in system.clearances)
         self.round_off = 0.0
-        self._lifted: tuple[Frame, Lift] | None = None
+        self._lifts = Lifts(self.workspace, self.units, self.kept, self.parts, self._speeds)
         self._rows = np.concatenate([np.arange(system.model.nv), system.model.nv + self.bristles])
         self._weights = 1.0 / np.concatenate([self.units.rate, self.units.bristle])[:, None]
 
@@ -189,7 +189,7 @@ class Field:
         return found
 
     def _over(self, function: Function, time: float, y: Array, way: Array, step: float) -> Array:
-        """Return the derivative of a function along a displacement, of sixth and of fourth order, (2, ...)."""
+        """Return the derivative of a function along a displacement, of sixth and fourth order, (2, ...)."""
         ahead, behind = (
             np.array([self._at(function, time, y, side * point * step * way) for point in (1, 2, 3)])
             for side in (1, -1)
@@ -291,68 +291,11 @@ class Field:
         Closures and motions hold in displaced states, to first order: across the axes a displacement is what
         they want it to be.
         """
-        if self._lifted is not None and self._lifted[0] is frame:
-            return self._lifted[1]
-        units, (way, rate, bristles, *remembered, _) = self.units, self.parts
-        n, nb, nk, nm = frame.ways, len(self.bristles), len(frame.kept), len(frame.remembered)
-        size = 2 * n + nb + nk + nm
-        up, down = np.zeros((self.displacement, size)), np.zeros((size, self.displacement))
-        ways, rates, own = slice(n), slice(n, 2 * n), slice(2 * n, 2 * n + nb)
-        up[way, ways], down[ways, way] = units.way[:, None] * frame.free, frame.free.T / units.way
-        up[rate, rates], down[rates, rate] = units.rate[:, None] * frame.free, frame.free.T / units.rate
-        up[bristles, own], down[own, bristles] = np.diag(units.bristle), np.diag(1.0 / units.bristle)
-        for k, number in enumerate(frame.kept, 2 * n + nb):
-            at, unit = self.parts[-2].start + number, self._kept_units[number]
-            up[at, k], down[k, at] = unit, 1.0 / unit
-        for k, (contact, column) in enumerate(frame.remembered, 2 * n + nb + nk):
-            at = remembered[column - 1].start + contact
-            up[at, k] = down[k, at] = 1.0
-        lift = Lift(up, down)
-        if self.workspace.constraints is None:
-            self._lifted = frame, lift  # the same in every state
-        else:
-            self._hold(up, frame, time, y)
-        return lift
+        return self._lifts.lift(frame, time, y)
 
-    def _hold(self, up: Array, frame: Frame, time: float, y: Array) -> None:
-        """Let closures and motions hold in displacements, in place."""
-        constraints, program = self.workspace.constraints, self.workspace.program
-        assert constraints is not None
-        way, rate, *_ = self.parts
-        n = frame.ways
-
-        self.workspace.prepare_motions(time, y)
-        constraints.residuals(time, y, program)
-        rows = constraints.every_row.copy()
-        across = self.units.way[:, None] * frame.bound
-        first = 2 * n + len(self.bristles)
-        places = [*range(n), *range(first, first + len(frame.kept))]  # of what moves the configuration
-        off = np.hstack([rows @ up[way, :n], self._gaps_over_kept(frame, time, y)])
-        up[way, places] -= across @ np.linalg.lstsq(rows @ across, off, rcond=_FAINT)[0]
-        moved = up[:, places]
-        turned = self._slopes.speeds(time, y, moved, self._steps(y, moved, False))[0]
-        across = self.units.rate[:, None] * frame.bound
-        off = np.hstack([turned, rows @ up[rate, n : 2 * n]])
-        up[rate, [*places, *range(n, 2 * n)]] -= across @ np.linalg.lstsq(rows @ across, off, rcond=_FAINT)[0]
-
-    def _gaps_over_kept(self, frame: Frame, time: float, y: Array) -> Array:
-        """Return by how much constraints are violated per unit of each number that elements keep, (rows, k).
-
-        A row that holds a joint goes with its place, linearly.
-        """
-        constraints, program = self.workspace.constraints, self.workspace.program
-        assert constraints is not None
-        columns = [np.zeros((len(constraints.every_row), 0))]
-        for number in frame.kept:
-            word, step = self.kept.words[number], float(self._kept_units[number])
-            kept, found = program[word], []
-            for side in (0.5, -0.5):
-                program[word] = kept + side * step
-                constraints.residuals(time, y, program)
-                found.append(constraints.every_gap.copy())
-            program[word] = kept
-            columns.append((found[0] - found[1])[:, None])
-        return np.hstack(columns)
+    def _speeds(self, time: float, y: Array, ways: Array) -> Array:
+        """Return the derivatives of how fast constraints are violated along displacements, (rows, k)."""
+        return np.asarray(self._slopes.speeds(time, y, ways, self._steps(y, ways, False))[0])
 
     def matrix(self, frame: Frame, time: float, y: Array, way: Array) -> Rates:
         """Return the derivative of the coordinates' rates over the coordinates.

@@ -69,10 +69,10 @@ class Frame(NamedTuple):
 class Lift(NamedTuple):
     """Coordinates about a state as displacements of one, and back.
 
-    A displacement, (2 nv + bristles + 2 contacts + kept + 1,), is that of the configuration in the coordinates of
-    velocities, of the velocity, of bristles, of the logarithms of approach speeds, of those of effective
-    masses, of what elements keep, and of time. Coordinates are ways, rates, bristles, what elements keep, and
-    what contacts remember.
+    A displacement, (2 nv + bristles + 2 contacts + kept + 1,), is that of the configuration in the
+    coordinates of velocities, of the velocity, of bristles, of the logarithms of approach speeds, of those of
+    effective masses, of what elements keep, and of time. Coordinates are ways, rates, bristles, what elements
+    keep, and what contacts remember.
 
     Attributes:
         up: Displacement of each coordinate, by columns, (displacement, size).
@@ -166,7 +166,9 @@ def frame_at(workspace: Workspace, units: Units, y: Array, touching: Array, kept
     free = left.shape[1]
     # Where elements hold nothing at present the axes are the joints' own.
     ways = np.eye(nv) if free == nv else np.linalg.svd(left / units.way[:, None])[0]
-    return Frame(np.ascontiguousarray(ways[:, :free]), np.ascontiguousarray(ways[:, free:]), memories, numbers)
+    return Frame(
+        np.ascontiguousarray(ways[:, :free]), np.ascontiguousarray(ways[:, free:]), memories, numbers
+    )
 
 
 def way_between(system: System, here: Array, there: Array) -> Array:

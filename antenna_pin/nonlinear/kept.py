@@ -109,7 +109,7 @@ def _axis(system: System, first: int, joint: str | None) -> int:
 
 
 def _place_in_record(element: Modal, name: str) -> int | None:
-    """Return at which word of its record an element has a number; None if it has not: fewer parts than most."""
+    """Return at which word of its record an element has a number; None if it has no such part."""
     changes: dict[str, Any] = {name: getattr(element, name) + 1.0}
     other = dataclasses.replace(element, **changes).words_of_kernel()
     found = np.flatnonzero(other != element.words_of_kernel())

@@ -42,7 +42,7 @@ def modes_of(system: System, state: State) -> Mapping[str, ModeNow]:
     for key, value in state.adjusted:
         place, _, name = key.rpartition(".")
         if place not in modal or name not in modal[place].element.own_keys():  # type: ignore[attr-defined]
-            rule = "one whose drives and springs no event has changed, nor an element that switches others off"
+            rule = "one whose drives and springs no event has changed, and no latch switched off"
             raise InvalidParameterError("chart", "state", rule, (key, value))
         if name == "mode":
             numbers[place] = int(value)

@@ -73,5 +73,6 @@ class Replay:
         before: dict[str, Any] = {self._kept.numbers[k].name: float(numbers[k]) for k in own}
         met = Met(time, float(angle), float(rate), 0.0, (0.0,) * len(one.before.integrals))
         change = one.change(dataclasses.replace(one.before, **before), met)
-        for k in own if change is not None else ():
-            numbers[k] = change.memory.get(self._kept.numbers[k].name, numbers[k])
+        memory = {} if change is None else change.memory
+        for k in own:
+            numbers[k] = memory.get(self._kept.numbers[k].name, numbers[k])

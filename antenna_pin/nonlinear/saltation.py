@@ -23,6 +23,9 @@ __all__ = ["Carried", "Onset", "Saltation"]
 
 Array = NDArray[np.float64]
 
+# Of the largest displacement behind a passage: what round-off leaves of one that is lost there.
+_LOST = 1e-13
+
 
 class Carried(NamedTuple):
     """Displacements carried along a run, in coordinates along axes in the present state.
@@ -72,9 +75,10 @@ class Saltation:
     Args:
         field: The system's rates; its contacts and program are those before.
         run: The run.
+        count: How many displacements are carried.
     """
 
-    def __init__(self, field: Field, run: Run) -> None:
+    def __init__(self, field: Field, run: Run, count: int) -> None:
         """Begin with nothing that has happened."""
         self._field = field
         self._moment = Moment(field.workspace)
@@ -82,6 +86,8 @@ class Saltation:
         self._passages: list[Passage] = []
         run.actions.passages = self._passages
         self._table = np.zeros(len(field.workspace.table), CONTACT)
+        #: How many displacements there are, and how many directions changes of mode have left of them.
+        self.count = self.rank = count
 
     def has_happened(self) -> bool:
         """Whether an event has happened since the last time, or an element has changed its mode."""
@@ -166,7 +172,15 @@ class Saltation:
         if jump.any():  # else it matters to none when it comes, as where a joint turns back in a stop
             moved = moved + np.outer(jump, passage.late)
         through = down @ moved
+        self._lose(through, carried.matrix[:, : self.count])
         return Carried(through @ carried.matrix, through @ carried.other, frame)
+
+    def _lose(self, through: Array, displacements: Array) -> None:
+        """Count the directions that are left, where what is passed may take some away."""
+        if self.rank and np.isfinite(through).all():
+            among = np.linalg.svd(displacements, full_matrices=False)[0][:, : self.rank]
+            sizes = np.linalg.svd(through @ among, compute_uv=False)
+            self.rank = int(np.count_nonzero(sizes > _LOST * sizes[0]))
 
     # --- contacts -------------------------------------------------------------------------------------------
 

@@ -116,7 +116,6 @@ class Carrier:
         workspace.memory[:], workspace.program[:] = run.workspace.memory, run.workspace.program
         self._own = Workspace(system)
         self._dense = stepper_of(self._own, method_named(settings.method), run.stepper.scales, settings)
-        self._saltation = Saltation(self.field, run)
         self._again = StepAnew(self.field, settings, run.stepper.scales, self._own)
         self._good = _GOOD * settings.rtol
         self._shallow = 10.0 * np.array(run.search.tolerances)
@@ -130,6 +129,7 @@ class Carrier:
         self._take_over(run)
         size = self.field.lift(first, self._time, self._y).up.shape[1]
         start = np.eye(size) if ways is None else ways
+        self._saltation = Saltation(self.field, run, start.shape[1])
         self._missed = Missed(start.shape[1], settings.rtol)
         start = self._missed.begin(start)
         self._all = Carried(start, start.copy(), first)
@@ -138,6 +138,11 @@ class Carrier:
     def carried(self) -> Carried:
         """Displacements in the present state."""
         return self._missed.own(self._all)
+
+    @property
+    def rank(self) -> int:
+        """How many directions of the displacements are left: where a joint comes to rest one is lost."""
+        return self._saltation.rank
 
     def _take_over(self, run: Run) -> None:
         """Begin the next step where the run is."""
