@@ -239,8 +239,6 @@ class Chart:
         ways = self.frame.free.T @ (way_between(self.system, origin.q, state.q) / self.units.way)
         rates = self.frame.free.T @ ((state.v - origin.v) / self.units.rate)
         bristles = (state.x - origin.x)[self._bristles] / self.units.bristle
-        first, then = (dict(one.adjusted) for one in (origin, state))
-        keys = [self._kept.numbers[k].key for k in self.frame.kept]
-        numbers = np.array([then[key] - first[key] for key in keys]) / self._own_units
+        numbers = self._kept.between(self.frame.kept, origin, state) / self._own_units
         memories = np.log(state.memory[self._remembered] / origin.memory[self._remembered])
         return np.concatenate([ways, rates, bristles, numbers, memories])

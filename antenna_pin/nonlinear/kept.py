@@ -7,6 +7,7 @@ coordinates of a state as long as they are gone by.
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 from antenna_pin.dynamics import System, acting_in, kernels
 from antenna_pin.elements import Modal, kind_of
 from antenna_pin.elements import kernels as of_elements
+from antenna_pin.state import State
 
 __all__ = ["Kept", "Number"]
 
@@ -34,6 +36,7 @@ class Number(NamedTuple):
         word: Where the number stands there.
         joint: Of the joint's axis in v.
         of_rate: Whether it is one of the joint's rate, else it is one of its way.
+        turns: Whether the joint turns without end: whole turns of it act on nothing.
         modes: In which it is gone by.
     """
 
@@ -45,6 +48,7 @@ class Number(NamedTuple):
     word: int
     joint: int
     of_rate: bool
+    turns: bool
     modes: tuple[int, ...]
 
     @property
@@ -82,6 +86,15 @@ class Kept:
         found = [of_elements.mode(one.kind, program, one.words) in one.modes for one in self.numbers]
         return tuple(np.flatnonzero(found).tolist())
 
+    def between(self, numbers: tuple[int, ...], here: State, there: State) -> Array:
+        """Return by how much some of them differ from one state to another, (numbers,)."""
+        first, then = (dict(state.adjusted) for state in (here, there))
+        out = []
+        for one in (self.numbers[k] for k in numbers):
+            change = then[one.key] - first[one.key]
+            out.append(math.remainder(change, 2.0 * math.pi) if one.turns and not one.of_rate else change)
+        return np.array(out)
+
     def units(self, ways: Array, rates: Array) -> Array:
         """Return what counts as one of each, (kept,), of units of ways and rates, (nv,) each."""
         return np.array([(rates if one.of_rate else ways)[one.joint] for one in self.numbers])
@@ -99,8 +112,8 @@ def _numbers(system: System) -> Iterator[Number]:
             at = _place_in_record(element, name)
             if at is not None:
                 label, modes = f"{one.label} {name}", element.goes_by_in
-                kind, of_rate = kind_of(type(element)), of == "rate"
-                yield Number(one.place, name, label, kind, words, words + at, joint, of_rate, modes)
+                kind, of_rate, turns = kind_of(type(element)), of == "rate", int(head["turn"]) >= 0
+                yield Number(one.place, name, label, kind, words, words + at, joint, of_rate, turns, modes)
 
 
 def _axis(system: System, first: int, joint: str | None) -> int:

@@ -95,21 +95,26 @@ class Orbit:
             return np.asarray(np.log(np.abs(self.multipliers)) / self.period)
 
 
-def moving(chart: Chart, matrix: Array) -> NDArray[np.bool_]:
+def moving(chart: Chart, matrix: Array, free_period: bool = False) -> NDArray[np.bool_]:
     """Return which coordinates a period changes, (n,): all but what contacts remember that last over it.
 
-    What elements keep over it is likewise left out, such as where a joint sticks that does not slip.
+    What elements keep over it is likewise left out, such as where a joint sticks that does not slip. Where a
+    period is free a joint that slips, and sticks again where it did, is not told from that: it may be the way
+    along the orbit.
 
     Args:
         chart: The coordinates.
         matrix: Derivative of the map over the period, (n, n).
+        free_period: Whether the period is found too.
     """
     rows = np.linalg.norm(matrix - np.eye(len(matrix)), axis=1)
     first = chart.size - len(chart.frame.remembered)
     remembered = enumerate(chart.frame.remembered, first)
     lasting = {contact for k, (contact, _) in remembered if rows[k] < _HELD}
     numbers = enumerate(chart.frame.kept, first - len(chart.frame.kept))
-    return own_state(chart.frame, chart.size, lasting, {one for k, one in numbers if rows[k] < _HELD})
+    may = set(chart.of_rates if free_period else chart.frame.kept)
+    kept = may.intersection(one for k, one in numbers if rows[k] < _HELD)
+    return own_state(chart.frame, chart.size, lasting, kept)
 
 
 def near_enough(flow: Flow) -> float:
@@ -135,7 +140,7 @@ def _newton_step(flow: Flow, start: State, tangent: Tangent, miss: Array, chart:
     """
     size = chart.size
     matrix = tangent.matrix - np.eye(size)
-    matrix[:, ~moving(chart, tangent.matrix)] = 0.0
+    matrix[:, ~moving(chart, tangent.matrix, free)] = 0.0
     wanted = -miss
     if free:
         v, a = flow.rates(tangent.end)
@@ -224,7 +229,7 @@ def orbit_at(flow: Flow, start: State, period: float, residual: float, count: in
     """Return what is known of an orbit that has been found."""
     chart = Chart(flow.system, start)
     tangent = flow.tangent(start, period, chart)
-    moves = moving(chart, tangent.matrix)
+    moves = moving(chart, tangent.matrix, free)
     values, doubt = _multipliers(tangent, moves, chart.held)
     way = flow.went(start, period)
     return Orbit(
