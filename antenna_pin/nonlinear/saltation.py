@@ -180,7 +180,7 @@ class Saltation:
         if self.rank and np.isfinite(through).all():
             among = np.linalg.svd(displacements, full_matrices=False)[0][:, : self.rank]
             sizes = np.linalg.svd(through @ among, compute_uv=False)
-            self.rank = int(np.count_nonzero(sizes > _LOST * sizes[0]))
+            self.rank = int(np.count_nonzero(sizes > _LOST * sizes.max(initial=0.0)))
 
     # --- contacts -------------------------------------------------------------------------------------------
 
