@@ -111,8 +111,8 @@ LINK = (
     '<inertia ixx="{i[0]}" iyy="{i[1]}" izz="{i[2]}" ixy="0" ixz="0" iyz="0"/></inertial></link>'
 )
 JOINT = (
-    '<joint name="j{k}" type="{kind}"><origin xyz="{place}"/><parent link="{parent}"/><child link="l{child}"/>'
-    '<axis xyz="{axis}"/>{limit}</joint>'
+    '<joint name="j{k}" type="{kind}"><origin xyz="{place}"/><parent link="{parent}"/>'
+    '<child link="l{child}"/><axis xyz="{axis}"/>{limit}</joint>'
 )
 LIMIT = '<limit lower="-9" upper="9" effort="1" velocity="1"/>'
 
