@@ -251,7 +251,7 @@ def _print(found: Orbit) -> None:
     ]
     rest = f"; {' and '.join(happens)} in a period" if happens else ""
     if found.neutral:
-        rest += "; what lasting contacts remember stays as it began"
+        rest += "; what lasting contacts remember, and elements keep, stays as it began"
     typer.echo(f"orbit of {found.period:.9g} s, {words}{rest}")
     # Digits that are known: one multiplier does not say more than the doubt of all.
     digits = min(12, max(0, math.floor(-math.log10(max(found.doubt, 1e-12)))))

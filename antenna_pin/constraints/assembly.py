@@ -182,10 +182,24 @@ def _rank(rows: Array) -> int:
     return int(np.count_nonzero(np.linalg.svd(rows, compute_uv=False) > DEPENDENT))
 
 
-def directions(constraints: Constraints, y: Array, program: Array, *, motions: bool) -> Array:
-    """Return the generalized directions that the constraints leave, (nv, k); with motions held or not."""
+def directions(
+    constraints: Constraints, y: Array, program: Array, *, motions: bool, holds: bool = False
+) -> Array:
+    """Return the generalized directions that the constraints leave, (nv, k).
+
+    Args:
+        constraints: The constraints.
+        y: State [q, v, x].
+        program: Of the system's elements.
+        motions: Whether motions are held.
+        holds: Whether elements hold their joints that hold them at present.
+    """
     constraints.residuals(0.0, y, program)
     rows = _scaled(constraints, constraints.jacobian)[0 if motions else len(constraints.plan.motions) :]
+    if holds:
+        held = constraints.every_row[constraints.rows :]
+        lengths = np.linalg.norm(held, axis=1)
+        rows = np.vstack([rows, held[lengths > 0.0] / lengths[lengths > 0.0, None]])
     if len(rows) == 0:
         return np.eye(constraints.nv)
     _, values, right = np.linalg.svd(rows)

@@ -81,9 +81,9 @@ class Constraints:
         #: Room for the least forces, and those, of redundant rows (``force_kernels.least_forces``).
         self.least_room = np.zeros(2 * every * (every + 1))
         self.least = np.zeros(every)
-        #: All of J, in metres, rows of elements that hold included, and the residuals of velocity.
+        #: All of J, in metres, rows of elements that hold included, and the residuals.
         self.every_row = part("jacobian", nv, int(head["width"]))[:, :every].T
-        self.every_speed = part("speed", every)
+        self.every_gap, self.every_speed = part("gap", every), part("speed", every)
         self._loads, self._holds = np.zeros(len(plan.motions) + len(plan.couplings) + holds), holds
         bodies, closures = int(head["bodies"]), int(head["closures"])
         driven = _layout.PLAN_WORDS + _layout.BODY_WORDS * bodies + _layout.CLOSURE_WORDS * closures

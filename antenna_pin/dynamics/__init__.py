@@ -1,7 +1,7 @@
 """Free-floating equations of motion, joints held by constraint, force elements, audits."""
 
 from antenna_pin.dynamics.acting import acting_in, check_begins
-from antenna_pin.dynamics.adjust import Adjustments, first_modes, joints_held
+from antenna_pin.dynamics.adjust import Adjustments, first_modes, joints_held, modes_in_another, modes_kept
 from antenna_pin.dynamics.assembly import (
     BASE,
     assemble,
@@ -38,6 +38,8 @@ __all__ = [
     "BASE",
     "Adjustments",
     "first_modes",
+    "modes_in_another",
+    "modes_kept",
     "impulse",
     "joints_held",
     "Audit",

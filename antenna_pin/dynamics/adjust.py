@@ -16,7 +16,7 @@ from antenna_pin.elements import kernels as of_elements
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.parameters import parameters_of
 
-__all__ = ["Adjustments", "first_modes", "joints_held"]
+__all__ = ["Adjustments", "first_modes", "joints_held", "modes_in_another", "modes_kept"]
 
 Array = NDArray[np.float64]
 
@@ -124,6 +124,52 @@ def first_modes(system: System, y: Array, t: float = 0.0) -> tuple[tuple[str, fl
         if isinstance(one.element, Modal):
             angle, rate, _, _ = kernels.joint_motion(program, one.block, y, system.model.nq)
             change = one.element.first(Met(t, float(angle), float(rate), 0.0))
+            if change is not None:
+                found.change(one.place, change)
+    return tuple(found.values.items())
+
+
+def modes_kept(system: System, adjusted: Sequence[tuple[str, float]]) -> tuple[tuple[str, float], ...]:
+    """Return what belongs to modes of what has been adjusted of another system: (place, value).
+
+    Of a latch that holds that is also what it has switched off.
+    """
+    modal = {one.place: one.element for one in acting_in(system) if isinstance(one.element, Modal)}
+    others = {f"{place}.on" for one in modal.values() for place in getattr(one, "switches_off", ())}
+    found = []
+    for key, value in adjusted:
+        place, _, name = key.rpartition(".")
+        if key in others or (place in modal and name in modal[place].own_keys()):
+            found.append((key, value))
+    return tuple(found)
+
+
+def modes_in_another(
+    system: System, y: Array, t: float, adjusted: Sequence[tuple[str, float]]
+) -> tuple[tuple[str, float], ...]:
+    """Return the modes with which elements go on in a state [q, v, x] of another system: (place, value).
+
+    Args:
+        system: The other.
+        y: State, which is one of it.
+        t: Time [s].
+        adjusted: Their modes before (:func:`modes_kept`).
+
+    Raises:
+        InvalidParameterError: An element cannot go on there.
+    """
+    found = Adjustments(system, system.program.copy())
+    for place, value in adjusted:
+        found.set(place, value)
+    nq, nv = system.model.nq, system.model.nv
+    for one in acting_in(system):
+        element = found.elements[one.place]
+        if isinstance(element, Modal) and element.on:  # type: ignore[attr-defined]
+            angle, rate, _, _ = kernels.joint_motion(system.program, one.block, y, nq)
+            head = system.program[one.block :][: kernels.PARAMETERS].view(kernels.ELEMENT)[0]
+            first = nq + nv + int(head["x"])
+            own = tuple(float(y[first + k]) for k in range(len(element.integrals)))
+            change = element.in_another(Met(t, float(angle), float(rate), 0.0, own))
             if change is not None:
                 found.change(one.place, change)
     return tuple(found.values.items())

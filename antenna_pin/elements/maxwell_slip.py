@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 from antenna_pin.elements.element import Element
-from antenna_pin.elements.modal import Change, Met, Modal
+from antenna_pin.elements.modal import Change, Met, Modal, Remembered
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.parameters import parameter
 
@@ -48,6 +49,8 @@ class MaxwellSlip(Modal):
     modes: ClassVar[tuple[str, ...]] = ("held", "up", "down")
     switches: ClassVar[int] = 2
     remembers: ClassVar[tuple[str, ...]] = _ANCHORS
+    goes_by: ClassVar[Mapping[str, Remembered]] = dict.fromkeys(_ANCHORS, "way")
+    goes_by_in: ClassVar[tuple[int, ...]] = (0, 1, 2)
 
     stiffness: tuple[float, ...] = parameter("N*m/rad", sliding="N/m", rule="positive", sizes=(0,))
     slip: tuple[float, ...] = parameter("N*m", sliding="N", rule="positive", sizes=(0,))
@@ -100,6 +103,10 @@ class MaxwellSlip(Modal):
         """Bend all from the rest angle to where the joint starts; those that cannot have slipped there."""
         rest = met.angle if self.rest_angle is None else self.rest_angle
         return Change(0, memory=self._dragged((rest,) * len(self.slip), met.angle))
+
+    def in_another(self, met: Met) -> Change:
+        """Drag those along that are bent farther than they can be."""
+        return Change(self.mode, memory=self._dragged(self.anchors, met.angle))
 
     def passed(self, k: int, met: Met) -> Change:
         """Slip the way that one is bent that far; where the joint turns back then, drag anchors no more."""

@@ -15,13 +15,17 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import ClassVar, NamedTuple
+from typing import ClassVar, Literal, NamedTuple
 
 from antenna_pin.elements.element import LOSS, Element, Integral
 
-__all__ = ["Change", "Met", "Modal"]
+__all__ = ["Change", "Met", "Modal", "Remembered"]
+
+Remembered = Literal["way", "rate"]
+"""Of what of its joint an element remembers a number."""
 
 _NOTHING: Mapping[str, float] = MappingProxyType({})
+_NOTHING_KEPT: Mapping[str, Remembered] = MappingProxyType({})
 
 
 class Met(NamedTuple):
@@ -83,6 +87,10 @@ class Modal(Element):
     # Fields beside ``mode`` that changes of mode write; whether it holds its joint in some mode.
     remembers: ClassVar[tuple[str, ...]] = ()
     holds: ClassVar[bool] = False
+    # Of what it remembers what its motion goes by later, which stands in its record (or tail) as it is: of
+    # neighbours each has its own. And the modes in which it does.
+    goes_by: ClassVar[Mapping[str, Remembered]] = _NOTHING_KEPT
+    goes_by_in: ClassVar[tuple[int, ...]] = ()
     # Whether it is dry friction: what sticks and what slips is decided of all of them together.
     together: ClassVar[bool] = False
 
@@ -95,6 +103,14 @@ class Modal(Element):
 
     def first(self, met: Met) -> Change | None:
         """Return the mode that a run begins in, None for the present one; an impulse there is not made."""
+        return None
+
+    def in_another(self, met: Met) -> Change | None:
+        """Return how it goes on where its own numbers or its joint's place are others; None: as it is.
+
+        Raises:
+            InvalidParameterError: It cannot.
+        """
         return None
 
     def facts(self) -> dict[str, float]:

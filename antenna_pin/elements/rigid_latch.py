@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 from antenna_pin.elements.capture import HELD, OUTSIDE, Capture
-from antenna_pin.elements.modal import Change, Met
+from antenna_pin.elements.modal import Change, Met, Remembered
 
 __all__ = ["RigidLatch"]
 
@@ -28,6 +29,8 @@ class RigidLatch(Capture):
     kernels: ClassVar[str] = "rigid_latch_kernels"
     loaded: ClassVar[tuple[int, ...]] = (2,)
     remembers: ClassVar[tuple[str, ...]] = ("side", "held_at")
+    goes_by: ClassVar[Mapping[str, Remembered]] = {"held_at": "way"}
+    goes_by_in: ClassVar[tuple[int, ...]] = (HELD,)
     holds: ClassVar[bool] = True
 
     held_at: float = field(default=0.0, repr=False)

@@ -62,6 +62,10 @@ class RigidStop(Limits):
                 raise InvalidParameterError("initial state", f"position of {self.joint}", rule, met.angle)
         return None
 
+    def in_another(self, met: Met) -> Change | None:
+        """Refuse a place beyond a stop, as at a start; one at rest on it stays so."""
+        return self.first(met) if self.mode == FREE else None
+
     def passed(self, k: int, met: Met) -> Change | None:
         """Bounce off side k, come to rest on it, or leave it."""
         if k == LOADED:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
-from antenna_pin.elements.modal import Change, Met, Modal
+from antenna_pin.elements.modal import Change, Met, Modal, Remembered
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.parameters import parameter
 
@@ -70,6 +71,8 @@ class StickingFriction(Modal):
     switches: ClassVar[int] = 2
     loaded: ClassVar[tuple[int, ...]] = (1,)
     remembers: ClassVar[tuple[str, ...]] = ("where",)
+    goes_by: ClassVar[Mapping[str, Remembered]] = {"where": "way"}
+    goes_by_in: ClassVar[tuple[int, ...]] = (_STUCK,)
     holds: ClassVar[bool] = True
     together: ClassVar[bool] = True
     one_above_zero: ClassVar[tuple[str, ...]] = ("coulomb", "viscous", "coefficient")

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from typing import Any, ClassVar, Literal
 
 from antenna_pin.elements.element import LOSS, Integral
-from antenna_pin.elements.limits import FREE, LOWER, Limits
-from antenna_pin.elements.modal import Change, Met
+from antenna_pin.elements.limits import FREE, LOWER, UPPER, Limits
+from antenna_pin.elements.modal import Change, Met, Remembered
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.parameters import parameter, parameters_of
 from antenna_pin.readable import GIVEN, readable
@@ -79,6 +80,8 @@ class EndStop(Limits):
     kernels: ClassVar[str] = "stop_kernels"
     integrals: ClassVar[tuple[Integral, ...]] = (LOSS, IMPULSE)
     remembers: ClassVar[tuple[str, ...]] = ("approach", "turned", "lost", "struck")
+    goes_by: ClassVar[Mapping[str, Remembered]] = {"approach": "rate"}
+    goes_by_in: ClassVar[tuple[int, ...]] = (LOWER, UPPER)
 
     stiffness: float = parameter("N*m/rad", sliding="N/m", rule="positive")
     exponent: float = parameter("1", rule="1 or more", default=1.0)
@@ -145,6 +148,13 @@ class EndStop(Limits):
         """Return the side that the joint is pressed into at the start, if any."""
         side = self.side_at(met.angle, met.rate)
         return self._on(side, met) if side != self.mode else None
+
+    def in_another(self, met: Met) -> Change | None:
+        """Touch, or come off, where the joint is in or off now."""
+        side = self.side_at(met.angle, met.rate)
+        if side == self.mode:
+            return None
+        return Change(FREE, memory={"approach": 0.0, "turned": 0.0}) if side == FREE else self._on(side, met)
 
     def passed(self, k: int, met: Met) -> Change | None:
         """Touch side k, turn back in it, or come off it."""

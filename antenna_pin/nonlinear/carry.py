@@ -7,7 +7,7 @@ import dataclasses
 import numpy as np
 
 from antenna_pin.arguments import takes
-from antenna_pin.dynamics import System, Workspace
+from antenna_pin.dynamics import Adjustments, System, Workspace, modes_in_another, modes_kept
 from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.run import check_sizes
@@ -22,7 +22,9 @@ def carried(state: State, system: System, *, scale: float = 1.0) -> State:
 
     Positions, velocities, integrals and time go over as they are, but for what the other system cannot have:
     they are brought onto its closures and motions, a contact touches if its gap is closed there, and what
-    contacts that touch on either side remember is kept. Step sizes start anew.
+    contacts that touch on either side remember is kept. Elements go on in the modes that they are in, joints
+    that they hold are held where they hold them there, and a stop that gives way touches if the joint is
+    beyond it there. Step sizes start anew.
 
     Args:
         state: What a run of the one system left.
@@ -31,16 +33,21 @@ def carried(state: State, system: System, *, scale: float = 1.0) -> State:
             stays where it was.
 
     Raises:
-        InvalidParameterError: The state is not as large as one of the other system.
+        InvalidParameterError: The state is not as large as one of the other system, or has a joint beyond a
+            rigid stop of it.
     """
     check_sizes(system, state)
     time = state.time * scale
     shift = time - state.time
     y = state.y
-    workspace = Workspace(system)
+    workspace, kept = Workspace(system), modes_kept(system, state.adjusted)
+    adjustments = Adjustments(system, workspace.program)
+    for place, value in kept:
+        adjustments.set(place, value)
     if workspace.constraints is not None:
         workspace.hold(time, y)
     system.turn_on(y)
+    adjusted = modes_in_another(system, y, time, kept)
     nq, nv = system.model.nq, system.model.nv
     moved = dataclasses.replace(
         state,
@@ -54,7 +61,7 @@ def carried(state: State, system: System, *, scale: float = 1.0) -> State:
         changed=tuple(0 for _ in state.changed),
         # Events of its own count from their own beginning; which side they are on is looked at anew.
         events=(),
-        adjusted=(),
+        adjusted=adjusted,
         contacts=tuple(_later(one, shift) for one in state.contacts),
     )
     if not len(state.memory):
@@ -64,12 +71,12 @@ def carried(state: State, system: System, *, scale: float = 1.0) -> State:
     old = state.memory[:, 0] != 0.0
     new = begun.memory[:, 0] != 0.0
     memory = np.where((old & new)[:, None], state.memory, begun.memory)
-    kept = {one.contact: one for one in moved.contacts if new[one.contact]}
+    going_on = {one.contact: one for one in moved.contacts if new[one.contact]}
     fresh = {
         one.contact: dataclasses.replace(one, onset=time, peak=(one.peak[0], time, one.peak[2]))
         for one in begun.contacts
     }
-    contacts = tuple((fresh | kept)[c] for c in sorted(fresh | kept))
+    contacts = tuple((fresh | going_on)[c] for c in sorted(fresh | going_on))
     return dataclasses.replace(moved, memory=memory, contacts=contacts)
 
 

@@ -9,11 +9,12 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from antenna_pin.constraints import Constraints
+from antenna_pin.constraints import Constraints, directions
 from antenna_pin.dynamics import System, Workspace
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.nonlinear.frames import MEMORIES, Units, frame_at, way_between
-from antenna_pin.nonlinear.no_modes import check_no_modes
+from antenna_pin.nonlinear.kept import Kept
+from antenna_pin.nonlinear.modes_of_states import NotAlikeError, check_modes_alike, modes_of, take_up_modes
 from antenna_pin.settings import ErrorScales
 from antenna_pin.simulation.run import check_sizes
 from antenna_pin.state import State
@@ -29,10 +30,6 @@ _ROUNDS, _CLOSED, _OPEN = 25, 1e-14, 1e-11
 _FAINT = 1e-10
 
 
-class NotAlikeError(InvalidParameterError):
-    """Two states whose distance is none of numbers: other contacts touch."""
-
-
 class OutOfReachError(InvalidParameterError):
     """Coordinates at which closures cannot hold, or not by a way that Newton's method finds."""
 
@@ -42,8 +39,9 @@ class Chart:
 
     They are the freedoms that closures and motions leave, each in units of the run's error scales: ways
     first, then their rates; bristles; and of each contact that touches the logarithm of the approach speed
-    that it remembers, which is a state too: a neighbour keeps its own. What is integrated and acts on nothing
-    (works, impulses) is none of them, and neither are whole turns.
+    that it remembers, which is a state too: a neighbour keeps its own, as it does of where a joint has begun
+    to stick, and of what else elements keep of a change that their motion goes by. What is integrated and
+    acts on nothing (works, impulses) is none of them, and neither are whole turns.
 
     Coordinates are components along the freedoms, of the way from the origin and of the change of velocity.
     Across them a neighbour is where closures and motions want it, so that those it is asked for at are those
@@ -65,13 +63,12 @@ class Chart:
         """Find the freedoms."""
         self.system, self.origin = system, state
         self.units = Units.of(system, scales)
-        self._workspace = Workspace(system)
-        check_no_modes("chart", system)
-        for place, value in state.adjusted:
-            raise InvalidParameterError(
-                "chart", "state", "one whose drives and springs no event has changed", (place, value)
-            )
-        self.frame = frame_at(self._workspace, self.units, state.y, state.memory[:, 0])
+        self._workspace, self._kept = Workspace(system), Kept(system)
+        self._modes = modes_of(system, state)
+        take_up_modes(self._workspace, state)
+        self.frame = frame_at(self._workspace, self.units, state.y, state.memory[:, 0], self._kept)
+        self._own = np.array(self.frame.kept, dtype=int)
+        self._own_units = self._kept.units(self.units.way, self.units.rate)[self._own]
         self._bristles = np.asarray(system.bristle_x, dtype=int)
         self._remembered = tuple(np.array(self.frame.remembered, dtype=int).reshape(-1, 2).T)
         contacts = system.contact_names
@@ -79,6 +76,7 @@ class Chart:
             *self._names("way"),
             *self._names("rate"),
             *(f"bristle {k + 1}" for k in range(len(self._bristles))),
+            *(self._kept.numbers[k].label for k in self.frame.kept),
             *(f"{contacts[c]} {MEMORIES[column]}" for c, column in self.frame.remembered),
         )
 
@@ -91,6 +89,21 @@ class Chart:
     def size(self) -> int:
         """How many coordinates there are."""
         return len(self.names)
+
+    @property
+    def held(self) -> int:
+        """How many directions elements leave out that hold their joints in the state."""
+        constraints, program = self._workspace.constraints, self._workspace.program
+        if constraints is None:
+            return 0
+        free = int(directions(constraints, self.origin.y, program, motions=True).shape[1])
+        places = sum(self._kept.numbers[k].holds(program) for k in self.frame.kept)
+        return max(2 * (free - self.ways) - places, 0)
+
+    @property
+    def of_rates(self) -> tuple[int, ...]:
+        """Which of the numbers that elements keep are of rates, as that of an approach."""
+        return tuple(k for k in self.frame.kept if self._kept.numbers[k].of_rate)
 
     def _names(self, what: str) -> list[str]:
         model, free = self.system.model, self.frame.free
@@ -124,14 +137,17 @@ class Chart:
         y[nq : nq + nv] += self.units.rate * (self.frame.free @ z[n : 2 * n])
         bristles = 2 * n + len(self._bristles)
         y[nq + nv + self._bristles] += self.units.bristle * z[2 * n : bristles]
+        numbers = bristles + len(self._own)
+        adjusted = self._with_kept(self._own_units * z[bristles:numbers])
         workspace = self._workspace
         if system is not None and system is not self.system:
             check_sizes(system, origin)
             workspace = Workspace(system)
         if workspace.constraints is not None:
+            take_up_modes(workspace, dataclasses.replace(origin, adjusted=adjusted))
             self._close(workspace, workspace.constraints, y, way)
         memory = origin.memory.copy()
-        memory[self._remembered] *= np.exp(z[bristles:])
+        memory[self._remembered] *= np.exp(z[numbers:])
         contacts = tuple(
             dataclasses.replace(
                 one,
@@ -148,7 +164,15 @@ class Chart:
             x=y[nq + nv :].copy(),
             memory=memory,
             contacts=contacts,
+            adjusted=adjusted,
         )
+
+    def _with_kept(self, changes: Array) -> tuple[tuple[str, float], ...]:
+        """Return what was adjusted of the origin, with what its elements keep changed, (frame's kept,)."""
+        values = dict(self.origin.adjusted)
+        for k, change in zip(self.frame.kept, changes.tolist(), strict=True):
+            values[self._kept.numbers[k].key] += change
+        return tuple(values.items())
 
     def _close(self, workspace: Workspace, constraints: Constraints, y: Array, way: Array) -> None:
         """Bring a state onto constraints, in place, across the freedoms only.
@@ -172,14 +196,14 @@ class Chart:
                 break
             last = now
             moved = pin.dIntegrate(model, self.origin.q, self.units.way * way, pin.ArgumentPosition.ARG1)
-            rows = constraints.jacobian @ moved @ (self.units.way[:, None] * bound)
-            way = way - bound @ np.linalg.lstsq(rows, constraints.gap, rcond=_FAINT)[0]
+            rows = constraints.every_row @ moved @ (self.units.way[:, None] * bound)
+            way = way - bound @ np.linalg.lstsq(rows, constraints.every_gap, rcond=_FAINT)[0]
             y[:nq] = pin.integrate(model, self.origin.q, self.units.way * way)
         if not now <= _OPEN * length:
             rule = "so near that closures hold there; take a smaller step"
             raise OutOfReachError("chart", "coordinates", rule, said=f"{now:.1g} m off them")
-        rows = constraints.jacobian @ (self.units.rate[:, None] * bound)
-        v = np.linalg.lstsq(rows, constraints.speed, rcond=_FAINT)[0]
+        rows = constraints.every_row @ (self.units.rate[:, None] * bound)
+        v = np.linalg.lstsq(rows, constraints.every_speed, rcond=_FAINT)[0]
         y[nq : nq + nv] -= self.units.rate * (bound @ v)
 
     def turned(self, z: Array, other: Chart) -> Array:
@@ -203,7 +227,7 @@ class Chart:
         """Return where a state near the origin is, (size,); of another time as if it were of this one.
 
         Raises:
-            NotAlikeError: Other contacts touch in it.
+            NotAlikeError: Other contacts touch in it, or elements are in other modes.
         """
         origin = self.origin
         if not np.array_equal(state.memory[:, 0] != 0.0, origin.memory[:, 0] != 0.0):
@@ -211,8 +235,10 @@ class Chart:
             touching = ", ".join(names[state.memory[:, 0] != 0.0]) or "none"
             here = ", ".join(names[origin.memory[:, 0] != 0.0]) or "none"
             raise NotAlikeError("chart", "contacts that touch", f"those of the origin ({here})", touching)
+        check_modes_alike(self._modes, modes_of(self.system, state))
         ways = self.frame.free.T @ (way_between(self.system, origin.q, state.q) / self.units.way)
         rates = self.frame.free.T @ ((state.v - origin.v) / self.units.rate)
         bristles = (state.x - origin.x)[self._bristles] / self.units.bristle
+        numbers = self._kept.between(self.frame.kept, origin, state) / self._own_units
         memories = np.log(state.memory[self._remembered] / origin.memory[self._remembered])
-        return np.concatenate([ways, rates, bristles, memories])
+        return np.concatenate([ways, rates, bristles, numbers, memories])

@@ -13,6 +13,8 @@ from antenna_pin.dynamics import System, Workspace
 from antenna_pin.engine import Slopes
 from antenna_pin.integrate import method_named
 from antenna_pin.nonlinear.frames import Frame, Lift, Rates, Units, frame_at, parts_of
+from antenna_pin.nonlinear.kept import Kept
+from antenna_pin.nonlinear.lifts import Lifts
 from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.scales import scale_vector
 from antenna_pin.simulation.stretches import stepper_of
@@ -28,7 +30,6 @@ Function = Callable[[float, Array], Array]
 # contact's depth, down to a millionth of what they are else: a force that begins like depth^1.5 is smooth on
 # no other scale.
 _STEP, _IN_PLAY, _IN_LOOPS, _SHARE, _FINEST = 1e-4, 1e-6, 1e-5, 0.02, 1e-6
-_FAINT = 1e-10  # of what rows of constraints do, over the most: less is what round-off has left
 # Difference of the two orders over the largest derivative from which on a kink is straddled: then with steps
 # that are so much finer, as often at most. And round-off of rates, over these.
 _STRADDLES, _FINER, _OFTEN, _NOISY = 1e-8, 8.0, 8, 10.0
@@ -49,6 +50,7 @@ class Field:
     Attributes:
         workspace: Its contact memory and program are those of the moment.
         units: Of displacements.
+        kept: What elements keep.
         bristles: Where these stand in x, (bristles,).
         round_off: Of the rates near where it was last looked (:meth:`look_at`), in units per second.
     """
@@ -57,7 +59,8 @@ class Field:
         """Allocate once."""
         self.system = system
         self.workspace = Workspace(system)
-        self.units = Units.of(system)
+        self.units, self.kept = Units.of(system), Kept(system)
+        self._kept_units = self.kept.units(self.units.way, self.units.rate)
         scales = scale_vector(system, settings.scales)
         self._stepper = stepper_of(self.workspace, method_named(settings.method), scales, settings)
         self.bristles = np.asarray(system.bristle_x, dtype=int)
@@ -65,12 +68,12 @@ class Field:
         self._y = np.zeros(system.manifold.size)
         self._memory = self.workspace.memory.copy()
         #: Parts of a displacement, and its size.
-        self.parts = parts_of(system)
+        self.parts = parts_of(system, len(self.kept))
         self.displacement = self.parts[-1].stop
         self._coarse = self._coarseness()
         self._measured = any(joint.backend != "closed-form" for joint in system.clearances)
         self.round_off = 0.0
-        self._lifted: tuple[Frame, Lift] | None = None
+        self._lifts = Lifts(self.workspace, self.units, self.kept, self.parts, self._speeds)
         self._rows = np.concatenate([np.arange(system.model.nv), system.model.nv + self.bristles])
         self._weights = 1.0 / np.concatenate([self.units.rate, self.units.bristle])[:, None]
 
@@ -89,13 +92,15 @@ class Field:
 
     def frame(self, y: Array) -> Frame:
         """Return the axes of coordinates in a state, with the contacts of the moment."""
-        return frame_at(self.workspace, self.units, y, self.workspace.memory["touching"])
+        return frame_at(self.workspace, self.units, y, self.workspace.memory["touching"], self.kept)
 
     def _coarseness(self) -> Array:
         """Return over what a step of each part of a displacement must be one at most, (displacement,)."""
         units, (way, rate, bristles, *_) = self.units, self.parts
+        *_, kept, _ = self.parts
         out = np.zeros(self.displacement)
         out[way], out[rate], out[bristles] = 1.0 / units.way, 1.0 / units.rate, 1.0 / units.bristle
+        out[kept] = 1.0 / (_STEP * self._kept_units)
         steps, finer = np.full(self.system.model.nv, _STEP), _IN_LOOPS if self.system.plan else _IN_PLAY
         for joint in self.system.clearances:
             steps[self.system.mechanism.joint(joint.name).v] = finer
@@ -132,11 +137,7 @@ class Field:
         out = np.zeros((len(WEIGHTS), len(function(time, y)), ways.shape[1]))
         used = self._steps(y, ways, of_forces) if steps is None else steps
         for k, (way, step) in enumerate(zip(ways.T, used, strict=True)):
-            ahead, behind = (
-                np.array([self._at(function, time, y, side * point * step * way) for point in (1, 2, 3)])
-                for side in (1, -1)
-            )
-            out[:, :, k] = WEIGHTS @ (ahead - behind) / step
+            out[:, :, k] = self._over(function, time, y, way, float(step))
         return out[0], out[1]
 
     def slopes(self, time: float, y: Array, ways: Array) -> tuple[Array, Array, Array]:
@@ -179,7 +180,21 @@ class Field:
 
     def _differences(self, time: float, y: Array, ways: Array, steps: Array) -> Array:
         """Return derivatives of the rates by differences of sixth and fourth order, (2, nv + nx, k)."""
-        return np.array(self._slopes.rates(time, y, np.ascontiguousarray(ways), steps))
+        found = np.array(self._slopes.rates(time, y, np.ascontiguousarray(ways), steps))
+        # Compiled differences leave what elements keep as it is; what rows hold by rates do not go by.
+        own = [k for k, one in enumerate(self.kept.numbers) if not one.holds(self.workspace.program)]
+        kept = ways[self.parts[-2]][own]
+        for k in np.flatnonzero(kept.any(axis=0)).tolist() if own else ():
+            found[:, :, k] = self._over(self.rates, time, y, ways[:, k], float(steps[k]))
+        return found
+
+    def _over(self, function: Function, time: float, y: Array, way: Array, step: float) -> Array:
+        """Return the derivative of a function along a displacement, of sixth and fourth order, (2, ...)."""
+        ahead, behind = (
+            np.array([self._at(function, time, y, side * point * step * way) for point in (1, 2, 3)])
+            for side in (1, -1)
+        )
+        return np.asarray(WEIGHTS @ (ahead - behind) / step)
 
     def _weighed(self, rates: Array) -> Array:
         """Return derivatives of velocities and bristles in units, from (nv + nx, k)."""
@@ -226,6 +241,10 @@ class Field:
         if not of_forces:
             return np.asarray(steps)
         finest: Array = _FINEST * steps
+        for number, change in zip(self.kept.numbers, np.abs(ways[self.parts[-2]]), strict=True):
+            rate = abs(float(self.workspace.program[number.word]))
+            if number.of_rate and rate > 0.0:  # laws divide by it
+                steps = np.minimum(steps, _SHARE * rate / np.maximum(change, 1e-300))
         for c in np.flatnonzero(self.workspace.memory["touching"]).tolist():
             normal, gap = self.workspace.along_normal(y, c)
             opening = np.abs(normal @ ways[self.parts[0]])
@@ -248,8 +267,9 @@ class Field:
     def _at(self, function: Function, time: float, y: Array, displacement: Array) -> Array:
         """Return a function's value at a neighbour."""
         nq, nv = self.system.model.nq, self.system.model.nv
-        way, rate, bristles, speeds, masses, clock = (displacement[part] for part in self.parts)
-        memory, kept = self.workspace.memory, self._memory
+        way, rate, bristles, speeds, masses, own, clock = (displacement[part] for part in self.parts)
+        memory, kept, program = self.workspace.memory, self._memory, self.workspace.program
+        words = program[self.kept.words]
         self._y[:] = y
         self.workspace.retract(self._y, way)
         self._y[nq : nq + nv] += rate
@@ -257,10 +277,11 @@ class Field:
         kept[:] = memory
         memory["approach_speed"] *= np.exp(speeds)
         memory["effective_mass"] *= np.exp(masses)
+        program[self.kept.words] += own
         try:
             return np.array(function(time + float(clock[0]), self._y))
         finally:
-            memory[:] = kept
+            memory[:], program[self.kept.words] = kept, words
 
     # --- coordinates ----------------------------------------------------------------------------------------
 
@@ -270,44 +291,11 @@ class Field:
         Closures and motions hold in displaced states, to first order: across the axes a displacement is what
         they want it to be.
         """
-        if self._lifted is not None and self._lifted[0] is frame:
-            return self._lifted[1]
-        units, (way, rate, bristles, *remembered, _) = self.units, self.parts
-        n, nb, nm = frame.ways, len(self.bristles), len(frame.remembered)
-        up, down = (
-            np.zeros((self.displacement, 2 * n + nb + nm)),
-            np.zeros((2 * n + nb + nm, self.displacement)),
-        )
-        ways, rates, own = slice(n), slice(n, 2 * n), slice(2 * n, 2 * n + nb)
-        up[way, ways], down[ways, way] = units.way[:, None] * frame.free, frame.free.T / units.way
-        up[rate, rates], down[rates, rate] = units.rate[:, None] * frame.free, frame.free.T / units.rate
-        up[bristles, own], down[own, bristles] = np.diag(units.bristle), np.diag(1.0 / units.bristle)
-        for k, (contact, column) in enumerate(frame.remembered, 2 * n + nb):
-            at = remembered[column - 1].start + contact
-            up[at, k] = down[k, at] = 1.0
-        lift = Lift(up, down)
-        if self.workspace.constraints is None:
-            self._lifted = frame, lift  # the same in every state
-        else:
-            self._hold(up, frame, time, y)
-        return lift
+        return self._lifts.lift(frame, time, y)
 
-    def _hold(self, up: Array, frame: Frame, time: float, y: Array) -> None:
-        """Let closures and motions hold in displacements, in place."""
-        constraints, program = self.workspace.constraints, self.workspace.program
-        assert constraints is not None
-        way, rate, *_ = self.parts
-        n = frame.ways
-
-        self.workspace.prepare_motions(time, y)
-        constraints.residuals(time, y, program)
-        rows = constraints.jacobian.copy()
-        across = self.units.way[:, None] * frame.bound
-        up[way, :n] -= across @ np.linalg.lstsq(rows @ across, rows @ up[way, :n], rcond=_FAINT)[0]
-        turned = self._slopes.speeds(time, y, up[:, :n], self._steps(y, up[:, :n], False))[0]
-        across = self.units.rate[:, None] * frame.bound
-        wanted = np.hstack([turned, rows @ up[rate, n : 2 * n]])
-        up[rate, : 2 * n] -= across @ np.linalg.lstsq(rows @ across, wanted, rcond=_FAINT)[0]
+    def _speeds(self, time: float, y: Array, ways: Array) -> Array:
+        """Return the derivatives of how fast constraints are violated along displacements, (rows, k)."""
+        return np.asarray(self._slopes.speeds(time, y, ways, self._steps(y, ways, False))[0])
 
     def matrix(self, frame: Frame, time: float, y: Array, way: Array) -> Rates:
         """Return the derivative of the coordinates' rates over the coordinates.

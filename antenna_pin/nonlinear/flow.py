@@ -69,11 +69,14 @@ class Tangent(NamedTuple):
         doubt: By how much less exact differences say otherwise, of each column, or a hundred times the run's
             tolerance. Those of runs see where an event comes and goes with the neighbour (a graze).
         end: The state that the one itself leads to.
+        lost: How many directions of neighbours changes of mode have taken away on the way, as where a joint
+            comes to rest; of differences of runs 0, they are not told.
     """
 
     matrix: Array
     doubt: Array
     end: State
+    lost: int = 0
 
 
 class Flow:
@@ -186,7 +189,7 @@ class Flow:
 
         Raises:
             FlowError: The run did not come to its end.
-            NotAlikeError: It ends with other contacts than the chart has.
+            NotAlikeError: It ends with other contacts than the chart has, or in other modes of elements.
         """
         here = chart if chart is not None and chart.origin is start else Chart(self.system, start)
         carrier, end = self.carry(start, span, here.frame)
@@ -196,7 +199,8 @@ class Flow:
         matrix = carrier.carried.matrix
         # The run's own error is in neither: it is no less than its tolerance makes it.
         least = _TOLERANCES * self._settings.rtol * np.linalg.norm(matrix, axis=0)
-        return Tangent(matrix, np.maximum(carrier.doubt, least), end)
+        lost = here.size - carrier.rank
+        return Tangent(matrix, np.maximum(carrier.doubt, least), end, lost)
 
     def carry(
         self, start: State, span: float, frame: Frame, ways: Array | None = None

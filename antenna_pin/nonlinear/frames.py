@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from antenna_pin.constraints import directions
 from antenna_pin.dynamics import System, Workspace
 from antenna_pin.integrate import KINDS
+from antenna_pin.nonlinear.kept import Kept
 from antenna_pin.settings import ErrorScales
 from antenna_pin.simulation.scales import scale_vector
 
@@ -51,11 +52,13 @@ class Frame(NamedTuple):
         free: What closures and motions leave of the ways, in units of these, by columns, (nv, ways).
         bound: What they do not leave, (nv, nv - ways).
         remembered: Contact and column of its memory of each coordinate that a contact's memory is.
+        kept: Which numbers of elements are coordinates (:mod:`antenna_pin.nonlinear.kept`).
     """
 
     free: Array
     bound: Array
     remembered: tuple[tuple[int, int], ...]
+    kept: tuple[int, ...] = ()
 
     @property
     def ways(self) -> int:
@@ -66,9 +69,10 @@ class Frame(NamedTuple):
 class Lift(NamedTuple):
     """Coordinates about a state as displacements of one, and back.
 
-    A displacement, (2 nv + bristles + 2 contacts + 1,), is that of the configuration in the coordinates of
-    velocities, of the velocity, of bristles, of the logarithms of approach speeds, of those of effective
-    masses, and of time.
+    A displacement, (2 nv + bristles + 2 contacts + kept + 1,), is that of the configuration in the
+    coordinates of velocities, of the velocity, of bristles, of the logarithms of approach speeds, of those of
+    effective masses, of what elements keep, and of time. Coordinates are ways, rates, bristles, what elements
+    keep, and what contacts remember.
 
     Attributes:
         up: Displacement of each coordinate, by columns, (displacement, size).
@@ -95,28 +99,39 @@ class Rates(NamedTuple):
     noise: float
 
 
-def parts_of(system: System) -> tuple[slice, ...]:
-    """Return the parts of a displacement: way, rate, bristles, approach speeds, masses, time."""
+def parts_of(system: System, kept: int) -> tuple[slice, ...]:
+    """Return the parts of a displacement: way, rate, bristles, approach speeds, masses, kept numbers, time.
+
+    Args:
+        system: The system.
+        kept: How many numbers its elements keep.
+    """
     nv, contacts = system.model.nv, len(system.contact_names)
-    sizes = [nv, nv, len(system.bristle_x), contacts, contacts, 1]
+    sizes = [nv, nv, len(system.bristle_x), contacts, contacts, kept, 1]
     ends = np.cumsum(sizes).tolist()
     return tuple(slice(end - size, end) for end, size in zip(ends, sizes, strict=True))
 
 
-def own_state(frame: Frame, size: int, lasting: Collection[int]) -> NDArray[np.bool_]:
+def own_state(
+    frame: Frame, size: int, lasting: Collection[int], kept: Collection[int] = ()
+) -> NDArray[np.bool_]:
     """Return which coordinates are a neighbour's own state, (size,): all but what lasting contacts remember.
 
     Nothing changes what a contact remembers while it lasts. Over a time over which it does, that is a
-    parameter of the motion: neighbours share it.
+    parameter of the motion: neighbours share it. So it is of what elements keep.
 
     Args:
-        frame: The axes; what contacts remember is behind all other coordinates.
+        frame: The axes; what contacts remember is behind all other coordinates, what elements keep before it.
         size: How many coordinates there are.
         lasting: Contacts that last over the time that is looked at.
+        kept: Numbers of elements that nothing changes over it.
     """
     own = np.ones(size, dtype=bool)
-    for k, (contact, _) in enumerate(frame.remembered, size - len(frame.remembered)):
+    remembered = size - len(frame.remembered)
+    for k, (contact, _) in enumerate(frame.remembered, remembered):
         own[k] = contact not in lasting
+    for k, number in enumerate(frame.kept, remembered - len(frame.kept)):
+        own[k] = number not in kept
     return own
 
 
@@ -132,23 +147,28 @@ def _remembered(system: System, touching: Array) -> tuple[tuple[int, int], ...]:
     return tuple((c, column) for c in touch for column in ((1, 2) if takes_mass[c] else (1,)))
 
 
-def frame_at(workspace: Workspace, units: Units, y: Array, touching: Array) -> Frame:
+def frame_at(workspace: Workspace, units: Units, y: Array, touching: Array, kept: Kept) -> Frame:
     """Return the axes of coordinates in a state.
 
     Args:
-        workspace: To look at constraints with.
+        workspace: To look at constraints with, and at the modes of elements.
         units: Of ways.
         y: State [q, v, x].
         touching: Of each contact, 0 or not, (contacts,).
+        kept: What elements keep.
     """
     system, constraints = workspace.system, workspace.constraints
     memories, nv = _remembered(system, touching), system.model.nv
+    numbers = kept.gone_by(workspace.program)
     if constraints is None:
-        return Frame(np.eye(nv), np.zeros((nv, 0)), memories)
-    left = directions(constraints, y, workspace.program, motions=True)
-    ways = np.linalg.svd(left / units.way[:, None])[0]
+        return Frame(np.eye(nv), np.zeros((nv, 0)), memories, numbers)
+    left = directions(constraints, y, workspace.program, motions=True, holds=True)
     free = left.shape[1]
-    return Frame(np.ascontiguousarray(ways[:, :free]), np.ascontiguousarray(ways[:, free:]), memories)
+    # Where elements hold nothing at present the axes are the joints' own.
+    ways = np.eye(nv) if free == nv else np.linalg.svd(left / units.way[:, None])[0]
+    return Frame(
+        np.ascontiguousarray(ways[:, :free]), np.ascontiguousarray(ways[:, free:]), memories, numbers
+    )
 
 
 def way_between(system: System, here: Array, there: Array) -> Array:

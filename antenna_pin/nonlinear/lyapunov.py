@@ -18,7 +18,7 @@ from antenna_pin.capacity import MOST, check_count
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.nonlinear.chart import Chart, NotAlikeError
 from antenna_pin.nonlinear.flow import Flow
-from antenna_pin.nonlinear.frames import Frame, own_state
+from antenna_pin.nonlinear.neighbours import Ahead, left_of, mechanical
 from antenna_pin.scenario import Scenario
 from antenna_pin.state import State
 from antenna_pin.trajectory import open_table, table_attributes
@@ -112,52 +112,6 @@ def _check(flow: Flow, start: State, interval: float, count: int, transient: flo
         raise InvalidParameterError("Lyapunov exponents", "transient", rule, transient)
 
 
-class _Ahead:
-    """A motion after each interval, run before its neighbours are: which contacts last is known of its end.
-
-    Args:
-        flow: The flow.
-        start: From where.
-        interval: [s].
-        count: How many intervals to run at once, if there are contacts.
-        progress: Called with zero and no number after each of these.
-    """
-
-    def __init__(
-        self,
-        flow: Flow,
-        start: State,
-        interval: float,
-        count: int,
-        progress: Callable[[int, float], None] | None,
-    ) -> None:
-        """Run."""
-        self._flow, self._interval, self._states = flow, interval, [start]
-        #: Contacts that touch at the end, and since when [s].
-        self.onsets: dict[int, float] = {}
-        for k in range(count if flow.system.contact_names else 0):
-            self.after(k + 1)
-            if progress is not None:
-                progress(0, math.nan)
-        if len(self._states) > count:
-            self.onsets = {one.contact: one.onset for one in self._states[-1].contacts}
-
-    def after(self, count: int) -> State:
-        """Return the state after so many intervals."""
-        while len(self._states) <= count:
-            self._states.append(self._flow.after(self._states[-1], self._interval))
-        return self._states[count]
-
-    def own(self, frame: Frame, size: int, time: float) -> NDArray[np.bool_]:
-        """Return which coordinates at a time [s] are a neighbour's own, (size,)."""
-        return own_state(frame, size, [c for c, onset in self.onsets.items() if onset <= time])
-
-
-def _mechanical(chart: Chart) -> NDArray[np.bool_]:
-    """Return which coordinates are not of contacts' memory: along these neighbours begin."""
-    return own_state(chart.frame, chart.size, [contact for contact, _ in chart.frame.remembered])
-
-
 @takes()
 def largest_exponent(
     flow: Flow,
@@ -193,9 +147,9 @@ def largest_exponent(
     _check(flow, start, interval, count, transient)
     first = here = flow.after(start, transient) if transient else start
     turning, done = max(1, count // 10), 0
-    ahead = _Ahead(flow, here, interval, count + turning, progress)
+    ahead = Ahead(flow, here, interval, count + turning, progress)
     chart = Chart(flow.system, here)
-    way = np.random.default_rng(seed).standard_normal(chart.size) * _mechanical(chart)
+    way = np.random.default_rng(seed).standard_normal(chart.size) * mechanical(chart)
     way /= np.linalg.norm(way)
     growth: list[float] = []
     lengths: list[float] = []
@@ -245,7 +199,8 @@ def lyapunov_spectrum(
 
     Contacts and events act on them by their saltation (:mod:`antenna_pin.nonlinear.variational`). What
     contacts remember that last on to the end neighbours share, as for :func:`largest_exponent`. As many
-    exponents are found as there are ways, rates and bristles.
+    exponents are found as there are ways, rates and bristles, where joints stick that place counting as a
+    way; less those of directions that changes of mode take away for good, which would be minus infinity.
 
     Args:
         flow: The flow.
@@ -257,18 +212,22 @@ def lyapunov_spectrum(
 
     Raises:
         FlowError: A run did not come to its end.
+        InvalidParameterError: Changes of mode leave no direction.
     """
     _check(flow, start, interval, count, transient)
     first = here = flow.after(start, transient) if transient else start
-    ahead = _Ahead(flow, here, interval, count, progress)
+    ahead = Ahead(flow, here, interval, count, progress)
     chart = Chart(flow.system, here)
-    frame, ways = chart.frame, np.eye(chart.size)[:, _mechanical(chart)]
+    frame, ways = chart.frame, np.eye(chart.size)[:, mechanical(chart)]
     growth: list[Array] = []
     while len(growth) < count:
         carrier, here = flow.carry(here, interval, frame, ways)
         matrix, _, frame = carrier.carried
         own = ahead.own(frame, len(matrix), here.time)
-        ways, triangle = np.linalg.qr(np.where(own[:, None], matrix, 0.0))
+        matrix = np.where(own[:, None], matrix, 0.0)
+        left = left_of(matrix, carrier.rank, here.time)
+        ways, triangle = np.linalg.qr(matrix[:, left])
+        growth = [one[left] for one in growth]  # what is lost was none of the motion's own directions
         growth.append(np.log(np.maximum(np.abs(np.diag(triangle)), 1e-300)))
         if progress is not None:
             progress(len(growth), float(sum(one[0] for one in growth)) / (len(growth) * interval))

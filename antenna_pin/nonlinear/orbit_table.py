@@ -26,7 +26,10 @@ _ABOUT: dict[str, dict[str, str]] = {
     "period": {"units": "s", "long_name": "period"},
     "residual": {"units": "1", "long_name": "distance between the ends of a period, in error scales"},
     "doubt": {"units": "1", "long_name": "of the multipliers"},
-    "neutral": {"units": "1", "long_name": "multipliers that are 1 for what lasting contacts remember"},
+    "neutral": {
+        "units": "1",
+        "long_name": "multipliers that are 1 for what lasting contacts and elements keep",
+    },
     "stability": {"long_name": "whether neighbours come nearer: stable, unstable, neutral"},
     "onsets": {"units": "1", "long_name": "contacts that begin in a period"},
     "events": {"units": "1", "long_name": "events that happen in a period"},

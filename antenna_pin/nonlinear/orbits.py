@@ -44,6 +44,8 @@ class Orbit:
     While a contact lasts nothing changes the approach speed that it remembers. Where it lasts over the whole
     period orbits come in families, of which this is the one with the start's, and a multiplier is 1 for it: a
     neighbour with another speed comes to another orbit. What is said of neighbours is of those with the same.
+    So it is of what elements keep over a period, such as where a joint sticks that does not slip. A change of
+    mode that brings a joint to rest takes a direction of neighbours away: a multiplier is 0.
 
     Attributes:
         start: A state on it.
@@ -51,14 +53,15 @@ class Orbit:
         residual: Distance between the ends of a period, in error scales [-].
         iterations: Newton's.
         multipliers: Floquet's, the largest first, (n,), without those that are 1 for what lasting contacts
-            remember.
+            remember and elements keep. They are as many wherever the orbit begins: where an element holds its
+            joint then, those of the directions that it leaves out are 0.
         neutral: How many these are [-].
         doubt: Of the multipliers: what differences of other steps change in the largest [-].
         names: Of the coordinates of a tangent.
-        tangent: Over one period, (n + neutral, n + neutral).
+        tangent: Over one period, of as many rows and columns as coordinates.
         free_period: Whether the period was found too: of a system that does not depend on time; one
             multiplier is 1 then, of the way along the orbit.
-        onsets: Contacts that begin in a period, and events that happen.
+        onsets: Contacts that begin in a period, and events that happen, changes of mode among them.
     """
 
     __repr__ = brief
@@ -92,17 +95,26 @@ class Orbit:
             return np.asarray(np.log(np.abs(self.multipliers)) / self.period)
 
 
-def moving(chart: Chart, matrix: Array) -> NDArray[np.bool_]:
+def moving(chart: Chart, matrix: Array, free_period: bool = False) -> NDArray[np.bool_]:
     """Return which coordinates a period changes, (n,): all but what contacts remember that last over it.
+
+    What elements keep over it is likewise left out, such as where a joint sticks that does not slip. Where a
+    period is free a joint that slips, and sticks again where it did, is not told from that: it may be the way
+    along the orbit.
 
     Args:
         chart: The coordinates.
         matrix: Derivative of the map over the period, (n, n).
+        free_period: Whether the period is found too.
     """
     rows = np.linalg.norm(matrix - np.eye(len(matrix)), axis=1)
-    remembered = enumerate(chart.frame.remembered, chart.size - len(chart.frame.remembered))
+    first = chart.size - len(chart.frame.remembered)
+    remembered = enumerate(chart.frame.remembered, first)
     lasting = {contact for k, (contact, _) in remembered if rows[k] < _HELD}
-    return own_state(chart.frame, chart.size, lasting)
+    numbers = enumerate(chart.frame.kept, first - len(chart.frame.kept))
+    may = set(chart.of_rates if free_period else chart.frame.kept)
+    kept = may.intersection(one for k, one in numbers if rows[k] < _HELD)
+    return own_state(chart.frame, chart.size, lasting, kept)
 
 
 def near_enough(flow: Flow) -> float:
@@ -110,9 +122,12 @@ def near_enough(flow: Flow) -> float:
     return max(_NEAR * flow.rtol, _NEAREST)
 
 
-def _multipliers(tangent: Tangent, moves: NDArray[np.bool_]) -> tuple[Complex, float]:
+def _multipliers(tangent: Tangent, moves: NDArray[np.bool_], held: int) -> tuple[Complex, float]:
+    """Return multipliers and their doubt; ``held`` more are 0, of what elements leave out at the start."""
     values, basis = np.linalg.eig(tangent.matrix[np.ix_(moves, moves)])
     values = values[np.argsort(-np.abs(values), kind="stable")].astype(complex)
+    values[len(values) - min(tangent.lost, len(values)) :] = 0.0  # what is there is round-off
+    values = np.append(values, np.zeros(held))
     # To first order an eigenvalue moves by the size of what the matrix is wrong by, in a basis of its own.
     condition = float(np.linalg.cond(basis)) if len(basis) else 1.0
     return values, float(np.linalg.norm(tangent.doubt[moves])) * min(condition, 1e3)
@@ -125,7 +140,7 @@ def _newton_step(flow: Flow, start: State, tangent: Tangent, miss: Array, chart:
     """
     size = chart.size
     matrix = tangent.matrix - np.eye(size)
-    matrix[:, ~moving(chart, tangent.matrix)] = 0.0
+    matrix[:, ~moving(chart, tangent.matrix, free)] = 0.0
     wanted = -miss
     if free:
         v, a = flow.rates(tangent.end)
@@ -214,8 +229,8 @@ def orbit_at(flow: Flow, start: State, period: float, residual: float, count: in
     """Return what is known of an orbit that has been found."""
     chart = Chart(flow.system, start)
     tangent = flow.tangent(start, period, chart)
-    moves = moving(chart, tangent.matrix)
-    values, doubt = _multipliers(tangent, moves)
+    moves = moving(chart, tangent.matrix, free)
+    values, doubt = _multipliers(tangent, moves, chart.held)
     way = flow.went(start, period)
     return Orbit(
         start=start,

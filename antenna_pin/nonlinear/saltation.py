@@ -10,16 +10,21 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.dynamics import Adjustments
 from antenna_pin.nonlinear.field import Field, Function
 from antenna_pin.nonlinear.frames import MEMORIES, Frame, way_between
+from antenna_pin.nonlinear.replay import Replay
 from antenna_pin.records import CONTACT, MEMORY
-from antenna_pin.simulation import Event, Jump, Moment, Set, Time
+from antenna_pin.simulation import Jump, Moment, Set, Time
+from antenna_pin.simulation.events import Switch
 from antenna_pin.simulation.loop import Run
+from antenna_pin.simulation.passages import Passage
 
 __all__ = ["Carried", "Onset", "Saltation"]
 
 Array = NDArray[np.float64]
+
+# Of the largest displacement behind a passage: what round-off leaves of one that is lost there.
+_LOST = 1e-13
 
 
 class Carried(NamedTuple):
@@ -49,7 +54,7 @@ class Onset(NamedTuple):
     rows: dict[int, tuple[Array, Array]]
 
 
-class _Passage(NamedTuple):
+class _Way(NamedTuple):
     """What happens to displacements as a function passes zero.
 
     Attributes:
@@ -70,45 +75,43 @@ class Saltation:
     Args:
         field: The system's rates; its contacts and program are those before.
         run: The run.
+        count: How many displacements are carried.
     """
 
-    def __init__(self, field: Field, run: Run) -> None:
+    def __init__(self, field: Field, run: Run, count: int) -> None:
         """Begin with nothing that has happened."""
         self._field = field
         self._moment = Moment(field.workspace)
-        self._adjustments = Adjustments(field.system, field.workspace.program)
-        for place, value in run.actions.adjustments.values.items():
-            self._adjustments.set(place, value)
-        self._events = {event.name: event for event in run.events}
-        self._seen = len(run.actions.happened)
+        self._replay = Replay(field.workspace, field.kept)
+        self._passages: list[Passage] = []
+        run.actions.passages = self._passages
         self._table = np.zeros(len(field.workspace.table), CONTACT)
+        #: How many displacements there are, and how many directions changes of mode have left of them.
+        self.count = self.rank = count
 
-    def has_happened(self, run: Run) -> bool:
-        """Whether an event has happened since the last time."""
-        return len(run.actions.happened) > self._seen
+    def has_happened(self) -> bool:
+        """Whether an event has happened since the last time, or an element has changed its mode."""
+        return bool(self._passages)
 
-    def through_events(self, run: Run, carried: Carried, time: float, y: Array) -> Carried:
-        """Return displacements behind the events that have happened since the last time.
+    def through_events(self, carried: Carried, time: float, y: Array) -> Carried:
+        """Return displacements behind what has happened since the last time.
 
         Args:
-            run: The run, behind them.
-            carried: Displacements before them.
+            carried: Displacements before it.
             time: When [s].
-            y: State before them; brought behind them, in place.
+            y: State before it; brought behind it, in place.
         """
-        counts = {one.name: one.count for one in run.watch.value()}
-        new, self._seen = run.actions.happened[self._seen :], len(run.actions.happened)
-        for one in new:
-            event = self._events[one.name]
-            carried = self._event(event, counts[one.name] >= event.after, carried, time, y)
+        for one in self._passages:
+            carried = self._event(one, carried, time, y)
+        self._passages.clear()
         return carried
 
     # --- events ---------------------------------------------------------------------------------------------
 
-    def _event(self, event: Event, acts: bool, carried: Carried, time: float, y: Array) -> Carried:
+    def _event(self, one: Passage, carried: Carried, time: float, y: Array) -> Carried:
         """Carry displacements through an event."""
-        action = event.action
-        if not acts or not isinstance(action, Set | Jump):
+        event = one.event
+        if not one.acts or not isinstance(event.action, Set | Jump | Switch):
             return carried
         field = self._field
         up = field.lift(carried.frame, time, y).up
@@ -119,11 +122,10 @@ class Saltation:
         late = np.zeros(up.shape[1])
         if not isinstance(event.when, Time):
             late = self._late(function, time, y, up, of_forces=True)
-        if isinstance(action, Set):
-            passage = _Passage(up, late, field.flow(time, y))
-            self._adjustments.set(action.place, action.value)
-        else:
-            passage = self._jump(event.name, action, time, y, up, late)
+        passage = _Way(up, late, field.flow(time, y))
+        if isinstance(event.action, Jump) or one.done:
+            passage = self._jump(one, time, y, up, late)
+        field.workspace.program[:] = one.program
         return self._carry(passage, carried, time, y)
 
     def _late(
@@ -135,13 +137,18 @@ class Saltation:
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.asarray(-slopes / rate)
 
-    def _jump(self, event: str, action: Jump, time: float, y: Array, up: Array, late: Array) -> _Passage:
-        """Return what a jump does, and let the state jump, in place."""
-        field = self._field
+    def _jump(self, one: Passage, time: float, y: Array, up: Array, late: Array) -> _Way:
+        """Return what a jump does, or what elements do, and let the state jump, in place."""
+        field, action = self._field, one.event.action
         nq, nv = field.system.model.nq, field.system.model.nv
+        words = field.kept.words
 
         def jumped(t: float, state: Array) -> Array:
-            return action.state_after(event, self._moment.set(t, state))[: nq + nv]
+            there = state.copy()
+            if isinstance(action, Jump):
+                there[: nq + nv] = action.state_after(one.event.name, self._moment.set(t, state))[: nq + nv]
+            v, numbers = self._replay(one.done, t, there, field.workspace.program[words])
+            return np.concatenate([there[:nq], v, numbers])
 
         behind = jumped(time, y)
 
@@ -149,19 +156,31 @@ class Saltation:
             there = jumped(t, state)
             return np.concatenate([way_between(field.system, behind[:nq], there[:nq]), (there - behind)[nq:]])
 
-        moved, going = up.copy(), field.flow(time, y)
-        moved[: 2 * nv] = field.along(displaced, time, y, up)[0]
-        going[: 2 * nv] = field.per_second(displaced, time, y)
-        y[: nq + nv] = behind
-        return _Passage(moved, late, going)
+        moved, going, kept = up.copy(), field.flow(time, y), field.parts[-2]
+        along, per_second = field.along(displaced, time, y, up)[0], field.per_second(displaced, time, y)
+        moved[: 2 * nv], moved[kept] = along[: 2 * nv], along[2 * nv :]
+        going[: 2 * nv], going[kept] = per_second[: 2 * nv], per_second[2 * nv :]
+        y[: nq + nv] = behind[: nq + nv]
+        return _Way(moved, late, going)
 
-    def _carry(self, passage: _Passage, carried: Carried, time: float, y: Array) -> Carried:
+    def _carry(self, passage: _Way, carried: Carried, time: float, y: Array) -> Carried:
         """Return displacements behind a passage, whose contacts, program and state are the field's now."""
         field = self._field
         frame = field.frame(y)
         down = field.lift(frame, time, y).down
-        through = down @ (passage.moved + np.outer(passage.going - field.flow(time, y), passage.late))
+        moved, jump = passage.moved, passage.going - field.flow(time, y)
+        if jump.any():  # else it matters to none when it comes, as where a joint turns back in a stop
+            moved = moved + np.outer(jump, passage.late)
+        through = down @ moved
+        self._lose(through, carried.matrix[:, : self.count])
         return Carried(through @ carried.matrix, through @ carried.other, frame)
+
+    def _lose(self, through: Array, displacements: Array) -> None:
+        """Count the directions that are left, where what is passed may take some away."""
+        if self.rank and np.isfinite(through).all():
+            among = np.linalg.svd(displacements, full_matrices=False)[0][:, : self.rank]
+            sizes = np.linalg.svd(through @ among, compute_uv=False)
+            self.rank = int(np.count_nonzero(sizes > _LOST * sizes.max(initial=0.0)))
 
     # --- contacts -------------------------------------------------------------------------------------------
 
@@ -217,7 +236,7 @@ class Saltation:
         field = self._field
         up = field.lift(carried.frame, time, y).up
         late = self._late(self._located("gap", c), time, y, up)
-        passage = _Passage(up, late, field.flow(time, y))
+        passage = _Way(up, late, field.flow(time, y))
         field.workspace.memory[c] = np.zeros(1, MEMORY)[0] if onset is None else onset.memory
         found = self._carry(passage, carried, time, y)
         if onset is not None:

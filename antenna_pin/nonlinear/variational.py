@@ -31,7 +31,6 @@ from antenna_pin.nonlinear.breaks import BETWEEN, SAMPLES, left_over, located
 from antenna_pin.nonlinear.field import Field
 from antenna_pin.nonlinear.frames import Frame
 from antenna_pin.nonlinear.missed import Kink, Missed, StepAnew
-from antenna_pin.nonlinear.no_modes import check_no_modes
 from antenna_pin.nonlinear.saltation import Carried, Onset, Saltation
 from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.stretches import stepper_of
@@ -112,13 +111,11 @@ class Carrier:
     def __init__(self, run: Run, first: Frame, ways: Array | None = None) -> None:
         """Begin in the run's first state."""
         system, settings = run.system, run.settings
-        check_no_modes("tangent", system)
         self.field = Field(system, settings)
         workspace = self.field.workspace
         workspace.memory[:], workspace.program[:] = run.workspace.memory, run.workspace.program
         self._own = Workspace(system)
         self._dense = stepper_of(self._own, method_named(settings.method), run.stepper.scales, settings)
-        self._saltation = Saltation(self.field, run)
         self._again = StepAnew(self.field, settings, run.stepper.scales, self._own)
         self._good = _GOOD * settings.rtol
         self._shallow = 10.0 * np.array(run.search.tolerances)
@@ -132,6 +129,7 @@ class Carrier:
         self._take_over(run)
         size = self.field.lift(first, self._time, self._y).up.shape[1]
         start = np.eye(size) if ways is None else ways
+        self._saltation = Saltation(self.field, run, start.shape[1])
         self._missed = Missed(start.shape[1], settings.rtol)
         start = self._missed.begin(start)
         self._all = Carried(start, start.copy(), first)
@@ -140,6 +138,11 @@ class Carrier:
     def carried(self) -> Carried:
         """Displacements in the present state."""
         return self._missed.own(self._all)
+
+    @property
+    def rank(self) -> int:
+        """How many directions of the displacements are left: where a joint comes to rest one is lost."""
+        return self._saltation.rank
 
     def _take_over(self, run: Run) -> None:
         """Begin the next step where the run is."""
@@ -150,12 +153,12 @@ class Carrier:
         """Carry the displacements over the step and the changes since the last look."""
         touched, touching = self._own.memory["touching"], run.workspace.memory["touching"]
         flipped = np.flatnonzero(touched != touching).tolist()
-        happened = self._saltation.has_happened(run)
+        happened = self._saltation.has_happened()
         broken = any(one.last == run.stepper.t for one in run.watch.value())
         if run.stepper.t > self._time:
             self._step(run.stepper.t, run.stepper.h, bool(flipped) or happened, broken)
         if happened:
-            self._all = self._saltation.through_events(run, self._all, self._time, self._y)
+            self._all = self._saltation.through_events(self._all, self._time, self._y)
         for c in flipped:
             if touching[c] != 0.0:
                 now = self._all, self._time, self._y

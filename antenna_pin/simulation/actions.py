@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 from antenna_pin.dynamics import Adjustments, Workspace, audit
 from antenna_pin.integrate import Stepper
 from antenna_pin.simulation.control import StepControl
-from antenna_pin.simulation.events import Jump, Kink, Set, Stop, Switch
+from antenna_pin.simulation.events import Event, Jump, Kink, Set, Stop, Switch
 from antenna_pin.simulation.modes import ZERO, Modes
+from antenna_pin.simulation.passages import Passage
 from antenna_pin.simulation.samples import Samples
 from antenna_pin.simulation.watch import Crossing, Watch
 
@@ -50,6 +51,7 @@ class Actions:
         happened: Events that have happened, in their order.
         adjustments: Elements as they are.
         modes: Those that have modes.
+        passages: What has happened at each instant, for who takes it from there; None if nobody does.
     """
 
     def __init__(
@@ -71,6 +73,7 @@ class Actions:
         self.happened: list[Happening] = []
         self.adjustments = Adjustments(workspace.system, workspace.program)
         self.modes = Modes(workspace, self.adjustments)
+        self.passages: list[Passage] | None = None
 
     def take(self, crossing: Crossing) -> str | None:
         """Count an event at the present state and do what it asks for; return its name if the run ends."""
@@ -79,8 +82,10 @@ class Actions:
         count = self._watch.happen(crossing)
         if isinstance(action, Kink):
             return None
+        self.modes.done.clear()
         if isinstance(action, Switch):
-            self._switch(action)
+            if self._switch(action):
+                self._keep(event, True)
             return None
         new = self._stepper.t > self._begin  # the others were the run's that was before
         energy = 0.0
@@ -99,24 +104,31 @@ class Actions:
             self._watch.renew()
             if self.modes and (due := self.modes.due(self._stepper.t, self._here)) is not None:
                 self._switch(due)
+        self._keep(event, count >= event.after)
         if new:
             self.happened.append(Happening(event.name, self._stepper.t, energy))
         self._samples.add(self._stepper.t, self._here.copy())
         return event.name if new and count >= event.after and isinstance(action, Stop) else None
+
+    def _keep(self, event: Event, acts: bool) -> None:
+        """Keep what has happened for who asks for it."""
+        if self.passages is not None:
+            done = tuple(self.modes.done)
+            self.passages.append(Passage(event, acts, done, self._workspace.program.copy()))
 
     def begin(self) -> None:
         """Bring elements into the modes that they have at the start of a run."""
         self.modes.begin(self._stepper.t, self._here)
         self._renew()
 
-    def _switch(self, action: Switch) -> None:
-        """Let an element change its mode, and what changes by that at once."""
+    def _switch(self, action: Switch) -> bool:
+        """Let an element change its mode, and what changes by that at once; return whether any does."""
         recorded, before = len(self.modes.changed), self._energy()
         y = self._here
         lost = self.modes.lost(y)
         if not self.modes.take(action, self._stepper.t, y):
             self._watch.logical(ZERO)
-            return
+            return False
         self._control.spin = self._workspace.system.turn_on(self._stepper.start)
         energy = self._energy() - before + self.modes.lost(y) - lost
         self._renew()
@@ -128,6 +140,7 @@ class Actions:
             if t > self._begin:
                 self.happened.append(Happening(one.name, t, energy if k == 0 else 0.0))
         self._samples.add(t, self._here.copy())
+        return True
 
     def _renew(self) -> None:
         self._control.renew(self.adjustments.elements.values())

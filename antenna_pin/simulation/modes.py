@@ -18,10 +18,11 @@ from numpy.typing import NDArray
 
 from antenna_pin.dynamics import Adjustments, System, Workspace, acting_in, first_modes, impulse, kernels
 from antenna_pin.dynamics.acting import Acting
-from antenna_pin.elements import FAMILIES, LOSS, Met, Modal
+from antenna_pin.elements import FAMILIES, LOSS, Change, Met, Modal, StickingFriction
 from antenna_pin.errors import MechanismError
 from antenna_pin.simulation.events import STILL, Event, Switch
 from antenna_pin.simulation.moment import Moment
+from antenna_pin.simulation.passages import Blow, Turned
 from antenna_pin.simulation.sticking import NeverSettlesError, Settling, Shift
 
 __all__ = ["ZERO", "Changed", "Modes", "NeverSettlesError", "Switching", "switches_of"]
@@ -113,6 +114,7 @@ class Modes:
 
     Attributes:
         changed: What has happened, in order.
+        done: What has been done since that was last forgotten, for who does it again to neighbours.
     """
 
     def __init__(self, workspace: Workspace, adjustments: Adjustments) -> None:
@@ -126,6 +128,7 @@ class Modes:
         }
         self._holds = [one.name for one in system.holds]
         self.changed: list[Changed] = []
+        self.done: list[Turned | Blow] = []
         self._dry = Settling(workspace, adjustments, self._acting)
         self._limit = _AT_MOST * (1 + len(self._acting))
         self._instant, self._taken = math.nan, 0
@@ -212,11 +215,13 @@ class Modes:
         """Have joints with dry friction agree on what they do."""
         for shift in self._dry.settle(t, y, action) if self._dry else ():
             self._note(shift, t, y)
+            if shift.before.mode != self._element(shift.place).mode:
+                self.done.append(Turned(shift.place, shift.before, _comes_to_stick))
 
     def _note(self, shift: Shift, t: float, y: Array) -> None:
         """Record what has become of a joint with dry friction."""
         element, met = self._element(shift.place), shift.met
-        what = element.change_said(shift.before)
+        what = element.change_said(shift.before.mode)
         if what:
             one, rate = self._acting[shift.place], self._met(shift.place, t, y).rate
             name = f"{FAMILIES[one.family].word} {one.name}: {what}"
@@ -255,6 +260,7 @@ class Modes:
         change = element.passed(k, met)
         if change is None:
             return False
+        self.done.append(Turned(place, element, lambda one, there: one.passed(k, there)))
         self._adjustments.change(place, change)
         for other in change.switches_off:
             self._adjustments.set(f"{other}.on", False)
@@ -288,6 +294,9 @@ class Modes:
                     break
             else:
                 break
+        self.done.append(
+            Blow(workspace.program.copy(), int(head["v"]), self._acting[place].block, restitution)
+        )
         before = _kinetic(workspace, y)
         y[nq : nq + nv] = after
         loss = before - _kinetic(workspace, y)
@@ -295,6 +304,10 @@ class Modes:
         y[place_in_x] += loss
         blow = own[0] if len(own) else held[self._holds.index(place)]
         return float(loss), float(blow)
+
+
+def _comes_to_stick(element: Modal, met: Met) -> Change | None:
+    return element.sticks(met) if isinstance(element, StickingFriction) else None
 
 
 def _kinetic(workspace: Workspace, y: Array) -> float:

@@ -47,10 +47,10 @@ class NeverSettlesError(Exception):
 
 
 class Shift(NamedTuple):
-    """A change of mode that has come about: which element's, its mode before, and what it met."""
+    """A change of mode that has come about: which element's, as it was before, and what it met."""
 
     place: str
-    before: int
+    before: StickingFriction
     met: Met
 
 
@@ -104,7 +104,7 @@ class Settling:
             NeverSettlesError: There are no such modes, or none are found.
         """
         met = {place: self._met(place, t, y) for place in self._acting if self._element(place).on}
-        before = {place: self._element(place).mode for place in met}
+        before = {place: self._element(place) for place in met}
         if action is not None and action.number == 1:
             loads = self._loads(t, y)
         resting = []
