@@ -36,5 +36,7 @@ def elements_of(scenario: Scenario, mechanism: Mechanism, family: str) -> dict[s
             place = (family, name)
             check_known(scenario, [spec.joint], "moving joint", mechanism.joints, *place, "joint")
             check_motion(scenario, mechanism.joint(spec.joint), spec.motion, *place)
+            if (other := getattr(spec, "measures", None)) is not None:
+                check_known(scenario, [other], "moving joint", mechanism.joints, *place, "measures")
             found[name] = spec.build()
     return found

@@ -40,6 +40,7 @@ from antenna_pin.elements import (
     PDController,
     PointSpring,
     PrescribedMotion,
+    Rack,
     RigidLatch,
     RigidStop,
     SineDrive,
