@@ -53,8 +53,7 @@ ABOUT_POSE = 3
 #: Head of an element: how its joint moves if it has no play (``FIXED_AXIS``, ... of ``records``), starts of
 #: the joint's slices of q and v and of its own in x, block of the joint with play or -1, what it acts about
 #: (its place in ``ABOUTS``), place of the turned angle in x or -1, whether it depends on the joint's motion;
-#: how far behind this head that of a second joint stands, else 0: of one between two joints that of its
-#: output (``partner``), or that of the joint whose motion it sees (``sensed``); whether it is on (0 or 1).
+#: how far behind it the head of the output stands (``partner``), or of another joint that it sees; if it is on.
 ELEMENT = layout(
     ("kind", "i8"),
     ("length", "i8"),
@@ -165,7 +164,8 @@ def element_switch(p: Any, b: int, k: int, t: float, y: Any, load: float) -> tup
     e = element_at(p, b)
     if e.on == 0.0:
         return 1.0, 0.0
-    return elements.switch(e.kind, p, b + PARAMETERS, k, (t, angle, rate, load))
+    value, slope = elements.switch(e.kind, p, b + PARAMETERS, k, (t, angle, rate, load))
+    return float(value), float(slope)
 
 
 @inlined

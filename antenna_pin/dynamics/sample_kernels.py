@@ -11,9 +11,9 @@ from antenna_pin._compile import inlined, kernel
 from antenna_pin.dynamics import point_kernels as _points
 from antenna_pin.dynamics.audit_kernels import audit_state
 from antenna_pin.dynamics.kernels import (
+    ABOUT_POSE,
     HEADER,
     MEMORY_WORDS,
-    ABOUT_POSE,
     PARAMETERS,
     POSE_WORDS,
     block_at,
@@ -49,7 +49,9 @@ SEEN = layout(
 EFFORT = layout(("effort", np.float64), ("reference", np.float64), ("error", np.float64))
 # An element of a further family at a sample: its effort [N m] or [N], what it acts by [rad] or [m], stored
 # energy [J], mode.
-DONE = layout(("effort", np.float64), ("deflection", np.float64), ("energy", np.float64), ("mode", np.float64))
+DONE = layout(
+    ("effort", np.float64), ("deflection", np.float64), ("energy", np.float64), ("mode", np.float64)
+)
 
 
 @inlined

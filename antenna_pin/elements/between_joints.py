@@ -36,7 +36,7 @@ class BetweenJoints(ForceElement):
     along: ClassVar[bool] = False
     # Whether its input and its output are to slide; what else to take where they do not as they are to.
     slide: ClassVar[tuple[bool, bool]] = (False, False)
-    instead: ClassVar[str] = "kind \"rack\" from a pinion to what it moves, or a coupling"
+    instead: ClassVar[str] = 'kind "rack" from a pinion to what it moves, or a coupling'
 
     input: str
     output: str

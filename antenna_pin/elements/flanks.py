@@ -1,4 +1,4 @@
-"""What meshes or pulls between two joints: which side of its deflection is in contact, and when it comes off."""
+"""What meshes or pulls between two joints: which sides are in contact, and when they come off."""
 
 from __future__ import annotations
 

@@ -224,10 +224,10 @@ class Spline(Flanks):
 class Rack(Flanks):
     r"""A pinion and a rack, with play: from a joint that turns to one that slides.
 
-    The deflection is a way along the pitch line, :math:`r \phi_\text{in} - s_\text{out} - x_0`; beyond half the
-    play its force is that of :class:`Gear`, with a way for the angle. The pinion gets r times the force, with
-    its reaction on its own parent, the rack the force along its axis, likewise: with both on one housing this
-    is what teeth do on the pitch line.
+    The deflection is a way along the pitch line, :math:`r \phi_\text{in} - s_\text{out} - x_0`; beyond half
+    the play its force is that of :class:`Gear`, with a way for the angle. The pinion gets r times the force,
+    with its reaction on its own parent, the rack the force along its axis, likewise: with both on one housing
+    this is what teeth do on the pitch line.
 
     Attributes:
         radius: Pitch radius r of the pinion: way of the rack for an angle of 1 rad; negative for the opposite

@@ -127,7 +127,7 @@ def stored(words: Any, at: int, angle: float) -> float:
 
 @kernel
 def switch(words: Any, at: int, k: int, motion: Any) -> tuple[float, float]:
-    """Function k: how far side k (0 plus, 1 minus) is off, or how far in, and its rate; 2: the rate going in."""
+    """Function k: how far side 0 (plus) or 1 (minus) is off, or in, and its rate; 2: the rate going in."""
     mesh = record(words[at : at + SIZE], LAYOUT)
     x, rate = motion[1], motion[2]
     if mesh.springs == BOTH_WAYS or (k == 1 and mesh.springs != TWO):

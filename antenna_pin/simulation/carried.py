@@ -88,12 +88,13 @@ def _elements(system: System) -> dict[str, dict[str, Any]]:
     found = {}
     for table in system.others:
         for name, one in system.families[table].items():
-            joint, between = one.acts_at, isinstance(one, BetweenJoints)
+            joint = one.acts_at
+            between = one if isinstance(one, BetweenJoints) else None
             found[f"{table}.{name}"] = {
                 "kind": type(one).__name__,
                 "joint": joint,
-                **({"joints": [one.input, one.output]} if between else {}),
-                "slides": one.along if between else joint is not None and system.slides(joint),
+                **({"joints": [between.input, between.output]} if between else {}),
+                "slides": between.along if between else joint is not None and system.slides(joint),
                 "modes": list(getattr(one, "modes", ())),
                 "numbers": one.facts() if isinstance(one, Modal) else {},
             }

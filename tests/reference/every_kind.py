@@ -40,7 +40,6 @@ from antenna_pin.elements import (
     PDController,
     PointSpring,
     PrescribedMotion,
-    Rack,
     RigidLatch,
     RigidStop,
     SineDrive,
