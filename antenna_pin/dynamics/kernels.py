@@ -53,7 +53,7 @@ ABOUT_POSE = 3
 #: Head of an element: how its joint moves if it has no play (``FIXED_AXIS``, ... of ``records``), starts of
 #: the joint's slices of q and v and of its own in x, block of the joint with play or -1, what it acts about
 #: (its place in ``ABOUTS``), place of the turned angle in x or -1, whether it depends on the joint's motion;
-#: how far behind it the head of the output stands (``partner``), or of another joint that it sees; if it is on.
+#: how far behind it the head of the output stands (``partner``), or of another joint seen; whether it is on.
 ELEMENT = layout(
     ("kind", "i8"),
     ("length", "i8"),
