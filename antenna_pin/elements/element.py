@@ -120,6 +120,11 @@ class ForceElement:
         """Whether its effort has kinks, where its kernel ``kink`` is zero: steps end there."""
         return False
 
+    @property
+    def reversals(self) -> tuple[str, ...]:
+        """Joints at whose turning back its effort has a kink: steps end there too."""
+        return ()
+
     @classmethod
     def compiled(cls) -> Any:
         """Return the module of its kernels."""

@@ -124,6 +124,11 @@ class Gear(Flanks):
         return self.play > 0.0 and self.damping > 0.0
 
     @property
+    def reversals(self) -> tuple[str, ...]:
+        """The input, if there is friction on it."""
+        return (self.input,) if min(self.efficiency, self.efficiency_back) < 1.0 else ()
+
+    @property
     def side_numbers(self) -> tuple[float, int]:
         """Half the play, and both flanks, or a spring either way without play."""
         return -0.5 * self.play, TWO if self.play > 0.0 else BOTH_WAYS

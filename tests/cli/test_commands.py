@@ -80,6 +80,7 @@ def test_list_has_one_line_per_case(cli):
         "chen2021",
         "impact_pair",
         "pendulum",
+        "pointing_gear",
         "reaction_wheel",
         "slider",
         "slider_crank",
