@@ -14,6 +14,7 @@ from antenna_pin.directions import direction
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.mechanism import frame_aligning_z
 from antenna_pin.record._closure_marks import mark_closures
+from antenna_pin.record._gear_marks import mark_gears
 from antenna_pin.record._stop_marks import mark_stops
 from antenna_pin.record.bending import check_bending, drawn_poses, said_of_bending
 from antenna_pin.record.key_frames import Impacts, KeyFrames
@@ -106,10 +107,11 @@ def mechanism_view(
     marks = mark_closures(run, scene, motion.paths, mechanism_of(run).joints, size)
     if marks is not None:
         facts.append(marks)
-    stops, tracks = mark_stops(run, frames.indices, scene, motion.paths, size)
-    if stops is not None:
-        facts.append(stops)
-        actors[0]["tracks"] += tracks
+    for mark in (mark_stops, mark_gears):
+        marked, tracks = mark(run, frames.indices, scene, motion.paths, size)
+        if marked is not None:
+            facts.append(marked)
+            actors[0]["tracks"] += tracks
     contacts, arrow_tips = _contacts(run.data, frames, impacts, places, motion, scene, size)
     if contacts is not None:
         extent.append(arrow_tips)
