@@ -2,8 +2,8 @@
 """Random free-floating trees with random elements of all kinds: what is kept, and do the engines agree?
 
 A tree of 2 to 5 links floats without gravity and is set going; each joint is dealt some of what a joint may
-have besides play: stops, latches, dry friction, springs with hysteresis, gears and belts to another joint,
-ball bearings. Both engines run it at default tolerances. What must hold:
+have besides play: stops, latches, dry friction, springs with hysteresis, gears, racks and belts to another
+joint, ball bearings. Both engines run it at default tolerances. What must hold:
 
 - the run completes, by both;
 - linear and angular momentum stay, over the largest they are made of (``--momentum``);
@@ -35,6 +35,7 @@ from antenna_pin.elements import (
     JointSpring,
     Latch,
     MaxwellSlip,
+    Rack,
     RigidLatch,
     RigidStop,
     StickingFriction,
@@ -143,6 +144,17 @@ def drawn(seed: int, number: int) -> tuple[System, np.ndarray]:
     if len(turning) > 1 and chance.random() < 0.5:
         table, element = _gear(chance, turning[0], turning[1])
         elements.setdefault(table, {})["mesh"] = element
+    sliding = [f"j{k}" for k, kind in enumerate(kinds) if kind == "prismatic"]
+    other = np.random.default_rng([seed, number, 1])
+    if turning and sliding and other.random() < 0.5:
+        elements.setdefault("gears", {})["rack"] = Rack(
+            input=turning[-1],
+            output=sliding[0],
+            radius=other.uniform(-0.2, 0.2),
+            stiffness=2e3,
+            damping=other.uniform(0.0, 5.0),
+            play=2e-3,
+        )
     urdf = Urdf.from_text(f'<robot name="r">{text}</robot>', "r.urdf")
     mechanism = build_mechanism(urdf.variant(joints=free), "free", (0.0, 0.0, 0.0))
     springs = elements.pop("springs", {})
