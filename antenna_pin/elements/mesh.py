@@ -33,8 +33,28 @@ def mesh_numbers(a: float, b: float, room: float, springs: int, **more: Any) -> 
     }
 
 
+class Teeth(Flanks):
+    """Base of what meshes by teeth, with play between them or without."""
+
+    # The fields are those of the classes that declare them, with their units and meanings.
+    __slots__ = ()
+
+    play: float
+    damping: float
+
+    @property
+    def has_kinks(self) -> bool:
+        """Whether it has flanks with a damper, which comes to its limit."""
+        return self.play > 0.0 and self.damping > 0.0
+
+    @property
+    def side_numbers(self) -> tuple[float, int]:
+        """Half the play, and both flanks, or a spring either way without play."""
+        return -0.5 * self.play, TWO if self.play > 0.0 else BOTH_WAYS
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Gear(Flanks):
+class Gear(Teeth):
     r"""A pair of gears, or a whole gearbox, between two joints: elastic, with play, errors and friction.
 
     Without play and deflection input = ratio * output + const, where an angle is that of a joint's child on
@@ -90,7 +110,7 @@ class Gear(Flanks):
 
     def __post_init__(self) -> None:
         """Check the numbers, and the table of the error."""
-        Flanks.__post_init__(self)
+        Teeth.__post_init__(self)
         if abs(self.ratio) < LEAST:
             raise InvalidParameterError(self, "ratio", "other than zero", self.ratio)
         for name in ("efficiency", "efficiency_back"):
@@ -119,19 +139,9 @@ class Gear(Flanks):
             raise InvalidParameterError(self, f"error[{len(error) - 1}]", rule, error[-1])
 
     @property
-    def has_kinks(self) -> bool:
-        """Whether it has flanks with a damper, which comes to its limit."""
-        return self.play > 0.0 and self.damping > 0.0
-
-    @property
     def reversals(self) -> tuple[str, ...]:
         """The input, if there is friction on it."""
         return (self.input,) if min(self.efficiency, self.efficiency_back) < 1.0 else ()
-
-    @property
-    def side_numbers(self) -> tuple[float, int]:
-        """Half the play, and both flanks, or a spring either way without play."""
-        return -0.5 * self.play, TWO if self.play > 0.0 else BOTH_WAYS
 
     def values(self) -> dict[str, Any]:
         """Return its numbers, by the names that its record has for them."""
@@ -174,7 +184,7 @@ class Gear(Flanks):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Spline(Flanks):
+class Spline(Teeth):
     r"""Splined shafts on one axis: play between two joints that turn together.
 
     The deflection is :math:`\phi_\text{in} - \phi_\text{out} - x_0`; beyond half the play its torque is that
@@ -196,16 +206,6 @@ class Spline(Flanks):
     offset: float = parameter("rad", default=0.0)
     on: bool = True
 
-    @property
-    def has_kinks(self) -> bool:
-        """Whether it has teeth with a damper, which comes to its limit."""
-        return self.play > 0.0 and self.damping > 0.0
-
-    @property
-    def side_numbers(self) -> tuple[float, int]:
-        """Half the play, and both sides of a tooth, or a spring either way without play."""
-        return -0.5 * self.play, TWO if self.play > 0.0 else BOTH_WAYS
-
     def values(self) -> dict[str, Any]:
         """Return its numbers, by the names that its record has for them."""
         return mesh_numbers(
@@ -226,7 +226,7 @@ class Spline(Flanks):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Rack(Flanks):
+class Rack(Teeth):
     r"""A pinion and a rack, with play: from a joint that turns to one that slides.
 
     The deflection is a way along the pitch line, :math:`r \phi_\text{in} - s_\text{out} - x_0`; beyond half
@@ -258,19 +258,9 @@ class Rack(Flanks):
 
     def __post_init__(self) -> None:
         """Check the numbers."""
-        Flanks.__post_init__(self)
+        Teeth.__post_init__(self)
         if abs(self.radius) < LEAST:
             raise InvalidParameterError(self, "radius", "other than zero", self.radius)
-
-    @property
-    def has_kinks(self) -> bool:
-        """Whether it has teeth with a damper, which comes to its limit."""
-        return self.play > 0.0 and self.damping > 0.0
-
-    @property
-    def side_numbers(self) -> tuple[float, int]:
-        """Half the play, and both sides of a tooth, or a spring either way without play."""
-        return -0.5 * self.play, TWO if self.play > 0.0 else BOTH_WAYS
 
     def values(self) -> dict[str, Any]:
         """Return its numbers, by the names that its record has for them."""
