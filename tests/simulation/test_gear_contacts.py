@@ -21,6 +21,7 @@ from antenna_pin import (
 from antenna_pin.analysis import gear_contacts, gear_impacts, gears_of
 from antenna_pin.elements import Belt, Cable, ConstantDrive, Gear, JointSpring, PDController, Rack
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
+from antenna_pin.report import report
 
 TIGHT = RunSettings(rtol=1e-12, output_rate=400.0)
 LINK = (
@@ -295,3 +296,21 @@ def test_who_is_measured_is_checked(tmp_path: Path) -> None:
         with pytest.raises(AntennaPinError, match=says) as refusal:
             build_system(load_scenario(tmp_path / "scenario.toml"))
         assert "\n" not in str(refusal.value)
+
+
+def test_the_report_tells_of_gears() -> None:
+    """A table of touches beside a run whose gear has no play."""
+    runs = [
+        simulate(
+            _pair(elements=_geared(Gear(input="a", output="b", stiffness=50.0, play=play))),
+            v=[0.3, 0.0],
+            duration=0.3,
+            settings=TIGHT,
+        )
+        for play in (0.02, 0.0)
+    ]
+    (section,) = (one for one in report(runs, figures=False, recordings=False).sections if one.key == "gears")
+    (table,) = section.items
+    told = {row.name: row.cells for row in table.rows}
+    assert told["touches"][0].value == gear_impacts(runs[0]).sizes["touch"]
+    assert {"fastest touch", "largest impulse", "time without contact", "largest torque"} < told.keys()
