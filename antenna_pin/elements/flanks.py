@@ -48,6 +48,11 @@ class Flanks(Modal, BetweenJoints):
         """How far beyond no deflection a side begins to act (its room), and which springs there are."""
         raise NotImplementedError
 
+    @property
+    def ever_changes(self) -> bool:
+        """Whether it has sides: without play it is one spring both ways."""
+        return self.side_numbers[1] != BOTH_WAYS
+
     def first(self, met: Met) -> Change | None:
         """Return which sides are in contact where both joints are."""
         room, springs = self.side_numbers

@@ -91,6 +91,11 @@ class Modal(ForceElement):
     together: ClassVar[bool] = False
 
     @property
+    def ever_changes(self) -> bool:
+        """Whether it has more than one mode, as it is."""
+        return True
+
+    @property
     def under_load(self) -> bool:
         """Whether it has friction that is that of its joint's own load."""
         return False

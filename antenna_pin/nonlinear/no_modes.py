@@ -16,6 +16,6 @@ def check_no_modes(place: str, system: System) -> None:
         InvalidParameterError: It names the element.
     """
     for one in acting_in(system):
-        if isinstance(one.element, Modal):
+        if isinstance(one.element, Modal) and one.element.ever_changes:
             rule = "without elements that change their mode: runs, sections and diagrams know them"
             raise InvalidParameterError(place, "system", rule, said=one.label)
