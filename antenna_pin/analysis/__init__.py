@@ -45,6 +45,7 @@ if TYPE_CHECKING:
         modal_energy,
         said_of_spin,
     )
+    from antenna_pin.analysis.gears import gear_contacts, gear_impacts, gears_of
     from antenna_pin.analysis.growth import Growth, growth_of
     from antenna_pin.analysis.impacts import impact_statistics, impacts
     from antenna_pin.analysis.journal import bore_load, clearance_shapes, journal_motion
@@ -210,6 +211,9 @@ __all__ = [
     "spectrum",
     "stability_spans",
     "steady_up",
+    "gear_contacts",
+    "gear_impacts",
+    "gears_of",
     "stop_impacts",
     "stops_and_latches",
     "time_mean",
@@ -261,6 +265,7 @@ loaded_when_used(
         "signals": "RunSignal scales_of signals",
         "spectrum": "UniformSignal dominant_frequencies spectrogram spectrum uniform",
         "transients": "Settled settled",
+        "gears": "gear_contacts gear_impacts gears_of",
         "stops": "latch_events stop_impacts stops_and_latches",
         "upright": "STEADY bearing_up steady_up",
     },

@@ -11,7 +11,7 @@ from antenna_pin.analysis._run import RunLike, data_of
 from antenna_pin.arguments import takes
 from antenna_pin.trajectory import ModeChange, Touch, elements_of, latch_changes, touches
 
-__all__ = ["latch_events", "stop_impacts", "stops_and_latches"]
+__all__ = ["labelled_table", "latch_events", "stop_impacts", "stops_and_latches"]
 
 _TOUCH = {
     "onset": ("s", "first touch"),
@@ -50,7 +50,7 @@ def stop_impacts(run: RunLike) -> xr.Dataset:
     labels = {"stop": [one.stop for one in found], "side": [one.side for one in found]}
     names = [item.name for item in fields(Touch) if item.name in _TOUCH]
     columns = {name: [getattr(one, name) for one in found] for name in names}
-    return _table("touch", columns, _TOUCH, labels)
+    return labelled_table("touch", columns, _TOUCH, labels)
 
 
 @takes()
@@ -67,7 +67,7 @@ def latch_events(run: RunLike) -> xr.Dataset:
     found = latch_changes(data_of(run))
     labels = {"latch": [one.element for one in found], "what": [one.what for one in found]}
     columns = {name: [getattr(one, name) for one in found] for name in ModeChange._fields if name in _CHANGE}
-    return _table("latch_event", columns, _CHANGE, labels)
+    return labelled_table("latch_event", columns, _CHANGE, labels)
 
 
 @takes()
@@ -78,12 +78,13 @@ def stops_and_latches(run: RunLike) -> tuple[tuple[str, ...], tuple[str, ...]]:
     return stops, latches
 
 
-def _table(
+def labelled_table(
     dimension: str,
     columns: dict[str, list[float]],
     units: dict[str, tuple[str, str]],
     labels: dict[str, list[str]],
 ) -> xr.Dataset:
+    """Return columns of numbers over a dimension, with their units and meanings, and labels beside them."""
     count = len(next(iter(columns.values())))
     return xr.Dataset(
         {

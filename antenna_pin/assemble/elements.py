@@ -38,6 +38,8 @@ def elements_of(scenario: Scenario, mechanism: Mechanism, family: str) -> dict[s
             check_known(scenario, [spec.joint], "moving joint", mechanism.joints, *place, "joint")
             slot = mechanism.joint(spec.joint)
             check_motion(scenario, slot, spec.motion, *place)
+            if (other := getattr(spec, "measures", None)) is not None:
+                check_known(scenario, [other], "moving joint", mechanism.joints, *place, "measures")
             follows = getattr(spec, "follows", None)
             more = {} if follows is None else {"follows": reference_for(scenario, follows, slot)}
             found[name] = spec.build(**more)

@@ -63,6 +63,8 @@ _ENTRIES = {
     "touches": ("touches", ""),
     "fastest_touch": ("fastest touch", "rad/s, m/s"),
     "largest_blow": ("largest impulse", "N m s, N s"),
+    "time_apart": ("time without contact", "s"),
+    "time_slack": ("time with a slack strand", "s"),
     "captures": ("captures", ""),
     "refusals": ("refusals", ""),
     "last_capture": ("last capture", "s"),

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from antenna_pin.dynamics import kernels
 from antenna_pin.dynamics.acting import acting_in
 from antenna_pin.dynamics.system import System
-from antenna_pin.elements import Change, ForceElement, Met, Modal, kind_of
+from antenna_pin.elements import Change, Element, ForceElement, Met, Modal, kind_of
 from antenna_pin.elements import kernels as of_elements
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.parameters import parameters_of
@@ -107,7 +107,7 @@ class Adjustments:
         return frozenset(
             element.joint
             for place, element in self.elements.items()
-            if isinstance(element, Modal) and self.holds(place)
+            if isinstance(element, Element) and self.holds(place)
         )
 
     def holds(self, place: str) -> bool:

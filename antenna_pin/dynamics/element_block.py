@@ -23,7 +23,8 @@ WITH_AXIS = {"revolute": FIXED_AXIS, "continuous": CIRCLE, "prismatic": SLIDE}
 def element_block(system: Any, place: str, element: ForceElement, x: int) -> Array:
     """Return the block of an element, or refuse a joint at which it cannot act.
 
-    That of an element between two joints ends with a head for the second.
+    That of an element between two joints, or that measures another joint than its own, ends with a head for
+    the second.
 
     Args:
         system: The system, its joints with play laid out.
@@ -39,17 +40,21 @@ def element_block(system: Any, place: str, element: ForceElement, x: int) -> Arr
         assert isinstance(element, Element)
         found = [_head(system, place, element.joint)]
         element.check_joint(place, system.slides(element.joint))
+        if element.measured != element.joint:
+            found.append(_head(system, place, element.measured))
+            element.check_measured(place, system.slides(element.joint), system.slides(element.measured))
     words = element.words_of_kernel()
     behind = [one.view(np.float64) for one in found[1:]]
     block = np.concatenate([found[0].view(np.float64), words, *behind])
     head = block[: kernels.PARAMETERS].view(kernels.ELEMENT)
     head["kind"], head["length"], head["x"] = kind_of(type(element)), len(block), x
+    second = "partner" if isinstance(element, BetweenJoints) else "sensed"
     if behind:
-        head["partner"] = kernels.PARAMETERS + len(words)
+        head[second] = kernels.PARAMETERS + len(words)
     head["senses"] = not isinstance(element, Element) or element.senses
     head["on"] = element.acts
     for part in range(len(found)):
-        at = part * int(head["partner"][0])
+        at = part * int(head[second][0])
         own = block[at : at + kernels.PARAMETERS].view(kernels.ELEMENT)
         own["about"] = kernels.ABOUTS.index(element.about)
     return block

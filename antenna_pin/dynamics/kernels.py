@@ -53,8 +53,7 @@ ABOUT_POSE = 3
 #: Head of an element: how its joint moves if it has no play (``FIXED_AXIS``, ... of ``records``), starts of
 #: the joint's slices of q and v and of its own in x, block of the joint with play or -1, what it acts about
 #: (its place in ``ABOUTS``), place of the turned angle in x or -1, whether it depends on the joint's motion;
-#: of one between two joints how far behind this head that of its output stands, else 0; whether it is on
-#: (0 or 1).
+#: how far behind it the head of the output stands (``partner``), or of another joint seen; whether it is on.
 ELEMENT = layout(
     ("kind", "i8"),
     ("length", "i8"),
@@ -67,6 +66,7 @@ ELEMENT = layout(
     ("turn", "i8"),
     ("senses", "i8"),
     ("partner", "i8"),
+    ("sensed", "i8"),
     ("on", "f8"),
 )
 PARAMETERS = words_of(ELEMENT)
@@ -101,7 +101,7 @@ def joint_motion(p: Any, b: int, y: Any, nq: int) -> tuple[float, float, float, 
     rate of that, and its derivatives over the positions of the two.
     """
     e = element_at(p, b)
-    angle, rate, gx, gy = own_motion(p, b, y, nq)
+    angle, rate, gx, gy = own_motion(p, b + e.sensed, y, nq)
     if e.partner == 0:
         return angle, rate, gx, gy
     other, other_rate, _, _ = own_motion(p, b + e.partner, y, nq)
@@ -182,10 +182,11 @@ def _element(p: Any, b: int, t: float, y: Any, head: Any, tau: Any, rates: Any) 
     angle, rate, gx, gy = 0.0, 0.0, 0.0, 0.0
     if e.senses != 0:
         angle, rate, gx, gy = own_motion(p, b, y, nq)
+    if e.sensed != 0:
+        angle, rate, _, _ = own_motion(p, b + e.sensed, y, nq)
     own = y, nq + head.nv + e.x
     effort = e.on * elements.effort_of(e.kind, p, b + PARAMETERS, (t, angle, rate), own)
-    power = effort * _act(p, b, effort, (gx, gy), y, nq, tau)
-    motion = angle, e.on * rate, power
+    motion = angle, e.on * rate, effort * _act(p, b, effort, (gx, gy), y, nq, tau)
     elements.write_rates_of(e.kind, p, b + PARAMETERS, motion, own, rates, head.nv + e.x)
 
 
@@ -205,7 +206,7 @@ def _act(p: Any, b: int, effort: float, slope: Any, y: Any, nq: int, tau: Any) -
 
 @kernel
 def _between(p: Any, b: int, t: float, y: Any, head: Any, tau: Any, rates: Any) -> None:
-    """Add the generalized force of an element between two joints, and write the rate of its loss."""
+    """Add the generalized force of an element between two joints; write the rates of loss and impulse."""
     e, nq, at = element_at(p, b), head.nq, b + PARAMETERS
     angle, rate, gx, gy = own_motion(p, b, y, nq)
     other, other_rate, ox, oy = own_motion(p, b + e.partner, y, nq)
@@ -214,8 +215,8 @@ def _between(p: Any, b: int, t: float, y: Any, head: Any, tau: Any, rates: Any) 
     drag = elements.drag(e.kind, p, at, effort * over, rate)
     _act(p, b, effort * over + drag, (gx, gy), y, nq, tau)
     _act(p, b + e.partner, effort * over_other, (ox, oy), y, nq, tau)
-    lost = e.on * elements.dissipation(e.kind, p, at, x, speed) - drag * rate
-    rates[head.nv + e.x] = lost
+    rates[head.nv + e.x] = e.on * elements.dissipation(e.kind, p, at, x, speed) - drag * rate
+    rates[head.nv + e.x + 1] = abs(effort)
 
 
 @kernel
@@ -258,8 +259,8 @@ def _bearing(p: Any, b: int, y: Any, head: Any, pose: Any, tau: Any, rates: Any)
     j = joint_at(p, e.play)
     journal_state(j, y, head.nq, pose)
     rates[head.nv + e.x] = elements.press(e.kind, p, b + PARAMETERS, pose)
-    force, moment = pose.force, pose.moment
-    onto_joint(j, pose, (force[0], force[1], force[2]), (moment[0], moment[1], moment[2]), tau)
+    f, m = pose.force, pose.moment
+    onto_joint(j, pose, (f[0], f[1], f[2]), (m[0], m[1], m[2]), tau)
 
 
 @inlined
@@ -268,9 +269,8 @@ def element_energy(p: Any, b: int, y: Any, nq: int) -> float:
     e = element_at(p, b)
     if e.about == ABOUT_POSE:
         return float(elements.kept(e.kind, p, b + PARAMETERS, journal_place(joint_at(p, e.play), y)))
-    angle, _, _, _ = joint_motion(p, b, y, nq)
     own = y, nq + head_of(p).nv + e.x
-    return float(elements.stored_of(e.kind, p, b + PARAMETERS, angle, own))
+    return float(elements.stored_of(e.kind, p, b + PARAMETERS, joint_motion(p, b, y, nq)[0], own))
 
 
 @kernel

@@ -11,6 +11,7 @@ from antenna_pin._compile import inlined, kernel
 from antenna_pin.dynamics import point_kernels as _points
 from antenna_pin.dynamics.audit_kernels import audit_state
 from antenna_pin.dynamics.kernels import (
+    ABOUT_POSE,
     HEADER,
     MEMORY_WORDS,
     PARAMETERS,
@@ -21,6 +22,7 @@ from antenna_pin.dynamics.kernels import (
     element_state,
     evaluate,
     head_of,
+    joint_motion,
     stored_energy,
 )
 from antenna_pin.elements import kernels as elements
@@ -45,8 +47,11 @@ SEEN = layout(
 )
 # A drive at a sample: its effort [N m] or [N], the reference that it follows, and how far it is from it.
 EFFORT = layout(("effort", np.float64), ("reference", np.float64), ("error", np.float64))
-# An element of a further family at a sample: its effort [N m] or [N], stored energy [J], mode.
-DONE = layout(("effort", np.float64), ("energy", np.float64), ("mode", np.float64))
+# An element of a further family at a sample: its effort [N m] or [N], what it acts by [rad] or [m], stored
+# energy [J], mode.
+DONE = layout(
+    ("effort", np.float64), ("deflection", np.float64), ("energy", np.float64), ("mode", np.float64)
+)
 
 
 @inlined
@@ -224,6 +229,7 @@ def look_at_elements(first: int, last: int, samples: Any, blocks: Any, whole: An
             e = element_at(program, b)
             own.effort, _, _ = element_state(program, b, t, y, nq)
             own.energy = e.on * element_energy(program, b, y, nq)
+            own.deflection = 0.0 if e.about == ABOUT_POSE else joint_motion(program, b, y, nq)[0]
             own.mode = elements.mode(e.kind, program, b + PARAMETERS)
 
 

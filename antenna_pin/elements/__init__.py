@@ -18,8 +18,8 @@ from antenna_pin.elements.joint_friction import JointFriction
 from antenna_pin.elements.latch import Latch
 from antenna_pin.elements.limits import Limits
 from antenna_pin.elements.maxwell_slip import MaxwellSlip
-from antenna_pin.elements.mesh import Gear, Spline
-from antenna_pin.elements.modal import Change, Met, Modal
+from antenna_pin.elements.mesh import Gear, Rack, Spline
+from antenna_pin.elements.modal import Change, Met, Modal, ModalElement
 from antenna_pin.elements.pd import PDController
 from antenna_pin.elements.point_spring import PointSpring
 from antenna_pin.elements.prescribed import CallableMotion, DistanceMotion, Motion, PrescribedMotion
@@ -98,12 +98,14 @@ __all__ = [
     "MaxwellSlip",
     "Met",
     "Modal",
+    "ModalElement",
     "Motion",
     "Outside",
     "PDController",
     "Point",
     "PointSpring",
     "PrescribedMotion",
+    "Rack",
     "RigidLatch",
     "RigidStop",
     "SineDrive",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from antenna_pin.elements.between_joints import BetweenJoints
+from antenna_pin.elements.flanks import Flanks
 from antenna_pin.elements.mesh import mesh_numbers
 from antenna_pin.elements.mesh_kernels import TWO
 from antenna_pin.errors import InvalidParameterError
@@ -15,7 +15,7 @@ __all__ = ["Belt", "Cable"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Strands(BetweenJoints):
+class Strands(Flanks):
     """Base of what pulls along between two pulleys.
 
     Attributes:
@@ -30,6 +30,9 @@ class Strands(BetweenJoints):
     """
 
     kernels: ClassVar[str] = "mesh_kernels"
+    along: ClassVar[bool] = True
+    modes: ClassVar[tuple[str, ...]] = ("slack", "plus", "minus", "taut")
+    said_of_change: ClassVar[tuple[str, str]] = ("taut", "slack")
     springs: ClassVar[int]
 
     input_radius: float = parameter("m", rule="positive")
@@ -43,22 +46,28 @@ class Strands(BetweenJoints):
 
     def __post_init__(self) -> None:
         """Check the numbers: what is slack has no tension."""
-        BetweenJoints.__post_init__(self)
+        Flanks.__post_init__(self)
         if self.slack > 0.0 and self.pretension > 0.0:
             raise InvalidParameterError(self, "slack", "zero beside a pretension", self.slack)
 
     @property
     def has_kinks(self) -> bool:
-        """Whether a strand may go slack, or become taut."""
-        return True
+        """Whether a taut strand has a damper, which comes to its limit."""
+        return self.damping > 0.0
+
+    @property
+    def side_numbers(self) -> tuple[float, int]:
+        """By how much strands are stretched without deflection, and how many there are."""
+        return self.pretension / self.stiffness - self.slack, self.springs
 
     def values(self) -> dict[str, Any]:
         """Return its numbers, by the names that its record has for them."""
         return mesh_numbers(
             self.input_radius,
             -self.output_radius if self.crossed else self.output_radius,
-            self.pretension / self.stiffness - self.slack,
-            self.springs,
+            *self.side_numbers,
+            mode=self.mode,
+            turned=self.turned,
             stiffness=self.stiffness,
             damping=self.damping,
         )

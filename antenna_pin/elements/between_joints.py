@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from antenna_pin.elements.element import LOSS, ForceElement, Integral
+from antenna_pin.elements.element import IMPULSE, LOSS, ForceElement, Integral
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["BetweenJoints"]
@@ -31,7 +31,12 @@ class BetweenJoints(ForceElement):
         output: Name of the joint on the driven side.
     """
 
-    integrals: ClassVar[tuple[Integral, ...]] = (LOSS,)
+    integrals: ClassVar[tuple[Integral, ...]] = (LOSS, IMPULSE)
+    # Whether its deflection is a way [m] and its effort a force [N]; else they are an angle and a torque.
+    along: ClassVar[bool] = False
+    # Whether its input and its output are to slide; what else to take where they do not as they are to.
+    slide: ClassVar[tuple[bool, bool]] = (False, False)
+    instead: ClassVar[str] = 'kind "rack" from a pinion to what it moves, or a coupling'
 
     input: str
     output: str
@@ -53,8 +58,10 @@ class BetweenJoints(ForceElement):
             place: Its name, for the message.
             slides: Whether input and output slide along their axes rather than turning about them.
         """
-        for name, one in zip((self.input, self.output), slides, strict=True):
-            if one:
-                key = "input" if name == self.input else "output"
-                rule = f"a joint that turns, and {name!r} slides; take a coupling for a rack"
+        for key, name, seen, wanted in zip(
+            ("input", "output"), (self.input, self.output), slides, self.slide, strict=True
+        ):
+            if seen != wanted:
+                does, is_to = ("slides", "turns") if seen else ("turns", "slides")
+                rule = f"a joint that {is_to}, and {name!r} {does}; take {self.instead}"
                 raise InvalidParameterError(place, key, rule, name)

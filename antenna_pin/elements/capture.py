@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, field
 from typing import Any, ClassVar, Literal
 
-from antenna_pin.elements.modal import Change, Met, Modal
+from antenna_pin.elements.modal import Change, Met, ModalElement
 from antenna_pin.parameters import parameter
 
 __all__ = ["HELD", "INSIDE", "LET_GO", "OUTSIDE", "Capture"]
@@ -19,7 +19,7 @@ OUTSIDE, INSIDE, HELD, LET_GO = 0, 1, 2, 3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Capture(Modal):
+class Capture(ModalElement):
     """Base of the latches.
 
     Attributes:

@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-__all__ = ["GROSS_WORK", "LOSS", "WORK", "About", "Drive", "Element", "ForceElement", "Integral"]
+__all__ = ["GROSS_WORK", "IMPULSE", "LOSS", "WORK", "About", "Drive", "Element", "ForceElement", "Integral"]
 
 About = Literal["bearing", "journal", "motion", "pose"]
 """What an element acts about at a joint with play: the bearing's axis, the journal's, or as the gradient of
@@ -66,6 +66,8 @@ class Integral:
 WORK = Integral("work")
 GROSS_WORK = Integral("gross_work")
 LOSS = Integral("loss")
+IMPULSE = Integral("impulse", "N*m*s")
+"""What an element has put on its joint, by size."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -117,6 +119,11 @@ class ForceElement:
     def has_kinks(self) -> bool:
         """Whether its effort has kinks, where its kernel ``kink`` is zero: steps end there."""
         return False
+
+    @property
+    def reversals(self) -> tuple[str, ...]:
+        """Joints at whose turning back its effort has a kink: steps end there too."""
+        return ()
 
     @classmethod
     def compiled(cls) -> Any:
@@ -207,6 +214,11 @@ class Element(ForceElement):
         return self.joint
 
     @property
+    def measured(self) -> str:
+        """The joint whose motion it sees: its own, if it does not say otherwise."""
+        return self.joint
+
+    @property
     def functions(self) -> tuple[tuple[str, Callable[..., float], int], ...]:
         """Functions of a user's that it asks: name, function, how many of time, angle and rate it takes."""
         return ()
@@ -251,6 +263,15 @@ class Element(ForceElement):
         Args:
             place: Its name, for the message.
             slides: Whether the joint slides along its axis rather than turning about it.
+        """
+
+    def check_measured(self, place: str, slides: bool, measured: bool) -> None:
+        """Refuse another joint whose motion it cannot see.
+
+        Args:
+            place: Its name, for the message.
+            slides: Whether its own joint slides along its axis rather than turning about it.
+            measured: Likewise of the other joint.
         """
 
 

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
-from antenna_pin.elements.modal import Modal
+from antenna_pin.elements.modal import ModalElement
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.parameters import parameter
 
@@ -17,7 +17,7 @@ FREE, LOWER, UPPER = 0, 1, 2
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Limits(Modal):
+class Limits(ModalElement):
     """Base of the end stops: a joint is free between them, or on one of its sides.
 
     Attributes:
@@ -34,7 +34,7 @@ class Limits(Modal):
 
     def __post_init__(self) -> None:
         """Check that there is a side, and a way between two."""
-        Modal.__post_init__(self)
+        ModalElement.__post_init__(self)
         if self.lower is None and self.upper is None:
             raise InvalidParameterError(self, "lower", "given, or upper, or both", said="neither")
         if not self.lowest < self.highest:

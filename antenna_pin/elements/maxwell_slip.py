@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 from antenna_pin.elements.element import Element
-from antenna_pin.elements.modal import Change, Met, Modal, Remembered
+from antenna_pin.elements.modal import Change, Met, ModalElement, Remembered
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.parameters import parameter
 
@@ -18,7 +18,7 @@ _ANCHORS = tuple(f"anchor_{k}" for k in range(1, _MOST + 1))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class MaxwellSlip(Modal):
+class MaxwellSlip(ModalElement):
     r"""Springs side by side, each of which slips at a torque of its own: hysteresis after Maxwell.
 
     .. math:: \tau = -\sum_i k_i z_i, \quad z_i = \phi - a_i \text{ within } \pm s_i / k_i

@@ -1,4 +1,4 @@
-"""Gears and splines: what meshes with play between two joints."""
+"""Gears, splines and racks: what meshes with play between two joints."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, ClassVar, Literal
 
-from antenna_pin.elements.between_joints import BetweenJoints
-from antenna_pin.elements.mesh_kernels import BOTH_WAYS, TWO
+from antenna_pin.elements.flanks import Flanks
+from antenna_pin.elements.mesh_kernels import APART, BOTH_WAYS, TWO
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.parameters import LEAST, parameter
 from antenna_pin.readable import number
 
-__all__ = ["Gear", "Spline", "mesh_numbers"]
+__all__ = ["Gear", "Rack", "Spline", "mesh_numbers"]
 
 _NO_FRICTION = {"forward": 1.0, "backward": 1.0, "slow": 1.0}
 
@@ -26,13 +26,35 @@ def mesh_numbers(a: float, b: float, room: float, springs: int, **more: Any) -> 
         "springs": springs,
         "rest": 0.0,
         "points": 0,
+        "mode": APART,
+        "turned": 0.0,
         **_NO_FRICTION,
         **more,
     }
 
 
+class Teeth(Flanks):
+    """Base of what meshes by teeth, with play between them or without."""
+
+    # The fields are those of the classes that declare them, with their units and meanings.
+    __slots__ = ()
+
+    play: float
+    damping: float
+
+    @property
+    def has_kinks(self) -> bool:
+        """Whether it has flanks with a damper, which comes to its limit."""
+        return self.play > 0.0 and self.damping > 0.0
+
+    @property
+    def side_numbers(self) -> tuple[float, int]:
+        """Half the play, and both flanks, or a spring either way without play."""
+        return -0.5 * self.play, TWO if self.play > 0.0 else BOTH_WAYS
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Gear(BetweenJoints):
+class Gear(Teeth):
     r"""A pair of gears, or a whole gearbox, between two joints: elastic, with play, errors and friction.
 
     Without play and deflection input = ratio * output + const, where an angle is that of a joint's child on
@@ -88,7 +110,7 @@ class Gear(BetweenJoints):
 
     def __post_init__(self) -> None:
         """Check the numbers, and the table of the error."""
-        BetweenJoints.__post_init__(self)
+        Teeth.__post_init__(self)
         if abs(self.ratio) < LEAST:
             raise InvalidParameterError(self, "ratio", "other than zero", self.ratio)
         for name in ("efficiency", "efficiency_back"):
@@ -117,9 +139,9 @@ class Gear(BetweenJoints):
             raise InvalidParameterError(self, f"error[{len(error) - 1}]", rule, error[-1])
 
     @property
-    def has_kinks(self) -> bool:
-        """Whether it has play, at whose ends flanks meet and part."""
-        return self.play > 0.0
+    def reversals(self) -> tuple[str, ...]:
+        """The input, if there is friction on it."""
+        return (self.input,) if min(self.efficiency, self.efficiency_back) < 1.0 else ()
 
     def values(self) -> dict[str, Any]:
         """Return its numbers, by the names that its record has for them."""
@@ -127,8 +149,9 @@ class Gear(BetweenJoints):
         return mesh_numbers(
             a,
             b,
-            -0.5 * self.play,
-            TWO if self.play > 0.0 else BOTH_WAYS,
+            *self.side_numbers,
+            mode=self.mode,
+            turned=self.turned,
             rest=self.offset,
             stiffness=self.stiffness,
             damping=self.damping,
@@ -161,7 +184,7 @@ class Gear(BetweenJoints):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Spline(BetweenJoints):
+class Spline(Teeth):
     r"""Splined shafts on one axis: play between two joints that turn together.
 
     The deflection is :math:`\phi_\text{in} - \phi_\text{out} - x_0`; beyond half the play its torque is that
@@ -183,18 +206,14 @@ class Spline(BetweenJoints):
     offset: float = parameter("rad", default=0.0)
     on: bool = True
 
-    @property
-    def has_kinks(self) -> bool:
-        """Whether it has play, at whose ends teeth meet and part."""
-        return self.play > 0.0
-
     def values(self) -> dict[str, Any]:
         """Return its numbers, by the names that its record has for them."""
         return mesh_numbers(
             1.0,
             1.0,
-            -0.5 * self.play,
-            TWO if self.play > 0.0 else BOTH_WAYS,
+            *self.side_numbers,
+            mode=self.mode,
+            turned=self.turned,
             rest=self.offset,
             stiffness=self.stiffness,
             damping=self.damping,
@@ -203,4 +222,60 @@ class Spline(BetweenJoints):
     def words(self, slides: bool = False) -> str:
         """Return what it is in words."""
         said = {"stiffness": "stiffness", "damping": "damping", "play": "play"}
+        return ", ".join([self.between_said(), *self.said_of(said, False)])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Rack(Teeth):
+    r"""A pinion and a rack, with play: from a joint that turns to one that slides.
+
+    The deflection is a way along the pitch line, :math:`r \phi_\text{in} - s_\text{out} - x_0`; beyond half
+    the play its force is that of :class:`Gear`, with a way for the angle. The pinion gets r times the force,
+    with its reaction on its own parent, the rack the force along its axis, likewise: with both on one housing
+    this is what teeth do on the pitch line.
+
+    Attributes:
+        radius: Pitch radius r of the pinion: way of the rack for an angle of 1 rad; negative for the opposite
+            way [m].
+        stiffness: Of the teeth, along the pitch line [N/m].
+        damping: In contact only [N*s/m].
+        play: Total play along the pitch line [m].
+        offset: x_0, the middle of the play [m].
+        on: Whether it acts from the start on; an event may switch it.
+    """
+
+    kernels: ClassVar[str] = "mesh_kernels"
+    along: ClassVar[bool] = True
+    slide: ClassVar[tuple[bool, bool]] = (False, True)
+    instead: ClassVar[str] = "the pinion for the input and the rack for the output"
+
+    radius: float = parameter("m")
+    stiffness: float = parameter("N/m", rule="positive")
+    damping: float = parameter("N*s/m", rule="zero or more", default=0.0)
+    play: float = parameter("m", rule="zero or more", default=0.0)
+    offset: float = parameter("m", default=0.0)
+    on: bool = True
+
+    def __post_init__(self) -> None:
+        """Check the numbers."""
+        Teeth.__post_init__(self)
+        if abs(self.radius) < LEAST:
+            raise InvalidParameterError(self, "radius", "other than zero", self.radius)
+
+    def values(self) -> dict[str, Any]:
+        """Return its numbers, by the names that its record has for them."""
+        return mesh_numbers(
+            self.radius,
+            1.0,
+            *self.side_numbers,
+            mode=self.mode,
+            turned=self.turned,
+            rest=self.offset,
+            stiffness=self.stiffness,
+            damping=self.damping,
+        )
+
+    def words(self, slides: bool = False) -> str:
+        """Return what it is in words."""
+        said = {"radius": "radius", "stiffness": "stiffness", "damping": "damping", "play": "play"}
         return ", ".join([self.between_said(), *self.said_of(said, False)])

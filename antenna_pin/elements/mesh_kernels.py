@@ -3,7 +3,8 @@
 The deflection is ``x = a input - b output - rest - e(input)``, with e a periodic curve. On the one side a
 spring is compressed by ``x + room``, on the other by ``-x + room``: a negative room is half the play between
 the flanks of teeth, a positive one the stretch at which strands were fitted. A spring pushes (pulls) one way
-only; its damper adds at most as much as the spring gives, so that the sum starts and ends at zero.
+only; its damper adds at most as much as the spring gives, so that the sum starts and ends at zero. The mode
+says which sides are in contact; the torque asks the deflection alone.
 """
 
 from __future__ import annotations
@@ -19,6 +20,12 @@ from antenna_pin.records import layout, words_of
 BOTH_WAYS = 0
 TWO = 2
 
+# Its modes: which sides are in contact, each a bit.
+APART, PLUS, MINUS, BOTH = 0, 1, 2, 3
+
+# Its function that passes zero where the deflection turns back, once in a touch of one side.
+TURNS = 2
+
 LAYOUT = layout(
     ("a", "f8"),
     ("b", "f8"),
@@ -31,6 +38,8 @@ LAYOUT = layout(
     ("backward", "f8"),
     ("slow", "f8"),
     ("points", "i8"),
+    ("mode", "i8"),
+    ("turned", "f8"),
 )
 SIZE = words_of(LAYOUT)
 
@@ -117,21 +126,41 @@ def stored(words: Any, at: int, angle: float) -> float:
 
 
 @kernel
-def kink(words: Any, at: int, t: float, angle: float, rate: float) -> float:
-    """What changes sign where a spring begins or ceases to act, or its damper comes to its limit.
+def switch(words: Any, at: int, k: int, motion: Any) -> tuple[float, float]:
+    """Function k: how far side 0 (plus) or 1 (minus) is off, or in, and its rate; 2: the rate going in."""
+    mesh = record(words[at : at + SIZE], LAYOUT)
+    x, rate = motion[1], motion[2]
+    if mesh.springs == BOTH_WAYS or (k == 1 and mesh.springs != TWO):
+        return 1.0, 0.0
+    if k == TURNS:
+        if mesh.turned != 0.0 or (mesh.mode != PLUS and mesh.mode != MINUS):
+            return 1.0, 0.0
+        return (rate if mesh.mode == PLUS else -rate), 0.0
+    side, way = (PLUS, 1.0) if k == 0 else (MINUS, -1.0)
+    depth, speed = way * x + mesh.room, way * rate
+    if mesh.mode & side:
+        return float(depth), float(speed)
+    return float(-depth), float(-speed)
 
-    Of each side the depth times what the spring gives beyond its damper: positive apart, negative at the
-    limit, positive again below it.
+
+@inlined
+def mode(words: Any, at: int) -> int:
+    """The present one."""
+    return int(record(words[at : at + SIZE], LAYOUT).mode)
+
+
+@kernel
+def kink(words: Any, at: int, t: float, angle: float, rate: float) -> float:
+    """What changes sign where a damper comes to its limit, or off it: negative at the limit.
+
+    Of each side in contact what the spring gives beyond its damper; a touch begins and ends at the limit.
     """
     mesh = record(words[at : at + SIZE], LAYOUT)
     limit = mesh.damping * abs(rate)
-    depth, other = angle + mesh.room, mesh.room - angle
-    if mesh.springs != TWO:
-        other = 1.0
-        if limit == 0.0:
-            return float(depth)
-        return float(depth * (mesh.stiffness * depth - limit))
-    if mesh.damping == 0.0:
-        # One function of both sides' starts, positive where both or none act.
-        return float(depth * other)
-    return float(depth * other * (mesh.stiffness * depth - limit) * (mesh.stiffness * other - limit))
+    plus = mesh.stiffness * (angle + mesh.room) - limit
+    minus = mesh.stiffness * (mesh.room - angle) - limit
+    if mesh.mode == BOTH:
+        return float(plus * minus)
+    if mesh.mode == APART:
+        return -1.0
+    return float(plus if mesh.mode == PLUS else minus)

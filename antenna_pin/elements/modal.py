@@ -17,9 +17,9 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import ClassVar, Literal, NamedTuple
 
-from antenna_pin.elements.element import LOSS, Element, Integral
+from antenna_pin.elements.element import LOSS, Element, ForceElement, Integral
 
-__all__ = ["Change", "Met", "Modal", "Remembered"]
+__all__ = ["Change", "Met", "Modal", "ModalElement", "Remembered"]
 
 Remembered = Literal["way", "rate"]
 """Of what of its joint an element remembers a number."""
@@ -69,13 +69,17 @@ class Change(NamedTuple):
     impulse: float = 0.0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Modal(Element):
-    """Base of the elements with modes.
+class Modal(ForceElement):
+    """Base of the elements with modes, wherever they act.
 
-    Attributes:
-        mode: The number of the present one.
+    Their field ``mode`` is the number of the present one. What an element between two joints meets is its
+    deflection and the rate of that.
     """
+
+    # The field is that of the classes that declare it.
+    __slots__ = ()
+
+    mode: int
 
     senses: ClassVar[bool] = True
     integrals: ClassVar[tuple[Integral, ...]] = (LOSS,)
@@ -94,7 +98,10 @@ class Modal(Element):
     # Whether it is dry friction: what sticks and what slips is decided of all of them together.
     together: ClassVar[bool] = False
 
-    mode: int = field(default=0, repr=False)
+    @property
+    def ever_changes(self) -> bool:
+        """Whether it has more than one mode, as it is."""
+        return True
 
     @property
     def under_load(self) -> bool:
@@ -137,3 +144,14 @@ class Modal(Element):
     def own_keys(cls) -> tuple[str, ...]:
         """Return the fields that no scenario writes."""
         return ("mode", *cls.remembers)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ModalElement(Modal, Element):
+    """Base of the elements with modes at one joint.
+
+    Attributes:
+        mode: The number of the present one.
+    """
+
+    mode: int = field(default=0, repr=False)

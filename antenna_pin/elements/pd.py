@@ -25,9 +25,11 @@ class PDController(Course, Drive):
     .. math:: \phi_r = \phi_0 + \omega t + A \sin(2 \pi f t + \varphi) + \text{table}(t) + \text{reference}(t)
 
     with the reference's exact derivative. At a joint with play phi is the motion angle. Angles count whole
-    turns. Where the torque reaches its limit or leaves it, it has a kink; steps end there.
+    turns. Where the torque reaches its limit or leaves it, it has a kink; steps end there. It may measure
+    another joint than the one that it drives: the angle behind a gear.
 
     Attributes:
+        measures: The joint whose angle phi it measures; None for the one that it drives.
         kp: Proportional gain [N*m/rad] ([N/m]).
         kd: Derivative gain [N*m*s/rad] ([N*s/m]).
         limit: Largest torque either way [N*m] ([N]); None for no limit.
@@ -50,6 +52,7 @@ class PDController(Course, Drive):
     senses: ClassVar[bool] = True
     tracks: ClassVar[bool] = True
 
+    measures: str | None = None
     kp: float = parameter("N*m/rad", sliding="N/m", rule="zero or more", default=0.0)
     kd: float = parameter("N*m*s/rad", sliding="N*s/m", rule="zero or more", default=0.0)
     limit: float | None = parameter("N*m", sliding="N", rule="positive", default=None)
@@ -71,6 +74,18 @@ class PDController(Course, Drive):
         self.check_course()
 
     @property
+    def measured(self) -> str:
+        """The joint whose motion it sees."""
+        return self.joint if self.measures is None else self.measures
+
+    def check_measured(self, place: str, slides: bool, measured: bool) -> None:
+        """Refuse a joint that slides for one that turns, or the other way round: gains would have no unit."""
+        if slides != measured:
+            which = "slides" if slides else "turns"
+            rule = f"a joint that {which}, as {self.joint!r} does"
+            raise InvalidParameterError(place, "measures", rule, self.measures)
+
+    @property
     def has_kinks(self) -> bool:
         """Whether the torque has a limit."""
         return self.limit is not None
@@ -83,5 +98,6 @@ class PDController(Course, Drive):
     def words(self, slides: bool) -> str:
         """Return what it is in words."""
         kp, kd = (self.said(name, slides) for name in ("kp", "kd"))
-        text = f"controller, kp {kp}, kd {kd}, reference {self.course_words(slides) or '0'}"
+        of = "" if self.measured == self.joint else f" of {self.measured}"
+        text = f"controller{of}, kp {kp}, kd {kd}, reference {self.course_words(slides) or '0'}"
         return text if self.limit is None else f"{text}, at most {self.said('limit', slides)}"

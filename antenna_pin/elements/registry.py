@@ -23,7 +23,7 @@ from antenna_pin.elements.harness import HarnessSpring
 from antenna_pin.elements.joint_friction import JointFriction
 from antenna_pin.elements.latch import Latch
 from antenna_pin.elements.maxwell_slip import MaxwellSlip
-from antenna_pin.elements.mesh import Gear, Spline
+from antenna_pin.elements.mesh import Gear, Rack, Spline
 from antenna_pin.elements.pd import PDController
 from antenna_pin.elements.point_spring import PointSpring
 from antenna_pin.elements.prescribed import CallableMotion, DistanceMotion, PrescribedMotion
@@ -91,6 +91,7 @@ GEARS: Mapping[str, type[ForceElement]] = MappingProxyType(
     {
         "gear": Gear,
         "spline": Spline,
+        "rack": Rack,
         "belt": Belt,
         "cable": Cable,
     }

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
-from antenna_pin.elements.modal import Change, Met, Modal, Remembered
+from antenna_pin.elements.modal import Change, Met, ModalElement, Remembered
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.parameters import parameter
 
@@ -23,7 +23,7 @@ _AT_REST = 1e-11
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class StickingFriction(Modal):
+class StickingFriction(ModalElement):
     r"""Dry friction of a joint without play; the units are those of a turning (sliding) joint.
 
     While it slips
@@ -93,7 +93,7 @@ class StickingFriction(Modal):
 
     def __post_init__(self) -> None:
         """Check the parameters together."""
-        Modal.__post_init__(self)
+        ModalElement.__post_init__(self)
         for low, high in (("coulomb", "static"), ("coefficient", "static_coefficient")):
             least, most = getattr(self, low), getattr(self, high)
             if most is not None and not most >= least:

@@ -6,20 +6,17 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from typing import Any, ClassVar, Literal
 
-from antenna_pin.elements.element import LOSS, Integral
+from antenna_pin.elements.element import IMPULSE, LOSS, Integral
 from antenna_pin.elements.limits import FREE, LOWER, UPPER, Limits
 from antenna_pin.elements.modal import Change, Met, Remembered
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.parameters import parameter, parameters_of
 from antenna_pin.readable import GIVEN, readable
 
-__all__ = ["IMPULSE", "EndStop"]
+__all__ = ["EndStop"]
 
 # Its function that passes zero where the joint turns back, once in a touch.
 TURNS = 2
-
-IMPULSE = Integral("impulse", "N*m*s")
-"""What a stop has put on its joint, by size."""
 
 StopLaw = Literal[
     "elastic",

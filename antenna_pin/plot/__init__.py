@@ -36,6 +36,7 @@ if TYPE_CHECKING:
         save_figures,
     )
     from antenna_pin.plot.forces import figure_contact_forces
+    from antenna_pin.plot.gears import figure_gears
     from antenna_pin.plot.hysteresis import figure_hysteresis
     from antenna_pin.plot.loads import figure_joint_load, figure_steady_force
     from antenna_pin.plot.motion import QUANTITIES, figure_motion
@@ -120,6 +121,7 @@ __all__ = [
     "rendered",
     "figure_scenarios",
     "figure_spectra",
+    "figure_gears",
     "figure_stops",
     "figure_spectrogram",
     "figure_steady_force",
@@ -167,6 +169,7 @@ loaded_when_used(
         "scenarios": "figure_scenarios",
         "sections": "figure_bifurcation figure_section",
         "spectra": "SIGNALS figure_spectra figure_spectrogram",
+        "gears": "figure_gears",
         "stops": "figure_stops",
         "study": (
             "QUANTILES StudyFigure study_distribution study_figures study_map study_response "

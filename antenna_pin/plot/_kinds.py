@@ -6,7 +6,7 @@ import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from antenna_pin.analysis import stops_and_latches
+from antenna_pin.analysis import gears_of, stops_and_latches
 from antenna_pin.errors import FileFormatError, InvalidParameterError, UnknownNameError
 from antenna_pin.plot._runs import LabelledRun, long_enough
 
@@ -93,6 +93,7 @@ TRACED = RunKind(
     lambda run: "traced_spring" in run.data.sizes,
 )
 PRESCRIBED = RunKind("a prescribed motion", lambda run: "motion" in run.data.sizes)
+GEARED = RunKind("a gear, a belt or a cable", lambda run: bool(gears_of(run.data)))
 STOPPED = RunKind("an end stop or a latch", lambda run: any(stops_and_latches(run.data)))
 FREE_BASE = RunKind("a free base", lambda run: "base_position" in run.data)
 SEVERAL_JOINTS = RunKind("two joints that turn or more", lambda run: len(run.joints) > 1)

@@ -9,6 +9,7 @@ from collections.abc import Callable
 
 from antenna_pin.record._closure_marks import mark_closures
 from antenna_pin.record._frame_marks import mark_frames
+from antenna_pin.record._gear_marks import mark_gears
 from antenna_pin.record._joint_marks import mark_joints
 from antenna_pin.record._marking import Mark, Marking
 from antenna_pin.record._spring_marks import mark_springs
@@ -19,6 +20,7 @@ __all__ = ["MARKS", "marks_of"]
 MARKS: tuple[Callable[[Marking], Mark | None], ...] = (
     mark_closures,
     mark_stops,
+    mark_gears,
     mark_springs,
     mark_joints,
     mark_frames,

@@ -23,6 +23,7 @@ from antenna_pin.pages import in_frame, policy, script
 from antenna_pin.report import (
     contacts,
     elastic,
+    gears,
     loops,
     motion,
     orbits,
@@ -148,6 +149,7 @@ def _of_runs(found: list[ReportedRun], drawing: int, recordings: bool, window: f
         loops.loops(found),
         elastic.elastic_parts(found),
         stops.stops_and_latches(found),
+        gears.gears(found),
         motion.deviations(found),
         contacts.impact_tables(found),
         contacts.loads(found),

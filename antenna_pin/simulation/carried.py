@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from antenna_pin.contact import DISSIPATIONS, FRICTION_LAWS, NORMAL_LAWS, DampedContact
 from antenna_pin.dynamics import System
-from antenna_pin.elements import Element, JointFriction, Modal, Motion
+from antenna_pin.elements import BetweenJoints, Element, JointFriction, Modal, Motion
 from antenna_pin.flexible import Takes
 from antenna_pin.joints import ClearanceJoint
 from antenna_pin.mechanism import frame_aligning_z, quaternion
@@ -35,7 +35,8 @@ def mechanism_attributes(system: System) -> dict[str, str]:
     ``clearance_joints`` what :func:`carried_joints` tells (JSON). ``drives`` (JSON) has of each its
     ``joint``, whether that ``slides`` along its axis, and whether it prescribes the joint's ``motion``.
     ``elements`` (JSON) has of each element of a further family, by its place as ``stops.hinge``, the ``kind``
-    (its class), ``joint``, ``slides``, the names of its ``modes``, and ``numbers``: limits, a window.
+    (its class), ``joint``, ``slides``, the names of its ``modes``, and ``numbers``: limits, a window. Of one
+    between two joints ``joints`` has both, ``joint`` none, and ``slides`` says that its deflection is a way.
     If there are springs between points,
     ``point_springs`` (JSON) has of each, by name, ``first_body``, ``first_point``, ``second_body`` and
     ``second_point``: links, and places in their frames [m]. If there are elastic parts, ``elastic_parts``
@@ -88,10 +89,12 @@ def _elements(system: System) -> dict[str, dict[str, Any]]:
     for table in system.others:
         for name, one in system.families[table].items():
             joint = one.acts_at
+            between = one if isinstance(one, BetweenJoints) else None
             found[f"{table}.{name}"] = {
                 "kind": type(one).__name__,
                 "joint": joint,
-                "slides": joint is not None and system.slides(joint),
+                **({"joints": [between.input, between.output]} if between else {}),
+                "slides": between.along if between else joint is not None and system.slides(joint),
                 "modes": list(getattr(one, "modes", ())),
                 "numbers": one.facts() if isinstance(one, Modal) else {},
             }

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from antenna_pin.dynamics import System, acting_in
-from antenna_pin.simulation.events import Angle, Event, Kink, Stop
+from antenna_pin.simulation.events import Angle, Event, Kink, Rate, Stop
 from antenna_pin.simulation.moment import Moment
 
 __all__ = ["Passing", "ends_of", "kinks_of"]
@@ -38,8 +38,14 @@ def ends_of(system: System) -> tuple[Event, ...]:
 
 def kinks_of(system: System) -> tuple[Event, ...]:
     """Return the events at which steps end for the sake of elements whose effort has kinks."""
-    return tuple(
+    kinks = [
         Event(name=f"{one.label} has a kink", when=Passing(one.block), action=Kink())
         for one in acting_in(system)
         if one.element.has_kinks
-    )
+    ]
+    reversals = [
+        Event(name=f"{one.label} has a kink where {joint!r} turns back", when=Rate(joint), action=Kink())
+        for one in acting_in(system)
+        for joint in one.element.reversals
+    ]
+    return (*kinks, *reversals)

@@ -100,7 +100,7 @@ def switches_of(system: System) -> tuple[Event, ...]:
             action=Switch(one.place, k),
         )
         for one in acting_in(system)
-        if isinstance(one.element, Modal)
+        if isinstance(one.element, Modal) and one.element.ever_changes
         for k in range(one.element.switches)
     )
 

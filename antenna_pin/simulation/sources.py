@@ -39,6 +39,7 @@ def _derivative(seen: Seen) -> Values:
         "control_reference": tracking["reference"],
         "control_error": tracking["error"],
         "element_effort": seen.found.done["effort"],
+        "element_deflection": seen.found.done["deflection"],
         "element_energy": seen.found.done["energy"],
         "element_mode": seen.found.done["mode"].astype(np.int8),
         "spring_torque": seen.found.traced["effort"],

@@ -2,6 +2,7 @@
 
 from antenna_pin.trajectory.blows import blow_counts, blow_numbers, surfaces
 from antenna_pin.trajectory.file import FORMAT, write_blocks
+from antenna_pin.trajectory.meshes import Span, mesh_spans, mesh_touches, met_by_meshes
 from antenna_pin.trajectory.outcome import ENDED_WELL, Counts, Outcome
 from antenna_pin.trajectory.read import (
     contact_ends,
@@ -40,6 +41,7 @@ __all__ = [
     "Counts",
     "ModeChange",
     "Outcome",
+    "Span",
     "TableKind",
     "Touch",
     "Trajectory",
@@ -55,6 +57,9 @@ __all__ = [
     "kind_of",
     "latch_changes",
     "library_versions",
+    "mesh_spans",
+    "mesh_touches",
+    "met_by_meshes",
     "mode_changes",
     "names_along",
     "open_table",

@@ -21,6 +21,7 @@ from antenna_pin.state import State
 from antenna_pin.trajectory.blows import blow_counts
 from antenna_pin.trajectory.check import problem_of
 from antenna_pin.trajectory.file import FORMAT, read, write
+from antenna_pin.trajectory.meshes import met_by_meshes
 from antenna_pin.trajectory.outcome import ENDED_WELL, Counts, Outcome
 from antenna_pin.trajectory.read import names_along
 from antenna_pin.trajectory.touches import met_by_elements
@@ -180,6 +181,8 @@ class Trajectory:
         if "coupling" in data.sizes:
             result["couplings"] = _couplings(data)
         result |= met_by_elements(data)
+        if gears := met_by_meshes(data):
+            result["gears"] = gears
         if "bearing" in data.sizes:
             result["bearings"] = _by_label(data, "bearing", _BEARINGS)
         if "contact" not in data.sizes:

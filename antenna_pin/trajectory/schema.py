@@ -202,6 +202,7 @@ _ENERGIES: tuple[Variable, ...] = (
     *_rows(
         "derivative: time element",
         ("element_effort", "N m", "torque about the joint's axis, what holds it included (a force [N])"),
+        ("element_deflection", "rad", "what it acts by: its joint's angle, a gear's deflection (a way [m])"),
         ("element_energy", "J", "energy stored"),
         ("element_mode", "1", "number of the mode"),
     ),

@@ -30,7 +30,7 @@ __all__ = [
 Array = NDArray[np.float64]
 
 _OF = "change_"
-_WORDS = {"stops": "stop", "latches": "latch"}
+_WORDS = {"stops": "stop", "latches": "latch", "gears": "gear"}
 
 
 class ModeChange(NamedTuple):
@@ -62,8 +62,8 @@ class Touch:
     """A touch of a stop; a blow of a rigid one lasts no time.
 
     Attributes:
-        stop: Place of the stop, as ``stops.hinge``.
-        side: ``lower`` or ``upper``.
+        stop: Place of the stop, as ``stops.hinge``, or of a gear.
+        side: ``lower`` or ``upper``; of a gear ``plus`` or ``minus``.
         onset: First touch [s].
         release: Release [s]; NaN if it lasts to the end.
         approach_rate: Rate into the stop at the onset [rad/s] ([m/s]).
@@ -119,25 +119,26 @@ def latch_changes(data: xr.Dataset) -> list[ModeChange]:
     return list(mode_changes(data, "latches"))
 
 
-def touches(data: xr.Dataset) -> list[Touch]:
-    """Return the touches of stops in order of their onset."""
+def touches(data: xr.Dataset, family: str = "stops") -> list[Touch]:
+    """Return the touches of stops, or of another family that has sides, in order of their onset."""
     found: list[Touch] = []
-    open_: dict[str, ModeChange] = {}
-    for change in mode_changes(data, "stops"):
+    open_: dict[tuple[str, str], ModeChange] = {}
+    for change in mode_changes(data, family):
         side, _, what = change.what.partition(": ")
-        if what in ("on", "rests"):
-            open_[change.element] = change
+        own = change.element, side
+        if what in ("on", "rests", "taut"):
+            open_[own] = change
         elif what == "bounces":
             found.append(_touch(data, change, change))
-        elif what in ("off", "left") and change.element in open_:
-            found.append(_touch(data, open_.pop(change.element), change))
+        elif what in ("off", "left", "slack") and own in open_:
+            found.append(_touch(data, open_.pop(own), change))
     found += [_touch(data, change, None) for change in open_.values()]
     return sorted(found, key=lambda one: one.onset)
 
 
 def _touch(data: xr.Dataset, begin: ModeChange, end: ModeChange | None) -> Touch:
     side, _, what = begin.what.partition(": ")
-    into = -1.0 if side == "lower" else 1.0
+    into = -1.0 if side in ("lower", "minus") else 1.0
     blow = what == "bounces"
     rests = what == "rests"
     loss, impulse, rebound, release = (np.nan,) * 4

@@ -29,6 +29,7 @@ from antenna_pin.elements import (
     PDController,
     PointSpring,
     PrescribedMotion,
+    Rack,
     RigidLatch,
     RigidStop,
     SineDrive,
@@ -175,6 +176,11 @@ MESHES = (
         Spline(input="a", output="b", stiffness=100.0, damping=40.0, play=0.1),
         "from a to b, stiffness 100 N m/rad, damping 40 N m s/rad, play 0.1 rad",
         (-10.0, 1.0),
+    ),
+    (
+        Rack(input="a", output="b", radius=-0.05, stiffness=100.0, damping=5.0, play=0.1),
+        "from a to b, radius \N{MINUS SIGN}50 mm, stiffness 100 N/m, damping 5 N s/m, play 0.1 m",
+        (-6.0, 0.2),
     ),
     (
         Belt(input="a", output="b", input_radius=0.5, output_radius=2.0, stiffness=100.0, pretension=20.0),

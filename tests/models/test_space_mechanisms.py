@@ -162,6 +162,23 @@ def test_the_energy_of_the_springs_goes_into_stops_latches_and_swinging(ideal):
     assert np.abs(ideal.data.energy_error).max() < 1e-6
 
 
+def test_rigid_latches_lock_with_all_momentum_kept(ideal):
+    """The root is caught where it is with latches that give way; blows take what is between the rates."""
+    run = simulate(load_scenario("solar_array", case="rigid-latches"))
+    assert_momentum_stays(run, 1e-8)
+    caught = captures(run)
+    # Up to there the two are one motion, at the default tolerances.
+    assert caught["latches.root"] == pytest.approx(captures(ideal)["latches.root"], abs=1e-7)
+    assert len(caught) == 4 and min(caught, key=lambda name: caught[name]) == "latches.root"
+    assert np.abs(run.data.energy_error).max() < 1e-6
+    lost = {name: float(run.data.total_element_loss.sel(element=f"latches.{name}")) for name in HINGES}
+    # The README's sum.
+    assert sum(lost.values()) == pytest.approx(11.87, abs=0.01)
+    # What is locked rests: to the round-off of its row.
+    late = run.data.motion_rate.sel(joint=list(HINGES)).values[run.data.time.values > 9.0]
+    assert np.abs(late).max() < 1e-12
+
+
 def test_without_cables_hinges_come_one_by_one(ideal):
     """Each springs open by itself: seconds apart, and the satellite turns three times as fast."""
     run = simulate(load_scenario("solar_array", case="uncoupled"))

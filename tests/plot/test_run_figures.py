@@ -54,6 +54,7 @@ from antenna_pin.plot._kinds import (
     CLOSED,
     COUPLED,
     FLEXIBLE,
+    GEARED,
     LOOPED,
     MOVING,
     PRESCRIBED,
@@ -437,10 +438,10 @@ SLIDES = [name for name, figure in CATALOGUE.items() if figure.of is SLIDING]
 CLOSURES = [
     name
     for name, figure in CATALOGUE.items()
-    if figure.needs in (CLOSED, COUPLED, PRESCRIBED, FLEXIBLE, TRACED, STOPPED)
+    if figure.needs in (CLOSED, COUPLED, PRESCRIBED, FLEXIBLE, TRACED, STOPPED, GEARED)
 ]
 LOOPS = [*CLOSURES, *(name for name, figure in CATALOGUE.items() if figure.of is LOOPED)]
-# Other files have those of made-up runs, closures, flexible links, hysteresis and stops.
+# Other files have those of made-up runs, closures, flexible links, hysteresis, stops and gears.
 FIGURES = [name for name in CATALOGUE if name not in (*MADE_UP, *SLIDES, *CLOSURES)]
 STANDARD = [name for name, figure in CATALOGUE.items() if figure.standard and name not in (*SLIDES, *LOOPS)]
 

@@ -166,7 +166,7 @@ def test_all_kinds_keep_momentum_and_the_ledger(name: str) -> None:
 
 @pytest.mark.parametrize("name", ["gear", "cable"])
 def test_two_halves_are_one(name: str) -> None:
-    """A run that is cut goes on bit for bit: the mesh remembers nothing."""
+    """A run that is cut goes on bit for bit, with which sides are in contact."""
     system = _skew(elements=_geared(ELEMENTS[name]))
     v, settings = np.array([0, 0, 0, 0.1, 0, 0, 2.0, -1.0, 0.5]), RunSettings(rtol=1e-9, output_rate=64.0)
     whole = simulate(system, v=v, duration=0.75, settings=settings)

@@ -1,0 +1,103 @@
+"""What meshes or pulls between two joints: which sides are in contact, and when they come off."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+from antenna_pin.elements.between_joints import BetweenJoints
+from antenna_pin.elements.element import IMPULSE, LOSS, Integral
+from antenna_pin.elements.mesh_kernels import APART, BOTH, BOTH_WAYS, MINUS, PLUS, TURNS, TWO
+from antenna_pin.elements.modal import Change, Met, Modal
+
+__all__ = ["Flanks"]
+
+_SIDES = {PLUS: "plus", MINUS: "minus"}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Flanks(Modal, BetweenJoints):
+    """Base of what has a side that meshes, or a strand that pulls, on either side of a deflection.
+
+    Its modes say which are in contact. They change at located instants, so that steps end there and touches
+    are known; its torque is a function of deflection and rate alone, whatever they say. In a touch of one
+    side there is one instant more that is located, where the deflection turns back: between touch, turn and
+    release the damper comes to its limit and off it once at most, so that no step goes over both.
+
+    Attributes:
+        mode: The number of the present one.
+        turned: Whether it has turned back in the present touch, 0 or 1.
+        lost: What it had lost before that [J].
+        struck: Its impulse before that, by size [N*m*s] ([N*s]).
+    """
+
+    integrals: ClassVar[tuple[Integral, ...]] = (LOSS, IMPULSE)
+    modes: ClassVar[tuple[str, ...]] = ("apart", "plus", "minus", "both")
+    switches: ClassVar[int] = 3
+    remembers: ClassVar[tuple[str, ...]] = ("turned", "lost", "struck")
+    # What is recorded of a side that comes into contact, and that leaves it.
+    said_of_change: ClassVar[tuple[str, str]] = ("on", "off")
+
+    mode: int = field(default=0, repr=False)
+    turned: float = field(default=0.0, repr=False)
+    lost: float = field(default=0.0, repr=False)
+    struck: float = field(default=0.0, repr=False)
+
+    @property
+    def side_numbers(self) -> tuple[float, int]:
+        """How far beyond no deflection a side begins to act (its room), and which springs there are."""
+        raise NotImplementedError
+
+    @property
+    def ever_changes(self) -> bool:
+        """Whether it has sides: without play it is one spring both ways."""
+        return self.side_numbers[1] != BOTH_WAYS
+
+    def first(self, met: Met) -> Change | None:
+        """Return which sides are in contact where both joints are."""
+        room, springs = self.side_numbers
+        if springs == BOTH_WAYS:
+            return None
+        mode = APART
+        for side, depth, rate in ((PLUS, met.angle + room, met.rate), (MINUS, room - met.angle, -met.rate)):
+            if (side == PLUS or springs == TWO) and (depth > 0.0 or (depth == 0.0 and rate > 0.0)):
+                mode += side
+        return self._in(mode, met) if mode != self.mode else None
+
+    def armed(self, met: Met) -> Change | None:
+        """Return which sides are in contact when it is switched on."""
+        return self.first(met)
+
+    def passed(self, k: int, met: Met) -> Change:
+        """Bring side k into contact or out of it, or turn back in contact."""
+        if k == TURNS:
+            return Change(self.mode, f"{_SIDES[self.mode]}: turns", {"turned": 1.0})
+        side = PLUS if k == 0 else MINUS
+        on, off = self.said_of_change
+        if not self.mode & side:
+            return self._in(self.mode | side, met, f"{_SIDES[side]}: {on}")
+        what = f"{_SIDES[side]}: {off}"
+        if self.mode != side:
+            return self._in(self.mode & ~side, met, what)
+        lost, struck = met.integrals
+        sign = -1.0 if side == PLUS else 1.0
+        impulse = sign * (struck - self.struck)
+        return Change(APART, what, {"turned": 0.0}, loss=lost - self.lost, impulse=impulse)
+
+    def _in(self, mode: int, met: Met, what: str = "") -> Change:
+        """Return the change to a mode with a side in contact, or none."""
+        into = met.rate if mode == PLUS else -met.rate
+        lost, struck = met.integrals or (0.0, 0.0)
+        memory = {"turned": float(mode in (APART, BOTH) or into <= 0.0), "lost": lost, "struck": struck}
+        return Change(mode, what, memory)
+
+    def facts(self) -> dict[str, float]:
+        """Return the deflections beyond which its sides act, and its shares of the two positions."""
+        numbers = self.values()
+        room, springs = self.side_numbers
+        found = {"a": float(numbers["a"]), "b": float(numbers["b"])}
+        if springs != BOTH_WAYS:
+            found["plus"] = -room
+        if springs == TWO:
+            found["minus"] = room
+        return found
