@@ -22,17 +22,21 @@ from antenna_pin.elements.modal import Change, Met, Modal
 from antenna_pin.elements.pd import PDController
 from antenna_pin.elements.point_spring import PointSpring
 from antenna_pin.elements.prescribed import CallableMotion, DistanceMotion, Motion, PrescribedMotion
+from antenna_pin.elements.random_shake import RandomShake, band_power, density_at
 from antenna_pin.elements.registry import (
     DRIVES,
     ELEMENTS,
     FAMILIES,
     GEARS,
+    SHAKES,
     SPRINGS,
     Family,
     kind_of,
 )
 from antenna_pin.elements.rigid_latch import RigidLatch
 from antenna_pin.elements.rigid_stop import RigidStop
+from antenna_pin.elements.shake import Shake, SineShake, SweepShake
+from antenna_pin.elements.shaken_table import TableShake
 from antenna_pin.elements.sine import SineDrive
 from antenna_pin.elements.spring import JointSpring
 from antenna_pin.elements.sticking_friction import StickingFriction
@@ -47,6 +51,7 @@ __all__ = [
     "GEARS",
     "GROSS_WORK",
     "LOSS",
+    "SHAKES",
     "SPRINGS",
     "WORK",
     "About",
@@ -86,15 +91,22 @@ __all__ = [
     "Point",
     "PointSpring",
     "PrescribedMotion",
+    "RandomShake",
     "RigidLatch",
     "RigidStop",
+    "Shake",
     "SineDrive",
+    "SineShake",
     "Spline",
     "StickingFriction",
     "StiffnessBearing",
+    "SweepShake",
     "TableDrive",
+    "TableShake",
     "TableSpring",
+    "band_power",
     "check_together",
+    "density_at",
     "kind_of",
     "moved",
 ]
