@@ -79,7 +79,7 @@ class RandomShake(Shake):
     at_start: ClassVar[tuple[str, ...]] = ("period", "seed", "fade_in")
 
     frequency: tuple[float, ...] = parameter("Hz", rule="positive", sizes=(0,))
-    density: tuple[float, ...] = parameter("m**2/s**3", rule="positive", sizes=(0,))
+    density: tuple[float, ...] = parameter("m^2/s^3", rule="positive", sizes=(0,))
     period: float = parameter("s", rule="positive")
     seed: int = parameter("1", rule="zero or more")
     fade_in: float = parameter("s", rule="zero or more", default=0.0)
@@ -133,7 +133,7 @@ class RandomShake(Shake):
         return math.sqrt(band_power(self.frequency[0], self.frequency[-1], self.frequency, self.density))
 
     def lines(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-        """Return frequency [Hz], amplitude of acceleration [m/s^2] and phase [rad] of the lines, (n,) each."""
+        """Return frequency [Hz], amplitude of acceleration [m/s^2] and phase [rad] of the lines."""
         first, last = self._range
         k = np.arange(first, last + 1)
         edges = (np.arange(first, last + 2) - 0.5) / self.period
@@ -141,6 +141,10 @@ class RandomShake(Shake):
         powers = [band_power(a, b, self.frequency, self.density) for a, b in pairwise(edges.tolist())]
         phases = 2.0 * math.pi * np.random.Generator(np.random.PCG64(int(self.seed))).random(len(k))
         return k / self.period, np.sqrt(2.0 * np.array(powers)), phases
+
+    def carried(self) -> dict[str, Any]:
+        """Return what a result carries of it: its density too."""
+        return Shake.carried(self) | {"frequency": list(self.frequency), "density": list(self.density)}
 
     def values(self) -> dict[str, Any]:
         """Return its numbers, by the names that its record has for them."""
@@ -168,8 +172,7 @@ class RandomShake(Shake):
         first, last = self._range
         faded = f", fades in within {readable(self.fade_in, 's', GIVEN)}" if self.fade_in else ""
         return (
-            f"{self.way()}: random, {band}, {readable(self.rms, 'm/s^2')} rms, {said} dB/octave between break "
-            f"points, {last - first + 1} lines, repeats after {readable(self.period, 's', GIVEN)}, "
+            f"{self.way()}: random, {band}, {readable(self.rms, 'm/s^2')} rms, {said} dB/octave, {last - first + 1} lines, repeats after {readable(self.period, 's', GIVEN)}, "
             f"seed {int(self.seed)}{faded}"
         )
 

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.directions import A_DIRECTION
 from antenna_pin.elements.prescribed import Motion
+from antenna_pin.elements.swept_pieces import SweptPiece, sines_of
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.parameters import check, parameter
 from antenna_pin.readable import GIVEN, number, readable
@@ -18,7 +19,7 @@ from antenna_pin.readable import GIVEN, number, readable
 __all__ = ["Shake", "SineShake", "SweepShake"]
 
 _MINUTE, _LEAST_CYCLES = 60.0, 10
-# Of the amplitudes that a sine may have: the power of the angular frequency that makes a displacement of each.
+# The power of the angular frequency by which amplitudes are those of a displacement.
 _POWERS = {"displacement": 0, "velocity": 1, "acceleration": 2}
 
 
@@ -61,6 +62,10 @@ class Shake(Motion):
             rule = f"one that {'slides' if self.slides else 'turns'}, as the motion says"
             raise InvalidParameterError(place, "joint", rule, self.joint)
 
+    def carried(self) -> dict[str, Any]:
+        """Return what a result carries of it, for those who look at what answers to it."""
+        return {"along": list(self.direction)} if self.direction else {"about": list(self.axis or ())}
+
     def way(self) -> str:
         """Return along which direction, or about which axis, in words."""
         given = self.direction if self.direction is not None else self.axis
@@ -71,30 +76,6 @@ class Shake(Motion):
     def said_in_own(self, name: str) -> str:
         """Return one of its parameters with the unit that it has along a direction or about an axis."""
         return self.said(name, self.slides)
-
-
-class _Piece(NamedTuple):
-    """A stretch of a sweep, as kernels take it (``PIECE``)."""
-
-    start: float  # [s]
-    begin: float  # angular frequency [rad/s]
-    growth: float  # of it: [1/s] of octaves, [rad/s^2] of a linear sweep
-    octaves: int
-    phase: float  # [rad]
-    height: float
-    power: int
-
-    def omega(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the angular frequency at times [rad/s]."""
-        s = t - self.start
-        return self.begin * np.exp(self.growth * s) if self.octaves else self.begin + self.growth * s
-
-    def turned(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the phase at times [rad]."""
-        s = t - self.start
-        if self.octaves and self.growth:
-            return self.phase + self.begin * np.expm1(self.growth * s) / self.growth
-        return self.phase + (self.begin + 0.5 * self.growth * s) * s
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -116,9 +97,13 @@ class _Swept(Shake):
         "dwell",
     )
 
-    def pieces(self) -> tuple[_Piece, ...]:
+    def pieces(self) -> tuple[SweptPiece, ...]:
         """Return the stretches of time that it is made of."""
         raise NotImplementedError
+
+    def carried(self) -> dict[str, Any]:
+        """Return what a result carries of it: its pieces too."""
+        return Shake.carried(self) | {"pieces": [list(piece) for piece in self.pieces()]}
 
     def amplitudes(self) -> dict[str, float]:
         """Return the amplitudes that are given, by what they are of."""
@@ -138,7 +123,7 @@ class _Swept(Shake):
 
     def values(self) -> dict[str, Any]:
         """Return its numbers, by the names that its record has for them."""
-        return {"pieces": len(self.pieces()), "fade_in": getattr(self, "fade_in")}
+        return {"pieces": len(self.pieces()), "fade_in": self.fade_in}
 
     def tail(self) -> tuple[float, ...]:
         """Return its pieces."""
@@ -151,7 +136,7 @@ class _Swept(Shake):
     @property
     def instants(self) -> tuple[float, ...]:
         """Times at which it goes over into another piece, or has faded in [s]."""
-        faded = getattr(self, "fade_in")
+        faded = self.fade_in
         return tuple(sorted({piece.start for piece in self.pieces()[1:]} | ({faded} if faded else set())))
 
     def sines(self, time: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -159,15 +144,7 @@ class _Swept(Shake):
 
         The displacement is the amplitude times the sine of the phase.
         """
-        t = np.asarray(time, dtype=float)
-        pieces = self.pieces()
-        own = np.searchsorted([piece.start for piece in pieces[1:]], t, side="right")
-        frequency, phase = np.zeros(t.shape), np.zeros(t.shape)
-        for k, piece in enumerate(pieces):
-            here = own == k
-            frequency[here] = piece.omega(t[here]) / (2.0 * math.pi)
-            phase[here] = piece.turned(t[here])
-        return frequency, phase
+        return sines_of(self.pieces(), time)
 
     def said_amplitudes(self) -> str:
         """Return the amplitudes in words."""
@@ -176,7 +153,7 @@ class _Swept(Shake):
 
     def said_fade(self) -> str:
         """Return how it fades in, in words."""
-        faded = getattr(self, "fade_in")
+        faded = self.fade_in
         return f", fades in within {readable(faded, 's', GIVEN)}" if faded else ""
 
 
@@ -199,7 +176,7 @@ class SineShake(_Swept):
 
     displacement: float | None = parameter("rad", sliding="m", rule="positive", default=None)
     velocity: float | None = parameter("rad/s", sliding="m/s", rule="positive", default=None)
-    acceleration: float | None = parameter("rad/s**2", sliding="m/s**2", rule="positive", default=None)
+    acceleration: float | None = parameter("rad/s^2", sliding="m/s^2", rule="positive", default=None)
     frequency: float = parameter("Hz", rule="positive")
     phase: float = parameter("rad", default=0.0)
     fade_in: float = parameter("s", rule="zero or more", default=0.0)
@@ -214,10 +191,10 @@ class SineShake(_Swept):
         """An eighth of the period [s]."""
         return 0.125 / self.frequency
 
-    def pieces(self) -> tuple[_Piece, ...]:
+    def pieces(self) -> tuple[SweptPiece, ...]:
         """Return the one stretch that it is made of."""
         omega = 2.0 * math.pi * self.frequency
-        return (_Piece(0.0, omega, 0.0, 0, self.phase, *self.least(omega)),)
+        return (SweptPiece(0.0, omega, 0.0, 0, self.phase, *self.least(omega)),)
 
     def words(self, slides: bool) -> str:
         """Return what it is in words."""
@@ -252,7 +229,7 @@ class SweepShake(_Swept):
 
     displacement: float | None = parameter("rad", sliding="m", rule="positive", default=None)
     velocity: float | None = parameter("rad/s", sliding="m/s", rule="positive", default=None)
-    acceleration: float | None = parameter("rad/s**2", sliding="m/s**2", rule="positive", default=None)
+    acceleration: float | None = parameter("rad/s^2", sliding="m/s^2", rule="positive", default=None)
     start_frequency: float = parameter("Hz", rule="positive")
     end_frequency: float = parameter("Hz", rule="positive")
     octaves_per_minute: float | None = parameter("1", rule="positive", default=None)
@@ -308,14 +285,14 @@ class SweepShake(_Swept):
         kept = [w for w in inside if self.least(w * (1.0 - 1e-9)) != self.least(w * (1.0 + 1e-9))]
         return [first, *(kept if last > first else kept[::-1]), last]
 
-    def pieces(self) -> tuple[_Piece, ...]:
+    def pieces(self) -> tuple[SweptPiece, ...]:
         """Return the stretches of time that it is made of; the last one has no end."""
         corners = self._corners()
-        found: list[_Piece] = []
+        found: list[SweptPiece] = []
         start = half_turns = 0.0
 
-        def stay(omega: float) -> _Piece:
-            return _Piece(start, omega, 0.0, 0, math.pi * (half_turns % 2.0), *self.least(omega))
+        def stay(omega: float) -> SweptPiece:
+            return SweptPiece(start, omega, 0.0, 0, math.pi * (half_turns % 2.0), *self.least(omega))
 
         for way in (corners, corners[::-1]) if self.back else (corners,):
             if found and self.dwell:
@@ -332,7 +309,7 @@ class SweepShake(_Swept):
                     lasts = (last - first) / growth
                 shape = self.least(math.sqrt(first * last))
                 octaves = int(self.octaves_per_minute is not None)
-                found.append(_Piece(start, first, growth, octaves, math.pi * (half_turns % 2.0), *shape))
+                found.append(SweptPiece(start, first, growth, octaves, math.pi * (half_turns % 2.0), *shape))
                 start, half_turns = start + lasts, half_turns + halves
         return (*found, stay(way[-1]))
 

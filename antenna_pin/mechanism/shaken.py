@@ -1,8 +1,8 @@
 """A base that is shaken: joints between the world and the root of a URDF, which follow given motions.
 
-A mechanism on a fixed base stands in the world by its root. Shaken, it is carried by one joint for each motion,
-one on another, those that slide nearest to the world: what is a direction or an axis in the world stays one
-there. The links between have no mass. What does not move is a link named ``world`` in front of all.
+A mechanism on a fixed base stands in the world by its root. Shaken, it is carried by one joint for each
+motion, one on another, those that slide nearest to the world: a direction in the world stays one. The links
+between have no mass. What does not move is a link named ``world`` in front of all.
 """
 
 from __future__ import annotations
