@@ -171,8 +171,9 @@ class RandomShake(Shake):
         band = f"{number(self.frequency[0], GIVEN)} to {number(self.frequency[-1], GIVEN)} Hz"
         first, last = self._range
         faded = f", fades in within {readable(self.fade_in, 's', GIVEN)}" if self.fade_in else ""
+        lines = f"{last - first + 1} lines, repeats after {readable(self.period, 's', GIVEN)}"
         return (
-            f"{self.way()}: random, {band}, {readable(self.rms, 'm/s^2')} rms, {said} dB/octave, {last - first + 1} lines, repeats after {readable(self.period, 's', GIVEN)}, "
+            f"{self.way()}: random, {band}, {readable(self.rms, 'm/s^2')} rms, {said} dB/octave, {lines}, "
             f"seed {int(self.seed)}{faded}"
         )
 

@@ -80,7 +80,11 @@ class Shake(Motion):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Swept(Shake):
-    """Base of the sines: amplitudes of displacement, velocity and acceleration, of which the least counts."""
+    """Base of the sines: amplitudes of displacement, velocity and acceleration, of which the least counts.
+
+    Attributes:
+        fade_in: Time in which it grows from nothing, by a factor whose second derivative is continuous [s].
+    """
 
     kernels: ClassVar[str] = "swept_kernels"
     at_start: ClassVar[tuple[str, ...]] = (
@@ -96,6 +100,8 @@ class _Swept(Shake):
         "hertz_per_second",
         "dwell",
     )
+
+    fade_in: float = parameter("s", rule="zero or more", default=0.0)
 
     def pieces(self) -> tuple[SweptPiece, ...]:
         """Return the stretches of time that it is made of."""
@@ -171,7 +177,6 @@ class SineShake(_Swept):
         acceleration: Amplitude; in g where it is an acceleration [rad/s^2] ([m/s^2]).
         frequency: f [Hz].
         phase: varphi [rad].
-        fade_in: Time in which it grows from nothing, by a factor whose second derivative is continuous [s].
     """
 
     displacement: float | None = parameter("rad", sliding="m", rule="positive", default=None)
@@ -179,7 +184,6 @@ class SineShake(_Swept):
     acceleration: float | None = parameter("rad/s^2", sliding="m/s^2", rule="positive", default=None)
     frequency: float = parameter("Hz", rule="positive")
     phase: float = parameter("rad", default=0.0)
-    fade_in: float = parameter("s", rule="zero or more", default=0.0)
 
     def __post_init__(self) -> None:
         """Check the parts."""
@@ -224,7 +228,6 @@ class SweepShake(_Swept):
         hertz_per_second: Rate of a linear sweep, in place of the former [-].
         dwell: How long it stays at the end frequency before it goes back, rounded up to half periods [s].
         back: Whether it goes back to the first frequency.
-        fade_in: Time in which it grows from nothing, by a factor whose second derivative is continuous [s].
     """
 
     displacement: float | None = parameter("rad", sliding="m", rule="positive", default=None)
@@ -236,7 +239,6 @@ class SweepShake(_Swept):
     hertz_per_second: float | None = parameter("1", rule="positive", default=None)
     dwell: float = parameter("s", rule="zero or more", default=0.0)
     back: bool = False
-    fade_in: float = parameter("s", rule="zero or more", default=0.0)
 
     def __post_init__(self) -> None:
         """Check the parts."""

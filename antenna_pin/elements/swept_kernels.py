@@ -13,8 +13,8 @@ from antenna_pin.records import layout, words_of
 #: Behind it stand the pieces, in the order of time.
 LAYOUT = layout(("pieces", "i8"), ("fade_in", "f8"))
 SIZE = words_of(LAYOUT)
-#: Of a ``SweptPiece``: from ``start`` on the angular frequency is ``begin`` exp(growth s), or, where ``octaves``
-#: is 0, ``begin`` + growth s; the displacement's amplitude is ``height`` over it to the ``power``.
+#: Of a ``SweptPiece``: from ``start`` on the angular frequency is ``begin`` exp(growth s), or, where
+#: ``octaves`` is 0, ``begin`` + growth s; the displacement's amplitude is ``height`` over its ``power``.
 PIECE = layout(
     ("start", "f8"),
     ("begin", "f8"),

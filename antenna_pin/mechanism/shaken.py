@@ -100,7 +100,7 @@ def _check(urdf: Urdf, shakes: Mapping[str, Shake]) -> None:
             f"{place}: a base that is shaken must have a mass, got none at {urdf.root!r}; give it the "
             f"fixture's by mechanism.links.{urdf.root}.mass and inertia: the base's force counts it"
         )
-    taken = {one.name for one in (*urdf.robot.links, *urdf.robot.joints)}
+    taken = {one.name for one in urdf.robot.links} | {one.name for one in urdf.robot.joints}
     for name, shake in shakes.items():
         for own in (shake.joint, body_name(shake.joint), f"{shake.joint}_mount"):
             if own in taken:
