@@ -81,7 +81,9 @@ if TYPE_CHECKING:
         scenario_rows,
     )
     from antenna_pin.analysis.settling import Settling, settling, touching_intervals
+    from antenna_pin.analysis.shaken import base_loads, shaken_link, shakes_of
     from antenna_pin.analysis.shares import scenario_shares, scenario_spans
+    from antenna_pin.analysis.shock import shock_spectrum
     from antenna_pin.analysis.signals import RunSignal, scales_of, signals
     from antenna_pin.analysis.slider_scenarios import slider_scenarios
     from antenna_pin.analysis.spectrum import (
@@ -92,8 +94,10 @@ if TYPE_CHECKING:
         uniform,
     )
     from antenna_pin.analysis.stops import latch_events, stop_impacts, stops_and_latches
+    from antenna_pin.analysis.swept import following, swept_response
     from antenna_pin.analysis.transients import Settled, settled
     from antenna_pin.analysis.upright import STEADY, bearing_up, steady_up
+    from antenna_pin.analysis.vibration import band_rms, power_density, transfer
 
 __all__ = [
     "Verdict",
@@ -125,7 +129,9 @@ __all__ = [
     "StabilitySpan",
     "TiltRange",
     "UniformSignal",
+    "base_loads",
     "base_motion",
+    "band_rms",
     "bearing_up",
     "beside",
     "between_samples",
@@ -154,6 +160,7 @@ __all__ = [
     "elastic_motion",
     "elastic_parts_of",
     "error_components",
+    "following",
     "growth_of",
     "impact_statistics",
     "blow_statistics",
@@ -177,6 +184,7 @@ __all__ = [
     "pointing_spec",
     "portrait_of",
     "portrait_table",
+    "power_density",
     "possible_scenarios",
     "quantities",
     "quantity",
@@ -195,22 +203,27 @@ __all__ = [
     "scales_of",
     "scenario_of",
     "scenario_rows",
+    "shaken_link",
+    "shakes_of",
     "scenario_shares",
     "scenario_spans",
     "slider_scenarios",
     "section_lines",
     "settled",
     "settling",
+    "shock_spectrum",
     "signals",
     "spectrogram",
     "spectrum",
     "stability_spans",
     "steady_up",
+    "swept_response",
     "stop_impacts",
     "stops_and_latches",
     "time_mean",
     "time_percentiles",
     "time_rms",
+    "transfer",
     "touching_intervals",
     "unexplained_changes",
     "uniform",
@@ -251,6 +264,10 @@ loaded_when_used(
         "scenarios": "SCENARIO_COLUMNS JournalPose ScenarioPair TiltRange"
         " possible_scenarios scenario_of scenario_rows",
         "settling": "Settling settling touching_intervals",
+        "shaken": "base_loads shaken_link shakes_of",
+        "shock": "shock_spectrum",
+        "swept": "following swept_response",
+        "vibration": "band_rms power_density transfer",
         "shares": "scenario_shares scenario_spans",
         "slider_scenarios": "slider_scenarios",
         "signals": "RunSignal scales_of signals",

@@ -41,6 +41,7 @@ from antenna_pin.elements.sine import SineDrive
 from antenna_pin.elements.spring import JointSpring
 from antenna_pin.elements.sticking_friction import StickingFriction
 from antenna_pin.elements.stop import EndStop
+from antenna_pin.elements.swept_pieces import SweptPiece, sines_of
 from antenna_pin.elements.tabulated import TableDrive
 from antenna_pin.elements.together import check_together
 
@@ -101,6 +102,7 @@ __all__ = [
     "StickingFriction",
     "StiffnessBearing",
     "SweepShake",
+    "SweptPiece",
     "TableDrive",
     "TableShake",
     "TableSpring",
@@ -109,4 +111,5 @@ __all__ = [
     "density_at",
     "kind_of",
     "moved",
+    "sines_of",
 ]
