@@ -95,6 +95,7 @@ if TYPE_CHECKING:
     )
     from antenna_pin.analysis.stops import latch_events, stop_impacts, stops_and_latches
     from antenna_pin.analysis.swept import following, swept_response
+    from antenna_pin.analysis.targets import base_quantity, shaken_target
     from antenna_pin.analysis.transients import Settled, settled
     from antenna_pin.analysis.upright import STEADY, bearing_up, steady_up
     from antenna_pin.analysis.vibration import band_rms, power_density, transfer
@@ -131,6 +132,7 @@ __all__ = [
     "UniformSignal",
     "base_loads",
     "base_motion",
+    "base_quantity",
     "band_rms",
     "bearing_up",
     "beside",
@@ -204,6 +206,7 @@ __all__ = [
     "scenario_of",
     "scenario_rows",
     "shaken_link",
+    "shaken_target",
     "shakes_of",
     "scenario_shares",
     "scenario_spans",
@@ -267,6 +270,7 @@ loaded_when_used(
         "shaken": "base_loads shaken_link shakes_of",
         "shock": "shock_spectrum",
         "swept": "following swept_response",
+        "targets": "base_quantity shaken_target",
         "vibration": "band_rms power_density transfer",
         "shares": "scenario_shares scenario_spans",
         "slider_scenarios": "slider_scenarios",

@@ -11,6 +11,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from antenna_pin._lanes import LANES
 from antenna_pin.elements.shake import Shake
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.parameters import parameter
@@ -149,7 +150,8 @@ class RandomShake(Shake):
     def values(self) -> dict[str, Any]:
         """Return its numbers, by the names that its record has for them."""
         first, last = self._range
-        return {"lines": last - first + 1, "lowest": first, "period": self.period, "fade_in": self.fade_in}
+        groups = -(-(last - first + 1) // LANES)
+        return {"groups": groups, "lowest": first, "period": self.period, "fade_in": self.fade_in}
 
     def tail(self) -> tuple[float, ...]:
         """Return the lines of the displacement."""
@@ -180,6 +182,10 @@ class RandomShake(Shake):
 
 @cache
 def _tail(shake: RandomShake) -> tuple[float, ...]:
+    """Return the lines as kernels take them: in whole lanes, those that are none zero."""
     frequency, amplitude, phase = shake.lines()
     along = -amplitude / (2.0 * math.pi * frequency) ** 2
-    return tuple(np.column_stack([along * np.cos(phase), along * np.sin(phase)]).ravel().tolist())
+    both = np.zeros((2, -(-len(along) // LANES) * LANES))
+    both[:, : len(along)] = along * np.cos(phase), along * np.sin(phase)
+    lines = both.reshape(2, -1, LANES).transpose(1, 0, 2).ravel()
+    return (*np.eye(LANES).ravel().tolist(), *map(float, range(LANES)), *lines.tolist())

@@ -55,6 +55,7 @@ if TYPE_CHECKING:
     from antenna_pin.plot.response import figure_response
     from antenna_pin.plot.scenarios import figure_scenarios
     from antenna_pin.plot.sections import figure_bifurcation, figure_section
+    from antenna_pin.plot.shaken import figure_density, figure_shock, figure_swept
     from antenna_pin.plot.spectra import SIGNALS, figure_spectra, figure_spectrogram
     from antenna_pin.plot.stops import figure_stops
     from antenna_pin.plot.study import (
@@ -99,6 +100,7 @@ __all__ = [
     "figure_contact_width",
     "figure_deflection",
     "figure_hysteresis",
+    "figure_density",
     "figure_drive_efforts",
     "figure_eccentricity",
     "figure_energy",
@@ -119,7 +121,9 @@ __all__ = [
     "figures_of_experiment",
     "rendered",
     "figure_scenarios",
+    "figure_shock",
     "figure_spectra",
+    "figure_swept",
     "figure_stops",
     "figure_spectrogram",
     "figure_steady_force",
@@ -166,6 +170,7 @@ loaded_when_used(
         "response": "figure_response",
         "scenarios": "figure_scenarios",
         "sections": "figure_bifurcation figure_section",
+        "shaken": "figure_density figure_shock figure_swept",
         "spectra": "SIGNALS figure_spectra figure_spectrogram",
         "stops": "figure_stops",
         "study": (

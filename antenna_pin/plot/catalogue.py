@@ -29,6 +29,7 @@ from antenna_pin.plot import (
     orbit,
     pointing,
     scenarios,
+    shaken,
     spectra,
     stops,
 )
@@ -55,6 +56,7 @@ CATALOGUE: dict[str, RunFigure] = {
         *elastic.FIGURES,
         *hysteresis.FIGURES,
         *spectra.FIGURES,
+        *shaken.FIGURES,
         *base.FIGURES,
         *bodies.FIGURES,
         *pointing.FIGURES,
