@@ -14,6 +14,7 @@ the steps are looked at between them too. On an even grid that is what the ramp-
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import xarray as xr
@@ -29,6 +30,8 @@ _PER_OCTAVE = 12
 _LOOKS = 24  # in a period of the fastest oscillator: a peak is missed by (pi/24)^2/2, 0.9 % at most
 _MOST_LOOKS = 64  # in a step
 _AFTER = 48  # in the period after the signal's end
+_GROWTH = 20.0  # exponent by which sums may grow before a new one is begun
+_SERIES = 0.05  # size below which a series takes the place of a difference: to 2e-12 of it
 
 
 @takes()
@@ -72,9 +75,10 @@ def shock_spectrum(
     f = _frequencies(t) if frequencies is None else np.atleast_1d(np.asarray(frequencies, dtype=float))
     if f.ndim != 1 or f.size == 0 or not (np.isfinite(f).all() and (f > 0.0).all()):
         raise InvalidParameterError("shock_spectrum", "frequencies", "positive [Hz]", frequencies)
-    t, a = _between(t, a, float(f.max()))
-    largest, least, far, state = _swings(t, a, f, quality)
-    after = _after(state, f, quality)
+    _check_steps(t, float(f.max()))
+    found = [_swing(*_between(t, a, float(one)), float(one), quality) for one in f]
+    largest, least, far = (np.array([one[k] for one in found]) for k in range(3))
+    after = _after(np.array([one[3:] for one in found]).T, f, quality)
     high, low = np.maximum(largest, after[0]), np.minimum(least, after[1])
     residual = np.maximum(after[0], -after[1])
     about = (
@@ -107,49 +111,61 @@ def _frequencies(t: Array) -> Array:
     return np.geomspace(low, max(high, 2.0 * low), count + 1)
 
 
-def _between(t: Array, a: Array, fastest: float) -> tuple[Array, Array]:
-    """Return the polygon with points between its own, where oscillators are fast for its steps."""
-    looks = np.ceil(np.diff(t) * fastest * _LOOKS).astype(int)
-    if int(looks.max(initial=1)) > _MOST_LOOKS:
-        high = _MOST_LOOKS / _LOOKS / float(np.diff(t).max())
-        rule = f"at most {high:.4g} Hz, of which the longest step between samples tells"
+def _check_steps(t: Array, fastest: float) -> None:
+    """Refuse an oscillator that is too fast for the signal's steps."""
+    longest = float(np.diff(t).max())
+    if longest * fastest * _LOOKS > _MOST_LOOKS:
+        rule = f"at most {_MOST_LOOKS / _LOOKS / longest:.4g} Hz, of which the longest step between samples tells"
         raise InvalidParameterError("shock_spectrum", "frequencies", rule, said=f"{fastest:g} Hz")
-    looks = np.maximum(looks, (np.diff(t) > 0.0).astype(int))
+
+
+def _between(t: Array, a: Array, frequency: float) -> tuple[Array, Array]:
+    """Return times and both ends of pieces of the polygon, so short that an oscillator is slow for them.
+
+    Returns:
+        (n + 1,) times and (2, n) accelerations: where something jumps, a piece begins with the later of two.
+    """
+    steps = np.diff(t)
+    looks = np.maximum(np.ceil(steps * frequency * _LOOKS).astype(int), (steps > 0.0).astype(int))
     own = np.repeat(np.arange(looks.size), looks)
     part = np.arange(own.size) - np.repeat(np.cumsum(looks) - looks, looks)
-    share = (part + 1) / looks[own]
-    fine = np.concatenate([t[:1], t[own] + share * np.diff(t)[own]])
-    # Of two samples at one instant, where something jumps, the later one begins the next step.
-    return fine, np.stack([a[own] + part / looks[own] * np.diff(a)[own], a[own] + share * np.diff(a)[own]])
+    first, last = part / looks[own], (part + 1) / looks[own]
+    rise = np.diff(a)[own]
+    times = np.concatenate([t[:1], t[own] + last * steps[own]])
+    return times, np.stack([a[own] + first * rise, a[own] + last * rise])
 
 
-def _swings(t: Array, ends: Array, f: Array, quality: float) -> tuple[Array, Array, Array, Array]:
-    """Return largest and least absolute acceleration, largest displacement and last state, (m,) each."""
-    omega = 2.0 * np.pi * f
-    zeta = 0.5 / quality
+def _swing(
+    t: Array, ends: Array, frequency: float, quality: float
+) -> tuple[float, float, float, float, float]:
+    r"""Return largest and least absolute acceleration, largest displacement, last displacement and rate.
+
+    With lambda = -zeta omega + i omega sqrt(1 - zeta^2), the number u = z' - conj(lambda) z obeys
+    u' = lambda u - a, which sums up step by step: in blocks, in which exp(-lambda t) does not grow too far.
+    """
+    omega, zeta = 2.0 * math.pi * frequency, 0.5 / quality
     damped = omega * math.sqrt(1.0 - zeta**2)
-    z, w = np.zeros(f.size), np.zeros(f.size)
-    high, low, far = np.zeros(f.size), np.zeros(f.size), np.zeros(f.size)
-    last = -1.0
-    for k in range(t.size - 1):
-        step = float(t[k + 1] - t[k])
-        if step != last:  # those of an even grid are made once
-            decay = np.exp(-zeta * omega * step)
-            cosine, sine = decay * np.cos(damped * step), decay * np.sin(damped * step)
-            zz, zw = cosine + zeta * omega / damped * sine, sine / damped
-            wz, ww = -(omega**2) / damped * sine, cosine - zeta * omega / damped * sine
-            last = step
-        first, slope = ends[0, k], (ends[1, k] - ends[0, k]) / step
-        # What a ramp alone makes, and about it the free swing.
-        rate = -slope / omega**2
-        begin = -first / omega**2 + 2.0 * zeta * slope / omega**3
-        z, w = z - begin, w - rate
-        z, w = zz * z + zw * w + begin + rate * step, wz * z + ww * w + rate
-        felt = -(2.0 * zeta * omega * w + omega**2 * z)
-        np.maximum(high, felt, out=high)
-        np.minimum(low, felt, out=low)
-        np.maximum(far, np.abs(z), out=far)
-    return high, low, far, np.stack([z, w])
+    root = complex(-zeta * omega, damped)
+    steps = np.diff(t)
+    x = root * steps
+    once = np.expm1(x) / root
+    series = 0.5 + x * (1 / 6 + x * (1 / 24 + x * (1 / 120 + x * (1 / 720 + x / 5040))))
+    small = np.abs(x) < _SERIES
+    twice = np.where(small, steps**2 * series, (np.expm1(x) - x) / root**2)
+    pushed = -(ends[0] * once + (ends[1] - ends[0]) / steps * twice)
+    u, high, low, far = 0j, 0.0, 0.0, 0.0
+    block = ((t[1:] - t[0]) * zeta * omega // _GROWTH).astype(int)
+    edges = np.concatenate([[0], np.flatnonzero(np.diff(block)) + 1, [steps.size]])
+    for first, last in pairwise(edges.tolist()):
+        since = t[first + 1 : last + 1] - t[first]
+        state = np.exp(root * since) * (u + np.cumsum(np.exp(-root * since) * pushed[first:last]))
+        u = complex(state[-1])
+        z = state.imag / damped
+        felt = -(2.0 * zeta * omega * (state.real - zeta * omega * z) + omega**2 * z)
+        high, low = max(high, float(felt.max())), min(low, float(felt.min()))
+        far = max(far, float(np.abs(z).max()))
+    z_last = u.imag / damped
+    return high, low, far, z_last, u.real - zeta * omega * z_last
 
 
 def _after(state: Array, f: Array, quality: float) -> tuple[Array, Array, Array]:
