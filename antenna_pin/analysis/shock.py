@@ -115,7 +115,8 @@ def _check_steps(t: Array, fastest: float) -> None:
     """Refuse an oscillator that is too fast for the signal's steps."""
     longest = float(np.diff(t).max())
     if longest * fastest * _LOOKS > _MOST_LOOKS:
-        rule = f"at most {_MOST_LOOKS / _LOOKS / longest:.4g} Hz, of which the longest step between samples tells"
+        fast = _MOST_LOOKS / _LOOKS / longest
+        rule = f"at most {fast:.4g} Hz, of which the longest step between samples tells"
         raise InvalidParameterError("shock_spectrum", "frequencies", rule, said=f"{fastest:g} Hz")
 
 

@@ -1,4 +1,4 @@
-"""What of a shaken run answers, where nothing is asked for: the outermost body, along the motion."""
+"""What of a shaken run answers, where nothing is asked for: the last link, along the motion."""
 
 from __future__ import annotations
 
@@ -28,17 +28,16 @@ def base_quantity(run: RunLike, shake: str | None = None) -> str:
 
 @takes()
 def shaken_target(run: RunLike, shake: str | None = None) -> str:
-    """Return the name of the acceleration of the last body of the tree, along the same axis.
+    """Return the name of the acceleration of the URDF's last link, along the same axis.
 
     Args:
         run: A run whose base is shaken, or its data.
         shake: Name of the motion; the first one along a direction if left out.
     """
     data = data_of(run)
-    base = shaken_link(data)
-    links = {link.name for link in mechanism_of(data).urdf.robot.links}
-    bodies = [name for name in mechanism_of(data).bodies if name in links]
-    return f"body_acceleration[{bodies[-1] if bodies else base}].{_axis(data, shake)}"
+    shaken_link(data)
+    last = mechanism_of(data).urdf.robot.links[-1].name
+    return f"body_acceleration[{last}].{_axis(data, shake)}"
 
 
 def _axis(data: RunLike, shake: str | None) -> str:

@@ -37,7 +37,7 @@ OfOption = Annotated[
     typer.Option(
         "--of",
         metavar="NAME",
-        help="Quantity of the run (phase --list has all); the last body's acceleration if left out.",
+        help="Quantity of the run (phase --list has all); the last link's acceleration if left out.",
     ),
 ]
 SegmentOption = Annotated[
@@ -174,7 +174,7 @@ def shock(
 
 
 def _name(run: Trajectory, of: str | None) -> str:
-    """Return the quantity that is asked for, or the acceleration of the last body on a shaken base."""
+    """Return the quantity that is asked for, or the acceleration of the last link on a shaken base."""
     from antenna_pin.analysis import shaken_target, shakes_of
 
     if of is None and not shakes_of(run):

@@ -252,9 +252,9 @@ class SweepShake(_Swept):
             rule = "another than start_frequency; a sine of one frequency is kind = 'sine'"
             raise InvalidParameterError(self, "end_frequency", rule)
         cycles = self._half_turns(*self._ends) / 2.0
-        if not cycles >= _LEAST_CYCLES:
+        if not cycles >= _LEAST_CYCLES * (1.0 - 1e-9):
             name = "octaves_per_minute" if self.octaves_per_minute is not None else "hertz_per_second"
-            rule = f"so slow that the sweep has {_LEAST_CYCLES} periods or more; this one has {cycles:.3g}"
+            rule = f"so slow that the sweep has {_LEAST_CYCLES} periods or more (it has {cycles:.3g})"
             raise InvalidParameterError(self, name, rule)
 
     @property

@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
+from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocator
 
 from antenna_pin.analysis import (
     base_quantity,
@@ -70,7 +71,7 @@ def figure_swept(
 
     Args:
         runs: Trajectories, or pairs of a label and a dataset.
-        target: Name of a quantity; the acceleration of the last body of the tree if left out.
+        target: Name of a quantity; the acceleration of the URDF's last link if left out.
         linear: Response of small motions beside it (:func:`antenna_pin.linear.frequency_response`), of its
             first target.
         periods: Length of the windows [periods].
@@ -90,6 +91,7 @@ def figure_swept(
         panels[0].plot(linear["frequency"].values, gain, label="small motions", **look)
         name = name or str(linear["target"].values[0])
     panels[0].set_yscale("log")
+    _plain(panels[0].yaxis)
     panels[0].set_ylabel(f"gain [{printed_unit(_ratio(unit)) or '-'}]")
     panels[1].set_ylabel("distortion [%]")
     panels[1].set_ylim(bottom=0.0)
@@ -129,9 +131,18 @@ def _ratio(unit: str) -> str:
 def _frequencies(axes: Axes) -> None:
     axes.set_xscale("log")
     axes.set_xlabel("frequency [Hz]")
-    axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    axes.xaxis.set_minor_locator(NullLocator())
+    _plain(axes.xaxis)
+
+
+def _plain(axis: Axis) -> None:
+    """Let a logarithmic axis have plain numbers: 1, 2 and 5 of decades, or even ones of less than one."""
+    low, high = axis.get_view_interval()
+    decade = high > 10.0 * low > 0.0
+    axis.set_major_locator(
+        LogLocator(subs=(1.0, 2.0, 5.0)) if decade else MaxNLocator(7, steps=[1, 2, 5, 10])
+    )
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axis.set_minor_locator(NullLocator())
 
 
 @takes()
@@ -147,7 +158,7 @@ def figure_density(
 
     Args:
         runs: Trajectories, or pairs of a label and a dataset.
-        target: Name of a quantity; the acceleration of the last body of the tree if left out.
+        target: Name of a quantity; the acceleration of the URDF's last link if left out.
         segment: Length of a window [s]; an eighth of the run if left out.
         width: "column" (88 mm) or "page" (180 mm).
     """
@@ -207,7 +218,7 @@ def figure_shock(
 
     Args:
         runs: Trajectories, or pairs of a label and a dataset.
-        target: Name of a quantity; the acceleration of the last body of the tree if left out.
+        target: Name of a quantity; the acceleration of the URDF's last link if left out.
         quality: Q of the oscillators.
         width: "column" (88 mm) or "page" (180 mm).
     """
