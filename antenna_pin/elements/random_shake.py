@@ -70,7 +70,7 @@ class RandomShake(Shake):
     Attributes:
         frequency: Of the break points, rising [Hz].
         density: One-sided power spectral density of acceleration there, straight between them in double
-            logarithmic axes; in g^2/Hz if written so [m^2/s^3], which is [(m/s^2)^2/Hz].
+            logarithmic axes; ``"0.04 g^2/Hz"`` is understood. The unit is that of (m/s^2)^2/Hz [m^2/s^3].
         period: T, after which it repeats itself; lines are 1/T apart [s].
         seed: Of the random phases [-].
         fade_in: Time in which it grows from nothing, by a factor whose second derivative is continuous [s].

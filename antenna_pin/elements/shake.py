@@ -165,7 +165,9 @@ class _Swept(Shake):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SineShake(_Swept):
-    r"""The base swings as a sine, :math:`x = D \sin(2 \pi f t + \varphi)`.
+    r"""The base swings as a sine.
+
+    .. math:: x = D \sin(2 \pi f t + \varphi)
 
     Amplitudes of velocity and acceleration stand for D by :math:`V / \omega` and :math:`A / \omega^2`; of
     several the least D counts. It starts in motion, at the displacement and velocity of t = 0, unless it
@@ -251,6 +253,9 @@ class SweepShake(_Swept):
         if self.start_frequency == self.end_frequency:
             rule = "another than start_frequency; a sine of one frequency is kind = 'sine'"
             raise InvalidParameterError(self, "end_frequency", rule)
+        if self.dwell and not self.back:
+            rule = "left out where the sweep does not go back: it stays at the end frequency anyhow"
+            raise InvalidParameterError(self, "dwell", rule)
         cycles = self._half_turns(*self._ends) / 2.0
         if not cycles >= _LEAST_CYCLES * (1.0 - 1e-9):
             name = "octaves_per_minute" if self.octaves_per_minute is not None else "hertz_per_second"
@@ -323,7 +328,7 @@ class SweepShake(_Swept):
             else f"{number(self.hertz_per_second or 0.0, GIVEN)} Hz/s"
         )
         back = " and back" if self.back else ""
-        stays = f", {self.said('dwell', slides)} at the end" if self.dwell and self.back else ""
+        stays = f", {self.said('dwell', slides)} at the end" if self.dwell else ""
         span = f"from {self.said('start_frequency', slides)} to {self.said('end_frequency', slides)}{back}"
         takes = f"takes {readable(self.length, 's')}"
         return (

@@ -86,7 +86,7 @@ def test_velocity_does_not_jump_between_pieces(law, back):
         velocity=0.1,
         acceleration=20.0,
         back=back,
-        dwell=0.25,
+        dwell=0.25 if back else 0.0,
     )
     pieces = motion.pieces()
     # Three amplitudes one after another each way; in between, and at last, it stays.
@@ -186,6 +186,7 @@ REFUSED = {
     "no rate": (lambda: sweep(velocity=1.0, octaves_per_minute=None), "octaves_per_minute must be given"),
     "two rates": (lambda: sweep(velocity=1.0, hertz_per_second=1.0), "got both"),
     "too fast": (lambda: sweep(velocity=1.0, octaves_per_minute=2000.0), "10 periods or more (it has"),
+    "a dwell at the end": (lambda: sweep(velocity=1.0, dwell=1.0), "dwell must be left out where"),
     "one frequency": (lambda: sweep(velocity=1.0, end_frequency=5.0), "another than start_frequency"),
     "a random turn": (
         lambda: RandomShake(
