@@ -97,12 +97,12 @@ def figure_swept(
     panels[1].set_ylim(bottom=0.0)
     _frequencies(panels[1])
     letter = letters()
-    panel_title(panels[0], next(letter), f"{literal(name)} over the base's acceleration")
+    panel_title(panels[0], next(letter), literal(name))
     panel_title(panels[1], next(letter), "what does not follow the sweep, over what does")
     legend_above(figure, panels)
     footnote(
         figure,
-        "full: swept up, dashed: down",
+        "over the base's acceleration; full: swept up, dashed: down",
         too_short(every),
         left_out(every, drawn, f"without {SWEPT.words}"),
     )

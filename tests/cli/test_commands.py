@@ -17,7 +17,17 @@ from antenna_pin.cli import app
 from antenna_pin.cli.info import _check_comparable
 from antenna_pin.errors import InvalidParameterError, OutputError
 from antenna_pin.plot import CATALOGUE
-from antenna_pin.plot._kinds import CLOSED, COUPLED, FLEXIBLE, LOOPED, PRESCRIBED, STOPPED, TRACED
+from antenna_pin.plot._kinds import (
+    CLOSED,
+    COUPLED,
+    FLEXIBLE,
+    LOOPED,
+    PRESCRIBED,
+    RANDOM,
+    STOPPED,
+    SWEPT,
+    TRACED,
+)
 from antenna_pin.trajectory import Outcome, Trajectory
 
 SHORT = ("--duration", "20 ms", "--geometry", "closed-form", "--no-progress")
@@ -81,6 +91,7 @@ def test_list_has_one_line_per_case(cli):
         "impact_pair",
         "pendulum",
         "reaction_wheel",
+        "shaker",
         "slider",
         "slider_crank",
         "solar_array",
@@ -391,7 +402,7 @@ def test_plot_writes_the_figures_and_names_them(cli, results, tmp_path, drawn_qu
         for name, figure in CATALOGUE.items()
         if figure.standard
         and figure.of is not LOOPED
-        and figure.needs not in (CLOSED, COUPLED, PRESCRIBED, FLEXIBLE, TRACED, STOPPED)
+        and figure.needs not in (CLOSED, COUPLED, PRESCRIBED, FLEXIBLE, TRACED, STOPPED, SWEPT, RANDOM)
         and name not in left
     ]
     assert "spectrogram is not drawn: figure: runs must be at least one of 64 samples" in said.err  # 20 ms

@@ -57,8 +57,11 @@ from antenna_pin.plot._kinds import (
     LOOPED,
     MOVING,
     PRESCRIBED,
+    RANDOM,
+    SHAKEN,
     SLIDING,
     STOPPED,
+    SWEPT,
     TOUCHING,
     TRACED,
 )
@@ -437,10 +440,10 @@ SLIDES = [name for name, figure in CATALOGUE.items() if figure.of is SLIDING]
 CLOSURES = [
     name
     for name, figure in CATALOGUE.items()
-    if figure.needs in (CLOSED, COUPLED, PRESCRIBED, FLEXIBLE, TRACED, STOPPED)
+    if figure.needs in (CLOSED, COUPLED, PRESCRIBED, FLEXIBLE, TRACED, STOPPED, SHAKEN, SWEPT, RANDOM)
 ]
 LOOPS = [*CLOSURES, *(name for name, figure in CATALOGUE.items() if figure.of is LOOPED)]
-# Other files have those of made-up runs, closures, flexible links, hysteresis and stops.
+# Other files have those of made-up runs, closures, flexible links, hysteresis, stops and shaken bases.
 FIGURES = [name for name in CATALOGUE if name not in (*MADE_UP, *SLIDES, *CLOSURES)]
 STANDARD = [name for name, figure in CATALOGUE.items() if figure.standard and name not in (*SLIDES, *LOOPS)]
 
