@@ -34,7 +34,7 @@ _KINDS = {
     "kg": "a mass",
     "m/s": "a speed",
     "m/s**2": "an acceleration",
-    "m^2/s^3": "a spectral density of acceleration",
+    "m**2/s**3": "a spectral density of acceleration",
     "Hz": "a frequency",
     "rad/s": "an angular rate",
     "rad/s**2": "an angular acceleration",

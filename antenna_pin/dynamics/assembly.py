@@ -22,9 +22,10 @@ from antenna_pin.constraints import (
 )
 from antenna_pin.dynamics.coordinates import reach_of
 from antenna_pin.dynamics.open_loops import said_of_open
+from antenna_pin.dynamics.shaken import start_with_base
 from antenna_pin.dynamics.system import System
 from antenna_pin.dynamics.workspace import Workspace
-from antenna_pin.elements import Motion, Shake
+from antenna_pin.elements import Motion
 from antenna_pin.errors import MechanismError
 from antenna_pin.mechanism import JointSlot
 from antenna_pin.readable import number
@@ -108,9 +109,7 @@ def assemble(system: System, y: Array, held_q: Collection[str], held_v: Collecti
     for drive in system.drives.values():
         if isinstance(drive, Motion) and drive.joint in system.turn_x:  # its turns are the motion's
             y[system.model.nq + system.model.nv + system.turn_x[drive.joint]] = drive.at(0.0)[0]
-        if isinstance(drive, Shake):  # all else begins with it
-            slot = system.mechanism.joint(drive.joint)
-            y[slot.q], y[system.model.nq + slot.v.start], _ = drive.at(0.0)
+    start_with_base(system, y)
     workspace.prepare_motions(0.0, y)
     program = workspace.program
     free = _free(system, y, held_q)

@@ -80,7 +80,7 @@ class RandomShake(Shake):
     at_start: ClassVar[tuple[str, ...]] = ("period", "seed", "fade_in")
 
     frequency: tuple[float, ...] = parameter("Hz", rule="positive", sizes=(0,))
-    density: tuple[float, ...] = parameter("m^2/s^3", rule="positive", sizes=(0,))
+    density: tuple[float, ...] = parameter("m**2/s**3", rule="positive", sizes=(0,))
     period: float = parameter("s", rule="positive")
     seed: int = parameter("1", rule="zero or more")
     fade_in: float = parameter("s", rule="zero or more", default=0.0)

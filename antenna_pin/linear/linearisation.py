@@ -181,12 +181,9 @@ def linearise(at: At) -> Linearisation:
     # Rotors in axes that do not spin: one and the same turning of places and of velocities.
     turned = n.T @ turning(system, v) @ n
     brackets = n.T @ twist_brackets(system, v) @ n - turned
+    stiff = by_place - derived.position - held.force
     gyroscopic = n.T @ (by_speed @ n + mass @ shift_speed) - n.T @ mass @ n @ turned
-    stiffness = n.T @ (
-        (by_place - derived.position - held.force) @ n
-        + (by_speed - derived.rate) @ shift
-        + mass @ shift_place
-    )
+    stiffness = n.T @ (stiff @ n + (by_speed - derived.rate) @ shift + mass @ shift_place)
     to_bristles = derived.bristle_rates
     return Linearisation(
         at=at,
@@ -208,7 +205,7 @@ def linearise(at: At) -> Linearisation:
         beside=(
             n.T @ mass,
             n.T @ (by_speed - derived.rate),
-            n.T @ (by_place - derived.position - held.force),
+            n.T @ stiff,
         ),
         rigid=rigid,
     )

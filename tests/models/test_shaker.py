@@ -117,7 +117,7 @@ def test_play_makes_the_answer_jump():
 @pytest.mark.slow
 def test_play_broadens_the_random_answer():
     """Without play the mean square is the integral of the response; with play it stays, elsewhere."""
-    runs = {case: simulate(load_scenario("shaker", case=case)) for case in ("tight_random", "random")}
+    runs = {case: simulate(load_scenario("shaker", case=case)) for case in ("tight-random", "random")}
     found, coherence = {}, {}
     for case, run in runs.items():
         one = quantity(run, TIP)
@@ -134,9 +134,9 @@ def test_play_broadens_the_random_answer():
     square = np.abs(tip_response(f, 402.0)) ** 2 * density_at(f, shake.frequency, shake.density)
     for k, high in enumerate((100.0, 9.0)):
         exact = math.sqrt(np.trapezoid(square[f <= high], f[f <= high]))
-        error = 3 * float(found["tight_random"]["standard_error"][k])
-        assert float(found["tight_random"]["rms"][k]) == pytest.approx(exact, abs=error)
-    low = [float(found[case]["rms"][1]) for case in ("tight_random", "random")]
-    errors = [float(found[case]["standard_error"][1]) for case in ("tight_random", "random")]
+        error = 3 * float(found["tight-random"]["standard_error"][k])
+        assert float(found["tight-random"]["rms"][k]) == pytest.approx(exact, abs=error)
+    low = [float(found[case]["rms"][1]) for case in ("tight-random", "random")]
+    errors = [float(found[case]["standard_error"][1]) for case in ("tight-random", "random")]
     assert low[1] - low[0] > 3 * math.hypot(*errors)
-    assert coherence["random"] < 0.85 < 0.93 < coherence["tight_random"]
+    assert coherence["random"] < 0.85 < 0.93 < coherence["tight-random"]
