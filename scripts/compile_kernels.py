@@ -29,6 +29,7 @@ JOBS: tuple[Job, ...] = (
     ("bai2020", "case3", (CLOSED.format("elevation"), COMPILED)),
     ("slider_crank", "planar", (CLOSED.format("pin"),)),
     ("bai2020", "case2-planar", ()),
+    ("reaction_wheel", "bearings", ()),
     ("bai2020", "case3", (CLOSED.format("elevation"), "integrator.method=radau5")),
     ("bai2020", "case3", (CLOSED.format("elevation"), "integrator.method=radau5", COMPILED)),
 )
