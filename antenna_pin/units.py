@@ -34,6 +34,7 @@ _KINDS = {
     "kg": "a mass",
     "m/s": "a speed",
     "m/s**2": "an acceleration",
+    "m**2/s**3": "a spectral density of acceleration",
     "Hz": "a frequency",
     "rad/s": "an angular rate",
     "rad/s**2": "an angular acceleration",
@@ -58,6 +59,8 @@ _LONGEST_INTEGER = 8192  # bits; Python refuses to print much longer ones
 # An exponent is one number, or a fraction; a power of a power could grow for ever.
 _EXPONENT = r"[+-]?(?:[0-9]{1,2}\.[0-9]*|[0-9]{1,2}(?:/[1-9][0-9]?)?)"
 _POWER = re.compile(rf"\s*(?:\*\*|\^)\s*(?:({_EXPONENT})|\(({_EXPONENT})\))(?!\s*(?:\*\*|\^|[\w.]))")
+# What is a gram elsewhere is standard gravity in what holds no mass, an acceleration or its spectral density.
+_GRAVITY = re.compile(r"(?<![\w.])g(?!\w)")
 # Nor is a unit a number, but for the 1 of "1/s".
 _BARE_NUMBER = re.compile(r"(?<![\w.])(?!1(?![\w.]))[0-9.]")
 
@@ -197,6 +200,8 @@ def _from_text(text: str, units: tuple[str, ...]) -> float:
     if seen is None:
         raise _Refused(f" (unit {name!r} is unknown)")
     if not any(seen.fits(_known_unit(unit)) for unit in units):
+        seen = _with_gravity(name, units) or seen
+    if not any(seen.fits(_known_unit(unit)) for unit in units):
         if name == "":
             raise _Refused(f" (no unit); write '{digits} {units[0]}'")
         raise _Refused(f" ({_name_of(name, seen)})")
@@ -204,6 +209,16 @@ def _from_text(text: str, units: tuple[str, ...]) -> float:
     if not math.isfinite(number):
         raise _Refused(" (not finite)")
     return number
+
+
+def _with_gravity(name: str, units: tuple[str, ...]) -> Unit | None:
+    """Return a unit in which g stands for standard gravity, where one of units has no mass in it."""
+    if not _GRAVITY.search(name):
+        return None
+    found = _parse_unit(_GRAVITY.sub("g_0", name))
+    if found is None or any(base == "[mass]" for base, _ in found.dimension):
+        return None
+    return found if any(found.fits(_known_unit(unit)) for unit in units) else None
 
 
 def _scaled(digits: str, factor: float) -> float:

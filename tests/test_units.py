@@ -75,6 +75,8 @@ def test_quantity_is_read_in_si(value, unit, expected):
         ("", "1", "must be a pure number, got ''; write a number"),
         ("1 m +", "m", "must be a length [m], got '1 m +' (unit 'm +' is unknown)"),
         ("3 kg/m**2", "m", "must be a length [m], got '3 kg/m**2' (kg/m**2)"),
+        ("3 kg*g", "N", "must be a force [N], got '3 kg*g' (kg**2)"),
+        ("3 g", "m", "must be a length [m], got '3 g' (mass)"),
         (True, "m", "must be a length [m], got true"),
         (None, "m", "must be a length [m], got None"),
         ([1.0], "m", "must be a length [m], got [1.0]"),
@@ -110,6 +112,19 @@ def test_what_is_no_quantity_is_refused(value, unit, reason):
     assert str(refusal.value) == f"{PLACE} {refusal.value.reason}"
     assert isinstance(refusal.value, ScenarioError)
     assert isinstance(refusal.value, ValueError)
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "expected"),
+    [
+        ("2 g", "m/s**2", 2 * 9.80665),
+        ("0.04 g^2/Hz", "m**2/s**3", 0.04 * 9.80665**2),
+        ("0.04 g**2/Hz", "m**2/s**3", 0.04 * 9.80665**2),
+        ("2 g", "kg", 2e-3),
+    ],
+)
+def test_g_is_gravity_where_an_acceleration_is_asked_for(value, unit, expected):
+    assert quantity(value, unit, PLACE) == pytest.approx(expected, rel=1e-15)  # of the square
 
 
 def test_a_huge_integer_is_not_finite():

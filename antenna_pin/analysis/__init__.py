@@ -83,7 +83,9 @@ if TYPE_CHECKING:
         scenario_rows,
     )
     from antenna_pin.analysis.settling import Settling, settling, touching_intervals
+    from antenna_pin.analysis.shaken import base_loads, shaken_link, shakes_of
     from antenna_pin.analysis.shares import scenario_shares, scenario_spans
+    from antenna_pin.analysis.shock import shock_spectrum
     from antenna_pin.analysis.signals import RunSignal, scales_of, signals
     from antenna_pin.analysis.slider_scenarios import slider_scenarios
     from antenna_pin.analysis.spectrum import (
@@ -94,8 +96,11 @@ if TYPE_CHECKING:
         uniform,
     )
     from antenna_pin.analysis.stops import latch_events, stop_impacts, stops_and_latches
+    from antenna_pin.analysis.swept import following, swept_response
+    from antenna_pin.analysis.targets import base_quantity, shaken_target
     from antenna_pin.analysis.transients import Settled, settled
     from antenna_pin.analysis.upright import STEADY, bearing_up, steady_up
+    from antenna_pin.analysis.vibration import band_rms, power_density, transfer
 
 __all__ = [
     "Verdict",
@@ -130,7 +135,10 @@ __all__ = [
     "TiltRange",
     "UniformSignal",
     "answer",
+    "base_loads",
     "base_motion",
+    "base_quantity",
+    "band_rms",
     "bearing_up",
     "beside",
     "between_samples",
@@ -159,6 +167,7 @@ __all__ = [
     "elastic_motion",
     "elastic_parts_of",
     "error_components",
+    "following",
     "growth_of",
     "impact_statistics",
     "blow_statistics",
@@ -182,6 +191,7 @@ __all__ = [
     "pointing_spec",
     "portrait_of",
     "portrait_table",
+    "power_density",
     "possible_scenarios",
     "quantities",
     "quantity",
@@ -200,12 +210,16 @@ __all__ = [
     "scales_of",
     "scenario_of",
     "scenario_rows",
+    "shaken_link",
+    "shaken_target",
+    "shakes_of",
     "scenario_shares",
     "scenario_spans",
     "slider_scenarios",
     "section_lines",
     "settled",
     "settling",
+    "shock_spectrum",
     "signals",
     "spectrogram",
     "spectrum",
@@ -214,11 +228,13 @@ __all__ = [
     "gear_contacts",
     "gear_impacts",
     "gears_of",
+    "swept_response",
     "stop_impacts",
     "stops_and_latches",
     "time_mean",
     "time_percentiles",
     "time_rms",
+    "transfer",
     "touching_intervals",
     "unexplained_changes",
     "uniform",
@@ -260,6 +276,11 @@ loaded_when_used(
         "scenarios": "SCENARIO_COLUMNS JournalPose ScenarioPair TiltRange"
         " possible_scenarios scenario_of scenario_rows",
         "settling": "Settling settling touching_intervals",
+        "shaken": "base_loads shaken_link shakes_of",
+        "shock": "shock_spectrum",
+        "swept": "following swept_response",
+        "targets": "base_quantity shaken_target",
+        "vibration": "band_rms power_density transfer",
         "shares": "scenario_shares scenario_spans",
         "slider_scenarios": "slider_scenarios",
         "signals": "RunSignal scales_of signals",

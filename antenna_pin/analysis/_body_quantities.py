@@ -1,4 +1,4 @@
-r"""Motion that a result does not hold but that follows from it: of any link, and of a journal in its bearing.
+r"""What a result does not hold but follows from it: motion of links and journals, loads of a shaken base.
 
 The velocity of the journal's centre p_J in the bearing, whose centre p_B turns with it, is
 
@@ -19,6 +19,7 @@ from scipy.spatial.transform import Rotation
 from antenna_pin.analysis._run import Array, variable
 from antenna_pin.analysis.bodies import mechanism_of
 from antenna_pin.analysis.journal import clearance_shapes
+from antenna_pin.analysis.shaken import base_wrench, shaken_link, shakes_of
 from antenna_pin.mechanism import link_motion
 from antenna_pin.trajectory import names_along
 
@@ -35,7 +36,7 @@ class Derived(NamedTuple):
         dim: What the owners are: a dimension of the quantity beside time and axis.
         units: Of its components.
         meaning: What it is.
-        row: Of :func:`antenna_pin.mechanism.link_motion`.
+        row: Of :func:`antenna_pin.mechanism.link_motion`; of a base's loads, force or moment.
     """
 
     dim: str
@@ -45,6 +46,8 @@ class Derived(NamedTuple):
 
     def values(self, data: xr.Dataset, owner: str) -> Array:
         """Return the vector of one owner at the samples, (n, 3)."""
+        if self.dim == "shaken_base":
+            return base_wrench(data)[:, 3 * self.row : 3 * self.row + 3]
         if self.dim == "body":
             return _motion(data, owner)[1][:, self.row]
         return _in_bearing(data, clearance_shapes(data)[owner])
@@ -62,6 +65,8 @@ DERIVED: dict[str, Derived] = {
     "journal_velocity": Derived(
         "clearance_joint", "m/s", "velocity of the journal's centre in the bearing", 1
     ),
+    "base_force": Derived("shaken_base", "N", "force on the shaken base, its axes", 0),
+    "base_moment": Derived("shaken_base", "N m", "moment on the shaken base about its frame, its axes", 1),
 }
 
 
@@ -69,7 +74,12 @@ def owners_of(data: xr.Dataset) -> dict[str, list[str]]:
     """Return the names along the dimensions of derived vectors; no links if the run carries no mechanism."""
     links = [link.name for link in mechanism_of(data).urdf.robot.links] if "urdf" in data.attrs else []
     joints = list(clearance_shapes(data)) if "clearance_joints" in data.attrs else []
-    return {"body": links, "clearance_joint": joints or names_along(data, "clearance_joint")}
+    base = [shaken_link(data)] if shakes_of(data) else []
+    return {
+        "body": links,
+        "clearance_joint": joints or names_along(data, "clearance_joint"),
+        "shaken_base": base,
+    }
 
 
 def _motion(data: xr.Dataset, link: str) -> tuple[Array, Array]:

@@ -16,7 +16,8 @@ bars stands the length of a vector or the size of a number. Blanks beside bracke
 meaning.
 
 Vectors that follow from a result are named as if they stood in it: ``body_velocity[LINK].x`` and the like, in
-world axes, and ``journal_velocity[JOINT].x``, in those of the bearing.
+world axes, ``journal_velocity[JOINT].x``, in those of the bearing, and ``base_force.x`` and ``base_moment.x``
+of a shaken base, in its own.
 """
 
 from __future__ import annotations
@@ -150,7 +151,9 @@ def _derived(data: xr.Dataset, name: str, wanted: QuantityName) -> Quantity:
     one = DERIVED[wanted.variable]
     owners = owners_of(data)[one.dim]
     if not owners:
-        what = "a joint with play" if one.dim == "clearance_joint" else "the mechanism that it is of"
+        what = {"clearance_joint": "a joint with play", "shaken_base": "a shaken base"}.get(
+            one.dim, "the mechanism that it is of"
+        )
         raise InvalidParameterError("quantity", "run", f"one with {what} for {name}", label_of(data))
     dims = [one.dim, "axis"]
     named = xr.Dataset(coords={one.dim: owners, "axis": list(AXES)})

@@ -13,6 +13,7 @@ from antenna_pin.assemble.friction import frictions_of
 from antenna_pin.assemble.laws import clearance_joint
 from antenna_pin.assemble.places import check_known, check_motion
 from antenna_pin.assemble.rotors import armature_of
+from antenna_pin.assemble.shaken import among_others
 from antenna_pin.assemble.variant import as_written, types_as_written, variant_and_parts
 from antenna_pin.dynamics import HeldKind, System
 from antenna_pin.errors import NotSimulatedWarning
@@ -45,6 +46,7 @@ def build_system(scenario: Scenario) -> System:
     said = scenario.mechanism
     mechanism = build_mechanism(urdf, said.base, said.gravity, armature_of(scenario))
     found = {table: elements_of(scenario, mechanism, table) for table in scenario.families}
+    found = dict(among_others(scenario, found))
     drives, springs = found.pop("drives"), found.pop("springs")
     dry = found.pop("frictions", {})
     frictions, sticking, left_out = frictions_of(scenario, mechanism, {**springs, **dry})

@@ -7,6 +7,7 @@ from antenna_pin.assemble.cuts import check_not_closures
 from antenna_pin.assemble.flexible import with_flexible_links
 from antenna_pin.assemble.places import check_known, where
 from antenna_pin.assemble.rotors import with_rotors
+from antenna_pin.assemble.shaken import with_shaken
 from antenna_pin.changes import JointChange
 from antenna_pin.errors import MechanismError, ScenarioError
 from antenna_pin.flexible import ElasticPart
@@ -85,7 +86,7 @@ def variant_and_parts(scenario: Scenario) -> tuple[Urdf, tuple[ElasticPart, ...]
             name: change.build() for name, change in spec.joints.items() if change.build() != JointChange()
         },
     )
-    return with_flexible_links(scenario, with_rotors(scenario, changed))
+    return with_flexible_links(scenario, with_shaken(scenario, with_rotors(scenario, changed)))
 
 
 def _on_bearings(scenario: Scenario, urdf: WrittenUrdf) -> dict[str, JointVariant]:

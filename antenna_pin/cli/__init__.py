@@ -36,6 +36,7 @@ from antenna_pin.cli import (
     study,
     sweep,
     urdf,
+    vibration,
     view,
 )
 from antenna_pin.cli._common import (
@@ -139,7 +140,7 @@ _COMMANDS: dict[str, Callable[..., None]] = {
 for _name, _command in _COMMANDS.items():
     app.command(_name)(one_line_errors(with_plain_numbers(_command)))
 
-for _group in (contact.app, study.app):
+for _group in (contact.app, study.app, vibration.app):
     for _registered in _group.registered_commands:
         assert _registered.callback is not None
         _registered.callback = one_line_errors(with_plain_numbers(_registered.callback))

@@ -22,6 +22,7 @@ from antenna_pin.constraints import (
 )
 from antenna_pin.dynamics.coordinates import reach_of
 from antenna_pin.dynamics.open_loops import said_of_open
+from antenna_pin.dynamics.shaken import start_with_base
 from antenna_pin.dynamics.system import System
 from antenna_pin.dynamics.workspace import Workspace
 from antenna_pin.elements import Motion
@@ -108,6 +109,7 @@ def assemble(system: System, y: Array, held_q: Collection[str], held_v: Collecti
     for drive in system.drives.values():
         if isinstance(drive, Motion) and drive.joint in system.turn_x:  # its turns are the motion's
             y[system.model.nq + system.model.nv + system.turn_x[drive.joint]] = drive.at(0.0)[0]
+    start_with_base(system, y)
     workspace.prepare_motions(0.0, y)
     program = workspace.program
     free = _free(system, y, held_q)

@@ -46,8 +46,9 @@ def families_of(
     for table, elements in others.items():
         if table not in FAMILIES:
             raise UnknownNameError("System", "family of elements", table, FAMILIES)
-        if table in own:
-            rule = f"left out: it is given as {table}="
+        given = FAMILIES[table].among or table
+        if given in own:
+            rule = f"left out: it is given as {given}="
             raise InvalidParameterError("System", f"elements[{table!r}]", rule, [*elements])
         for name, element in elements.items():
             if not isinstance(element, tuple(FAMILIES[table].kinds.values())):

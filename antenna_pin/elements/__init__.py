@@ -23,6 +23,7 @@ from antenna_pin.elements.modal import Change, Met, Modal, ModalElement
 from antenna_pin.elements.pd import PDController
 from antenna_pin.elements.point_spring import PointSpring
 from antenna_pin.elements.prescribed import CallableMotion, DistanceMotion, Motion, PrescribedMotion
+from antenna_pin.elements.random_shake import RandomShake, band_power, density_at
 from antenna_pin.elements.reference import Reference
 from antenna_pin.elements.reference_registry import REFERENCES
 from antenna_pin.elements.registry import (
@@ -30,17 +31,21 @@ from antenna_pin.elements.registry import (
     ELEMENTS,
     FAMILIES,
     GEARS,
+    SHAKES,
     SPRINGS,
     Family,
     kind_of,
 )
 from antenna_pin.elements.rigid_latch import RigidLatch
 from antenna_pin.elements.rigid_stop import RigidStop
+from antenna_pin.elements.shake import Shake, SineShake, SweepShake
+from antenna_pin.elements.shaken_table import TableShake
 from antenna_pin.elements.sine import SineDrive
 from antenna_pin.elements.slews import RestToRest, SCurve, Slew, Trapezoid
 from antenna_pin.elements.spring import JointSpring
 from antenna_pin.elements.sticking_friction import StickingFriction
 from antenna_pin.elements.stop import EndStop
+from antenna_pin.elements.swept_pieces import SweptPiece, sines_of
 from antenna_pin.elements.tabulated import TableDrive
 from antenna_pin.elements.together import check_together
 
@@ -65,6 +70,7 @@ __all__ = [
     "GEARS",
     "GROSS_WORK",
     "LOSS",
+    "SHAKES",
     "SPRINGS",
     "WORK",
     "About",
@@ -106,15 +112,24 @@ __all__ = [
     "PointSpring",
     "PrescribedMotion",
     "Rack",
+    "RandomShake",
     "RigidLatch",
     "RigidStop",
+    "Shake",
     "SineDrive",
+    "SineShake",
     "Spline",
     "StickingFriction",
     "StiffnessBearing",
+    "SweepShake",
+    "SweptPiece",
     "TableDrive",
+    "TableShake",
     "TableSpring",
+    "band_power",
     "check_together",
+    "density_at",
     "kind_of",
     "moved",
+    "sines_of",
 ]

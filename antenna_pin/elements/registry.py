@@ -27,8 +27,11 @@ from antenna_pin.elements.mesh import Gear, Rack, Spline
 from antenna_pin.elements.pd import PDController
 from antenna_pin.elements.point_spring import PointSpring
 from antenna_pin.elements.prescribed import CallableMotion, DistanceMotion, PrescribedMotion
+from antenna_pin.elements.random_shake import RandomShake
 from antenna_pin.elements.rigid_latch import RigidLatch
 from antenna_pin.elements.rigid_stop import RigidStop
+from antenna_pin.elements.shake import SineShake, SweepShake
+from antenna_pin.elements.shaken_table import TableShake
 from antenna_pin.elements.sine import SineDrive
 from antenna_pin.elements.spring import JointSpring
 from antenna_pin.elements.sticking_friction import StickingFriction
@@ -36,7 +39,7 @@ from antenna_pin.elements.stop import EndStop
 from antenna_pin.elements.tabulated import TableDrive
 from antenna_pin.errors import UnknownNameError
 
-__all__ = ["DRIVES", "ELEMENTS", "FAMILIES", "GEARS", "SPRINGS", "Family", "kind_of"]
+__all__ = ["DRIVES", "ELEMENTS", "FAMILIES", "GEARS", "SHAKES", "SPRINGS", "Family", "kind_of"]
 
 
 class Family(NamedTuple):
@@ -46,11 +49,13 @@ class Family(NamedTuple):
         word: One of them, as messages call it.
         kinds: Their classes by ``kind``.
         default: The kind of a table at a joint that names none; None where each must.
+        among: The family that a system has its elements among, if it has none of its own of them.
     """
 
     word: str
     kinds: Mapping[str, type[ForceElement]]
     default: str | None = None
+    among: str | None = None
 
 
 DRIVES: Mapping[str, type[Element]] = MappingProxyType(
@@ -102,6 +107,11 @@ BEARINGS: Mapping[str, type[Element]] = MappingProxyType(
 )
 """Bearings, and what preloads them, by their ``kind`` in ``[bearings.NAME]``."""
 
+SHAKES: Mapping[str, type[Element]] = MappingProxyType(
+    {"sine": SineShake, "sweep": SweepShake, "random": RandomShake, "table": TableShake}
+)
+"""Motions of a shaken base by their ``kind`` in ``[shake.NAME]``."""
+
 FAMILIES: Mapping[str, Family] = MappingProxyType(
     {
         "drives": Family("drive", DRIVES),
@@ -111,6 +121,7 @@ FAMILIES: Mapping[str, Family] = MappingProxyType(
         "frictions": Family("friction", FRICTIONS, "sticking"),
         "gears": Family("gear", GEARS, "gear"),
         "bearings": Family("bearing", BEARINGS),
+        "shake": Family("shake", SHAKES, among="drives"),
     }
 )
 """Families by the table ``[FAMILY.NAME]`` that a scenario has for each; the order is that of programs."""

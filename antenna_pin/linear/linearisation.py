@@ -54,6 +54,8 @@ class Linearisation:
         bristles: F, B_s, B_w, B_z.
         forces: Derivatives of the elements' forces in all coordinates.
         acceleration: Of the state, (nv,).
+        beside: N^T times mass, damping and stiffness in all coordinates, (k, nv) each: what a motion that
+            is prescribed does to the mechanism as it goes another way, about a state at rest.
         rigid: The six directions in which a free base moves all as one rigid body, as columns of s, (k, 6);
             (k, 0) where something holds it.
     """
@@ -71,6 +73,7 @@ class Linearisation:
     bristles: tuple[Array, Array, Array, Array]
     forces: ForceDerivatives
     acceleration: Array
+    beside: tuple[Array, Array, Array]
     rigid: Array
 
     @property
@@ -178,12 +181,9 @@ def linearise(at: At) -> Linearisation:
     # Rotors in axes that do not spin: one and the same turning of places and of velocities.
     turned = n.T @ turning(system, v) @ n
     brackets = n.T @ twist_brackets(system, v) @ n - turned
+    stiff = by_place - derived.position - held.force
     gyroscopic = n.T @ (by_speed @ n + mass @ shift_speed) - n.T @ mass @ n @ turned
-    stiffness = n.T @ (
-        (by_place - derived.position - held.force) @ n
-        + (by_speed - derived.rate) @ shift
-        + mass @ shift_place
-    )
+    stiffness = n.T @ (stiff @ n + (by_speed - derived.rate) @ shift + mass @ shift_place)
     to_bristles = derived.bristle_rates
     return Linearisation(
         at=at,
@@ -202,6 +202,11 @@ def linearise(at: At) -> Linearisation:
         ),
         forces=derived,
         acceleration=acceleration,
+        beside=(
+            n.T @ mass,
+            n.T @ (by_speed - derived.rate),
+            n.T @ stiff,
+        ),
         rigid=rigid,
     )
 

@@ -1,4 +1,4 @@
-"""Frequency responses: from a drive's torque, or a force on the base, to angles and the boresight."""
+"""Frequency responses: from a torque, a force on the base or its shaking, to angles, links, the boresight."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ from antenna_pin.elements import ConstantDrive, Motion
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.linear.play import At
 from antenna_pin.linear.result import COMPONENTS, Modes
+from antenna_pin.linear.shaken import LINK, link_row, shakes_in, shaking
 
 __all__ = ["BORESIGHT", "frequency_response", "sources_of", "targets_of"]
 
@@ -39,22 +40,24 @@ class _Output(NamedTuple):
     name: str
     unit: str
     row: Array  # over the coordinates of velocities, (nv,)
+    bends: bool = False  # it is the second derivative of that which counts
 
 
 @takes()
 def sources_of(modes: Modes) -> list[str]:
-    """Return what a response can start from: drives by name, and forces and moments on a free base."""
-    found = [
-        f"drives.{n}"
-        for n, drive in modes.linearisation.system.drives.items()
-        if not isinstance(drive, Motion)
-    ]
-    return found + (list(_BASE_FORCES) if modes.linearisation.system.mechanism.base == "free" else [])
+    """Return what a response can start from: drives, motions of a shaken base, forces on a free base."""
+    system = modes.linearisation.system
+    found = [f"drives.{n}" for n, drive in system.drives.items() if not isinstance(drive, Motion)]
+    found += [f"shake.{name}" for name in shakes_in(system)]
+    return found + (list(_BASE_FORCES) if system.mechanism.base == "free" else [])
 
 
 @takes()
 def targets_of(modes: Modes) -> list[str]:
-    """Return what a response can end at: the boresight, joints with an axis, a free base."""
+    """Return what a response can end at: the boresight, joints with an axis, a free base.
+
+    The acceleration of a link, ``body_acceleration[LINK].x`` (y, z), is a target everywhere.
+    """
     system = modes.linearisation.system
     found = [BORESIGHT] if modes.scenario is not None and modes.scenario.pointing is not None else []
     ball = {joint.name for joint in system.clearances if joint.geometry.motion is None}
@@ -74,15 +77,17 @@ def frequency_response(
     targets: str | Sequence[str] | None = None,
     frequencies: ArrayLike | None = None,
 ) -> xr.Dataset:
-    """Return the steady answer to a force or torque that swings, over its frequency, damping included.
+    """Return the steady answer to a force, a torque or a base that swings, over its frequency, with damping.
 
     Args:
         modes: About which state.
         source: ``drives.NAME``, that drive's torque (force at a sliding joint), or ``base.fx`` to
-            ``base.mz``, a force or moment at the base's origin along its axes (:func:`sources_of`).
+            ``base.mz``, a force or moment at the base's origin along its axes; ``shake.NAME``, the
+            acceleration of a shaken base (:func:`sources_of`).
         targets: ``boresight``, its turns about the antenna's cross and up axes; names of joints, their
-            angles; ``base.x`` to ``base.rz``, of the base's origin in its axes (:func:`targets_of`). The
-            boresight if not given, or the drive's own joint where the scenario points nothing.
+            angles; ``base.x`` to ``base.rz``, of the base's origin in its axes; ``body_acceleration[LINK].x``
+            (y, z), of a link's frame in world axes (:func:`targets_of`). If not given the boresight, or the
+            drive's own joint where the scenario points nothing; of a shaken base all joints that swing.
         frequencies: Rising and positive [Hz]; those of the vibrations and beyond if not given, with points
             close together at resonances.
 
@@ -102,16 +107,27 @@ def frequency_response(
                 "response", "source", "a force or torque; this drive prescribes its joint's motion", source
             )
         raise UnknownNameError("response", "source", source, known)
-    effort, unit = _effort(linear.at, source)
     outputs = _outputs(modes, source, targets)
     grid = _grid(modes) if frequencies is None else _checked(frequencies)
-    matrix, enters = linear.state_matrix, linear.input_matrix @ effort
-    k, n = len(linear.mass), len(enters)
-    leaves = np.zeros((len(outputs), n))
-    leaves[:, :k] = np.array([one.row for one in outputs]) @ linear.directions
+    rows = np.array([one.row for one in outputs])
+    matrix, k = linear.state_matrix, len(linear.mass)
+    leaves = np.zeros((len(outputs), len(matrix)))
+    leaves[:, :k] = rows @ linear.directions
+    shaken, enters = None, np.zeros(len(matrix))
+    if source.startswith("shake."):
+        shaken, unit = shaking(linear, source.removeprefix("shake.")), _unit_of_shake(linear.system, source)
+    else:
+        effort, unit = _effort(linear.at, source)
+        enters = linear.input_matrix @ effort
     found = np.zeros((len(grid), len(outputs)), dtype=complex)
+    bends = np.array([one.bends for one in outputs])
     for i, frequency in enumerate(grid):
-        found[i] = leaves @ np.linalg.solve(2j * np.pi * frequency * np.eye(n) - matrix, enters)
+        omega = 2.0 * np.pi * frequency
+        by = enters if shaken is None else shaken.enters(omega)
+        found[i] = leaves @ np.linalg.solve(1j * omega * np.eye(len(matrix)) - matrix, by)
+        if shaken is not None:
+            found[i] += shaken.passes(rows, omega)
+        found[i, bends] *= -(omega**2)
     return xr.Dataset(
         {
             "response": (("frequency", "target"), found, {"long_name": f"over the input, {source}"}),
@@ -153,6 +169,10 @@ def _effort(at: At, source: str) -> tuple[Array, str]:
     return np.array(workspace.tau), "N" if _slides(at.system, drive.joint) else "N m"
 
 
+def _unit_of_shake(system: System, source: str) -> str:
+    return "m/s^2" if shakes_in(system)[source.removeprefix("shake.")].slides else "rad/s^2"
+
+
 def _slides(system: System, joint: str) -> bool:
     return (
         system.mechanism.joint(joint).kind == "prismatic"
@@ -166,9 +186,18 @@ def _outputs(modes: Modes, source: str, targets: str | Sequence[str] | None) -> 
     known = targets_of(modes)
     if targets is None:
         drive = system.drives.get(source.removeprefix("drives."))
-        targets = BORESIGHT if BORESIGHT in known or drive is None else drive.joint
+        shaken = {one.joint for one in shakes_in(system).values()} if source.startswith("shake.") else set()
+        others = [name for name in known if name not in shaken]
+        if shaken and BORESIGHT not in known:
+            targets = others
+        else:
+            targets = BORESIGHT if BORESIGHT in known or drive is None else drive.joint
     found: list[_Output] = []
     for name in [targets] if isinstance(targets, str) else list(targets):
+        if name.startswith(LINK):
+            full, row = link_row(modes.linearisation, name)
+            found.append(_Output(full, "m/s^2", row, True))
+            continue
         if name not in known:
             raise UnknownNameError("response", "target", name, known)
         if name == BORESIGHT:

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from antenna_pin.mechanism.loads import transmitted_wrenches
     from antenna_pin.mechanism.model import WORLD, Base, JointKind, JointSlot, Mechanism, build_mechanism
     from antenna_pin.mechanism.rotors import check_turns, rotor_joint, with_rotor
+    from antenna_pin.mechanism.shaken import with_shaken_base
     from antenna_pin.mechanism.tree import BODY, PLACE, body_tree
     from antenna_pin.mechanism.urdf import Urdf
     from antenna_pin.mechanism.written import PassedOver, WrittenJoint, WrittenUrdf
@@ -58,6 +59,7 @@ __all__ = [
     "rotor_joint",
     "transmitted_wrenches",
     "with_rotor",
+    "with_shaken_base",
 ]
 
 loaded_when_used(
@@ -70,6 +72,7 @@ loaded_when_used(
         "loads": "transmitted_wrenches",
         "model": "WORLD Base JointKind JointSlot Mechanism build_mechanism",
         "rotors": "check_turns rotor_joint with_rotor",
+        "shaken": "with_shaken_base",
         "tree": "BODY PLACE body_tree",
         "urdf": "Urdf",
         "written": "PassedOver WrittenJoint WrittenUrdf",

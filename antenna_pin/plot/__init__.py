@@ -56,6 +56,7 @@ if TYPE_CHECKING:
     from antenna_pin.plot.response import figure_response
     from antenna_pin.plot.scenarios import figure_scenarios
     from antenna_pin.plot.sections import figure_bifurcation, figure_section
+    from antenna_pin.plot.shaken import figure_density, figure_shock, figure_swept
     from antenna_pin.plot.spectra import SIGNALS, figure_spectra, figure_spectrogram
     from antenna_pin.plot.stops import figure_stops
     from antenna_pin.plot.study import (
@@ -100,6 +101,7 @@ __all__ = [
     "figure_contact_width",
     "figure_deflection",
     "figure_hysteresis",
+    "figure_density",
     "figure_drive_efforts",
     "figure_eccentricity",
     "figure_energy",
@@ -120,8 +122,10 @@ __all__ = [
     "figures_of_experiment",
     "rendered",
     "figure_scenarios",
+    "figure_shock",
     "figure_spectra",
     "figure_gears",
+    "figure_swept",
     "figure_stops",
     "figure_spectrogram",
     "figure_steady_force",
@@ -168,6 +172,7 @@ loaded_when_used(
         "response": "figure_response",
         "scenarios": "figure_scenarios",
         "sections": "figure_bifurcation figure_section",
+        "shaken": "figure_density figure_shock figure_swept",
         "spectra": "SIGNALS figure_spectra figure_spectrogram",
         "gears": "figure_gears",
         "stops": "figure_stops",

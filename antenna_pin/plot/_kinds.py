@@ -6,7 +6,7 @@ import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from antenna_pin.analysis import gears_of, stops_and_latches
+from antenna_pin.analysis import gears_of, shakes_of, stops_and_latches
 from antenna_pin.errors import FileFormatError, InvalidParameterError, UnknownNameError
 from antenna_pin.plot._runs import LabelledRun, long_enough
 
@@ -19,9 +19,12 @@ __all__ = [
     "MOVING",
     "POINTED",
     "PRESCRIBED",
+    "RANDOM",
     "SEVERAL_JOINTS",
+    "SHAKEN",
     "SLIDING",
     "STOPPED",
+    "SWEPT",
     "TOUCHING",
     "TRACED",
     "TURNING",
@@ -69,6 +72,12 @@ def _described(run: LabelledRun, table: str) -> list[str]:
         return []
 
 
+def _sweeps(run: LabelledRun) -> bool:
+    """Whether the base is swept; one sine has one piece, without growth."""
+    found = [one["shakes"].get("pieces", ()) for one in shakes_of(run.data).values()]
+    return any(len(pieces) > 1 for pieces in found)
+
+
 def _with_play(run: LabelledRun) -> list[str]:
     """Return the joints with clearance, and those that the scenario describes one for, though ideal here."""
     return list(dict.fromkeys([*run.clearance_joints, *_described(run, "clearance")]))
@@ -95,6 +104,12 @@ TRACED = RunKind(
 PRESCRIBED = RunKind("a prescribed motion", lambda run: "motion" in run.data.sizes)
 GEARED = RunKind("a gear, a belt or a cable", lambda run: bool(gears_of(run.data)))
 STOPPED = RunKind("an end stop or a latch", lambda run: any(stops_and_latches(run.data)))
+SHAKEN = RunKind("a shaken base", lambda run: bool(shakes_of(run.data)))
+SWEPT = RunKind("a base that is swept through frequencies", lambda run: _sweeps(run))
+RANDOM = RunKind(
+    "a base that is shaken at random",
+    lambda run: any("density" in one["shakes"] for one in shakes_of(run.data).values()),
+)
 FREE_BASE = RunKind("a free base", lambda run: "base_position" in run.data)
 SEVERAL_JOINTS = RunKind("two joints that turn or more", lambda run: len(run.joints) > 1)
 POINTED = RunKind("a scenario that says what looks where", lambda run: bool(_described(run, "pointing")))

@@ -30,6 +30,7 @@ from antenna_pin.plot import (
     orbit,
     pointing,
     scenarios,
+    shaken,
     spectra,
     stops,
 )
@@ -57,6 +58,7 @@ CATALOGUE: dict[str, RunFigure] = {
         *elastic.FIGURES,
         *hysteresis.FIGURES,
         *spectra.FIGURES,
+        *shaken.FIGURES,
         *base.FIGURES,
         *bodies.FIGURES,
         *pointing.FIGURES,

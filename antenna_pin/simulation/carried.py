@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from antenna_pin.contact import DISSIPATIONS, FRICTION_LAWS, NORMAL_LAWS, DampedContact
 from antenna_pin.dynamics import System
-from antenna_pin.elements import BetweenJoints, Element, JointFriction, Modal, Motion
+from antenna_pin.elements import BetweenJoints, Element, JointFriction, Modal, Motion, Shake
 from antenna_pin.flexible import Takes
 from antenna_pin.joints import ClearanceJoint
 from antenna_pin.mechanism import frame_aligning_z, quaternion
@@ -133,7 +133,8 @@ def _shapes(system: System, part: str) -> set[str]:
 
 
 def _drive(system: System, drive: Element) -> dict[str, Any]:
-    return {"joint": drive.joint, "slides": system.slides(drive.joint), "motion": isinstance(drive, Motion)}
+    about = {"joint": drive.joint, "slides": system.slides(drive.joint), "motion": isinstance(drive, Motion)}
+    return about | ({"shakes": drive.carried()} if isinstance(drive, Shake) else {})
 
 
 def carried_joints(system: System) -> dict[str, dict[str, Any]]:

@@ -30,13 +30,17 @@ from antenna_pin.elements import (
     PointSpring,
     PrescribedMotion,
     Rack,
+    RandomShake,
     RigidLatch,
     RigidStop,
     SineDrive,
+    SineShake,
     Spline,
     StickingFriction,
     StiffnessBearing,
+    SweepShake,
     TableDrive,
+    TableShake,
     TableSpring,
     kernels,
     kind_of,
@@ -70,6 +74,46 @@ EXAMPLES = {
     DistanceMotion: (
         DistanceMotion(joint="a", offset=(1.0, 2.0, 2.0), amplitude=(0.0, 0.1, 0.0), frequency=1.5),
         "motion: distance to a point on a path that swings at 1.5 Hz",
+        0.0,
+    ),
+    SineShake: (
+        SineShake(joint="x", direction=(0, 0, 2), frequency=8.0, acceleration=5.0, phase=0.5, fade_in=0.1),
+        "base shaken along (0, 0, 2): sine of 8 Hz, phase 0.5 rad, 5 m/s² of acceleration, fades in within "
+        "0.1 s",
+        0.0,
+    ),
+    SweepShake: (
+        SweepShake(
+            joint="x",
+            axis=(0, 0, 1),
+            start_frequency=10.0,
+            end_frequency=40.0,
+            octaves_per_minute=60.0,
+            displacement=0.25,
+            acceleration=500.0,
+            dwell=0.5,
+            back=True,
+        ),
+        "base shaken about (0, 0, 1): sweep from 10 Hz to 40 Hz and back, 60 octaves/min, the least of "
+        "0.25 rad of displacement and 500 rad/s² of acceleration, 0.5 s at the end, takes 4.52 s",
+        0.0,
+    ),
+    RandomShake: (
+        RandomShake(
+            joint="x",
+            direction=(1, 0, 0),
+            frequency=(20.0, 80.0, 160.0),
+            density=(1.0, 4.0, 4.0),
+            period=2.0,
+            seed=5,
+        ),
+        "base shaken along (1, 0, 0): random, 20 to 160 Hz, 21.68 m/s² rms, 3.01, 0 dB/octave, 281 lines, "
+        "repeats after 2 s, seed 5",
+        0.0,
+    ),
+    TableShake: (
+        TableShake(joint="x", direction=(1, 0, 0), of="velocity", time=(0.0, 2.0), course=(1.0, 3.0)),
+        "base shaken along (1, 0, 0): table of velocity, 2 points, ends at 4 m and 3 m/s",
         0.0,
     ),
     CallableMotion: (

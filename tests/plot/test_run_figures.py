@@ -58,8 +58,11 @@ from antenna_pin.plot._kinds import (
     LOOPED,
     MOVING,
     PRESCRIBED,
+    RANDOM,
+    SHAKEN,
     SLIDING,
     STOPPED,
+    SWEPT,
     TOUCHING,
     TRACED,
 )
@@ -438,10 +441,10 @@ SLIDES = [name for name, figure in CATALOGUE.items() if figure.of is SLIDING]
 CLOSURES = [
     name
     for name, figure in CATALOGUE.items()
-    if figure.needs in (CLOSED, COUPLED, PRESCRIBED, FLEXIBLE, TRACED, STOPPED, GEARED)
+    if figure.needs in (CLOSED, COUPLED, PRESCRIBED, FLEXIBLE, TRACED, STOPPED, GEARED, SHAKEN, SWEPT, RANDOM)
 ]
 LOOPS = [*CLOSURES, *(name for name, figure in CATALOGUE.items() if figure.of is LOOPED)]
-# Other files have those of made-up runs, closures, flexible links, hysteresis, stops and gears.
+# Other files have those of made-up runs, closures, flexible links, hysteresis, stops, gears and shaken bases.
 FIGURES = [name for name in CATALOGUE if name not in (*MADE_UP, *SLIDES, *CLOSURES)]
 STANDARD = [name for name, figure in CATALOGUE.items() if figure.standard and name not in (*SLIDES, *LOOPS)]
 

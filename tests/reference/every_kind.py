@@ -41,17 +41,22 @@ from antenna_pin.elements import (
     PointSpring,
     PrescribedMotion,
     Rack,
+    RandomShake,
     RigidLatch,
     RigidStop,
     SineDrive,
+    SineShake,
     Spline,
     StickingFriction,
     StiffnessBearing,
+    SweepShake,
     TableDrive,
+    TableShake,
     TableSpring,
 )
 from antenna_pin.geometry import CylindricalClearance, RevoluteClearance
 from antenna_pin.joints import ClearanceJoint
+from antenna_pin.mechanism import with_shaken_base
 
 LINK = (
     '<link name="{0}"><inertial><origin xyz="0.1 0.05 0"/><mass value="1"/>'
@@ -199,6 +204,47 @@ def closed(kind):
     return System(mechanism, closures={"it": Closure(kind=kind, first=first, second=second)})
 
 
+#: Motions of a shaken base, each another way.
+SHAKES = {
+    "swings": SineShake(
+        joint="swings", axis=(0.0, 0.0, 1.0), point=(0.1, 0.0, 0.0), frequency=30.0, velocity=1.0
+    ),
+    "swept": SweepShake(
+        joint="swept",
+        direction=(1.0, 0.0, 0.0),
+        displacement=1e-3,
+        acceleration=30.0,
+        start_frequency=20.0,
+        end_frequency=60.0,
+        hertz_per_second=50.0,
+        fade_in=0.1,
+    ),
+    "random": RandomShake(
+        joint="random",
+        direction=(0.0, 1.0, 0.0),
+        frequency=(20.0, 60.0),
+        density=(1.0, 2.0),
+        period=0.5,
+        seed=7,
+    ),
+    "table": TableShake(
+        joint="table",
+        direction=(0.0, 0.0, 1.0),
+        of="acceleration",
+        time=(0.0, 0.4, 1.0),
+        course=(1.0, -3.0, 2.0),
+        start_velocity=0.1,
+    ),
+}
+
+
+def shaken():
+    """A base that is shaken in all ways there are, and an arm on it."""
+    text = LINK.format("base") + JOINT.format("a", "continuous", "base") + LINK.format("a_link")
+    urdf = with_shaken_base(Urdf.from_text(f'<robot name="shaken">{text}</robot>', "shaken"), SHAKES)
+    return System(build_mechanism(urdf, "fixed", (0.0, -9.8, 0.5)), drives=SHAKES)
+
+
 def started(system):
     """A state that fits: positions and rates that closures, couplings and motions allow."""
     from antenna_pin import assembled
@@ -210,6 +256,7 @@ def systems():
     """Yield the name of each system, with the engine that it runs with."""
     yield "elements", (elements(DRIVES), "compiled")
     yield "modes", (with_modes(), "compiled")
+    yield "shaken", (shaken(), "compiled")
     yield "in Python", (elements(IN_PYTHON), "pinocchio")
     for kind in CLOSURES:
         yield f"{kind} closure", (closed(kind), "compiled")

@@ -1,0 +1,113 @@
+"""A shaken base: which link it is, what moves it, and the force and moment that this takes."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from antenna_pin.analysis._run import Array, RunLike, data_of, label_of, sample_times
+from antenna_pin.analysis.bodies import joint_loads, mechanism_of
+from antenna_pin.analysis.closures import drives_of
+from antenna_pin.arguments import takes
+from antenna_pin.errors import InvalidParameterError, UnknownNameError
+from antenna_pin.mechanism import WORLD, link_motion
+
+__all__ = ["base_loads", "base_wrench", "shaken_link", "shakes_of", "way_of"]
+
+_AXES = ("x", "y", "z")
+
+
+@takes()
+def shakes_of(run: RunLike) -> dict[str, dict[str, Any]]:
+    """Return the motions of a run's shaken base by name: ``joint``, ``slides``, and in ``shakes`` the way.
+
+    Args:
+        run: A run, or its data; there are none where no base is shaken.
+    """
+    return {name: one for name, one in drives_of(run).items() if "shakes" in one}
+
+
+@takes()
+def shaken_link(run: RunLike) -> str:
+    """Return the name of the link that is a run's shaken base.
+
+    Raises:
+        InvalidParameterError: It has none.
+    """
+    data = data_of(run)
+    joints = {str(one["joint"]) for one in shakes_of(data).values()}
+    if not joints:
+        raise InvalidParameterError("base", "run", "one with a shaken base ([shake.NAME])", label_of(data))
+    mounts = joints | {f"{name}_mount" for name in joints}
+    below = {one.parent: one.child for one in mechanism_of(data).urdf.robot.joints if one.name in mounts}
+    link = WORLD
+    while link in below:
+        link = below[link]
+    return link
+
+
+@takes()
+def way_of(run: RunLike, shake: str | None = None) -> tuple[str, Array]:
+    """Return a motion of the base that goes along a direction, by name, and the direction, (3,) unit.
+
+    Args:
+        run: A run, or its data.
+        shake: Name of the motion; the first one along a direction if left out.
+
+    Raises:
+        UnknownNameError: There is no such motion along a direction.
+    """
+    data = data_of(run)
+    shaken_link(data)
+    known = {name: one["shakes"] for name, one in shakes_of(data).items() if one["slides"]}
+    if shake is None and known:
+        shake = next(iter(known))
+    if shake is None or shake not in known:
+        raise UnknownNameError("base", "motion along a direction", str(shake), known)
+    along = np.asarray(known[shake]["along"], dtype=float)
+    return shake, np.asarray(along / np.linalg.norm(along))
+
+
+@takes()
+def base_wrench(data: xr.Dataset) -> Array:
+    """Return force and moment that move the base of a run, (n, 6), at the base link's frame, in its axes."""
+    link, mechanism = shaken_link(data), mechanism_of(data)
+    joints = [str(one["joint"]) for one in shakes_of(data).values()]
+    # The one that carries the base itself comes last in the tree.
+    last = max(joints, key=lambda name: mechanism.joint(name).joint_id)
+    loads = joint_loads(data).sel(moving_joint=last)
+    force, moment = (np.asarray(loads[name].values, dtype=float) for name in ("force", "torque"))
+    q, v, a = (np.asarray(data[name].values, dtype=float) for name in "qva")
+    turned, motion = link_motion(mechanism, link, q, v, a)
+    # The load is about the joint's frame on its child, which a mount leads on from.
+    _, about = link_motion(mechanism, mechanism.urdf.joint(last).child, q, v, a)
+    moment = moment - np.cross(motion[:, 0] - about[:, 0], force)
+    return np.hstack([np.einsum("nji,nj->ni", turned, one) for one in (force, moment)])
+
+
+@takes()
+def base_loads(run: RunLike) -> xr.Dataset:
+    """Return the force and the moment that shake the base of a run: what a fixture's sensors would show.
+
+    They are what the base link with all that it carries needs to move as it does, its own mass included,
+    and its weight.
+
+    Args:
+        run: A run whose base is shaken, or its data.
+
+    Returns:
+        ``force`` [N] and ``moment`` [N m] about the origin of the base link's frame, (time, axis), in its
+        axes.
+    """
+    data = data_of(run)
+    wrench = base_wrench(data)
+    return xr.Dataset(
+        {
+            "force": (("time", "axis"), wrench[:, :3], {"units": "N", "long_name": "force on the base"}),
+            "moment": (("time", "axis"), wrench[:, 3:], {"units": "N m", "long_name": "moment on the base"}),
+        },
+        coords={"time": sample_times(data, "base_loads"), "axis": list(_AXES)},
+        attrs={"base": shaken_link(data)},
+    )

@@ -1,0 +1,182 @@
+r"""Shock response spectra: what an acceleration would do to oscillators of any frequency on it.
+
+An oscillator of natural frequency f and quality Q = 1/(2 zeta) on a base of acceleration a moves relative to
+it by
+
+.. math:: \ddot z + 2 \zeta \omega \dot z + \omega^2 z = -a, \qquad \omega = 2 \pi f
+
+and its absolute acceleration is :math:`-(2 \zeta \omega \dot z + \omega^2 z)`. The signal is taken as the
+polygon through its samples, uneven as they are, for which each step is exact; oscillators that are fast for
+the steps are looked at between them too. On an even grid that is what the ramp-invariant filter does
+(Smallwood 1981, Shock and Vibration Bulletin 51, 279).
+"""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import xarray as xr
+from numpy.typing import ArrayLike
+
+from antenna_pin.analysis._run import Array
+from antenna_pin.arguments import takes
+from antenna_pin.errors import InvalidParameterError
+
+__all__ = ["shock_spectrum"]
+
+_PER_OCTAVE = 12
+_LOOKS = 24  # in a period of the fastest oscillator: a peak is missed by (pi/24)^2/2, 0.9 % at most
+_MOST_LOOKS = 64  # in a step
+_AFTER = 48  # in the period after the signal's end
+_GROWTH = 20.0  # exponent by which sums may grow before a new one is begun
+_SERIES = 0.05  # size below which a series takes the place of a difference: to 2e-12 of it
+
+
+@takes()
+def shock_spectrum(
+    time: ArrayLike,
+    values: ArrayLike,
+    frequencies: ArrayLike | None = None,
+    *,
+    quality: float = 10.0,
+    units: str = "m/s^2",
+) -> xr.Dataset:
+    """Return the shock response spectrum of an acceleration.
+
+    Oscillators are at rest at first, on a base that has no acceleration before.
+
+    Args:
+        time: Sample times, not decreasing, (n,) [s].
+        values: Acceleration, (n,).
+        frequencies: Of the oscillators, positive [Hz]; 12 to an octave, from the signal's length to a tenth
+            of its sample rate, if left out.
+        quality: Q, above a half [-].
+        units: Of the values.
+
+    Returns:
+        Over ``frequency`` [Hz]: ``positive`` and ``negative``, the largest absolute acceleration in either
+        sense during and after the signal, ``maximum``, the larger of both, ``residual``, the largest in
+        either sense after its end [units], and ``pseudo_velocity``, the largest relative displacement times
+        omega [units s]. Attribute ``quality``.
+    """
+    t, a = np.asarray(time, dtype=float), np.asarray(values, dtype=float)
+    if t.ndim != 1 or t.shape != a.shape or t.size < 2:
+        seen = f"{a.shape} values at {t.shape} times"
+        raise InvalidParameterError(
+            "shock_spectrum", "values", "(n,), one for each of two times or more", seen
+        )
+    if np.any(np.diff(t) < 0.0) or not np.isfinite(a).all():
+        rule = "finite, at times that do not decrease"
+        raise InvalidParameterError("shock_spectrum", "values", rule, said="others")
+    if not 0.5 < quality < math.inf:
+        raise InvalidParameterError("shock_spectrum", "quality", "above 0.5 and finite", quality)
+    f = _frequencies(t) if frequencies is None else np.atleast_1d(np.asarray(frequencies, dtype=float))
+    if f.ndim != 1 or f.size == 0 or not (np.isfinite(f).all() and (f > 0.0).all()):
+        raise InvalidParameterError("shock_spectrum", "frequencies", "positive [Hz]", frequencies)
+    _check_steps(t, float(f.max()))
+    found = [_swing(*_between(t, a, float(one)), float(one), quality) for one in f]
+    largest, least, far = (np.array([one[k] for one in found]) for k in range(3))
+    after = _after(np.array([one[3:] for one in found]).T, f, quality)
+    high, low = np.maximum(largest, after[0]), np.minimum(least, after[1])
+    residual = np.maximum(after[0], -after[1])
+    about = (
+        ("positive", high, units, "largest absolute acceleration, positive sense"),
+        ("negative", -low, units, "largest absolute acceleration, negative sense"),
+        ("maximum", np.maximum(high, -low), units, "largest absolute acceleration"),
+        ("residual", residual, units, "largest absolute acceleration after the signal"),
+        (
+            "pseudo_velocity",
+            2.0 * np.pi * f * np.maximum(far, after[2]),
+            f"{units} s",
+            "omega times the largest relative displacement",
+        ),
+    )
+    return xr.Dataset(
+        {
+            name: ("frequency", column, {"units": unit, "long_name": words})
+            for name, column, unit, words in about
+        },
+        coords={"frequency": ("frequency", f, {"units": "Hz", "long_name": "natural frequency"})},
+        attrs={"quality": quality},
+    )
+
+
+def _frequencies(t: Array) -> Array:
+    """Return frequencies from the reciprocal of the signal's length to a tenth of its sample rate [Hz]."""
+    steps = np.diff(t)
+    low, high = 1.0 / float(t[-1] - t[0]), 0.1 / float(np.median(steps[steps > 0.0]))
+    count = max(2, math.ceil(_PER_OCTAVE * math.log2(max(high / low, 2.0))))
+    return np.geomspace(low, max(high, 2.0 * low), count + 1)
+
+
+def _check_steps(t: Array, fastest: float) -> None:
+    """Refuse an oscillator that is too fast for the signal's steps."""
+    longest = float(np.diff(t).max())
+    if longest * fastest * _LOOKS > _MOST_LOOKS:
+        fast = _MOST_LOOKS / _LOOKS / longest
+        rule = f"at most {fast:.4g} Hz, of which the longest step between samples tells"
+        raise InvalidParameterError("shock_spectrum", "frequencies", rule, said=f"{fastest:g} Hz")
+
+
+def _between(t: Array, a: Array, frequency: float) -> tuple[Array, Array]:
+    """Return times and both ends of pieces of the polygon, so short that an oscillator is slow for them.
+
+    Returns:
+        (n + 1,) times and (2, n) accelerations: where something jumps, a piece begins with the later of two.
+    """
+    steps = np.diff(t)
+    looks = np.maximum(np.ceil(steps * frequency * _LOOKS).astype(int), (steps > 0.0).astype(int))
+    own = np.repeat(np.arange(looks.size), looks)
+    part = np.arange(own.size) - np.repeat(np.cumsum(looks) - looks, looks)
+    first, last = part / looks[own], (part + 1) / looks[own]
+    rise = np.diff(a)[own]
+    times = np.concatenate([t[:1], t[own] + last * steps[own]])
+    return times, np.stack([a[own] + first * rise, a[own] + last * rise])
+
+
+def _swing(
+    t: Array, ends: Array, frequency: float, quality: float
+) -> tuple[float, float, float, float, float]:
+    r"""Return largest and least absolute acceleration, largest displacement, last displacement and rate.
+
+    With lambda = -zeta omega + i omega sqrt(1 - zeta^2), the number u = z' - conj(lambda) z obeys
+    u' = lambda u - a, which sums up step by step: in blocks, in which exp(-lambda t) does not grow too far.
+    """
+    omega, zeta = 2.0 * math.pi * frequency, 0.5 / quality
+    damped = omega * math.sqrt(1.0 - zeta**2)
+    root = complex(-zeta * omega, damped)
+    steps = np.diff(t)
+    x = root * steps
+    once = np.expm1(x) / root
+    series = 0.5 + x * (1 / 6 + x * (1 / 24 + x * (1 / 120 + x * (1 / 720 + x / 5040))))
+    small = np.abs(x) < _SERIES
+    twice = np.where(small, steps**2 * series, (np.expm1(x) - x) / root**2)
+    pushed = -(ends[0] * once + (ends[1] - ends[0]) / steps * twice)
+    u, high, low, far = 0j, 0.0, 0.0, 0.0
+    block = ((t[1:] - t[0]) * zeta * omega // _GROWTH).astype(int)
+    edges = np.concatenate([[0], np.flatnonzero(np.diff(block)) + 1, [steps.size]])
+    for first, last in pairwise(edges.tolist()):
+        since = t[first + 1 : last + 1] - t[first]
+        state = np.exp(root * since) * (u + np.cumsum(np.exp(-root * since) * pushed[first:last]))
+        u = complex(state[-1])
+        z = state.imag / damped
+        felt = -(2.0 * zeta * omega * (state.real - zeta * omega * z) + omega**2 * z)
+        high, low = max(high, float(felt.max())), min(low, float(felt.min()))
+        far = max(far, float(np.abs(z).max()))
+    z_last = u.imag / damped
+    return high, low, far, z_last, u.real - zeta * omega * z_last
+
+
+def _after(state: Array, f: Array, quality: float) -> tuple[Array, Array, Array]:
+    """Return the extremes of the free swing in the period after the end, its start included."""
+    omega, zeta = 2.0 * np.pi * f, 0.5 / quality
+    damped = omega * math.sqrt(1.0 - zeta**2)
+    s = np.linspace(0.0, 1.0, _AFTER + 1)[:, None] * 2.0 * np.pi / damped
+    decay = np.exp(-zeta * omega * s)
+    cosine, sine = decay * np.cos(damped * s), decay * np.sin(damped * s)
+    z = (cosine + zeta * omega / damped * sine) * state[0] + sine / damped * state[1]
+    w = -(omega**2) / damped * sine * state[0] + (cosine - zeta * omega / damped * sine) * state[1]
+    felt = -(2.0 * zeta * omega * w + omega**2 * z)
+    return felt.max(axis=0), felt.min(axis=0), np.abs(z).max(axis=0)

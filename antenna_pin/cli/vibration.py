@@ -1,0 +1,259 @@
+"""``antenna-pin vibration``: responses to a shaken base, spectral densities, shock response spectra.
+
+Errors leave here as exceptions; :mod:`antenna_pin.cli` turns them into one line and an exit code.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from antenna_pin.cli._common import Width, WidthOption, figure_target, label_of, load_result
+from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, exported, plain
+from antenna_pin.cli._quantities import positive_quantity
+from antenna_pin.cli._tables import number_text, print_rows
+from antenna_pin.errors import InvalidParameterError
+from antenna_pin.numerals import bare, decimal_in
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from antenna_pin.trajectory import Trajectory
+
+app = typer.Typer(
+    name="vibration",
+    help="Vibration: responses to a shaken base, spectral densities, shock response spectra.",
+    no_args_is_help=True,
+    context_settings={"help_option_names": ["-h", "--help"]},
+    rich_markup_mode=None,
+)
+
+FileArgument = Annotated[Path, typer.Argument(metavar="FILE", help="Result file of a run.")]
+OfOption = Annotated[
+    str | None,
+    typer.Option(
+        "--of",
+        metavar="NAME",
+        help="Quantity of the run (phase --list has all); the last link's acceleration if left out.",
+    ),
+]
+SegmentOption = Annotated[
+    str | None, typer.Option(metavar="TIME", help="Length of a window; an eighth of the run if left out.")
+]
+FigureOption = Annotated[
+    Path | None, typer.Option("--plot", metavar="FILE", help="Figure of it: png, pdf or svg.")
+]
+
+
+def response(
+    file: FileArgument,
+    of: OfOption = None,
+    to: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME",
+            help="Quantity that is the cause; the base's acceleration if left out. Not for a sweep.",
+        ),
+    ] = None,
+    periods: Annotated[float, typer.Option(help="Length of a window of a sweep, in periods.")] = 10.0,
+    segment: SegmentOption = None,
+    plot: FigureOption = None,
+    width: WidthOption = Width.PAGE,
+    as_json: JsonOption = False,
+    csv: CsvOption = None,
+) -> None:
+    """Say how something answers to a shaken base, over the frequency.
+
+    Of a base that is swept by synchronous demodulation, with what does not follow the sweep; else by the
+    ratio of spectra, with coherence.
+    """
+    from antenna_pin.analysis import shakes_of
+
+    target, figure = csv_target(csv), figure_target(plot, "vibration", "--plot")
+    run = load_result(file, scenario=False)
+    swept = to is None and any("pieces" in one["shakes"] for one in shakes_of(run).values())
+    found = _swept(run, of, periods) if swept else _transferred(run, of, to, segment)
+    names = (
+        ("frequency", "way", "time", "gain", "phase", "amplitude", "base", "distortion")
+        if swept
+        else ("frequency", "gain", "phase", "coherence", "error")
+    )
+    rows = _rows(found, names)
+    facts = {"file": str(file), **{key: plain(value) for key, value in found.attrs.items()}, "response": rows}
+    silent = exported(facts, rows, as_json, target)
+    if not silent and swept:
+        _print_peaks(found, label_of(run, file))
+    elif not silent:
+        largest = [row for row in rows if row["coherence"] is not None and row["frequency"] > 0.0]
+        largest = sorted(largest, key=lambda row: -row["gain"])[:8]
+        head = ["frequency [Hz]", "gain [-]", "coherence [-]", "standard error [%]"]
+        shown = [
+            [
+                *(number_text(row[name]) for name in ("frequency", "gain", "coherence")),
+                number_text(100.0 * row["error"]),
+            ]
+            for row in sorted(largest, key=lambda row: row["frequency"])
+        ]
+        print_rows(f"{label_of(run, file)}: {found.attrs['target']}, largest gains", head, shown)
+    if figure is not None and not swept:
+        rule = "left out: the figure is of a swept base; --csv has the numbers"
+        raise InvalidParameterError("vibration", "--plot", rule, str(figure))
+    if figure is not None:
+        from antenna_pin.plot import figure_swept
+
+        _save(figure_swept(run, of, periods=periods, width=width.value), figure, as_json)
+
+
+def density(
+    file: FileArgument,
+    of: OfOption = None,
+    segment: SegmentOption = None,
+    confidence: Annotated[float, typer.Option(help="Probability of the interval.")] = 0.95,
+    band: Annotated[
+        list[str] | None,
+        typer.Option(metavar="LOW,HIGH", help="Band for a root mean square [Hz]. May be repeated."),
+    ] = None,
+    plot: FigureOption = None,
+    width: WidthOption = Width.PAGE,
+    as_json: JsonOption = False,
+    csv: CsvOption = None,
+) -> None:
+    """Give the power spectral density of a quantity with its confidence, and root mean squares of bands."""
+    from antenna_pin.analysis import band_rms, power_density, quantity
+
+    target, figure = csv_target(csv), figure_target(plot, "vibration", "--plot")
+    run = load_result(file, scenario=False)
+    one = quantity(run, _name(run, of))
+    length = _segment(segment)
+    found = power_density(one.time, one.values, segment=length, confidence=confidence, units=one.units)
+    bands = band_rms(found, None if band is None else [_band(text) for text in band])
+    rows = _rows(found, ("frequency", "power", "lower", "upper"))
+    in_bands = _rows(bands, ("low", "high", "rms", "standard_error"))
+    facts = {"file": str(file), "of": one.name, "units": one.units, **plain(dict(found.attrs))}
+    if not exported(facts | {"bands": in_bands, "density": rows}, rows, as_json, target):
+        head = ["from [Hz]", "to [Hz]", f"rms [{one.units}]", "standard error"]
+        shown = [[number_text(value) for value in row.values()] for row in in_bands]
+        print_rows(f"{label_of(run, file)}: {one.name}", head, shown)
+    if figure is not None:
+        from antenna_pin.plot import figure_density
+
+        _save(figure_density(run, of, segment=length, width=width.value), figure, as_json)
+
+
+def shock(
+    file: FileArgument,
+    of: OfOption = None,
+    quality: Annotated[float, typer.Option(help="Q of the oscillators, 1/(2 damping ratio).")] = 10.0,
+    plot: FigureOption = None,
+    width: WidthOption = Width.PAGE,
+    as_json: JsonOption = False,
+    csv: CsvOption = None,
+) -> None:
+    """Give the shock response spectrum of an acceleration: what oscillators on it would feel."""
+    from antenna_pin.analysis import quantity, shock_spectrum
+
+    target, figure = csv_target(csv), figure_target(plot, "vibration", "--plot")
+    run = load_result(file, scenario=False)
+    one = quantity(run, _name(run, of))
+    found = shock_spectrum(one.time, one.values, quality=quality, units=one.units)
+    names = ("frequency", "positive", "negative", "maximum", "residual", "pseudo_velocity")
+    rows = _rows(found, names)
+    facts = {"file": str(file), "of": one.name, "units": one.units, "quality": quality, "spectrum": rows}
+    if not exported(facts, rows, as_json, target):
+        head = ["natural frequency [Hz]", *(f"{name} [{one.units}]" for name in names[1:5])]
+        head.append(f"pseudo-velocity [{one.units} s]")
+        shown = [[number_text(value) for value in row.values()] for row in rows[::12]]
+        print_rows(f"{label_of(run, file)}: {one.name}, Q = {quality:g}, by octaves", head, shown)
+    if figure is not None:
+        from antenna_pin.plot import figure_shock
+
+        _save(figure_shock(run, of, quality=quality, width=width.value), figure, as_json)
+
+
+def _name(run: Trajectory, of: str | None) -> str:
+    """Return the quantity that is asked for, or the acceleration of the last link on a shaken base."""
+    from antenna_pin.analysis import shaken_target, shakes_of
+
+    if of is None and not shakes_of(run):
+        rule = "given for a run whose base is not shaken: --of NAME"
+        raise InvalidParameterError("vibration", "--of", rule, said="nothing")
+    return shaken_target(run) if of is None else of
+
+
+def _swept(run: Trajectory, of: str | None, periods: float) -> xr.Dataset:
+    from antenna_pin.analysis import swept_response
+
+    return swept_response(run, _name(run, of), periods=periods)
+
+
+def _transferred(run: Trajectory, of: str | None, to: str | None, segment: str | None) -> xr.Dataset:
+    from antenna_pin.analysis import base_quantity, quantity, shakes_of, transfer
+
+    if to is None and not shakes_of(run):
+        rule = "given for a run whose base is not shaken: --to NAME"
+        raise InvalidParameterError("vibration", "--to", rule, said="nothing")
+    one, cause = quantity(run, _name(run, of)), quantity(run, to or base_quantity(run))
+    found = transfer(one.time, cause.values, one.values, segment=_segment(segment))
+    return found.assign_attrs(target=one.name, source=cause.name, units=f"({one.units})/({cause.units})")
+
+
+def _print_peaks(found: xr.Dataset, label: str) -> None:
+    """Print where the answer to a sweep is largest, of each way."""
+    import numpy as np
+
+    shown = []
+    for way, word in ((1, "up"), (-1, "down"), (0, "at one frequency")):
+        one = found.isel(window=np.flatnonzero(found["way"].values == way))
+        if not one.sizes["window"]:
+            continue
+        at = one.isel(window=int(np.argmax(one["gain"].values)))
+        frequency = one["frequency"].values
+        numbers = [float(frequency.min()), float(frequency.max())]
+        numbers += [float(at[name]) for name in ("frequency", "gain", "amplitude")]
+        numbers.append(100.0 * float(one["distortion"].max()))
+        shown.append([word, *map(number_text, numbers)])
+    gain, amplitude = (str(found[name].attrs["units"]) for name in ("gain", "amplitude"))
+    head = [
+        "way",
+        "from [Hz]",
+        "to [Hz]",
+        "largest at [Hz]",
+        f"gain [{'-' if gain == '(m/s^2)/(m/s^2)' else gain}]",
+        f"amplitude [{amplitude}]",
+        "largest distortion [%]",
+    ]
+    print_rows(f"{label}: {found.attrs['target']} over the base's acceleration", head, shown, numbers=False)
+
+
+def _rows(found: xr.Dataset, names: Sequence[str]) -> list[dict[str, Any]]:
+    """Return one row for each entry of a dataset of one dimension."""
+    columns = [found[name].values.tolist() for name in names]
+    return [plain(dict(zip(names, row, strict=True))) for row in zip(*columns, strict=True)]
+
+
+def _segment(text: str | None) -> float | None:
+    return None if text is None else positive_quantity(text, "s", "--segment", "vibration")
+
+
+def _band(text: str) -> tuple[float, float]:
+    numbers = [decimal_in(part) for part in text.split(",")]
+    low, high = numbers if len(numbers) == 2 else (None, None)
+    if low is None or high is None:
+        raise InvalidParameterError("vibration", "--band", "two frequencies such as 20,200", str(bare(text)))
+    return low, high
+
+
+def _save(figure: Any, path: Path, silent: bool) -> None:
+    from antenna_pin.plot import save_figure
+
+    save_figure(figure, path.with_suffix(""), [path.suffix[1:]])
+    if not silent:
+        typer.echo(f"saved {path}")
+
+
+app.command("response")(response)
+app.command("density")(density)
+app.command("shock")(shock)

@@ -1,0 +1,191 @@
+"""A base shaken at random by a power spectral density: sines at equal spacing with random phases."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cache
+from itertools import pairwise
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from antenna_pin._lanes import LANES
+from antenna_pin.elements.shake import Shake
+from antenna_pin.errors import InvalidParameterError
+from antenna_pin.parameters import parameter
+from antenna_pin.readable import GIVEN, number, readable
+
+__all__ = ["RandomShake", "band_power", "density_at"]
+
+_MOST_LINES = 100_000
+
+
+def density_at(
+    frequency: ArrayLike, at: tuple[float, ...], density: tuple[float, ...]
+) -> NDArray[np.float64]:
+    """Return a power spectral density between break points, straight in double logarithmic axes.
+
+    Args:
+        frequency: Where, (n,) [Hz].
+        at: Of the break points, rising [Hz].
+        density: There.
+
+    Returns:
+        (n,), zero outside the band.
+    """
+    f = np.asarray(frequency, dtype=float)
+    inside = (f >= at[0]) & (f <= at[-1])
+    kept = np.exp(np.interp(np.log(np.where(inside, f, at[0])), np.log(at), np.log(density)))
+    return np.where(inside, kept, 0.0)
+
+
+def band_power(low: float, high: float, at: tuple[float, ...], density: tuple[float, ...]) -> float:
+    """Return the integral of such a density from one frequency to another: the mean square of the band."""
+    total = 0.0
+    for (f1, f2), (s1, s2) in zip(pairwise(at), pairwise(density), strict=True):
+        a, b = max(low, f1), min(high, f2)
+        if not a < b:
+            continue
+        slope = math.log(s2 / s1) / math.log(f2 / f1)
+        # s1 f1 of the integral of u^slope over u = f / f1, by a form that slope = -1 does not hurt.
+        power, span = slope + 1.0, math.log(b / a)
+        grown = math.expm1(power * span) / power if abs(power) > 1e-12 else span
+        total += s1 * f1 * (a / f1) ** power * grown
+    return total
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RandomShake(Shake):
+    r"""The base shakes at random: a sum of sines with random phases, of a one-sided density of acceleration.
+
+    .. math:: a(t) = \sum_k \sqrt{2 \sigma_k^2} \cos(2 \pi k t / T + \varphi_k), \qquad
+              \sigma_k^2 = \int S(f)\,df
+
+    with the integral over the width 1/T about the line k/T, as far as it lies in the band, so that the mean
+    square over a period is that of the density exactly. Displacement and velocity are the exact integrals,
+    without a constant and without drift. It repeats itself after the period T: give one as long as the run.
+
+    Attributes:
+        frequency: Of the break points, rising [Hz].
+        density: One-sided power spectral density of acceleration there, straight between them in double
+            logarithmic axes; ``"0.04 g^2/Hz"`` is understood. The unit is that of (m/s^2)^2/Hz [m^2/s^3].
+        period: T, after which it repeats itself; lines are 1/T apart [s].
+        seed: Of the random phases [-].
+        fade_in: Time in which it grows from nothing, by a factor whose second derivative is continuous [s].
+    """
+
+    kernels: ClassVar[str] = "random_kernels"
+    at_start: ClassVar[tuple[str, ...]] = ("period", "seed", "fade_in")
+
+    frequency: tuple[float, ...] = parameter("Hz", rule="positive", sizes=(0,))
+    density: tuple[float, ...] = parameter("m**2/s**3", rule="positive", sizes=(0,))
+    period: float = parameter("s", rule="positive")
+    seed: int = parameter("1", rule="zero or more")
+    fade_in: float = parameter("s", rule="zero or more", default=0.0)
+
+    def __post_init__(self) -> None:
+        """Check the parts."""
+        Shake.__post_init__(self)
+        if not self.slides:
+            rule = "left out: random vibration is along a direction, for its density is of an acceleration"
+            raise InvalidParameterError(self, "axis", rule)
+        if len(self.frequency) < 2:
+            rule = "at least 2 break points"
+            raise InvalidParameterError(self, "frequency", rule, said=f"{len(self.frequency)}")
+        if len(self.density) != len(self.frequency):
+            rule = f"as many numbers as frequency, {len(self.frequency)}"
+            raise InvalidParameterError(self, "density", rule, said=f"{len(self.density)}")
+        for k, (before, after) in enumerate(pairwise(self.frequency), start=1):
+            if not after > before:
+                rule = f"above the one before, {before!r}"
+                raise InvalidParameterError(self, f"frequency[{k}]", rule, said=repr(after))
+        low, high = self._range
+        if low < 1:
+            rule = (
+                f"at least {number(0.5 / self.frequency[0], GIVEN)} s, for a line in the lowest of the band"
+            )
+            raise InvalidParameterError(self, "period", rule)
+        if high - low + 1 > _MOST_LINES:
+            rule = f"such that the band has {_MOST_LINES} lines 1/period apart or fewer, not {high - low + 1}"
+            raise InvalidParameterError(self, "period", rule)
+
+    @property
+    def _range(self) -> tuple[int, int]:
+        """The first and the last line."""
+        low, high = (one * self.period for one in (self.frequency[0], self.frequency[-1]))
+        first = math.floor(low + 0.5)
+        return first, max(first, math.ceil(high - 0.5))
+
+    @property
+    def longest_step(self) -> float:
+        """An eighth of the shortest period [s]."""
+        return 0.125 / self.frequency[-1]
+
+    @property
+    def instants(self) -> tuple[float, ...]:
+        """The time at which it has faded in [s]."""
+        return (self.fade_in,) if self.fade_in else ()
+
+    @property
+    def rms(self) -> float:
+        """Root mean square of the acceleration [m/s^2]."""
+        return math.sqrt(band_power(self.frequency[0], self.frequency[-1], self.frequency, self.density))
+
+    def lines(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+        """Return frequency [Hz], amplitude of acceleration [m/s^2] and phase [rad] of the lines."""
+        first, last = self._range
+        k = np.arange(first, last + 1)
+        edges = (np.arange(first, last + 2) - 0.5) / self.period
+        edges[0], edges[-1] = min(edges[0], self.frequency[0]), max(edges[-1], self.frequency[-1])
+        powers = [band_power(a, b, self.frequency, self.density) for a, b in pairwise(edges.tolist())]
+        phases = 2.0 * math.pi * np.random.Generator(np.random.PCG64(int(self.seed))).random(len(k))
+        return k / self.period, np.sqrt(2.0 * np.array(powers)), phases
+
+    def carried(self) -> dict[str, Any]:
+        """Return what a result carries of it: its density too."""
+        return Shake.carried(self) | {"frequency": list(self.frequency), "density": list(self.density)}
+
+    def values(self) -> dict[str, Any]:
+        """Return its numbers, by the names that its record has for them."""
+        first, last = self._range
+        groups = -(-(last - first + 1) // LANES)
+        return {"groups": groups, "lowest": first, "period": self.period, "fade_in": self.fade_in}
+
+    def tail(self) -> tuple[float, ...]:
+        """Return the lines of the displacement."""
+        return _tail(self)
+
+    def check_span(self, place: str, begin: float, end: float) -> None:
+        """Refuse a run in which it would repeat itself."""
+        if end > self.period * (1.0 + 1e-12):
+            rule = f"as long as the run, {number(end, GIVEN)} s, or it repeats itself; lengthen it"
+            raise InvalidParameterError(place, "period", rule, self.period)
+
+    def words(self, slides: bool) -> str:
+        """Return what it is in words."""
+        slopes = [
+            10.0 * math.log10(s2 / s1) / math.log2(f2 / f1)
+            for (f1, f2), (s1, s2) in zip(pairwise(self.frequency), pairwise(self.density), strict=True)
+        ]
+        said = ", ".join(f"{number(one + 0.0, 3)}" for one in slopes)
+        band = f"{number(self.frequency[0], GIVEN)} to {number(self.frequency[-1], GIVEN)} Hz"
+        first, last = self._range
+        faded = f", fades in within {readable(self.fade_in, 's', GIVEN)}" if self.fade_in else ""
+        lines = f"{last - first + 1} lines, repeats after {readable(self.period, 's', GIVEN)}"
+        return (
+            f"{self.way()}: random, {band}, {readable(self.rms, 'm/s^2')} rms, {said} dB/octave, {lines}, "
+            f"seed {int(self.seed)}{faded}"
+        )
+
+
+@cache
+def _tail(shake: RandomShake) -> tuple[float, ...]:
+    """Return the lines as kernels take them: in whole lanes, those that are none zero."""
+    frequency, amplitude, phase = shake.lines()
+    along = -amplitude / (2.0 * math.pi * frequency) ** 2
+    both = np.zeros((2, -(-len(along) // LANES) * LANES))
+    both[:, : len(along)] = along * np.cos(phase), along * np.sin(phase)
+    lines = both.reshape(2, -1, LANES).transpose(1, 0, 2).ravel()
+    return (*np.eye(LANES).ravel().tolist(), *map(float, range(LANES)), *lines.tolist())

@@ -1,0 +1,336 @@
+"""A shaken base: what all its motions have, a sine, and a swept sine with its pieces."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from antenna_pin.directions import A_DIRECTION
+from antenna_pin.elements.prescribed import Motion
+from antenna_pin.elements.swept_pieces import SweptPiece, sines_of
+from antenna_pin.errors import InvalidParameterError
+from antenna_pin.parameters import check, parameter
+from antenna_pin.readable import GIVEN, number, readable
+
+__all__ = ["Shake", "SineShake", "SweepShake"]
+
+_MINUTE, _LEAST_CYCLES = 60.0, 10
+# The power of the angular frequency by which amplitudes are those of a displacement.
+_POWERS = {"displacement": 0, "velocity": 1, "acceleration": 2}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Shake(Motion):
+    """Base of the motions of a shaken base: along a direction, or about an axis through a point.
+
+    A mechanism whose base stands still is carried by a joint more, which bears the motion's name and follows
+    it exactly (:func:`antenna_pin.mechanism.with_shaken_base`). The force that this takes is the motion's
+    torque in a result, its work stands in the ledger.
+
+    Attributes:
+        joint: Name of the joint that carries the base, which is made; in a scenario the table's.
+        direction: Along which the base moves, in world axes; only its ratio counts [-].
+        axis: About which the base turns instead, in world axes [-].
+        point: Through which that axis goes, in the world; its origin if left out [m].
+    """
+
+    direction: tuple[float, ...] | None = parameter("1", rule=A_DIRECTION, sizes=(3,), default=None)
+    axis: tuple[float, ...] | None = parameter("1", rule=A_DIRECTION, sizes=(3,), default=None)
+    point: tuple[float, ...] | None = parameter("m", sizes=(3,), default=None)
+
+    def __post_init__(self) -> None:
+        """Check the parameters."""
+        check(self)
+        if (self.direction is None) == (self.axis is None):
+            said = "neither" if self.axis is None else "both"
+            raise InvalidParameterError(self, "direction", "given, or an axis to turn about", said=said)
+        if self.point is not None and self.axis is None:
+            raise InvalidParameterError(self, "point", "left out where the base moves along a direction")
+
+    @property
+    def slides(self) -> bool:
+        """Whether the base moves along a direction rather than turning."""
+        return self.direction is not None
+
+    def check_joint(self, place: str, slides: bool) -> None:
+        """Refuse a joint that moves in another way than the motion."""
+        if slides != self.slides:
+            rule = f"one that {'slides' if self.slides else 'turns'}, as the motion says"
+            raise InvalidParameterError(place, "joint", rule, self.joint)
+
+    def carried(self) -> dict[str, Any]:
+        """Return what a result carries of it, for those who look at what answers to it."""
+        return {"along": list(self.direction)} if self.direction else {"about": list(self.axis or ())}
+
+    def way(self) -> str:
+        """Return along which direction, or about which axis, in words."""
+        given = self.direction if self.direction is not None else self.axis
+        assert given is not None
+        text = f"({', '.join(number(one, GIVEN) for one in given)})"
+        return f"base shaken {'along' if self.slides else 'about'} {text}"
+
+    def said_in_own(self, name: str) -> str:
+        """Return one of its parameters with the unit that it has along a direction or about an axis."""
+        return self.said(name, self.slides)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Swept(Shake):
+    """Base of the sines: amplitudes of displacement, velocity and acceleration, of which the least counts.
+
+    Attributes:
+        fade_in: Time in which it grows from nothing, by a factor whose second derivative is continuous [s].
+    """
+
+    kernels: ClassVar[str] = "swept_kernels"
+    at_start: ClassVar[tuple[str, ...]] = (
+        "displacement",
+        "velocity",
+        "acceleration",
+        "frequency",
+        "phase",
+        "fade_in",
+        "start_frequency",
+        "end_frequency",
+        "octaves_per_minute",
+        "hertz_per_second",
+        "dwell",
+    )
+
+    fade_in: float = parameter("s", rule="zero or more", default=0.0)
+
+    def pieces(self) -> tuple[SweptPiece, ...]:
+        """Return the stretches of time that it is made of."""
+        raise NotImplementedError
+
+    def carried(self) -> dict[str, Any]:
+        """Return what a result carries of it: its pieces too."""
+        return Shake.carried(self) | {"pieces": [list(piece) for piece in self.pieces()]}
+
+    def amplitudes(self) -> dict[str, float]:
+        """Return the amplitudes that are given, by what they are of."""
+        return {name: value for name in _POWERS if (value := getattr(self, name)) is not None}
+
+    def check_amplitudes(self) -> None:
+        """Refuse a sine without an amplitude."""
+        if not self.amplitudes():
+            rule = "given, or the amplitude of velocity or displacement"
+            raise InvalidParameterError(self, "acceleration", rule, said="none")
+
+    def least(self, omega: float) -> tuple[float, int]:
+        """Return height and power of the amplitude that counts at an angular frequency [rad/s]."""
+        given = self.amplitudes()
+        name = min(given, key=lambda one: given[one] / omega ** _POWERS[one])
+        return given[name], _POWERS[name]
+
+    def values(self) -> dict[str, Any]:
+        """Return its numbers, by the names that its record has for them."""
+        return {"pieces": len(self.pieces()), "fade_in": self.fade_in}
+
+    def tail(self) -> tuple[float, ...]:
+        """Return its pieces."""
+        layout = self.compiled().PIECE
+        found = np.zeros(len(self.pieces()), dtype=layout)
+        for k, piece in enumerate(self.pieces()):
+            found[k] = tuple(piece)
+        return tuple(found.view(np.float64).tolist())
+
+    @property
+    def instants(self) -> tuple[float, ...]:
+        """Times at which it goes over into another piece, or has faded in [s]."""
+        faded = self.fade_in
+        return tuple(sorted({piece.start for piece in self.pieces()[1:]} | ({faded} if faded else set())))
+
+    def sines(self, time: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return frequency [Hz] and phase [rad], without what jumps by half turns, at times [s], (n,) each.
+
+        The displacement is the amplitude times the sine of the phase.
+        """
+        return sines_of(self.pieces(), time)
+
+    def said_amplitudes(self) -> str:
+        """Return the amplitudes in words."""
+        said = [f"{self.said_in_own(name)} of {name}" for name in self.amplitudes()]
+        return f"{'the least of ' if len(said) > 1 else ''}{' and '.join(said)}"
+
+    def said_fade(self) -> str:
+        """Return how it fades in, in words."""
+        faded = self.fade_in
+        return f", fades in within {readable(faded, 's', GIVEN)}" if faded else ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SineShake(_Swept):
+    r"""The base swings as a sine.
+
+    .. math:: x = D \sin(2 \pi f t + \varphi)
+
+    Amplitudes of velocity and acceleration stand for D by :math:`V / \omega` and :math:`A / \omega^2`; of
+    several the least D counts. It starts in motion, at the displacement and velocity of t = 0, unless it
+    fades in.
+
+    Attributes:
+        displacement: Amplitude [rad] ([m]).
+        velocity: Amplitude [rad/s] ([m/s]).
+        acceleration: Amplitude; in g where it is an acceleration [rad/s^2] ([m/s^2]).
+        frequency: f [Hz].
+        phase: varphi [rad].
+    """
+
+    displacement: float | None = parameter("rad", sliding="m", rule="positive", default=None)
+    velocity: float | None = parameter("rad/s", sliding="m/s", rule="positive", default=None)
+    acceleration: float | None = parameter("rad/s^2", sliding="m/s^2", rule="positive", default=None)
+    frequency: float = parameter("Hz", rule="positive")
+    phase: float = parameter("rad", default=0.0)
+
+    def __post_init__(self) -> None:
+        """Check the parts."""
+        Shake.__post_init__(self)
+        self.check_amplitudes()
+
+    @property
+    def longest_step(self) -> float:
+        """An eighth of the period [s]."""
+        return 0.125 / self.frequency
+
+    def pieces(self) -> tuple[SweptPiece, ...]:
+        """Return the one stretch that it is made of."""
+        omega = 2.0 * math.pi * self.frequency
+        return (SweptPiece(0.0, omega, 0.0, 0, self.phase, *self.least(omega)),)
+
+    def words(self, slides: bool) -> str:
+        """Return what it is in words."""
+        phase = f", phase {self.said('phase', slides)}" if self.phase else ""
+        swing = f"sine of {self.said('frequency', slides)}{phase}, {self.said_amplitudes()}"
+        return f"{self.way()}: {swing}{self.said_fade()}"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SweepShake(_Swept):
+    r"""The base swings as a sine whose frequency is swept, up or down, and back if wanted.
+
+    The displacement is :math:`D(\omega) \sin \varphi(t)` with :math:`\dot\varphi = \omega`, velocity and
+    acceleration its exact derivatives. Amplitudes of velocity and acceleration stand for D by
+    :math:`V / \omega` and :math:`A / \omega^2`; of several the least D counts, which makes a profile. Where
+    one amplitude takes over from another, and where the sweep ends, the displacement passes zero, so that
+    velocity has no jump: between these frequencies the sweep takes a whole number of half periods, for which
+    its rate is rounded. After its end it stays at the last frequency.
+
+    Attributes:
+        displacement: Amplitude [rad] ([m]).
+        velocity: Amplitude [rad/s] ([m/s]).
+        acceleration: Amplitude; in g where it is an acceleration [rad/s^2] ([m/s^2]).
+        start_frequency: At t = 0 [Hz].
+        end_frequency: To which it is swept; below the first of a sweep down [Hz].
+        octaves_per_minute: Rate of a logarithmic sweep [-].
+        hertz_per_second: Rate of a linear sweep, in place of the former [-].
+        dwell: How long it stays at the end frequency before it goes back, rounded up to half periods [s].
+        back: Whether it goes back to the first frequency.
+    """
+
+    displacement: float | None = parameter("rad", sliding="m", rule="positive", default=None)
+    velocity: float | None = parameter("rad/s", sliding="m/s", rule="positive", default=None)
+    acceleration: float | None = parameter("rad/s^2", sliding="m/s^2", rule="positive", default=None)
+    start_frequency: float = parameter("Hz", rule="positive")
+    end_frequency: float = parameter("Hz", rule="positive")
+    octaves_per_minute: float | None = parameter("1", rule="positive", default=None)
+    hertz_per_second: float | None = parameter("1", rule="positive", default=None)
+    dwell: float = parameter("s", rule="zero or more", default=0.0)
+    back: bool = False
+
+    def __post_init__(self) -> None:
+        """Check the parts."""
+        Shake.__post_init__(self)
+        self.check_amplitudes()
+        if (self.octaves_per_minute is None) == (self.hertz_per_second is None):
+            said = "neither" if self.hertz_per_second is None else "both"
+            rule = "given, or hertz_per_second"
+            raise InvalidParameterError(self, "octaves_per_minute", rule, said=said)
+        if self.start_frequency == self.end_frequency:
+            rule = "another than start_frequency; a sine of one frequency is kind = 'sine'"
+            raise InvalidParameterError(self, "end_frequency", rule)
+        if self.dwell and not self.back:
+            rule = "left out where the sweep does not go back: it stays at the end frequency anyhow"
+            raise InvalidParameterError(self, "dwell", rule)
+        cycles = self._half_turns(*self._ends) / 2.0
+        if not cycles >= _LEAST_CYCLES * (1.0 - 1e-9):
+            name = "octaves_per_minute" if self.octaves_per_minute is not None else "hertz_per_second"
+            rule = f"so slow that the sweep has {_LEAST_CYCLES} periods or more (it has {cycles:.3g})"
+            raise InvalidParameterError(self, name, rule)
+
+    @property
+    def _ends(self) -> tuple[float, float]:
+        return 2.0 * math.pi * self.start_frequency, 2.0 * math.pi * self.end_frequency
+
+    @property
+    def longest_step(self) -> float:
+        """An eighth of the shortest period [s]."""
+        return 0.125 / max(self.start_frequency, self.end_frequency)
+
+    @property
+    def length(self) -> float:
+        """Time that the sweep takes, with what it dwells and goes back [s]."""
+        return self.pieces()[-1].start
+
+    def _half_turns(self, first: float, last: float) -> float:
+        """Return how many half periods lie between two angular frequencies by the rate that is given."""
+        if self.octaves_per_minute is not None:
+            return abs(last - first) / (math.log(2.0) * self.octaves_per_minute / _MINUTE) / math.pi
+        assert self.hertz_per_second is not None
+        return abs(last**2 - first**2) / (4.0 * math.pi * self.hertz_per_second) / math.pi
+
+    def _corners(self) -> list[float]:
+        """Return the angular frequencies between which one amplitude counts, from the first to the last."""
+        first, last = self._ends
+        given = [(value, _POWERS[name]) for name, value in self.amplitudes().items()]
+        meets = {(b / a) ** (1.0 / (n - m)) for a, m in given for b, n in given if n > m}  # a / w^m = b / w^n
+        inside = sorted(w for w in meets if min(first, last) < w < max(first, last))
+        kept = [w for w in inside if self.least(w * (1.0 - 1e-9)) != self.least(w * (1.0 + 1e-9))]
+        return [first, *(kept if last > first else kept[::-1]), last]
+
+    def pieces(self) -> tuple[SweptPiece, ...]:
+        """Return the stretches of time that it is made of; the last one has no end."""
+        corners = self._corners()
+        found: list[SweptPiece] = []
+        start = half_turns = 0.0
+
+        def stay(omega: float) -> SweptPiece:
+            return SweptPiece(start, omega, 0.0, 0, math.pi * (half_turns % 2.0), *self.least(omega))
+
+        for way in (corners, corners[::-1]) if self.back else (corners,):
+            if found and self.dwell:
+                found.append(stay(way[0]))
+                halves = float(math.ceil(self.dwell * way[0] / math.pi))
+                start, half_turns = start + halves * math.pi / way[0], half_turns + halves
+            for first, last in zip(way[:-1], way[1:], strict=True):
+                halves = max(1.0, float(round(self._half_turns(first, last))))
+                if self.octaves_per_minute is not None:
+                    growth = (last - first) / (halves * math.pi)
+                    lasts = math.log(last / first) / growth
+                else:
+                    growth = (last**2 - first**2) / (2.0 * halves * math.pi)
+                    lasts = (last - first) / growth
+                shape = self.least(math.sqrt(first * last))
+                octaves = int(self.octaves_per_minute is not None)
+                found.append(SweptPiece(start, first, growth, octaves, math.pi * (half_turns % 2.0), *shape))
+                start, half_turns = start + lasts, half_turns + halves
+        return (*found, stay(way[-1]))
+
+    def words(self, slides: bool) -> str:
+        """Return what it is in words."""
+        rate = (
+            f"{number(self.octaves_per_minute, GIVEN)} octaves/min"
+            if self.octaves_per_minute is not None
+            else f"{number(self.hertz_per_second or 0.0, GIVEN)} Hz/s"
+        )
+        back = " and back" if self.back else ""
+        stays = f", {self.said('dwell', slides)} at the end" if self.dwell else ""
+        span = f"from {self.said('start_frequency', slides)} to {self.said('end_frequency', slides)}{back}"
+        takes = f"takes {readable(self.length, 's')}"
+        return (
+            f"{self.way()}: sweep {span}, {rate}, {self.said_amplitudes()}{stays}{self.said_fade()}, {takes}"
+        )

@@ -1,0 +1,69 @@
+"""``antenna-pin vibration``: tables, files, figures and refusals."""
+
+import csv
+import json
+
+import pytest
+
+from antenna_pin import load_scenario, simulate
+
+
+@pytest.fixture(scope="module")
+def swept(tmp_path_factory):
+    """A result of the tight panel, swept fast."""
+    path = tmp_path_factory.mktemp("vibration") / "swept.nc"
+    changes = {"shake.y.octaves_per_minute": 20, "output.rate": 200.0}
+    simulate(load_scenario("shaker", case="tight", overrides=changes), duration=10.0).save(path)
+    return path
+
+
+def test_a_response_is_told_of_both_ways(cli, swept, tmp_path):
+    said = cli("vibration", "response", swept, "--plot", tmp_path / "swept.png")
+    assert said.code == 0, said.err
+    lines = said.out.splitlines()
+    assert lines[0] == "tight: body_acceleration[tip].y over the base's acceleration"
+    assert [line.split()[0] for line in lines[3:5]] == ["up", "down"]
+    assert (tmp_path / "swept.png").is_file()
+    as_json = json.loads(cli("vibration", "response", swept, "--json").out)
+    assert as_json["shake"] == "y"
+    assert {row["way"] for row in as_json["response"]} == {1, -1}
+
+
+def test_the_base_moves_what_it_carries(cli, swept, tmp_path):
+    """Force over acceleration, far below the resonance: 5.2 kg, and a little of it enlarged."""
+    said = cli(
+        "vibration", "response", swept, "--of", "base_force.y", "--to", "body_acceleration[fixture].y",
+        "--csv", tmp_path / "mass.csv",
+    )  # fmt: skip
+    assert said.code == 0, said.err
+    rows = list(csv.DictReader((tmp_path / "mass.csv").read_text().splitlines()))
+    near = min(rows, key=lambda row: abs(float(row["frequency"]) - 6.5))
+    # 4 kg, and of 1.2 kg: rigidly 0.41 kg, by the mode 0.79 kg enlarged by 1/(1 - (6.5/11.8)^2) = 1.44.
+    assert float(near["gain"]) == pytest.approx(4.41 + 0.789 * 1.435, rel=0.05)
+
+
+def test_densities_and_shocks_have_tables(cli, swept):
+    said = cli("vibration", "density", swept, "--band", "6,9", "--segment", "2 s")
+    assert said.code == 0, said.err
+    assert said.out.splitlines()[1].split()[:2] == ["from", "[Hz]"]
+    said = cli("vibration", "shock", swept, "--quality", "25", "--of", "body_acceleration[fixture].y")
+    assert said.code == 0, said.err
+    assert "Q = 25" in said.out
+
+
+REFUSED = {
+    "a band": (["density", "--band", "9"], "--band must be two frequencies such as 20,200"),
+    "a segment": (["density", "--segment", "20 Hz"], "--segment must be a time [s]"),
+    "a quantity": (["shock", "--of", "tip"], "name 'tip' is unknown"),
+    "a quality": (["shock", "--quality", "0.1"], "quality must be above 0.5"),
+    "periods": (["response", "--periods", "1"], "periods must be 2 or more"),
+}
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_what_cannot_be_is_refused_in_one_line(cli, swept, name):
+    (command, *options), words = REFUSED[name]
+    said = cli("vibration", command, swept, *options)
+    assert said.code == 2
+    assert words in said.err
+    assert len(said.err.splitlines()) == 1
