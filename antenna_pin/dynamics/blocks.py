@@ -49,6 +49,11 @@ class InPython(NamedTuple):
     element: Element
     functions: tuple[AskedFunction, ...]
 
+    @property
+    def said(self) -> str:
+        """What refusals call it."""
+        return f"what acts at joint {self.element.joint!r}"
+
     def given(self, t: float, angle: float, rate: float) -> tuple[float, ...]:
         """Return its numbers at time t [s], at an angle and a rate of its joint."""
         return self.element.given(self.functions, t, angle, rate)

@@ -241,7 +241,18 @@ class Switch:
     number: int
 
 
-Action = Mark | Stop | Set | Jump | Kink | Switch
+@dataclass(frozen=True, slots=True)
+class Edge:
+    """An element changes by itself: what a run does at the instants that the element names.
+
+    Attributes:
+        place: Of the element, as ``forces.jet``.
+    """
+
+    place: str
+
+
+Action = Mark | Stop | Set | Jump | Kink | Switch | Edge
 
 
 # --- the event ------------------------------------------------------------------------------------------
@@ -303,7 +314,7 @@ class Event:
     @property
     def changes(self) -> bool:
         """Whether it may change what moves, or end it: nothing is known of what comes after it."""
-        return isinstance(self.action, Set | Jump | Stop | Switch)
+        return isinstance(self.action, Set | Jump | Stop | Switch | Edge)
 
     def counts(self, side: float) -> bool:
         """Whether the function's passing to this sign is what is looked for."""

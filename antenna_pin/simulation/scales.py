@@ -70,6 +70,7 @@ def scale_vector(system: System, scales: ErrorScales) -> NDArray[np.float64]:
         velocity[start + 3 : start + 6] = np.where(about, scales.angular_velocity, tilt[1])
     x = np.full(system.manifold.nx, math.inf)
     booked = (system.lost_normal_x, system.lost_friction_x, system.work_x, system.damper_x, system.element_x)
+    booked += system.force_x["work"], system.force_x["loss"]
     energies = np.concatenate([places[places >= 0] for places in booked])
     moving = list(model.inertias)[2 if system.mechanism.base == "free" else 1 :]
     slow = scales.clearance_velocity if system.clearances or system.on_bearings else scales.velocity

@@ -36,6 +36,8 @@ DIMENSIONS: dict[str, str] = {
     "change": "changes of mode of these, in order of time, by element and what changed",
     "bearing": "ball bearings and preloads, by name",
     "point_spring": "those of them that are between points",
+    "force": "forces on links, from outside and of a user's, by name",
+    "force_place": "places at which they act, by their name, and of one on several links the link's",
     "elastic_part": "elastic parts of flexible links, by name",
     "closure": "joints that close loops, or are held by constraint, by name",
     "coupling": "joints that follow others, by name: of those that the URDF couples the follower's",
@@ -110,6 +112,12 @@ _STATES: tuple[Variable, ...] = (
         "derivative: time point_spring axis",
         ("spring_force", "N", "force of the spring on its second link, world axes"),
     ),
+    *_rows(
+        "derivative: time force_place axis",
+        ("applied_force", "N", "force at the place, world axes"),
+        ("applied_torque", "N m", "torque about the place, world axes"),
+    ),
+    *_rows("derivative: time force", ("force_energy", "J", "energy stored, of one that puts nothing in")),
     *_rows(
         "derivative: time closure axis",
         ("closure_force", "N", "force of the closure on its second link, axes of its first side"),
@@ -206,7 +214,19 @@ _ENERGIES: tuple[Variable, ...] = (
         ("element_mode", "1", "number of the mode"),
     ),
     *_rows("ledger: time element", ("element_loss", "J", "energy lost in dampers and impulses", _TOTAL)),
-    *_rows("ledger: time", ("energy_error", "J", "stored - start - work of drives + losses")),
+    *_rows(
+        "ledger: time force",
+        ("force_work", "J", "work of the force since the start"),
+        ("force_gross_work", "J", "integral of |power| of the force", _TOTAL),
+        ("force_loss", "J", "energy lost, of one that puts nothing in"),
+    ),
+    *_rows(
+        "ledger: time force axis",
+        ("force_impulse", "N s", "integral of the force, world axes"),
+        ("force_angular_impulse", "N m s", "integral of its moment about the world's origin, world axes"),
+        ("force_central_impulse", "N m s", "integral of its moment about the mass centre of all"),
+    ),
+    *_rows("ledger: time", ("energy_error", "J", "stored - start - work of drives and forces + losses")),
     *_rows(
         "audit: time axis",
         ("linear_momentum", "kg m/s", "of the whole, world axes"),
@@ -287,6 +307,22 @@ _SUMMARIES: tuple[Variable, ...] = (
         ("peak_bearing_moment", "N m", "largest moment of the bearing at a sample", _SIZE),
     ),
     *_rows("summary: element", ("total_element_loss", "J", "energy lost in it in all", _TOTAL)),
+    *_rows(
+        "summary: force",
+        ("total_force_work", "J", "work of the force from start to end"),
+        ("total_force_gross_work", "J", "integral of |power| of the force from start to end", _TOTAL),
+        ("total_force_loss", "J", "energy lost in all, of one that puts nothing in"),
+    ),
+    *_rows(
+        "summary: force axis",
+        ("total_impulse", "N s", "integral of the force from start to end, world axes"),
+        ("total_angular_impulse", "N m s", "integral of its moment about the world's origin, world axes"),
+    ),
+    *_rows(
+        "summary: force_place",
+        ("peak_applied_force", "N", "largest force there at a sample", _SIZE),
+        ("peak_applied_torque", "N m", "largest torque about the place at a sample", _SIZE),
+    ),
     *_rows(
         "summary: elastic_part",
         ("peak_deflection", "rad", "largest size of the part's deflection at a sample (a way [m])", _SIZE),
