@@ -11,7 +11,7 @@ from numba.extending import intrinsic
 __all__ = ["pointer"]
 
 
-@intrinsic  # type: ignore[untyped-decorator]
+@intrinsic
 def pointer(typing: Any, place: Any) -> Any:
     """Return the pointer to numbers at an address."""
 

@@ -149,8 +149,9 @@ def _places_of(system: Any, name: str, force: OnLinks) -> list[ForcePlace]:
         tree = body_tree(mechanism)
         found = []
         for body, one in zip(mechanism.bodies, tree, strict=True):
-            place = mechanism.model.frames[mechanism.frame(body)].placement.inverse().act(one["centre"])
-            found.append(ForcePlace(f"{name} {body}", name, body, tuple(map(float, place))))
+            frame = mechanism.model.frames[mechanism.frame(body)].placement
+            x, y, z = map(float, frame.inverse().act(one["centre"]))
+            found.append(ForcePlace(f"{name} {body}", name, body, (x, y, z)))
         return found
     several = len(force.places) > 1
     labels = [link for link, _ in force.places]

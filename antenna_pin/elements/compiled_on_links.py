@@ -48,7 +48,7 @@ def wrench_on_links(function: Any) -> Any:
     import numpy as np
     from numba import njit
 
-    @njit  # type: ignore[untyped-decorator]
+    @njit
     def act(t: float, p: Any, links: Any, joints: Any, states: Any, whole: Any) -> None:
         link = links[0]
         pose, twist = np.zeros((4, 4)), np.zeros(6)
@@ -81,7 +81,7 @@ def _compiled(function: Any, sizes: tuple[int, int, int, int]) -> Any:
     fourth = third + joints * words_of(JOINT)
     end = fourth + states * words_of(STATE)
 
-    @njit  # type: ignore[untyped-decorator]
+    @njit
     def asked(t: float, all_: Any) -> None:
         function(
             t,

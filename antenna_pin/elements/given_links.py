@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar, Protocol
 
@@ -74,7 +74,7 @@ class CallableElement(OnLinks):
 
     act: Acts
     links: tuple[Point, ...] = ()
-    joints: tuple[str, ...] = ()  # type: ignore[assignment]
+    joints: tuple[str, ...] = ()
     parameters: Mapping[str, float] = field(default_factory=dict)
     integrates: tuple[str, ...] = ()
     internal: bool = False  # type: ignore[misc]
@@ -84,8 +84,6 @@ class CallableElement(OnLinks):
 
     def __post_init__(self) -> None:
         """Check the parameters, and that its function can be asked."""
-        if not isinstance(self.links, Sequence) or isinstance(self.links, str):
-            raise InvalidParameterError(self, "links", "links, each with a point on it")
         points = tuple(checked_point(self, f"links[{k}]", one) for k, one in enumerate(self.links))
         object.__setattr__(self, "links", points)
         for name in ("joints", "integrates"):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 from antenna_pin.elements.element import ForceElement
 from antenna_pin.errors import InvalidParameterError
@@ -14,10 +14,11 @@ Point: TypeAlias = tuple[str, tuple[float, float, float]]
 """A link, or ``world``, and a place in its frame [m]."""
 
 
-def checked_point(element: ForceElement, name: str, given: object) -> Point:
+def checked_point(element: ForceElement, name: str, given: Any) -> Point:
     """Return a link and a point on it with floats, or refuse what is none."""
+    link: object = None
     try:
-        link, place = given  # type: ignore[misc]
+        link, place = given
         x, y, z = map(float, place)
     except (TypeError, ValueError):
         link = None

@@ -40,13 +40,13 @@ def mechanism_attributes(system: System) -> dict[str, str]:
     ``point_springs`` (JSON) has of each, by name, ``first_body``, ``first_point``, ``second_body`` and
     ``second_point``: links, and places in their frames [m]. If there are forces, ``forces`` (JSON) has of
     each, by name, its ``kind`` (the class) and ``numbers``, and ``force_places`` (JSON) of each place, by
-    name, its ``force``, ``link`` and ``point`` in the link's frame [m]. If there are elastic parts, ``elastic_parts``
-    (JSON) has of each, by name, its ``hub`` and its ``body`` (links), whether it ``slides``, its
-    ``frequency`` [Hz] and ``damping_ratio`` [-] with the hub held, and the mass [kg] or moment of inertia
-    [kg m^2] that its joint has ``moved``; of parts that move the same shapes the first, on whose body these
-    are, names the others in ``with``. If joints have friction of their own, ``joint_friction`` (JSON) has of
-    each, by the name that it has among the springs, its ``joint``, whether that ``slides``, and the numbers
-    of its :class:`antenna_pin.elements.JointFriction`.
+    name, its ``force``, ``link`` and ``point`` in the link's frame [m]. If there are elastic parts,
+    ``elastic_parts`` (JSON) has of each, by name, its ``hub`` and its ``body`` (links), whether it
+    ``slides``, its ``frequency`` [Hz] and ``damping_ratio`` [-] with the hub held, and the mass [kg] or
+    moment of inertia [kg m^2] that its joint has ``moved``; of parts that move the same shapes the first, on
+    whose body these are, names the others in ``with``. If joints have friction of their own,
+    ``joint_friction`` (JSON) has of each, by the name that it has among the springs, its ``joint``, whether
+    that ``slides``, and the numbers of its :class:`antenna_pin.elements.JointFriction`.
     """
     mechanism = system.mechanism
     springs = {
