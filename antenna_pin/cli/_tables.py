@@ -39,6 +39,7 @@ _ENTRIES = {
     "peak_depth": ("peak depth", "m"),
     "largest_approach_speed": ("largest approach speed", "m/s"),
     "impulse": ("impulse", "N s"),
+    "angular_impulse": ("angular impulse about the origin", "N m s"),
     "dissipated": ("energy lost", "J"),
     "closure_equations": ("equations of closures", ""),
     "couplings": ("those of couplings", ""),
@@ -86,6 +87,7 @@ _PLAIN_GROUPS = (
     "motions",
     "couplings",
     "bearings",
+    "forces",
 )
 
 

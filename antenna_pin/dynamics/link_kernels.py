@@ -39,11 +39,11 @@ APPLIED = layout(("force", "f8", (3,)), ("torque", "f8", (3,)))
 def desk_of(program: Any, b: int) -> tuple[Any, Any, Any, Any]:
     """Return the desk of the element at b: whole, links, joints, states."""
     first = b + element_at(program, b).partner
-    whole = record(program[first : first + WHOLE_WORDS], WHOLE)
+    whole = program[first : first + WHOLE_WORDS].view(WHOLE)
     first += WHOLE_WORDS
-    second = first + whole.links * LINK_WORDS
-    third = second + whole.joints * JOINT_WORDS
-    end = third + whole.states * STATE_WORDS
+    second = first + whole[0].links * LINK_WORDS
+    third = second + whole[0].joints * JOINT_WORDS
+    end = third + whole[0].states * STATE_WORDS
     links, joints = program[first:second].view(LINK), program[second:third].view(JOINT)
     return whole, links, joints, program[third:end].view(STATE)
 
@@ -53,10 +53,10 @@ def see(t: float, y: Any, program: Any, b: int, places: Any) -> None:
     """Write what the element at b sees to its desk, with the bodies where ``places`` says."""
     head = head_of(program)
     whole, links, joints, states = desk_of(program, b)
-    whole.time = t
+    whole[0].time = t
     for i in range(links.shape[0]):
         _see_link(links[i], places)
-    first = b + element_at(program, b).partner + WHOLE_WORDS + whole.links * LINK_WORDS
+    first = b + element_at(program, b).partner + WHOLE_WORDS + whole[0].links * LINK_WORDS
     for i in range(joints.shape[0]):
         joints[i].angle, joints[i].rate, _, _ = own_motion(program, first + i * JOINT_WORDS, y, head.nq)
     x = head.nq + head.nv + element_at(program, b).x + BOOK_WORDS
@@ -100,8 +100,8 @@ def do(program: Any, b: int) -> None:
     if e.on == 0.0:
         clear(desk)
         return
-    elements.act(e.kind, program, b + PARAMETERS, whole.time, desk)
-    if whole.internal == 0:
+    elements.act(e.kind, program, b + PARAMETERS, whole[0].time, desk)
+    if whole[0].internal == 0:
         return
     first = links[0]
     fx = fy = fz = mx = my = mz = 0.0
@@ -145,15 +145,15 @@ def _apply(y: Any, program: Any, b: int, tree: Any, places: Any, tau: Any, rates
         while body >= 0:
             push(tree[body], places[body], force, torque, place, tau)
             body = tree[body].parent
-    first = b + e.partner + WHOLE_WORDS + whole.links * LINK_WORDS
+    first = b + e.partner + WHOLE_WORDS + whole[0].links * LINK_WORDS
     for i in range(joints.shape[0]):
         at = first + i * JOINT_WORDS
         _, _, gx, gy = own_motion(program, at, y, head.nq)
         power += joints[i].torque * act_at(program, at, joints[i].torque, (gx, gy), y, head.nq, tau)
-    passive = whole.passive != 0
+    passive = whole[0].passive != 0
     book.work = 0.0 if passive else power
     book.gross_work = abs(book.work)
-    book.loss = whole.loss if passive else 0.0
+    book.loss = whole[0].loss if passive else 0.0
     for i in range(states.shape[0]):
         rates[x + BOOK_WORDS + i] = states[i].rate
 
@@ -208,11 +208,11 @@ def add_forces(t: float, y: Any, program: Any, tree: Any, places: Any, tau: Any,
 def kept_on_links(y: Any, program: Any, b: int, places: Any) -> float:
     """Energy stored in the element at b [J], with the bodies where ``places`` says; at its last time."""
     whole, _, _, _ = desk_of(program, b)
-    if whole.passive == 0:
+    if whole[0].passive == 0:
         return 0.0
-    see(whole.time, y, program, b, places)
+    see(whole[0].time, y, program, b, places)
     do(program, b)
-    return float(whole.energy)
+    return float(whole[0].energy)
 
 
 @kernel
@@ -236,7 +236,7 @@ def kink_on_links(t: float, y: Any, program: Any, b: int, tree: Any, places: Any
     see(t, y, program, b, places)
     do(program, b)
     whole, _, _, _ = desk_of(program, b)
-    return float(whole.kink)
+    return float(whole[0].kink)
 
 
 @kernel
@@ -253,6 +253,6 @@ def look_at_links(program: Any, applied: Any, kept: Any) -> None:
                     applied[k].force[j] = links[i].force[j]
                     applied[k].torque[j] = links[i].torque[j]
                 k += 1
-            kept[n] = whole.energy if whole.passive != 0 else 0.0
+            kept[n] = whole[0].energy if whole[0].passive != 0 else 0.0
             n += 1
         b += e.length

@@ -19,7 +19,7 @@ from antenna_pin.mechanism import body_tree
 from antenna_pin.mechanism.tree_kernels import place_bodies
 from antenna_pin.records import place_of
 
-__all__ = ["ForcePlace", "OnLinksInPython", "books_in_x", "place_on_links"]
+__all__ = ["ForcePlace", "OnLinksInPython", "books_in_x", "desk_in", "place_on_links", "written_by"]
 
 Array = NDArray[np.float64]
 
@@ -68,16 +68,31 @@ class OnLinksInPython(NamedTuple):
         """Write what it does at time t [s], or that of its last question, and state y to its desk."""
         place_bodies(y, self.nq, tree, places)
         desk = desk_in(program, self.block)
-        now = float(desk[0]["time"]) if t is None else t
+        now = float(desk[0]["time"][0]) if t is None else t
         link_kernels.see(now, y, program, self.block, places)
         self.element.ask(self.place, now, desk)
 
 
-def desk_in(program: Array, block: int) -> tuple[Any, Any, Any, Any]:
-    """Return the desk of the element at a place in a program, views of it: whole, links, joints, states."""
-    head = program[block : block + kernels.PARAMETERS].view(kernels.ELEMENT)[0]
-    first = block + int(head["partner"])
-    whole = program[first : first + int(_desk.WHOLE_WORDS)].view(_desk.WHOLE)[0]
+def written_by(program: Array, block: int) -> tuple[float, ...]:
+    """Return all that the element at a place in a program has written to its desk."""
+    whole, links, joints, states = desk_in(program, block)
+    parts = [links["force"], links["torque"], joints["torque"], states["rate"]]
+    parts += [np.concatenate([whole["energy"], whole["loss"], whole["kink"]])]
+    return tuple(np.concatenate([part.ravel() for part in parts]).tolist())
+
+
+def desk_in(program: Array, block: int | None) -> tuple[Any, Any, Any, Any]:
+    """Return a desk, views of it: whole, links, joints, states.
+
+    Args:
+        program: A program, or numbers that begin with the desk.
+        block: Where in the program its element stands; None where the desk stands first.
+    """
+    first = 0
+    if block is not None:
+        head = program[block : block + kernels.PARAMETERS].view(kernels.ELEMENT)[0]
+        first = block + int(head["partner"])
+    whole = program[first : first + int(_desk.WHOLE_WORDS)].view(_desk.WHOLE).view(np.recarray)
     first += int(_desk.WHOLE_WORDS)
     parts = []
     for name, kind, words in (
@@ -85,7 +100,7 @@ def desk_in(program: Array, block: int) -> tuple[Any, Any, Any, Any]:
         ("joints", _desk.JOINT, _desk.JOINT_WORDS),
         ("states", _desk.STATE, _desk.STATE_WORDS),
     ):
-        end = first + int(whole[name]) * int(words)
+        end = first + int(whole[name][0]) * int(words)
         parts.append(program[first:end].view(kind).view(np.recarray))
         first = end
     return whole, parts[0], parts[1], parts[2]

@@ -148,6 +148,17 @@ class Workspace:
                 assert self._bodies is not None
                 one.write(self.program, None, y, *self._bodies)
 
+    def see_on_links(self, block: int, t: float, y: Array, element: Any) -> None:
+        """Have an element on links, by its place in the program, write what it does to its desk."""
+        assert self._bodies is not None
+        if getattr(element, "called", True):
+            place_bodies(y, self.model.nq, *self._bodies)
+            link_kernels.see(t, y, self.program, block, self._bodies[1])
+            link_kernels.do(self.program, block)
+        else:
+            one = OnLinksInPython(block, element, "", self.model.nq)
+            one.write(self.program, t, y, *self._bodies)
+
     def kink_on_links(self, block: int, t: float, y: Array) -> float:
         """Return the function of an element on links, by its place in the program, that is zero at kinks."""
         assert self._bodies is not None

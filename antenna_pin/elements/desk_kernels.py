@@ -79,9 +79,9 @@ BOOK_WORDS: Any = np.int64(words_of(BOOK))
 def clear(desk: Any) -> None:
     """Let no force, torque, energy or rate stand on a desk."""
     whole, links, joints, states = desk
-    whole.energy = 0.0
-    whole.loss = 0.0
-    whole.kink = 1.0
+    whole[0].energy = 0.0
+    whole[0].loss = 0.0
+    whole[0].kink = 1.0
     for i in range(links.shape[0]):
         for k in range(3):
             links[i].force[k] = 0.0

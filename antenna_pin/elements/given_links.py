@@ -166,13 +166,13 @@ class CallableElement(OnLinks):
         clear(desk)
         whole, links, joints, states = desk
         name, told = f"{place}: act", f"t = {t:.9g} s"
-        asked(name, told, _GIVES, self.act, t, np.array(self.tail()), links, joints, states, whole)
+        asked(name, told, _GIVES, self.act, t, np.array(self.tail()), links, joints, states, whole[0])
         for what, part in (("force", links), ("torque", links), ("torque", joints), ("rate", states)):
             if not np.isfinite(part[what]).all():
                 raise FunctionError(name, told, _GIVES, f"a {what} of {part[what].tolist()}")
         for what in ("energy", "loss", "kink"):
-            if not math.isfinite(whole[what]):
-                raise FunctionError(name, told, _GIVES, f"{what} {whole[what]}")
+            if not math.isfinite(whole[what][0]):
+                raise FunctionError(name, told, _GIVES, f"{what} {whole[what][0]}")
 
     def words(self, slides: bool = False) -> str:
         """Return what it is in words."""

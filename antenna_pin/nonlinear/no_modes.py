@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from antenna_pin.dynamics import System, acting_in
-from antenna_pin.elements import Modal
+from antenna_pin.elements import Modal, OnLinks
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["check_no_modes"]
@@ -16,6 +16,7 @@ def check_no_modes(place: str, system: System) -> None:
         InvalidParameterError: It names the element.
     """
     for one in acting_in(system):
-        if isinstance(one.element, Modal):
+        pulsed = isinstance(one.element, OnLinks) and one.element.edges
+        if isinstance(one.element, Modal) or pulsed:
             rule = "without elements that change their mode: runs, sections and diagrams know them"
             raise InvalidParameterError(place, "system", rule, said=one.label)
