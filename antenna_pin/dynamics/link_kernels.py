@@ -140,8 +140,9 @@ def _apply(y: Any, program: Any, b: int, tree: Any, places: Any, tau: Any, rates
         power += f[0] * link.velocity[0] + f[1] * link.velocity[1] + f[2] * link.velocity[2]
         power += m[0] * link.spin[0] + m[1] * link.spin[1] + m[2] * link.spin[2]
         force, torque, place = (f[0], f[1], f[2]), (m[0], m[1], m[2]), (p[0], p[1], p[2])
-        _book(book, force, torque, place, centre)
         body = link.body
+        if body >= 0:  # a force on the world brings nothing in
+            _book(book, force, torque, place, centre)
         while body >= 0:
             push(tree[body], places[body], force, torque, place, tau)
             body = tree[body].parent
