@@ -141,7 +141,8 @@ def test_both_engines_agree():
         ).end.y
         for engine in ENGINES
     ]
-    np.testing.assert_allclose(ends[0], ends[1], rtol=0, atol=1e-11)
+    # Of a hundred steps, each good to the run's tolerance.
+    np.testing.assert_allclose(ends[0], ends[1], rtol=0, atol=1e-10)
 
 
 def test_a_force_that_rises_with_a_time_constant():
@@ -176,8 +177,8 @@ def test_two_halves_are_the_whole_with_a_pulse_open(tmp_path):
         if progress.time > cut:
             raise KilledError
 
-    more = {"out": tmp_path / "run.nc", "checkpoint": 0.0, "settings": settings}
-    with pytest.raises(KilledError):
+    more = {"out": tmp_path / "run.nc", "checkpoint": 1e-9, "settings": settings}
+    with pytest.raises(KilledError), pytest.warns(UserWarning, match="checkpoints took up to"):
         simulate(system, duration=0.5, v=moving(system), progress=kill, **more)
     again = simulate(system, out=tmp_path / "run.nc", resume=True, settings=settings)
     assert again.end == whole.end
@@ -280,7 +281,7 @@ def users(compiled):
         "follow": CallableForce(at=("tip", (0.1, 0.0, 0.0)), wrench=made(follow)),
         "tether": CallableElement(
             act=made(tether), links=(("hull", (0.0, 0.5, 0.0)), ("tip", (0.0, 0.1, 0.0))), internal=True,
-            passive=True, has_kink=True, parameters={"stiffness": 400.0, "damping": 3.0, "length": 1.15},
+            passive=True, has_kink=True, parameters={"stiffness": 400.0, "damping": 3.0, "length": 0.8},
         ),
         "servo": CallableElement(
             act=made(servo), links=(("hull", (0, 0, 0)),), joints=("hinge",), integrates=("error",),

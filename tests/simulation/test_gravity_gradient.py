@@ -16,7 +16,7 @@ from antenna_pin.elements import GravityGradient
 from antenna_pin.errors import AntennaPinError
 
 RATE = 1.1e-3  # [rad/s]
-TIGHT = RunSettings(rtol=1e-12, output_rate=0.02, engine="compiled")
+TIGHT = RunSettings(rtol=1e-12, max_step=500.0, output_rate=0.02, engine="compiled")
 INERTIA = np.array([120.0, 150.0, 40.0])  # roll, pitch, yaw: stable when aligned [kg m^2]
 
 BODY = """<robot name="body"><link name="body"><inertial><mass value="50"/>
@@ -64,7 +64,7 @@ def test_a_body_off_the_reference_point_moves_as_hill_says(engine):
     assert kept["linear_momentum_drift_relative"] is None or kept["linear_momentum_drift"] < 1e-9
 
 
-@pytest.mark.parametrize("amplitude", [1e-4, 0.5, 1.3])
+@pytest.mark.parametrize("amplitude", [0.01, 0.5, 1.3])
 def test_pitch_swings_with_the_period_of_the_elliptic_integral(amplitude):
     r"""I_y theta'' = -3 n^2 (I_x - I_z) sin(theta) cos(theta): a pendulum of the double angle."""
     orbit = Orbit(rate=RATE)
@@ -75,7 +75,7 @@ def test_pitch_swings_with_the_period_of_the_elliptic_integral(amplitude):
     pitch = orbit_angles(run)["pitch"].values
     quarter = simulate(body(), duration=period / 4.0, q=q, v=v, settings=TIGHT)
     # Back where it began, and through nadir after a quarter: the run's tolerance over a libration.
-    assert pitch[-1] == pytest.approx(amplitude, rel=1e-9, abs=0.0)
+    assert pitch[-1] == pytest.approx(amplitude, rel=0.0, abs=1e-11)
     assert abs(orbit_angles(quarter)["pitch"].values[-1]) < 1e-9 * amplitude
     assert np.abs(orbit_angles(run)[["roll", "yaw"]].to_array().values).max() < 1e-12
 
