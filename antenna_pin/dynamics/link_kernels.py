@@ -19,9 +19,9 @@ from antenna_pin.elements.desk_kernels import (
     BOOK,
     BOOK_WORDS,
     JOINT,
-    JOINT_WORDS,
     LINK,
     LINK_WORDS,
+    SEEN_JOINT_WORDS,
     STATE,
     STATE_WORDS,
     WHOLE,
@@ -42,7 +42,7 @@ def desk_of(program: Any, b: int) -> tuple[Any, Any, Any, Any]:
     whole = program[first : first + WHOLE_WORDS].view(WHOLE)
     first += WHOLE_WORDS
     second = first + whole[0].links * LINK_WORDS
-    third = second + whole[0].joints * JOINT_WORDS
+    third = second + whole[0].joints * SEEN_JOINT_WORDS
     end = third + whole[0].states * STATE_WORDS
     links, joints = program[first:second].view(LINK), program[second:third].view(JOINT)
     return whole, links, joints, program[third:end].view(STATE)
@@ -58,7 +58,7 @@ def see(t: float, y: Any, program: Any, b: int, places: Any) -> None:
         _see_link(links[i], places)
     first = b + element_at(program, b).partner + WHOLE_WORDS + whole[0].links * LINK_WORDS
     for i in range(joints.shape[0]):
-        joints[i].angle, joints[i].rate, _, _ = own_motion(program, first + i * JOINT_WORDS, y, head.nq)
+        joints[i].angle, joints[i].rate, _, _ = own_motion(program, first + i * SEEN_JOINT_WORDS, y, head.nq)
     x = head.nq + head.nv + element_at(program, b).x + BOOK_WORDS
     for i in range(states.shape[0]):
         states[i].value = y[x + i]
@@ -148,7 +148,7 @@ def _apply(y: Any, program: Any, b: int, tree: Any, places: Any, tau: Any, rates
             body = tree[body].parent
     first = b + e.partner + WHOLE_WORDS + whole[0].links * LINK_WORDS
     for i in range(joints.shape[0]):
-        at = first + i * JOINT_WORDS
+        at = first + i * SEEN_JOINT_WORDS
         _, _, gx, gy = own_motion(program, at, y, head.nq)
         power += joints[i].torque * act_at(program, at, joints[i].torque, (gx, gy), y, head.nq, tau)
     passive = whole[0].passive != 0

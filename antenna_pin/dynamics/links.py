@@ -97,7 +97,7 @@ def desk_in(program: Array, block: int | None) -> tuple[Any, Any, Any, Any]:
     parts = []
     for name, kind, words in (
         ("links", _desk.LINK, _desk.LINK_WORDS),
-        ("joints", _desk.JOINT, _desk.JOINT_WORDS),
+        ("joints", _desk.JOINT, _desk.SEEN_JOINT_WORDS),
         ("states", _desk.STATE, _desk.STATE_WORDS),
     ):
         end = first + int(whole[name][0]) * int(words)

@@ -259,7 +259,7 @@ class System:
                     asked = element.asked(place, self.slides(element.joint))
                     self.callables.append(InPython(at, slice(own, at + len(block)), element, asked))
                 if holds := isinstance(element, Modal) and element.holds:
-                    check_holds(place, self.mechanism, element, self.point_springs)
+                    check_holds(place, self.mechanism, element, [*self.point_springs, *self.forces])
                 elif isinstance(element, Motion):
                     check_motion(place, self.mechanism, self.turn_x, self.drives, name, element)
                 else:

@@ -70,7 +70,7 @@ BOOK = layout(
 
 WHOLE_WORDS: Any = np.int64(words_of(WHOLE))
 LINK_WORDS: Any = np.int64(words_of(LINK))
-JOINT_WORDS: Any = np.int64(words_of(JOINT))
+SEEN_JOINT_WORDS: Any = np.int64(words_of(JOINT))
 STATE_WORDS: Any = np.int64(words_of(STATE))
 BOOK_WORDS: Any = np.int64(words_of(BOOK))
 

@@ -11,8 +11,9 @@ from antenna_pin.dynamics import Adjustments, Workspace, audit
 from antenna_pin.elements import OnLinks
 from antenna_pin.integrate import Stepper
 from antenna_pin.simulation.control import StepControl
-from antenna_pin.simulation.events import Edge, Jump, Kink, Set, Stop, Switch
+from antenna_pin.simulation.events import Jump, Set, Stop
 from antenna_pin.simulation.modes import ZERO, Modes
+from antenna_pin.simulation.own_actions import Edge, Kink, Switch
 from antenna_pin.simulation.samples import Samples
 from antenna_pin.simulation.watch import Crossing, Watch
 

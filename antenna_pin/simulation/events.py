@@ -20,6 +20,7 @@ from antenna_pin.dynamics import Adjustments, System, Workspace
 from antenna_pin.errors import FunctionError, InvalidParameterError
 from antenna_pin.parameters import holds
 from antenna_pin.simulation.moment import Moment
+from antenna_pin.simulation.own_actions import Edge, Kink, Switch
 
 __all__ = ["Angle", "Event", "Force", "Gap", "Jump", "Mark", "Rate", "Set", "Stop", "Time"]
 
@@ -217,39 +218,6 @@ class Jump:
         if not fits(answer, tuple[ArrayLike, ArrayLike]) or any(np.iscomplexobj(one) for one in answer):
             raise FunctionError(name, told, rule, unknown_type(answer))
         return np.asarray(asked(name, told, rule, moment.system.state, *answer))
-
-
-@dataclass(frozen=True, slots=True)
-class Kink:
-    """A step ends there, unrecorded: what a run looks for itself, where an element's effort has a kink."""
-
-
-#: Of a function of an element's: a rate that is none [1/s].
-STILL = 1e-11
-
-
-@dataclass(frozen=True, slots=True)
-class Switch:
-    """An element may change its mode: what a run looks for itself.
-
-    Attributes:
-        place: Of the element, as ``latches.hinge``.
-        number: Of its function that passes zero.
-    """
-
-    place: str
-    number: int
-
-
-@dataclass(frozen=True, slots=True)
-class Edge:
-    """An element changes by itself: what a run does at the instants that the element names.
-
-    Attributes:
-        place: Of the element, as ``forces.jet``.
-    """
-
-    place: str
 
 
 Action = Mark | Stop | Set | Jump | Kink | Switch | Edge

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 from antenna_pin.dynamics import System, acting_in
 from antenna_pin.elements import OnLinks
-from antenna_pin.simulation.events import Angle, Edge, Event, Kink, Stop, Time
+from antenna_pin.simulation.events import Angle, Event, Stop, Time
 from antenna_pin.simulation.moment import Moment
+from antenna_pin.simulation.own_actions import Edge, Kink
 
 __all__ = ["Passing", "edges_of", "ends_of", "kinks_of"]
 

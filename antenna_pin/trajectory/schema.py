@@ -13,6 +13,7 @@ from collections.abc import Collection, Iterator
 from antenna_pin.geometry import AxialScenario, RadialScenario
 from antenna_pin.trajectory.columns import Coordinate, Rule, Variable
 from antenna_pin.trajectory.columns import rows as _rows
+from antenna_pin.trajectory.force_columns import FORCES
 
 __all__ = ["COORDINATES", "DIMENSIONS", "TIME", "VARIABLES", "variables_of"]
 
@@ -113,12 +114,6 @@ _STATES: tuple[Variable, ...] = (
         ("spring_force", "N", "force of the spring on its second link, world axes"),
     ),
     *_rows(
-        "derivative: time force_place axis",
-        ("applied_force", "N", "force at the place, world axes"),
-        ("applied_torque", "N m", "torque about the place, world axes"),
-    ),
-    *_rows("derivative: time force", ("force_energy", "J", "energy stored, of one that puts nothing in")),
-    *_rows(
         "derivative: time closure axis",
         ("closure_force", "N", "force of the closure on its second link, axes of its first side"),
         ("closure_moment", "N m", "its moment about the second side's point"),
@@ -214,18 +209,6 @@ _ENERGIES: tuple[Variable, ...] = (
         ("element_mode", "1", "number of the mode"),
     ),
     *_rows("ledger: time element", ("element_loss", "J", "energy lost in dampers and impulses", _TOTAL)),
-    *_rows(
-        "ledger: time force",
-        ("force_work", "J", "work of the force since the start"),
-        ("force_gross_work", "J", "integral of |power| of the force", _TOTAL),
-        ("force_loss", "J", "energy lost, of one that puts nothing in"),
-    ),
-    *_rows(
-        "ledger: time force axis",
-        ("force_impulse", "N s", "integral of the force, world axes"),
-        ("force_angular_impulse", "N m s", "integral of its moment about the world's origin, world axes"),
-        ("force_central_impulse", "N m s", "integral of its moment about the mass centre of all"),
-    ),
     *_rows("ledger: time", ("energy_error", "J", "stored - start - work of drives and forces + losses")),
     *_rows(
         "audit: time axis",
@@ -308,22 +291,6 @@ _SUMMARIES: tuple[Variable, ...] = (
     ),
     *_rows("summary: element", ("total_element_loss", "J", "energy lost in it in all", _TOTAL)),
     *_rows(
-        "summary: force",
-        ("total_force_work", "J", "work of the force from start to end"),
-        ("total_force_gross_work", "J", "integral of |power| of the force from start to end", _TOTAL),
-        ("total_force_loss", "J", "energy lost in all, of one that puts nothing in"),
-    ),
-    *_rows(
-        "summary: force axis",
-        ("total_impulse", "N s", "integral of the force from start to end, world axes"),
-        ("total_angular_impulse", "N m s", "integral of its moment about the world's origin, world axes"),
-    ),
-    *_rows(
-        "summary: force_place",
-        ("peak_applied_force", "N", "largest force there at a sample", _SIZE),
-        ("peak_applied_torque", "N m", "largest torque about the place at a sample", _SIZE),
-    ),
-    *_rows(
         "summary: elastic_part",
         ("peak_deflection", "rad", "largest size of the part's deflection at a sample (a way [m])", _SIZE),
         ("peak_elastic_energy", "J", "largest energy in the part's spring at a sample", _SIZE),
@@ -365,7 +332,7 @@ _HAPPENINGS: tuple[Variable, ...] = (
 #: Every variable of a result, by name.
 VARIABLES: dict[str, Variable] = {
     variable.name: variable
-    for part in (_STATES, _CONTACTS, _ENERGIES, _MOTIONS, _SUMMARIES, _HAPPENINGS)
+    for part in (_STATES, _CONTACTS, _ENERGIES, FORCES, _MOTIONS, _SUMMARIES, _HAPPENINGS)
     for variable in part
 }
 
