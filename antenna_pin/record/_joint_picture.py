@@ -8,8 +8,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from antenna_pin.record._force_arrows import nice
 from antenna_pin.record.key_frames import Impacts, KeyFrames
-from antenna_pin.record.mechanism_view import camera, nice
+from antenna_pin.record.mechanism_view import camera
 from antenna_pin.record.scene import Scene, packed_doubles, packed_floats
 from antenna_pin.record.shapes import lathe
 from antenna_pin.trajectory import contacts_of

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
@@ -14,23 +13,22 @@ from antenna_pin.directions import direction
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.mechanism import frame_aligning_z
 from antenna_pin.record._closure_marks import mark_closures
+from antenna_pin.record._force_arrows import FRAMED, applied_arrows, contact_arrows, said_of_scale
 from antenna_pin.record._stop_marks import mark_stops
 from antenna_pin.record.bending import check_bending, drawn_poses, said_of_bending
 from antenna_pin.record.key_frames import Impacts, KeyFrames
 from antenna_pin.record.scene import Scene, packed_doubles, packed_floats
 from antenna_pin.record.shapes import Cylinder, Shape, Sphere, corners, visual_shapes
 from antenna_pin.record.triad import triad
-from antenna_pin.trajectory import Trajectory, contact_joints
+from antenna_pin.trajectory import Trajectory
 
-__all__ = ["Boresight", "camera", "mechanism_view", "nice", "placement_of"]
+__all__ = ["Boresight", "camera", "mechanism_view"]
 
 Array = NDArray[np.float64]
 
-FORCE = "#D55E00"
 BORESIGHT = "#0072B2"
 GHOST = (0.25, 0.30, 0.38, 0.22)
 _TRAIL = 1500  # points of a trace
-_FRAMED = 300  # key frames looked at to frame the motion
 _DIRECTION = (1.0, -0.75, 0.55)  # from where the camera looks
 
 
@@ -110,15 +108,21 @@ def mechanism_view(
     if stops is not None:
         facts.append(stops)
         actors[0]["tracks"] += tracks
-    contacts, arrow_tips = _contacts(run.data, frames, impacts, places, motion, scene, size)
-    if contacts is not None:
-        extent.append(arrow_tips)
-        paths = sorted({item["path"] for item in contacts["items"]})
-        facts.insert(0, {"text": _force_scale(contacts), "colour": FORCE, "paths": paths})
+    contacts, arrow_tips = contact_arrows(run.data, frames, impacts, places, motion, scene)
+    applied, applied_tips = applied_arrows(run.data, frames, motion, scene)
+    for found, tips, what in (
+        (applied, applied_tips, "force on a link"),
+        (contacts, arrow_tips, "contact force on the journal"),
+    ):
+        if found is not None:
+            extent.append(tips)
+            paths = sorted({item["path"] for item in found["items"]})
+            facts.insert(0, {"text": said_of_scale(found, what), "colour": found["colour"], "paths": paths})
     return {
         "commands": scene.packed(),
         "actors": actors,
         "contacts": contacts,
+        **({} if applied is None else {"applied": applied}),
         "trails": trails,
         "camera": camera(np.concatenate(extent), _DIRECTION, _upright(run)),
         "triad": triad("axes of the world", np.eye(3), mechanism_of(run).model.gravity.linear),
@@ -181,7 +185,7 @@ class _Body:
 
     def _extent(self) -> Array:
         """Return the corners of all shapes at some of the key frames, in the world, (n, 3) [m]."""
-        some = np.unique(np.linspace(0, len(self.times) - 1, min(_FRAMED, len(self.times))).astype(int))
+        some = np.unique(np.linspace(0, len(self.times) - 1, min(FRAMED, len(self.times))).astype(int))
         found = []
         for k, body in enumerate(self.names):
             mine = [shape for shape in self.shapes if shape.body == body]
@@ -234,90 +238,6 @@ class _Body:
             "radius": 1.3 * thin,
             "tail": None,
         }
-
-
-def _contacts(
-    data: xr.Dataset,
-    frames: KeyFrames,
-    impacts: Impacts,
-    places: dict[str, dict[str, Any]],
-    motion: _Body,
-    scene: Scene,
-    size: float,
-) -> tuple[dict[str, Any] | None, Array]:
-    """Return the forces as the player takes them, and tips of their arrows, (n, 3) [m]."""
-    nothing = np.zeros((0, 3))
-    if "contact_force" not in data or not places:
-        return None, nothing
-    force = np.asarray(data["contact_force"].isel(time=frames.indices).values, dtype=float)
-    point = np.asarray(data["contact_point"].isel(time=frames.indices).values, dtype=float)
-    largest = max(float(np.linalg.norm(force, axis=2).max()), float(impacts.peaks.max(initial=0.0)))
-    if largest == 0.0:
-        return None, nothing
-    reference = nice(largest)
-    length = nice(0.3 * size * np.sqrt(reference / largest))
-    items, tips = [], []
-    for k, (name, joint) in enumerate(contact_joints(data).items()):
-        place = places[joint]
-        path = f"{motion.paths[place['bearing_body']]}/bearing {joint}".replace("//", "/")
-        bearing = placement_of(place["bearing_placement"])
-        scene.place(path, bearing)
-        tips.append(
-            _arrow_tips(force[:, k], point[:, k], reference, length, bearing, motion, place["bearing_body"])
-        )
-        items.append(
-            {
-                "name": name,
-                "path": path,
-                "force": packed_floats(force[:, k]),
-                "point": packed_floats(point[:, k]),
-            }
-        )
-    contacts = {
-        "items": items,
-        "colour": FORCE,
-        "above": True,
-        "map": None,
-        "size": 0.004 * size,
-        "power": 0.5,
-        "reference": [reference, length],
-    }
-    return contacts, np.concatenate(tips)
-
-
-def _arrow_tips(
-    force: Array, point: Array, reference: float, length: float, bearing: Array, motion: _Body, body: str
-) -> Array:
-    """Return the tips of a contact's longest arrows in the world, (n, 3) [m]."""
-    size = np.linalg.norm(force, axis=1)
-    some = np.argsort(-size, kind="stable")[:_FRAMED]
-    some = some[size[some] > 0.0]
-    tips = point[some] + length * force[some] / np.sqrt(reference * size[some, None])
-    k = motion.names.index(body)
-    turn = Rotation.from_quat(motion.attitude[some, k]) if len(some) else Rotation.identity()
-    return np.asarray(turn.apply(tips @ bearing[:3, :3].T + bearing[:3, 3]) + motion.position[some, k])
-
-
-def _force_scale(contacts: dict[str, Any]) -> str:
-    force, length = contacts["reference"]
-    hundredth = f"{0.01 * force:g} N {0.1 * length:g} m"
-    return f"contact force on the journal: {force:g} N drawn {length:g} m, {hundredth} (square root)"
-
-
-def placement_of(seven: ArrayLike) -> Array:
-    """Return a position and a quaternion xyzw, (7,) [m, -], as a placement, (4, 4)."""
-    numbers = np.asarray(seven, dtype=float)
-    result = np.eye(4)
-    result[:3, :3] = Rotation.from_quat(numbers[3:]).as_matrix()
-    result[:3, 3] = numbers[:3]
-    return result
-
-
-def nice(value: float) -> float:
-    """Return the largest 1, 2 or 5 times a power of ten that is not above a positive value."""
-    power = 10.0 ** np.floor(np.log10(value))
-    digit = max(step for step in (1.0, 2.0, 5.0) if step * power <= value * (1.0 + 1e-12))
-    return float(f"{digit * power:.1g}")
 
 
 def _upright(run: Trajectory) -> Array:

@@ -486,7 +486,9 @@
       controls.addEventListener("start", () => { this.moved = true; });
       controls.addEventListener("change", () => { this.dirty = true; });
       this.actors = data.actors.map((actor) => new Actor(viewer, actor));
-      this.contacts = data.contacts ? new Contacts(viewer, data.contacts, this.times) : null;
+      const forces = (one) => (one ? new Contacts(viewer, one, this.times) : null);
+      this.contacts = forces(data.contacts);
+      this.arrows = [this.contacts, forces(data.applied)].filter(Boolean);
       this.trails = data.trails.map((trail) => new Trail(viewer, trail));
       // Which way is up: the world is drawn turned where gravity does not point along its -z.
       const [a, b, c] = this.upright = data.camera.upright;
@@ -548,7 +550,7 @@
       this.time = this.clamp(t);
       if (this.failed) return;
       this.place();
-      if (this.contacts) this.contacts.seek(this.time);
+      for (const one of this.arrows) one.seek(this.time);
     }
 
     advance(t, wall = 1 / 30) {
@@ -556,9 +558,10 @@
       this.time = this.clamp(t);
       if (this.failed) return;
       this.place();
-      if (!this.contacts) return;
-      if (this.time < before) this.contacts.seek(this.time);
-      else this.contacts.advance(before, this.time, wall);
+      for (const one of this.arrows) {
+        if (this.time < before) one.seek(this.time);
+        else one.advance(before, this.time, wall);
+      }
     }
 
     place() {

@@ -162,6 +162,18 @@ def test_the_first_link_takes_the_reaction():
     np.testing.assert_allclose(acceleration(system, 0.0, *parts(system, y)), wanted, rtol=1e-10, atol=1e-10)
 
 
+def test_what_is_tied_to_the_world_has_the_worlds_impulse():
+    """Drawn to a point of the world: the reaction there is nobody's."""
+
+    def act(t, p, links, joints, states, whole):
+        links[1].force[:] = 1.0, 2.0, 3.0
+
+    ends = ("world", (1.0, 0.0, 0.0)), ("arm", POINT)
+    system = make_system(it=CallableElement(act=act, links=ends, internal=True))
+    books = booked(system, random_state(system, np.random.default_rng(2)))["it"]
+    np.testing.assert_array_equal(books["impulse"], [1.0, 2.0, 3.0])
+
+
 def test_torques_at_joints_and_what_is_seen_of_them():
     """A function sees angle and rate of joints and turns them, as their coordinates of v say."""
     seen = []

@@ -161,6 +161,13 @@ def test_a_force_that_rises_with_a_time_constant():
     assert run.data["total_impulse"].values[0, 0] + left == pytest.approx(0.1, rel=1e-11, abs=0.0)
 
 
+def test_a_pulse_may_begin_with_the_first_instant():
+    jet = Thruster(at=("hull", (0, 0, 0)), direction=(1, 0, 0), thrust=2.0, starts=(0.0,), durations=(0.25,))
+    run = simulate(craft(jet=jet), duration=0.5, settings=TIGHT)
+    assert run.data["applied_force"].values[0, 0, 0] == 2.0
+    assert run.data["total_impulse"].values[0, 0] == pytest.approx(0.5, rel=1e-14, abs=0.0)
+
+
 def test_two_halves_are_the_whole_with_a_pulse_open(tmp_path):
     system, cut = craft(ARM, **FORCES), 0.2 + 1.0 / 64.0
     settings = dataclasses.replace(TIGHT, rtol=1e-8)
@@ -350,6 +357,12 @@ def test_a_function_without_an_answer_ends_the_run_by_its_name(compiled):
     run = simulate(craft(wind=force), duration=0.2, settings=RunSettings(engine="pinocchio"))
     assert run.outcome.name == "FUNCTION_FAILED"
     assert "force 'wind'" in run.message and "no wind beyond" in run.message
+
+
+def test_a_function_that_answers_with_no_numbers_ends_the_run():
+    force = CallableForce(at=("hull", (0, 0, 0)), wrench=lambda t, pose, twist: np.full(6, np.nan))
+    run = simulate(craft(wind=force), duration=0.2, settings=RunSettings(engine="pinocchio"))
+    assert run.outcome.name == "FUNCTION_FAILED" and "six finite numbers" in run.message
 
 
 def test_a_function_with_a_memory_is_found():
