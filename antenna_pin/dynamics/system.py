@@ -139,7 +139,7 @@ class System:
         """Show its name and how much of what it has."""
         parts = {"joints with play": self.clearances, "drives": self.drives, "springs": self.springs}
         parts |= {table: self.families[table] for table in self.others}
-        parts |= {"closures": self.closures, "elastic parts": self.elastic}
+        parts |= {"forces": self.forces, "closures": self.closures, "elastic parts": self.elastic}
         said = "".join(f", {len(part)} {name}" for name, part in parts.items() if part)
         return f"System({self.mechanism.name!r}, nq={self.model.nq}, nv={self.model.nv}{said})"
 

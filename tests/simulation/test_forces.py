@@ -360,7 +360,10 @@ def test_a_function_without_an_answer_ends_the_run_by_its_name(compiled):
 
 
 def test_a_function_that_answers_with_no_numbers_ends_the_run():
-    force = CallableForce(at=("hull", (0, 0, 0)), wrench=lambda t, pose, twist: np.full(6, np.nan))
+    def lost(t, pose, twist):
+        return np.full(6, np.nan if t > 0.1 else 1.0)
+
+    force = CallableForce(at=("hull", (0, 0, 0)), wrench=lost)
     run = simulate(craft(wind=force), duration=0.2, settings=RunSettings(engine="pinocchio"))
     assert run.outcome.name == "FUNCTION_FAILED" and "six finite numbers" in run.message
 

@@ -110,4 +110,4 @@ def test_ledgers_close_on_a_flexible_hub():
     assert kept["linear_momentum_drift_relative"] < 1e-8
     assert kept["angular_momentum_drift_relative"] < 1e-8
     # And it does swing under that.
-    assert run.data["peak_deflection"].max() > 1e-3
+    assert run.data["peak_deflection"].max() > 1e-4

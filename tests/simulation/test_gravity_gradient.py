@@ -169,6 +169,16 @@ def test_a_tilted_orbit_is_the_same_turned():
         np.testing.assert_allclose(*(run[name].values for run in runs), rtol=0, atol=1e-11)
 
 
+def test_angles_ask_for_an_orbit():
+    mechanism = build_mechanism(Urdf.from_text(BODY.format(*INERTIA), "body.urdf"), "free")
+    run = simulate(System(mechanism), duration=0.1, v=np.array([0, 0, 0, 0, RATE, 0]), settings=TIGHT)
+    with pytest.raises(AntennaPinError, match="orbit_angles: orbit must be given, for no gravity gradient"):
+        orbit_angles(run)
+    # Turning as the orbit does it stays as it stands in that: turned half about, as the world's axes are.
+    angles = orbit_angles(run, orbit=Orbit(rate=RATE))
+    np.testing.assert_allclose(np.ptp(angles.to_array().values, axis=1), 0.0, rtol=0, atol=1e-12)
+
+
 def test_what_does_not_go_with_an_orbit_is_refused():
     with pytest.raises(AntennaPinError, match=r"gravity must be none beside what differs of it on an orbit"):
         mechanism = build_mechanism(Urdf.from_text(BODY.format(*INERTIA), "body.urdf"), "free", (0, 0, -9.8))
