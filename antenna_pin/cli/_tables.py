@@ -21,7 +21,7 @@ _ENTRIES = {
     "wall_seconds": ("wall time", "s"),
     "energy_error": ("energy balance error", "J"),
     "energy_error_relative": ("energy balance error, relative", "-"),
-    "gross_work": ("gross work of the drives", "J"),
+    "gross_work": ("gross work of drives and forces", "J"),
     "linear_momentum_drift": ("linear momentum drift", "kg m/s"),
     "linear_momentum_scale": ("linear momentum scale", "kg m/s"),
     "linear_momentum_drift_relative": ("linear momentum drift, relative", "-"),

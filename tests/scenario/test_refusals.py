@@ -24,7 +24,7 @@ WHOLE = "law lankarani-nikravesh brings its own; elastic laws are " + ", ".join(
 )
 TOP = (
     "format, title, source, duration, mechanism, materials, clearance, flexible, closures, couplings, "
-    "rotors, drives, springs, stops, latches, frictions, gears, bearings, events, initial, integrator, "
+    "rotors, drives, springs, stops, latches, frictions, gears, bearings, forces, events, initial, integrator, "
     "output, pointing"
 )
 
