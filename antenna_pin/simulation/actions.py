@@ -123,10 +123,9 @@ class Actions:
     def _change(self, place: str) -> None:
         """Let an element be as it is by itself from the present time on."""
         element = self.adjustments.elements[place]
-        for key, value in (
-            element.from_now_on(self._stepper.t).items() if isinstance(element, OnLinks) else ()
-        ):
-            self.adjustments.set(f"{place}.{key}", value)
+        if isinstance(element, OnLinks):
+            for key, value in element.from_now_on(self._stepper.t).items():
+                self.adjustments.set(f"{place}.{key}", value)
 
     def _switch(self, action: Switch) -> None:
         """Let an element change its mode, and what changes by that at once."""
