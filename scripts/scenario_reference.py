@@ -417,7 +417,7 @@ def scenario_table() -> str:
         ),
         section("[drives.NAME]", drive_rows()),
         *spring_sections(),
-        section("[springs.NAME.first], [springs.NAME.second]", rows(PlaceSpec)),
+        section("[springs.NAME.first], [springs.NAME.second], [forces.NAME.at]", rows(PlaceSpec)),
         *family_sections(),
         section(
             "[events.NAME]",

@@ -48,6 +48,7 @@ if TYPE_CHECKING:
     from antenna_pin.analysis.gears import gear_contacts, gear_impacts, gears_of
     from antenna_pin.analysis.growth import Growth, growth_of
     from antenna_pin.analysis.impacts import impact_statistics, impacts
+    from antenna_pin.analysis.in_orbit import orbit_angles
     from antenna_pin.analysis.journal import bore_load, clearance_shapes, journal_motion
     from antenna_pin.analysis.limits import said_of_limits
     from antenna_pin.analysis.loads import load_statistics
@@ -185,6 +186,7 @@ __all__ = [
     "modal_energy",
     "moved_body",
     "open_portrait",
+    "orbit_angles",
     "phase_portrait",
     "pointing_error",
     "pointing_indices",
@@ -266,6 +268,7 @@ loaded_when_used(
         "loads": "load_statistics",
         "long_spectra": "long_spectrogram long_spectrum",
         "orbit": "Orbit",
+        "in_orbit": "orbit_angles",
         "phase": "Periods PhasePortrait open_portrait phase_portrait portrait_of portrait_table",
         "pointing": "Antenna Command boresight pointing_error pointing_spec",
         "pointing_indices": "INTERPRETATIONS error_components pointing_indices",

@@ -1,4 +1,4 @@
-"""What acts between links of a run beside the joints of the tree: closures, and springs between points."""
+"""What acts on links of a run beside the joints of the tree: closures, springs between points, forces."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 
 from antenna_pin.mechanism import Mechanism, link_poses
 
-__all__ = ["Passed", "applied_wrenches", "passed_by_closures", "passed_by_springs"]
+__all__ = ["Passed", "applied_wrenches", "passed_by_closures", "passed_by_forces", "passed_by_springs"]
 
 Array = NDArray[np.float64]
 
@@ -65,6 +65,19 @@ def passed_by_springs(data: xr.Dataset, mechanism: Mechanism) -> list[Passed]:
         point, _ = placed(one["second_body"], np.array([*one["second_point"], 0.0, 0.0, 0.0, 1.0]))
         force = _values(data, "spring_force", point_spring=name)
         found.append(Passed(name, one["first_body"], one["second_body"], point, force, np.zeros_like(force)))
+    return found
+
+
+def passed_by_forces(data: xr.Dataset, mechanism: Mechanism) -> list[Passed]:
+    """Return what forces on links do, place by place, as passed on from the world."""
+    found = []
+    places = json.loads(data.attrs.get("force_places", "{}"))
+    placed = _placing(data, mechanism) if places else None
+    for name, one in places.items():
+        assert placed is not None
+        point, _ = placed(one["link"], np.array([*one["point"], 0.0, 0.0, 0.0, 1.0]))
+        force, torque = (_values(data, f"applied_{what}", force_place=name) for what in ("force", "torque"))
+        found.append(Passed(name, "world", one["link"], point, force, torque))
     return found
 
 

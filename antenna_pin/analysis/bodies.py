@@ -9,7 +9,12 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from antenna_pin.analysis._beside_tree import applied_wrenches, passed_by_closures, passed_by_springs
+from antenna_pin.analysis._beside_tree import (
+    applied_wrenches,
+    passed_by_closures,
+    passed_by_forces,
+    passed_by_springs,
+)
 from antenna_pin.arguments import takes
 from antenna_pin.errors import FileFormatError
 from antenna_pin.mechanism import (
@@ -159,7 +164,8 @@ def joint_loads(run: Trajectory | xr.Dataset, times: ArrayLike | None = None) ->
     data = _picked(run, times)
     mechanism = mechanism_of(run)
     closures = passed_by_closures(data, mechanism)
-    applied = applied_wrenches(mechanism, closures + passed_by_springs(data, mechanism))
+    others = passed_by_springs(data, mechanism) + passed_by_forces(data, mechanism)
+    applied = applied_wrenches(mechanism, closures + others)
     q, v, a = (_array(data, name) for name in "qva")
     of_closures = [np.hstack([one.force, one.moment])[:, None] for one in closures]
     wrenches = np.concatenate([transmitted_wrenches(mechanism, q, v, a, applied), *of_closures], axis=1)

@@ -34,7 +34,8 @@ class Orbit:
 
     .. math:: R_{WO}(t) = \exp(\omega t\, [n]_\times)\, R_{WO}(0)
 
-    The world's axes do not turn. The motion itself does not know of the orbit: no gravity gradient acts.
+    The world's axes do not turn. The motion itself knows of the orbit by ``[forces.NAME]``'s gravity gradient
+    only.
 
     Attributes:
         rate: Orbital rate [rad/s].

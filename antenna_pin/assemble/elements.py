@@ -8,7 +8,7 @@ from antenna_pin.assemble.closures import link_of
 from antenna_pin.assemble.places import check_known, check_motion
 from antenna_pin.assemble.references import reference_for
 from antenna_pin.mechanism import Mechanism
-from antenna_pin.scenario import JointsSpec, PointsSpec, Scenario
+from antenna_pin.scenario import AllLinksSpec, AtPointSpec, JointsSpec, PointsSpec, Scenario
 
 __all__ = ["elements_of"]
 
@@ -28,6 +28,11 @@ def elements_of(scenario: Scenario, mechanism: Mechanism, family: str) -> dict[s
                 link, _ = link_of(scenario, mechanism, end, family, name, side)
                 ends[side] = link, end.point or (0.0, 0.0, 0.0)
             found[name] = spec.build(**ends)
+        elif isinstance(spec, AtPointSpec):
+            link, _ = link_of(scenario, mechanism, spec.at, family, name, "at")
+            found[name] = spec.build(at=(link, spec.at.point or (0.0, 0.0, 0.0)))
+        elif isinstance(spec, AllLinksSpec):
+            found[name] = spec.build()
         elif isinstance(spec, JointsSpec):
             for side in ("input", "output"):
                 joint = getattr(spec, side)

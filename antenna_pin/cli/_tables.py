@@ -23,7 +23,7 @@ _ENTRIES = {
     "energy_scale": ("energy scale", "J"),
     "energy_scale_of": ("energy scale is", ""),
     "energy_error_relative": ("energy balance error, relative", "-"),
-    "gross_work": ("gross work of the drives", "J"),
+    "gross_work": ("gross work of drives and forces", "J"),
     "linear_momentum_drift": ("linear momentum drift", "kg m/s"),
     "linear_momentum_scale": ("linear momentum scale", "kg m/s"),
     "linear_momentum_drift_relative": ("linear momentum drift, relative", "-"),
@@ -41,6 +41,7 @@ _ENTRIES = {
     "peak_depth": ("peak depth", "m"),
     "largest_approach_speed": ("largest approach speed", "m/s"),
     "impulse": ("impulse", "N s"),
+    "angular_impulse": ("angular impulse about the origin", "N m s"),
     "dissipated": ("energy lost", "J"),
     "closure_equations": ("equations of closures", ""),
     "couplings": ("those of couplings", ""),
@@ -104,6 +105,7 @@ _PLAIN_GROUPS = (
     "motions",
     "couplings",
     "bearings",
+    "forces",
 )
 
 

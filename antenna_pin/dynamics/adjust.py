@@ -66,8 +66,7 @@ class Adjustments:
         elif key == _ON:
             rule = "left alone: a prescribed motion holds all the time; have a pd drive follow it"
             raise InvalidParameterError("Set", place, rule, value)
-        if isinstance(source, Modal):
-            keys += source.own_keys()
+        keys += source.own_keys()
         block = self._blocks[element]
         if key == _ON:
             if value not in (True, False):

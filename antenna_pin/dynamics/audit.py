@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.dynamics import audit_kernels as _bodies
-from antenna_pin.dynamics import kernels, point_kernels
+from antenna_pin.dynamics import kernels, link_kernels
 from antenna_pin.dynamics.workspace import Workspace
 from antenna_pin.mechanism import PLACE, body_tree
 
@@ -73,12 +73,13 @@ def audit(workspace: Workspace, y: Array) -> Audit:
     places = np.zeros(len(tree) + 1, PLACE)
     _bodies.audit_state(y, model.nq, tree, np.array(model.gravity.linear), places, audits)
     found: Any = audits[0]
+    workspace.tell_energies(y)
     contacts, springs = kernels.stored_energy(y, workspace.program, workspace.memory, workspace.table)
     return Audit(
         kinetic=float(found.kinetic),
         gravity=float(found.gravity),
         contacts=contacts + energy_of_python_laws(workspace),
-        springs=springs + point_kernels.stored(workspace.program, places),
+        springs=springs + link_kernels.stored(y, workspace.program, places),
         linear=found.linear,
         angular=found.angular,
         linear_scale=float(found.linear_scale),

@@ -90,6 +90,21 @@ def energy_of(tree: Any, places: Any, gravity: Any) -> float:
     return total
 
 
+@kernel
+def mass_centre(tree: Any, places: Any, out: Any) -> None:
+    """Write the mass centre of a tree whose bodies are placed, (3,) [m]."""
+    mass = x = y = z = 0.0
+    for b in range(tree.shape[0]):
+        body, own = tree[b], places[b]
+        sx, sy, sz = _lever(body, own)
+        mass += body.mass
+        x += body.mass * (own.origin[0] + sx)
+        y += body.mass * (own.origin[1] + sy)
+        z += body.mass * (own.origin[2] + sz)
+    whole = mass if mass > 0.0 else 1.0  # rotors may have an inertia alone
+    out[0], out[1], out[2] = x / whole, y / whole, z / whole
+
+
 @inlined
 def _lever(body: Any, own: Any) -> tuple[float, float, float]:
     """Mass centre of a body from its origin, in the world [m]."""

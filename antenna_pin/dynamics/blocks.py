@@ -49,6 +49,11 @@ class InPython(NamedTuple):
     element: Element
     functions: tuple[AskedFunction, ...]
 
+    @property
+    def said(self) -> str:
+        """What refusals call it."""
+        return f"what acts at joint {self.element.joint!r}"
+
     def given(self, t: float, angle: float, rate: float) -> tuple[float, ...]:
         """Return its numbers at time t [s], at an angle and a rate of its joint."""
         return self.element.given(self.functions, t, angle, rate)
@@ -229,20 +234,20 @@ def check_motion(
             )
 
 
-def check_holds(place: str, mechanism: Mechanism, element: Element, between: Collection[str]) -> None:
+def check_holds(place: str, mechanism: Mechanism, element: Element, on_links: Collection[str]) -> None:
     """Refuse an element that is to hold a joint that no one row holds, or whose load is not known.
 
     Args:
         place: What it is, for the refusal.
         mechanism: The mechanism.
         element: The element.
-        between: Names of springs between points.
+        on_links: Names of springs between points, and of forces.
     """
     joint = element.joint
-    if isinstance(element, Modal) and element.under_load and between:
+    if isinstance(element, Modal) and element.under_load and on_links:
         raise MechanismError(
-            f"{place}: friction by the load of joint {joint!r} knows no forces between points, and there is "
-            f"spring {next(iter(between))!r}; put springs at joints, or take friction that no load makes"
+            f"{place}: friction by the load of joint {joint!r} knows no forces on links, and there is "
+            f"{next(iter(on_links))!r}; put springs at joints, or take friction that no load makes"
         )
     slot = mechanism.joint(joint)
     if slot.kind not in ("revolute", "continuous", "prismatic"):

@@ -12,7 +12,7 @@ from antenna_pin.elements import BetweenJoints, Element, ForceElement, kind_of
 from antenna_pin.errors import MechanismError
 from antenna_pin.records import CIRCLE, FIXED_AXIS, SLIDE
 
-__all__ = ["WITH_AXIS", "element_block"]
+__all__ = ["WITH_AXIS", "element_block", "element_head"]
 
 Array = NDArray[np.float64]
 
@@ -34,14 +34,14 @@ def element_block(system: Any, place: str, element: ForceElement, x: int) -> Arr
     """
     if isinstance(element, BetweenJoints):
         joints = [element.input, element.output]
-        found = [_head(system, place, name) for name in joints]
+        found = [element_head(system, place, name) for name in joints]
         element.check_joints(place, (system.slides(element.input), system.slides(element.output)))
     else:
         assert isinstance(element, Element)
-        found = [_head(system, place, element.joint)]
+        found = [element_head(system, place, element.joint)]
         element.check_joint(place, system.slides(element.joint))
         if element.measured != element.joint:
-            found.append(_head(system, place, element.measured))
+            found.append(element_head(system, place, element.measured))
             element.check_measured(place, system.slides(element.joint), system.slides(element.measured))
     words = element.words_of_kernel()
     behind = [one.view(np.float64) for one in found[1:]]
@@ -60,7 +60,7 @@ def element_block(system: Any, place: str, element: ForceElement, x: int) -> Arr
     return block
 
 
-def _head(system: Any, place: str, joint: str) -> NDArray[Any]:
+def element_head(system: Any, place: str, joint: str) -> NDArray[Any]:
     """Return the head of an element with what it says of its joint, ``ELEMENT``, (1,)."""
     slot = system.mechanism.joint(joint)
     clearance = system.clearance_blocks.get(joint, -1)

@@ -3,9 +3,8 @@
 ``program`` is a list of blocks that starts behind its head (:data:`antenna_pin.records.PROGRAM`). A block
 begins with what it is and how long (:data:`antenna_pin.records.BLOCK`): a clearance joint
 (:mod:`antenna_pin.joints.layout_kernels`), or an element at a joint, of one of the kinds of
-:mod:`antenna_pin.elements`: ``ELEMENT``, then the record of its kind. Behind all of these stand the springs
-between points (:mod:`antenna_pin.dynamics.point_kernels`), which ask where bodies are and have a pass of
-their own.
+:mod:`antenna_pin.elements`: ``ELEMENT``, then the record of its kind. Behind all of these stand the elements
+on links (:mod:`antenna_pin.dynamics.link_kernels`), which ask where bodies are and have a pass of their own.
 
 A configuration knows an angle only but for whole turns. Joints that turn without end (continuous ones and
 those with play) have their *turned angle*, with all its turns, in x: the angle at the last accepted state, to
@@ -186,12 +185,13 @@ def _element(p: Any, b: int, t: float, y: Any, head: Any, tau: Any, rates: Any) 
         angle, rate, _, _ = own_motion(p, b + e.sensed, y, nq)
     own = y, nq + head.nv + e.x
     effort = e.on * elements.effort_of(e.kind, p, b + PARAMETERS, (t, angle, rate), own)
-    motion = angle, e.on * rate, effort * _act(p, b, effort, (gx, gy), y, nq, tau)
+    power = effort * act_at(p, b, effort, (gx, gy), y, nq, tau)
+    motion = angle, e.on * rate, power
     elements.write_rates_of(e.kind, p, b + PARAMETERS, motion, own, rates, head.nv + e.x)
 
 
 @inlined
-def _act(p: Any, b: int, effort: float, slope: Any, y: Any, nq: int, tau: Any) -> float:
+def act_at(p: Any, b: int, effort: float, slope: Any, y: Any, nq: int, tau: Any) -> float:
     """Add an effort at the joint of a head to tau; return the rate of that along which it acts."""
     e = element_at(p, b)
     if e.play < 0:
@@ -213,9 +213,10 @@ def _between(p: Any, b: int, t: float, y: Any, head: Any, tau: Any, rates: Any) 
     x, speed, over, over_other = elements.between(e.kind, p, at, angle, rate, other, other_rate)
     effort = e.on * elements.effort(e.kind, p, at, t, x, speed)
     drag = elements.drag(e.kind, p, at, effort * over, rate)
-    _act(p, b, effort * over + drag, (gx, gy), y, nq, tau)
-    _act(p, b + e.partner, effort * over_other, (ox, oy), y, nq, tau)
-    rates[head.nv + e.x] = e.on * elements.dissipation(e.kind, p, at, x, speed) - drag * rate
+    act_at(p, b, effort * over + drag, (gx, gy), y, nq, tau)
+    act_at(p, b + e.partner, effort * over_other, (ox, oy), y, nq, tau)
+    lost = e.on * elements.dissipation(e.kind, p, at, x, speed) - drag * rate
+    rates[head.nv + e.x] = lost
     rates[head.nv + e.x + 1] = abs(effort)
 
 

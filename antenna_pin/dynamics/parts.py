@@ -51,8 +51,9 @@ def families_of(
             rule = f"left out: it is given as {given}="
             raise InvalidParameterError("System", f"elements[{table!r}]", rule, [*elements])
         for name, element in elements.items():
-            if not isinstance(element, tuple(FAMILIES[table].kinds.values())):
-                rule = f"one of {', '.join(cls.__name__ for cls in FAMILIES[table].kinds.values())}"
+            kinds = (*FAMILIES[table].kinds.values(), *FAMILIES[table].in_python)
+            if not isinstance(element, kinds):
+                rule = f"one of {', '.join(cls.__name__ for cls in kinds)}"
                 place = f"elements[{table!r}][{name!r}]"
                 raise InvalidParameterError("System", place, rule, said=type(element).__name__)
     found = own | {table: dict(others[table]) for table in FAMILIES if others.get(table)}

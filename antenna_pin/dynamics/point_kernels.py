@@ -1,7 +1,8 @@
 """Springs and dampers between points, compiled: their forces, energy and losses, from where the bodies are.
 
-Their blocks stand at the end of a program, from ``points`` of its head on: ``ELEMENT``, of which kind,
-length, x and on count, the record of its kind, and a ``SIDE`` for each end.
+Their blocks stand first among those of elements on links (:mod:`antenna_pin.dynamics.link_kernels`), from
+``points`` of a program's head on: ``ELEMENT``, of which kind, length, x and on count, the record of its kind,
+and a ``SIDE`` for each end.
 """
 
 from __future__ import annotations
@@ -12,7 +13,6 @@ from typing import Any
 from antenna_pin._compile import inlined, kernel, record
 from antenna_pin.dynamics.kernels import PARAMETERS, element_at, head_of
 from antenna_pin.elements import kernels as elements
-from antenna_pin.mechanism.tree_kernels import place_bodies
 from antenna_pin.records import CIRCLE, FIXED_AXIS, PLANE, RIGID, ROTATION, SLIDE, layout, words_of
 
 #: An end: index of its body (-1: the world), and its place in the body's frame [m].
@@ -76,48 +76,45 @@ def line(program: Any, b: int, places: Any) -> tuple[float, float, float, float,
 
 
 @kernel
-def add_forces(y: Any, program: Any, tree: Any, places: Any, tau: Any, rates: Any) -> None:
-    """Add the generalized forces of all springs between points, and write the rates of their losses.
+def draw(program: Any, b: int, tree: Any, places: Any, tau: Any, rates: Any) -> None:
+    """Add the generalized force of the spring at b, and write the rate of its loss.
 
     Args:
-        y: State [q, v, x].
         program: Of all force elements.
+        b: Where its block stands.
         tree: Bodies, parents first.
-        places: To write to, PLACE, (bodies + 1,): where the bodies are.
+        places: PLACE, (bodies + 1,): where the bodies are.
         tau: Generalized force, (nv,), added to.
         rates: To write to, behind rates[nv].
     """
-    head = head_of(program)
-    place_bodies(y, head.nq, tree, places)
-    b = head.points
-    while b < program.shape[0]:
-        e = element_at(program, b)
-        length, rate, x, y_, z = line(program, b, places)
-        force = e.on * elements.tension(e.kind, program, b + PARAMETERS, length, rate)
-        rates[head.nv + e.x] = e.on * elements.loss(e.kind, program, b + PARAMETERS, rate)
-        first, second = _side(program, b, 0), _side(program, b, 1)
-        ax, ay, az, _, _, _ = _place(first, places)
-        i, j = first.body, second.body
-        # Down to the body that both stand on: forces along one line do nothing to what lies below. For the
-        # same reason one point of the line serves both.
-        while i != j:
-            if i > j:
-                _push(tree[i], places[i], (force * x, force * y_, force * z), (ax, ay, az), tau)
-                i = tree[i].parent
-            else:
-                _push(tree[j], places[j], (-force * x, -force * y_, -force * z), (ax, ay, az), tau)
-                j = tree[j].parent
-        b += e.length
+    e = element_at(program, b)
+    length, rate, x, y, z = line(program, b, places)
+    force = e.on * elements.tension(e.kind, program, b + PARAMETERS, length, rate)
+    rates[head_of(program).nv + e.x] = e.on * elements.loss(e.kind, program, b + PARAMETERS, rate)
+    first, second = _side(program, b, 0), _side(program, b, 1)
+    ax, ay, az, _, _, _ = _place(first, places)
+    i, j = first.body, second.body
+    nothing = 0.0, 0.0, 0.0
+    # Down to the body that both stand on: forces along one line do nothing to what lies below. For the
+    # same reason one point of the line serves both.
+    while i != j:
+        if i > j:
+            push(tree[i], places[i], (force * x, force * y, force * z), nothing, (ax, ay, az), tau)
+            i = tree[i].parent
+        else:
+            push(tree[j], places[j], (-force * x, -force * y, -force * z), nothing, (ax, ay, az), tau)
+            j = tree[j].parent
 
 
 @kernel
-def _push(body: Any, own: Any, force: Any, point: Any, tau: Any) -> None:
-    """Add what a force at a point of the world does at the joint of a body."""
+def push(body: Any, own: Any, force: Any, torque: Any, point: Any, tau: Any) -> None:
+    """Add what a force at a point of the world, and a torque, do at the joint of a body."""
     fx, fy, fz = force
+    tx, ty, tz = torque
     px, py, pz = point
     r, kind, v = own.rotation, body.kind, body.v
     x, y, z = px - own.origin[0], py - own.origin[1], pz - own.origin[2]
-    mx, my, mz = y * fz - z * fy, z * fx - x * fz, x * fy - y * fx
+    mx, my, mz = y * fz - z * fy + tx, z * fx - x * fz + ty, x * fy - y * fx + tz
     if kind == FIXED_AXIS or kind == CIRCLE or kind == SLIDE:
         if kind == SLIDE:
             mx, my, mz = fx, fy, fz
@@ -135,16 +132,11 @@ def _push(body: Any, own: Any, force: Any, point: Any, tau: Any) -> None:
 
 
 @kernel
-def stored(program: Any, places: Any) -> float:
-    """Energy stored in all springs between points [J], with the bodies where ``places`` says."""
-    total = 0.0
-    b = head_of(program).points
-    while b < program.shape[0]:
-        e = element_at(program, b)
-        length, _, _, _, _ = line(program, b, places)
-        total += e.on * elements.stored(e.kind, program, b + PARAMETERS, length)
-        b += e.length
-    return total
+def stored_between(program: Any, b: int, places: Any) -> float:
+    """Energy stored in the spring at b [J], with the bodies where ``places`` says."""
+    e = element_at(program, b)
+    length, _, _, _, _ = line(program, b, places)
+    return float(e.on * elements.stored(e.kind, program, b + PARAMETERS, length))
 
 
 @kernel
@@ -152,7 +144,7 @@ def look_at(program: Any, places: Any, stretches: Any) -> None:
     """Write what there is to see of all springs between points: ``STRETCH`` of each, (springs,)."""
     k = 0
     b = head_of(program).points
-    while b < program.shape[0]:
+    while k < stretches.shape[0]:
         e, seen = element_at(program, b), stretches[k]
         length, rate, x, y, z = line(program, b, places)
         seen.length = length

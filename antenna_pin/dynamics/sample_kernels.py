@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from antenna_pin._compile import inlined, kernel
+from antenna_pin.dynamics import link_kernels as _links
 from antenna_pin.dynamics import point_kernels as _points
 from antenna_pin.dynamics.audit_kernels import audit_state
 from antenna_pin.dynamics.kernels import (
@@ -158,6 +159,8 @@ class Sights(NamedTuple):
         efforts: Of the drives, ``EFFORT``, (n, drives).
         audits: Energies and momenta, AUDIT, (n,).
         stretches: Of the springs between points, ``STRETCH``, (n, springs).
+        applied: Of the places at which forces act, ``APPLIED``, (n, places).
+        kept: Energies that forces store [J], (n, forces).
     """
 
     forces: Any
@@ -167,6 +170,8 @@ class Sights(NamedTuple):
     efforts: Any
     audits: Any
     stretches: Any
+    applied: Any
+    kept: Any
 
 
 @kernel
@@ -187,7 +192,7 @@ def observe(first: int, last: int, given: bool, samples: Any, whole: Any, sights
     start = nv + POSE_WORDS
     pose = work[nv:start].view(POSE)
     memory = work[start : start + MEMORY_WORDS * samples.memories.shape[1]].view(MEMORY)
-    springs = sights.stretches.shape[1] > 0
+    on_links = head.points < program.shape[0]
     for i in range(first, last):
         t, y = samples.times[i], samples.states[i]
         if not given:
@@ -195,8 +200,8 @@ def observe(first: int, last: int, given: bool, samples: Any, whole: Any, sights
                 memory[c] = samples.memories[i, c]
             _apart_in(y, program, memory, pose[0], table)
             evaluate(t, y, program, work, whole.rates)
-            if springs:
-                _points.add_forces(y, program, whole.tree, places, work, whole.rates)
+            if on_links:
+                _links.add_forces(t, y, program, whole.tree, places, work, whole.rates)
         for k in range(nv):
             sights.forces[i, k] = work[k]
         for c in range(memory.shape[0]):
@@ -212,9 +217,10 @@ def observe(first: int, last: int, given: bool, samples: Any, whole: Any, sights
         audit = sights.audits[i : i + 1]
         audit_state(y, nq, whole.tree, whole.gravity, places, audit)
         audit[0].contacts, audit[0].springs = stored_energy(y, program, memory, table)
-        if springs:
-            audit[0].springs += _points.stored(program, places)
+        if on_links:
+            audit[0].springs += _links.stored(y, program, places)
             _points.look_at(program, places, sights.stretches[i])
+            _links.look_at_links(program, sights.applied[i], sights.kept[i])
 
 
 @kernel

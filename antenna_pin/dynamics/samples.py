@@ -10,7 +10,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from antenna_pin.dynamics import audit_kernels, point_kernels, sample_kernels
+from antenna_pin.dynamics import audit_kernels, link_kernels, point_kernels, sample_kernels
 from antenna_pin.dynamics.audit import energy_of_python_laws
 from antenna_pin.dynamics.held_samples import held_samples
 from antenna_pin.dynamics.program_parts import program_parts
@@ -45,6 +45,9 @@ class Observed:
         traced: Of the springs whose torque is told, likewise.
         stretch: Of the springs between points ``length`` [m], ``tension`` that draws the points together [N]
             and ``force`` on the second one's link, world axes [N], ``STRETCH``, (n, springs).
+        applied: Of the places at which forces act ``force`` [N], and ``torque`` about the place [N m], in
+            world axes, ``APPLIED``, (n, places).
+        kept: Energies that forces store, (n, forces) [J].
         closure: Force [N] and moment [N m] of each closure (n, closures, 2, 3), by
             :meth:`antenna_pin.constraints.Constraints.wrenches`; the least ones where some are redundant.
         coupling: Force [N] or torque [N m] of each coupling on its follower, (n, couplings).
@@ -63,6 +66,8 @@ class Observed:
     done: NDArray[Any]
     traced: NDArray[Any]
     stretch: NDArray[Any]
+    applied: NDArray[Any]
+    kept: Array
     closure: Array
     coupling: Array
     residual: Array
@@ -132,6 +137,8 @@ def observed(
         done=done,
         traced=told,
         stretch=sights.stretches,
+        applied=sights.applied,
+        kept=sights.kept,
         closure=closure,
         coupling=coupling,
         residual=residual,
@@ -168,6 +175,8 @@ def _unseen(system: System, n: int) -> sample_kernels.Sights:
         efforts=np.zeros((n, len(system.drives)), sample_kernels.EFFORT),
         audits=np.zeros(n, audit_kernels.AUDIT),
         stretches=np.zeros((n, len(system.point_springs)), point_kernels.STRETCH),
+        applied=np.zeros((n, len(system.force_places)), link_kernels.APPLIED),
+        kept=np.zeros((n, len(system.forces))),
     )
 
 

@@ -30,9 +30,9 @@ from antenna_pin.dynamics.coordinates import coordinate_names
 from antenna_pin.dynamics.coupled import couplings_of, fit_turns, put_followers
 from antenna_pin.dynamics.element_block import element_block
 from antenna_pin.dynamics.held import HeldKind, closures_by_name
+from antenna_pin.dynamics.links import ForcePlace, OnLinksInPython, books_in_x, place_on_links
 from antenna_pin.dynamics.mounted import kinds_about_axis, on_bearings, with_preloads_placed
 from antenna_pin.dynamics.parts import families_of, springs_and_parts
-from antenna_pin.dynamics.points import point_spring_block
 from antenna_pin.elements import (
     FAMILIES,
     GROSS_WORK,
@@ -43,6 +43,7 @@ from antenna_pin.elements import (
     ForceElement,
     Modal,
     Motion,
+    OnLinks,
     kind_of,
 )
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
@@ -117,6 +118,8 @@ class System:
         self.traced = tuple(name for name, spring in self.springs.items() if spring.traced)
         #: Those between points.
         self.point_springs = {n: s for n, s in self.springs.items() if isinstance(s, BetweenPoints)}
+        #: Those that act on links from outside, and those of a user's that see more than a joint.
+        self.forces: dict[str, Any] = self.families.get("forces", {})
         self.held = dict(held or {})
         #: All closures by name, those of joints held by constraint first.
         self.closures = closures_by_name(mechanism, self.held, closures or {})
@@ -136,7 +139,7 @@ class System:
         """Show its name and how much of what it has."""
         parts = {"joints with play": self.clearances, "drives": self.drives, "springs": self.springs}
         parts |= {table: self.families[table] for table in self.others}
-        parts |= {"closures": self.closures, "elastic parts": self.elastic}
+        parts |= {"forces": self.forces, "closures": self.closures, "elastic parts": self.elastic}
         said = "".join(f", {len(part)} {name}" for name, part in parts.items() if part)
         return f"System({self.mechanism.name!r}, nq={self.model.nq}, nv={self.model.nv}{said})"
 
@@ -151,7 +154,9 @@ class System:
         self._place_joints(blocks)
         self._place_integrals_of_contacts()
         self._place_elements(blocks)
-        points = self._place_point_springs(blocks)
+        #: The places at which forces act.
+        self.force_places: list[ForcePlace] = []
+        points = place_on_links(self, blocks)
         #: Its constraints in numbers; None of a tree that nothing holds.
         self.plan: Plan | None = None
         #: Where in x the energy stands that corrections of position and velocity put in, if there are any.
@@ -167,6 +172,8 @@ class System:
             places_in_x(self.program, self.drives, self.drive_blocks, one) for one in (WORK, GROSS_WORK)
         )
         self.damper_x = places_in_x(self.program, self.springs, self.spring_blocks, LOSS)
+        #: The same of what is integrated of forces, by its name.
+        self.force_x = books_in_x(self)
         self.state_x = states_in_x(self)
         #: What the derivative depends on: bristles of contacts, and behind them states of elements.
         self.bristle_x: NDArray[np.int_] = np.append(self._bristles, self.state_x)
@@ -228,7 +235,7 @@ class System:
     def _place_elements(self, blocks: Blocks) -> None:
         """Lay out the elements at joints."""
         #: Elements in Python.
-        self.callables: list[InPython] = []
+        self.callables: list[InPython | OnLinksInPython] = []
         #: Joints whose motion is prescribed.
         self.motions: list[DrivenJoint] = []
         #: Elements that may hold their joint.
@@ -239,7 +246,7 @@ class System:
         for table, elements in self.families.items():
             family, places = FAMILIES[table].word, self.element_blocks[table]
             for name, element in elements.items():
-                if isinstance(element, BetweenPoints):
+                if isinstance(element, BetweenPoints | OnLinks):
                     continue
                 check_booked(family, name, element)
                 x, place = blocks.x, f"{family} {name!r}"
@@ -252,7 +259,7 @@ class System:
                     asked = element.asked(place, self.slides(element.joint))
                     self.callables.append(InPython(at, slice(own, at + len(block)), element, asked))
                 if holds := isinstance(element, Modal) and element.holds:
-                    check_holds(place, self.mechanism, element, self.point_springs)
+                    check_holds(place, self.mechanism, element, [*self.point_springs, *self.forces])
                 elif isinstance(element, Motion):
                     check_motion(place, self.mechanism, self.turn_x, self.drives, name, element)
                 else:
@@ -269,19 +276,10 @@ class System:
                     )
                 )
 
-    def _place_point_springs(self, blocks: Blocks) -> int:
-        """Lay out springs between points, behind all else; return where in the program they begin."""
-        begin = blocks.size
-        for name, spring in self.point_springs.items():
-            check_booked("spring", name, spring)
-            block = point_spring_block(self.mechanism, f"spring {name!r}", spring, blocks.x)
-            self.spring_blocks[name] = blocks.add(block, len(spring.integrals))
-        return begin
-
     @property
     def others(self) -> tuple[str, ...]:
-        """The families that it has besides drives and springs."""
-        return tuple(table for table in self.families if table not in ("drives", "springs"))
+        """The families that it has besides drives, springs and forces."""
+        return tuple(table for table in self.families if table not in ("drives", "springs", "forces"))
 
     def slides(self, joint: str) -> bool:
         """Whether a joint slides along its axis rather than turning about it."""
@@ -299,7 +297,7 @@ class System:
 
     @property
     def keeps_momentum(self) -> bool:
-        """Whether nothing acts on it from outside: a free base, no gravity, not held by the world."""
+        """Whether momenta, less impulses of forces, stay: a free base, no gravity, not held by the world."""
         return (
             self.mechanism.base == "free"
             and not self.closed_to_world

@@ -11,7 +11,8 @@ import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.constraints import Constraints
-from antenna_pin.dynamics import kernels, point_kernels, query_kernels, trial_kernels
+from antenna_pin.dynamics import kernels, link_kernels, point_kernels, query_kernels, trial_kernels
+from antenna_pin.dynamics.links import OnLinksInPython
 from antenna_pin.dynamics.system import System
 from antenna_pin.joints import PythonPath
 from antenna_pin.joints.kernels import unit_normal_force
@@ -95,9 +96,9 @@ class Workspace:
             self.program[block : block + kernels.PARAMETERS].view(kernels.ELEMENT)["on"]
             for block, *_ in system.callables
         ]
-        #: The bodies, and room for where they are, if springs between points ask for that.
+        #: The bodies, and room for where they are, if elements on links ask for that.
         self._bodies: tuple[NDArray[Any], NDArray[Any]] | None = None
-        if system.point_springs:
+        if system.point_springs or system.forces:
             tree = body_tree(system.mechanism)
             self._bodies = tree, np.zeros(len(tree) + 1, PLACE)
         #: What is held besides the tree; None if nothing is.
@@ -133,8 +134,36 @@ class Workspace:
         for on, one in zip(self._on, self.system.callables, strict=True):
             if on[0] == 0.0:
                 continue
+            if isinstance(one, OnLinksInPython):
+                assert self._bodies is not None
+                one.write(self.program, t, y, *self._bodies)
+                continue
             angle, rate, _, _ = kernels.joint_motion(self.program, one.block, y, self.model.nq)
             self.program[one.words] = one.given(t, angle, rate)
+
+    def tell_energies(self, y: Array) -> None:
+        """Have elements on links in Python say what they store in a state, by the time last asked of."""
+        for on, one in zip(self._on, self.system.callables, strict=True):
+            if on[0] != 0.0 and isinstance(one, OnLinksInPython) and one.element.passive:
+                assert self._bodies is not None
+                one.write(self.program, None, y, *self._bodies)
+
+    def see_on_links(self, block: int, t: float, y: Array, element: Any) -> None:
+        """Have an element on links, by its place in the program, write what it does to its desk."""
+        assert self._bodies is not None
+        if getattr(element, "called", True):
+            place_bodies(y, self.model.nq, *self._bodies)
+            link_kernels.see(t, y, self.program, block, self._bodies[1])
+            link_kernels.do(self.program, block)
+        else:
+            one = OnLinksInPython(block, element, "", self.model.nq)
+            one.write(self.program, t, y, *self._bodies)
+
+    def kink_on_links(self, block: int, t: float, y: Array) -> float:
+        """Return the function of an element on links, by its place in the program, that is zero at kinks."""
+        assert self._bodies is not None
+        self.prepare_motions(t, y)
+        return float(link_kernels.kink_on_links(t, y, self.program, block, *self._bodies))
 
     def locate(self, y: Array, table: NDArray[Any]) -> None:
         """Fill gap, normal, point, rate and slip of all contacts in a table, by what locates their changes.
@@ -193,7 +222,7 @@ class Workspace:
         self.prepare(t, y)
         kernels.evaluate(t, y, self.program, self._work, rates)
         if self._bodies is not None:
-            point_kernels.add_forces(y, self.program, *self._bodies, self.tau, rates)
+            link_kernels.add_forces(t, y, self.program, *self._bodies, self.tau, rates)
 
     def derivative(self, t: float, y: Array, rates: Array) -> None:
         """Write [acceleration (nv), rate of x (nx)] at time t [s] and state y into rates.

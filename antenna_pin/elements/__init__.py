@@ -5,7 +5,7 @@ from antenna_pin.elements.ball_bearing import BallBearing
 from antenna_pin.elements.bearing import AxialPreload, Bearing, StiffnessBearing, moved
 from antenna_pin.elements.belt import Belt, Cable
 from antenna_pin.elements.between_joints import BetweenJoints
-from antenna_pin.elements.between_points import BetweenPoints, Point
+from antenna_pin.elements.between_points import BetweenPoints
 from antenna_pin.elements.bouc_wen import BoucWen
 from antenna_pin.elements.capture import Capture
 from antenna_pin.elements.constant import ConstantDrive
@@ -13,6 +13,8 @@ from antenna_pin.elements.constant_spring import ConstantSpring
 from antenna_pin.elements.courses import Chirp, Constant, Polynomial, Ramp, Sine, Sines, Sum, Table
 from antenna_pin.elements.element import GROSS_WORK, LOSS, WORK, About, Drive, Element, ForceElement, Integral
 from antenna_pin.elements.given import CallableDrive
+from antenna_pin.elements.given_links import Acts, CallableElement, CallableForce
+from antenna_pin.elements.gravity_gradient import GravityGradient
 from antenna_pin.elements.harness import HarnessSpring
 from antenna_pin.elements.joint_friction import JointFriction
 from antenna_pin.elements.latch import Latch
@@ -20,7 +22,10 @@ from antenna_pin.elements.limits import Limits
 from antenna_pin.elements.maxwell_slip import MaxwellSlip
 from antenna_pin.elements.mesh import Gear, Rack, Spline
 from antenna_pin.elements.modal import Change, Met, Modal, ModalElement
+from antenna_pin.elements.on_links import AtPoint, OnLinks
+from antenna_pin.elements.outside_force import OutsideForce
 from antenna_pin.elements.pd import PDController
+from antenna_pin.elements.point import Point
 from antenna_pin.elements.point_spring import PointSpring
 from antenna_pin.elements.prescribed import CallableMotion, DistanceMotion, Motion, PrescribedMotion
 from antenna_pin.elements.random_shake import RandomShake, band_power, density_at
@@ -47,6 +52,7 @@ from antenna_pin.elements.sticking_friction import StickingFriction
 from antenna_pin.elements.stop import EndStop
 from antenna_pin.elements.swept_pieces import SweptPiece, sines_of
 from antenna_pin.elements.tabulated import TableDrive
+from antenna_pin.elements.thruster import Thruster
 from antenna_pin.elements.together import check_together
 
 __all__ = [
@@ -74,6 +80,8 @@ __all__ = [
     "SPRINGS",
     "WORK",
     "About",
+    "Acts",
+    "AtPoint",
     "AxialPreload",
     "BallBearing",
     "Bearing",
@@ -83,6 +91,8 @@ __all__ = [
     "BoucWen",
     "Cable",
     "CallableDrive",
+    "CallableElement",
+    "CallableForce",
     "CallableMotion",
     "Capture",
     "Change",
@@ -95,6 +105,7 @@ __all__ = [
     "Family",
     "ForceElement",
     "Gear",
+    "GravityGradient",
     "HarnessSpring",
     "Integral",
     "JointFriction",
@@ -106,7 +117,9 @@ __all__ = [
     "Modal",
     "ModalElement",
     "Motion",
+    "OnLinks",
     "Outside",
+    "OutsideForce",
     "PDController",
     "Point",
     "PointSpring",
@@ -127,6 +140,7 @@ __all__ = [
     "TableShake",
     "TableSpring",
     "band_power",
+    "Thruster",
     "check_together",
     "density_at",
     "kind_of",

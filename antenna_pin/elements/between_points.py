@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
-from typing import ClassVar, TypeAlias
+from typing import ClassVar
 
 from antenna_pin.elements.element import LOSS, ForceElement, Integral
-from antenna_pin.errors import InvalidParameterError
+from antenna_pin.elements.point import Point, checked_point
 
-__all__ = ["BetweenPoints", "Point"]
-
-Point: TypeAlias = tuple[str, tuple[float, float, float]]
-"""A link, or ``world``, and a place in its frame [m]."""
+__all__ = ["BetweenPoints"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -37,7 +33,7 @@ class BetweenPoints(ForceElement):
     def __post_init__(self) -> None:
         """Check the parameters; the points' numbers become floats."""
         for name in ("first", "second"):
-            object.__setattr__(self, name, _point(self, name))
+            object.__setattr__(self, name, checked_point(self, name, getattr(self, name)))
         # Said in full: with slots the class is not the one that the method was written in.
         ForceElement.__post_init__(self)
 
@@ -48,15 +44,3 @@ class BetweenPoints(ForceElement):
             place: Its name, for the message.
             length: Distance of the points at the start [m].
         """
-
-
-def _point(element: BetweenPoints, name: str) -> Point:
-    given = getattr(element, name)
-    try:
-        link, place = given
-        x, y, z = map(float, place)
-    except (TypeError, ValueError):
-        link = None
-    if not isinstance(link, str) or not all(map(math.isfinite, (x, y, z))):
-        raise InvalidParameterError(element, name, "a link and three finite numbers [m]", given)
-    return link, (x, y, z)

@@ -83,6 +83,8 @@ class ForceElement:
     at_start: ClassVar[tuple[str, ...]] = ()
     # Whether a result has its torque over time, as it has that of all but springs.
     traced: ClassVar[bool] = False
+    # Its number that controllers and a session command; "" where there is none.
+    commanded: ClassVar[str] = ""
     # Parameters of which a scenario asks that one is above zero: without, it would do nothing.
     one_above_zero: ClassVar[tuple[str, ...]] = ()
 
@@ -146,6 +148,11 @@ class ForceElement:
         for name, value in self.values().items():
             record[name] = value
         return np.concatenate([record.view(np.float64), np.array(self.tail(), dtype=float)])
+
+    @classmethod
+    def own_keys(cls) -> tuple[str, ...]:
+        """Return the fields that a run writes, and no scenario."""
+        return ()
 
     @property
     def ends(self) -> tuple[float, ...]:

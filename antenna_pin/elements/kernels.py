@@ -82,6 +82,10 @@ def _no_mode(asked: int, words: Any, at: int) -> int:
     return 0
 
 
+def _not_acting(asked: int, words: Any, at: int, t: float, desk: Any) -> None:
+    desk[1][0].force[0] = math.nan
+
+
 def _no_press(asked: int, words: Any, at: int, pose: Any) -> float:
     return math.nan
 
@@ -136,3 +140,5 @@ coordinates = _chain("coordinates", _no_place)
 # Of those between points.
 tension = _chain("tension", _no_kind)
 loss = _chain("loss", _no_kind)
+# Of those on links.
+act = _chain("act", _not_acting)

@@ -19,11 +19,14 @@ from antenna_pin.elements.constant import ConstantDrive
 from antenna_pin.elements.constant_spring import ConstantSpring
 from antenna_pin.elements.element import Element, ForceElement
 from antenna_pin.elements.given import CallableDrive
+from antenna_pin.elements.given_links import CallableElement, CallableForce
+from antenna_pin.elements.gravity_gradient import GravityGradient
 from antenna_pin.elements.harness import HarnessSpring
 from antenna_pin.elements.joint_friction import JointFriction
 from antenna_pin.elements.latch import Latch
 from antenna_pin.elements.maxwell_slip import MaxwellSlip
 from antenna_pin.elements.mesh import Gear, Rack, Spline
+from antenna_pin.elements.outside_force import OutsideForce
 from antenna_pin.elements.pd import PDController
 from antenna_pin.elements.point_spring import PointSpring
 from antenna_pin.elements.prescribed import CallableMotion, DistanceMotion, PrescribedMotion
@@ -37,6 +40,7 @@ from antenna_pin.elements.spring import JointSpring
 from antenna_pin.elements.sticking_friction import StickingFriction
 from antenna_pin.elements.stop import EndStop
 from antenna_pin.elements.tabulated import TableDrive
+from antenna_pin.elements.thruster import Thruster
 from antenna_pin.errors import UnknownNameError
 
 __all__ = ["DRIVES", "ELEMENTS", "FAMILIES", "GEARS", "SHAKES", "SPRINGS", "Family", "kind_of"]
@@ -50,12 +54,14 @@ class Family(NamedTuple):
         kinds: Their classes by ``kind``.
         default: The kind of a table at a joint that names none; None where each must.
         among: The family that a system has its elements among, if it has none of its own of them.
+        in_python: Further classes, which only Python has.
     """
 
     word: str
     kinds: Mapping[str, type[ForceElement]]
     default: str | None = None
     among: str | None = None
+    in_python: tuple[type[ForceElement], ...] = ()
 
 
 DRIVES: Mapping[str, type[Element]] = MappingProxyType(
@@ -111,6 +117,14 @@ SHAKES: Mapping[str, type[Element]] = MappingProxyType(
     {"sine": SineShake, "sweep": SweepShake, "random": RandomShake, "table": TableShake}
 )
 """Motions of a shaken base by their ``kind`` in ``[shake.NAME]``."""
+FORCES: Mapping[str, type[ForceElement]] = MappingProxyType(
+    {
+        "force": OutsideForce,
+        "thruster": Thruster,
+        "gravity-gradient": GravityGradient,
+    }
+)
+"""What acts on links by its ``kind`` in ``[forces.NAME]``."""
 
 FAMILIES: Mapping[str, Family] = MappingProxyType(
     {
@@ -122,6 +136,7 @@ FAMILIES: Mapping[str, Family] = MappingProxyType(
         "gears": Family("gear", GEARS, "gear"),
         "bearings": Family("bearing", BEARINGS),
         "shake": Family("shake", SHAKES, among="drives"),
+        "forces": Family("force", FORCES, in_python=(CallableElement, CallableForce)),
     }
 )
 """Families by the table ``[FAMILY.NAME]`` that a scenario has for each; the order is that of programs."""
@@ -131,6 +146,7 @@ ELEMENTS: tuple[type[ForceElement], ...] = (
     CallableDrive,
     CallableMotion,
     *(cls for table, family in FAMILIES.items() if table != "drives" for cls in family.kinds.values()),
+    *(cls for family in FAMILIES.values() for cls in family.in_python),
 )
 """All elements there are; Python has some that a scenario has not."""
 

@@ -39,10 +39,9 @@ def check_compiled(system: System) -> None:
                 f"engine 'compiled': joint {joint.name!r} has its gaps measured by {backend}, which is not "
                 f"compiled; set its geometry to 'closed-form', {way_out}"
             )
-    for at in (one.element.joint for one in system.callables):
+    for one in system.callables:
         raise MechanismError(
-            f"engine 'compiled': what acts at joint {at!r} is a function in Python; compile it "
-            f"with numba.njit, {way_out}"
+            f"engine 'compiled': {one.said} is a function in Python; compile it with numba.njit, {way_out}"
         )
 
 

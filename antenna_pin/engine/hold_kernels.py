@@ -14,9 +14,9 @@ from antenna_pin.constraints.layout_kernels import PLACE_WORDS, found_in, plan_o
 from antenna_pin.constraints.rows_kernels import write_residuals, write_rows
 from antenna_pin.constraints.solve_kernels import CLOSED, NEAR, OPEN, ROUNDS, correction
 from antenna_pin.dynamics.audit_kernels import energy_of
-from antenna_pin.dynamics.kernels import stored_energy
+from antenna_pin.dynamics.kernels import head_of, stored_energy
+from antenna_pin.dynamics.link_kernels import stored
 from antenna_pin.dynamics.outside_kernels import ask_at
-from antenna_pin.dynamics.point_kernels import stored
 from antenna_pin.dynamics.trial_kernels import locate
 from antenna_pin.integrate.manifold_kernels import move_by_velocity
 from antenna_pin.mechanism.mass_kernels import mass_and_bias
@@ -100,13 +100,15 @@ def _close(t: float, rows: Any, r: int, layout: Any, numbers: Any) -> bool:
 
 
 @kernel
-def _energy(y: Any, numbers: Any) -> float:
+def _energy(t: float, y: Any, numbers: Any) -> float:
     """Energy that a state whose rows are written stores, with the contact memory as it is [J]."""
     program = numbers.program
+    if head_of(program).points < program.shape[0]:
+        set_motions(t, y, numbers)  # elements on links in Python tell what they store
     places = numbers.held[: PLACE_WORDS * (plan_of(numbers.plan).bodies + 1)].view(PLACE)
     locate(y, program, numbers.pose, numbers.table, numbers.outside)
     contacts, springs = stored_energy(y, program, numbers.memory, numbers.table)
-    springs += stored(program, places)
+    springs += stored(y, program, places)
     return float(energy_of(numbers.tree, places, numbers.gravity) + contacts + springs)
 
 
@@ -122,9 +124,9 @@ def project(t: float, rows: Any, r: int, layout: Any, numbers: Any) -> int:
     write_rows(t, y, numbers.program, plan, work)
     if _in_place(plan, work) and _in_motion(plan, work):
         return AS_IT_WAS
-    before = _energy(y, numbers)
+    before = _energy(t, y, numbers)
     if not _close(t, rows, r, layout, numbers):
         return LOST
     write_rows(t, y, numbers.program, plan, work)
-    y[numbers.booked] += _energy(y, numbers) - before
+    y[numbers.booked] += _energy(t, y, numbers) - before
     return MOVED

@@ -13,8 +13,8 @@ from antenna_pin._compile import inlined, kernel
 from antenna_pin.constraints.loaded_kernels import solve
 from antenna_pin.constraints.rows_kernels import write_rows
 from antenna_pin.dynamics.kernels import evaluate, head_of
+from antenna_pin.dynamics.link_kernels import add_forces
 from antenna_pin.dynamics.outside_kernels import ask_at, has_failed
-from antenna_pin.dynamics.point_kernels import add_forces
 from antenna_pin.dynamics.query_kernels import has_queries, set_out_queries, take_in_queries
 from antenna_pin.engine.hold_kernels import AS_IT_WAS, LOST, MOVED, factorize_rows, project
 from antenna_pin.geometry.coal_kernels import MOST_QUERIES
@@ -135,7 +135,7 @@ def derivative(t: float, y: Any, numbers: Any, rates: Any, written: bool) -> Non
     ask_elements(t, y, numbers)
     evaluate(t, y, program, numbers.work, rates)
     if head.points < program.shape[0]:
-        add_forces(y, program, numbers.tree, numbers.places, tau, rates)
+        add_forces(t, y, program, numbers.tree, numbers.places, tau, rates)
     accelerate(t, y, tau, numbers, rates, written)
 
 

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 from antenna_pin._compile import kernel
 from antenna_pin.constraints.layout_kernels import hold_at, plan_of
 from antenna_pin.dynamics.kernels import element_kink, element_switch, evaluate, head_of, joint_motion
+from antenna_pin.dynamics.link_kernels import kink_on_links
 from antenna_pin.dynamics.trial_kernels import locate
 from antenna_pin.engine.step_kernels import ask_elements, derivative
 from antenna_pin.integrate.kernels import STATE_ROW, dense_state
@@ -66,7 +67,10 @@ def _look(w: Any, t: float, y: Any, numbers: Any, watched: Any) -> None:
     program, out = numbers.program, watched.values
     nq = head_of(program).nq
     out[1] = 0.0
-    if w.what == KINK:
+    if w.what == KINK and w.where >= head_of(program).points:
+        ask_elements(t, y, numbers)
+        out[0] = kink_on_links(t, y, program, w.where, numbers.tree, numbers.places)
+    elif w.what == KINK:
         out[0] = element_kink(program, w.where, t, y, nq)
     elif w.what == SWITCH:
         load = 0.0

@@ -90,10 +90,11 @@ class Forces:
         for block in (block for blocks in system.element_blocks.values() for block in blocks.values()):
             self._contacts.program[block : block + _program.PARAMETERS].view(_program.ELEMENT)["on"] = 0.0
         self._contacts.memory[:] = memory
+        on_links = [system.spring_blocks[name] for name in system.point_springs]
+        on_links += system.element_blocks.get("forces", {}).values()
         self._points = [
             self._elements.program[block : block + _program.PARAMETERS].view(_program.ELEMENT)
-            for name, block in system.spring_blocks.items()
-            if name in system.point_springs
+            for block in on_links
         ]
         self._points_on = [float(head["on"][0]) for head in self._points]
 

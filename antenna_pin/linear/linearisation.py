@@ -223,7 +223,10 @@ def _check_loads(system: System) -> None:
 
 def floats(system: System) -> bool:
     """Whether nothing but gravity acts on a system from outside: its base is free, nothing ties it down."""
-    return system.mechanism.base == "free" and not system.closed_to_world and not system.sprung_to_world
+    tied = system.closed_to_world or system.sprung_to_world
+    return (
+        system.mechanism.base == "free" and not tied and all(one.internal for one in system.forces.values())
+    )
 
 
 def free_directions(at: At, floating: bool) -> tuple[Array, Array]:

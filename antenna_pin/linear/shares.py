@@ -75,9 +75,9 @@ def kinetic_shares(bodies: Bodies, shapes: Complex) -> Array:
 def strain_shares(linear: Linearisation, shapes: Complex) -> tuple[list[str], Array]:
     """Return what stores a mode's potential energy, (modes, parts) [-], and the parts' names.
 
-    Joints by name, for their drives, springs and contacts; ``springs between points``; and ``loops, gravity
-    and loads``, for what constraint forces and accelerations store as what carries them turns. NaN where none
-    is stored.
+    Joints by name, for their drives, springs and contacts; ``springs between points``, or with forces
+    ``elements on links``; and ``loops, gravity and loads``, for what constraint forces and accelerations
+    store as what carries them turns. NaN where none is stored.
     """
     system = linear.system
     parts = linear.forces.parts
@@ -91,8 +91,8 @@ def strain_shares(linear: Linearisation, shapes: Complex) -> tuple[list[str], Ar
         if np.any(parts["joints"][slot.v]):
             names.append(name)
             energy.append(own)
-    if system.point_springs:
-        names.append("springs between points")
+    if system.point_springs or system.forces:
+        names.append("elements on links" if system.forces else "springs between points")
         energy.append(-np.einsum("km,km->m", shapes.conj(), parts["points"] @ shapes).real)
     rest = total - np.sum(energy, axis=0) if energy else total
     largest = np.abs(total).max(initial=0.0)

@@ -41,7 +41,7 @@ def modes_of(system: System, state: State) -> Mapping[str, ModeNow]:
     numbers = {place: one.element.mode for place, one in modal.items()}  # type: ignore[attr-defined]
     for key, value in state.adjusted:
         place, _, name = key.rpartition(".")
-        if place not in modal or name not in modal[place].element.own_keys():  # type: ignore[attr-defined]
+        if place not in modal or name not in modal[place].element.own_keys():
             rule = "one whose drives and springs no event has changed, and no latch switched off"
             raise InvalidParameterError("chart", "state", rule, (key, value))
         if name == "mode":

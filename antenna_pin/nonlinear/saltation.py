@@ -15,8 +15,8 @@ from antenna_pin.nonlinear.frames import MEMORIES, Frame, way_between
 from antenna_pin.nonlinear.replay import Replay
 from antenna_pin.records import CONTACT, MEMORY
 from antenna_pin.simulation import Jump, Moment, Set, Time
-from antenna_pin.simulation.events import Switch
 from antenna_pin.simulation.loop import Run
+from antenna_pin.simulation.own_actions import Switch
 from antenna_pin.simulation.passages import Passage
 
 __all__ = ["Carried", "Onset", "Saltation"]

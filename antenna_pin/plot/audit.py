@@ -36,6 +36,7 @@ _FLOOR = 1e-18
 
 _STORED = (
     ("drive_work", "work of the drives", "black"),
+    ("force_work", "work of forces", COLOURS[1]),
     ("kinetic_energy", "kinetic energy", COLOURS[0]),
     ("gravity_energy", "gravity, from the start", COLOURS[2]),
     ("spring_energy", "springs", COLOURS[4]),
@@ -48,6 +49,7 @@ _LOST = (
     ("dissipation_damper", "lost in dampers and friction of joints", "#7F7F7F"),
     ("dissipation_elastic", "lost in flexible links", COLOURS[5]),
     ("element_loss", "lost in stops, latches and the like", COLOURS[4]),
+    ("force_loss", "lost in elements on links", COLOURS[2]),
 )
 
 _MOMENTA = (("linear_momentum", "momentum_scale"), ("angular_momentum", "angular_momentum_scale"))
@@ -91,7 +93,7 @@ def figure_energy(runs: Iterable[Run] | Run, *, width: Width = "page") -> Figure
             few_ticks(axes, 5)
     for axes, run in zip(grid[2], drawn, strict=True):
         # A run without drives has its largest energy as the measure.
-        gross = float(np.sum(run.values("drive_gross_work")[-1])) if "drive_gross_work" in run.data else 0.0
+        gross = sum(float(_total(run, name)[-1]) for name in ("drive_gross_work", "force_gross_work"))
         reference = gross if gross > 0.0 else float(np.nanmax(_total(run, "kinetic_energy"), initial=0.0))
         error = np.abs(run.values("energy_error")) / (reference or 1.0)
         _log_line(axes, run, error, COLOURS[0], "")
@@ -115,7 +117,8 @@ def figure_momentum(runs: Iterable[Run] | Run, *, width: Width = "page") -> Figu
     """Return the drift of linear and angular momentum of all runs with a free base.
 
     Drawn is the largest change so far, relative to the largest sum, over the run, of the momentum magnitudes
-    of the bodies other than the base: the whole system's own momentum may be zero.
+    of the bodies other than the base: the whole system's own momentum may be zero. What forces on links have
+    brought in, by their impulses, is taken off.
 
     Args:
         runs: Trajectories, or pairs of a label and a dataset.
@@ -132,7 +135,7 @@ def figure_momentum(runs: Iterable[Run] | Run, *, width: Width = "page") -> Figu
     panels = figure.subplots(1 if page else 2, 2 if page else 1, sharey=True, squeeze=False).ravel()
     for letter, axes, (name, scale_name) in zip("ab", panels, _MOMENTA, strict=True):
         for run, colour in zip(drawn, _colours(drawn), strict=True):
-            momentum = run.values(name)
+            momentum = _kept(run, name)
             scale = float(np.nanmax(run.values(scale_name), initial=0.0))
             drift = np.linalg.norm(momentum - momentum[0], axis=1) / (scale or 1.0)
             _log_line(axes, run, drift, colour, run.legend)
@@ -152,6 +155,13 @@ def figure_momentum(runs: Iterable[Run] | Run, *, width: Width = "page") -> Figu
     return figure
 
 
+def _kept(run: LabelledRun, name: str) -> Array:
+    """Return a momentum without what forces on links have brought in, (n, 3)."""
+    impulse = {"linear_momentum": "force_impulse", "angular_momentum": "force_central_impulse"}[name]
+    momentum = run.values(name)
+    return momentum - run.values(impulse).sum(axis=1) if impulse in run.data else momentum
+
+
 def _drifting(run: LabelledRun) -> Columns:
     """Return what tells how far momenta have come from those at a run's start."""
     start = replace(run, data=run.data.isel(time=slice(0, 1)))
@@ -159,7 +169,7 @@ def _drifting(run: LabelledRun) -> Columns:
     def columns(part: LabelledRun) -> list[Array]:
         found = []
         for name, scale in _MOMENTA:
-            found += [np.linalg.norm(part.values(name) - start.values(name), axis=1), part.values(scale)]
+            found += [np.linalg.norm(_kept(part, name) - _kept(start, name), axis=1), part.values(scale)]
         return found
 
     return columns

@@ -1,9 +1,11 @@
-"""Drives and springs in words: each knows its own."""
+"""Drives, springs and forces in words: each knows its own."""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Iterator
+
+import numpy as np
 
 from antenna_pin.analysis import drives_of
 from antenna_pin.elements import FAMILIES, ForceElement, JointFriction
@@ -11,7 +13,13 @@ from antenna_pin.readable import readable
 from antenna_pin.report._runs import ReportedRun
 from antenna_pin.scenario import Scenario
 
-__all__ = ["names_of_elements", "words_of_bearings", "words_of_elements", "words_of_friction"]
+__all__ = [
+    "names_of_elements",
+    "words_of_bearings",
+    "words_of_elements",
+    "words_of_forces",
+    "words_of_friction",
+]
 
 
 def words_of_elements(scenario: Scenario) -> Iterator[tuple[str, str]]:
@@ -46,6 +54,21 @@ def words_of_bearings(run: ReportedRun) -> Iterator[tuple[str, str]]:
         )
 
 
+def words_of_forces(run: ReportedRun) -> Iterator[tuple[str, str]]:
+    """Yield what forces on links have brought in."""
+    for k, name in enumerate(run.names("force")):
+        impulse, turning = (
+            float(np.linalg.norm(run.data[f"total_{what}"].values[k]))
+            for what in ("impulse", "angular_impulse")
+        )
+        work = float(run.data["total_force_work"][k])
+        yield (
+            f"impulse of force {name}",
+            f"{readable(impulse, 'N s')} and {readable(turning, 'N m s')} about the world's origin, "
+            f"work {readable(work, 'J')}",
+        )
+
+
 def words_of_friction(run: ReportedRun) -> Iterator[tuple[str, str]]:
     """Yield the friction that joints of a run have of their own."""
     springs = () if run.run.scenario is None else run.run.scenario.springs
@@ -57,9 +80,9 @@ def words_of_friction(run: ReportedRun) -> Iterator[tuple[str, str]]:
 
 
 def names_of_elements(run: ReportedRun) -> Iterator[tuple[str, str]]:
-    """Yield the names of drives and springs of a system built in Python, and what else a result tells."""
+    """Yield the names of drives, springs and forces of a system built in Python, and what else is told."""
     about = drives_of(run.run)
-    for dimension, word in (("drive", "drives"), ("spring", "springs")):
+    for dimension, word in (("drive", "drives"), ("spring", "springs"), ("force", "forces")):
         if names := run.names(dimension):
             held = {name: "prescribed motion" for name in names if about.get(name, {}).get("motion")}
             yield (

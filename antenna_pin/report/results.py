@@ -263,7 +263,7 @@ def conservation(runs: Sequence[ReportedRun]) -> Section:
     rows = [
         Row("energy"),
         row("error of the balance", "energy_error", "J"),
-        row("gross work of the drives", "gross_work", "J"),
+        row("gross work of drives and forces", "gross_work", "J"),
         row("scale: gross work, or the largest kinetic energy where there is none", "energy_scale", "J"),
         row("error over scale", "energy_error_relative"),
         Row("linear momentum"),

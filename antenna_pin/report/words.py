@@ -23,6 +23,7 @@ from antenna_pin.report._words_of_elements import (
     names_of_elements,
     words_of_bearings,
     words_of_elements,
+    words_of_forces,
     words_of_friction,
 )
 from antenna_pin.report._words_of_flexible import words_of_flexible
@@ -103,13 +104,27 @@ def _words(run: ReportedRun) -> Iterator[tuple[str, Words]]:
         yield "Clearance", dict(words_of_clearances(scenario))
         yield (
             "Drives and springs",
-            dict((*words_of_elements(scenario), *words_of_bearings(run), *words_of_friction(run))),
+            dict(
+                (
+                    *words_of_elements(scenario),
+                    *words_of_bearings(run),
+                    *words_of_forces(run),
+                    *words_of_friction(run),
+                )
+            ),
         )
     else:
         yield "Clearance", dict(words_of_carried_clearances(run))
         yield (
             "Drives and springs",
-            dict((*names_of_elements(run), *words_of_bearings(run), *words_of_friction(run))),
+            dict(
+                (
+                    *names_of_elements(run),
+                    *words_of_bearings(run),
+                    *words_of_forces(run),
+                    *words_of_friction(run),
+                )
+            ),
         )
     yield "Contact and friction", dict(words_of_laws(run))
     yield "Start", dict(_start(run, mechanism))

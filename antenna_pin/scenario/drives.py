@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, Union
 
 from pydantic import Field, create_model, model_validator
 
-from antenna_pin.elements import FAMILIES, BetweenJoints, BetweenPoints, ForceElement, Modal
+from antenna_pin.elements import FAMILIES, AtPoint, BetweenJoints, BetweenPoints, ForceElement, OnLinks
 from antenna_pin.scenario._base import Spec, refuse
 from antenna_pin.scenario._joint import JointTable
 from antenna_pin.scenario._made import MadeSpec, reads
@@ -24,6 +24,8 @@ __all__ = [
     "ElementSpec",
     "FamilyTables",
     "JointsSpec",
+    "AtPointSpec",
+    "AllLinksSpec",
     "PointsSpec",
     "file_columns",
     "is_at_joint",
@@ -98,15 +100,45 @@ class PointsSpec(_ForceSpec):
         return self
 
 
-def _specs(
-    kinds: Mapping[str, type[ForceElement]], default: bool
-) -> dict[str, type[ElementSpec] | type[JointsSpec] | type[PointsSpec]]:
+class AllLinksSpec(_ForceSpec):
+    """A table of a force element that acts on all links."""
+
+
+class AtPointSpec(AllLinksSpec):
+    """A table of a force element that acts on a link at a point.
+
+    Attributes:
+        at: Where it acts.
+    """
+
+    at: PlaceSpec = Field(...)
+
+    def build(self, **more: Any) -> Any:
+        """Return the element; a place that is a frame has to be given.
+
+        Args:
+            **more: ``at`` as the element takes it, where the URDF has told.
+        """
+        said = {"at": (self.at.link or self.at.frame, self.at.point or (0.0, 0.0, 0.0))}
+        return super().build(**said | more)
+
+
+# What tables of elements are, by what these are; the first that fits.
+_BASES: tuple[tuple[type[ForceElement], type[_ForceSpec], tuple[str, ...]], ...] = (
+    (BetweenPoints, PointsSpec, ("first", "second")),
+    (AtPoint, AtPointSpec, ("at",)),
+    (OnLinks, AllLinksSpec, ()),
+    (BetweenJoints, JointsSpec, ()),
+    (ForceElement, ElementSpec, ()),
+)
+
+
+def _specs(kinds: Mapping[str, type[ForceElement]], default: bool) -> dict[str, type[_ForceSpec]]:
     """Return the tables of some kinds of elements by kind; with their kind as a default, or without."""
-    found: dict[str, type[ElementSpec] | type[JointsSpec] | type[PointsSpec]] = {}
+    found: dict[str, type[_ForceSpec]] = {}
     for kind, cls in kinds.items():
         key: Any = (Literal[kind], kind if default else ...)
-        between = issubclass(cls, BetweenPoints)
-        base = PointsSpec if between else JointsSpec if issubclass(cls, BetweenJoints) else ElementSpec
+        base, places = next((spec, places) for of, spec, places in _BASES if issubclass(cls, of))
         bare: Any = create_model(
             f"{cls.__name__.removeprefix('Joint')}Spec",
             __base__=base,
@@ -114,9 +146,8 @@ def _specs(
             __module__=__name__,
             kind=key,
         )
-        own = cls.own_keys() if issubclass(cls, Modal) else ()
         named: dict[str, Any] = {"follows": str | None} if "follows" in cls.__dataclass_fields__ else {}
-        found[kind] = reads(cls, without=("first", "second") if between else own, **named)(bare)
+        found[kind] = reads(cls, without=(*places, *cls.own_keys()), **named)(bare)
     return found
 
 

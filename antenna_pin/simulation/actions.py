@@ -8,10 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.dynamics import Adjustments, Workspace, audit
+from antenna_pin.elements import OnLinks
 from antenna_pin.integrate import Stepper
 from antenna_pin.simulation.control import StepControl
-from antenna_pin.simulation.events import Event, Jump, Kink, Set, Stop, Switch
+from antenna_pin.simulation.events import Event, Jump, Set, Stop
 from antenna_pin.simulation.modes import ZERO, Modes
+from antenna_pin.simulation.own_actions import Edge, Kink, Switch
 from antenna_pin.simulation.passages import Passage
 from antenna_pin.simulation.samples import Samples
 from antenna_pin.simulation.watch import Crossing, Watch
@@ -87,6 +89,13 @@ class Actions:
             if self._switch(action):
                 self._keep(event, True)
             return None
+        if isinstance(action, Edge):
+            self._change(action.place)
+            self._renew()
+            self._stepper.refresh()
+            self._watch.renew()
+            self._samples.add(self._stepper.t, self._here.copy())
+            return None
         new = self._stepper.t > self._begin  # the others were the run's that was before
         energy = 0.0
         if count >= event.after and isinstance(action, Set | Jump):
@@ -119,7 +128,16 @@ class Actions:
     def begin(self) -> None:
         """Bring elements into the modes that they have at the start of a run."""
         self.modes.begin(self._stepper.t, self._here)
+        for place in self.adjustments.elements:
+            self._change(place)
         self._renew()
+
+    def _change(self, place: str) -> None:
+        """Let an element be as it is by itself from the present time on."""
+        element = self.adjustments.elements[place]
+        if isinstance(element, OnLinks):
+            for key, value in element.from_now_on(self._stepper.t).items():
+                self.adjustments.set(f"{place}.{key}", value)
 
     def _switch(self, action: Switch) -> bool:
         """Let an element change its mode, and what changes by that at once; return whether any does."""

@@ -39,13 +39,15 @@ def mechanism_attributes(system: System) -> dict[str, str]:
     between two joints ``joints`` has both, ``joint`` none, and ``slides`` says that its deflection is a way.
     If there are springs between points,
     ``point_springs`` (JSON) has of each, by name, ``first_body``, ``first_point``, ``second_body`` and
-    ``second_point``: links, and places in their frames [m]. If there are elastic parts, ``elastic_parts``
-    (JSON) has of each, by name, its ``hub`` and its ``body`` (links), whether it ``slides``, its
-    ``frequency`` [Hz] and ``damping_ratio`` [-] with the hub held, and the mass [kg] or moment of inertia
-    [kg m^2] that its joint has ``moved``; of parts that move the same shapes the first, on whose body these
-    are, names the others in ``with``. If joints have friction of their own, ``joint_friction`` (JSON) has of
-    each, by the name that it has among the springs, its ``joint``, whether that ``slides``, and the numbers
-    of its :class:`antenna_pin.elements.JointFriction`.
+    ``second_point``: links, and places in their frames [m]. If there are forces, ``forces`` (JSON) has of
+    each, by name, its ``kind`` (the class) and ``numbers``, and ``force_places`` (JSON) of each place, by
+    name, its ``force``, ``link`` and ``point`` in the link's frame [m]. If there are elastic parts,
+    ``elastic_parts`` (JSON) has of each, by name, its ``hub`` and its ``body`` (links), whether it
+    ``slides``, its ``frequency`` [Hz] and ``damping_ratio`` [-] with the hub held, and the mass [kg] or
+    moment of inertia [kg m^2] that its joint has ``moved``; of parts that move the same shapes the first, on
+    whose body these are, names the others in ``with``. If joints have friction of their own,
+    ``joint_friction`` (JSON) has of each, by the name that it has among the springs, its ``joint``, whether
+    that ``slides``, and the numbers of its :class:`antenna_pin.elements.JointFriction`.
     """
     mechanism = system.mechanism
     springs = {
@@ -78,6 +80,8 @@ def mechanism_attributes(system: System) -> dict[str, str]:
         **({"elements": json.dumps(elements)} if (elements := _elements(system)) else {}),
         "drives": json.dumps({name: _drive(system, drive) for name, drive in system.drives.items()}),
         **({"point_springs": json.dumps(springs)} if springs else {}),
+        **({"forces": json.dumps(forces)} if (forces := _forces(system)) else {}),
+        **({"force_places": json.dumps(places)} if (places := _force_places(system)) else {}),
         **({"joint_friction": json.dumps(frictions)} if frictions else {}),
         **({"elastic_parts": json.dumps(_elastic_parts(system))} if system.elastic else {}),
     }
@@ -99,6 +103,18 @@ def _elements(system: System) -> dict[str, dict[str, Any]]:
                 "numbers": one.facts() if isinstance(one, Modal) else {},
             }
     return found
+
+
+def _forces(system: System) -> dict[str, dict[str, Any]]:
+    """Return what forces are, by name: the class, and numbers that readers need."""
+    return {name: {"kind": type(one).__name__, "numbers": one.facts()} for name, one in system.forces.items()}
+
+
+def _force_places(system: System) -> dict[str, dict[str, Any]]:
+    """Return where forces act, by the places' names."""
+    return {
+        one.name: {"force": one.force, "link": one.link, "point": one.point} for one in system.force_places
+    }
 
 
 def _elastic_parts(system: System) -> dict[str, dict[str, Any]]:

@@ -20,6 +20,7 @@ from antenna_pin.dynamics import Adjustments, System, Workspace
 from antenna_pin.errors import FunctionError, InvalidParameterError
 from antenna_pin.parameters import holds
 from antenna_pin.simulation.moment import Moment
+from antenna_pin.simulation.own_actions import Edge, Kink, Switch
 
 __all__ = ["Angle", "Event", "Force", "Gap", "Jump", "Mark", "Rate", "Set", "Stop", "Time"]
 
@@ -219,29 +220,7 @@ class Jump:
         return np.asarray(asked(name, told, rule, moment.system.state, *answer))
 
 
-@dataclass(frozen=True, slots=True)
-class Kink:
-    """A step ends there, unrecorded: what a run looks for itself, where an element's effort has a kink."""
-
-
-#: Of a function of an element's: a rate that is none [1/s].
-STILL = 1e-11
-
-
-@dataclass(frozen=True, slots=True)
-class Switch:
-    """An element may change its mode: what a run looks for itself.
-
-    Attributes:
-        place: Of the element, as ``latches.hinge``.
-        number: Of its function that passes zero.
-    """
-
-    place: str
-    number: int
-
-
-Action = Mark | Stop | Set | Jump | Kink | Switch
+Action = Mark | Stop | Set | Jump | Kink | Switch | Edge
 
 
 # --- the event ------------------------------------------------------------------------------------------
@@ -303,7 +282,7 @@ class Event:
     @property
     def changes(self) -> bool:
         """Whether it may change what moves, or end it: nothing is known of what comes after it."""
-        return isinstance(self.action, Set | Jump | Stop | Switch)
+        return isinstance(self.action, Set | Jump | Stop | Switch | Edge)
 
     def counts(self, side: float) -> bool:
         """Whether the function's passing to this sign is what is looked for."""

@@ -5,10 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from antenna_pin.dynamics import System, acting_in
-from antenna_pin.simulation.events import Angle, Event, Kink, Rate, Stop
+from antenna_pin.elements import OnLinks
+from antenna_pin.simulation.events import Angle, Event, Rate, Stop, Time
 from antenna_pin.simulation.moment import Moment
+from antenna_pin.simulation.own_actions import Edge, Kink
 
-__all__ = ["Passing", "ends_of", "kinks_of"]
+__all__ = ["Passing", "edges_of", "ends_of", "kinks_of"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,6 +35,15 @@ def ends_of(system: System) -> tuple[Event, ...]:
         for one in acting_in(system)
         if (joint := one.element.acts_at) is not None
         for end in one.element.ends
+    )
+
+
+def edges_of(system: System) -> tuple[Event, ...]:
+    """Return the events at which elements change by themselves: where pulses begin and end."""
+    return tuple(
+        Event(name=f"{one.label} changes", when=Time(*edges), action=Edge(one.place))
+        for one in acting_in(system)
+        if isinstance(one.element, OnLinks) and (edges := one.element.edges)
     )
 
 

@@ -25,7 +25,7 @@ from antenna_pin.simulation.actions import Actions
 from antenna_pin.simulation.control import StepControl
 from antenna_pin.simulation.episodes import Episodes
 from antenna_pin.simulation.events import Event
-from antenna_pin.simulation.kinks import ends_of, kinks_of
+from antenna_pin.simulation.kinks import edges_of, ends_of, kinks_of
 from antenna_pin.simulation.modes import NeverSettlesError, switches_of
 from antenna_pin.simulation.oversight import Oversight
 from antenna_pin.simulation.progress import Keeping, Progress, Reporter
@@ -83,7 +83,7 @@ class Run:
         self.search = ContactSearch(self.workspace, self.stepper, self.contacts)
         self.events = tuple(events)
         self.watch = Watch(
-            (*self.events, *ends_of(system), *kinks_of(system), *switches_of(system)),
+            (*self.events, *ends_of(system), *kinks_of(system), *edges_of(system), *switches_of(system)),
             self.workspace,
             self.stepper,
         )

@@ -20,8 +20,9 @@ from antenna_pin.dynamics import Adjustments, System, Workspace, acting_in, firs
 from antenna_pin.dynamics.acting import Acting
 from antenna_pin.elements import FAMILIES, LOSS, Change, Met, Modal, StickingFriction
 from antenna_pin.errors import MechanismError
-from antenna_pin.simulation.events import STILL, Event, Switch
+from antenna_pin.simulation.events import Event
 from antenna_pin.simulation.moment import Moment
+from antenna_pin.simulation.own_actions import STILL, Switch
 from antenna_pin.simulation.passages import Blow, Turned
 from antenna_pin.simulation.sticking import NeverSettlesError, Settling, Shift
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from antenna_pin.dynamics import JointMotion, System, Workspace, kernels
 from antenna_pin.errors import UnknownNameError
-from antenna_pin.records import memory_numbers
+from antenna_pin.records import PROGRAM, memory_numbers
 
 __all__ = ["Moment"]
 
@@ -54,6 +54,8 @@ class Moment:
 
     def kink(self, block: int) -> float:
         """Return how far the effort of an element, by its place in the program, is past its kink."""
+        if block >= int(self._workspace.program[: kernels.HEADER].view(PROGRAM)["points"][0]):
+            return self._workspace.kink_on_links(block, self.time, self._y)
         return float(kernels.element_kink(self._workspace.program, block, self.time, self._y, self._nq))
 
     def load(self, hold: int) -> float:

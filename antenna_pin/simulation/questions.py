@@ -17,11 +17,12 @@ from antenna_pin.answers import AskedFunction
 from antenna_pin.contact import CustomFriction, CustomNormal
 from antenna_pin.contact.normal import normal_questions
 from antenna_pin.dynamics import Workspace, acting_in, kernels
-from antenna_pin.elements import Element
+from antenna_pin.elements import CallableElement, CallableForce, Element
 from antenna_pin.geometry.own_backend import OwnBackend
 from antenna_pin.joints.pose_kernels import place_journal
 from antenna_pin.joints.python_path import coefficient_of, functions_of_law, has_code, range_of
 from antenna_pin.records import CONTACT, POSE
+from antenna_pin.simulation.asked_on_links import AskedOnLinks
 from antenna_pin.simulation.events import Event, told_moment
 from antenna_pin.simulation.moment import Moment
 from antenna_pin.simulation.watched import is_known
@@ -155,9 +156,10 @@ class _Condition:
         return told_moment((self._moment.set(*question[:2]),))
 
 
-def called_functions(functions: Sequence[Asked]) -> tuple[Called, ...]:
+def called_functions(functions: Sequence[Asked]) -> tuple[Called | AskedOnLinks, ...]:
     """Return those of a run's functions that kernels may call."""
-    return tuple(one.called for one in functions if isinstance(one, _Numbers))
+    found = (one.called for one in functions if isinstance(one, _Numbers | AskedOnLinks))
+    return tuple(one for one in found if one is not None)
 
 
 def asked_functions(workspace: Workspace, events: Sequence[Event]) -> tuple[Asked, ...]:
@@ -173,6 +175,8 @@ def asked_functions(workspace: Workspace, events: Sequence[Event]) -> tuple[Aske
 def _of_elements(workspace: Workspace) -> Iterator[Asked]:
     system = workspace.system
     for one in acting_in(system):
+        if isinstance(one.element, CallableElement | CallableForce):
+            yield AskedOnLinks(one, workspace)
         if not isinstance(one.element, Element):
             continue
         asked = one.element.asked(one.label, system.slides(one.element.joint))

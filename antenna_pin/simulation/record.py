@@ -126,9 +126,9 @@ class Recording:
         self._largest_energy = max(self._largest_energy, *map(float, sizes))
         self._largest_kinetic = max(self._largest_kinetic, float(values["kinetic_energy"].max(initial=0.0)))
         if not self._audit:
-            self._audit = {name: seen.found.audit[name][0] for name in ("linear", "angular")}
+            self._audit = {name: seen.kept_momentum(name)[0] for name in ("linear", "angular")}
         for name in ("linear", "angular"):
-            drift = np.abs(values[f"{name}_momentum"] - self._audit[name]).max()
+            drift = np.abs(seen.kept_momentum(name) - self._audit[name]).max()
             for kind, most in (("drift", drift), ("scale", seen.found.audit[f"{name}_scale"].max())):
                 key = f"{name}_{kind}"
                 self._audit[key] = np.maximum(self._audit.get(key, most), most)
@@ -161,7 +161,7 @@ class Recording:
     def _conservation(self) -> dict[str, Any]:
         """Return how well what must be kept was kept, relative to scales that do not pass through zero."""
         result: dict[str, Any] = {"energy_error": float(self._peaks["peak_energy_error"])}
-        gross = float(self._totals["total_gross_work"].sum())
+        gross = float(self._totals["total_gross_work"].sum() + self._totals["total_force_gross_work"].sum())
         result["gross_work"] = gross
         # Work that is zero to round-off is none to compare with: what is let go, or driven by springs.
         done = gross > ROUND_OFF * self._largest_energy
@@ -210,6 +210,8 @@ def _labels(seen: Seen) -> dict[str, Any]:
         ("bearing", bearing_names(system)),
         ("elastic_part", list(system.elastic)),
         ("point_spring", list(system.point_springs)),
+        ("force", list(system.forces)),
+        ("force_place", [one.name for one in system.force_places]),
         ("closure", list(system.closures)),
         ("coupling", list(system.couplings)),
     ):

@@ -69,9 +69,11 @@ def scale_vector(system: System, scales: ErrorScales) -> NDArray[np.float64]:
         position[start + 3 : start + 6] = np.where(about, scales.angle, tilt[0])
         velocity[start + 3 : start + 6] = np.where(about, scales.angular_velocity, tilt[1])
     x = np.full(system.manifold.nx, math.inf)
+    forces = system.force_x["work"], system.force_x["loss"]
     booked = (system.lost_normal_x, system.lost_friction_x, system.work_x, system.damper_x, system.element_x)
-    energies = np.concatenate([places[places >= 0] for places in booked])
-    moving = list(model.inertias)[2 if system.mechanism.base == "free" else 1 :]
+    energies = np.concatenate([places[places >= 0] for places in (*booked, *forces)])
+    others = 2 if system.mechanism.base == "free" and model.njoints > 2 else 1
+    moving = list(model.inertias)[others:]
     slow = scales.clearance_velocity if system.clearances or system.on_bearings else scales.velocity
     x[energies] = sum(i.mass for i in moving) * slow**2
     if not any(i.mass for i in moving):  # rotors that have an inertia alone

@@ -36,6 +36,15 @@ _LEDGER = {
     "dissipation_elastic": "damper_x",
     "element_loss": "element_x",
 }
+# Of forces by what is integrated of them.
+_OF_FORCES = {
+    "force_work": "work",
+    "force_gross_work": "gross_work",
+    "force_loss": "loss",
+    "force_impulse": "impulse",
+    "force_angular_impulse": "angular_impulse",
+    "force_central_impulse": "central_impulse",
+}
 _BALANCE = {
     "drive_work": -1.0,
     "dissipation_normal": 1.0,
@@ -43,6 +52,8 @@ _BALANCE = {
     "dissipation_damper": 1.0,
     "dissipation_elastic": 1.0,
     "element_loss": 1.0,
+    "force_work": -1.0,
+    "force_loss": 1.0,
 }
 
 
@@ -132,6 +143,7 @@ class Seen:
         others = len(self.system.springs) - len(self.system.elastic)  # those of parts stand behind them
         places["dissipation_damper"] = places["dissipation_damper"][:others]
         places["dissipation_elastic"] = places["dissipation_elastic"][others:]
+        places |= {name: self.system.force_x[of] for name, of in _OF_FORCES.items()}
         return {name: grown[:, columns] for name, columns in places.items()}
 
     @cached_property
@@ -154,7 +166,13 @@ class Seen:
         """Stored in springs but those of elastic parts, (n,) [J]."""
         if len(self.system.springs) == len(self.system.elastic):
             return np.zeros(len(self.times))  # not the round-off of a difference
-        return np.asarray(self.found.audit["springs"] - self.elastic.energy.sum(axis=1))
+        others = self.elastic.energy.sum(axis=1) + self.found.kept.sum(axis=1)
+        return np.asarray(self.found.audit["springs"] - others)
+
+    def kept_momentum(self, name: str) -> Array:
+        """Return what must stay of the ``linear`` or ``angular`` momentum: without what forces brought in."""
+        impulse = self.ledger[{"linear": "force_impulse", "angular": "force_central_impulse"}[name]]
+        return np.asarray(self.found.audit[name] - impulse.sum(axis=1))
 
     @cached_property
     def energy_error(self) -> Array:

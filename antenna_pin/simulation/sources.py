@@ -46,6 +46,9 @@ def _derivative(seen: Seen) -> Values:
         "spring_length": stretch["length"],
         "spring_tension": stretch["tension"],
         "spring_force": stretch["force"],
+        "applied_force": seen.found.applied["force"],
+        "applied_torque": seen.found.applied["torque"],
+        "force_energy": seen.found.kept,
         "closure_force": seen.found.closure[:, :, 0],
         "closure_moment": seen.found.closure[:, :, 1],
         "coupling_torque": seen.found.coupling,
@@ -121,6 +124,11 @@ TOTALS = {
     "total_damper_loss": "dissipation_damper",
     "total_elastic_loss": "dissipation_elastic",
     "total_element_loss": "element_loss",
+    "total_force_work": "force_work",
+    "total_force_gross_work": "force_gross_work",
+    "total_force_loss": "force_loss",
+    "total_impulse": "force_impulse",
+    "total_angular_impulse": "force_angular_impulse",
 }
 
 
@@ -139,6 +147,8 @@ def sizes_of(seen: Seen, values: Values) -> Values:
         "peak_elastic_energy": values["elastic_energy"],
         "peak_bearing_force": np.linalg.norm(values["bearing_force"], axis=2),
         "peak_bearing_moment": np.linalg.norm(values["bearing_moment"], axis=2),
+        "peak_applied_force": np.linalg.norm(values["applied_force"], axis=2),
+        "peak_applied_torque": np.linalg.norm(values["applied_torque"], axis=2),
         "peak_spin": seen.elastic.spin,
         "peak_energy_error": np.abs(values["energy_error"]),
         "peak_residual": seen.found.residual,

@@ -29,7 +29,7 @@ from antenna_pin.dynamics.acting import Acting
 from antenna_pin.elements import Change, Met, Modal, StickingFriction, kind_of
 from antenna_pin.elements import kernels as of_elements
 from antenna_pin.elements.sticking_friction_kernels import BACKWARD, FORWARD, PULLED, PUSHED, STUCK
-from antenna_pin.simulation.events import Switch
+from antenna_pin.simulation.own_actions import Switch
 
 __all__ = ["NeverSettlesError", "Settling", "Shift"]
 

@@ -16,6 +16,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from antenna_pin.dynamics import System, Workspace, acting_in, kernels
+from antenna_pin.dynamics.blocks import InPython
 from antenna_pin.elements import Motion
 from antenna_pin.integrate import Method
 from antenna_pin.readable import readable
@@ -196,7 +197,7 @@ def _effort(system: System, place: _Place, block: int, y: Array) -> float:
     """Return the effort of an element of a system at a joint [N m] or [N]."""
     nq = int(place.program[: words_of(PROGRAM)].view(PROGRAM)["nq"][0])
     given = next((one for one in system.callables if one.block == block), None)
-    if given is not None:
+    if isinstance(given, InPython):
         angle, rate, _, _ = kernels.joint_motion(place.program, block, y, nq)
         return float(given.given(place.t, angle, rate)[0])
     return float(kernels.element_state(place.program, block, place.t, y, nq)[0])

@@ -12,8 +12,9 @@ from antenna_pin.dynamics import Workspace
 from antenna_pin.integrate import Stepper
 from antenna_pin.roots import root_between
 from antenna_pin.simulation.crossing import Bracket, Crossing, Looks, Memory
-from antenna_pin.simulation.events import STILL, Event, Switch, Time
+from antenna_pin.simulation.events import Event, Time
 from antenna_pin.simulation.moment import Moment
+from antenna_pin.simulation.own_actions import STILL, Switch
 from antenna_pin.state import EventMemory
 
 __all__ = ["Crossing", "Watch"]

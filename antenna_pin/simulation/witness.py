@@ -11,7 +11,7 @@ import ctypes
 import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +25,19 @@ from antenna_pin.interruption import FunctionInterrupted
 __all__ = ["Called", "failure_in"]
 
 Array = NDArray[np.float64]
+
+
+class Witnessed(Protocol):
+    """A compiled function whose address may be exchanged."""
+
+    arguments: int
+
+    @property
+    def asked(self) -> Callable[..., float]:
+        """It, as Python asks it."""
+
+    def places(self, program: Array) -> NDArray[np.int64]:
+        """Return where in a program its address stands."""
 
 
 class Called:
@@ -52,7 +65,7 @@ class Called:
 
 
 def failure_in(
-    functions: Sequence[Called], program: Array, stepper: Stepper, h: float
+    functions: Sequence[Witnessed], program: Array, stepper: Stepper, h: float
 ) -> FunctionError | None:
     """Return what a function has failed by at a stepper's state, or in a step from there; None if none has.
 
@@ -75,7 +88,7 @@ def failure_in(
 
 
 @contextmanager
-def _seen_by(functions: Sequence[Called], program: Array, seen: list[BaseException]) -> Iterator[None]:
+def _seen_by(functions: Sequence[Witnessed], program: Array, seen: list[BaseException]) -> Iterator[None]:
     """Have functions asked by Python, and what they fail by noted."""
     before, kept = program.copy(), []
     for one in functions:
@@ -92,7 +105,7 @@ def _seen_by(functions: Sequence[Called], program: Array, seen: list[BaseExcepti
             program[places] = before[places]
 
 
-def _noting(asked: AskedFunction, seen: list[BaseException]) -> Callable[..., float]:
+def _noting(asked: Callable[..., float], seen: list[BaseException]) -> Callable[..., float]:
     def call(*question: float) -> float:
         try:
             return asked(*question)

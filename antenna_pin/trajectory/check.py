@@ -24,6 +24,7 @@ _BODIES = {
     "joint_friction": ("joint",),
     "point_springs": ("first_body", "second_body"),
     "elastic_parts": ("hub", "body"),
+    "force_places": ("link",),
     "closures": ("first_body", "second_body"),
     "couplings": ("follower", "leader"),
 }
@@ -53,6 +54,8 @@ _OPTIONAL = {
     "elements",
     "joint_friction",
     "point_springs",
+    "forces",
+    "force_places",
     "elastic_parts",
     "closures",
     "couplings",

@@ -115,6 +115,17 @@ class _PointSpring(BaseModel):
     second_point: _Three
 
 
+class _Force(BaseModel):
+    kind: str
+    numbers: dict[str, _Number]
+
+
+class _ForcePlace(BaseModel):
+    force: str
+    link: str
+    point: _Three
+
+
 class _ElasticPart(BaseModel):
     hub: str
     body: str
@@ -156,6 +167,8 @@ JSON_ATTRIBUTES: dict[str, tuple[Any, str]] = {
     "elements": (dict[str, _Element], "element"),
     "joint_friction": (dict[str, _JointFriction], ""),
     "point_springs": (dict[str, _PointSpring], "point_spring"),
+    "forces": (dict[str, _Force], "force"),
+    "force_places": (dict[str, _ForcePlace], "force_place"),
     "elastic_parts": (dict[str, _ElasticPart], "elastic_part"),
     "closures": (dict[str, _Closure], "closure"),
     "couplings": (dict[str, _Coupling], "coupling"),

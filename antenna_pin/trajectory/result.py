@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.metadata
 import json
+import math
 import os
 import platform
 from collections.abc import Mapping
@@ -185,6 +186,8 @@ class Trajectory:
             result["gears"] = gears
         if "bearing" in data.sizes:
             result["bearings"] = _by_label(data, "bearing", _BEARINGS)
+        if "force" in data.sizes:
+            result["forces"] = _forces(data)
         if "contact" not in data.sizes:
             return result
         index = data["episode_contact"].values
@@ -248,6 +251,18 @@ def _elastic_parts(data: xr.Dataset) -> dict[str, dict[str, float]]:
             "elastic_loss": float(data["total_elastic_loss"].values[k]),
         }
         for k, (name, one) in enumerate(about.items())
+    }
+
+
+def _forces(data: xr.Dataset) -> dict[str, dict[str, float]]:
+    """Return impulse, angular impulse about the world's origin, by their sizes, and work of each force."""
+    return {
+        str(name): {
+            "impulse": math.hypot(*data["total_impulse"].values[k].tolist()),
+            "angular_impulse": math.hypot(*data["total_angular_impulse"].values[k].tolist()),
+            "work": float(data["total_force_work"].values[k]),
+        }
+        for k, name in enumerate(data["force"].values)
     }
 
 

@@ -13,6 +13,7 @@ from collections.abc import Collection, Iterator
 from antenna_pin.geometry import AxialScenario, RadialScenario
 from antenna_pin.trajectory.columns import Coordinate, Rule, Variable
 from antenna_pin.trajectory.columns import rows as _rows
+from antenna_pin.trajectory.force_columns import FORCES
 
 __all__ = ["COORDINATES", "DIMENSIONS", "TIME", "VARIABLES", "variables_of"]
 
@@ -36,6 +37,8 @@ DIMENSIONS: dict[str, str] = {
     "change": "changes of mode of these, in order of time, by element and what changed",
     "bearing": "ball bearings and preloads, by name",
     "point_spring": "those of them that are between points",
+    "force": "forces on links, from outside and of a user's, by name",
+    "force_place": "places at which they act, by their name, and of one on several links the link's",
     "elastic_part": "elastic parts of flexible links, by name",
     "closure": "joints that close loops, or are held by constraint, by name",
     "coupling": "joints that follow others, by name: of those that the URDF couples the follower's",
@@ -207,7 +210,7 @@ _ENERGIES: tuple[Variable, ...] = (
         ("element_mode", "1", "number of the mode"),
     ),
     *_rows("ledger: time element", ("element_loss", "J", "energy lost in dampers and impulses", _TOTAL)),
-    *_rows("ledger: time", ("energy_error", "J", "stored - start - work of drives + losses")),
+    *_rows("ledger: time", ("energy_error", "J", "stored - start - work of drives and forces + losses")),
     *_rows(
         "audit: time axis",
         ("linear_momentum", "kg m/s", "of the whole, world axes"),
@@ -330,7 +333,7 @@ _HAPPENINGS: tuple[Variable, ...] = (
 #: Every variable of a result, by name.
 VARIABLES: dict[str, Variable] = {
     variable.name: variable
-    for part in (_STATES, _CONTACTS, _ENERGIES, _MOTIONS, _SUMMARIES, _HAPPENINGS)
+    for part in (_STATES, _CONTACTS, _ENERGIES, FORCES, _MOTIONS, _SUMMARIES, _HAPPENINGS)
     for variable in part
 }
 

@@ -15,17 +15,21 @@ from antenna_pin.elements import (
     BoucWen,
     Cable,
     CallableDrive,
+    CallableElement,
+    CallableForce,
     CallableMotion,
     ConstantDrive,
     ConstantSpring,
     DistanceMotion,
     EndStop,
     Gear,
+    GravityGradient,
     HarnessSpring,
     JointFriction,
     JointSpring,
     Latch,
     MaxwellSlip,
+    OutsideForce,
     PDController,
     PointSpring,
     PrescribedMotion,
@@ -42,6 +46,8 @@ from antenna_pin.elements import (
     TableDrive,
     TableShake,
     TableSpring,
+    Thruster,
+    desk_kernels,
     kernels,
     kind_of,
 )
@@ -282,8 +288,69 @@ BEARINGS = {
 }
 
 
+def act(t, p, links, joints, states, whole):
+    """Push the second link by its place."""
+    links[1].force[:] = p[0] * links[1].place
+
+
+HULL = ("hull", (0.0, 0.0, 0.0))
+#: Each with its words, and its force and torque on its last link at time 0.
+FORCES = {
+    OutsideForce: (
+        OutsideForce(
+            at=HULL, force=(0.0, 4.0, 0.0), torque=(1.0, 0.0, 2.0), frequency=1.5, phase=0.5,
+            value=2.0,
+        ),
+        "force (0 N, 4 N, 0 N) and torque (1 N m, 0 N m, 2 N m) on hull, axes of the link, times 2, "
+        "times sin(2π · 1.5 Hz · t + 0.5 rad)",
+        (0.0, 8.0 * math.sin(0.5), 0.0, 2.0 * math.sin(0.5), 0.0, 4.0 * math.sin(0.5)),
+    ),
+    Thruster: (
+        Thruster(
+            at=HULL, direction=(0, 0, 3), thrust=2.0, starts=(0.5, 1.0), durations=(0.25,), throttle=0.25,
+            misalignment=0.125,
+        ),
+        "thruster on hull, 2 N, 2 pulses of 0.5 s in all, 1 N s, throttle 0.25, direction off by 0.125 rad",
+        (0.5 * math.sin(0.125), 0.0, 0.5 * math.cos(0.125), 0.0, 0.0, 0.0),
+    ),
+    GravityGradient: (
+        GravityGradient(rate=0.5),
+        "gravity gradient of a circular orbit, 0.5 rad/s, a revolution in 12.5664 s",
+        # Of 2 kg at (1, 2, 3) m: m n^2 (3 z e_z - p); the frame's moments are all alike.
+        (-0.5, -1.0, 3.0, 0.0, 0.0, 0.0),
+    ),
+    CallableElement: (
+        CallableElement(act=act, links=(HULL, ("arm", (0.0, 0.0, 0.0))), parameters={"k": 3.0}),
+        "a function in Python of hull, arm",
+        (3.0, 6.0, 9.0, 0.0, 0.0, 0.0),
+    ),
+    CallableForce: (
+        CallableForce(at=HULL, wrench=lambda t, pose, twist: [*pose[:3, 3], *twist[3:]]),
+        "a function in Python on hull",
+        (1.0, 2.0, 3.0, 0.0, 0.0, 0.0),
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", FORCES, ids=lambda kind: kind.__name__)
+def test_a_force_has_its_own_kernels_and_words(kind):
+    """On links whose axes are the world's, at (1, 2, 3) m."""
+    element, words, expected = FORCES[kind]
+    assert element.words().replace("\N{NO-BREAK SPACE}", " ") == words
+    links = np.zeros(max(1, len(element.places)), desk_kernels.LINK).view(np.recarray)
+    links["rotation"], links["place"], links["mass"] = np.eye(3), (1.0, 2.0, 3.0), 2.0
+    empty = (np.zeros(0, kind).view(np.recarray) for kind in (desk_kernels.JOINT, desk_kernels.STATE))
+    desk = (np.zeros(1, desk_kernels.WHOLE).view(np.recarray), links, *empty)
+    if getattr(element, "called", True):
+        kernels.act(kind_of(kind), element.words_of_kernel(), 0, 0.0, desk)
+    else:
+        element.ask("it", 0.0, desk)
+    found = (*links[-1].force, *links[-1].torque)
+    assert found == pytest.approx(expected, rel=1e-14, abs=1e-15)
+
+
 def test_every_element_has_an_example():
-    assert {*EXAMPLES, type(BETWEEN), *GEARS.values(), *BEARINGS} == set(ELEMENTS)
+    assert {*EXAMPLES, type(BETWEEN), *GEARS.values(), *BEARINGS, *FORCES} == set(ELEMENTS)
     assert len({kind_of(element) for element in ELEMENTS}) == len(ELEMENTS)
 
 

@@ -26,17 +26,21 @@ from antenna_pin.elements import (
     BoucWen,
     Cable,
     CallableDrive,
+    CallableElement,
+    CallableForce,
     CallableMotion,
     ConstantDrive,
     ConstantSpring,
     DistanceMotion,
     EndStop,
     Gear,
+    GravityGradient,
     HarnessSpring,
     JointFriction,
     JointSpring,
     Latch,
     MaxwellSlip,
+    OutsideForce,
     PDController,
     PointSpring,
     PrescribedMotion,
@@ -53,6 +57,7 @@ from antenna_pin.elements import (
     TableDrive,
     TableShake,
     TableSpring,
+    Thruster,
 )
 from antenna_pin.geometry import CylindricalClearance, RevoluteClearance
 from antenna_pin.joints import ClearanceJoint
@@ -117,6 +122,58 @@ GEARS = {
     "belt": Belt(input="a", output="d", pretension=4.0, damping=2.0, **_ROLLS),
     "cable": Cable(input="c", output="a", slack=0.01, **_ROLLS),
 }
+#: Forces on links, of all courses, with a pulse that begins and one that ends.
+FORCES = {
+    "constant": OutsideForce(at=("a_link", (0.1, 0.0, 0.2)), force=(1.0, 0.0, 2.0), torque=(0.1, 0.0, 0.0)),
+    "sine": OutsideForce(at=("base", (0.0, 0.0, 0.0)), force=(0.0, 3.0, 0.0), axes="world", frequency=40.0),
+    "table": OutsideForce(
+        at=("f_link", (0.0, 0.0, 0.0)),
+        force=(0.0, 0.0, 1.0),
+        time=(0.0, 4e-4, 1.0),
+        factors=(1.0, 2.0, 0.0),
+        interpolation="cubic",
+    ),
+    "jet": Thruster(
+        at=("b_link", (0.1, 0.0, 0.0)), direction=(1, 1, 0), thrust=4.0, starts=(0.0, 5e-4), durations=(2e-4,)
+    ),
+    "slow jet": Thruster(
+        at=("base", (0.1, 0.0, 0.0)),
+        direction=(0, 1, 0),
+        thrust=4.0,
+        starts=(1e-4,),
+        durations=(3e-4,),
+        misalignment=0.01,
+        seed=3,
+        rise_time=1e-4,
+        fall_time=2e-4,
+    ),
+    "field": GravityGradient(rate=2.0),
+}
+
+
+def pulled(t, p, links, joints, states, whole):
+    """Draw two links together in proportion, turn a joint by what has added up."""
+    for k in range(3):
+        links[1].force[k] = -p[0] * (links[1].place[k] - links[0].place[k])
+        whole.energy += 0.5 * p[0] * (links[1].place[k] - links[0].place[k]) ** 2
+    states[0].rate = joints[0].angle
+    joints[0].torque = 0.1 * states[0].value
+
+
+FORCES_IN_PYTHON = {
+    "pulled": CallableElement(
+        act=pulled,
+        links=(("base", (0.0, 0.1, 0.0)), ("c_link", (0.0, 0.0, 0.0))),
+        joints=("d",),
+        parameters={"stiffness": 5.0},
+        integrates=("sum",),
+        internal=True,
+    ),
+    "wind": CallableForce(
+        at=("e_link", (0.0, 0.0, 0.0)),
+        wrench=lambda t, pose, twist: np.array([*(-0.3 * twist[:3]), math.cos(t), 0.0, 0.0]),
+    ),
+}
 #: Elements with modes: pressed in, near, captured, locked, stuck; and those that act on a whole joint.
 WITH_MODES = {
     "stops": {
@@ -156,8 +213,8 @@ PLAY = {
 ROUND = "cylindrical"
 
 
-def elements(drives):
-    """A body with an element at each of its joints, and two joints that follow others."""
+def elements(drives, forces):
+    """A body with an element at each of its joints, forces, and two joints that follow others."""
     kinds = dict.fromkeys("abcdegh", "continuous") | {"f": "prismatic", "i": "prismatic"}
     text = LINK.format("base")
     for name in "abcdefghi":
@@ -169,7 +226,8 @@ def elements(drives):
         "rack": Coupling(follower="i", leader="g", multiplier=0.05, second="d", second_multiplier=0.01),
     }
     mechanism = build_mechanism(Urdf.from_text(f'<robot name="star">{text}</robot>', "star"), "free")
-    return System(mechanism, drives=drives, springs=SPRINGS, couplings=couplings, elements={"gears": GEARS})
+    more = {"gears": GEARS, "forces": forces}
+    return System(mechanism, drives=drives, springs=SPRINGS, couplings=couplings, elements=more)
 
 
 def with_modes():
@@ -254,10 +312,11 @@ def started(system):
 
 def systems():
     """Yield the name of each system, with the engine that it runs with."""
-    yield "elements", (elements(DRIVES), "compiled")
+    yield "elements", (elements(DRIVES, FORCES), "compiled")
     yield "modes", (with_modes(), "compiled")
     yield "shaken", (shaken(), "compiled")
     yield "in Python", (elements(IN_PYTHON), "pinocchio")
+    yield "in Python", (elements(IN_PYTHON, FORCES_IN_PYTHON), "pinocchio")
     for kind in CLOSURES:
         yield f"{kind} closure", (closed(kind), "compiled")
 

@@ -360,7 +360,7 @@ def test_a_result_file_holds_its_events(tmp_path):
         ({"after": 0}, "event 'e': after must be a whole number of 1 or more, got 0"),
         (
             {"action": "stop"},
-            "Event: action must be a Mark, a Stop, a Set, a Jump, a Kink or a Switch, got 'stop'",
+            "Event: action must be a Mark, a Stop, a Set, a Jump, a Kink, a Switch or an Edge, got 'stop'",
         ),
         ({"action": Set("drives.moter.value", 1.0)}, "did you mean drives.motor"),
         ({"action": Set("drives.motor.valeu", 1.0)}, "did you mean value"),

@@ -1,0 +1,248 @@
+"""Elements on links as blocks of a system's program: forces from outside, and what a user writes."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from antenna_pin.constraints import Anchor, on_body
+from antenna_pin.dynamics import kernels, link_kernels
+from antenna_pin.dynamics.blocks import Blocks, check_booked
+from antenna_pin.dynamics.element_block import element_head
+from antenna_pin.dynamics.points import point_spring_block
+from antenna_pin.elements import FAMILIES, OnLinks, kind_of
+from antenna_pin.elements import desk_kernels as _desk
+from antenna_pin.errors import InvalidParameterError, MechanismError
+from antenna_pin.mechanism import body_tree
+from antenna_pin.mechanism.tree_kernels import place_bodies
+from antenna_pin.records import place_of
+
+__all__ = ["ForcePlace", "OnLinksInPython", "books_in_x", "desk_in", "place_on_links", "written_by"]
+
+Array = NDArray[np.float64]
+
+assert _desk.HEAD_WORDS == kernels.PARAMETERS
+
+
+class ForcePlace(NamedTuple):
+    """A place at which a force acts.
+
+    Attributes:
+        name: The force's, and of one on several links the link's behind it.
+        force: The force's name.
+        link: The link, or ``world``.
+        point: In its frame [m].
+    """
+
+    name: str
+    force: str
+    link: str
+    point: tuple[float, float, float]
+
+
+class OnLinksInPython(NamedTuple):
+    """An element on links that Python asks before each evaluation.
+
+    Attributes:
+        block: Where in a program its block stands.
+        element: The element.
+        place: Its name, for what is said of it.
+        nq: Where v begins in a state.
+    """
+
+    block: int
+    element: Any
+    place: str
+    nq: int
+
+    @property
+    def said(self) -> str:
+        """What refusals call it."""
+        return self.place
+
+    def write(
+        self, program: Array, t: float | None, y: Array, tree: NDArray[Any], places: NDArray[Any]
+    ) -> None:
+        """Write what it does at time t [s], or that of its last question, and state y to its desk."""
+        place_bodies(y, self.nq, tree, places)
+        desk = desk_in(program, self.block)
+        now = float(desk[0]["time"][0]) if t is None else t
+        link_kernels.see(now, y, program, self.block, places)
+        self.element.ask(self.place, now, desk)
+
+
+def written_by(program: Array, block: int) -> tuple[float, ...]:
+    """Return all that the element at a place in a program has written to its desk."""
+    whole, links, joints, states = desk_in(program, block)
+    parts = [links["force"], links["torque"], joints["torque"], states["rate"]]
+    parts += [np.concatenate([whole["energy"], whole["loss"], whole["kink"]])]
+    return tuple(np.concatenate([part.ravel() for part in parts]).tolist())
+
+
+def desk_in(program: Array, block: int | None) -> tuple[Any, Any, Any, Any]:
+    """Return a desk, views of it: whole, links, joints, states.
+
+    Args:
+        program: A program, or numbers that begin with the desk.
+        block: Where in the program its element stands; None where the desk stands first.
+    """
+    first = 0
+    if block is not None:
+        head = program[block : block + kernels.PARAMETERS].view(kernels.ELEMENT)[0]
+        first = block + int(head["partner"])
+    whole = program[first : first + int(_desk.WHOLE_WORDS)].view(_desk.WHOLE).view(np.recarray)
+    first += int(_desk.WHOLE_WORDS)
+    parts = []
+    for name, kind, words in (
+        ("links", _desk.LINK, _desk.LINK_WORDS),
+        ("joints", _desk.JOINT, _desk.SEEN_JOINT_WORDS),
+        ("states", _desk.STATE, _desk.STATE_WORDS),
+    ):
+        end = first + int(whole[name][0]) * int(words)
+        parts.append(program[first:end].view(kind).view(np.recarray))
+        first = end
+    return whole, parts[0], parts[1], parts[2]
+
+
+def books_in_x(system: Any) -> dict[str, NDArray[np.int_]]:
+    """Return where in x what is integrated of forces stands: by the name that ``BOOK`` has, (forces, ...)."""
+    heads = [
+        system.program[at : at + kernels.PARAMETERS].view(kernels.ELEMENT)[0]
+        for at in system.element_blocks.get("forces", {}).values()
+    ]
+    starts = np.array([int(head["x"]) for head in heads], dtype=int)
+    found = {}
+    for name in _desk.BOOK.names or ():
+        at = place_of(_desk.BOOK, name)
+        many = _desk.BOOK[name].shape
+        found[name] = starts[:, np.newaxis] + at + np.arange(3) if many else starts + at
+    return found
+
+
+def place_on_links(system: Any, blocks: Blocks) -> int:
+    """Lay out springs between points, then forces, behind all else; return where in the program they begin.
+
+    Args:
+        system: The system; its ``element_blocks``, ``callables`` and ``force_places`` are written to.
+        blocks: The program so far.
+    """
+    begin = blocks.size
+    for name, spring in system.point_springs.items():
+        check_booked("spring", name, spring)
+        block = point_spring_block(system.mechanism, f"spring {name!r}", spring, blocks.x)
+        system.element_blocks["springs"][name] = blocks.add(block, len(spring.integrals))
+    alone = ""
+    for name, force in system.forces.items():
+        place = f"{FAMILIES['forces'].word} {name!r}"
+        if force.replaces_gravity:
+            _check_gravity(system, place, alone)
+            alone = place
+        places = _places_of(system, name, force)
+        block = _block(system, place, force, places, blocks.x)
+        system.element_blocks["forces"][name] = at = blocks.add(block, len(force.integrals))
+        system.force_places += places
+        if getattr(force, "called", True) is False:
+            system.callables.append(OnLinksInPython(at, force, place, system.model.nq))
+    return begin
+
+
+def _check_gravity(system: Any, place: str, other: str) -> None:
+    gravity = system.model.gravity.linear
+    if np.any(gravity):
+        rule = "none beside what differs of it on an orbit, where all fall alike; take mechanism.gravity away"
+        raise InvalidParameterError(place, "gravity", rule, gravity.tolist())
+    if other:
+        raise InvalidParameterError(place, "orbit", "the only one; take one of the two away", said=other)
+
+
+def _places_of(system: Any, name: str, force: OnLinks) -> list[ForcePlace]:
+    """Return the places that a force acts at."""
+    if force.everywhere:
+        mechanism = system.mechanism
+        tree = body_tree(mechanism)
+        found = []
+        for body, one in zip(mechanism.bodies, tree, strict=True):
+            frame = mechanism.model.frames[mechanism.frame(body)].placement
+            x, y, z = map(float, frame.inverse().act(one["centre"]))
+            found.append(ForcePlace(f"{name} {body}", name, body, (x, y, z)))
+        return found
+    several = len(force.places) > 1
+    labels = [link for link, _ in force.places]
+    return [
+        ForcePlace(
+            f"{name} {link}{_number(labels, k)}" if several else name,
+            name,
+            link,
+            point,
+        )
+        for k, (link, point) in enumerate(force.places)
+    ]
+
+
+def _number(labels: list[str], k: int) -> str:
+    """Return what tells a link from the same one before: nothing for the first, or its number."""
+    before = labels[:k].count(labels[k])
+    return f" {before + 1}" if before else ""
+
+
+def _block(system: Any, place: str, force: OnLinks, places: list[ForcePlace], x: int) -> Array:
+    """Return the block of an element on links.
+
+    Args:
+        system: The system, its joints with play laid out.
+        place: What it is, for a refusal.
+        force: The element.
+        places: Where it acts.
+        x: Where in x what it integrates starts.
+
+    Raises:
+        UnknownNameError: A link or joint that there is not.
+        MechanismError: It acts on nothing that moves.
+    """
+    tree = body_tree(system.mechanism)
+    whole = np.zeros(1, _desk.WHOLE)
+    whole["links"], whole["joints"] = len(places), len(force.joints)
+    whole["states"] = len(force.states)
+    whole["internal"], whole["passive"], whole["kink"] = force.internal, force.passive, 1.0
+    links = np.zeros(len(places), _desk.LINK)
+    for link, one in zip(links, places, strict=True):
+        _lay_out(system, place, link, one.link, one.point, tree)
+    if len(places) and not force.joints and np.all(links["body"] < 0):
+        given = places[0].link
+        raise MechanismError(
+            f"{place}: link {given!r} does not move: it is the world or fixed to it, where a force does "
+            "nothing; name a link that a joint moves"
+        )
+    if force.internal and np.all(links["body"] == links["body"][0]):
+        raise MechanismError(
+            f"{place}: its links are all one body, and forces between them do nothing; name links between "
+            "which a joint moves"
+        )
+    if force.everywhere:
+        links["axes"] = np.eye(3)
+    joints = np.zeros(len(force.joints), _desk.JOINT)
+    for joint, name in zip(joints, force.joints, strict=True):
+        joint["head"] = element_head(system, place, name).view(np.float64)
+    states = np.zeros(len(force.states), _desk.STATE)
+    words = force.words_of_kernel()
+    desk = [part.view(np.float64) for part in (whole, links, joints, states)]
+    block = np.concatenate([np.zeros(kernels.PARAMETERS), words, *desk])
+    head = block[: kernels.PARAMETERS].view(kernels.ELEMENT)
+    head["kind"], head["length"], head["x"] = kind_of(type(force)), len(block), x
+    head["partner"] = kernels.PARAMETERS + len(words)
+    head["on"] = force.acts
+    return block
+
+
+def _lay_out(
+    system: Any, place: str, link: Any, name: str, point: tuple[float, float, float], tree: NDArray[Any]
+) -> None:
+    """Write which body a link is of, and where on it a point is."""
+    anchor = Anchor(link=name, rotation=np.eye(3), origin=np.array(point))
+    link["body"], frame = on_body(system.mechanism, place, anchor)
+    link["axes"], link["point"] = frame[:3, :3], frame[:3, 3]
+    if link["body"] >= 0:
+        own = tree[link["body"]]
+        link["mass"], link["inertia"] = own["mass"], own["inertia"]

@@ -1,0 +1,240 @@
+"""Elements that a user writes in Python: they see links and joints, and act on them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, ClassVar, Protocol
+
+from antenna_pin.answers import asked, check_takes
+from antenna_pin.elements.desk_kernels import clear
+from antenna_pin.elements.element import ForceElement, Integral
+from antenna_pin.elements.on_links import BOOKED, AtPoint, OnLinks
+from antenna_pin.elements.point import Point, checked_point
+from antenna_pin.errors import FunctionError, InvalidParameterError
+
+__all__ = ["Acts", "CallableElement", "CallableForce", "InPythonOnLinks"]
+
+_ASKED = ("t", "p", "links", "joints", "states", "whole")
+_GIVES = "forces and rates that are finite numbers"
+
+
+class Acts(Protocol):
+    """What an element of a user's does: it looks at records, and writes beside what it sees."""
+
+    def __call__(self, t: float, p: Any, links: Any, joints: Any, states: Any, whole: Any) -> None:
+        """Act.
+
+        Args:
+            t: Time [s].
+            p: The element's parameters, in their order.
+            links: Of each ``place`` (3,) [m], ``velocity`` (3,) [m/s], ``rotation`` (3, 3), ``spin`` (3,)
+                [rad/s], ``mass`` [kg]; to write ``force`` (3,) [N] at that place, ``torque`` (3,) [N m]. All
+                in world axes.
+            joints: Of each ``angle`` and ``rate``; to write ``torque`` on the child [N m] ([N]).
+            states: Of each ``value``; to write ``rate``.
+            whole: To write ``energy`` that it stores [J], ``loss`` [W], ``kink``: a function that passes zero
+                where the forces have a kink.
+        """
+
+
+class InPythonOnLinks(Protocol):
+    """What of an element on links is a function of a user's."""
+
+    @property
+    def called(self) -> bool:
+        """Whether kernels call it."""
+
+    def ask(self, place: str, t: float, desk: Any) -> None:
+        """Ask it in Python."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class CallableElement(OnLinks):
+    """What a function does that sees links and joints: a tether, a magnetic damper.
+
+    The function is plain Python, or compiled by ``numba.njit``, the same text either way (:class:`Acts`). All
+    that it may write is zero (``kink`` 1) when it is asked. It must answer equal questions equally.
+
+    Attributes:
+        act: The function.
+        links: Links that it sees and acts on, each with a point in its frame [m]; ``world`` may be one.
+        joints: Joints that it sees and acts at; the reaction acts on the parent.
+        parameters: Numbers by name, which it has in their order.
+        integrates: Names of numbers that it integrates, of size 1, from zero on.
+        internal: Whether the first link takes the reaction of all others; what is written for it is left out.
+        passive: Whether it puts nothing in: its work is what it says that it stores and loses. Else all its
+            work is put in, and it is not asked for energy and loss. Energy must not depend on time.
+        has_kink: Whether ``kink`` counts: steps end where it passes zero.
+        longest: Longest step that still resolves it [s]; None for any.
+    """
+
+    kernels: ClassVar[str] = "given_links_kernels"
+
+    act: Acts
+    links: tuple[Point, ...] = ()
+    joints: tuple[str, ...] = ()
+    parameters: Mapping[str, float] = field(default_factory=dict)
+    integrates: tuple[str, ...] = ()
+    internal: bool = False  # type: ignore[misc]
+    passive: bool = False  # type: ignore[misc]
+    has_kink: bool = False
+    longest: float | None = None
+
+    def __post_init__(self) -> None:
+        """Check the parameters, and that its function can be asked."""
+        points = tuple(checked_point(self, f"links[{k}]", one) for k, one in enumerate(self.links))
+        object.__setattr__(self, "links", points)
+        for name in ("joints", "integrates"):
+            object.__setattr__(self, name, tuple(getattr(self, name)))
+        ForceElement.__post_init__(self)
+        check_takes(self, "act", self.act, *_ASKED)
+        if not self.links and not self.joints:
+            raise InvalidParameterError(self, "links", "given, or joints", said="neither")
+        if self.internal and len(self.links) < 2:
+            rule = "two or more where it is internal, or one could take no reaction of another"
+            raise InvalidParameterError(self, "links", rule, said=f"{len(self.links)}")
+        for name, value in self.parameters.items():
+            if not isinstance(value, int | float) or not math.isfinite(value):
+                raise InvalidParameterError(self, f"parameters[{name!r}]", "a finite number", value)
+        if self.longest is not None and not self.longest > 0.0:
+            raise InvalidParameterError(self, "longest", "positive")
+
+    @property
+    def places(self) -> tuple[Point, ...]:
+        """The links that it acts on, each with a point in its frame [m]."""
+        return self.links
+
+    @property
+    def states(self) -> tuple[Integral, ...]:  # type: ignore[override]
+        """What it integrates itself."""
+        return tuple(Integral(name, "1") for name in self.integrates)
+
+    @property
+    def integrals(self) -> tuple[Integral, ...]:  # type: ignore[override]
+        """What is booked of it, and what it integrates itself."""
+        return (*BOOKED, *self.states)
+
+    @property
+    def has_kinks(self) -> bool:
+        """Whether its forces have kinks that it tells of."""
+        return self.has_kink
+
+    @property
+    def longest_step(self) -> float:
+        """Longest step that still resolves it [s]."""
+        return math.inf if self.longest is None else self.longest
+
+    @property
+    def called(self) -> bool:
+        """Whether kernels call its function."""
+        from antenna_pin.given_functions import is_compiled
+
+        return is_compiled(self.act)
+
+    @property
+    def _sizes(self) -> tuple[int, int, int, int]:
+        return len(self.parameters), len(self.links), len(self.joints), len(self.integrates)
+
+    def values(self) -> dict[str, Any]:
+        """Return its numbers: where its function stands, zero where Python asks it."""
+        from antenna_pin.elements.compiled_on_links import address_on_links
+        from antenna_pin.given_functions import is_compiled
+
+        if not is_compiled(self.act):
+            return {"address": 0.0}
+        return {"address": address_on_links(type(self).__name__, "act", self.act, self._sizes)}
+
+    def tail(self) -> tuple[float, ...]:
+        """Return its parameters."""
+        return tuple(map(float, self.parameters.values()))
+
+    def ask(self, place: str, t: float, desk: Any) -> None:
+        """Ask its function in Python, and look at what it writes.
+
+        Args:
+            place: Its name, for what is said of it.
+            t: Time [s].
+            desk: What it sees: ``(whole, links, joints, states)``, to be written to.
+
+        Raises:
+            FunctionError: It raises something, or writes what is no finite number.
+        """
+        import numpy as np
+
+        clear(desk)
+        whole, links, joints, states = desk
+        name, told = f"{place}: act", f"t = {t:.9g} s"
+        asked(name, told, _GIVES, self.act, t, np.array(self.tail()), links, joints, states, whole[0])
+        for what, part in (("force", links), ("torque", links), ("torque", joints), ("rate", states)):
+            if not np.isfinite(part[what]).all():
+                raise FunctionError(name, told, _GIVES, f"a {what} of {part[what].tolist()}")
+        for what in ("energy", "loss", "kink"):
+            if not math.isfinite(whole[what][0]):
+                raise FunctionError(name, told, _GIVES, f"{what} {whole[what][0]}")
+
+    def words(self, slides: bool = False) -> str:
+        """Return what it is in words."""
+        where = ", ".join([*dict.fromkeys(link for link, _ in self.links), *self.joints])
+        return f"{'a compiled function' if self.called else 'a function in Python'} of {where}"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class CallableForce(AtPoint):
+    """A force and torque on a link from a function of time and of how the link moves.
+
+    Attributes:
+        at: A link, and a point in its frame [m].
+        wrench: ``(t [s], pose, twist) -> wrench``, (6,): force at the point [N], then torque [N m]. The pose
+            is that of the link's axes at the point, (4, 4); the twist velocity of the point [m/s] and spin
+            [rad/s], (6,). All in world axes. A plain function, or compiled by ``numba.njit``.
+        on: Whether it acts from the start on; an event may switch it.
+    """
+
+    kernels: ClassVar[str] = "given_links_kernels"
+
+    wrench: Callable[[float, Any, Any], Any]
+
+    def __post_init__(self) -> None:
+        """Check the point, and that its function can be asked."""
+        AtPoint.__post_init__(self)
+        check_takes(self, "wrench", self.wrench, "t", "pose", "twist")
+
+    @property
+    def called(self) -> bool:
+        """Whether kernels call its function."""
+        from antenna_pin.given_functions import is_compiled
+
+        return is_compiled(self.wrench)
+
+    def values(self) -> dict[str, Any]:
+        """Return its numbers: where its function stands, zero where Python asks it."""
+        from antenna_pin.elements.compiled_on_links import address_on_links, wrench_on_links
+
+        if not self.called:
+            return {"address": 0.0}
+        own = wrench_on_links(self.wrench)
+        return {"address": address_on_links(type(self).__name__, "wrench", own, (0, 1, 0, 0))}
+
+    def ask(self, place: str, t: float, desk: Any) -> None:
+        """Ask its function in Python, and look at its answer, as :meth:`CallableElement.ask` does."""
+        import numpy as np
+
+        link = desk[1][0]
+        pose = np.eye(4)
+        pose[:3, :3], pose[:3, 3] = link.rotation, link.place
+        twist = np.concatenate([link.velocity, link.spin])
+        name, told, rule = f"{place}: wrench", f"t = {t:.9g} s", "six finite numbers"
+        answer = asked(name, told, rule, self.wrench, t, pose, twist)
+        try:
+            six = np.asarray(answer, dtype=float)
+        except (TypeError, ValueError):
+            six = np.zeros(0)
+        if six.shape != (6,) or not np.isfinite(six).all():
+            raise FunctionError(name, told, rule, repr(answer))
+        link.force[:], link.torque[:] = six[:3], six[3:]
+
+    def words(self, slides: bool = False) -> str:
+        """Return what it is in words."""
+        return f"{'a compiled function' if self.called else 'a function in Python'} on {self.at[0]}"

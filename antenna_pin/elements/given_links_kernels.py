@@ -1,0 +1,31 @@
+"""What a user's function does on links: a compiled one is called, a plain one was asked before; compiled."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from antenna_pin._called import call_3
+from antenna_pin._compile import inlined, record
+from antenna_pin.elements.desk_kernels import clear
+from antenna_pin.records import layout, words_of
+
+#: Where the function stands; 0 where Python asks it. The parameters stand behind, then the desk.
+LAYOUT = layout(("address", "f8"))
+SIZE = words_of(LAYOUT)
+
+
+@inlined
+def act(words: Any, at: int, t: float, desk: Any) -> None:
+    """Have the function write what it does; not-a-number where it raises."""
+    own = record(words[at : at + SIZE], LAYOUT)
+    if own.address == 0.0:
+        return
+    clear(desk)
+    place = float(words.ctypes.data + 8 * (at + SIZE))
+    if call_3(own.address, t, place, 0.0) != 0.0:
+        _, links, joints, _ = desk
+        for i in range(links.shape[0]):
+            links[i].force[0] = math.nan
+        for i in range(joints.shape[0]):
+            joints[i].torque = math.nan

@@ -1,0 +1,99 @@
+"""Gravity on a circular orbit, as it differs from that at the reference point."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from antenna_pin.directions import A_DIRECTION, unit
+from antenna_pin.elements.element import ForceElement
+from antenna_pin.elements.on_links import OnLinks
+from antenna_pin.errors import InvalidParameterError
+from antenna_pin.parameters import parameter
+from antenna_pin.readable import GIVEN, readable
+
+__all__ = ["GravityGradient"]
+
+Numbers3 = tuple[float, float, float]
+_SQUARE = 1e-9  # cosine of what counts as a right angle
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class GravityGradient(OnLinks):
+    r"""What a central field does on a circular orbit beside the fall of all: its gradient, to first order.
+
+    The world's axes do not turn, and their origin, the reference point, falls along the orbit. With e the
+    direction to the centre, n the orbital rate, c a body's mass centre and I its inertia about that,
+
+    .. math:: F = m n^2 (3 (e \cdot c)\, e - c), \quad M = 3 n^2\, e \times I e,
+
+    the force from the differing gravity there, and the torque of that within the body. Left out is the second
+    order, the size of the whole over the radius of the orbit. Start with the mass centre of the whole near
+    the origin. Its potential hangs on time in these axes, so that its work is booked as put in.
+
+    Orbit-fixed axes (``[pointing.orbit]`` has the same): z to the centre, y against the orbit's normal, x
+    along the velocity.
+
+    Attributes:
+        rate: Orbital rate n [rad/s]; or give ``mu`` and ``radius``.
+        mu: Gravitational parameter of the centre [m^3/s^2].
+        radius: Of the orbit [m].
+        normal: Of the orbit, along the orbital angular momentum, in world axes, of any length [-].
+        nadir: Direction to the centre at t = 0, in world axes, at right angles to that, of any length [-].
+        on: Whether it acts from the start on; an event may switch it.
+    """
+
+    kernels: ClassVar[str] = "gravity_gradient_kernels"
+    everywhere: ClassVar[bool] = True
+    replaces_gravity: ClassVar[bool] = True
+
+    rate: float | None = parameter("rad/s", rule="positive", default=None)
+    mu: float | None = parameter("m^3/s^2", rule="positive", default=None)
+    radius: float | None = parameter("m", rule="positive", default=None)
+    normal: Numbers3 = parameter("1", rule=A_DIRECTION, sizes=(3,), default=(0.0, 1.0, 0.0))
+    nadir: Numbers3 = parameter("1", rule=A_DIRECTION, sizes=(3,), default=(0.0, 0.0, -1.0))
+
+    def __post_init__(self) -> None:
+        """Check the parameters, and that they tell one orbit."""
+        ForceElement.__post_init__(self)
+        if (self.mu is None) != (self.radius is None):
+            missing, there = ("mu", "radius") if self.mu is None else ("radius", "mu")
+            raise InvalidParameterError(self, missing, f"given beside {there}", said="none")
+        if (self.rate is None) == (self.mu is None):
+            said = "neither" if self.rate is None else "both"
+            raise InvalidParameterError(self, "rate", "given, or mu and radius in its place", said=said)
+        if abs(float(unit(self.normal) @ unit(self.nadir))) > _SQUARE:
+            raise InvalidParameterError(self, "nadir", f"at right angles to normal {self.normal}")
+
+    @property
+    def orbital_rate(self) -> float:
+        """N [rad/s]."""
+        if self.rate is not None:
+            return self.rate
+        assert self.mu is not None and self.radius is not None
+        return math.sqrt(self.mu / self.radius**3)
+
+    @property
+    def longest_step(self) -> float:
+        """A twelfth of the orbital period [s]."""
+        return 2.0 * math.pi / (12.0 * self.orbital_rate)
+
+    def values(self) -> dict[str, Any]:
+        """Return its numbers, by the names that its record has for them."""
+        import numpy as np
+
+        normal, nadir = unit(self.normal), unit(self.nadir)
+        return {"angular_rate": self.orbital_rate, "nadir": nadir, "ahead": np.cross(normal, nadir)}
+
+    def facts(self) -> dict[str, float]:
+        """Return the orbit, for readers of a result."""
+        names = ("normal_x", "normal_y", "normal_z", "nadir_x", "nadir_y", "nadir_z")
+        numbers = (*unit(self.normal).tolist(), *unit(self.nadir).tolist())
+        return {"rate": self.orbital_rate, **dict(zip(names, numbers, strict=True))}
+
+    def words(self, slides: bool = False) -> str:
+        """Return what it is in words."""
+        period = readable(2.0 * math.pi / self.orbital_rate, "s", 6)
+        rate = readable(self.orbital_rate, "rad/s", GIVEN if self.rate is not None else 6)
+        return f"gravity gradient of a circular orbit, {rate}, a revolution in {period}"

@@ -1,0 +1,130 @@
+"""A force and torque from outside on a link, over time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar, Literal
+
+from antenna_pin.elements.course import Swing
+from antenna_pin.elements.curve import Interpolation, check_covers, check_table, cubics, points_and_middles
+from antenna_pin.elements.on_links import AtPoint
+from antenna_pin.errors import InvalidParameterError
+from antenna_pin.parameters import parameter
+from antenna_pin.readable import GIVEN, number, readable
+
+__all__ = ["OutsideForce"]
+
+Numbers3 = tuple[float, float, float]
+_NONE = (0.0, 0.0, 0.0)
+CONSTANT, SINE, TABLE = range(3)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OutsideForce(Swing, AtPoint):
+    r"""A force at a point of a link, and a torque, from outside: directions and one course over time.
+
+    .. math:: (F, M)(t) = s \, c(t) \, (F_0, M_0), \quad
+              c(t) = 1, \ \sin(2 \pi f t + \varphi), \ \text{or of a table}
+
+    In the world's axes a direction stays, in the link's it turns with the link; the point goes with the link
+    in both. Courses of several directions are several forces. Drag and the pressure of the sun are forces at
+    the centre of pressure; a disturbance torque has no force.
+
+    Attributes:
+        at: A link, and a point in its frame [m].
+        force: F_0, (3,) [N].
+        torque: M_0, (3,) [N*m].
+        axes: Whether these two are in the axes of the ``link`` or of the ``world``.
+        value: s, what both are multiplied by [-]; what a controller commands.
+        frequency: f, of a course that swings [Hz]; None where nothing swings.
+        phase: varphi, of a course that swings, at t = 0 [rad].
+        file: Where a table came from, relative to the scenario's folder; None if given as numbers.
+        interpolation: Of a table, ``linear`` or ``cubic``, which is monotone between points: no overshoot.
+        time: Of a table, strictly increasing, at least two [s]. A run must lie within them.
+        factors: c of a table, one for each time [-].
+    """
+
+    kernels: ClassVar[str] = "outside_force_kernels"
+    columns: ClassVar[tuple[str, str]] = ("time", "factors")
+    commanded: ClassVar[str] = "value"
+
+    force: Numbers3 = parameter("N", sizes=(3,), default=_NONE)
+    torque: Numbers3 = parameter("N*m", sizes=(3,), default=_NONE)
+    axes: Literal["link", "world"] = "link"
+    value: float = parameter("1", default=1.0)
+    frequency: float | None = parameter("Hz", rule="positive", default=None)
+    phase: float = parameter("rad", default=0.0)
+    file: str | None = None
+    interpolation: Interpolation = "linear"
+    time: tuple[float, ...] | None = parameter("s", sizes=(0,), default=None, repr=False)
+    factors: tuple[float, ...] | None = parameter("1", sizes=(0,), default=None, repr=False)
+
+    def __post_init__(self) -> None:
+        """Check the parameters, and that it has one course and something to do."""
+        AtPoint.__post_init__(self)
+        if not any((*self.force, *self.torque)):
+            raise InvalidParameterError(self, "force", "other than zero, or torque", said="neither")
+        given = {"time": self.time, "factors": self.factors}
+        missing = [name for name, numbers in given.items() if numbers is None]
+        if len(missing) == 1:
+            (there,) = given.keys() - missing
+            raise InvalidParameterError(self, missing[0], f"given beside {there}", said="none")
+        if self.time is not None:
+            if self.frequency is not None:
+                rule = "left out beside a table: a force has one course; take a second force"
+                raise InvalidParameterError(self, "frequency", rule)
+            check_table(self, "factors")
+        if self.phase and self.frequency is None:
+            raise InvalidParameterError(self, "frequency", "given beside a phase", said="none")
+
+    @property
+    def instants(self) -> tuple[float, ...]:
+        """Points of its table, of cubics the middles between them too [s]."""
+        if self.time is None:
+            return ()
+        return self.time if self.interpolation == "linear" else points_and_middles(self.time)
+
+    def values(self) -> dict[str, Any]:
+        """Return its numbers, by the names that its record has for them."""
+        return {
+            "force": self.force,
+            "torque": self.torque,
+            "world": self.axes == "world",
+            "value": self.value,
+            "course": CONSTANT if self.frequency is None and self.time is None else self._course(),
+            "angular_frequency": self.angular_frequency,
+            "phase": self.phase,
+            "points": 0 if self.time is None else len(self.time),
+        }
+
+    def _course(self) -> int:
+        return SINE if self.time is None else TABLE
+
+    def tail(self) -> tuple[float, ...]:
+        """Return the curve through the points of its table."""
+        if self.time is None or self.factors is None:
+            return ()
+        return cubics(self.time, self.factors, self.interpolation)
+
+    def check_span(self, place: str, begin: float, end: float) -> None:
+        """Refuse a run that the table does not cover."""
+        if self.time is not None:
+            check_covers(self.time, place, begin, end)
+
+    def words(self, slides: bool = False) -> str:
+        """Return what it is in words."""
+        parts = [
+            f"{what} ({', '.join(readable(one, unit, GIVEN) for one in numbers)})"
+            for what, numbers, unit in (("force", self.force, "N"), ("torque", self.torque, "N m"))
+            if any(numbers)
+        ]
+        text = f"{' and '.join(parts)} on {self.at[0]}, axes of the {self.axes}"
+        if self.value != 1.0:
+            text += f", times {number(self.value, GIVEN)}"
+        if self.frequency is not None:
+            phase = f" + {self.said('phase', slides)}" if self.phase else ""
+            text += f", times sin(2π · {number(self.frequency, GIVEN)} Hz · t{phase})"
+        if self.time is not None:
+            where = "" if self.file is None else f" of {self.file}"
+            text += f", times a table{where} of {len(self.time)} points"
+        return text

@@ -1,0 +1,46 @@
+"""A force and torque from outside on a link, over time, compiled."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from antenna_pin._compile import inlined, record
+from antenna_pin.elements.curve_kernels import curve
+from antenna_pin.elements.desk_kernels import turned
+from antenna_pin.records import layout, words_of
+
+LAYOUT = layout(
+    ("force", "f8", (3,)),
+    ("torque", "f8", (3,)),
+    ("world", "i8"),
+    ("value", "f8"),
+    ("course", "i8"),
+    ("angular_frequency", "f8"),
+    ("phase", "f8"),
+    ("points", "i8"),
+)
+SIZE: Any = np.int64(words_of(LAYOUT))
+SINE, TABLE = 1, 2
+
+
+@inlined
+def act(words: Any, at: int, t: float, desk: Any) -> None:
+    """Write force and torque on the link."""
+    own = record(words[at : at + SIZE], LAYOUT)
+    value = own.value
+    if own.course == SINE:
+        value *= math.sin(own.angular_frequency * t + own.phase)
+    elif own.course == TABLE:
+        factor, _ = curve(words, at + SIZE, own.points, t)
+        value *= factor
+    link = desk[1][0]
+    f, m = own.force, own.torque
+    fx, fy, fz, mx, my, mz = f[0], f[1], f[2], m[0], m[1], m[2]
+    if own.world == 0:
+        fx, fy, fz = turned(link.rotation, fx, fy, fz)
+        mx, my, mz = turned(link.rotation, mx, my, mz)
+    link.force[0], link.force[1], link.force[2] = value * fx, value * fy, value * fz
+    link.torque[0], link.torque[1], link.torque[2] = value * mx, value * my, value * mz

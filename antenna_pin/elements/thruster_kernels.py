@@ -1,0 +1,35 @@
+"""A thruster, compiled."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from antenna_pin._compile import inlined, record
+from antenna_pin.elements.desk_kernels import turned
+from antenna_pin.records import layout, words_of
+
+LAYOUT = layout(
+    ("thrust", "f8"),
+    ("direction", "f8", (3,)),
+    ("firing", "f8"),
+    ("throttle", "f8"),
+    ("rise_time", "f8"),
+    ("fall_time", "f8"),
+)
+SIZE = words_of(LAYOUT)
+
+
+@inlined
+def act(words: Any, at: int, t: float, desk: Any) -> None:
+    """Write the force on the link, and the rate of its level if that follows."""
+    own = record(words[at : at + SIZE], LAYOUT)
+    level = 1.0 if own.firing != 0.0 else own.throttle
+    if own.rise_time > 0.0:
+        state = desk[3][0]
+        lacks = level - state.value
+        state.rate = lacks / (own.rise_time if lacks > 0.0 else own.fall_time)
+        level = state.value
+    force = level * own.thrust
+    link = desk[1][0]
+    x, y, z = turned(link.rotation, own.direction[0], own.direction[1], own.direction[2])
+    link.force[0], link.force[1], link.force[2] = force * x, force * y, force * z
