@@ -77,6 +77,8 @@ class ForceElement:
     integrals: ClassVar[tuple[Integral, ...]] = ()
     # Those of its integrals, the last ones, that its effort depends on; each is of size 1 by its unit.
     states: ClassVar[tuple[Integral, ...]] = ()
+    # The number that controllers and commands of a user's set while it runs; none of what takes no commands.
+    commanded: ClassVar[str] = ""
     # Parameters that say how it starts: no event sets them later.
     at_start: ClassVar[tuple[str, ...]] = ()
     # Whether a result has its torque over time, as it has that of all but springs.

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
         TouchingSpec,
     )
     from antenna_pin.scenario.closures import AnchorSpec, ClosureSpec, PlaceSpec
+    from antenna_pin.scenario.controllers import ControllerSpec, PidSpec, SensorSpec
     from antenna_pin.scenario.couplings import (
         COUPLING_SPECS,
         AnyCoupling,
@@ -77,6 +78,9 @@ _HOMES = {
     "DifferentialSpec": "couplings",
     "PlanetarySpec": "couplings",
     "RotorSpec": "rotors",
+    "ControllerSpec": "controllers",
+    "PidSpec": "controllers",
+    "SensorSpec": "controllers",
     "DRIVE_SPECS": "drives",
     "FAMILY_SPECS": "drives",
     "SPRING_SPECS": "drives",
@@ -145,7 +149,10 @@ __all__ = [
     "CouplingSpec",
     "DifferentialSpec",
     "PlanetarySpec",
+    "ControllerSpec",
+    "PidSpec",
     "RotorSpec",
+    "SensorSpec",
     "DriveSpec",
     "EventSpec",
     "FlexibleSpec",

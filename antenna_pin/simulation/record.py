@@ -19,6 +19,7 @@ from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.parts import Parts
 from antenna_pin.simulation.seen import Seen
 from antenna_pin.simulation.sources import SERIES, TOTALS, episodes_of, sizes_of
+from antenna_pin.simulation.tick_record import labels_of_ticks, values_of_ticks
 from antenna_pin.trajectory import ENDED_WELL, Outcome
 from antenna_pin.trajectory.columns import ROUND_OFF, first_not_finite
 from antenna_pin.trajectory.labelled import labelled
@@ -152,8 +153,9 @@ class Recording:
             **mechanism_attributes(self.run.system),
             **constraint_attributes(self.run, first.state, last.state, self._peaks["peak_residual"]),
         }
-        values = {**series, **self._totals, **self._peaks, **episodes_of(self.run)}
-        labels = self._labels | ({} if lean else {"time": series["time"]})
+        ticked = self.run.ticks.ticked
+        values = {**series, **self._totals, **self._peaks, **episodes_of(self.run), **values_of_ticks(ticked)}
+        labels = self._labels | labels_of_ticks(ticked, lean) | ({} if lean else {"time": series["time"]})
         free = self.run.system.mechanism.base == "free"
         return labelled(values, labels, attributes, free_base=free, lean=lean)
 

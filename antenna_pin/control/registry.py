@@ -1,0 +1,14 @@
+"""The controllers by the names that a scenario has for them. One enters by a line here."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Any
+
+from antenna_pin.control.pid import Pid
+
+__all__ = ["CONTROLLERS"]
+
+CONTROLLERS: Mapping[str, type[Any]] = MappingProxyType({"pid": Pid})
+"""Controllers by their ``kind`` in ``[controllers.NAME]``."""
