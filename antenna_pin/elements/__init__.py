@@ -19,6 +19,7 @@ from antenna_pin.elements.limits import Limits
 from antenna_pin.elements.maxwell_slip import MaxwellSlip
 from antenna_pin.elements.mesh import Gear, Spline
 from antenna_pin.elements.modal import Change, Met, Modal
+from antenna_pin.elements.motor import Motor
 from antenna_pin.elements.pd import PDController
 from antenna_pin.elements.point_spring import PointSpring
 from antenna_pin.elements.prescribed import CallableMotion, DistanceMotion, Motion, PrescribedMotion
@@ -81,6 +82,7 @@ __all__ = [
     "Met",
     "Modal",
     "Motion",
+    "Motor",
     "Outside",
     "PDController",
     "Point",

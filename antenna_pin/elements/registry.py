@@ -24,6 +24,7 @@ from antenna_pin.elements.joint_friction import JointFriction
 from antenna_pin.elements.latch import Latch
 from antenna_pin.elements.maxwell_slip import MaxwellSlip
 from antenna_pin.elements.mesh import Gear, Spline
+from antenna_pin.elements.motor import Motor
 from antenna_pin.elements.pd import PDController
 from antenna_pin.elements.point_spring import PointSpring
 from antenna_pin.elements.prescribed import CallableMotion, DistanceMotion, PrescribedMotion
@@ -61,6 +62,7 @@ DRIVES: Mapping[str, type[Element]] = MappingProxyType(
         "pd": PDController,
         "motion": PrescribedMotion,
         "distance": DistanceMotion,
+        "motor": Motor,
     }
 )
 """Drives by their ``kind`` in ``[drives.NAME]``."""
