@@ -71,7 +71,7 @@ class Pid(Controller):
         phase: The first instant [s].
         delay: From an instant until its command is written [s].
         delay_periods: The same in periods [-].
-        measures: What it measures (:class:`Measure`), as ``angle hinge``; if not given, the angle of the
+        measures: What it measures, as ``angle hinge``; if not given, the angle of the
             joint that it acts on.
         kp: K_p, command per measured unit, in SI units.
         ki: K_i, command per measured unit and second.
@@ -84,7 +84,8 @@ class Pid(Controller):
         lower: Least command; none if not given.
         upper: Largest command; none if not given.
         slew: Largest change of the command a second; none if not given.
-        reference: r, a number, or in Python a function of time that gives value, rate and acceleration.
+        reference: r, a number, in a file also text with a unit of what is measured; in Python also a function
+            of time that gives value, rate and acceleration.
         feedforward: f: a constant part of the command.
         feedforward_rate: Part of the command per rate of the reference.
         feedforward_acceleration: Part of the command per acceleration of the reference.

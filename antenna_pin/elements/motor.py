@@ -22,17 +22,17 @@ class Motor(Drive):
 
     .. math:: \tau = n (K_t i - T_c \sin(c n \phi + \psi)), \quad L \dot i = U - R i - K_e n \dot\phi
 
-    Without an inductance the current follows at once. Its rotor's inertia is that of a ``[rotors]`` table. The
-    driver puts on the voltage that is commanded, within its limit; a current beyond its own limit it does not
-    drive: U lies within :math:`K_e n \dot\phi \pm R i_{max}`, so that the current never comes to more. Where
-    the current is commanded, it is the voltage that this takes, U = R i + K_e n \dot\phi, that is limited.
-    Where a limit begins to hold there is a kink; steps end there.
+    Without an inductance the current follows at once. Its rotor's inertia is that of a ``[rotors]`` table.
+    The driver puts on the voltage that is commanded, within its limit; a current beyond its own limit it does
+    not drive: U lies within :math:`K_e n \dot\phi \pm R i_{max}`, so that the current never comes to more.
+    Where the current is commanded, it is the voltage which this takes, :math:`R i + K_e n \dot\phi`, that is
+    limited. Where a limit begins to hold there is a kink; steps end there.
 
     Its work is that on the joint, without the cogging, whose energy is stored,
-    :math:`-(T_c / c) \cos(c n \phi + \psi)`. What it takes from its supply, :math:`\int U i`, and the heat of
-    the winding, :math:`\int R i^2`, are results of their own: less the heat and :math:`L i^2 / 2` the first is
-    the work if both constants are one, as they are in SI units. Switched off it does nothing at the joint, and
-    its circuit goes on as if that stood still.
+    :math:`-(T_c / c) \cos(c n \phi + \psi)`. What it takes from its supply, :math:`\int U i`, and the heat
+    of the winding, :math:`\int R i^2`, are results of their own: less the heat and :math:`L i^2 / 2` the
+    first is the work if both constants are one, as they are in SI units. Switched off it does nothing at the
+    joint, and its circuit goes on as if that stood still.
 
     Attributes:
         value: What is commanded: voltage [V] or current [A], by ``mode``.

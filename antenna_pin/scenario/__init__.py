@@ -25,7 +25,14 @@ if TYPE_CHECKING:
         TouchingSpec,
     )
     from antenna_pin.scenario.closures import AnchorSpec, ClosureSpec, PlaceSpec
-    from antenna_pin.scenario.controllers import ControllerSpec, PidSpec, SensorSpec
+    from antenna_pin.scenario.controllers import (
+        AttitudeSpec,
+        BangBangSpec,
+        ControllerSpec,
+        PidSpec,
+        SensorSpec,
+        StateFeedbackSpec,
+    )
     from antenna_pin.scenario.couplings import (
         COUPLING_SPECS,
         AnyCoupling,
@@ -79,6 +86,9 @@ _HOMES = {
     "PlanetarySpec": "couplings",
     "RotorSpec": "rotors",
     "ControllerSpec": "controllers",
+    "AttitudeSpec": "controllers",
+    "BangBangSpec": "controllers",
+    "StateFeedbackSpec": "controllers",
     "PidSpec": "controllers",
     "SensorSpec": "controllers",
     "DRIVE_SPECS": "drives",
@@ -149,8 +159,11 @@ __all__ = [
     "CouplingSpec",
     "DifferentialSpec",
     "PlanetarySpec",
+    "AttitudeSpec",
+    "BangBangSpec",
     "ControllerSpec",
     "PidSpec",
+    "StateFeedbackSpec",
     "RotorSpec",
     "SensorSpec",
     "DriveSpec",

@@ -2,19 +2,35 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any, ClassVar, Literal
+from collections.abc import Iterator, Mapping
+from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import model_validator
+from pydantic import BeforeValidator, model_validator
 
-from antenna_pin.control import CONTROLLERS, Pid, Sensor
+from antenna_pin.control import (
+    CONTROLLERS,
+    AttitudeFeedback,
+    BangBang,
+    Matrix,
+    Pid,
+    Sensor,
+    StateFeedback,
+)
 from antenna_pin.scenario._base import read_quantity, refuse
 from antenna_pin.scenario._explained import TAGGED
 from antenna_pin.scenario._joint import Motion
 from antenna_pin.scenario._made import MadeSpec, reads
-from antenna_pin.units import matching_unit
+from antenna_pin.units import matching_unit, shown
 
-__all__ = ["ControllerSpec", "PidSpec", "SensorSpec"]
+__all__ = [
+    "AttitudeSpec",
+    "BangBangSpec",
+    "ControllerSpec",
+    "PidSpec",
+    "SensorSpec",
+    "StateFeedbackSpec",
+    "check_commands",
+]
 
 # Units of what is measured, by its kind; of a joint that turns, and that slides.
 _UNITS: Mapping[str, tuple[str, ...]] = {
@@ -67,7 +83,62 @@ class PidSpec(_Pid):
     """A sampled PID controller."""
 
 
-ControllerSpec = PidSpec
+def _matrix(value: object) -> object:
+    """Read rows of numbers."""
+    if not isinstance(value, list | tuple) or not all(isinstance(row, list | tuple) for row in value):
+        refuse(f"must be rows of numbers, as [[1, 2], [3, 4]], got {shown(value)}", value=value)
+    return tuple(
+        tuple(read_quantity(entry, "1", "", i, j) for j, entry in enumerate(row))
+        for i, row in enumerate(value)
+    )
+
+
+_Rows = Annotated[Matrix, BeforeValidator(_matrix)] | None
+
+
+class _StateFeedback(MadeSpec):
+    kind: Literal["state-feedback"]
+
+    motion: ClassVar[None] = None
+
+
+@reads(
+    StateFeedback,
+    without=("state",),
+    sensors=tuple[SensorSpec, ...],
+    gain=_Rows,
+    a=_Rows,
+    b=_Rows,
+    c=_Rows,
+    g=_Rows,
+)
+class StateFeedbackSpec(_StateFeedback):
+    """A sampled controller that feeds back what it measures by matrices."""
+
+
+class _Attitude(MadeSpec):
+    kind: Literal["attitude"]
+
+    motion: ClassVar[None] = None
+
+
+@reads(AttitudeFeedback)
+class AttitudeSpec(_Attitude):
+    """Feedback of the base's quaternion and rate, by wheels."""
+
+
+class _BangBang(MadeSpec):
+    kind: Literal["bang-bang"]
+
+    motion: ClassVar[None] = None
+
+
+@reads(BangBang, without=("state",), sensor=SensorSpec, rate_sensor=SensorSpec)
+class BangBangSpec(_BangBang):
+    """A sampled controller that is on, off or on the other way, by a line in the plane of angle and rate."""
+
+
+ControllerSpec = PidSpec | StateFeedbackSpec | AttitudeSpec | BangBangSpec
 """A controller; ``kind`` says which class it is."""
 
 TAGGED["controllers"] = tuple(CONTROLLERS)
@@ -89,13 +160,22 @@ def check_commands(controllers: Mapping[str, Any], families: Mapping[str, Mappin
     ]
     names = [name for name in known if "." not in name]
     for name, table in controllers.items():
-        for command in table.build().commands:
+        for key, command in _commanded(table):
             if command not in known:
                 said = ", ".join(names) if names else "none here: give a drive of kind constant"
                 refuse(
                     f"must be of what takes commands ({said}), got {command!r}",
                     "controllers",
                     name,
-                    "acts_on",
+                    key,
                     value=command,
                 )
+
+
+def _commanded(table: Any) -> Iterator[tuple[str, str]]:
+    """Yield what a table commands, each behind the key that names it."""
+    for key in ("acts_on", "positive", "negative"):
+        given = getattr(table, key, ())
+        for name in (given,) if isinstance(given, str) else given:
+            if name:
+                yield key, name

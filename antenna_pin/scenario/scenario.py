@@ -94,7 +94,9 @@ class Scenario(FamilyTables):
     drives: dict[str, Annotated[DriveSpec, Field(discriminator="kind")]] = Field(default_factory=dict)
     springs: dict[str, Annotated[AnySpring, Field(discriminator="kind")]] = Field(default_factory=dict)
     events: dict[str, Annotated[EventSpec, Field(discriminator="kind")]] = Field(default_factory=dict)
-    controllers: dict[str, ControllerSpec] = Field(default_factory=dict)
+    controllers: dict[str, Annotated[ControllerSpec, Field(discriminator="kind")]] = Field(
+        default_factory=dict
+    )
     initial: InitialSpec = Field(default_factory=InitialSpec)
     integrator: IntegratorSpec = Field(default_factory=IntegratorSpec)
     output: OutputSpec = Field(default_factory=OutputSpec)
@@ -221,7 +223,7 @@ class Scenario(FamilyTables):
         for table, specs in FAMILY_SPECS.items():
             _check_choice(done, table, "kind", tuple(specs.values()))
         _check_choice(done, "events", "kind", get_args(EventSpec))
-        _check_choice(done, "controllers", "kind", get_args(ControllerSpec) or (ControllerSpec,))
+        _check_choice(done, "controllers", "kind", get_args(ControllerSpec))
         return done
 
     @model_validator(mode="after")
