@@ -85,6 +85,8 @@ class StateFeedback(Controller):
         n = 0 if self.a is None else len(self.a)
         if self.gain is None and self.a is None:
             raise InvalidParameterError(self, "gain", "given, or a, b and c", None)
+        if self.g is not None and self.a is None:
+            raise InvalidParameterError(self, "g", "left out without a", self.g)
         shapes = {"gain": (m, p), "a": (n, n), "b": (n, p), "c": (m, n), "g": (n, m)}
         for name, shape in shapes.items():
             given = getattr(self, name)
@@ -93,8 +95,6 @@ class StateFeedback(Controller):
                 raise InvalidParameterError(self, name, rule, given)
             if name in ("b", "c") and (given is None) != (self.a is None):
                 raise InvalidParameterError(self, name, "given beside a, and only there", given)
-        if self.g is not None and self.a is None:
-            raise InvalidParameterError(self, "g", "left out without a", self.g)
         for name, size in (
             ("start", n),
             ("reference", p),

@@ -121,7 +121,6 @@ class Run:
         self.actions.begin()
         self.stepper.refresh()
         self.watch.renew()
-        self.tick()
         self.samples.add(0.0, y.copy())
         self.following = self.control.first
 
@@ -178,6 +177,7 @@ class Run:
         report = Reporter(progress, self.duration, self.wall)
         with self.oversight.listening(self._stop):
             self.oversight.begin(self.stepper.t, self.here, self.steps.so_far(self.wall))
+            self.tick()
             while self.stepper.t < self.duration and self.outcome is Outcome.COMPLETED:
                 self._step()
                 self.wall = report.wall

@@ -45,6 +45,5 @@ def take_up(run: Any, state: State) -> None:
     run.watch.take_up(state.events, state.time)
     run.watch.renew()
     run.ticks.take_up(state.controllers, state.reached)
-    run.tick()
     if state.time == state.reached:
         run.samples.add(state.time, state.y)

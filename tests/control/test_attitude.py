@@ -1,11 +1,11 @@
-"""Attitude of a free base: wheels against the linear loop and the way back; on and off against limit cycles."""
+"""Attitude of a free base by wheels against the linear loop; on and off against limit cycles."""
 
 import dataclasses
 import math
 
 import numpy as np
 import pytest
-from test_pid import rig
+from wheel import rig
 
 from antenna_pin import RunSettings, System, Urdf, build_mechanism, simulate
 from antenna_pin.control import AttitudeFeedback, BangBang
@@ -17,7 +17,8 @@ AXES = {"wheel_x": (1, 0, 0), "wheel_y": (0, 1, 0), "wheel_z": (0, 0, 1), "wheel
 _WHEEL = """
   <link name="{0}_link"><inertial><mass value="0.1"/>
     <inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial></link>
-  <joint name="{0}" type="continuous"><parent link="bus"/><child link="{0}_link"/><axis xyz="{1} {2} {3}"/></joint>
+  <joint name="{0}" type="continuous">
+    <parent link="bus"/><child link="{0}_link"/><axis xyz="{1} {2} {3}"/></joint>
 """
 
 
@@ -156,7 +157,7 @@ def test_a_relay_with_hysteresis_and_a_delay_has_its_limit_cycle():
     """Of a double integrator with a rate that counts: the amplitude that the describing function also gives.
 
     The line s = -(y + T w) passes -h and h; switching there with u = -M sgn, on a cycle of half period P the
-    rate swings by w = M P / (2 I), and the angle at a switch is zero by symmetry: T w = h, so P = 2 I h / (M T).
+    rate swings by w = M P / (2 I), and the angle at a switch is zero by symmetry: T w = h, P = 2 I h / (M T).
     """
     h, slope = 0.02, 0.5
     loop = dataclasses.replace(RELAY, measures_rate="rate joint", slope=slope, hysteresis=h, period=1e-3)

@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
-from test_pid import PERIOD, ROUND_OFF, WHEEL, rig
+from wheel import PERIOD, ROUND_OFF, WHEEL, rig
 
 from antenna_pin import RunSettings, simulate
 from antenna_pin.control import Sensor, StateFeedback
