@@ -6,6 +6,7 @@ import dataclasses
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Literal
 
 from antenna_pin.answers import check_takes
@@ -151,7 +152,7 @@ class Pid(Controller):
         """What it commands."""
         return (self.acts_on,)
 
-    @property
+    @cached_property
     def measured(self) -> tuple[Measure, ...]:
         """What it measures; nothing yet where that is left to the joint that it acts on."""
         if not self.measures:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 
 from antenna_pin.arguments import takes
 from antenna_pin.control.controller import Controller, Now
@@ -104,7 +105,7 @@ class BangBang(Controller):
         """What it commands."""
         return (self.acts_on,) if self.acts_on else (*self.positive, *self.negative)
 
-    @property
+    @cached_property
     def measured(self) -> tuple[Measure, ...]:
         """What it measures."""
         rate = [Measure.read(self, "measures_rate", self.measures_rate)] if self.measures_rate else []

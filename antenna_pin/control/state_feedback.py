@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -133,7 +134,7 @@ class StateFeedback(Controller):
         """What it notes: what it measures, and whether limits hold a command."""
         return (*self.measures, "saturated")
 
-    @property
+    @cached_property
     def measured(self) -> tuple[Measure, ...]:
         """What it measures."""
         return tuple(Measure.read(self, "measures", text) for text in self.measures)

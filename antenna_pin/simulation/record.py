@@ -16,6 +16,7 @@ from antenna_pin.simulation.blocks import blocks_of, count_of
 from antenna_pin.simulation.carried import mechanism_attributes
 from antenna_pin.simulation.held import constraint_attributes
 from antenna_pin.simulation.loop import Run
+from antenna_pin.simulation.motors import motors_of
 from antenna_pin.simulation.parts import Parts
 from antenna_pin.simulation.seen import Seen
 from antenna_pin.simulation.sources import SERIES, TOTALS, episodes_of, sizes_of
@@ -201,6 +202,7 @@ def _labels(seen: Seen) -> dict[str, Any]:
         ("drive", list(system.drives)),
         ("controller", [name for name, drive in system.drives.items() if drive.tracks]),
         ("motion", [name for name, drive in system.drives.items() if isinstance(drive, Motion)]),
+        ("motor", motors_of(seen)),
         ("spring", [name for name in system.springs if name not in system.elastic]),
         ("element", [f"{table}.{name}" for table in system.others for name in system.families[table]]),
         ("traced_spring", list(system.traced)),

@@ -101,6 +101,7 @@ def _labels(data: xr.Dataset) -> Iterator[str]:
         ("contact_joint", "clearance_joint"),
         ("controller", "drive"),
         ("motion", "drive"),
+        ("motor", "drive"),
         ("traced_spring", "spring"),
     ):
         unknown = set(names_along(data, inner)) - set(names_along(data, outer))

@@ -34,6 +34,7 @@ DIMENSIONS: dict[str, str] = {
     "drive": "drives, by name",
     "controller": "drives that follow a reference, by name",
     "motion": "drives that prescribe their joint's motion, by name",
+    "motor": "drives that are motors, by name",
     "spring": "springs and dampers, and friction of joints, by name",
     "traced_spring": "those of them at joints that have a table, hysteresis, or a constant torque",
     "element": "elements of further families (stops, latches, bearings), by family and name",
@@ -97,6 +98,12 @@ _STATES: tuple[Variable, ...] = (
     *_rows(
         "derivative: time drive",
         ("drive_torque", "N m", "torque of the drive (a force [N] if it slides)"),
+    ),
+    *_rows(
+        "derivative: time motor",
+        ("motor_current", "A", "current of the winding"),
+        ("motor_electric_energy", "J", "energy from the supply since the start"),
+        ("motor_heat", "J", "heat of the winding since the start", _TOTAL),
     ),
     *_rows(
         "derivative: time controller",
