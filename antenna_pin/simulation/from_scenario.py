@@ -22,7 +22,7 @@ from antenna_pin.simulation.events import (
     Time,
 )
 
-__all__ = ["both", "controllers_of", "events_of"]
+__all__ = ["both", "check_without_controllers", "controllers_of", "events_of"]
 
 _DIRECTIONS: dict[str, Literal[-1, 0, 1]] = {"both": 0, "rising": 1, "falling": -1}
 
@@ -57,6 +57,17 @@ def both(own: Mapping[str, Controller], given: Mapping[str, Controller]) -> dict
             rule = f"of other names than the scenario's own, {', '.join(own)}"
             raise InvalidParameterError("simulate", "controllers", rule, name)
     return {**own, **given}
+
+
+def check_without_controllers(place: str, scenario: Scenario) -> None:
+    """Refuse a scenario with controllers, where a state must be all that the motion after it depends on.
+
+    Raises:
+        InvalidParameterError: It has some.
+    """
+    if scenario.controllers:
+        rule = "without [controllers], whose memory is no part of its states; have a pd drive follow a course"
+        raise InvalidParameterError(place, "scenario", rule, said=", ".join(scenario.controllers))
 
 
 # What is looked for, by the kind of an event's table.

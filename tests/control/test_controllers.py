@@ -130,6 +130,19 @@ def test_a_run_works_on_a_copy():
     assert one.state == {"asked": 0}
 
 
+def test_it_is_what_events_would_set():
+    """The same commands, set at the same instants, are the same motion bit for bit."""
+    asked = run_of(KINDS["one period late"], duration=0.2)
+    commands = asked.data.tick_signal.sel(signal="loop.command motor").values
+    events = [
+        Event(name=f"{k}", when=Time(float(time) + PERIOD), action=Set("drives.motor.value", float(torque)))
+        for k, (time, torque) in enumerate(zip(asked.data.tick_time.values, commands, strict=True))
+    ]
+    done = simulate(rig(), duration=0.2, events=events, settings=RunSettings(output_rate=1.0 / PERIOD))
+    # Time and period are added here in binary numbers: up to an ulp of time apart.
+    assert done.data.q.values == pytest.approx(asked.data.q.values, abs=1e-15)
+
+
 # --- parts of runs ----------------------------------------------------------------------------------------
 
 NOISY = dataclasses.replace(
