@@ -177,7 +177,7 @@ class State(_Value):
             content["contacts"] = tuple(_open_contact(one) for one in content["contacts"])
             content["events"] = tuple(EventMemory(**one) for one in content["events"])
             content["adjusted"] = tuple((str(place), float(value)) for place, value in content["adjusted"])
-            content["controllers"] = tuple(map(_controller_memory, content["controllers"]))
+            content["controllers"] = tuple(map(_controller_memory, content.get("controllers", ())))
             return cls(**content)
         except (KeyError, TypeError, ValueError, AttributeError) as error:
             raise FileFormatError(f"state: must be one that a run wrote, got text with {error!r}") from None
