@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from antenna_pin.brief import brief
 from antenna_pin.errors import FileFormatError
 
-__all__ = ["EventMemory", "OpenContact", "State"]
+__all__ = ["ControllerMemory", "EventMemory", "OpenContact", "State"]
 
 Array = NDArray[np.float64]
 
@@ -90,6 +90,23 @@ class EventMemory(_Value):
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class ControllerMemory(_Value):
+    """What a controller remembers.
+
+    Attributes:
+        name: Its name.
+        tick: Number of its next instant.
+        queue: What it has commanded that is not yet written: number of the instant, commands by name.
+        state: Its own, as text (:func:`antenna_pin.control.kept`).
+    """
+
+    name: str
+    tick: int
+    queue: tuple[tuple[int, tuple[tuple[str, float], ...]], ...]
+    state: str
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class State(_Value):
     """A state that a run can start from: compared bit for bit, pickled, stored as text.
 
@@ -113,7 +130,8 @@ class State(_Value):
         sizes: Step sizes by pattern of touching contacts, (ones and zeros, [s]).
         changed: Of each contact, how often it has changed at this very instant.
         events: What the run's events remember.
-        adjusted: Numbers of drives and springs that events have changed: (place, value).
+        adjusted: Numbers of drives and springs that events and controllers have changed: (place, value).
+        controllers: What the run's controllers remember.
     """
 
     __repr__ = brief
@@ -131,6 +149,7 @@ class State(_Value):
     changed: tuple[int, ...]
     events: tuple[EventMemory, ...] = ()
     adjusted: tuple[tuple[str, float], ...] = ()
+    controllers: tuple[ControllerMemory, ...] = ()
 
     @property
     def y(self) -> Array:
@@ -158,9 +177,18 @@ class State(_Value):
             content["contacts"] = tuple(_open_contact(one) for one in content["contacts"])
             content["events"] = tuple(EventMemory(**one) for one in content["events"])
             content["adjusted"] = tuple((str(place), float(value)) for place, value in content["adjusted"])
+            content["controllers"] = tuple(map(_controller_memory, content.get("controllers", ())))
             return cls(**content)
         except (KeyError, TypeError, ValueError, AttributeError) as error:
             raise FileFormatError(f"state: must be one that a run wrote, got text with {error!r}") from None
+
+
+def _controller_memory(content: dict[str, Any]) -> ControllerMemory:
+    queue = tuple(
+        (int(tick), tuple((str(name), float(value)) for name, value in commands))
+        for tick, commands in content["queue"]
+    )
+    return ControllerMemory(**{**content, "queue": queue})
 
 
 def _open_contact(content: dict[str, Any]) -> OpenContact:

@@ -34,6 +34,7 @@ from antenna_pin.scenario import (
     ClearanceSpec,
     ClosureSpec,
     ContactClearance,
+    ControllerSpec,
     CouplingSpec,
     DifferentialSpec,
     ForceEvent,
@@ -59,6 +60,7 @@ from antenna_pin.scenario import (
     RotorSpec,
     ScalesSpec,
     Scenario,
+    SensorSpec,
     ShapeSpec,
     TimeEvent,
 )
@@ -186,6 +188,36 @@ def clearance_rows() -> list[str]:
         first = next((cls for cls in classes if cls.model_fields[name].is_required()), ContactClearance)
         lines += rows(first, name, required=f"required for {', '.join(needing)}")
     return lines
+
+
+# What is said of each kind of controller.
+_CONTROLLERS = {
+    "pid": "u = kp e + I + D + f, limited in rate, then in size ([more](control.md#pid)).",
+    "state-feedback": "u = f - K (y - r) + C z with z' = A z + B (y - r) + G u "
+    "([more](control.md#state-feedback)).",
+    "attitude": "The base's quaternion and rate, by wheels ([more](control.md#attitude)).",
+    "bang-bang": "On, off, or on the other way ([more](control.md#bang-bang)).",
+}
+
+
+def controller_sections() -> list[str]:
+    """Return the tables of controllers, kind by kind, and that of their sensors."""
+    kinds = ", ".join(f"`{kind}`" for kind in _CONTROLLERS)
+    first = "Measures and commands at instants of its own, phase + k period ([more](control.md))."
+    found = [section("[controllers.NAME]", [f"| `kind` | {kinds} | required | What it is |"], first)]
+    for spec in get_args(ControllerSpec):
+        (kind,) = get_args(spec.model_fields["kind"].annotation)
+        left = ("kind", "motion", "sensor", "rate_sensor", "sensors")
+        found.append(section(f"[controllers.NAME], {kind}", rows(spec, without=left), _CONTROLLERS[kind]))
+    title = "[controllers.NAME.sensor], [controllers.NAME.rate_sensor], [[controllers.NAME.sensors]]"
+    return [
+        *found,
+        section(
+            title,
+            rows(SensorSpec),
+            "Of `pid` and `bang-bang` one each; of `state-feedback` one for each measure, or one for all.",
+        ),
+    ]
 
 
 def drive_rows() -> list[str]:
@@ -425,6 +457,7 @@ def scenario_table() -> str:
             "Looked for in every step, located to round-off, recorded with a sample of the state"
             " ([more](python.md#events)).",
         ),
+        *controller_sections(),
         section(
             "[initial.joints.JOINT]",
             rows(InitialJointSpec, without=("motion",)),

@@ -15,7 +15,8 @@ from antenna_pin.assemble.places import check_known, check_motion
 from antenna_pin.assemble.rotors import armature_of
 from antenna_pin.assemble.shaken import among_others
 from antenna_pin.assemble.variant import as_written, types_as_written, variant_and_parts
-from antenna_pin.dynamics import HeldKind, System
+from antenna_pin.control import measures_of
+from antenna_pin.dynamics import HeldKind, System, settled
 from antenna_pin.errors import NotSimulatedWarning
 from antenna_pin.mechanism import Urdf, WrittenUrdf, build_mechanism
 from antenna_pin.scenario import AngleEvent, ForceEvent, GapEvent, RateEvent, Scenario
@@ -75,6 +76,7 @@ def build_system(scenario: Scenario) -> System:
         elastic=by_name(scenario, parts),
     )
     _check_events(scenario, system)
+    _check_controllers(scenario, system)
     return system
 
 
@@ -101,3 +103,17 @@ def _check_events(scenario: Scenario, system: System) -> None:
             check_motion(scenario, system.mechanism.joint(spec.joint), spec.motion, *place)
         elif isinstance(spec, GapEvent | ForceEvent):
             check_known(scenario, [spec.contact], "contact", system.contact_names, *place, "contact")
+
+
+def _check_controllers(scenario: Scenario, system: System) -> None:
+    """Refuse controllers that measure at joints and contacts that there are not, or in other units."""
+    own = {name: spec.build() for name, spec in scenario.controllers.items()}
+    for name, one in settled(own, system).items():
+        place, spec = ("controllers", name), scenario.controllers[name]
+        for measure in measures_of(one):
+            if measure.of == "joint":
+                joints = system.mechanism.joints
+                check_known(scenario, [measure.name], "moving joint", joints, *place, "measures")
+                check_motion(scenario, system.mechanism.joint(measure.name), spec.motion, *place)
+            elif measure.of == "contact":
+                check_known(scenario, [measure.name], "contact", system.contact_names, *place, "measures")

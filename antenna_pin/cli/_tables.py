@@ -70,6 +70,8 @@ _ENTRIES = {
     "refusals": ("refusals", ""),
     "last_capture": ("last capture", "s"),
     "let_go": ("let go", ""),
+    "ticks": ("instants", ""),
+    "saturated": ("instants at limits", ""),
     "element_loss": ("energy lost", "J"),
     "elastic_loss": ("energy lost in the damper", "J"),
 }

@@ -1,6 +1,7 @@
 """Free-floating equations of motion, joints held by constraint, force elements, audits."""
 
 from antenna_pin.dynamics.acting import acting_in, check_begins
+from antenna_pin.dynamics.actuators import actuators_of, settled
 from antenna_pin.dynamics.adjust import Adjustments, first_modes, joints_held, modes_in_another, modes_kept
 from antenna_pin.dynamics.assembly import (
     BASE,
@@ -35,6 +36,8 @@ from antenna_pin.elements import (
 )
 
 __all__ = [
+    "actuators_of",
+    "settled",
     "BASE",
     "Adjustments",
     "first_modes",

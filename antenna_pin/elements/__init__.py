@@ -22,6 +22,7 @@ from antenna_pin.elements.limits import Limits
 from antenna_pin.elements.maxwell_slip import MaxwellSlip
 from antenna_pin.elements.mesh import Gear, Rack, Spline
 from antenna_pin.elements.modal import Change, Met, Modal, ModalElement
+from antenna_pin.elements.motor import Motor
 from antenna_pin.elements.on_links import AtPoint, OnLinks
 from antenna_pin.elements.outside_force import OutsideForce
 from antenna_pin.elements.pd import PDController
@@ -118,6 +119,7 @@ __all__ = [
     "ModalElement",
     "Motion",
     "OnLinks",
+    "Motor",
     "Outside",
     "OutsideForce",
     "PDController",

@@ -26,6 +26,7 @@ from antenna_pin.elements.joint_friction import JointFriction
 from antenna_pin.elements.latch import Latch
 from antenna_pin.elements.maxwell_slip import MaxwellSlip
 from antenna_pin.elements.mesh import Gear, Rack, Spline
+from antenna_pin.elements.motor import Motor
 from antenna_pin.elements.outside_force import OutsideForce
 from antenna_pin.elements.pd import PDController
 from antenna_pin.elements.point_spring import PointSpring
@@ -72,6 +73,7 @@ DRIVES: Mapping[str, type[Element]] = MappingProxyType(
         "pd": PDController,
         "motion": PrescribedMotion,
         "distance": DistanceMotion,
+        "motor": Motor,
     }
 )
 """Drives by their ``kind`` in ``[drives.NAME]``."""

@@ -43,7 +43,7 @@ class Pace:
     ) -> None:
         """Begin without instants."""
         self.numbers = np.zeros(1, kernels.PACE)
-        self.breaks = np.zeros(0)
+        self.breaks = self._given = np.zeros(0)
         given: dict[str, Any] = {"adaptive": adaptive, "power": power, "step": step, "least": least}
         given |= {"end": end, "integral": control[0], "proportional": control[1]}
         for name, value in given.items():
@@ -53,7 +53,22 @@ class Pace:
     def end_at(self, instants: Iterable[float]) -> None:
         """Let steps end at further instants [s]."""
         end = float(self.numbers["end"][0])
-        self.breaks = np.array(sorted({*self.breaks.tolist(), *(t for t in instants if 0.0 < t < end)}))
+        self.breaks = np.array(sorted({*self._given.tolist(), *(t for t in instants if 0.0 < t < end)}))
+        self.numbers["next"] = 0
+        self._given = self.breaks
+
+    def end_next_at(self, here: float, instant: float) -> None:
+        """Let a step end at an instant of a series, beside those given, in place of the last one named so.
+
+        Args:
+            here: Where steps begin [s].
+            instant: When; infinity for none any more [s].
+        """
+        if instant < float(self.numbers["end"][0]):
+            first, last = np.searchsorted(self._given, [here, instant], side="right")
+            self.breaks = np.append(self._given[first:last], instant)
+        else:
+            self.breaks = self._given
         self.numbers["next"] = 0
 
 

@@ -22,7 +22,7 @@ from antenna_pin.records import memory_records
 from antenna_pin.scenario import Scenario
 from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.events import Event
-from antenna_pin.simulation.from_scenario import events_of
+from antenna_pin.simulation.from_scenario import check_without_controllers, events_of
 from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.run import settings_of, simulate
 from antenna_pin.state import State
@@ -299,6 +299,7 @@ def flow_of(
     if rtol is not None and not 0.0 < rtol <= _COARSEST:
         rule = f"above 0 and at most {_COARSEST:g}: derivatives are good to a hundred times it"
         raise InvalidParameterError("flow", "rtol", rule, rtol)
+    check_without_controllers("flow", scenario)
     system = build_system(scenario)
     own = settings_of(scenario)
     if settings is None:

@@ -16,7 +16,7 @@ from antenna_pin.errors import InvalidParameterError
 from antenna_pin.nonlinear.surfaces import Crossing, Section, Stroboscope
 from antenna_pin.scenario import Scenario
 from antenna_pin.simulation import Event, Progress, simulate
-from antenna_pin.simulation.from_scenario import events_of
+from antenna_pin.simulation.from_scenario import check_without_controllers, events_of
 from antenna_pin.simulation.run import settings_of
 from antenna_pin.state import State
 from antenna_pin.trajectory import Outcome, Trajectory
@@ -103,6 +103,7 @@ class Returns:
         if not math.isnan(self.period):
             begin = 0.0 if start is None else start.reached
             self._settings.check_long_enough("section", "period", self.period, begin)
+        check_without_controllers("section", scenario)
         own = events_of(scenario)
         self._event = "section"
         while any(event.name == self._event for event in own):

@@ -102,6 +102,7 @@ def _words(run: ReportedRun) -> Iterator[tuple[str, Words]]:
     yield "Flexible links", dict(words_of_flexible(run))
     if scenario is not None:
         yield "Clearance", dict(words_of_clearances(scenario))
+        yield "Controllers", {name: _controller(table) for name, table in scenario.controllers.items()}
         yield (
             "Drives and springs",
             dict(
@@ -129,6 +130,14 @@ def _words(run: ReportedRun) -> Iterator[tuple[str, Words]]:
     yield "Contact and friction", dict(words_of_laws(run))
     yield "Start", dict(_start(run, mechanism))
     yield "Computation", dict(_computation(run))
+
+
+def _controller(table: Any) -> str:
+    """Return what a controller is in words, and when it is asked."""
+    own = table.build()
+    late = f", {own.delay:g} s late" if own.delay else ""
+    late = f", {own.delay_periods:g} periods late" if own.delay_periods else late
+    return f"{own.words()}, every {own.period:g} s{late}, commands {', '.join(own.commands)}"
 
 
 def _vector(values: Sequence[float] | np.ndarray, unit: str = "1", digits: int = 5) -> str:

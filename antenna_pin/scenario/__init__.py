@@ -25,6 +25,14 @@ if TYPE_CHECKING:
         TouchingSpec,
     )
     from antenna_pin.scenario.closures import AnchorSpec, ClosureSpec, PlaceSpec
+    from antenna_pin.scenario.controllers import (
+        AttitudeSpec,
+        BangBangSpec,
+        ControllerSpec,
+        PidSpec,
+        SensorSpec,
+        StateFeedbackSpec,
+    )
     from antenna_pin.scenario.couplings import (
         COUPLING_SPECS,
         AnyCoupling,
@@ -82,6 +90,12 @@ _HOMES = {
     "REFERENCE_SPECS": "references",
     "ReferenceSpec": "references",
     "RotorSpec": "rotors",
+    "ControllerSpec": "controllers",
+    "AttitudeSpec": "controllers",
+    "BangBangSpec": "controllers",
+    "StateFeedbackSpec": "controllers",
+    "PidSpec": "controllers",
+    "SensorSpec": "controllers",
     "DRIVE_SPECS": "drives",
     "FAMILY_SPECS": "drives",
     "SPRING_SPECS": "drives",
@@ -154,7 +168,13 @@ __all__ = [
     "CouplingSpec",
     "DifferentialSpec",
     "PlanetarySpec",
+    "AttitudeSpec",
+    "BangBangSpec",
+    "ControllerSpec",
+    "PidSpec",
+    "StateFeedbackSpec",
     "RotorSpec",
+    "SensorSpec",
     "DriveSpec",
     "EventSpec",
     "FlexibleSpec",

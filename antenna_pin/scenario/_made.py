@@ -79,6 +79,8 @@ def _filled(table: type[MadeSpec]) -> tuple[tuple[str, str], ...]:
 def _built(value: Any) -> Any:
     if isinstance(value, MadeSpec):
         return value.build()
+    if isinstance(value, tuple) and value and isinstance(value[0], MadeSpec):
+        return tuple(one.build() for one in value)
     if isinstance(value, dict):
         return {name: _built(entry) for name, entry in value.items()}
     return value

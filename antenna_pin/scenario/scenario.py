@@ -16,6 +16,7 @@ from antenna_pin.scenario._clearance import law_tables
 from antenna_pin.scenario._layers import Source, built, check_drives, read_layer
 from antenna_pin.scenario.clearance import ClearanceSpec
 from antenna_pin.scenario.closures import ClosureSpec
+from antenna_pin.scenario.controllers import ControllerSpec, check_commands
 from antenna_pin.scenario.couplings import COUPLING_SPECS, AnyCoupling
 from antenna_pin.scenario.drives import (
     FAMILY_SPECS,
@@ -66,6 +67,7 @@ class Scenario(FamilyTables):
         drives: By name.
         springs: By name.
         events: What is looked for during the run, by name.
+        controllers: What measures and commands at instants of its own, by name.
         initial: The initial state.
         integrator: How the motion is integrated.
         output: What is recorded.
@@ -95,6 +97,9 @@ class Scenario(FamilyTables):
     drives: dict[str, Annotated[DriveSpec, Field(discriminator="kind")]] = Field(default_factory=dict)
     springs: dict[str, Annotated[AnySpring, Field(discriminator="kind")]] = Field(default_factory=dict)
     events: dict[str, Annotated[EventSpec, Field(discriminator="kind")]] = Field(default_factory=dict)
+    controllers: dict[str, Annotated[ControllerSpec, Field(discriminator="kind")]] = Field(
+        default_factory=dict
+    )
     initial: InitialSpec = Field(default_factory=InitialSpec)
     integrator: IntegratorSpec = Field(default_factory=IntegratorSpec)
     output: OutputSpec = Field(default_factory=OutputSpec)
@@ -183,6 +188,7 @@ class Scenario(FamilyTables):
             *((data[table], layer.get(table)) for table in FAMILY_SPECS),
             (data["couplings"], layer.get("couplings")),
             (data["references"], layer.get("references")),
+            (data["controllers"], layer.get("controllers")),
             (data["initial"]["joints"], joints),
         ):
             for name in tables(above).keys() & below.keys():
@@ -222,6 +228,7 @@ class Scenario(FamilyTables):
         for table, specs in FAMILY_SPECS.items():
             _check_choice(done, table, "kind", tuple(specs.values()))
         _check_choice(done, "events", "kind", get_args(EventSpec))
+        _check_choice(done, "controllers", "kind", get_args(ControllerSpec))
         return done
 
     @model_validator(mode="after")
@@ -248,6 +255,7 @@ class Scenario(FamilyTables):
         check_references(self.references, followed)
         for name in self.events:
             self.to_set(name)
+        check_commands(self.controllers, self.families)
         for name, link in self.flexible.items():
             self._check_shown(name, link)
         if self.mechanism.base == "fixed" and self.initial.base != InitialBaseSpec():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +14,7 @@ from antenna_pin.integrate import Stepper
 from antenna_pin.simulation.control import StepControl
 from antenna_pin.simulation.events import Event, Jump, Set, Stop
 from antenna_pin.simulation.modes import ZERO, Modes
+from antenna_pin.simulation.now import Sight
 from antenna_pin.simulation.own_actions import Edge, Kink, Switch
 from antenna_pin.simulation.passages import Passage
 from antenna_pin.simulation.samples import Samples
@@ -168,6 +170,23 @@ class Actions:
         """Change a number of a drive or a spring."""
         self.adjustments.set(place, value)
         self._renew()
+
+    def sight(self) -> Sight:
+        """Return what lets controllers see the run."""
+        return Sight(self._workspace)
+
+    def command(self, numbers: Mapping[str, float]) -> None:
+        """Change numbers that take commands, by place: what they store nothing hangs on."""
+        for place, value in numbers.items():
+            self.adjustments.set(place, value)
+        self._renew()
+        self._stepper.refresh()
+        self._watch.renew()
+        if self.modes and (due := self.modes.due(self._stepper.t, self._here)) is not None:
+            self._switch(due)
+        elif self._stepper.t <= self._samples.last or any(self._workspace.memory["touching"]):
+            # What holds from now on is what is kept; the peaks of contacts find here what held at them.
+            self._samples.add(self._stepper.t, self._here.copy())
 
     def _jump(self, event: str, action: Jump) -> None:
         system, here = self._workspace.system, self._here

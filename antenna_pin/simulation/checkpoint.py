@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.control import Controller
 from antenna_pin.dynamics import System
 from antenna_pin.errors import FileFormatError
 from antenna_pin.settings import RunSettings
@@ -45,7 +46,7 @@ __all__ = ["Checkpoint", "about_run", "check_same"]
 _MAY_DIFFER = {"name", "description", "overrides", "folder", "duration"}
 
 #: Identifies the file format; others are refused.
-FORMAT = "antenna_pin checkpoint 3"
+FORMAT = "antenna_pin checkpoint 4"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -94,6 +95,7 @@ class Checkpoint:
             **numbers_of(samples.held, base),
             **late_numbers(samples.late, manifold.size, len(run.contacts)),
             **{f"book_{name}": array for name, array in run.contacts.numbers().items()},
+            **run.ticks.numbers(),
         }
         return cls({**about, **how}, numbers)
 
@@ -106,6 +108,7 @@ class Checkpoint:
         run.contacts.take_up_all(
             {name.removeprefix("book_"): array for name, array in self.numbers.items() if "book_" in name}
         )
+        run.ticks.take_up_record(self.numbers)
         samples = run.samples
         samples.take_up(chunk_of(self.numbers, base))
         samples.late = late_of(self.numbers)
@@ -197,6 +200,7 @@ def about_run(
     span: float,
     start: str,
     events: Sequence[Event],
+    controllers: Mapping[str, Controller],
 ) -> dict[str, Any]:
     """Return what a run is of, as its checkpoints tell.
 
@@ -207,6 +211,7 @@ def about_run(
         span: How long it is [s].
         start: Where it starts, in words.
         events: What is looked for.
+        controllers: That command it.
     """
     made = json.dumps(mechanism_attributes(system), sort_keys=True)
     return {
@@ -216,6 +221,10 @@ def about_run(
         "span": span,
         "start": start,
         "events": [event.name for event in events],
+        "controllers": [
+            [name, type(one).__name__, one.period, one.phase, one.delay, one.delay_periods]
+            for name, one in controllers.items()
+        ],
     }
 
 
@@ -239,9 +248,9 @@ def check_same(stood: Checkpoint, about: Mapping[str, Any]) -> None:
             raise FileFormatError(
                 f"simulate: the checkpoint must be of this scenario, got one with another {name!r}; {way_out}"
             )
-    for name, what in (("system", "system"), ("settings", "settings"), ("events", "events")):
+    for name in ("system", "settings", "events", "controllers"):
         if _of_any_patience(about[name]) != _of_any_patience(was[name]):
-            raise FileFormatError(f"simulate: the checkpoint must be of a run with these {what}; {way_out}")
+            raise FileFormatError(f"simulate: the checkpoint must be of a run with these {name}; {way_out}")
     if about["span"] == was["span"]:
         return
     if was["left"] is not None or was["outcome"] != Outcome.COMPLETED.name:

@@ -59,6 +59,10 @@ class StepControl:
         """Let steps end at further instants [s]."""
         self.pace.end_at(instants)
 
+    def end_next_at(self, here: float, instant: float) -> None:
+        """Let a step end at the next instant of the run's controllers, for steps that begin here [s]."""
+        self.pace.end_next_at(here, instant)
+
     def renew(self, elements: Iterable[ForceElement]) -> None:
         """Look how long a step may be with elements that have changed."""
         longest = self.settings.max_step

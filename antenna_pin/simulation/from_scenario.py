@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any, Literal
 
+from antenna_pin.control import Controller
+from antenna_pin.errors import InvalidParameterError
 from antenna_pin.scenario import Scenario
 from antenna_pin.simulation.events import (
     Action,
@@ -20,7 +22,7 @@ from antenna_pin.simulation.events import (
     Time,
 )
 
-__all__ = ["events_of"]
+__all__ = ["both", "check_without_controllers", "controllers_of", "events_of"]
 
 _DIRECTIONS: dict[str, Literal[-1, 0, 1]] = {"both": 0, "rising": 1, "falling": -1}
 
@@ -37,6 +39,35 @@ def events_of(scenario: Scenario) -> tuple[Event, ...]:
         )
         for name, table in scenario.events.items()
     )
+
+
+def controllers_of(scenario: Scenario) -> dict[str, Controller]:
+    """Return the controllers of a scenario, by name."""
+    return {name: table.build() for name, table in scenario.controllers.items()}
+
+
+def both(own: Mapping[str, Controller], given: Mapping[str, Controller]) -> dict[str, Controller]:
+    """Return a scenario's controllers and those that are given beside it.
+
+    Raises:
+        InvalidParameterError: Two have one name.
+    """
+    for name in given:
+        if name in own:
+            rule = f"of other names than the scenario's own, {', '.join(own)}"
+            raise InvalidParameterError("simulate", "controllers", rule, name)
+    return {**own, **given}
+
+
+def check_without_controllers(place: str, scenario: Scenario) -> None:
+    """Refuse a scenario with controllers, where a state must be all that the motion after it depends on.
+
+    Raises:
+        InvalidParameterError: It has some.
+    """
+    if scenario.controllers:
+        rule = "without [controllers], whose memory is no part of its states; have a pd drive follow a course"
+        raise InvalidParameterError(place, "scenario", rule, said=", ".join(scenario.controllers))
 
 
 # What is looked for, by the kind of an event's table.

@@ -9,12 +9,14 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.control import Controller
 from antenna_pin.dynamics import System, Workspace
 from antenna_pin.dynamics.workspace import ON_SURFACE
 from antenna_pin.engine import change_kernels
@@ -35,6 +37,7 @@ from antenna_pin.simulation.search import ContactSearch
 from antenna_pin.simulation.singular import Singularities
 from antenna_pin.simulation.standing import state_of, take_up
 from antenna_pin.simulation.stretches import Parts, Stretches, stepper_of
+from antenna_pin.simulation.ticks import Ticks
 from antenna_pin.simulation.watch import Crossing, Watch
 from antenna_pin.state import State
 from antenna_pin.trajectory import Counts, Outcome
@@ -56,6 +59,7 @@ class Run:
         events: What to look for besides contacts.
         since: From when on it records [s]; when ``start`` was reached, if not given.
         singly: Whether what keeps it looks at it after each step.
+        controllers: That command it, by name.
     """
 
     def __init__(
@@ -67,6 +71,7 @@ class Run:
         events: Sequence[Event] = (),
         since: float | None = None,
         singly: bool = False,
+        controllers: Mapping[str, Controller] = MappingProxyType({}),
     ) -> None:
         """Prepare the stepper, the search of its steps, and the contacts that touch at the start."""
         self.system, self.settings = system, settings
@@ -90,6 +95,8 @@ class Run:
         self.control.end_at(self.watch.instants)
         worked_on = self.workspace, self.stepper, self.control, self.samples
         self.actions = Actions(self.watch, *worked_on, self.begin)
+        self.ticks = Ticks(controllers, system, self.actions, self.begin)
+        self.watch.tick = self.ticks.next
         self.oversight = Oversight(self.workspace, self.control, self.events)
         self.singular = None if system.plan is None else Singularities(Workspace(system))
         parts = Parts(self.control, self.samples, self.contacts, self.search, self.watch, self.singular)
@@ -170,6 +177,7 @@ class Run:
         report = Reporter(progress, self.duration, self.wall)
         with self.oversight.listening(self._stop):
             self.oversight.begin(self.stepper.t, self.here, self.steps.so_far(self.wall))
+            self.tick()
             while self.stepper.t < self.duration and self.outcome is Outcome.COMPLETED:
                 self._step()
                 self.wall = report.wall
@@ -212,7 +220,7 @@ class Run:
         elif reason == kernels.EVENT:
             self._happen(self._ahead)
         elif reason == kernels.MOVED_ON:
-            self._act(self.watch.due())
+            self._due()
         elif reason == kernels.TOO_DEEP:
             c = self.steps.contact
             of_joint = self.search.reasons[c] == "maximum_depth"
@@ -262,9 +270,27 @@ class Run:
                     watch.renew()
                 self._act(watch.due())
             self._act(group)
+            self.tick()
         steps.rest()
         if len(ahead) > 1:
             watch.renew()
+
+    def _due(self) -> None:
+        """Let happen what is due at this time: events first, then controllers."""
+        self._act(self.watch.due())
+        self.tick()
+
+    def tick(self) -> None:
+        """Ask controllers whose instant has come, and let the next step that must end at one end there."""
+        following, t = self.ticks.next, self.stepper.t
+        if following is None or self.outcome is not Outcome.COMPLETED:
+            return
+        if following <= t:
+            self.ticks.happen(t, self.here)
+            following = self.ticks.next
+        if following is not None:
+            self.watch.tick = following
+            self.control.end_next_at(t, following)
 
     def _act(self, crossings: list[Crossing]) -> None:
         for crossing in crossings:

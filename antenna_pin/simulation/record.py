@@ -16,9 +16,11 @@ from antenna_pin.simulation.blocks import blocks_of, count_of
 from antenna_pin.simulation.carried import mechanism_attributes
 from antenna_pin.simulation.held import constraint_attributes
 from antenna_pin.simulation.loop import Run
+from antenna_pin.simulation.motors import motors_of
 from antenna_pin.simulation.parts import Parts
 from antenna_pin.simulation.seen import Seen
 from antenna_pin.simulation.sources import SERIES, TOTALS, episodes_of, sizes_of
+from antenna_pin.simulation.tick_record import labels_of_ticks, values_of_ticks
 from antenna_pin.trajectory import ENDED_WELL, Outcome
 from antenna_pin.trajectory.columns import ROUND_OFF, first_not_finite
 from antenna_pin.trajectory.labelled import labelled
@@ -153,8 +155,9 @@ class Recording:
             **mechanism_attributes(self.run.system),
             **constraint_attributes(self.run, first.state, last.state, self._peaks["peak_residual"]),
         }
-        values = {**series, **self._totals, **self._peaks, **episodes_of(self.run)}
-        labels = self._labels | ({} if lean else {"time": series["time"]})
+        ticked = self.run.ticks.ticked
+        values = {**series, **self._totals, **self._peaks, **episodes_of(self.run), **values_of_ticks(ticked)}
+        labels = self._labels | labels_of_ticks(ticked, lean) | ({} if lean else {"time": series["time"]})
         free = self.run.system.mechanism.base == "free"
         return labelled(values, labels, attributes, free_base=free, lean=lean)
 
@@ -203,6 +206,7 @@ def _labels(seen: Seen) -> dict[str, Any]:
         ("drive", list(system.drives)),
         ("controller", [name for name, drive in system.drives.items() if drive.tracks]),
         ("motion", [name for name, drive in system.drives.items() if isinstance(drive, Motion)]),
+        ("motor", motors_of(seen)),
         ("spring", [name for name in system.springs if name not in system.elastic]),
         ("element", [f"{table}.{name}" for table in system.others for name in system.families[table]]),
         ("traced_spring", list(system.traced)),

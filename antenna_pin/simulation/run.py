@@ -9,6 +9,7 @@ import os
 import time
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,7 @@ from numpy.typing import ArrayLike
 
 from antenna_pin.arguments import takes
 from antenna_pin.assemble import build_system, initial_angles, initial_state
+from antenna_pin.control import Controller
 from antenna_pin.dynamics import (
     System,
     Workspace,
@@ -34,10 +36,11 @@ from antenna_pin.parameters import holds
 from antenna_pin.records import CONTACT, POSE
 from antenna_pin.scenario import Scenario, settings_key
 from antenna_pin.settings import RunSettings
+from antenna_pin.simulation.check_controllers import check_controllers
 from antenna_pin.simulation.checkpoint import Checkpoint, about_run, check_same
 from antenna_pin.simulation.events import Event, check_events
 from antenna_pin.simulation.finish import finished
-from antenna_pin.simulation.from_scenario import events_of
+from antenna_pin.simulation.from_scenario import both, controllers_of, events_of
 from antenna_pin.simulation.keeper import Keeper
 from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.progress import Progress
@@ -69,6 +72,7 @@ def simulate(
     start: State | None = None,
     settings: RunSettings | None = None,
     events: Sequence[Event] = (),
+    controllers: Mapping[str, Controller] = MappingProxyType({}),
     progress: Callable[[Progress], None] | None = None,
     out: str | os.PathLike[str] | None = None,
     checkpoint: float | str = math.inf,
@@ -96,6 +100,8 @@ def simulate(
             bit for bit the one run. It brings time, contacts and step sizes along.
         settings: Integration and sampling; the scenario's, or the defaults.
         events: What to look for, and what to do then, beside the scenario's own.
+        controllers: What commands it at instants of its own, by name, beside the scenario's own. The run
+            works on copies: nothing that is given is changed.
         progress: Called about ten times a second.
         out: File of the result, written at the end; its folder of parts is removed then, unless the run was
             interrupted.
@@ -162,6 +168,9 @@ def simulate(
         events = (*events_of(scenario), *events)
     check_events(events, system, y)
     if scenario is not None:
+        controllers = both(controllers_of(scenario), controllers)
+    check_controllers(controllers, system)
+    if scenario is not None:
         scenario = _as_run(scenario, float(span), used)
     told = stood.about["start"] if stood is not None else ""
     if scenario is not None and (q is not None or v is not None):
@@ -172,12 +181,13 @@ def simulate(
     if out is None:
         check_room(system, float(span) * used.output_rate + len(used.output_times))
     else:
-        about = about_run(system, scenario, used, float(span), told, events)
+        about = about_run(system, scenario, used, float(span), told, events, controllers)
         if stood is not None:
             check_same(stood, about)
         keeper = Keeper(out, system, about, checkpoint, stood)
     with keeper or contextlib.nullcontext():
-        run = Run(system, first if start is None else start, begin + float(span), used, events, begin)
+        begun = first if start is None else start
+        run = Run(system, begun, begin + float(span), used, events, begin, controllers=controllers)
         if stood is not None:
             stood.give_to(run)
         with interruptible() as interrupted:
@@ -202,6 +212,7 @@ def check_scenario(scenario: Scenario) -> None:
     check_lengths(system, y)
     check_motions(system, y, 0.0, span)
     check_events(events_of(scenario), system, y)
+    check_controllers(controllers_of(scenario), system)
     if used.engine == "compiled":
         check_compiled(system)
 

@@ -19,6 +19,7 @@ from antenna_pin.dynamics import (
     journal_attitudes,
     sliding_motion,
 )
+from antenna_pin.elements import Motor
 from antenna_pin.simulation.loop import Run
 
 __all__ = ["Seen"]
@@ -163,8 +164,9 @@ class Seen:
 
     @cached_property
     def spring_energy(self) -> Array:
-        """Stored in springs but those of elastic parts, (n,) [J]."""
-        if len(self.system.springs) == len(self.system.elastic):
+        """Stored in springs but those of elastic parts, and in the cogging of motors, (n,) [J]."""
+        cogs = any(isinstance(one, Motor) and one.cogging > 0.0 for one in self.system.drives.values())
+        if len(self.system.springs) == len(self.system.elastic) and not cogs:
             return np.zeros(len(self.times))  # not the round-off of a difference
         others = self.elastic.energy.sum(axis=1) + self.found.kept.sum(axis=1)
         return np.asarray(self.found.audit["springs"] - others)

@@ -10,6 +10,7 @@ import numpy as np
 from antenna_pin.dynamics import bearing_loads
 from antenna_pin.elements import Motion
 from antenna_pin.simulation.loop import Run
+from antenna_pin.simulation.motors import of_motors
 from antenna_pin.simulation.seen import Seen
 
 __all__ = ["SERIES", "TOTALS", "episodes_of", "sizes_of"]
@@ -194,6 +195,7 @@ def _changes_of(run: Run) -> Values:
 SERIES: tuple[Callable[[Seen], Values], ...] = (
     _state,
     _derivative,
+    of_motors,
     _contact,
     _bearing,
     _audit,

@@ -27,6 +27,7 @@ def state_of(run: Any) -> State:
         changed=tuple(run.search.ignore.tolist()),
         events=run.watch.value(),
         adjusted=tuple(run.actions.adjustments.values.items()),
+        controllers=run.ticks.value(),
     )
 
 
@@ -43,5 +44,6 @@ def take_up(run: Any, state: State) -> None:
     run.control.error = state.error
     run.watch.take_up(state.events, state.time)
     run.watch.renew()
+    run.ticks.take_up(state.controllers, state.reached)
     if state.time == state.reached:
         run.samples.add(state.time, state.y)

@@ -48,12 +48,15 @@ class Watch:
 
     Attributes:
         instants: Times at which steps must end [s].
+        tick: The next instant of the run's controllers, infinity if there is none any more [s]; None in a run
+            without controllers.
     """
 
     def __init__(self, events: Sequence[Event], workspace: Workspace, stepper: Stepper) -> None:
         """Begin with events that have never happened."""
         self.events = tuple(events)
         self.stepper = stepper
+        self.tick: float | None = None
         self.moment = Moment(workspace)
         self._y = np.zeros(workspace.manifold.size)
         self._theta = math.nan  # the fraction of the trial step that the moment is at, if any

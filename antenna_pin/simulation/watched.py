@@ -57,12 +57,14 @@ class Watched:
             functions=functions,
             program=np.concatenate(blocks),
             rates=np.zeros(system.model.nv + system.manifold.nx),
-            instants=np.array(watch.instants, dtype=float),
+            instants=np.array([*watch.instants, *[np.inf] * (watch.tick is not None)], dtype=float),
             values=np.zeros(2),
             unknown=len(watch.events) - len(known),
         )
 
     def renew(self) -> None:
-        """Take over on which sides the functions are."""
+        """Take over on which sides the functions are, and when controllers are called next."""
+        if self._watch.tick is not None:
+            self.numbers.instants[-1] = self._watch.tick
         for row, k in zip(self.numbers.functions, self._places, strict=True):
             row["side"] = self._watch.side(k)

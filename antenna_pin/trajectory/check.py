@@ -67,7 +67,7 @@ _OPTIONAL = {
     "versions",
 }
 # Dimensions along which there may be nothing.
-_MAY_BE_EMPTY = {"change", "configuration", "coordinate", "joint", "event", "episode"}
+_MAY_BE_EMPTY = {"change", "configuration", "coordinate", "joint", "event", "episode", "tick"}
 # Dimensions of labels that are always the same.
 _FIXED = {"axis": ["x", "y", "z"], "quaternion": ["x", "y", "z", "w"]}
 
@@ -86,7 +86,7 @@ def _labels(data: xr.Dataset) -> Iterator[str]:
             continue
         if size == 0 and dim not in _MAY_BE_EMPTY:
             yield "no samples" if dim == "time" else f"nothing along {dim!r}"
-        if dim in ("time", "episode"):
+        if dim in ("time", "episode", "tick"):
             continue
         if dim not in data.variables:
             yield f"no variable {dim!r}"
@@ -104,6 +104,7 @@ def _labels(data: xr.Dataset) -> Iterator[str]:
         ("contact_joint", "clearance_joint"),
         ("controller", "drive"),
         ("motion", "drive"),
+        ("motor", "drive"),
         ("traced_spring", "spring"),
     ):
         unknown = set(names_along(data, inner)) - set(names_along(data, outer))

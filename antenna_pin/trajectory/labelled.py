@@ -25,7 +25,7 @@ def labelled(
 
     Args:
         values: Of each variable, by name.
-        labels: Of each dimension and coordinate, by name; of ``episode`` how many there are.
+        labels: Of each dimension and coordinate, by name; of ``episode`` and ``tick`` how many there are.
         attributes: Of the dataset.
         free_base: Whether the base is free.
         lean: Whether to leave the series out.
@@ -38,7 +38,7 @@ def labelled(
     for name in DIMENSIONS:
         if name == "time" and not lean:
             coordinates[name] = xr.Variable(name, labels[name], {"units": "s", "long_name": "time"})
-        elif name in labels and name not in ("time", "episode"):
+        elif name in labels and name not in ("time", "episode", "tick"):
             coordinates[name] = xr.Variable(name, _text(labels[name]))
     for coordinate in COORDINATES:
         if coordinate.dim in labels:

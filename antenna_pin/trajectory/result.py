@@ -52,7 +52,18 @@ def library_versions() -> dict[str, str]:
 
 
 # What a run in a few words is counted by.
-_COUNTED = ("time", "joint", "sliding_joint", "clearance_joint", "contact", "closure", "episode", "event")
+_COUNTED = (
+    "time",
+    "joint",
+    "sliding_joint",
+    "clearance_joint",
+    "contact",
+    "closure",
+    "episode",
+    "event",
+    "sampled",
+    "tick",
+)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -184,6 +195,8 @@ class Trajectory:
         result |= met_by_elements(data)
         if gears := met_by_meshes(data):
             result["gears"] = gears
+        if "sampled" in data.sizes:
+            result["controllers"] = _by_label(data, "sampled", _CONTROLLERS)
         if "bearing" in data.sizes:
             result["bearings"] = _by_label(data, "bearing", _BEARINGS)
         if "force" in data.sizes:
@@ -234,6 +247,7 @@ def _scenario(text: str) -> Scenario:
 # Entries of a summary by their variables.
 _MOTION = {"angle": "final_angle", "rate": "final_rate", "peak_acceleration": "peak_acceleration"}
 _BEARINGS = {"peak_force": "peak_bearing_force", "peak_moment": "peak_bearing_moment"}
+_CONTROLLERS = {"ticks": "ticks", "saturated": "saturated_ticks"}
 _SLIDES = {
     "position": "final_position",
     "slide_rate": "final_slide_rate",

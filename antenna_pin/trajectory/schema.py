@@ -14,6 +14,10 @@ from antenna_pin.geometry import AxialScenario, RadialScenario
 from antenna_pin.trajectory.columns import Coordinate, Rule, Variable
 from antenna_pin.trajectory.columns import rows as _rows
 from antenna_pin.trajectory.force_columns import FORCES
+from antenna_pin.trajectory.happenings import HAPPENINGS, ORDERED
+from antenna_pin.trajectory.happenings import LOST as _LOST
+from antenna_pin.trajectory.happenings import SIZE as _SIZE
+from antenna_pin.trajectory.happenings import TOTAL as _TOTAL
 
 __all__ = ["COORDINATES", "DIMENSIONS", "TIME", "VARIABLES", "variables_of"]
 
@@ -31,6 +35,7 @@ DIMENSIONS: dict[str, str] = {
     "drive": "drives, by name",
     "controller": "drives that follow a reference, by name",
     "motion": "drives that prescribe their joint's motion, by name",
+    "motor": "drives that are motors, by name",
     "spring": "springs and dampers, and friction of joints, by name",
     "traced_spring": "those of them at joints that have a table, hysteresis, or a constant torque",
     "element": "elements of further families (stops, latches, bearings), by family and name",
@@ -43,6 +48,9 @@ DIMENSIONS: dict[str, str] = {
     "closure": "joints that close loops, or are held by constraint, by name",
     "coupling": "joints that follow others, by name: of those that the URDF couples the follower's",
     "event": "events of the user's that happened, by name",
+    "sampled": "sampled controllers, by name",
+    "tick": "instants of these, in order of time",
+    "signal": "what they note and command, by controller and name",
     "episode": "contacts from onset to release, in order of onset",
 }
 
@@ -55,16 +63,11 @@ COORDINATES: tuple[Coordinate, ...] = (
 )
 
 
-_SIZE = Rule(least=0.0)
 _UNIT = Rule(unit=True)
-_ORDERED = Rule(rising=True)
-_TOTAL = Rule(least=0.0, summed=True)
 _STORED = Rule(summed=True)  # below zero of a table: where it stores nothing is a matter of choice
 _PRESSED = Rule(least=0.0, beside="touching")
-# Of contacts; none of them is sure to lose energy under a law of a user's.
-_LOST = Rule(least=0.0, summed=True, passive=True)
 #: What the times of samples may be.
-TIME = _ORDERED
+TIME = ORDERED
 
 
 def _scenario_rows(name: str, kinds: type[RadialScenario | AxialScenario]) -> tuple[Variable, ...]:
@@ -98,6 +101,12 @@ _STATES: tuple[Variable, ...] = (
     *_rows(
         "derivative: time drive",
         ("drive_torque", "N m", "torque of the drive (a force [N] if it slides)"),
+    ),
+    *_rows(
+        "derivative: time motor",
+        ("motor_current", "A", "current of the winding"),
+        ("motor_electric_energy", "J", "energy from the supply since the start"),
+        ("motor_heat", "J", "heat of the winding since the start", _TOTAL),
     ),
     *_rows(
         "derivative: time controller",
@@ -290,6 +299,11 @@ _SUMMARIES: tuple[Variable, ...] = (
         ("peak_bearing_force", "N", "largest force of the bearing at a sample", _SIZE),
         ("peak_bearing_moment", "N m", "largest moment of the bearing at a sample", _SIZE),
     ),
+    *_rows(
+        "summary: sampled",
+        ("ticks", "1", "instants at which the controller was asked", _SIZE),
+        ("saturated_ticks", "1", "those at which limits held its command", _SIZE),
+    ),
     *_rows("summary: element", ("total_element_loss", "J", "energy lost in it in all", _TOTAL)),
     *_rows(
         "summary: elastic_part",
@@ -299,41 +313,10 @@ _SUMMARIES: tuple[Variable, ...] = (
         ("peak_spin", "rad/s", "largest angular speed of the part's hub at a sample", _SIZE),
     ),
 )
-# Of the whole run: contacts from onset to release, events.
-_HAPPENINGS: tuple[Variable, ...] = (
-    *_rows(
-        "episodes: episode",
-        ("onset_time", "s", "start of the contact", _ORDERED),
-        ("release_time", "s", "end of the contact; NaN: still touching", Rule(lacks=True)),
-        ("approach_speed", "m/s", "depth rate at onset, floored", _SIZE),
-        ("peak_force", "N", "largest normal force, of the dense output", _SIZE),
-        ("peak_time", "s", "when the force was largest"),
-        ("peak_depth", "m", "largest depth, of the dense output", _SIZE),
-        ("impulse", "N s", "integral of the normal force", _TOTAL),
-        ("dissipated", "J", "energy lost, normal and friction", _LOST),
-        ("effective_mass", "kg", "(n^T M^-1 n)^-1 at onset, along the normal", _SIZE),
-        ("episode_contact", "1", "index of the contact"),
-    ),
-    *_rows(
-        "episodes: change",
-        ("change_time", "s", "when the mode changed", _ORDERED),
-        ("change_angle", "rad", "angle of the joint then (a way [m])"),
-        ("change_rate", "rad/s", "rate before (m/s)"),
-        ("change_rate_after", "rad/s", "rate after (m/s)"),
-        ("change_loss", "J", "energy lost in the impulse"),
-        ("change_impulse", "N m s", "impulse about the axis on the child (N s)"),
-    ),
-    *_rows(
-        "episodes: event",
-        ("event_time", "s", "when the event happened", _ORDERED),
-        ("event_energy", "J", "energy that the event's action brought in"),
-    ),
-)
-
 #: Every variable of a result, by name.
 VARIABLES: dict[str, Variable] = {
     variable.name: variable
-    for part in (_STATES, _CONTACTS, _ENERGIES, FORCES, _MOTIONS, _SUMMARIES, _HAPPENINGS)
+    for part in (_STATES, _CONTACTS, _ENERGIES, FORCES, _MOTIONS, _SUMMARIES, HAPPENINGS)
     for variable in part
 }
 

@@ -1,38 +1,36 @@
-"""A sampled controller with an integral: a run for each of its periods, from the end of the one before."""
+"""A sampled controller of one's own, asked once a period; its integral is part of the run's state."""
 
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 from antenna_pin import System, Urdf, build_mechanism, simulate
-from antenna_pin.dynamics import CallableDrive, ConstantDrive
+from antenna_pin.control import Controller
+from antenna_pin.dynamics import ConstantDrive
 
 PERIOD, TARGET = 0.01, -0.5  # [s], [rad]
 
 
-class Controller:
-    """A PID controller that is asked once a period."""
+@dataclass
+class Integrating(Controller):
+    """Brings the hinge to its target."""
 
-    def __init__(self) -> None:
-        """Begin with an integral of zero."""
-        self.integral = 0.0
+    period: float = PERIOD
+    commands: tuple[str, ...] = ("motor",)
+    signals: tuple[str, ...] = ("error",)
+    state: dict[str, float] = field(default_factory=lambda: {"integral": 0.0})
 
-    def __call__(self, t: float, angle: float, rate: float) -> float:
+    def update(self, now: Any) -> dict[str, float]:
         """Return the torque [N m] for the next period."""
-        self.integral += (TARGET - angle) * PERIOD
-        return 5.0 * (TARGET - angle) + 1.0 * self.integral - 3.0 * rate
+        error = TARGET - now.angle("hinge")
+        self.state["integral"] += error * PERIOD
+        now.note(error=error)
+        return {"motor": 5.0 * error + 1.0 * self.state["integral"] - 3.0 * now.rate("hinge")}
 
 
 mechanism = build_mechanism(Urdf.load(Path(__file__).parent / "panel" / "panel.urdf"))
-
-# Wrong: a run asks a drive at every stage of every step, and back in time.
-wrong = System(mechanism, drives={"motor": CallableDrive(joint="hinge", torque=Controller())})
-print(simulate(wrong, duration=1.0).outcome.name)
-
-# Right: pieces of runs.
-controller, state, angle, rate = Controller(), None, 0.0, 0.0
-for k in range(100):
-    drive = ConstantDrive(joint="hinge", value=controller(k * PERIOD, angle, rate))
-    system = System(mechanism, drives={"motor": drive})
-    run = simulate(system, duration=PERIOD, start=state)
-    state = run.end
-    angle, rate = (float(run.data[name][-1, 0]) for name in ("motion_angle", "motion_rate"))
-print(f"after 1 s: {angle:.9f} rad")
+system = System(mechanism, drives={"motor": ConstantDrive(joint="hinge", value=0.0)})
+run = simulate(system, duration=1.0, controllers={"loop": Integrating()})
+print(f"after 1 s: {run.data['motion_angle'].values[-1, 0]:.9f} rad")
+print(f"{run.summary()['controllers']['loop']['ticks']:.0f} instants, the last error of these:")
+print(f"{run.data['tick_signal'].sel(signal='loop.error').values[-1]:.9f} rad")

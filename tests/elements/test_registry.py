@@ -29,6 +29,7 @@ from antenna_pin.elements import (
     JointSpring,
     Latch,
     MaxwellSlip,
+    Motor,
     OutsideForce,
     PDController,
     PointSpring,
@@ -69,6 +70,11 @@ EXAMPLES = {
         PDController(joint="a", kp=8.0, kd=0.5, limit=2.0, angle=0.25, rate=0.5),
         "controller, kp 8 N m/rad, kd 0.5 N m s/rad, reference 0.25 rad + 0.5 rad/s · t, at most 2 N m",
         8.0 * 0.15 + 0.5 * 0.3,
+    ),
+    Motor: (
+        Motor(joint="a", value=3.0, torque_constant=0.5, resistance=2.0, cogging=0.25, cycles=2),
+        "motor, commanded 3 V, K_t 0.5 N m/A, R 2 ohm, cogging 0.25 N m, ratio 1",
+        0.5 * (3.0 - 0.5 * 0.2) / 2.0 - 0.25 * math.sin(0.2),
     ),
     PrescribedMotion: (
         PrescribedMotion(

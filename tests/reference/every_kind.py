@@ -40,6 +40,7 @@ from antenna_pin.elements import (
     JointSpring,
     Latch,
     MaxwellSlip,
+    Motor,
     OutsideForce,
     PDController,
     PointSpring,
@@ -78,6 +79,17 @@ DRIVES = {
     "table": TableDrive(joint="c", time=(0.0, 0.5, 1.0), torque=(1.0, 2.0, 0.0)),
     "pd": PDController(joint="d", kp=5.0, kd=0.3, angle=0.2, limit=0.8),
     "motion": PrescribedMotion(joint="e", rate=2.0, coefficients=(1.0, 3.0), amplitude=0.1, frequency=5.0),
+    "servo": Motor(
+        joint="b",
+        value=3.0,
+        torque_constant=0.5,
+        resistance=2.0,
+        inductance=0.05,
+        current_limit=1.2,
+        cogging=0.02,
+        cycles=6,
+        ratio=3.0,
+    ),
     "distance": DistanceMotion(joint="f", offset=(0.3, 0.4, 0.0), velocity=(0.1, 0.0, 0.2)),
 }
 IN_PYTHON = {

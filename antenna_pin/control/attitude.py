@@ -1,0 +1,125 @@
+"""Sampled control of the base's attitude by wheels."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from antenna_pin.arguments import takes
+from antenna_pin.control.controller import Controller, Now
+from antenna_pin.control.limits import limited
+from antenna_pin.control.measure import Measure
+from antenna_pin.errors import InvalidParameterError
+from antenna_pin.parameters import check, parameter
+
+__all__ = ["AttitudeFeedback"]
+
+Array = NDArray[np.float64]
+
+
+@takes()
+@dataclass(frozen=True, kw_only=True)
+class AttitudeFeedback(Controller):
+    r"""Feedback of the base's quaternion and rate, by wheels.
+
+    .. math:: T = -2 K_p \, \mathrm{sgn}(\eta) \, \epsilon - K_d \omega, \quad
+        (\epsilon, \eta) = q_t^{-1} q
+
+    T is the torque that the base is to feel and omega its angular velocity, both in its own axes, and
+    (epsilon, eta) the quaternion of its attitude from the target's. Of small errors :math:`2 \epsilon` is the
+    angle. The sign turns it the shorter way. Wheels with axes w in base axes, whose drives are commanded with
+    torques u on the wheels, give :math:`-\sum w u`: u is the least that gives T. Where one would be beyond
+    its limit, all are made smaller alike, so that the torque keeps its direction.
+
+    Attributes:
+        acts_on: Drives of the wheels.
+        period: From one instant to the next [s].
+        phase: The first instant [s].
+        delay: From an instant until its commands are written [s].
+        delay_periods: The same in periods [-].
+        kp: K_p, about the base's axes [N*m/rad].
+        kd: K_d, likewise [N*m*s/rad].
+        target: Attitude to be held, as a rotation vector in the world [rad].
+        axes: Of the wheels, in base axes, in their order, one after the other, three numbers each [-]; those
+            of their joints at the start, if not given.
+        limit: Largest torque of a wheel [N*m]; none if not given.
+    """
+
+    acts_on: tuple[str, ...]
+    period: float = parameter("s", rule="positive")
+    phase: float = parameter("s", rule="zero or more", default=0.0)
+    delay: float = parameter("s", rule="zero or more", default=0.0)
+    delay_periods: float = parameter(rule="zero or more", default=0.0)
+    kp: tuple[float, float, float] = parameter("N*m/rad", sizes=(3,), rule="zero or more")
+    kd: tuple[float, float, float] = parameter("N*m*s/rad", sizes=(3,), rule="zero or more")
+    target: tuple[float, float, float] = parameter("rad", sizes=(3,), default=(0.0, 0.0, 0.0))
+    axes: tuple[float, ...] | None = parameter(sizes=(0,), default=None)
+    limit: float | None = parameter("N*m", rule="positive", default=None)
+
+    signals = ("error", "torque_x", "torque_y", "torque_z", "saturated")
+
+    def __post_init__(self) -> None:
+        """Check the parameters together."""
+        check(self)
+        if not self.acts_on:
+            raise InvalidParameterError(self, "acts_on", "one drive or more", ())
+        if self.axes is not None and len(self.axes) != 3 * len(self.acts_on):
+            rule = f"three numbers for each of {len(self.acts_on)} wheels"
+            raise InvalidParameterError(self, "axes", rule, self.axes)
+
+    @property
+    def commands(self) -> tuple[str, ...]:  # type: ignore[override]
+        """What it commands."""
+        return self.acts_on
+
+    @property
+    def measured(self) -> tuple[Measure, ...]:
+        """What it measures."""
+        return tuple(Measure(kind, axis) for kind in ("base-rotation", "base-rate") for axis in "xyz")
+
+    def about(self, axes: Mapping[str, Array | None]) -> AttitudeFeedback:
+        """Return it with the axes of its wheels in base axes, by command, if it was not told them."""
+        if self.axes is not None:
+            return self
+        found: list[float] = []
+        for name in self.acts_on:
+            axis = axes[name]
+            if axis is None:
+                rule = f"given: {name} acts at no joint that the base itself carries"
+                raise InvalidParameterError(self, "axes", rule, None)
+            found += axis.tolist()
+        return dataclasses.replace(self, axes=tuple(found))
+
+    def error(self, now: Now) -> Array:
+        """Return the vector part of the quaternion from the target to the attitude, the shorter way, (3,)."""
+        turn = np.array(self.target)
+        size = float(np.linalg.norm(turn))
+        half = 0.5 * size
+        t = np.append(turn * (0.5 if size == 0.0 else math.sin(half) / size), math.cos(half))
+        q = np.asarray(now.base_quaternion())
+        vector = t[3] * q[:3] - q[3] * t[:3] - np.cross(t[:3], q[:3])
+        real = float(t @ q)
+        return np.asarray(vector if real >= 0.0 else -vector)
+
+    def update(self, now: Now) -> Mapping[str, float]:
+        """Return the torques of the wheels from now on."""
+        error = self.error(now)
+        torque = -2.0 * np.array(self.kp) * error - np.array(self.kd) * np.asarray(now.base_rate())
+        wheels = np.array(self.axes).reshape(-1, 3).T
+        wished = -np.linalg.pinv(wheels) @ torque
+        share = 1.0
+        if self.limit is not None and np.abs(wished).max() > 0.0:
+            share = limited(self.limit / float(np.abs(wished).max()), 0.0, None, (None, 1.0))
+        angle = 2.0 * math.asin(min(1.0, float(np.linalg.norm(error))))
+        named = dict(zip(self.signals[1:4], torque.tolist(), strict=True))
+        now.note(error=angle, **named, saturated=float(share < 1.0))
+        return dict(zip(self.acts_on, (share * wished).tolist(), strict=True))
+
+    def words(self) -> str:
+        """Return what it is in words."""
+        return f"attitude of the base by {', '.join(self.acts_on)}"

@@ -1,0 +1,183 @@
+"""What a sampled controller is: it measures and commands at instants of its own, and never between.
+
+It is no force element: what moves the mechanism are drives, motors, thrusters and wheels, whose one number
+that is ``commanded`` it sets. At its instant number k, ``phase + k period``, it is asked once, in ``update``;
+what it answers is written at once, or ``delay`` later, and held until the next.
+
+::
+
+    @dataclass
+    class Relay(Controller):
+        period: float = 0.01
+        commands: tuple[str, ...] = ("motor",)
+
+        def update(self, now):
+            return {"motor": -0.1 if now.angle("hinge") > 0.0 else 0.1}
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from fractions import Fraction
+from typing import Any, Protocol
+
+from antenna_pin.answers import check_takes
+from antenna_pin.arguments import fits
+from antenna_pin.control.memory import check_kept
+from antenna_pin.errors import InvalidParameterError
+from antenna_pin.parameters import holds
+
+__all__ = ["Controller", "Instants", "Now"]
+
+
+class Now(Protocol):
+    """What a controller sees at one of its instants; valid in its ``update`` only. All of it is exact.
+
+    Attributes:
+        time: [s].
+        tick: Number of the instant, the controller's own, from 0 [-].
+    """
+
+    time: float
+    tick: int
+
+    def angle(self, joint: str) -> float:
+        """Return the angle of a joint, whole turns included [rad]; of a sliding one its position [m]."""
+
+    def rate(self, joint: str) -> float:
+        """Return its rate [rad/s], [m/s]."""
+
+    def command(self, name: str) -> float:
+        """Return the command that an actuator follows up to now."""
+
+    def base_rotation(self) -> Any:
+        """Return the base's attitude as a rotation vector, (3,), world axes [rad]."""
+
+    def base_quaternion(self) -> Any:
+        """Return the base's attitude in the world, xyzw, (4,)."""
+
+    def base_rate(self) -> Any:
+        """Return the base's angular velocity, (3,), in its own axes [rad/s]."""
+
+    def gap(self, contact: str) -> float:
+        """Return the distance of the surfaces at a contact, negative in contact [m]."""
+
+    def touching(self, contact: str) -> bool:
+        """Return whether a contact touches."""
+
+    def force(self, contact: str) -> float:
+        """Return the normal force at a contact [N]."""
+
+    def joint_load(self, joint: str) -> Any:
+        """Return force [N] and moment [N m] that a joint passes to its child, (6,), joint axes."""
+
+    def direction(self, link: str, axis: Any) -> Any:
+        """Return an axis of a link, (3,), in the world."""
+
+    def off_axis(self, link: str, axis: Any, target: Any) -> float:
+        """Return the angle between an axis of a link and a direction of the world [rad]."""
+
+    def note(self, **signals: float) -> None:
+        """Put numbers, by names of ``signals``, into the result beside the commands of this instant."""
+
+
+class Controller:
+    """Base of sampled controllers.
+
+    What it remembers from one instant to the next stands in ``state``: numbers, texts, arrays, generators of
+    random numbers, a dataclass of such, or lists, tuples and tables of them. A run works on a copy, and keeps
+    it in its own state: so a run in parts is the run in one.
+
+    Attributes:
+        period: From one instant to the next [s].
+        phase: The first [s].
+        delay: From an instant until what it commands is written [s]; may exceed the period.
+        delay_periods: The same in periods [-]; one of the two.
+        commands: What it commands, by name: drives and others that take a command.
+        signals: Names of further numbers that it may ``note``.
+        state: What it remembers.
+    """
+
+    period: float
+    phase: float = 0.0
+    delay: float = 0.0
+    delay_periods: float = 0.0
+    commands: tuple[str, ...] = ()
+    signals: tuple[str, ...] = ()
+    state: Any = None
+
+    def update(self, now: Now) -> Mapping[str, float]:
+        """Return the commands from now on, by name; those left out stay as they are."""
+        raise NotImplementedError
+
+    def words(self) -> str:
+        """Return what it is in words."""
+        return type(self).__name__
+
+
+def check_controller(name: str, controller: Any) -> None:
+    """Refuse a controller whose times, names or state cannot be.
+
+    Raises:
+        InvalidParameterError: See there.
+    """
+    place = f"controller {name!r}"
+    if not isinstance(controller, Controller):
+        rule = "a Controller: derive your class from antenna_pin.control.Controller"
+        raise InvalidParameterError(place, "class", rule, said=type(controller).__name__)
+    for key, rule in (
+        ("period", "positive"),
+        ("phase", "zero or more"),
+        ("delay", "zero or more"),
+        ("delay_periods", "zero or more"),
+    ):
+        value = getattr(controller, key, None)
+        if not holds(value, rule):
+            unit = "" if key == "delay_periods" else " [s]"
+            raise InvalidParameterError(place, key, f"{rule} and finite{unit}", value)
+    if controller.delay and controller.delay_periods:
+        rule = "left out beside delay; give the one or the other"
+        raise InvalidParameterError(place, "delay_periods", rule, controller.delay_periods)
+    for key in ("commands", "signals"):
+        names = getattr(controller, key)
+        if not fits(names, tuple[str, ...]) or len(set(names)) != len(names):
+            raise InvalidParameterError(place, key, "a tuple of different names", names)
+    if not controller.commands:
+        raise InvalidParameterError(place, "commands", "one name or more of what it commands", ())
+    check_takes(place, "update", controller.update, "now")
+    check_kept(place, controller.state)
+
+
+class Instants:
+    """The instants of a controller: each the number that is nearest to phase + k period, as they are written.
+
+    Times are taken as the decimals that they are written as, so that the hundredth instant of a period of
+    0.01 s is 1 s, as that of another controller's period of 0.1 s, and neither differs by round-off.
+
+    Args:
+        controller: Whose.
+    """
+
+    def __init__(self, controller: Controller) -> None:
+        """Bring all times to one denominator."""
+        period, phase, delay, periods = (
+            Fraction(repr(float(number)))
+            for number in (controller.period, controller.phase, controller.delay, controller.delay_periods)
+        )
+        late = delay + periods * period
+        self._over = math.lcm(period.denominator, phase.denominator, late.denominator)
+        self._period, self._phase, self._late = (int(one * self._over) for one in (period, phase, late))
+
+    def tick(self, number: int) -> float:
+        """Return when an instant is [s]."""
+        return (self._phase + number * self._period) / self._over
+
+    def write(self, number: int) -> float:
+        """Return when what is commanded at an instant is written [s]."""
+        return (self._phase + number * self._period + self._late) / self._over
+
+    def first_from(self, time: float) -> int:
+        """Return the number of the first instant at a time or after it [s]."""
+        number = max(0, math.floor((Fraction(time) * self._over - self._phase) / self._period))
+        return number if self.tick(number) >= time else number + 1

@@ -1,0 +1,106 @@
+"""A motor with brushes, or one that is driven as if it had them, compiled."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from antenna_pin._compile import inlined, record
+from antenna_pin.records import layout, words_of
+
+LAYOUT = layout(
+    ("value", "f8"),
+    ("by_current", "f8"),
+    ("torque_constant", "f8"),
+    ("back_emf", "f8"),
+    ("resistance", "f8"),
+    ("inductance", "f8"),
+    ("voltage_limit", "f8"),
+    ("current_limit", "f8"),
+    ("cogging", "f8"),
+    ("cycles", "f8"),
+    ("phase", "f8"),
+    ("ratio", "f8"),
+)
+SIZE = words_of(LAYOUT)
+# Among what it integrates.
+WORK = 0
+GROSS_WORK = 1
+ELECTRIC = 2
+HEAT = 3
+CURRENT = 4
+
+
+@inlined
+def _within(value: float, middle: float, reach: float) -> float:
+    return min(max(value, middle - reach), middle + reach)
+
+
+@inlined
+def _voltage(m: Any, back: float) -> float:
+    """Voltage that the driver puts on [V], at a back-EMF [V]."""
+    if m.by_current != 0.0:
+        wished = m.resistance * _within(m.value, 0.0, m.current_limit) + back
+        return float(_within(wished, 0.0, m.voltage_limit))
+    return float(_within(_within(m.value, 0.0, m.voltage_limit), back, m.resistance * m.current_limit))
+
+
+@inlined
+def _current(m: Any, back: float, voltage: float, own: Any) -> float:
+    """Current [A]: a state where there is an inductance."""
+    y, i = own
+    return float(y[i + CURRENT] if m.inductance > 0.0 else (voltage - back) / m.resistance)
+
+
+@inlined
+def _cogging(m: Any, angle: float) -> float:
+    """Torque of the cogging on the rotor [N m]."""
+    return float(-m.cogging * math.sin(m.cycles * m.ratio * angle + m.phase))
+
+
+@inlined
+def effort_of(words: Any, at: int, motion: Any, own: Any) -> float:
+    """Torque [N m], or force [N]."""
+    m = record(words[at : at + SIZE], LAYOUT)
+    _, angle, rate = motion
+    back = m.back_emf * m.ratio * rate
+    current = _current(m, back, _voltage(m, back), own)
+    return float(m.ratio * (m.torque_constant * current + _cogging(m, angle)))
+
+
+@inlined
+def write_rates_of(words: Any, at: int, motion: Any, own: Any, rates: Any, x: int) -> None:
+    """Powers without the cogging's, which is stored, [W], and the rate of the current [A/s]."""
+    m = record(words[at : at + SIZE], LAYOUT)
+    angle, rate, power = motion
+    back = m.back_emf * m.ratio * rate
+    voltage = _voltage(m, back)
+    current = _current(m, back, voltage, own)
+    put_in = power - m.ratio * _cogging(m, angle) * rate
+    rates[x + WORK] = put_in
+    rates[x + GROSS_WORK] = abs(put_in)
+    rates[x + ELECTRIC] = voltage * current
+    rates[x + HEAT] = m.resistance * current * current
+    rates[x + CURRENT] = 0.0
+    if m.inductance > 0.0:
+        rates[x + CURRENT] = (voltage - back - m.resistance * current) / m.inductance
+
+
+@inlined
+def stored_of(words: Any, at: int, angle: float, own: Any) -> float:
+    """Energy stored in the cogging [J]."""
+    m = record(words[at : at + SIZE], LAYOUT)
+    if m.cogging == 0.0:
+        return 0.0
+    return float(-m.cogging / m.cycles * math.cos(m.cycles * m.ratio * angle + m.phase))
+
+
+@inlined
+def kink(words: Any, at: int, t: float, angle: float, rate: float) -> float:
+    """Where a limit begins to hold, by the rate of the joint [V]."""
+    m = record(words[at : at + SIZE], LAYOUT)
+    back = m.back_emf * m.ratio * rate
+    if m.by_current != 0.0:
+        wished = m.resistance * _within(m.value, 0.0, m.current_limit) + back
+        return float(abs(wished) - m.voltage_limit)
+    return float(abs(_within(m.value, 0.0, m.voltage_limit) - back) - m.resistance * m.current_limit)

@@ -1,0 +1,181 @@
+"""What measures and commands at instants of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Annotated, Any, ClassVar, Literal
+
+from pydantic import BeforeValidator, model_validator
+
+from antenna_pin.control import (
+    CONTROLLERS,
+    AttitudeFeedback,
+    BangBang,
+    Matrix,
+    Pid,
+    Sensor,
+    StateFeedback,
+)
+from antenna_pin.scenario._base import read_quantity, refuse
+from antenna_pin.scenario._explained import TAGGED
+from antenna_pin.scenario._joint import Motion
+from antenna_pin.scenario._made import MadeSpec, reads
+from antenna_pin.units import matching_unit, shown
+
+__all__ = [
+    "AttitudeSpec",
+    "BangBangSpec",
+    "ControllerSpec",
+    "PidSpec",
+    "SensorSpec",
+    "StateFeedbackSpec",
+    "check_commands",
+]
+
+# Units of what is measured, by its kind; of a joint that turns, and that slides.
+_UNITS: Mapping[str, tuple[str, ...]] = {
+    "angle": ("rad", "m"),
+    "rate": ("rad/s", "m/s"),
+    "base-rotation": ("rad",),
+    "base-rate": ("rad/s",),
+    "force": ("N",),
+    "gap": ("m",),
+}
+
+
+@reads(Sensor)
+class SensorSpec(MadeSpec):
+    """What a sensor makes of a number: bias, noise by seed, steps."""
+
+
+class _ControllerSpec(MadeSpec):
+    """A table of a controller.
+
+    Attributes:
+        motion: What the unit of its reference says of the joint that it measures; None without a unit.
+    """
+
+    motion: Motion | None = None
+
+    carried: ClassVar[frozenset[str]] = frozenset({"motion"})
+
+
+class _Pid(_ControllerSpec):
+    kind: Literal["pid"]
+
+    @model_validator(mode="before")
+    @classmethod
+    def _read_reference(cls, data: Any) -> Any:
+        """Read the reference in a unit of what is measured."""
+        if not isinstance(data, Mapping) or "reference" not in data:
+            return data
+        measures = data.get("measures") or "angle"
+        units = _UNITS.get(str(measures).split(" ")[0], ("1",))
+        unit, done = matching_unit(data["reference"], units), dict(data)
+        if len(units) > 1 and unit is not None:
+            done["motion"] = "translation" if units.index(unit) else "rotation"
+        done["reference"] = read_quantity(data["reference"], units, "", "reference")
+        return done
+
+
+@reads(Pid, without=("state",), reference=float, sensor=SensorSpec, rate_sensor=SensorSpec)
+class PidSpec(_Pid):
+    """A sampled PID controller."""
+
+
+def _matrix(value: object) -> object:
+    """Read rows of numbers."""
+    if not isinstance(value, list | tuple) or not all(isinstance(row, list | tuple) for row in value):
+        refuse(f"must be rows of numbers, as [[1, 2], [3, 4]], got {shown(value)}", value=value)
+    return tuple(
+        tuple(read_quantity(entry, "1", "", i, j) for j, entry in enumerate(row))
+        for i, row in enumerate(value)
+    )
+
+
+_Rows = Annotated[Matrix, BeforeValidator(_matrix)] | None
+
+
+class _StateFeedback(MadeSpec):
+    kind: Literal["state-feedback"]
+
+    motion: ClassVar[None] = None
+
+
+@reads(
+    StateFeedback,
+    without=("state",),
+    sensors=tuple[SensorSpec, ...],
+    gain=_Rows,
+    a=_Rows,
+    b=_Rows,
+    c=_Rows,
+    g=_Rows,
+)
+class StateFeedbackSpec(_StateFeedback):
+    """A sampled controller that feeds back what it measures by matrices."""
+
+
+class _Attitude(MadeSpec):
+    kind: Literal["attitude"]
+
+    motion: ClassVar[None] = None
+
+
+@reads(AttitudeFeedback)
+class AttitudeSpec(_Attitude):
+    """Feedback of the base's quaternion and rate, by wheels."""
+
+
+class _BangBang(MadeSpec):
+    kind: Literal["bang-bang"]
+
+    motion: ClassVar[None] = None
+
+
+@reads(BangBang, without=("state",), sensor=SensorSpec, rate_sensor=SensorSpec)
+class BangBangSpec(_BangBang):
+    """A sampled controller that is on, off or on the other way, by a line in the plane of angle and rate."""
+
+
+ControllerSpec = PidSpec | StateFeedbackSpec | AttitudeSpec | BangBangSpec
+"""A controller; ``kind`` says which class it is."""
+
+TAGGED["controllers"] = tuple(CONTROLLERS)
+
+
+def check_commands(controllers: Mapping[str, Any], families: Mapping[str, Mapping[str, Any]]) -> None:
+    """Refuse, from inside a validator, controllers of what takes no commands.
+
+    Args:
+        controllers: The tables of controllers by name.
+        families: Those of elements, by family and name.
+    """
+    known = [
+        name
+        for table, named in families.items()
+        for element, spec in named.items()
+        if spec.fills.commanded
+        for name in (element, f"{table}.{element}", f"{table}.{element}.{spec.fills.commanded}")
+    ]
+    names = [name for name in known if "." not in name]
+    for name, table in controllers.items():
+        for key, command in _commanded(table):
+            if command not in known:
+                said = ", ".join(names) if names else "none here: give a drive of kind constant"
+                refuse(
+                    f"must be of what takes commands ({said}), got {command!r}",
+                    "controllers",
+                    name,
+                    key,
+                    value=command,
+                )
+
+
+def _commanded(table: Any) -> Iterator[tuple[str, str]]:
+    """Yield what a table commands, each behind the key that names it."""
+    for key in ("acts_on", "positive", "negative"):
+        given = getattr(table, key, ())
+        for name in (given,) if isinstance(given, str) else given:
+            if name:
+                yield key, name
