@@ -21,6 +21,7 @@ class ConstantDrive(Drive):
     """
 
     kernels: ClassVar[str] = "constant_kernels"
+    commanded: ClassVar[str] = "value"
 
     value: float = parameter("N*m", sliding="N")
 

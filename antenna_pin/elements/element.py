@@ -81,6 +81,8 @@ class ForceElement:
     at_start: ClassVar[tuple[str, ...]] = ()
     # Whether a result has its torque over time, as it has that of all but springs.
     traced: ClassVar[bool] = False
+    # Its number that controllers and a session command; "" where there is none.
+    commanded: ClassVar[str] = ""
     # Parameters of which a scenario asks that one is above zero: without, it would do nothing.
     one_above_zero: ClassVar[tuple[str, ...]] = ()
 
