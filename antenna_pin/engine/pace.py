@@ -43,7 +43,7 @@ class Pace:
     ) -> None:
         """Begin without instants."""
         self.numbers = np.zeros(1, kernels.PACE)
-        self.breaks = np.zeros(0)
+        self.breaks = self._instants = np.zeros(0)
         given: dict[str, Any] = {"adaptive": adaptive, "power": power, "step": step, "least": least}
         given |= {"end": end, "integral": control[0], "proportional": control[1]}
         for name, value in given.items():
@@ -52,9 +52,13 @@ class Pace:
 
     def end_at(self, instants: Iterable[float]) -> None:
         """Let steps end at further instants [s]."""
-        end = float(self.numbers["end"][0])
-        self.breaks = np.array(sorted({*self.breaks.tolist(), *(t for t in instants if 0.0 < t < end)}))
-        self.numbers["next"] = 0
+        self._instants = np.array(sorted({*self._instants.tolist(), *(t for t in instants if t > 0.0)}))
+        self.move_end(float(self.numbers["end"][0]))
+
+    def move_end(self, end: float) -> None:
+        """Let the run end at another time [s]."""
+        self.numbers["end"], self.numbers["next"] = end, 0
+        self.breaks = self._instants[: np.searchsorted(self._instants, end)]
 
 
 class Sizes:
@@ -94,6 +98,7 @@ class Sizes:
 
     def take_up(self, sizes: Iterable[tuple[str, float]]) -> None:
         """Go on with what another run has left."""
+        self.table.count[0] = 0
         for name, size in sizes:
             self.make_room()
             count = int(self.table.count[0])

@@ -59,6 +59,11 @@ class StepControl:
         """Let steps end at further instants [s]."""
         self.pace.end_at(instants)
 
+    def move_end(self, end: float) -> None:
+        """Let the run end at another time [s]."""
+        self.end = end
+        self.pace.move_end(end)
+
     def renew(self, elements: Iterable[ForceElement]) -> None:
         """Look how long a step may be with elements that have changed."""
         longest = self.settings.max_step

@@ -21,10 +21,11 @@ from antenna_pin.dynamics.acting import Acting
 from antenna_pin.elements import FAMILIES, LOSS, Met, Modal
 from antenna_pin.errors import MechanismError
 from antenna_pin.simulation.events import STILL, Event, Switch
+from antenna_pin.simulation.kinks import ends_of, kinks_of
 from antenna_pin.simulation.moment import Moment
 from antenna_pin.simulation.sticking import NeverSettlesError, Settling, Shift
 
-__all__ = ["ZERO", "Changed", "Modes", "NeverSettlesError", "Switching", "switches_of"]
+__all__ = ["ZERO", "Changed", "Modes", "NeverSettlesError", "Switching", "own_events", "switches_of"]
 
 Array = NDArray[np.float64]
 
@@ -102,6 +103,11 @@ def switches_of(system: System) -> tuple[Event, ...]:
         if isinstance(one.element, Modal)
         for k in range(one.element.switches)
     )
+
+
+def own_events(system: System) -> tuple[Event, ...]:
+    """Return what every run of a system looks for itself."""
+    return (*ends_of(system), *kinks_of(system), *switches_of(system))
 
 
 class Modes:
