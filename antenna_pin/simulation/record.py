@@ -233,6 +233,6 @@ def _labels(seen: Seen) -> dict[str, Any]:
     modes = seen.run.actions.modes
     if modes:
         labels["change"] = [one.name for one in modes.changed if one.time > seen.run.begin]
-    if seen.run.events or modes:
+    if seen.run.events or modes or seen.run.actions.happened:
         labels["event"] = [one.name for one in seen.run.actions.happened]
     return labels
