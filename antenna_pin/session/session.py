@@ -154,7 +154,7 @@ class Session:
         event = sought(goal)
         if isinstance(event.when, Time):
             left = [t for t in event.when.instants if t > self.time][event.after - 1 :]
-            self._go(min(end, *left[:1]))
+            self._go(min([end, *left[:1]]))
             return bool(left) and self.time == left[0]
         check_events((*self._ready.events, event), self._ready.system, self._open.run.here)
         return self._go(end, event)
@@ -195,8 +195,8 @@ class Session:
         """
         self._check_open()
         action = Set(place, in_si(self._open.run, place, value))
-        name = f"{place} = {readable(action.value, '', 6) if place.rpartition('.')[2] != 'on' else value}"
-        self._open.command(name, action)
+        said = action.value if isinstance(action.value, bool) else f"{action.value:.6g}"
+        self._open.command(f"{place} = {said}", action)
         self._numbers.forget()
         self._commanded.append((self.time, action))
 
@@ -270,6 +270,7 @@ class Session:
             run.complete()
             result = finished(run, scenario, told, None, began)
         finally:
+            run.samples.leave()
             kept.go_back()
             run.wall = wall
         if self._commanded:

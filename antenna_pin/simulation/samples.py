@@ -290,6 +290,11 @@ class Samples:
             last = Chunk(last.times.copy(), last.states.copy(), last.memories.copy(), list(last.programs))
         return Kept(self._count, len(self._inserted), last, self.program, self.begin)
 
+    def leave(self) -> None:
+        """Leave the samples to a result that was made of them: what comes changes copies."""
+        for name in ("_times", "_states", "_memories"):
+            setattr(self, name, getattr(self, name).copy())
+
     def go_back(self, kept: Kept) -> None:
         """Hold what was held when this was kept."""
         for place in reversed(self._inserted[kept.inserted :]):
